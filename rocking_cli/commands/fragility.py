@@ -92,6 +92,7 @@ def fragility(
     PGA, PGV, PGD, Arias, CAV, SA(T) and AvgSA(T) of records, nPGA = PGA/(lambda g), nPGV = p PGV/(g tan alpha) and nPGD =
     p^2 PGD/(g tan alpha).
     """
+    from ..fragility.exposure import MotionSet
     from ..fragility.fits import Resampling
     from ..fragility.hazard import read_hazard
     from ..fragility.measures import measure_of, members_of, shaken_upwards, site_pulses
@@ -143,14 +144,13 @@ def fragility(
             options.refuse_own_input(wanted.output, shaken.recordings)
     else:
         refuse("goes with -o OUT.h5", "resume", "shard", "scheduler")
+    from ..spectra.sweep import SweepOptions
+
     how = Resampling(wanted.samples, wanted.seed)
-    writing = {**sweep.writing(texts), "history": options.command_line()}
-    writing["path"] = None if wanted.export else wanted.output
+    settings = SweepOptions(history=options.command_line(), **sweep.writing(texts))
+    shaking, path = MotionSet(members, measure, levels, equation), None if wanted.export else wanted.output
     exact = wanted.exact or (hazard is not None and None in states)
-    studied = studies(
-        structures, members, measure, levels, equation, methods, how, exact=exact, hazard=hazard, line=ProgressLine, **writing
-    )  # fmt: skip
-    found = list(studied)
+    found = list(studies(structures, shaking, methods, how, sweep=settings, path=path, exact=exact, hazard=hazard, line=ProgressLine))
     if not found:
         note(f"{wanted.output}: {sweep.shard} is written; join the shards by rocking merge, then repeat the call with --resume")
         return 4 if shaken.unread else 0
@@ -167,10 +167,10 @@ def fragility(
         if not fits and not (exact and (wanted.curve or hazard)):
             raise UsageError(refused[0] if refused else "no limit state for this method: first needs overturning, cloud needs rotations")
         if wanted.export is not None and wanted.output is not None:
-            from ..fragility import exports
+            from ..fragility.exports import share_of, write
 
-            states_of = [exports.of_share(study) for study in found] if wanted.exact else [exports.of_fit(fit) for fit in fits]
-            remarks += exports.write(states_of, wanted.output, wanted.export, measure, sweep.overwrite)
+            exported = [share_of(study) for study in found] if wanted.exact else fits
+            remarks += write(exported, wanted.output, wanted.export, measure, sweep.overwrite)
         _emit(fits, found if exact else [], wanted)
         if hazard is not None:
             rated = [(f"{fit.structure}, {fit.limit}, {fit.method}", fit.rate) for fit in fits]

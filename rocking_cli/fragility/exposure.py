@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import groupby, pairwise
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,20 +24,23 @@ from ..processes import available_cpus
 from ..structures.parameters import RockingParameters
 from .measures import Measure, Member
 
+if TYPE_CHECKING:
+    from ..spectra.sweep import SweepOptions
+
 Array = np.ndarray
 Interval = tuple[float, float]
+Progress = Callable[[int, int], None]
 
 _PARTS = 16  # parts of a bracket in one cut
 
 
 @dataclass(frozen=True, eq=False)
 class Exposure:
-    """A structure under each motion of a set at levels of a measure.
+    """A structure under each motion of a set at levels of its measure.
 
     theta_ratio: max |theta|/alpha, NaN where it falls; outcome: codes of `Outcome`; (members, levels).
     """
 
-    levels: Array
     theta_ratio: Array
     outcome: Array
 
@@ -51,108 +54,127 @@ class Exposure:
             return gone | (self.theta_ratio > limit), known
 
 
-def exposures(
-    structures: Sequence[RockingParameters], members: Sequence[Member], measure: Measure, levels: Array, method: Method, *,
-    path: Path | None = None, workers: int | None = None, **options: Any,
-) -> list[Exposure]:  # fmt: skip
-    """Each structure under every motion scaled to each level of a measure (SI).
+@dataclass(frozen=True, eq=False)
+class MotionSet:
+    """The motions of a study, the measure by which they are scaled, its levels [SI], (n,), and the equation of motion."""
 
-    path: the spectra file to write for records, with the other fields of `SweepOptions`. With `resume` a complete file of the same scene,
-    such as a merged one, is read; for a shard the result is empty. Raises UsageError for a path with pulses, or with several structures
-    under a measure that depends on the structure.
+    members: Sequence[Member]
+    measure: Measure
+    levels: Array
+    method: Method
+
+    @property
+    def weight(self) -> Array:
+        """The weight of each motion, (members,)."""
+        return np.array([m.weight for m in self.members])
+
+    @property
+    def scales(self) -> Array:
+        """The factors of a motion whose measure is 1 that give the levels, (n,)."""
+        return self.levels ** (1.0 / self.measure.power)
+
+    @property
+    def of_records(self) -> bool:
+        """True if the motions are records."""
+        return all(m.recording is not None for m in self.members)
+
+    def factor(self, structure: RockingParameters, member: Member) -> float:
+        """The factor of a motion that makes its measure 1."""
+        return member.measured(self.measure, structure) ** (-1.0 / self.measure.power)
+
+    def unit(self, structure: RockingParameters, member: Member) -> float:
+        """The A at which the measure of a motion is 1."""
+        own = float(structure.dimensionless_amplitude(member.acceleration)) / member.motion.peak
+        return own * self.factor(structure, member)
+
+
+def exposures(
+    structures: Sequence[RockingParameters], motions: MotionSet, path: Path | None = None, sweep: SweepOptions | None = None
+) -> list[Exposure]:
+    """Each structure under every motion scaled to each level.
+
+    path: the spectra file to write for records; sweep: options of the computation and of this file. With `resume` a complete file of the
+    same scene, such as a merged one, is read; for a shard the result is empty. Raises UsageError for a path with pulses, or with several
+    structures under a measure that depends on the structure.
     """
-    scales = levels ** (1.0 / measure.power)
-    recordings = [m.recording for m in members if m.recording is not None]
-    if len(recordings) < len(members):
+    if not motions.of_records:
         if path is not None:
             raise UsageError("a spectra file goes with records, not with site pulses")
-        amplitudes = [[_unit_amplitude(s, m, measure) * scales for m in members] for s in structures]
-        return [Exposure(levels, *_under_each(s, members, a, method)) for s, a in zip(structures, amplitudes, strict=True)]
-    groups = [[s] for s in structures] if measure.of_structure else [list(structures)]
+        return [_under_each(s, motions, [motions.unit(s, m) * motions.scales for m in motions.members]) for s in structures]
+    groups = [[s] for s in structures] if motions.measure.of_structure else [list(structures)]
     if path is not None and len(groups) > 1:
-        raise UsageError(f"{measure.name} depends on the structure; a spectra file then holds one structure only")
-    return [exposure for group in groups for exposure in _under_records(group, members, measure, levels, path, method, workers, options)]
+        raise UsageError(f"{motions.measure.name} depends on the structure; a spectra file then holds one structure only")
+    return [exposure for group in groups for exposure in _under_records(group, motions, path, sweep)]
 
 
 def _under_records(
-    structures: list[RockingParameters], members: Sequence[Member], measure: Measure, levels: Array, path: Path | None, method: Method,
-    workers: int | None, options: dict[str, Any],
-) -> list[Exposure]:  # fmt: skip
+    structures: Sequence[RockingParameters], motions: MotionSet, path: Path | None, sweep: SweepOptions | None
+) -> list[Exposure]:
     from ..spectra.file.reader import SpectraFile
     from ..spectra.record_scene import structures_scene
     from ..spectra.sweep import SweepOptions, spectrum_of, write_scene
 
-    unit = [m.measured(measure, structures[0]) ** (-1.0 / measure.power) for m in members]  # the factor that scales the measure to 1
-    recordings = [m.recording.times(f) for m, f in zip(members, unit, strict=True) if m.recording]
-    scene = structures_scene(structures, recordings, Axis("scale", levels ** (1.0 / measure.power)), method)
+    recordings = [m.recording.times(motions.factor(structures[0], m)) for m in motions.members if m.recording]
+    scene = structures_scene(structures, recordings, Axis("scale", motions.scales), motions.method)
+    options = replace(sweep or SweepOptions(), check=0)
     if path is None:
-        found = spectrum_of(scene, SweepOptions(workers=workers, check=0, progress=options.get("progress")))
+        found = spectrum_of(scene, options)
         theta, outcome = found.theta_ratio, found.outcome
     else:
-        if not (options.get("resume") and path.is_file()):
-            write_scene(scene, path, SweepOptions(workers=workers, check=0, **options))
-        if options.get("shard") is not None:
+        if not (options.resume and path.is_file()):
+            write_scene(scene, path, options)
+        if options.shard is not None:
             return []
         with SpectraFile(path) as file:
             here = scene.identity()
             if {key: file.scene.get(key) for key in here} != here:
                 raise UsageError(f"{path}: is of another scene; give another output, or `overwrite`")
             theta, outcome = file.array("theta_ratio"), file.array("outcome")
-    return [Exposure(levels, theta[:, i], outcome[:, i]) for i in range(len(structures))]
+    return [Exposure(theta[:, i], outcome[:, i]) for i in range(len(structures))]
 
 
-def _under_each(
-    structure: RockingParameters, members: Sequence[Member], amplitudes: Sequence[Array], method: Method
-) -> tuple[Array, Array]:
-    """(theta_ratio, outcome) of a structure under each motion at its amplitudes A, (members, amplitudes)."""
-    system = method.system_of(structure)
+def _under_each(structure: RockingParameters, motions: MotionSet, amplitudes: Sequence[Array]) -> Exposure:
+    """A structure under each motion at its amplitudes A."""
+    system = motions.method.system_of(structure)
     found = [
-        response(system, m.motion, a, np.array([m.omega / structure.p]), structure.eta) for m, a in zip(members, amplitudes, strict=True)
+        response(system, m.motion, a, np.array([m.omega / structure.p]), structure.eta)
+        for m, a in zip(motions.members, amplitudes, strict=True)
     ]
-    return np.array([f.theta_ratio for f in found]), np.array([f.outcome for f in found])
+    return Exposure(np.array([f.theta_ratio for f in found]), np.array([f.outcome for f in found]))
 
 
-def as_recorded(structure: RockingParameters, members: Sequence[Member], method: Method) -> tuple[Array, Array]:
-    """(theta_ratio, outcome) of a structure under each motion as it is, (members,)."""
-    own = [np.array([structure.dimensionless_amplitude(m.acceleration / m.motion.peak)]) for m in members]
-    theta, outcome = _under_each(structure, members, own, method)
-    return theta[:, 0], outcome[:, 0]
+def as_recorded(structure: RockingParameters, motions: MotionSet) -> Exposure:
+    """A structure under each motion as it is, as at one level."""
+    own = [structure.dimensionless_amplitude(np.array([m.acceleration / m.motion.peak])) for m in motions.members]
+    return _under_each(structure, motions, own)
 
 
 def traced(
-    structure: RockingParameters, members: Sequence[Member], measure: Measure, highest: float, method: Method, *,
-    workers: int | None = None, progress: Callable[[int, int], None] | None = None,
-) -> list[list[Interval]]:  # fmt: skip
-    """For each motion of a set the intervals of a measure (SI) that overturn the structure, up to `highest`; the end of an interval beyond
-    `highest` is infinite. Intervals are traced as in an envelope; under records those narrower than 0.5 % may be missed."""
-    task = partial(_trace, structure, measure, highest, method)
-    workers = min(workers or (available_cpus() if any(m.recording for m in members) else 1), len(members))
+    structure: RockingParameters, motions: MotionSet, workers: int | None = None, progress: Progress | None = None
+) -> list[list[Interval]]:
+    """For each motion the intervals of the measure (SI) that overturn the structure, up to the highest level; the end of an interval beyond
+    it is infinite. Intervals are traced as in an envelope; under records those narrower than 0.5 % may be missed."""
+    workers = min(workers or (available_cpus() if motions.of_records else 1), len(motions.members))
     found = []
-    for intervals in in_turn(task, members, workers):
+    for intervals in in_turn(partial(_trace, structure, motions), motions.members, workers):
         found.append(intervals)
         if progress is not None:
-            progress(len(found), len(members))
+            progress(len(found), len(motions.members))
     return found
 
 
-def _unit_amplitude(structure: RockingParameters, member: Member, measure: Measure) -> float:
-    """The A at which the measure of a motion is 1."""
-    own = float(structure.dimensionless_amplitude(member.acceleration)) / member.motion.peak
-    return own * member.measured(measure, structure) ** (-1.0 / measure.power)
-
-
-def _trace(structure: RockingParameters, measure: Measure, highest: float, method: Method, member: Member) -> list[Interval]:
+def _trace(structure: RockingParameters, motions: MotionSet, member: Member) -> list[Interval]:
     """The intervals of one motion."""
-    unit = _unit_amplitude(structure, member, measure)
+    unit, method = motions.unit(structure, member), motions.method
     long = len(member.motion.segments) > LONGEST_FINE
     search = Search(
-        method.system_of(structure), member.motion, structure.eta, unit * highest ** (1.0 / measure.power),
+        method.system_of(structure), member.motion, structure.eta, unit * float(motions.levels[-1]) ** (1.0 / motions.measure.power),
         ratio=RATIO if long else 0.0, digits=tracing_width(method, member.motion), parts=_PARTS,
     )  # fmt: skip
     if not search.lowest < search.a_max:
         return []
     (steps,) = search.rows(np.array([member.omega / structure.p]))
-    runs = [(down, (next(run)[0] / unit) ** measure.power) for down, run in groupby(steps, key=lambda step: Outcome(step[1]).falls)]
+    runs = [(down, (next(run)[0] / unit) ** motions.measure.power) for down, run in groupby(steps, key=lambda step: Outcome(step[1]).falls)]
     return [(x, end) for (down, x), (_, end) in pairwise([*runs, (False, np.inf)]) if down]
 
 

@@ -17,7 +17,9 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -30,8 +32,6 @@ from .measures import Measure, measure_of
 
 Array = np.ndarray
 Rows = list[tuple[int, list[str]]]  # line number and cells
-Point = tuple[str, str, float, str, float]  # place, text and value (SI) of a level, text and value of its annual rate
-
 RATE_COLUMNS = (
     "annual_rate", "annual_rate_low", "annual_rate_high", "rate_beyond", "return_period", "p_50_years", "rate_without_fit", "rejected",
 )  # fmt: skip
@@ -40,6 +40,16 @@ _TABLE = "a measure with its unit, and annual_rate or p_50_years: PGA [g],annual
 _NEAR = 1e-4  # degrees within which a site is the one asked for
 _LITTLE = 0.1  # part of a rate that may be missed without a remark
 _COMMON = 0.01  # probability at the first level without a remark
+
+
+class Point(NamedTuple):
+    """A row of a file: its place, text and value [SI] of its level, text and value [1/year] of its rate."""
+
+    place: str
+    text: str
+    level: float
+    told: str
+    rate: float
 
 
 def openquake_unit(measure: Measure) -> tuple[str, float]:
@@ -177,30 +187,27 @@ def read_hazard(path: str | Path, im: str = "PGA", site: str | None = None) -> H
         raise UsageError(f"{source}: `site` goes with a file of OpenQuake; found two columns")
     else:
         points = _two_columns(source, rows, measure)
-    before: Point | None = None
-    for point in points:
-        place, text, level, told, rate = point
-        if not level > 0.0 or (before is not None and level <= before[2]):
-            raise DocumentError(
-                f"{place}: found the level {text}{f' after {before[1]}' if before else ''}; expected positive, rising levels"
-            )
-        if before is not None and rate > before[4]:
-            raise DocumentError(f"{place}: found {told} above {before[3]} of the level before; expected a hazard curve that does not rise")
-        before = point
-    kept = [(level, rate) for _, _, level, _, rate in points if 0.0 < rate < math.inf]
+    for before, now in pairwise([Point("", "", 0.0, "", math.inf), *points]):
+        if not now.level > before.level:
+            found = f"{now.text}{f' after {before.text}' if before.text else ''}"
+            raise DocumentError(f"{now.place}: found the level {found}; expected positive, rising levels")
+        if now.rate > before.rate:
+            found = f"{now.told} above {before.told} of the level before"
+            raise DocumentError(f"{now.place}: found {found}; expected a hazard curve that does not rise")
+    kept = [(point.level, point.rate) for point in points if 0.0 < point.rate < math.inf]
     if len(kept) < 2:
         raise DocumentError(f"{source}: found {counted(len(kept), 'level')} with a positive, finite rate; expected two or more")
     x, rates = np.array(kept).T
     return HazardCurve(x, rates, measure.name)
 
 
-def _same(place: str, found: str, wanted: Measure) -> None:
+def _demand_measure(place: str, found: str, wanted: Measure) -> None:
     """Raise UsageError if levels are of another measure."""
     try:
-        name = "another measure" if found == "AvgSA" else measure_of("Arias" if found == "IA" else found).name
+        name = measure_of("Arias" if found == "IA" else found).name
     except UsageError:
-        name = "another measure"
-    if name != wanted.name:
+        name = ""
+    if found == "AvgSA" or name != wanted.name:  # that of OpenQuake has periods that the file does not state
         raise UsageError(f"{place}: found levels of {found}; expected {wanted.name}, the measure `im`")
 
 
@@ -223,48 +230,41 @@ def _rate(place: str, text: str, years: float | None) -> float:
 
 def _openquake(source: str, rows: Rows, measure: Measure, site: str | None) -> list[Point]:
     """The points of one site in a file of OpenQuake."""
-    line, told = rows[0][0], " ".join(rows[0][1])
+    first, told = f"{source}, line {rows[0][0]}", " ".join(rows[0][1])
     imt, time = re.search(r"\bimt='([^']*)'", told), re.search(r"\binvestigation_time=([\d.eE+-]+)", told)
     if imt is None or time is None or len(rows) < 2 or not any(name.startswith("poe-") for name in rows[1][1]):
-        raise DocumentError(
-            f"{source}, line {line}: found no hazard curve of OpenQuake; expected imt=, investigation_time= and columns poe-"
-        )
-    _same(f"{source}, line {line}", imt[1], measure)
-    years = _number(f"{source}, line {line}", time[1])
+        raise DocumentError(f"{first}: found no hazard curve of OpenQuake; expected imt=, investigation_time= and columns poe-")
+    _demand_measure(first, imt[1], measure)
+    years = _number(first, time[1])
     if not years > 0.0:
-        raise DocumentError(f"{source}, line {line}: found investigation_time={time[1]}; expected a positive number of years")
+        raise DocumentError(f"{first}: found investigation_time={time[1]}; expected a positive number of years")
     (top, names), sites = rows[1], rows[2:]
     for at, row in sites:
         if len(row) != len(names):
             raise DocumentError(f"{source}, line {at}: found {counted(len(row), 'cell')}; expected {len(names)}")
-    chosen = (
-        sites
-        if site is None
-        else [(at, row) for at, row in sites if _is_at(f"{source}, line {at}", site, dict(zip(names, row, strict=True)))]
-    )
-    if len(chosen) != 1:
-        wanted = "one, named by `site` as LON,LAT" if sites else "a row of longitude, latitude, depth and probabilities"
-        raise UsageError(f"{source}: found {len(chosen)} sites{f' at {site}' if site else ''}; expected {wanted}")
-    ((at, row),) = chosen
+    if site is not None:
+        sites = [(at, row) for at, row in sites if _is_at(f"{source}, line {at}", site, dict(zip(names, row, strict=True)))]
+    if len(sites) != 1:
+        wanted = "one, named by `site` as LON,LAT" if len(rows) > 2 else "a row of longitude, latitude, depth and probabilities"
+        raise UsageError(f"{source}: found {len(sites)} sites{f' at {site}' if site else ''}; expected {wanted}")
+    ((at, row),) = sites
     unit, factor = openquake_unit(measure)
     found = []
     for i, (name, cell) in enumerate(zip(names, row, strict=True), 1):
         if name.startswith("poe-"):
-            level = _number(f"{source}, line {top}, column {i}", name[4:])
+            level = _number(f"{source}, line {top}, column {i}", name[4:]) * factor
             place = f"{source}, line {at}, column {i}"
-            found.append((place, f"{name[4:]} {unit}", level * factor, cell, _rate(place, cell, years)))
+            found.append(Point(place, f"{name[4:]} {unit}", level, cell, _rate(place, cell, years)))
     return found
 
 
 def _is_at(place: str, site: str, row: dict[str, str]) -> bool:
     """True for the row of a site `LON,LAT`. Raises UsageError for another text."""
     try:
-        wanted = [parse_quantity(part, "number") for part in site.split(",")]
+        lon, lat = (parse_quantity(part, "number") for part in site.split(","))
     except ValueError:
-        wanted = []
-    if len(wanted) != 2:
-        raise UsageError(f"`site`: found {site!r}; expected LON,LAT in degrees, such as 9.15,45.15")
-    return all(abs(_number(place, row.get(key, "")) - value) < _NEAR for key, value in zip(("lon", "lat"), wanted, strict=True))
+        raise UsageError(f"`site`: found {site!r}; expected LON,LAT in degrees, such as 9.15,45.15") from None
+    return all(abs(_number(place, row.get(key, "")) - value) < _NEAR for key, value in (("lon", lon), ("lat", lat)))
 
 
 def _two_columns(source: str, rows: Rows, measure: Measure) -> list[Point]:
@@ -274,7 +274,7 @@ def _two_columns(source: str, rows: Rows, measure: Measure) -> list[Point]:
     years = re.fullmatch(r"p_([\d.]+)_years?", kind)
     if kind != "annual_rate" and years is None:
         raise DocumentError(f"{source}, line {line}: found the columns {', '.join(names)}; expected {_TABLE}")
-    _same(f"{source}, line {line}", im, measure)
+    _demand_measure(f"{source}, line {line}", im, measure)
     time = None if years is None else _number(f"{source}, line {line}", years[1])
     if time == 0.0:
         raise DocumentError(f"{source}, line {line}: found {kind}; expected a positive number of years")
@@ -288,5 +288,5 @@ def _two_columns(source: str, rows: Rows, measure: Measure) -> list[Point]:
             if not unit and measure.unit:  # m/s2 would be the rule, g is what everybody means
                 raise DocumentError(f"{place}: found the level {text} without a unit; expected {_TABLE}")
             text = f"{text} {unit}".strip()
-        found.append((place, text, _number(place, text, measure.dimension), row[1], _rate(place, row[1], time)))
+        found.append(Point(place, text, _number(place, text, measure.dimension), row[1], _rate(place, row[1], time)))
     return found

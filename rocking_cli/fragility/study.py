@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,12 +18,16 @@ from ..errors import DocumentError, UsageError
 from ..motions.recording import Recording
 from ..structures.parameters import RockingParameters
 from . import fits
-from .exposure import Exposure, Interval, as_recorded, exposures, first_of, share_overturned, traced
+from .exposure import Exposure, Interval, MotionSet, Progress, as_recorded, exposures, first_of, share_overturned, traced
 from .fits import Band, Curve, Resampling, check_levels
 from .hazard import HazardCurve, Rate
-from .measures import MEASURES, Measure, Member, cell, compared, measure_of, members_of
+from .measures import MEASURES, Measure, cell, compared, measure_of, members_of
+
+if TYPE_CHECKING:
+    from ..spectra.sweep import SweepOptions
 
 Array = np.ndarray
+Fitted = tuple[Curve, Callable[[Array], fits.Estimate], dict[float, float]]  # with the estimate of samples, and the points of the data
 METHODS = ("stripes", "first", "cloud")
 LIMITS: tuple[float | None, ...] = (0.1, 0.5, 1.0, None)
 FRAGILITY_COLUMNS = (
@@ -85,6 +89,11 @@ class Fit:
         return {"structure": self.structure, "im": self.im, "limit_state": self.limit, "method": self.method}
 
 
+def _with_more(levels: Array, first: float, last: float) -> Array:
+    """The levels, and others from first to last."""
+    return np.union1d(np.geomspace(first, last, _POINTS), levels)
+
+
 def hazard_points(hazard: HazardCurve | None, x: Array, probability: Array, rate: Rate | None) -> list[dict[str, Any]]:
     """The columns HAZARD_COLUMNS of points of a curve: H, the part dlambda/d(ln x) of the annual rate lambda, and lambda [1/year]."""
     if hazard is None or rate is None:
@@ -98,63 +107,75 @@ def hazard_points(hazard: HazardCurve | None, x: Array, probability: Array, rate
 class Study:
     """A structure under a set of motions.
 
-    exposure: at the levels; intervals: overturning intervals of the measure, if traced; recorded: (theta_ratio, outcome) under the unscaled
-    motions; hazard: of the site.
+    exposure: at the levels; intervals: overturning intervals of the measure, if traced; recorded: under the unscaled motions; hazard: of
+    the site.
     """
 
     structure: RockingParameters
-    members: Sequence[Member]
-    measure: Measure
+    motions: MotionSet
     how: Resampling
     exposure: Exposure
     intervals: Sequence[Sequence[Interval]] | None = None
-    recorded: tuple[Array, Array] | None = None
+    recorded: Exposure | None = None
     hazard: HazardCurve | None = None
 
     @property
-    def weight(self) -> Array:
-        """The weight of each motion, (members,)."""
-        return np.array([m.weight for m in self.members])
+    def highest(self) -> float:
+        """The highest level."""
+        return float(self.motions.levels[-1])
 
-    @property
-    def own(self) -> Array:
-        """The measure of each unscaled motion, (members,)."""
-        return np.array([m.measured(self.measure, self.structure) for m in self.members])
+    def own(self, measure: Measure) -> Array:
+        """A measure of each unscaled motion, (members,)."""
+        return np.array([m.measured(measure, self.structure) for m in self.motions.members])
 
     @property
     def no_damage(self) -> float:
         """The level [SI] up to which the structure stays at rest: lambda g for PGA without a vertical motion, otherwise 0."""
-        lifted = any(m.recording.upwards is not None if m.recording else m.motion.vertical is not None for m in self.members)
+        lifted = any(m.recording.upwards is not None if m.recording else m.motion.vertical is not None for m in self.motions.members)
         s = self.structure
-        return 0.0 if lifted or self.measure.name != "PGA" else s.gravity * min(s.uplift, s.linear_uplift)
+        return 0.0 if lifted or self.motions.measure.name != "PGA" else s.gravity * min(s.uplift, s.linear_uplift)
 
     def fit(self, method: str, limit: float | None) -> Fit:
         """The curve of a limit state by a method. Raises UsageError if the data do not support a fit."""
-        if len(self.members) < fits.FEWEST:
-            raise UsageError(f"{len(self.members)} records; a fit needs {fits.FEWEST}")
-        return {"stripes": self._stripes, "first": self._first, "cloud": self._cloud}[method](limit)
-
-    def _fit(
-        self, method: str, limit: float | None, curve: Curve, estimate: Callable[[Array], fits.Estimate], points: dict[float, float]
-    ) -> Fit:
-        x, hazard, rate = self._abscissae(), self.hazard, None
-        of = None if hazard is None else hazard.rate_of
-        band = fits.bootstrap(len(self.members), estimate, self.how, x, of) if self.how.samples else None
+        if (count := len(self.motions.members)) < fits.FEWEST:
+            raise UsageError(f"{count} records; a fit needs {fits.FEWEST}")
+        curve, estimate, points = {"stripes": self._stripes, "first": self._first, "cloud": self._cloud}[method](limit)
+        levels, hazard, rate = self.motions.levels, self.hazard, None
+        if hazard is None:
+            x, of = _with_more(levels, 0.5 * levels[0], 1.5 * levels[-1]), None
+        else:
+            levels, of = np.union1d(levels, hazard.x), hazard.rate_of
+            x = _with_more(levels, levels[0], levels[-1])
+        band = fits.bootstrap(count, estimate, self.how, x, of) if self.how.samples else None
         if hazard is not None:
             low, high = (None, None) if band is None or band.rate is None else band.rate
             annual = float(hazard.rate_of(np.log(curve.theta), np.array(curve.beta)))
             rate = Rate(annual, low, high, float(hazard.rate[-1]), float(hazard.x[-1]), float(curve(hazard.x[0])))
+        names = self.structure.name, self.motions.measure.name, word_of(limit), method
         free = self.rate_without_fit if limit is None else None
-        return Fit(
-            self.structure.name, self.measure.name, word_of(limit), method, curve, band, x, points, hazard, rate, free, self.no_damage
-        )
+        return Fit(*names, curve, band, x, points, hazard, rate, free, self.no_damage)
 
-    def _abscissae(self) -> Array:
-        levels = self.exposure.levels
-        if self.hazard is not None:
-            levels = np.union1d(levels, self.hazard.x)
-            return np.union1d(np.geomspace(levels[0], levels[-1], _POINTS), levels)
-        return np.union1d(np.geomspace(0.5 * levels[0], 1.5 * levels[-1], _POINTS), levels)
+    def _stripes(self, limit: float | None) -> Fitted:
+        beyond, known = self.exposure.beyond(limit)
+        levels, w = self.motions.levels, self.motions.weight[:, None]
+        n, z = w * known, w * (beyond & known)
+        points = dict(zip(levels.tolist(), (z.sum(0) / n.sum(0)).tolist(), strict=True))
+        return fits.fit_stripes(levels, n.sum(0), z.sum(0)), lambda i: fits.stripes(levels, n[i].sum(-2), z[i].sum(-2)), points
+
+    def _first(self, limit: float | None) -> Fitted:
+        if limit is not None:
+            raise UsageError(f"limit state {limit:g}: the method first needs the limit state overturning")
+        assert self.intervals is not None
+        r, highest, w = first_of(self.intervals), self.highest, self.motions.weight
+        share = {float(x): float(w[r <= x].sum() / w.sum()) for x in self.motions.levels}
+        return fits.fit_first(r, highest, w), lambda i: fits.first_overturning(r[i], highest, w[i]), share
+
+    def _cloud(self, limit: float | None) -> Fitted:
+        if limit is None:
+            raise UsageError("limit state overturning: the method cloud needs a rotation")
+        assert self.recorded is not None
+        x, theta, w = self.own(self.motions.measure), self.recorded.theta_ratio[:, 0], self.motions.weight
+        return fits.fit_cloud(x, theta, limit, w), lambda i: fits.cloud(x[i], theta[i], limit, w[i]), {}
 
     @cached_property
     def rate_without_fit(self) -> Rate | None:
@@ -164,49 +185,31 @@ class Study:
         """
         if self.hazard is None or self.intervals is None:
             return None
-        highest, w = min(float(self.exposure.levels[-1]), float(self.hazard.x[-1])), self.weight
+        highest, w = min(self.highest, float(self.hazard.x[-1])), self.motions.weight
         of_each = w * self.hazard.of_intervals(self.intervals, highest)
         low = high = None
-        if self.how.samples and len(self.members) >= fits.FEWEST and np.ptp(of_each) > 0.0:
-            ends = fits.interval(len(self.members), lambda i: (of_each[i].sum(-1) / w[i].sum(-1))[None], self.how)
+        if self.how.samples and w.size >= fits.FEWEST and np.ptp(of_each) > 0.0:
+            ends = fits.interval(w.size, lambda i: (of_each[i].sum(-1) / w[i].sum(-1))[None], self.how)
             low, high = (float(end[0]) if np.isfinite(end[0]) else None for end in ends)
         first = float(w @ [any(a < self.hazard.x[0] < b for a, b in found) for found in self.intervals] / w.sum())
         return Rate(float(of_each.sum() / w.sum()), low, high, float(self.hazard(highest)), highest, first)
 
     def exact_record(self) -> dict[str, Any]:
         """The annual rate of overturning without a fit as one row. Raises UsageError without it."""
-        if self.rate_without_fit is None:
+        if (rate := self.rate_without_fit) is None:
             raise UsageError(f"{self.structure.name}: found no hazard curve or no traced intervals; expected both")
-        row = {**dict.fromkeys(FRAGILITY_COLUMNS), **self._names(), "n": len(self.members), **self.rate_without_fit.record()}
-        return {**row, "rate_without_fit": self.rate_without_fit.annual}
+        row = {**dict.fromkeys(FRAGILITY_COLUMNS), **self._exact(), "n": len(self.motions.members), **rate.record()}
+        return {**row, "rate_without_fit": rate.annual}
 
-    def _names(self) -> dict[str, str]:
-        return {"structure": self.structure.name, "im": self.measure.name, "limit_state": "overturning", "method": "exact"}
-
-    def _stripes(self, limit: float | None) -> Fit:
-        beyond, known = self.exposure.beyond(limit)
-        levels, w = self.exposure.levels, self.weight[:, None]
-        n, z = w * known, w * (beyond & known)
-        curve = fits.fit_stripes(levels, n.sum(0), z.sum(0))
-        points = dict(zip(levels.tolist(), (z.sum(0) / n.sum(0)).tolist(), strict=True))
-        return self._fit("stripes", limit, curve, lambda i: fits.stripes(levels, n[i].sum(-2), z[i].sum(-2)), points)
-
-    def _first(self, limit: float | None) -> Fit:
-        if limit is not None:
-            raise UsageError(f"limit state {limit:g}: the method first needs the limit state overturning")
+    def exact_rows(self) -> Iterator[dict[str, Any]]:
+        """The share of overturning motions as rows, one for each change."""
         assert self.intervals is not None
-        r, highest, w = first_of(self.intervals), float(self.exposure.levels[-1]), self.weight
-        curve = fits.fit_first(r, highest, w)
-        share = {float(x): float(w[r <= x].sum() / w.sum()) for x in self.exposure.levels}
-        return self._fit("first", limit, curve, lambda i: fits.first_overturning(r[i], highest, w[i]), share)
+        x, share = share_overturned(self.intervals, self.motions.weight)
+        for at, part, more in zip(x, share, hazard_points(self.hazard, x, share, self.rate_without_fit), strict=True):
+            yield {**self._exact(), "x": float(at), "probability": None, "low": None, "high": None, "fraction": float(part), **more}
 
-    def _cloud(self, limit: float | None) -> Fit:
-        if limit is None:
-            raise UsageError("limit state overturning: the method cloud needs a rotation")
-        assert self.recorded is not None
-        x, theta, w = self.own, self.recorded[0], self.weight
-        curve = fits.fit_cloud(x, theta, limit, w)
-        return self._fit("cloud", limit, curve, lambda i: fits.cloud(x[i], theta[i], limit, w[i]), {})
+    def _exact(self) -> dict[str, str]:
+        return {"structure": self.structure.name, "im": self.motions.measure.name, "limit_state": "overturning", "method": "exact"}
 
     @property
     def resurrections(self) -> int:
@@ -216,13 +219,6 @@ class Study:
             return int((beyond[:, :-1] & ~beyond[:, 1:]).any(axis=1).sum())
         return sum(bool(found) and (len(found) > 1 or bool(np.isfinite(found[-1][1]))) for found in self.intervals)
 
-    def exact_rows(self) -> Iterator[dict[str, Any]]:
-        """The share of overturning motions as rows, one for each change."""
-        assert self.intervals is not None
-        x, share = share_overturned(self.intervals, self.weight)
-        for at, part, more in zip(x, share, hazard_points(self.hazard, x, share, self.rate_without_fit), strict=True):
-            yield {**self._names(), "x": float(at), "probability": None, "low": None, "high": None, "fraction": float(part), **more}
-
     def efficiency(self) -> list[dict[str, Any]]:
         """Rows: the dispersion over each measure, the smallest first; efficiency: the smallest over this one.
 
@@ -230,18 +226,18 @@ class Study:
         at each level has its own value of another measure. Raises UsageError for too few overturnings.
         """
         found: list[tuple[str, Curve]] = []
-        gone, known = self.exposure.beyond(None)
-        for measure in compared(self.members, self.measure):
-            own = np.array([m.measured(measure, self.structure) for m in self.members])
-            power = measure.power / self.measure.power
+        (gone, known), motions, weight = self.exposure.beyond(None), self.motions, self.motions.weight
+        here = self.own(motions.measure)
+        for measure in compared(motions.members, motions.measure):
+            own, power = self.own(measure), measure.power / motions.measure.power
             if self.intervals is not None:
-                first, most = first_of(self.intervals) / self.own, float(self.exposure.levels[-1]) / self.own
-                curve = fits.fit_first(own * first**power, own * most**power, self.weight)
+                first, most = first_of(self.intervals) / here, self.highest / here
+                curve = fits.fit_first(own * first**power, own * most**power, weight)
             else:
-                x, n = own[:, None] * (self.exposure.levels / self.own[:, None]) ** power, self.weight[:, None] * known
+                x, n = own[:, None] * (motions.levels / here[:, None]) ** power, weight[:, None] * known
                 if not 0.0 < (n * gone).sum() < n.sum():
                     raise UsageError(f"{self.structure.name}: all cells overturn, or none; expected levels at which some do")
-                curve = replace(fits.fit_cells(x.ravel(), n.ravel(), (n * gone).ravel()), n=float(len(self.members)))
+                curve = replace(fits.fit_cells(x.ravel(), n.ravel(), (n * gone).ravel()), n=float(weight.size))
             found.append((measure.name, curve))
         found.sort(key=lambda pair: pair[1].beta)
         least = found[0][1].beta
@@ -252,10 +248,12 @@ class Study:
 
     def cells(self) -> Iterator[dict[str, Any]]:
         """The cells as rows over two measures: PGA [m/s2] and PGV/PGA [s], which no factor of a motion changes."""
-        pga = MEASURES["PGA"]
-        for i, m in enumerate(self.members):
-            at = m.intensity.pga * (self.exposure.levels / self.own[i]) ** (pga.power / self.measure.power)
-            for x, theta, outcome in zip(at, self.exposure.theta_ratio[i], self.exposure.outcome[i], strict=True):
+        measure, levels, pga = self.motions.measure, self.motions.levels, MEASURES["PGA"]
+        for m, own, ratios, codes in zip(
+            self.motions.members, self.own(measure), self.exposure.theta_ratio, self.exposure.outcome, strict=True
+        ):
+            at = m.intensity.pga * (levels / own) ** (pga.power / measure.power)
+            for x, theta, outcome in zip(at, ratios, codes, strict=True):
                 row = {"structure": self.structure.name, "motion": m.label, "pga": float(x), "pgv_pga": m.intensity.pgv / m.intensity.pga}
                 yield {**row, "theta_ratio": float(theta), "outcome": Outcome(int(outcome)).flag}
 
@@ -276,15 +274,15 @@ def fragility(
         ...
     rocking_cli.errors.UsageError: Column, 0.1, stripes: 1 records; a fit needs 4
     """
+    from ..spectra.sweep import SweepOptions
+
     measure, x = measure_of(im), check_levels(np.asarray(levels, dtype=float))
-    method, how = method or governing_method(*structures), how or Resampling()
     if hazard is not None and hazard.im != measure.name:
         raise UsageError(f"found a hazard curve of {hazard.im}; expected {measure.name}, the measure `im`")
-    exact = hazard is not None and None in limits
+    motions = MotionSet(members_of(records), measure, x, method or governing_method(*structures))
+    exact, sweep = hazard is not None and None in limits, SweepOptions(workers=workers)
     found, refused = fitted(
-        list(studies(structures, members_of(records), measure, x, method, methods, how, exact=exact, hazard=hazard, workers=workers)),
-        limits,
-        methods,
+        list(studies(structures, motions, methods, how or Resampling(), exact=exact, hazard=hazard, sweep=sweep)), limits, methods
     )
     if not found and refused:
         raise UsageError(refused[0])
@@ -292,21 +290,20 @@ def fragility(
 
 
 def studies(
-    structures: Sequence[RockingParameters], members: Sequence[Member], measure: Measure, levels: Array, method: Method,
-    fits: Iterable[str], how: Resampling, *, exact: bool = False, hazard: HazardCurve | None = None, workers: int | None = None,
-    line: Callable[[str, str], Callable[[int, int], None] | None] = lambda name, unit: None, **writing: Any,
+    structures: Sequence[RockingParameters], motions: MotionSet, fits: Iterable[str], how: Resampling, *, sweep: SweepOptions,
+    path: Path | None = None, exact: bool = False, hazard: HazardCurve | None = None,
+    line: Callable[[str, str], Progress | None] = lambda name, unit: None,
 ) -> Iterator[Study]:  # fmt: skip
-    """Each structure under a set of motions; fits: the methods of fitting; exact: trace every overturning interval; hazard: for rates;
-    line: the progress of work by its name and unit; writing: further arguments of `exposures`."""
-    found = exposures(structures, members, measure, levels, method, workers=workers, progress=line("fragility", "chunks"), **writing)
+    """Each structure under a set of motions; fits: the methods of fitting; sweep, path: as of `exposures`; exact: trace every overturning
+    interval; hazard: for rates; line: the progress of work by its name and unit."""
+    found = exposures(structures, motions, path, replace(sweep, progress=line("fragility", "chunks")))
     for s, exposure in zip(structures, found, strict=False):
         intervals = recorded = None
         if exact or "first" in fits:
-            highest = float(levels[-1])
-            intervals = traced(s, members, measure, highest, method, workers=workers, progress=line(s.name, "motions"))
+            intervals = traced(s, motions, sweep.workers, line(s.name, "motions"))
         if "cloud" in fits:
-            recorded = as_recorded(s, members, method)
-        yield Study(s, members, measure, how, exposure, intervals, recorded, hazard)
+            recorded = as_recorded(s, motions)
+        yield Study(s, motions, how, exposure, intervals, recorded, hazard)
 
 
 def fitted(studies: Sequence[Study], limits: Iterable[float | None], methods: Iterable[str]) -> tuple[list[Fit], list[str]]:
@@ -336,7 +333,7 @@ def counted(path: str | Path, how: Resampling) -> list[Fit]:
         curve = fits.fit_stripes(x, n, z)
     except UsageError as error:
         raise UsageError(f"{path}: {error}") from None
-    at = np.union1d(np.geomspace(0.5 * x[0], 1.5 * x[-1], _POINTS), x)
+    at = _with_more(x, 0.5 * x[0], 1.5 * x[-1])
     band = fits.bootstrap_counts(x, n, z, how, at) if how.samples else None
     points = dict(zip(x.tolist(), (z / n).tolist(), strict=True))
     return [Fit(Path(path).stem, "im", "counted", "stripes", curve, band, at, points)]

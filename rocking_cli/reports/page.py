@@ -25,7 +25,7 @@ from ..documents.quantities import DEFAULT_GRAVITY
 from ..dynamics.method import LINEAR, governing_method
 from ..dynamics.outcome import Difference, difference
 from ..errors import DocumentError, OutputError, UsageError
-from ..fragility.exposure import exposures
+from ..fragility.exposure import MotionSet, exposures
 from ..fragility.fits import FEWEST, Resampling
 from ..fragility.measures import MEASURES, members_of
 from ..fragility.study import LIMITS, Fit, Study, word_of
@@ -36,7 +36,7 @@ from ..motions.records import Record
 from ..publishing import published
 from ..responses.check import Progress, Verdict, check_all, tally
 from ..spectra.file.reader import SpectraFile
-from ..spectra.sweep import write_spectrum
+from ..spectra.sweep import SweepOptions, write_spectrum
 from ..structures import RockingParameters, build_structure, with_distinct_names
 from ..structures.kinds import sketch_of
 from .figures.canvas import FIGURE_UNITS, canvas, literal
@@ -285,8 +285,9 @@ def _fragility(folder: Path, structure: RockingParameters, recordings: Sequence[
     measure, members = MEASURES["PGA"], members_of(recordings)
     own = np.median([m.measured(measure, structure) for m in members])
     levels = own * np.geomspace(0.25, 4.0, LEVELS)
-    exposure = exposures([structure], members, measure, levels, governing_method(structure), workers=workers)[0]
-    study = Study(structure, members, measure, Resampling(200, 0), exposure)
+    motions = MotionSet(members, measure, levels, governing_method(structure))
+    (exposure,) = exposures([structure], motions, sweep=SweepOptions(workers=workers))
+    study = Study(structure, motions, Resampling(200, 0), exposure)
     upwards = recordings[0].upwards is not None
     fits, remarks = [], ["The vertical motion is scaled with each record; PGA is that of the horizontal one."] if upwards else []
     for limit in LIMITS:

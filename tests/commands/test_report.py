@@ -136,10 +136,10 @@ def test_a_vertical_motion_is_in_every_verdict_and_in_the_curves(rocking, monkey
         demands.extend(found)
         return [STANDS]
 
-    def half_of_them(structures, found, measure, levels, *_, **__):
-        members.extend(found)
-        down = np.arange(len(levels)) >= np.arange(4, 4 + len(found))[:, None]
-        return [Exposure(levels, np.where(down, np.nan, 0.5), np.where(down, Outcome.OVERTURNED_NO_IMPACT, Outcome.ROCKED))]
+    def half_of_them(structures, motions, sweep):
+        members.extend(motions.members)
+        down = np.arange(len(motions.levels)) >= np.arange(4, 4 + len(motions.members))[:, None]
+        return [Exposure(np.where(down, np.nan, 0.5), np.where(down, Outcome.OVERTURNED_NO_IMPACT, Outcome.ROCKED))]
 
     monkeypatch.setattr("rocking_cli.reports.page.check_all", noted)
     monkeypatch.setattr("rocking_cli.reports.page.exposures", half_of_them)

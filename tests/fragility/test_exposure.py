@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -18,7 +20,7 @@ from rocking_cli import (
     trace_envelope,
 )
 from rocking_cli.dynamics.method import LINEAR, Method
-from rocking_cli.fragility.exposure import Exposure, as_recorded, exposures, first_of, share_overturned, traced
+from rocking_cli.fragility.exposure import Exposure, MotionSet, as_recorded, exposures, first_of, share_overturned, traced
 from rocking_cli.fragility.fits import Resampling
 from rocking_cli.fragility.measures import MEASURES, Member, members_of, pulse_intensity, shaken_upwards
 from rocking_cli.fragility.study import Study
@@ -26,6 +28,7 @@ from rocking_cli.motions.biaxial import Upwards, with_vertical
 from rocking_cli.motions.polyline import record_motion
 from rocking_cli.motions.recording import Recording
 from rocking_cli.motions.records import Record
+from rocking_cli.spectra.sweep import SweepOptions
 
 BLOCK = build_structure(parse_documents("kind: block\nwidth: 0.5\nheight: 2\nrestitution: 0.9")[0])
 PULSES = [Member(f"{f} Hz", 2.0, 2 * np.pi * f, pulse_intensity(sine(), 2.0, 2 * np.pi * f), pulse=sine()) for f in (0.8, 1.2, 1.9)]
@@ -44,7 +47,7 @@ RECORDS = members_of([Recording(record(n)) for n in range(3)])
 
 
 def test_intervals_of_pulses_are_those_of_the_envelope():
-    found = traced(BLOCK, PULSES, MEASURES["PGA"], 12.0, LINEAR)
+    found = traced(BLOCK, MotionSet(PULSES, MEASURES["PGA"], np.array([12.0]), LINEAR))
     for member, intervals in zip(PULSES, found, strict=True):
         top = float(BLOCK.dimensionless_amplitude(12.0))
         wanted = trace_envelope(BLOCK, sine(), [member.omega / BLOCK.p], a_max=top)
@@ -62,8 +65,8 @@ def test_cells_lie_in_the_traced_intervals_and_shares_are_those_of_the_cells(nam
     measure = MEASURES[name]
     middle = np.median([m.measured(measure, BLOCK) for m in members]) * (2.4 / members[0].acceleration) ** measure.power
     levels = np.geomspace(0.8, 2.2 if members is PULSES else 5.0, 9) ** measure.power * middle
-    (found,) = exposures([BLOCK], members, measure, levels, LINEAR)
-    intervals = traced(BLOCK, members, measure, float(levels[-1]), LINEAR)
+    motions = MotionSet(members, measure, levels, LINEAR)
+    (found,), intervals = exposures([BLOCK], motions), traced(BLOCK, motions)
     falls, known = found.beyond(None)
     assert known.all()
     assert 0 < falls.sum() < falls.size
@@ -77,16 +80,16 @@ def test_cells_lie_in_the_traced_intervals_and_shares_are_those_of_the_cells(nam
 
 
 def test_a_file_of_cells_is_read_again_and_another_scene_refused(tmp_path):
-    path, levels = tmp_path / "cells.h5", np.array([2.0, 4.0, 6.0])
-    (fresh,) = exposures([BLOCK], RECORDS[:1], MEASURES["PGA"], levels, LINEAR, path=path)
-    (again,) = exposures([BLOCK], RECORDS[:1], MEASURES["PGA"], levels, LINEAR, path=path, resume=True)
-    assert again.outcome.tolist() == fresh.outcome.tolist()
+    path, again = tmp_path / "cells.h5", SweepOptions(resume=True)
+    motions = MotionSet(RECORDS[:1], MEASURES["PGA"], np.array([2.0, 4.0, 6.0]), LINEAR)
+    (fresh,), (same,) = exposures([BLOCK], motions, path), exposures([BLOCK], motions, path, again)
+    assert same.outcome.tolist() == fresh.outcome.tolist()
     with pytest.raises(UsageError, match="is of another scene"):
-        exposures([BLOCK], RECORDS[:1], MEASURES["PGA"], 2 * levels, LINEAR, path=path, resume=True)
+        exposures([BLOCK], replace(motions, levels=2 * motions.levels), path, again)
     with pytest.raises(UsageError, match="holds one structure only"):
-        exposures([BLOCK, BLOCK], RECORDS, MEASURES["nPGA"], levels, LINEAR, path=tmp_path / "two.h5")
+        exposures([BLOCK, BLOCK], replace(motions, measure=MEASURES["nPGA"]), tmp_path / "two.h5")
     with pytest.raises(UsageError, match="goes with records"):
-        exposures([BLOCK], PULSES, MEASURES["PGA"], levels, LINEAR, path=tmp_path / "pulses.h5")
+        exposures([BLOCK], replace(motions, members=PULSES), tmp_path / "pulses.h5")
 
 
 UPWARDS = {"records": Upwards(record_motion(record(7)), 0.6), "pulses": Upwards(cosine(), -0.4)}
@@ -98,23 +101,24 @@ def test_cells_are_single_responses_to_the_scaled_motions(up):
     method, levels = Method("nonlinear"), np.array([2.6, 4.0])
     members = PULSES[:2] if up is UPWARDS["pulses"] else RECORDS[:2]
     shaken = members if up is None else shaken_upwards(members, up)
-    (found,), recorded = exposures([BLOCK], shaken, MEASURES["PGA"], levels, method), as_recorded(BLOCK, shaken, method)
+    motions = MotionSet(shaken, MEASURES["PGA"], levels, method)
+    (found,), recorded = exposures([BLOCK], motions), as_recorded(BLOCK, motions)
     for i, member in enumerate(members):
         motion = member.motion if up is None else with_vertical(member.motion, up.vertical, up.scale)
         amplitude = BLOCK.dimensionless_amplitude(np.array([*levels, member.acceleration]))
         alone = response(method.system_of(BLOCK), motion, amplitude, np.array([member.omega / BLOCK.p]), BLOCK.eta)
-        assert alone.outcome.tolist() == [*found.outcome[i], recorded[1][i]]
-        assert alone.theta_ratio == pytest.approx([*found.theta_ratio[i], recorded[0][i]], rel=1e-9, nan_ok=True)
+        assert alone.outcome.tolist() == [*found.outcome[i], *recorded.outcome[i]]
+        assert alone.theta_ratio == pytest.approx([*found.theta_ratio[i], *recorded.theta_ratio[i]], rel=1e-9, nan_ok=True)
 
 
 def test_a_file_of_cells_with_a_vertical_motion_is_read_again_for_it_alone(tmp_path):
-    method, levels, measure = Method("nonlinear"), np.array([2.6, 4.0]), MEASURES["PGA"]
+    path, again = tmp_path / "up.h5", SweepOptions(resume=True)
     shaken = shaken_upwards(RECORDS[:1], UPWARDS["records"])
-    (kept,) = exposures([BLOCK], shaken, measure, levels, method, path=tmp_path / "up.h5")
-    (again,) = exposures([BLOCK], shaken, measure, levels, method, path=tmp_path / "up.h5", resume=True)
-    assert again.outcome.tolist() == kept.outcome.tolist()
+    motions = MotionSet(shaken, MEASURES["PGA"], np.array([2.6, 4.0]), Method("nonlinear"))
+    (kept,), (same,) = exposures([BLOCK], motions, path), exposures([BLOCK], motions, path, again)
+    assert same.outcome.tolist() == kept.outcome.tolist()
     with pytest.raises(UsageError, match="is of another scene"):
-        exposures([BLOCK], RECORDS[:1], measure, levels, method, path=tmp_path / "up.h5", resume=True)
+        exposures([BLOCK], replace(motions, members=RECORDS[:1]), path, again)
     with pytest.raises(UsageError, match="expected two records, or none"):
         shaken_upwards(RECORDS, UPWARDS["pulses"])
 
@@ -128,14 +132,15 @@ def test_shares_step_where_intervals_begin_and_end():
 def test_what_leaves_the_ground_passes_every_limit():
     body = RockingParameters("m", "point_mass", 2.0, 1.0, 0.9, float(np.tan(1.0)), 1.0, arm=9.81 / 4.0)
     member = Member("push", 1.0, 16.0, pulse_intensity(pulse("rectangular"), 1.0, 16.0), pulse=pulse("rectangular"))
-    (found,) = exposures([body], [member], MEASURES["PGA"], body.ground_acceleration(np.array([0.5, 1.6])), LINEAR)
+    motions = MotionSet([member], MEASURES["PGA"], body.ground_acceleration(np.array([0.5, 1.6])), LINEAR)
+    (found,) = exposures([body], motions)
     assert found.outcome.tolist() == [[Outcome.NO_UPLIFT, Outcome.LOST_CONTACT]]
     assert [found.beyond(limit)[0].tolist() for limit in (None, 0.1)] == [[[False, True]]] * 2
-    ((first, *_),) = traced(body, [member], MEASURES["PGA"], float(body.ground_acceleration(1.6)), LINEAR)
+    ((first, *_),) = traced(body, motions)
     assert 1.0 < first[0] / body.ground_acceleration(1.0) < 1.6
 
 
 def test_resurrections_are_motions_that_stand_again_at_a_larger_level():
     beyond = np.array([[0, 1, 1, 1], [0, 1, 0, 1], [1, 0, 1, 0], [0, 0, 0, 0]])
-    exposure = Exposure(np.arange(1.0, 5.0), np.zeros(beyond.shape), np.where(beyond, Outcome.OVERTURNED_NO_IMPACT, Outcome.ROCKED))
-    assert Study(BLOCK, RECORDS, MEASURES["PGA"], Resampling(), exposure).resurrections == 2
+    exposure = Exposure(np.zeros(beyond.shape), np.where(beyond, Outcome.OVERTURNED_NO_IMPACT, Outcome.ROCKED))
+    assert Study(BLOCK, MotionSet(RECORDS, MEASURES["PGA"], np.arange(1.0, 5.0), LINEAR), Resampling(), exposure).resurrections == 2

@@ -11,7 +11,7 @@ from scipy.stats import norm
 
 from rocking_cli import DocumentError, HazardCurve, Rate, UsageError, annual_rate, read_hazard
 from rocking_cli.dynamics.method import LINEAR
-from rocking_cli.fragility.exposure import Exposure, share_overturned, traced
+from rocking_cli.fragility.exposure import Exposure, MotionSet, share_overturned, traced
 from rocking_cli.fragility.fits import Resampling
 from rocking_cli.fragility.measures import MEASURES, Member, pulse_intensity
 from rocking_cli.fragility.study import Study
@@ -75,17 +75,16 @@ def study(samples=200):
         Member(f"{f} Hz", 2.0, 2 * np.pi * f, pulse_intensity(sine(), 2.0, 2 * np.pi * f), w, pulse=sine())
         for f, w in zip(frequencies, weights, strict=True)
     ]
-    levels = np.array([2.0, 4.0, 6.0])
-    intervals = traced(body, members, MEASURES["PGA"], 6.0, LINEAR)
+    motions = MotionSet(members, MEASURES["PGA"], np.array([2.0, 4.0, 6.0]), LINEAR)
     cells = np.zeros((len(members), 3))
-    return Study(body, members, MEASURES["PGA"], Resampling(samples), Exposure(levels, cells, cells + 2), intervals, hazard=POINTS)
+    return Study(body, motions, Resampling(samples), Exposure(cells, cells + 2), traced(body, motions), hazard=POINTS)
 
 
 def test_the_rate_without_a_fit_is_the_integral_of_the_exact_share():
     some = study()
     found = some.rate_without_fit
     assert found is not None
-    x, share = share_overturned(some.intervals, some.weight)
+    x, share = share_overturned(some.intervals, some.motions.weight)
     y = np.linspace(math.log(0.2), math.log(6.0), 400_001)
     at = np.searchsorted(x, np.exp(y), side="right") - 1
     p = np.where(at >= 0, share[np.maximum(at, 0)], 0.0)
