@@ -46,7 +46,7 @@ def _taken(x: Any, at: Any) -> Any:
 
 
 def _joined(parts: list[Any]) -> Any:
-    return parts[0].joined(parts) if isinstance(parts[0], Arrays) else np.concatenate(parts)
+    return parts[0].joined(parts) if isinstance(parts[0], Arrays) else np.concatenate(parts, axis=-1)
 
 
 class Cells(NamedTuple):

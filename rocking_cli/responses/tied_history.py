@@ -11,7 +11,6 @@ from ..dynamics.lanes import Lanes
 from ..dynamics.outcome import LOST, Outcome
 from ..dynamics.system import System
 from ..dynamics.tied.devices import BROKEN, YIELDING
-from ..dynamics.tied.series import Stretch
 from ..dynamics.tied.tied_march import March
 from ..motions.motion import Motion
 from .history import INVISIBLE, Arcs, Event, History
@@ -38,10 +37,10 @@ class _Recorder:
         segments, k = self.march.segments, min(int(lanes.k[0]), len(self.march.segments) - 1)
         return (float(segments.start[k]) + float(lanes.u[0])) / self.omega
 
-    def keep(self, lanes: Lanes, found: Stretch, reach: float) -> None:
-        """Keep a stretch as an arc."""
+    def keep(self, lanes: Lanes, arc: TaylorSeries, reach: float) -> None:
+        """Keep an arc."""
         pace = self.omega / float(lanes.omega[0])
-        self.arcs.append((self.tau(lanes), reach, float(lanes.side[0]), pace, float(found.unit[0]), found.terms[:, 0].copy()))
+        self.arcs.append((self.tau(lanes), reach, float(lanes.side[0]), pace, float(arc.unit[0]), arc.terms[:, 0].copy()))
 
     def note(self, lanes: Lanes, event: str, y: float, v: float, device: str = "", later: float = 0.0) -> None:
         """Keep an event, `later` [tau] than the place of the lanes."""

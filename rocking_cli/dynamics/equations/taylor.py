@@ -130,12 +130,12 @@ def order_for(tolerance: float, terms: float = 0.98) -> int:
     return max(8, math.ceil(-terms * math.log(tolerance * LOCAL)))
 
 
-def drive_series(segments: Segments, lanes: Lanes, order: int, gain: Array | float = 1.0) -> Drive:
+def drive_series(segments: Segments, lanes: Lanes, order: int, gain: Array | float = 1.0, rate: Array | float = 1.0) -> Drive:
     """Terms 1 ... order of the drive times `gain`, and those of the weight where it varies. The first, the drive now, follows from the
-    force that a lane carries."""
+    force that a lane carries. rate: of the body on still ground [1/tau]."""
     weighed, here = segments.weighed, segment_value(segments, lanes.k, lanes.u)
     w, *up = (part.frequency.take(lanes.k, axis=1) * lanes.omega for part in (segments, *((weighed.vertical,) if weighed else ())))
-    fastest = 1.0 + np.maximum.reduce([x.max(axis=0, initial=0.0) for x in (w, *up)])
+    fastest = rate + np.maximum.reduce([x.max(axis=0, initial=0.0) for x in (w, *up)])
     unit = 1.0 / fastest
     unit2 = unit * unit
     outward = unit2 * gain * (-lanes.side * lanes.amplitude)

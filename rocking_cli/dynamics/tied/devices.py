@@ -12,6 +12,7 @@ Each device acts on one side; a tie of both sides is two devices. A tendon acts 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -35,6 +36,10 @@ class Phase(NamedTuple):
     fixed: Array
     rate: Array
     yields: Array
+
+    def take(self, at: Array | slice) -> Phase:
+        """These lanes alone."""
+        return Phase(*(x[..., at] for x in self))
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,8 +93,8 @@ class Devices:
         return cls(stiffness, prestress, force, ultimate, height, behind, unit, moment, tendon, names, linear, body, weight)
 
     def on(self, numbers: Array, row: Array) -> Array:
-        """Numbers of the devices on these sides, (devices, lanes)."""
-        return numbers[row].T
+        """Numbers of the devices on these sides, (devices, lanes), or (devices, 1) if the sides have the same devices."""
+        return numbers[:1].T if self.alike else numbers[row].T
 
     def elongation(self, row: Array, y: Array) -> Array:
         """e [m] at y, (devices, lanes)."""
@@ -149,7 +154,7 @@ class Devices:
         force = np.where(phase == BROKEN, 0.0, force)
         return _added(force * self.on(self.height, row)) / self.moment[row, 0]
 
-    @property
+    @cached_property
     def alike(self) -> bool:
         """True if the sides have the same devices."""
         numbers = (self.stiffness, self.prestress, self.force, self.ultimate, self.height, self.behind, self.unit, self.moment)
@@ -164,6 +169,32 @@ class Devices:
         """The vertical force of a tendon over m g, (lanes,)."""
         force = np.where(self.tendon[:, None], now.fixed + now.rate * self.elongation(row, y), 0.0)
         return _added(force) * np.cos(0.5 * self.unit[row, 0] * y) / self.weight
+
+    def lever(self, row: Array, y: Array) -> Array:
+        """de/dtheta at y [m], (devices, lanes)."""
+        h, theta = self.on(self.height, row), self.unit[row, 0] * y
+        if self.linear:
+            return h + 0.0 * theta
+        of_tie = h * np.cos(theta) + self.on(self.behind, row) * np.sin(theta)
+        return np.where(self.tendon[:, None], h * np.cos(0.5 * theta), of_tie) if self.tendon.any() else of_tie
+
+    def pulled(self, row: Array, now: Phase, y: Array) -> Array:
+        """-y'' that the devices add at y, (lanes,)."""
+        return _added((now.fixed + now.rate * self.elongation(row, y)) * self.lever(row, y)) / self.moment[row, 0]
+
+    def work(self, row: Array, now: Phase, y: Array, to: Array) -> Array:
+        """The work that the devices take from y to another place, in the unit of y'^2, (lanes,)."""
+        middle, turned = 0.5 * (y + to), self.unit[row, 0] * (to - y)
+        path = turned if self.linear else np.where(self.tendon[:, None], 4.0 * np.sin(0.25 * turned), 2.0 * np.sin(0.5 * turned))
+        force = now.fixed + 0.5 * now.rate * (self.elongation(row, y) + self.elongation(row, to))
+        return _added(force * path * self.lever(row, middle)) / (self.moment[row, 0] * self.unit[row, 0])
+
+    def bounds(self, row: Array, now: Phase, low: Array, high: Array) -> tuple[Array, Array]:
+        """Bounds of `pulled` between low and high, over which a force does not fall and a lever is concave, (lanes,) each."""
+        small, large = (now.fixed + now.rate * self.elongation(row, y) for y in (low, high))
+        lever = np.minimum(self.lever(row, low), self.lever(row, high))
+        least, most = np.where(lever > 0.0, small, large) * lever, large * np.hypot(self.on(self.height, row), self.on(self.behind, row))
+        return _added(least) / self.moment[row, 0], _added(most) / self.moment[row, 0]
 
     def linear_terms(self, row: Array, now: Phase) -> tuple[Array, Array]:
         """(-y'' at y = 0, its growth with y) that the devices add in the linear equation, (lanes,)."""

@@ -1,10 +1,11 @@
-"""The Taylor series of tied bodies within one phase of their restraints, and the stretches on which y is monotone.
+"""The motion of tied bodies within one phase of their restraints: its Taylor series, its first turn, and its work.
 
 Linear: y'' = -k y - c + a. Nonlinear, with y = theta/sin(alpha) on the present side,
 
     y'' = -sin(alpha - theta)/sin(alpha) + a cos(alpha - theta)/cos(alpha) - M(theta)/(m g R sin(alpha))
 
-M is a sum of cos theta, sin theta, cos 2 theta, sin 2 theta, cos(theta/2) within a phase, whose series follow from that of theta.
+M is a sum of cos theta, sin theta, cos 2 theta, sin 2 theta, cos(theta/2) within a phase, whose series follow from that of theta. The
+second harmonics are rho cos(2 theta - 2 phi) = rho (2 u^2 - 1) with u = cos(theta - phi), so that they take one product of series.
 """
 
 from __future__ import annotations
@@ -14,28 +15,31 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...motions.blocks import blocks
 from ...motions.segments import Segments
 from ..drive import segment_value
-from ..equations.taylor import LONGEST, MOST_TERMS, WITHIN, degrees, factors_for, last_terms
+from ..equations import taylor
+from ..equations.equation import Point
+from ..equations.taylor import TaylorSeries
 from ..lanes import Array, Lanes
-from ..march.roots import bernstein_form
+from ..march.roots import bernstein_form, impact_root, sense
 from .devices import Devices, Phase
 
 _TERMS_RATE = 1.3  # the rate for which `degrees` counts terms
 _HALVINGS = 40
-_ROUNDS = 100
-_CLOSE, _CLOSEST = 1e-9, 1e-16  # of the root and of the bracket: a Newton step this short leaves nothing
 
 
-class Stretch(NamedTuple):
-    """A stretch on which y is monotone. terms: of y in powers of the share of the unit [tau]; share: its length over the unit; outward: 1,
-    -1 or, of bodies that do not move, 0; turns: True if y' = 0 at its end."""
+class Step(NamedTuple):
+    """A step with one turn at most. arc: the motion from its start; h: its length [tau]; end: the state there; outward: 1, -1 or, of bodies
+    that do not move, 0, at its start; turn: where y' = 0, NaN without a turn; fastest, hardest: bounds of |y'| and |y''| along it."""
 
-    terms: Array
-    unit: Array
-    share: Array
+    arc: TaylorSeries
+    h: Array
+    end: Point
     outward: Array
-    turns: Array
+    turn: Array
+    fastest: Array
+    hardest: Array
 
 
 class Law:
@@ -43,140 +47,159 @@ class Law:
     tolerance: of y."""
 
     def __init__(self, devices: Devices, alpha: Array, damping: float, tolerance: float) -> None:
-        self.devices, self.damping, self.tolerance = devices, damping, tolerance
+        self.devices, self.damping, self.tolerance, self.order = devices, damping, tolerance, taylor.order_for(tolerance)
         self.sin, self.tan = np.sin(alpha), np.tan(alpha)
+
+    def weight(self, row: Array, y: Array) -> Array:
+        """-y'' that the weight adds."""
+        theta = self.sin[row] * y
+        return 1.0 - y if self.devices.linear else np.cos(theta) - np.sin(theta) / self.tan[row]
 
     def force(self, row: Array, now: Phase, y: Array, a: Array) -> Array:
         """y'' without damping, (lanes,)."""
-        if self.devices.linear:
-            fixed, rate = self.devices.linear_terms(row, now)
-            return y * (1.0 - rate) - 1.0 - fixed + a
-        found = self._coefficients(row, now) * _circular(self.sin[row] * y, 6 if self.devices.tendon.any() else 4)
-        cos, sin = _circular(self.sin[row] * y, 2)
-        return np.asarray(found.sum(axis=0) + a * (cos + self.tan[row] * sin))
+        theta = self.sin[row] * y
+        push = a if self.devices.linear else a * (np.cos(theta) + self.tan[row] * np.sin(theta))
+        return push - self.weight(row, y) - self.devices.pulled(row, now, y)
 
-    def stretch(self, segments: Segments, lanes: Lanes, row: Array, now: Phase, exact: Array) -> Stretch:
-        """The next monotone stretch of lanes within their segment; exact: True where y'' is exactly 0 now."""
+    def work(self, row: Array, now: Phase, y: Array, to: Array) -> Array:
+        """The fall of y'^2/2 on the way from y to another place, on still ground without damping."""
+        path = to - y if self.devices.linear else 2.0 / self.sin[row] * np.sin(0.5 * self.sin[row] * (to - y))
+        return path * self.weight(row, 0.5 * (y + to)) + self.devices.work(row, now, y, to)
+
+    def inward(self, row: Array, now: Phase, low: Array, high: Array) -> tuple[Array, Array]:
+        """Bounds of -y'' from low to high on still ground without damping: the weight's part falls with y, and forces grow with it."""
+        least, most = self.devices.bounds(row, now, low, high)
+        return self.weight(row, high) + least, self.weight(row, low) + most
+
+    def flow(self, segments: Segments, lanes: Lanes, row: Array, now: Phase, exact: Array) -> TaylorSeries:
+        """The series of lanes from their present state; exact: True where y'' is exactly 0 now."""
         if lanes.y.size == 1:  # NumPy sums a single lane in another order: no digit may depend on a lane's neighbours
             both = np.zeros(2, dtype=np.int64)
-            phase = Phase(*(x[..., both] for x in now))
-            found = self.stretch(segments, lanes.take(both), row[both], phase, exact[both])
-            return Stretch(found.terms[:, :1], *(x[:1] for x in found[1:]))
-        left = (segments.length[lanes.k] - lanes.u) / lanes.omega
-        w = segments.frequency.take(lanes.k, axis=1) * lanes.omega
-        fastest = _TERMS_RATE + self._stiffest(row, now) + (w.max(axis=0) if len(w) else 0.0)
-        unit = np.minimum(left, 2.0 * LONGEST * _TERMS_RATE / fastest)
-        drive = _drive(segments, lanes, unit)
-        size = 2.0 + np.abs(drive[0]) + np.abs(lanes.v) * fastest + np.abs(self.force(row, now, lanes.y, drive[0]))
-        degree = degrees(size, unit * fastest / _TERMS_RATE, self.tolerance)
-        terms = self._terms(lanes, row, now, drive, unit, degree, exact)
-        last = last_terms(terms, degree * unit.size + np.arange(unit.size), unit)
-        with np.errstate(divide="ignore"):
-            short = (WITHIN * self.tolerance * unit / last) ** (1.0 / (degree - 1.0))
-        return _monotone(terms, unit, np.minimum(short, 1.0))
+            return self.flow(segments, lanes.take(both), row[both], now.take(both), exact[both]).take(both[:1])
+        lanes = Lanes.joined([lanes])
+        if segments.straight:
+            return self._along_line(segments, lanes, row, now, exact)
+        terms, fastest = np.empty((self.order + 1, lanes.y.size)), np.empty(lanes.y.size)
+        n = np.arange(1.0, self.order)[:, None]
+        for block in blocks(lanes.y.size, taylor.CACHED):
+            here, side, phase = lanes.take(block), row[block], now.take(block)
+            drive = taylor.drive_series(segments, here, self.order - 2, rate=1.0 + self._stiffest(side, phase))
+            drive.terms[0] = self._drive(segments, here) * drive.unit**2
+            self._fill(terms[:, block], here, side, phase, drive.terms, drive.unit, 1.0 / (n * (n + 1.0)), exact[block])
+            fastest[block] = drive.fastest
+        return taylor.series(terms, fastest, self.tolerance, self.damping)
+
+    def _along_line(self, segments: Segments, lanes: Lanes, row: Array, now: Phase, exact: Array) -> TaylorSeries:
+        """The series under straight lines, of as many terms as their length takes."""
+        fastest, drive = _TERMS_RATE + self._stiffest(row, now), self._drive(segments, lanes)
+        unit = np.minimum((segments.length[lanes.k] - lanes.u) / lanes.omega, 2.0 * taylor.LONGEST * _TERMS_RATE / fastest)
+        slope = -lanes.side * lanes.amplitude * segments.slope[lanes.k] * lanes.omega
+        size = 2.0 + np.abs(drive) + np.abs(lanes.v) * fastest + np.abs(self.force(row, now, lanes.y, drive)) + np.abs(slope)
+        degree = taylor.degrees(size, unit * fastest / _TERMS_RATE, self.tolerance)
+        terms, factors = np.zeros((taylor.MOST_TERMS + 1, unit.size)), taylor.factors_for(np.ones(unit.size), degree)
+        lines = np.array([drive, slope * unit]) * unit**2
+        self._fill(terms, lanes, row, now, lines, unit, factors, exact)
+        last = taylor.last_terms(terms, degree * unit.size + np.arange(unit.size), unit)
+        short = (taylor.WITHIN * self.tolerance * unit / last) ** (1.0 / (degree - 1.0))
+        return TaylorSeries(terms, unit, np.minimum(short, 1.0) * unit, fastest, self.damping)
+
+    def _drive(self, segments: Segments, lanes: Lanes) -> Array:
+        """The outward drive now."""
+        return -lanes.side * lanes.amplitude * (segments.s_start[lanes.k] + segment_value(segments, lanes.k, lanes.u)[0])
 
     def _stiffest(self, row: Array, now: Phase) -> Array:
         """A rate [1/tau] of the phase: the root of the stiffness of the restraints."""
         return np.sqrt(self.devices.linear_terms(row, now)[1])
 
-    def _coefficients(self, row: Array, now: Phase) -> Array:
-        found = self.devices.circular_terms(row, now)
-        found[0] -= 1.0
-        found[1] += 1.0 / self.tan[row]
-        return found
-
-    def _terms(self, lanes: Lanes, row: Array, now: Phase, drive: Array, unit: Array, degree: Array, exact: Array) -> Array:
-        factors = factors_for(unit, degree)
-        terms = np.zeros((len(factors) + 2, unit.size))
+    def _fill(self, terms: Array, lanes: Lanes, row: Array, now: Phase, drive: Array, unit: Array, factors: Array, exact: Array) -> None:
+        """Fill the terms of y, (terms, lanes). drive: unit^2 times its terms; factors: 1/((n + 1)(n + 2)) for the terms n + 2 of y."""
+        unit2 = unit * unit
         terms[0], terms[1] = lanes.y, lanes.v * unit
-        term = self._linear(terms, row, now) if self.devices.linear else self._nonlinear(terms, row, now)
-        drag = 2.0 * self.damping / unit
+        start = np.where(exact, 0.0, unit2 * self.force(row, now, lanes.y, drive[0] / unit2))
+        later = (self._linear if self.devices.linear else self._nonlinear)(terms, row, now, drive, unit2)
+        drag = 2.0 * self.damping * unit
         for n, factor in enumerate(factors):
-            own, by = term(n)
-            if by is None:
-                own += drive[n] if n < len(drive) else 0.0
-            else:
-                most = min(n, len(drive) - 1)
-                own += np.einsum("il,il->l", drive[: most + 1], by[n - most : n + 1][::-1])
+            own = later(n)
+            if n == 0:
+                own = start
             if self.damping:
                 own -= drag * ((n + 1) * terms[n + 1])
+            np.multiply(own, factor, out=terms[n + 2])
+
+    def _linear(self, terms: Array, row: Array, now: Phase, drive: Array, unit2: Array) -> Callable[[int], Array]:
+        """A function that gives unit^2 times term n of y'', from n = 1 on."""
+        soft = unit2 * (1.0 - self.devices.linear_terms(row, now)[1])
+        return lambda n: soft * terms[n] + drive[n] if n < len(drive) else soft * terms[n]
+
+    def _nonlinear(self, terms: Array, row: Array, now: Phase, drive: Array, unit2: Array) -> Callable[[int], Array]:
+        """The same; it is called for n = 0, 1 ... in this order."""
+        factor, sin, tan = unit2 * self.devices.circular_terms(row, now), self.sin[row], self.tan[row]
+        factor[0] -= unit2
+        factor[1] += unit2 / tan
+        second, turned = 2.0 * np.hypot(factor[2], factor[3]), 0.5 * np.arctan2(factor[3], factor[2])
+        p, q, factor = np.cos(turned), np.sin(turned), np.concatenate([factor[:2], factor[4:]])
+        waves, rate, by, u = np.empty((len(terms), *factor.shape)), *(np.empty(terms.shape) for _ in range(3))
+        both, half = np.empty(factor.shape), np.array([1.0, 1.0, 0.5, 0.5])[: len(factor), None]
+        stretched = second.any()
+
+        def term(n: int) -> Array:
             if n == 0:
-                own[exact] = 0.0
-            terms[n + 2] = own * factor
-        return terms
-
-    def _linear(self, terms: Array, row: Array, now: Phase) -> Callable[[int], tuple[Array, Array | None]]:
-        fixed, rate = self.devices.linear_terms(row, now)
-
-        def term(n: int) -> tuple[Array, Array | None]:
-            own = terms[n] * (1.0 - rate)
-            return own - 1.0 - fixed if n == 0 else own, None
-
-        return term
-
-    def _nonlinear(self, terms: Array, row: Array, now: Phase) -> Callable[[int], tuple[Array, Array | None]]:
-        factor = self._coefficients(row, now)
-        count, sin, tan = len(factor), self.sin[row], self.tan[row]
-        waves, by, rate = np.empty((len(terms), count, row.size)), np.empty((len(terms), row.size)), np.empty_like(terms)
-        both, times = np.empty((count, row.size)), np.repeat([1.0, 2.0, 0.5], 2)[:count, None]
-
-        def term(n: int) -> tuple[Array, Array | None]:
-            if n == 0:
-                waves[0] = _circular(sin * terms[0], count)
+                theta = half[::2] * (sin * terms[0])
+                waves[0, ::2], waves[0, 1::2] = np.cos(theta), np.sin(theta)
             else:
                 np.multiply(terms[n], n * sin, out=rate[n])
                 np.einsum("il,ijl->jl", rate[1 : n + 1], waves[n - 1 :: -1], out=both)
-                np.multiply(both, times / n, out=both)
-                waves[n, 0::2], waves[n, 1::2] = -both[1::2], both[0::2]
+                np.multiply(both, half / n, out=both)
+                np.negative(both[1::2], out=waves[n, ::2])
+                waves[n, 1::2] = both[::2]
             by[n] = waves[n, 0] + tan * waves[n, 1]
-            return np.einsum("jl,jl->l", factor, waves[n]), by
+            own = np.einsum("jl,jl->l", factor, waves[n])
+            if stretched:
+                u[n] = p * waves[n, 0] + q * waves[n, 1]
+                own += second * np.einsum("il,il->l", u[: n + 1], u[n::-1])
+            most = min(n + 1, len(drive))
+            return own + np.einsum("il,il->l", drive[:most], by[n - most + 1 : n + 1][::-1])
 
         return term
 
 
-def _circular(theta: Array, count: int) -> Array:
-    """cos and sin of theta, 2 theta and theta/2, as many rows as asked."""
-    return np.array([f(times * theta) for times in (1.0, 2.0, 0.5)[: count // 2] for f in (np.cos, np.sin)])
-
-
-def _drive(segments: Segments, lanes: Lanes, unit: Array) -> Array:
-    """Terms of the outward drive in powers of the share of the unit, (terms, lanes)."""
-    change, sin, cos = segment_value(segments, lanes.k, lanes.u)
-    outward = -lanes.side * lanes.amplitude
-    found = np.zeros((2 if segments.straight else MOST_TERMS, unit.size))
-    found[0] = segments.s_start[lanes.k] + change
-    found[1] = segments.slope[lanes.k] * lanes.omega * unit
-    for s, c, w in zip(sin, cos, segments.frequency.take(lanes.k, axis=1) * lanes.omega * unit, strict=True):
-        power = np.ones(unit.size)
-        for n in range(1, len(found)):
-            power = power * (w / n)
-            found[n] += (c, -s, -c, s)[(n - 1) % 4] * power
-    return np.asarray(found * outward)
-
-
-def _monotone(terms: Array, unit: Array, share: Array) -> Stretch:
-    """The stretch of a series up to its first turn, at most this share: between two zeros of y' that the signs of its Bernstein
-    coefficients tell apart."""
-    n = np.arange(1.0, len(terms))[:, None]
-    share, outward, turns = share.copy(), np.zeros(share.size), np.zeros(share.size, dtype=bool)
-    lanes = np.arange(share.size)
-    for halving in range(_HALVINGS + 1):
-        rate = n * terms[1:, lanes] * share[lanes] ** n
-        signs = np.sign(bernstein_form(rate))
-        changes, first = _changes(signs)
-        outward[lanes] = first
-        one = (changes == 1) | ((changes > 1) & (halving == _HALVINGS))
-        turns[lanes] = one
-        lanes = lanes[changes > 1]
-        if not lanes.size:
-            break
-        if halving < _HALVINGS:
-            share[lanes] *= 0.5
-    at = np.flatnonzero(turns)
+def one_turn(arc: TaylorSeries, left: Array) -> Step:
+    """The step of lanes, at most for `left` [tau], up to the second turn of their series at the latest."""
+    h = np.minimum(arc.longest, left)
+    end, bent = arc.at_with_chord_errors(h)
+    kept, monotone = sense(arc, h, end, bent)
+    fastest = np.maximum(np.abs(arc.v), np.abs(end.v)) + bent[0] / h
+    hardest = np.maximum(np.abs(arc.b), np.abs(end.b)) + bent[1] / (h * h)
+    outward = np.sign(np.where(arc.v != 0.0, arc.v, arc.b))
+    turns = ~kept & monotone & (arc.v != 0.0) & (end.v * outward <= 0.0)
+    doubtful = np.flatnonzero(~kept & ~monotone)
+    if doubtful.size:
+        h[doubtful], outward[doubtful], turns[doubtful] = _bernstein(arc.take(doubtful), h[doubtful])
+        end = Point(*(np.array(x) for x in end))
+        for whole, x in zip(end, arc.take(doubtful).at(h[doubtful]), strict=True):
+            whole[doubtful] = x
+    turn, at = np.full(h.size, np.nan), np.flatnonzero(turns)
     if at.size:
-        rate = n * terms[1:, at]
-        share[at] = root(rate * outward[at], np.zeros(at.size), share[at], np.zeros(at.size))
-    return Stretch(terms, unit, share, outward, turns)
+        n = np.arange(1.0, len(arc.terms))[:, None]
+        speed = TaylorSeries(n * arc.terms[1:, at] * outward[at], arc.unit[at], h[at], arc.fastest[at])
+        turn[at] = falls(speed, np.zeros(at.size), h[at])[0]
+    return Step(arc, h, end, outward, turn, fastest, hardest)
+
+
+def _bernstein(arc: TaylorSeries, h: Array) -> tuple[Array, Array, Array]:
+    """(shorter steps with one turn at most, the sense of y at their start, True where there is a turn): the signs of the Bernstein
+    coefficients of y' tell."""
+    n, share, lanes = np.arange(1.0, len(arc.terms))[:, None], h / arc.unit, np.arange(h.size)
+    outward, turns = np.zeros(h.size), np.zeros(h.size, dtype=bool)
+    for halving in range(_HALVINGS + 1):
+        signs = np.sign(bernstein_form(n * arc.terms[1:, lanes] * share[lanes] ** n))
+        changes, outward[lanes] = _changes(signs)
+        turns[lanes] = (changes == 1) | ((changes > 1) & (halving == _HALVINGS))
+        lanes = lanes[changes > 1]
+        if not lanes.size or halving == _HALVINGS:
+            break
+        share[lanes] *= 0.5
+    return share * arc.unit, outward, turns
 
 
 def _changes(signs: Array) -> tuple[Array, Array]:
@@ -191,36 +214,8 @@ def _changes(signs: Array) -> tuple[Array, Array]:
     return changes, first
 
 
-def value(terms: Array, x: Array) -> tuple[Array, Array]:
-    """A series and its slope at x, (lanes,)."""
-    y, slope = terms[-1].copy(), np.zeros(x.size)
-    for c in terms[-2::-1]:
-        slope = slope * x + y
-        y = y * x + c
-    return y, slope
-
-
-def root(terms: Array, low: Array, high: Array, level: Array) -> Array:
-    """Where series that fall once through a level between `low` and `high` meet it, (lanes,): Newton's steps in a bracket that shrinks. A
-    lane leaves when it has converged, so that its digits do not depend on its neighbours."""
-    found, lanes, low, high, least = high.copy(), np.arange(high.size), low.copy(), high.copy(), _CLOSEST * high
-    start, end = value(terms, low)[0] - level, value(terms, high)[0] - level
-    with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.where((start > 0.0) & (end < 0.0), start / (start - end), 0.5)  # a series may begin at its level
-        x = low + (high - low) * share
-        for _ in range(_ROUNDS):
-            y, slope = value(terms, x)
-            y -= level
-            low, high = np.where(y > 0.0, x, low), np.where(y > 0.0, high, x)
-            target = x - y / slope
-            inside = (target >= low) & (target <= high)
-            close = np.abs(target - x) <= np.maximum(_CLOSE * x, least)
-            x = np.where(y == 0.0, x, np.where(inside, target, 0.5 * (low + high)))
-            done = (inside & close) | (y == 0.0) | (high - low <= least)
-            if done.any():
-                found[lanes[done]] = x[done]
-                terms, lanes = terms[:, ~done], lanes[~done]
-                x, low, high, least, level = (of[~done] for of in (x, low, high, least, level))
-                if not lanes.size:
-                    break
-    return found
+def falls(arc: TaylorSeries, low: Array, high: Array) -> tuple[Array, Array]:
+    """(h, y' there) where series fall through zero, once between `low` and `high`."""
+    fall = np.sqrt(np.maximum(arc.v * arc.v - 2.0 * arc.b * arc.y, 0.0))
+    guess = np.where(arc.v < 0.0, 2.0 * arc.y / (fall - arc.v), -(arc.v + fall) / arc.b)  # by the first three terms
+    return impact_root(arc, low, high, np.where((guess > low) & (guess < high), guess, 0.5 * (low + high)))

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
+from ..equations.taylor import TaylorSeries
 from ..lanes import Array, Lanes
-from .series import Stretch
 
 
 @dataclass
@@ -25,14 +25,26 @@ class TiedLanes(Lanes):
     lost: Array
 
 
+class Ends(NamedTuple):
+    """The ends of steps, (lanes,). up, down: True at the upper and at the lower end of a phase, which may be the ground; peaked: True if a
+    peak was met, at `top`; bottom: True at a turn outwards; still: True on still ground."""
+
+    up: Array
+    down: Array
+    peaked: Array
+    bottom: Array
+    top: Array
+    still: Array
+
+
 class Recorder(Protocol):
     """It sees the march of one body, which it follows up to a phase `until` [rad], and each bounce down to the speed `visible`."""
 
     until: float
     visible: float
 
-    def keep(self, lanes: Lanes, found: Stretch, reach: float) -> None:
-        """A stretch of `reach` [tau] from the state of the lanes."""
+    def keep(self, lanes: Lanes, arc: TaylorSeries, reach: float) -> None:
+        """An arc of `reach` [tau] from the state of the lanes."""
 
     def note(self, lanes: Lanes, event: str, y: float, v: float, device: str = "") -> None:
         """An event at the place of the lanes."""

@@ -22,7 +22,7 @@ from ...errors import UsageError
 from ...motions.motion import Motion
 from ..contacts.contact import OneSided
 from ..contacts.sequences import OtherSide, sequence_ends, sequence_time
-from ..drive import drive_change, place
+from ..drive import place, segment_value
 from ..equations.rigid_body import RigidBodyEquation
 from ..lanes import Array, Cells, Lanes
 from ..march.batch import MAX_STEPS
@@ -30,12 +30,13 @@ from ..outcome import FALLEN, LOST, Outcome, Work
 from ..response import Response
 from ..system import System
 from .devices import BROKEN, ELASTIC, SLACK, YIELDING, Phase
-from .series import Law, Stretch, root, value
-from .tied_lanes import Found, Recorder, TiedLanes
+from .series import Law, Step, falls, one_turn
+from .tied_lanes import Ends, Found, Recorder, TiedLanes
 
 _STILL = 1e-20  # a speed is none below this: later it changes y by about as much, and any uplift by far less than the rounding of y
 _TOGETHER = 8192  # lanes
 _HELD = 4.0  # times m g R sin(alpha), to which restraints may hold a body at the ground
+_NEWTON, _CLOSE = 6, 1e-13  # steps to a peak, and the last of them over y
 _INSTANTS = 33  # of a stretch, at which the forces on the ground are computed
 WORDS = {SLACK: "slack", ELASTIC: "engagement", YIELDING: "yield", BROKEN: "rupture"}
 
@@ -88,10 +89,19 @@ class March:
     def run(self, release: float = 0.0) -> Found:
         """All cells, from rest or released to the right from theta/alpha = release."""
         with np.errstate(all="ignore"):
-            for first in range(0, self.found.outcome.size, _TOGETHER):
-                lanes = self._begin(np.arange(first, min(first + _TOGETHER, self.found.outcome.size)), release)
-                while lanes.cell.size:
-                    lanes = self._round(lanes)
+            by_energy, taken, aside = self.recorder is None and not self.equation.damping, 0, []
+            lanes = self._begin(np.zeros(0, dtype=np.int64), 0.0)
+            while taken < self.found.outcome.size or lanes.cell.size:
+                if (room := _TOGETHER - lanes.cell.size) > 0 and taken < self.found.outcome.size:
+                    lanes = lanes.join(self._begin(np.arange(taken, min(taken + room, self.found.outcome.size)), release))
+                    taken += room
+                lanes = self._round(lanes) if lanes.cell.size else lanes
+                if by_energy and (still := lanes.k >= self.shaken).any():
+                    aside.append(lanes.take(np.flatnonzero(still)))
+                    lanes = lanes.take(np.flatnonzero(~still))
+            lanes, self.doubtful = TiedLanes.joined(aside) if aside else lanes, 0.0
+            while lanes.cell.size:
+                lanes = self._rest_of_motion(lanes)
         return self.found
 
     def row(self, lanes: Lanes) -> Array:
@@ -165,77 +175,122 @@ class March:
         phase, plastic = lanes.phase[row, :, at].T, lanes.plastic[row, :, at].T
         lanes.phase[row, :, at] = self.devices.at_ground(row, phase, plastic).T
 
-    def _round(self, lanes: TiedLanes) -> TiedLanes:
-        """One step of every lane, and what happens at its end."""
-        lanes.steps += 1
-        over = lanes.u >= self.segments.length[lanes.k]
-        lanes.k[over] += 1
-        lanes.u[over] = 0.0
+    def _phase(self, lanes: TiedLanes) -> tuple[Array, Phase, Array, Array]:
+        """(row, phase of the devices, y of its lower and of its upper end) of lanes."""
         row = self.row(lanes)
         now = self.devices.phase(row, self._of(lanes.phase, row), self._of(lanes.plastic, row))
-        ground, limit = now.low.max(axis=0, initial=0.0), self.limit[row]
-        high = np.minimum(now.high.min(axis=0, initial=np.inf), limit)
-        found = self.law.stretch(self.segments, lanes, row, now, lanes.exact)
-        y, slope = value(found.terms, found.share)
-        up, down = (found.outward > 0.0) & (y >= high), (found.outward < 0.0) & (y <= ground)
-        met = up | down
-        share, level = found.share.copy(), np.where(up, high, ground)
-        at = np.flatnonzero(met)
-        if at.size:
-            terms = found.terms[:, at] * -found.outward[at]
-            share[at] = root(terms, np.zeros(at.size), share[at], -found.outward[at] * level[at])
-            slope[at] = value(found.terms[:, at], share[at])[1]
-        if self.recorder is not None:
-            self.recorder.keep(lanes, found, float(share[0] * found.unit[0]))
-        self._press(lanes, row, now, found, share)
-        turns = found.turns & ~met
-        lanes.y, lanes.v = np.where(met, level, y), np.where(turns, 0.0, slope / found.unit)
-        through = ~met & ~turns & (share == 1.0)
-        length = self.segments.length[lanes.k]
-        whole = through & (found.unit * lanes.omega >= (length - lanes.u) * (1.0 - 1e-15))
-        lanes.u = np.where(whole, length, np.minimum(lanes.u + lanes.omega * share * found.unit, length))
-        lanes.exact[:] = False
-        return self._events(lanes, row, now, high, found.outward, up, down & (ground > 0.0), down & (ground <= 0.0), turns)
+        return row, now, now.low.max(axis=0, initial=0.0), np.minimum(now.high.min(axis=0, initial=np.inf), self.limit[row])
 
-    def _press(self, lanes: TiedLanes, row: Array, now: Phase, found: Stretch, share: Array) -> None:
-        """Note the lanes with Fz <= 0 along their stretches: where no bound excludes it, at `_INSTANTS` of each."""
+    def _round(self, lanes: TiedLanes) -> TiedLanes:
+        """One step of every lane by its series, and what happens at its end."""
+        lanes.steps += 1
+        row, now, ground, high = self._phase(lanes)
+        seg, k = self.segments, lanes.k
+        joined = seg.joins[k]
+        left = (seg.length[k] - lanes.u + np.where(joined, seg.length[np.minimum(k + 1, self.shaken)], 0.0)) / lanes.omega
+        step = one_turn(self.law.flow(seg, lanes, row, now, lanes.exact), left)
+        arc, reach, y, v = step.arc, step.h.copy(), step.end.y.copy(), step.end.v.copy()
+        turns = np.flatnonzero(step.turn > 0.0)
+        reach[turns], y[turns], v[turns] = step.turn[turns], arc.take(turns).at(step.turn[turns]).y, 0.0
+        top = y.copy()
+        up, down = (step.outward > 0.0) & (y >= high), (step.outward < 0.0) & (y <= ground)
+        peaked = np.zeros(k.size, dtype=bool)
+        peaked[turns] = (step.outward[turns] > 0.0) & ~up[turns]
+        through = peaked & ~now.yields & (self.recorder is None)  # a peak ends no phase of theirs
+        reach[through], y[through], v[through] = step.h[through], step.end.y[through], step.end.v[through]
+        down |= through & (y <= ground)
+        at = np.flatnonzero(up | down)
+        if at.size:
+            sense, level = np.where(up[at], -1.0, 1.0), np.where(up[at], high[at], ground[at])
+            here = arc.take(at)
+            here.terms *= sense
+            here.terms[0] -= sense * level
+            reach[at], v[at] = falls(here, np.where(through[at], step.turn[at], 0.0), reach[at])
+            v[at] *= sense
+            y[at] = level
+        if self.recorder is not None:
+            self.recorder.keep(lanes, arc, float(reach[0]))
+        self._press(lanes, row, now, step, reach)
+        whole = (reach >= left) & ~(up | down)
+        lanes.y, lanes.v = y, v
+        lanes.k, lanes.u = place(seg, k, np.where(whole, 0.0, lanes.u + lanes.omega * reach))
+        lanes.k[whole] = (k + 1 + joined)[whole]
+        lanes.exact[:] = False
+        turned = peaked | (v == 0.0)
+        return self._events(lanes, row, now, high, Ends(up, down, peaked, turned & ~peaked & ~(up | down), top, k >= self.shaken))
+
+    def _rest_of_motion(self, lanes: TiedLanes) -> TiedLanes:
+        """One step of every lane on still ground, undamped: to the end of its phase, to its peak or to the ground, by its energy, where its
+        restoring force is proved to keep its sign and Fz > 0; otherwise by its series."""
+        lanes.steps += 1
+        row, now, ground, high = self._phase(lanes)
+        out, energy = lanes.v > 0.0, 0.5 * lanes.v**2
+        taken = self.law.work(row, now, lanes.y, np.where(out, high, ground))
+        up, down = out & (energy >= taken), ~out
+        y, top = np.where(out, high, ground), self._peak(lanes, row, now)
+        peaked = out & ~up
+        y[peaked] = top[peaked]
+        low, far = np.minimum(y, lanes.y), np.maximum(y, lanes.y)
+        least, most = self.law.inward(row, now, low, far)
+        v = np.where(peaked, 0.0, np.where(out, 1.0, -1.0) * np.sqrt(np.maximum(0.0, 2.0 * (energy - taken))))
+        proved = (least > 0.0) & np.isfinite(y) & (far > low)
+        if (body := self.devices.body) is not None:
+            edge = body.on(lanes.side)
+            proved &= edge.kappa * edge.unit * (most + edge.unit * np.maximum(lanes.v**2, v * v)) < 1.0
+        falls = self._certain(lanes, row, now, high)
+        proved |= falls
+        others, at = lanes.take(np.flatnonzero(~proved)), np.flatnonzero(proved)
+        others.steps -= 1
+        lanes = lanes.take(at)
+        stay = falls[at]
+        lanes.y, lanes.v = np.where(stay, lanes.y, y[at]), np.where(stay, lanes.v, v[at])
+        up, down, peaked = (x[at] & ~stay for x in (up, down, peaked))
+        ends = Ends(up, down, peaked, np.zeros_like(up), lanes.y, np.ones_like(up))
+        lanes = self._events(lanes, row[at], now.take(at), high[at], ends)
+        return lanes.join(self._round(others)) if others.cell.size else lanes
+
+    def _peak(self, lanes: TiedLanes, row: Array, now: Phase) -> Array:
+        """y at which lanes that move outwards turn back, by Newton's method; what it does not find is NaN."""
+        energy, none = 0.5 * lanes.v**2, np.zeros(row.size)
+        back, soft = -self.law.force(row, now, lanes.y, none), 1.0 - self.devices.linear_terms(row, now)[1]
+        y = lanes.y + 2.0 * energy / (back + np.sqrt(back * back - 2.0 * soft * energy))
+        for _ in range(_NEWTON):
+            y, before = y + (energy - self.law.work(row, now, lanes.y, y)) / -self.law.force(row, now, y, none), y
+        return np.where(np.abs(y - before) <= _CLOSE * y, y, np.nan)
+
+    def _press(self, lanes: TiedLanes, row: Array, now: Phase, step: Step, reach: Array) -> None:
+        """Note the lanes with Fz <= 0 along their steps: where no bound excludes it, at `_INSTANTS` of each."""
         body = self.devices.body
         if body is None:
             return
-        edge, n = body.on(lanes.side), np.arange(1.0, len(found.terms))[:, None]
-        rate = n * np.abs(found.terms[1:]) * share ** (n - 1.0) * (edge.unit / found.unit)
-        speed, bend = rate.sum(axis=0), ((n[1:] - 1.0) * rate[1:]).sum(axis=0) / (share * found.unit)
-        doubtful = np.flatnonzero(~lanes.lost & ~(edge.kappa * (bend + speed * speed) < 1.0))
+        edge = body.on(lanes.side)
+        doubtful = np.flatnonzero(~lanes.lost & ~(edge.kappa * edge.unit * (step.hardest + edge.unit * step.fastest**2) < 1.0))
+        if doubtful.size:
+            arc, side, there = step.arc.take(doubtful), body.on(lanes.side[doubtful]), now.take(doubtful)
         for x in np.linspace(0.0, 1.0, _INSTANTS) if doubtful.size else ():
-            at = share[doubtful] * x
-            slope, unit, side = n * found.terms[1:, doubtful], found.unit[doubtful], body.on(lanes.side[doubtful])
-            y, (v, b) = value(found.terms[:, doubtful], at)[0], value(slope, at)
-            z = side.alpha - side.unit * y
-            fz = 1.0 + side.kappa * side.unit * (b * np.sin(z) - side.unit * v * v * np.cos(z)) / unit**2
-            pulled = self.devices.downwards(row[doubtful], Phase(*(p[..., doubtful] for p in now)), y)
-            lanes.lost[doubtful] |= fz + pulled <= 0.0
+            at = arc.at(reach[doubtful] * x)
+            z = side.alpha - side.unit * at.y
+            fz = 1.0 + side.kappa * side.unit * (at.b * np.sin(z) - side.unit * at.v**2 * np.cos(z))
+            lanes.lost[doubtful] |= fz + self.devices.downwards(row[doubtful], there, at.y) <= 0.0
         if self.recorder is not None and lanes.lost[0] and not self._told:
             self._told = True
             self._note(lanes, LOST, lanes.y, lanes.v)
 
-    def _events(
-        self, lanes: TiedLanes, row: Array, now: Phase, high: Array, outward: Array, up: Array, down: Array, hit: Array, turns: Array
-    ) -> TiedLanes:
-        """The events at the end of a step, one a lane: an upper or lower end of a phase, an impact, a turn."""
-        fallen = up & (high >= self.limit[row])
-        back = turns & (outward > 0.0)
-        self._stretch(lanes, np.flatnonzero(back | up), row)
-        for at, limits, sign in ((np.flatnonzero(up & ~fallen), now.high, 1.0), (np.flatnonzero(down), now.low, -1.0)):
-            if at.size:
-                self._pass(lanes, at, row, limits, sign)
-        peaked = np.flatnonzero(back)
+    def _events(self, lanes: TiedLanes, row: Array, now: Phase, high: Array, ends: Ends) -> TiedLanes:
+        """The events at the end of a step: a peak on the way; an upper or lower end of a phase, an impact, a turn."""
+        fallen, hit = ends.up & (high >= self.limit[row]), ends.down & (lanes.y <= 0.0)
+        self._stretch(lanes, np.flatnonzero(ends.peaked | ends.up), row, ends.top)
+        peaked = np.flatnonzero(ends.peaked)
         if peaked.size:
-            lanes.peak[peaked] = np.maximum(lanes.peak[peaked], lanes.y[peaked])
-            still = peaked[lanes.k[peaked] >= self.shaken]
+            lanes.peak[peaked] = np.maximum(lanes.peak[peaked], ends.top[peaked])
+            still = peaked[ends.still[peaked]]
             lanes.turned[still] |= 1 << row[still]
             self._note(lanes, "peak", lanes.y, lanes.v)
             self._unload(lanes, peaked[now.yields[peaked]], row)
-        leans = turns & (outward < 0.0) & ((lanes.turned >> row) & 1 > 0)
+        for at, limits, sign in ((np.flatnonzero(ends.up & ~fallen), now.high, 1.0), (np.flatnonzero(ends.down & ~hit), now.low, -1.0)):
+            if at.size:
+                self._pass(lanes, at, row, limits, sign)
+        leans = ends.bottom & ((lanes.turned >> row) & 1 > 0)
         falls = fallen | self._certain(lanes, row, now, high)
         failed = (lanes.steps > self.most) | ~np.isfinite(lanes.y + lanes.v)
         impacts = np.flatnonzero(hit)
@@ -248,7 +303,7 @@ class March:
         if self.recorder is not None and outcome[0] in (Outcome.LEANING, Outcome.ROCKED) and self._time(lanes) < self.recorder.until:
             outcome[:] = 0
         if falls.any():
-            self._stretch(lanes, np.flatnonzero(falls), row)
+            self._stretch(lanes, np.flatnonzero(falls), row, lanes.y)
             self._note(lanes, "overturning", lanes.y, lanes.v)
         lanes = self._finish(lanes, np.flatnonzero(outcome), outcome)
         return self._from_rest(lanes, np.flatnonzero(lanes.rests))
@@ -257,9 +312,9 @@ class March:
         """The phase [rad] of the motion at which the first lane is."""
         return float(self.segments.start[lanes.k[0]] + lanes.u[0])
 
-    def _stretch(self, lanes: TiedLanes, at: Array, row: Array) -> None:
-        """Keep the largest elongation of devices that are not broken."""
-        e, row = self.devices.elongation(row[at], lanes.y[at]), row[at]
+    def _stretch(self, lanes: TiedLanes, at: Array, row: Array, top: Array) -> None:
+        """Keep the elongation at `top` of devices that are not broken if it is their largest."""
+        e, row = self.devices.elongation(row[at], top[at]), row[at]
         whole = lanes.phase[row, :, at].T != BROKEN
         lanes.farthest[row, :, at] = np.where(whole, np.maximum(lanes.farthest[row, :, at].T, e), lanes.farthest[row, :, at].T).T
 
@@ -359,7 +414,7 @@ class March:
         held = every[row, np.arange(row.size)]
         seg, k = self.segments, np.minimum(lanes.k, len(self.segments) - 1)
         amplitude = lanes.amplitude / held
-        b = -lanes.side * amplitude * (seg.s_start[k] + drive_change(seg, k, lanes.u)) - 1.0
+        b = -lanes.side * amplitude * (seg.s_start[k] + segment_value(seg, k, lanes.u)[0]) - 1.0
         if there is not None:
             over = every[1 - row, np.arange(row.size)] / held
             drive, time, rotation = (np.broadcast_to(x, held.shape) for x in (there.drive, there.time, there.rotation))
