@@ -3,37 +3,31 @@
 A new figure is one file with a function of figure, rows and units, and one line in TABLES.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from ..documents.document import Document
 from ..errors import UsageError
 from ..spectra.file.reader import SpectraFile
 from .figures import curves
-from .figures.canvas import FIGURE_UNITS, SOURCE, Look, canvas, panels
+from .figures.canvas import FIGURE_UNITS, SOURCE, Axes, Figure, Look, canvas, panels
 from .figures.capacities import checked
 from .figures.characters import place_of
-from .figures.curves import accuracy, closed_forms, comparison, family, fragility_curves, overturning_spectra, response
+from .figures.curves import accuracy, closed_forms, comparison, family, response
 from .figures.envelopes import bands
-from .figures.maps import outcome_map, two_measures
+from .figures.fragility_curves import fragility_curves, overturning_spectra, two_measures
+from .figures.maps import outcome_map
 from .figures.phase import phase
 from .figures.slices import of_record, record_spectra, slice_of, spectrum_lines
 from .rows import Rows, rows_of
 from .units import Units
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from ..documents.document import Document
-
-    Kind = tuple[set[str], Callable[[Figure, Rows, Units], list[Axes]]]
+Kind = tuple[set[str], Callable[[Figure, Rows, Units], list[Axes]]]
 DRAWN = "check, envelope, response, compare (curves), params (a family), fragility (curves, cells) or accuracy"
 
 

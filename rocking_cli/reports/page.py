@@ -7,15 +7,16 @@ every text of the user. jinja2 and matplotlib are the extra `report`.
 import base64
 import hashlib
 import platform
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from datetime import date
 from importlib import import_module
 from importlib.metadata import version
 from importlib.resources import files
+from operator import attrgetter
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -39,25 +40,25 @@ from ..spectra.file.reader import SpectraFile
 from ..spectra.sweep import SweepOptions, write_spectrum
 from ..structures import RockingParameters, build_structure, with_distinct_names
 from ..structures.kinds import sketch_of
-from .figures.canvas import FIGURE_UNITS, canvas, literal
+from .figures.canvas import FIGURE_UNITS, Figure, canvas, literal
 from .figures.capacities import capacities
-from .figures.curves import fragility_curves
 from .figures.drawing import structure_axes
+from .figures.fragility_curves import fragility_curves
 from .figures.maps import outcome_map
 from .overview import OVERVIEW, capacity_left, demand_plainly, overview_row, worst_of
 from .relations import parameter_rows
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 SIDE = 80  # values on each axis of a map
 LEVELS = 16  # PGA levels of a fragility curve
-HEADS = (
-    "structure", "motion", "model", "outcome", "θ max/α", "demand [g]", "uplift [g]", "overturns from [g]", "capacity over demand",
-    "safe up to [g]", "linear says", "friction needed", "least vertical force",
-)  # fmt: skip
+HEADS = {
+    "structure": "structure", "motion": "motion", "model": "model", "outcome": "sentence", "θ max/α": "theta_ratio",
+    "demand [g]": "demand_a", "uplift [g]": "uplift_a", "overturns from [g]": "first_overturning_a",
+    "capacity over demand": "capacity_demand", "safe up to [g]": "safe_to", "linear says": "outcome_linear.sentence",
+    "friction needed": "friction_needed", "least vertical force": "fz_min",
+}  # fmt: skip
+"""The columns of the table of verdicts, and the attribute of a verdict in each."""
 _PACKAGES = ("numpy", "scipy", "h5py", "matplotlib", "jinja2")
-Plan = Callable[["Figure"], object]
+Plan = Callable[[Figure], object]
 
 
 @dataclass(frozen=True)
@@ -108,7 +109,7 @@ def page(
             title=title or f"Rocking of {', '.join(s.structure.name for s in subjects)}",
             lead=f"{tally(verdicts)}, under {demand}." if summary else f"{tally(verdicts)}, under {motions}: {demand}.",
             overview=[_row(OVERVIEW, overview_row(mine), worst_of(mine)) for mine in of.values()] if summary else [],
-            verdicts=[_row(HEADS, _values(v), v) for v in verdicts],
+            verdicts=[_row(HEADS, attrgetter(*HEADS.values())(v), v) for v in verdicts],
             capacities=_image(folder, lambda figure: capacities(figure, verdicts, True)),
             structures=[_section(folder, one, verdicts, pulse, recordings, workers) for one in subjects],
             command=command,
@@ -195,25 +196,14 @@ def _section(
     }
 
 
-def _row(heads: Sequence[str], values: Sequence[str | float | None], v: Verdict) -> dict[str, Any]:
+def _row(heads: Iterable[str], values: Iterable[str | float | None], v: Verdict) -> dict[str, Any]:
     """The template's values for a row of a table of verdicts."""
-    cells = [
-        {"head": head, "text": _number(x, DEFAULT_GRAVITY if "[g]" in head else 1.0), "number": not isinstance(x, str)}
-        for head, x in zip(heads, values, strict=True)
-    ]
+    cells = []
+    for head, x in zip(heads, values, strict=True):
+        number = not isinstance(x, str)
+        text = "–" if x is None else x if isinstance(x, str) else f"{x / (DEFAULT_GRAVITY if '[g]' in head else 1.0):.4g}"
+        cells.append({"head": head, "text": text, "number": number})
     return {"falls": v.falls, "cells": cells}
-
-
-def _values(v: Verdict) -> tuple[str | float | None, ...]:
-    """The cells of HEADS."""
-    return (
-        v.structure, v.motion, v.model, v.sentence, v.theta_ratio, v.demand_a, v.uplift_a, v.first_overturning_a, v.capacity_demand,
-        v.safe_to, v.outcome_linear.sentence, v.friction_needed, v.fz_min,
-    )  # fmt: skip
-
-
-def _number(x: float | str | None, unit: float = 1.0) -> str:
-    return "–" if x is None else x if isinstance(x, str) else f"{x / unit:.4g}"
 
 
 def _image(folder: Path, plan: Plan) -> str:
@@ -248,7 +238,7 @@ def _map(
     write_spectrum([structure], motion, grid, path, method=method, quantities=beside, check=0, workers=workers, overwrite=True)
     with SpectraFile(path) as file:
 
-        def plan(figure: "Figure") -> None:
+        def plan(figure: Figure) -> None:
             figure.set_size_inches(8.4, 4.0)  # with the legend beside the map
             axes = figure.add_subplot()
             entries = outcome_map(axes, file, 0, FIGURE_UNITS)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from rocking_cli.reports.figures.curves import MEASURE_LABELS, fragility_curves
+from rocking_cli.reports.figures.fragility_curves import MEASURE_LABELS, fragility_curves
 from rocking_cli.reports.units import parse_units
 
 SITE = ("--pulses", "configs/motions/site_pulses.csv", "--levels", "0.2g:0.45g:4", "--bootstrap", "50")

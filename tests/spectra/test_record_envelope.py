@@ -14,7 +14,7 @@ from support.synthetic_records import recorded
 from rocking_cli import Axis, UsageError
 from rocking_cli.dynamics.references.general_solver import solve_cell
 from rocking_cli.motions.recording import Recording
-from rocking_cli.reports.figures.curves import overturning_spectra
+from rocking_cli.reports.figures.fragility_curves import overturning_spectra
 from rocking_cli.reports.units import Units
 from rocking_cli.spectra.record_envelope import NONE, Tracing, overturning_spectrum, tracing_records
 from rocking_cli.spectra.record_scene import angles_scene, structures_scene

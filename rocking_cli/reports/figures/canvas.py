@@ -4,8 +4,6 @@ The colours of Okabe and Ito are distinct for colour-blind readers; lines also d
 the extra `plot`.
 """
 
-from __future__ import annotations
-
 import io
 import re
 import warnings
@@ -23,8 +21,10 @@ from ..rows import Rows, column, groups
 from ..units import Units, parse_units
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from matplotlib.axes import Axes as Axes
+    from matplotlib.figure import Figure as Figure
+else:  # the names alone: matplotlib is loaded by what draws
+    Axes = Figure = Any
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))

@@ -8,12 +8,9 @@ from typing import TYPE_CHECKING
 
 from ...documents.quantities import DEFAULT_GRAVITY
 from ...dynamics.outcome import Outcome
-from .canvas import Look, canvas, literal
+from .canvas import Axes, Figure, Look, canvas, literal
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
     from ...responses.check import Verdict
     from ..rows import Rows
     from ..units import Units

@@ -1,19 +1,13 @@
 """Figures of a check by a code: the capacity curve a over d, the secants of its limit states, and the demand spectrum."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...documents.quantities import DEFAULT_GRAVITY
 from ...responses.code_check import SLC, SLV, CodeCheck
-from .canvas import Look, canvas, literal, panels
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+from .canvas import Axes, Look, canvas, literal, panels
 
 _PERIODS = np.geomspace(0.03, 1.0, 200)  # over the longest secant period, of the demand
 _FARTHEST = 3.0  # times the capacity, up to which the axes show a demand

@@ -1,28 +1,15 @@
-"""Tables drawn as lines: responses, comparisons, families, fragility curves, closed-form curves, accuracy."""
-
-from __future__ import annotations
+"""Tables drawn as lines: responses, comparisons, families, closed-form curves, accuracy."""
 
 import re
 from itertools import cycle
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...documents.quantities import headed
 from ...errors import UsageError
 from ..rows import Rows, column, groups
-from ..units import HEADING, Units, dimension_of
-from .canvas import DASHES, MARKERS, PLAIN, SOURCE, heading, label, legend, line_style, literal, series, valued, values
-from .hazards import with_hazard
+from ..units import HEADING, Units
+from .canvas import DASHES, MARKERS, SOURCE, Axes, Figure, heading, label, legend, line_style, literal, series, valued, values
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-MEASURE_LABELS = {
-    "Arias": "Arias intensity [m/s]", "CAV": "CAV [m/s]",
-    "nPGA": r"PGA/$(\lambda g)$ [-]", "nPGV": r"$p$ PGV/$(g \tan\alpha)$ [-]", "nPGD": r"$p^2$ PGD/$(g \tan\alpha)$ [-]",
-}  # fmt: skip
 _JUMP = 8.0  # a step so many times larger than its neighbours is a jump of the motion
 _MOVED = 0.02  # rad; a hinge that moves less between two members is still the same hinge
 _LEAP = 4.0  # times the median step
@@ -113,57 +100,6 @@ def closed_forms(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     return [axes]
 
 
-def fragility_curves(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """Draw a fragility curve with its confidence band and the observed fractions for each structure, limit state and method.
-
-    A curve is dashed beyond the last level of its fractions. A method without a fitted curve is drawn as steps of its fractions. Rows
-    with a hazard curve have it on a second axis, and the annual rate over x.
-    """
-    axes = figure.add_subplot()
-    im, keys = rows[0]["im"], ("structure", "limit_state", "method")
-    dimension = dimension_of(im.lower())
-    unit, factor = ("", 1.0) if dimension is None else units.of(dimension)
-    rows = [
-        {**row, "limit_state": row["limit_state"] if row["limit_state"] == "overturning" else f"θ/α > {row['limit_state']}"} for row in rows
-    ]
-    varied = [key for key in keys if len(groups(rows, key)) > 1]
-    lines = list(groups(rows, *keys).values())
-    for i, some in enumerate(lines):
-        x, p, share = column(some, "x") / factor, column(some, "probability"), column(some, "fraction")
-        told = [some[0][key] for key in varied] + [f"{float(some[0][key]):.2g} a year" for key in ("annual_rate",) if key in some[0]]
-        style: dict[str, Any] = {"color": f"C{i}", "label": literal(", ".join(told)) or None}
-        if np.all(np.isnan(p)):
-            axes.step(np.append(0.0, x), np.append(0.0, share), where="post", lw=1.0, **style)
-            continue
-        last = float(np.max(x[~np.isnan(share)], initial=0.0)) or float(x[-1])
-        axes.plot(x[x <= last], p[x <= last], **style)
-        axes.plot(x[x >= last], p[x >= last], color=style["color"], ls="--")
-        axes.fill_between(x, column(some, "low"), column(some, "high"), color=style["color"], alpha=0.15, lw=0.0)
-        axes.plot(x, share, ls="", marker=MARKERS[i % len(MARKERS)], ms=4.0, color=style["color"])
-    state = "limit state" if "limit_state" in varied else rows[0]["limit_state"]
-    title = literal(", ".join(rows[0][key] for key in keys if key not in varied and key != "limit_state"))
-    axes.set(xlabel=MEASURE_LABELS.get(im) or headed(im, PLAIN.get(unit, unit)), ylabel=f"P({state} | {im})", ylim=(0.0, 1.0), title=title)
-    axes.set_xlim(left=0.0)
-    if "hazard" in rows[0]:
-        with_hazard(axes, lines, factor)
-    legend(axes)
-    return [axes]
-
-
-def overturning_spectra(figure: Figure, rows: Rows, _: Units) -> list[Axes]:
-    """Draw the first overturning PGA over p: the median of the records as a line, 16 to 84 % as a band, for each critical angle."""
-    axes = figure.add_subplot()
-    for i, (group, some) in enumerate(groups(rows, "alpha").items()):
-        p = column(some, "p")
-        low, middle, high = (column(some, f"pga_ratio_{q}") for q in (16, 50, 84))
-        style = line_style(i) if group else {**line_style(i), "ls": "", "marker": MARKERS[i % len(MARKERS)]}
-        axes.plot(p, middle, label=rf"$\alpha$ = {np.degrees(float(group[0])):.3g}°" if group else None, **style)
-        axes.fill_between(p, low, high, color=style["color"], alpha=0.2, lw=0.0)
-    axes.set(xlabel=r"$p$ [rad/s]", ylabel=r"first overturning PGA/$(\lambda g)$ [-]")
-    legend(axes)
-    return [axes]
-
-
 def family(figure: Figure, rows: Rows, units: Units, over: str | None = None) -> list[Axes]:
     """Draw p, alpha, eta, lambda (and a_scale) over the first varied key, or over `KEY/KEY`; one line for each value of the others
     (Figs. 4 and 6).
@@ -174,9 +110,7 @@ def family(figure: Figure, rows: Rows, units: Units, over: str | None = None) ->
     varied = head[: head.index("name")] if "name" in head else []
     if not varied:
         raise UsageError("a family is drawn over the keys that were varied; this CSV holds no column of one")
-    x, xlabel, others = _abscissa(rows, varied, over)
-    for row, value in zip(rows, x, strict=True):
-        row[_X] = repr(float(value))
+    xlabel, others = _abscissa(rows, varied, over)
     keys = ["p", "alpha", "eta", "lambda", *(["a_scale"] if np.any(column(rows, "a_scale") != 1.0) else [])]
     figure.set_size_inches(10.5 if len(keys) > 4 else 7.2, 5.2)
     panels = list(figure.subplots(2, (len(keys) + 1) // 2, sharex=True).ravel())
@@ -207,12 +141,10 @@ def least_amplitudes(figure: Figure, rows: Rows, units: Units, over: str | None 
     """
     y = next(key for key in ("first_overturning_a", "a_from", "A_from") if key in rows[0])
     varied = [heading for heading in rows[0] if heading.startswith(VARIED)]
-    x, xlabel, others = _abscissa(rows, varied, over)
+    xlabel, others = _abscissa(rows, varied, over)
     frequency = next((key for key in ("omega_g", "Omega") if rows[0].get(key)), "")
-    for row, value in zip(rows, x, strict=True):
-        row[_X] = repr(float(value))
-        if frequency:  # its last digits differ between structures
-            row[frequency] = f"{float(row[frequency]):.9g}"
+    for row in rows if frequency else ():  # its last digits differ between structures
+        row[frequency] = f"{float(row[frequency]):.9g}"
     axes, demands = figure.add_subplot(), set[float]()
     places = [key for key in ("motion", "record", frequency, "model") if len(groups(rows, key)) > 1]
     for i, (group, some) in enumerate(groups(rows, *others, *places).items()):
@@ -229,21 +161,25 @@ def least_amplitudes(figure: Figure, rows: Rows, units: Units, over: str | None 
     return [axes]
 
 
-def _abscissa(rows: Rows, varied: list[str], over: str | None) -> tuple[np.ndarray, str, list[str]]:
-    """(values, label, other columns) of the abscissa; the other columns are constant along a line. Raises UsageError."""
+def _abscissa(rows: Rows, varied: list[str], over: str | None) -> tuple[str, list[str]]:
+    """Add the column _X of the abscissa to the rows; return its label and the other columns, which are constant along a line. Raises
+    UsageError."""
     names = {heading.partition(" [")[0].removeprefix(VARIED): heading for heading in varied}
     keys = next(iter(names)).split("/") if over is None else over.split("/")
     if len(keys) > 2 or any(key not in names for key in keys):
         more = "; a key of one value is varied too, as in height=2:2:1" if len(keys) == 2 else ""
         raise UsageError(f"`over`: found {over!r}; expected {', '.join(names)}, or one over another, such as KEY/KEY{more}")
-    numbers, headings = [column(rows, names[key]) for key in keys], [names[key] for key in keys]
-    others = [heading for heading in varied if heading not in headings]
-    if len(keys) == 1:
-        return numbers[0], headings[0].removeprefix(VARIED).replace("_", " "), others
-    units = [(HEADING.fullmatch(heading) or {"unit": ""})["unit"] for heading in headings]
-    if units[0] != units[1]:
-        raise UsageError(f"`over`: {keys[0]} is in {units[0]} and {keys[1]} in {units[1]}; expected one unit for both")
-    return numbers[0] / numbers[1], f"{' / '.join(keys).replace('_', ' ')} [-]", [headings[1], *others]
+    headings = [names[key] for key in keys]
+    x, *divisor = (column(rows, heading) for heading in headings)
+    text, others = headings[0].removeprefix(VARIED).replace("_", " "), [heading for heading in varied if heading not in headings]
+    if divisor:
+        units = [(HEADING.fullmatch(heading) or {"unit": ""})["unit"] for heading in headings]
+        if units[0] != units[1]:
+            raise UsageError(f"`over`: {keys[0]} is in {units[0]} and {keys[1]} in {units[1]}; expected one unit for both")
+        x, text, others = x / divisor[0], f"{' / '.join(keys).replace('_', ' ')} [-]", [headings[1], *others]
+    for row, value in zip(rows, x.tolist(), strict=True):
+        row[_X] = repr(value)
+    return text, others
 
 
 def _broken(some: Rows, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

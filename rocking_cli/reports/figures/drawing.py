@@ -1,12 +1,10 @@
 """Drawings of structures to scale: bodies at rest and at alpha, pivots or numbered hinges, mass centre, alpha, and cracks."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from textwrap import fill
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...documents.document import Document
 from ...errors import DocumentError
@@ -15,10 +13,7 @@ from ...structures.kinds import sketch_of
 from ...structures.parameters import weaker_side
 from ...structures.sketch import Outline, Point, Sketch, rectangle
 from ..units import Units
-from .canvas import MOST_ACROSS, Look, canvas, literal, panels
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+from .canvas import MOST_ACROSS, Axes, Look, canvas, literal, panels
 
 _WIDTH = 4.2  # inches, of a panel
 _NAME = 48  # characters of a line of a name above it

@@ -1,21 +1,15 @@
 """Overturning envelopes: intervals of amplitude over frequency, size or record, one panel for each structure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...dynamics.outcome import Outcome
 from ..rows import Rows, groups
 from ..units import Units
-from .canvas import heading, label, legend, literal, panels, valued, values
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+from .canvas import Axes, Figure, heading, label, legend, literal, panels, valued, values
 
 _MODES = {o.mode: o for o in Outcome}
 _APART = ("structure", "record", "alpha", "sign", "model")  # each combination of their values has its panel

@@ -1,8 +1,6 @@
-"""Overturning maps: the outcome of every cell of a spectra file, with its closed-form curves; fragility over two measures."""
+"""Overturning maps: the outcome of every cell of a spectra file, with its closed-form curves."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -10,14 +8,9 @@ from ...dynamics.method import LINEAR
 from ...dynamics.outcome import Difference, Outcome
 from ...errors import UsageError
 from ...spectra.file.reader import SpectraFile
-from ..rows import Rows, groups
 from ..units import Units
-from .canvas import DASHES, label, legend, literal, panels, titled, values
+from .canvas import DASHES, Axes, label, literal, titled
 from .slices import plane
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 _OMEGAS = 80  # points of a curve
 _END = 40  # points between the two in which it ends
@@ -127,33 +120,3 @@ def _named(axes: Axes, text: str, x: np.ndarray, y: np.ndarray, along: float) ->
         at = inside[int(along * (inside.size - 1))]
         axes.annotate(text, (x[at], y[at]), ha="center", va="center", fontsize="x-small",
                       bbox={"facecolor": "w", "edgecolor": "none", "alpha": 0.75, "pad": 0.6})  # fmt: skip
-
-
-def two_measures(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """Draw the fragility over PGA and PGV/PGA, a panel for each structure: the cells, and lines of equal probability of overturning,
-    P = Phi(a + b ln PGA + c ln(PGV/PGA)) of the largest likelihood."""
-    from matplotlib.ticker import LogLocator, NullFormatter
-    from scipy.optimize import minimize
-    from scipy.special import log_ndtr, ndtr, ndtri
-
-    found = groups(rows, "structure")
-    drawn = panels(figure, len(found))
-    for axes, ((name,), some) in zip(drawn, found.items(), strict=True):
-        known = [row for row in some if row["outcome"] != Outcome.FAILED.flag]
-        x, y = (values(known, key, units) for key in ("pga", "pgv_pga"))
-        sign = np.array([1.0 if Outcome[row["outcome"].upper()].falls else -1.0 for row in known])
-        for fell, text, mark in ((1.0, "falls", "xC1"), (-1.0, "stands", ".C0")):
-            axes.plot(x[sign == fell], y[sign == fell], mark, ls="", ms=4.0, label=text)
-        terms = np.stack([np.ones(x.size), np.log(x), np.log(y)])
-        fit = minimize(lambda q, terms=terms, sign=sign: -log_ndtr(sign * (q @ terms)).sum(), np.zeros(3))
-        grid = np.meshgrid(np.geomspace(x.min(), x.max(), 80), np.geomspace(y.min(), y.max(), 80))
-        levels = [0.1, 0.5, 0.9] if fit.fun > 1e-2 else [0.5]  # cells that one line parts have no more than that line
-        u = fit.x[0] + fit.x[1] * np.log(grid[0]) + fit.x[2] * np.log(grid[1])
-        axes.clabel(axes.contour(*grid, u, ndtri(levels), colors="0.2"), fmt=lambda u: f"P = {ndtr(u):.2g}", fontsize="x-small")
-        axes.set(xscale="log", yscale="log", xlabel=label("pga", units), ylabel=label("pgv_pga", units), title=literal(name))
-        for axis in (axes.xaxis, axes.yaxis):
-            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-            axis.set_major_formatter("{x:g}")
-            axis.set_minor_formatter(NullFormatter())
-        legend(axes)
-    return drawn

@@ -1,9 +1,6 @@
 """The phase portrait of a response, with the separatrix of its equation."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,11 +12,7 @@ from ...structures import build_structure
 from ...structures.parameters import dimensionless_oscillator
 from ..rows import Rows, column
 from ..units import Units
-from .canvas import heading, label, legend, line_style
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+from .canvas import Axes, Figure, heading, label, legend, line_style
 
 _ALIKE = 1e-6  # of alpha: those of both sides, which the rows have to their last digits
 

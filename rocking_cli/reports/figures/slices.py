@@ -4,28 +4,20 @@ Bars mark the overturning intervals. In a quantile a cell that overturns or lose
 quantile is infinite. The quantiles are observed values (the inverse of the empirical distribution), without interpolation.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from ...documents.quantities import parse_quantity
 from ...dynamics.method import LINEAR
 from ...dynamics.outcome import Outcome, falls
 from ...errors import UsageError
+from ...motions.grid import parse_axes
 from ...spectra.file.reader import SpectraFile
 from ..units import Units
-from .canvas import PANEL, SYMBOLS, label, legend, line_style, literal, titled, valued
+from .canvas import PANEL, SYMBOLS, Axes, Figure, label, legend, line_style, literal, titled, valued
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-_REQUESTS = {"f_g": ("omega_g", "frequency"), "T_g": ("omega_g", "time"), "p": ("T", "angular frequency")}
-_DIMENSIONS = {"a_g": "acceleration", "omega_g": "angular frequency", "T": "time", "alpha": "angle"}
 _SLACK = 1e-5  # rounding of a printed end value
 SHARES = (0.16, 0.5, 0.84)
 _LEVELS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0)
@@ -52,17 +44,14 @@ class Slice:
 
 def slice_of(file: SpectraFile, cut: str) -> Slice:
     """The cells nearest to `NAME=VALUE`; NAME is an axis of the file, or f_g, T_g or p. Raises UsageError."""
-    key, _, text = (x.strip() for x in cut.partition("="))
     rows, columns = list(file.frame.dimensions.items())[1:]
     axes = {name: np.asarray(values) for name, values in (rows, columns) if not isinstance(values, list)}
-    name, dimension = _REQUESTS.get(key, (key, _DIMENSIONS.get(key, "number")))
     try:
-        value = parse_quantity(text, dimension)
-        value = 2.0 * math.pi * value if key == "f_g" else 2.0 * math.pi / value if key in ("T_g", "p") else value
-        values = axes[name]
+        ((name, axis),) = parse_axes(cut, records=file.frame.of_records).items()
+        (value,), values = axis.values, axes[name]
         if not values[0] * (1.0 - _SLACK) <= value <= values[-1] * (1.0 + _SLACK):
             raise ValueError
-    except (KeyError, ValueError, ZeroDivisionError):
+    except (KeyError, ValueError, UsageError):
         wanted = " or ".join(_accepted(name, values) for name, values in axes.items())
         raise UsageError(f"`slice`: found {cut!r}; expected {wanted}") from None
     at = int(np.abs(values - value).argmin())
