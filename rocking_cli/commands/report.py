@@ -32,7 +32,7 @@ def report(
     """
     from ..dynamics.outcome import Outcome
     from ..publishing import check_target
-    from ..reports.page import Subject, demand_extra, write_page
+    from ..reports.page import Subject, write_page
     from ..responses.check import tally
     from ..structures import build_structure, with_distinct_names
 
@@ -42,7 +42,6 @@ def report(
     shakes = shaken.needed()
     check_target(output, overwrite, (".html", ".htm"))
     options.refuse_own_input(output, shaken.recordings)
-    demand_extra()
     structures = with_distinct_names([build_structure(document) for document in documents])
     options.remark_on(structures)
     verdicts = write_page(

@@ -69,7 +69,7 @@ class Subject:
     structure: RockingParameters
 
 
-def demand_extra() -> None:
+def _demand_extra() -> None:
     """Raise OutputError if a package of the extra `report` is not installed."""
     for package in ("jinja2", "matplotlib"):
         try:
@@ -89,9 +89,7 @@ def page(
     of the demand; vertical: name or file of the vertical motion; demand: the strength of the shaking in words; title: None for the names
     of the structures; summary: a first page with a sentence on each structure, and a list of contents, stand before the details;
     by_capacity: the structures with the least capacity come first.
-    Raises OutputError if jinja2 or matplotlib is not installed.
     """
-    demand_extra()
     from jinja2 import Environment, StrictUndefined
 
     template = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True).from_string(
@@ -146,7 +144,9 @@ def write_page(
     subjects: Sequence[Subject], shakes: Sequence[tuple[Motion, Grid]], target: str | Path, *, recordings: Sequence[Recording],
     overwrite: bool, workers: int | None, summary: bool, vertical: str | None = None, progress: Progress | None = None, **given: Any,
 ) -> list[Verdict]:  # fmt: skip
-    """Check the structures under motions with their demands, write the page and return the verdicts; given: more arguments of `page`."""
+    """Check the structures under motions with their demands, write the page and return the verdicts; given: more arguments of `page`.
+    Raises OutputError if jinja2 or matplotlib is not installed."""
+    _demand_extra()
     verdicts = check_all([(one.structure, *shake) for shake in shakes for one in subjects], workers=workers, progress=progress)
     demand = demand_plainly(shakes, vertical) if summary else demand_in_words(shakes)
     pulse = None if recordings else shakes[0]

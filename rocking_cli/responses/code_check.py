@@ -7,7 +7,7 @@ A limit state is reached at the amplitude whose spectrum demands the displacemen
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -132,15 +132,14 @@ def code_check(
     else:
         raise UsageError("no demand; expected a motion, or the spectrum of a site")
     demand = FloorSpectrum(demand, tuple(floor)) if floor else demand
-    curves, uplifts, limits = capacity_curves(structure), [], []
-    for curve in curves:
+    found = []
+    for curve in capacity_curves(structure):
         factor = structure.gravity / (curve.e_star * confidence)
-        uplifts.append(amplitude * factor * float(curve.multiplier[0]) / demand.peak)
-        limits.append([_reached(curve, factor, state, demand, amplitude, uplifts[-1]) for state in (SLV, SLC)])
-    slv, slc = (min(found, key=lambda one: one.amplitude) for found in zip(*limits, strict=True))
-    curve = curves[[one for one, _ in limits].index(slv)]
-    factor = structure.gravity / (curve.e_star * confidence)
-    return CodeCheck(structure.name, name, amplitude, factor, Q * min(uplifts), slv, slc, curve, demand, bool(floor))
+        uplift = amplitude * factor * float(curve.multiplier[0]) / demand.peak
+        slv, slc = (_reached(curve, factor, state, demand, amplitude, uplift) for state in (SLV, SLC))
+        found.append(CodeCheck(structure.name, name, amplitude, factor, Q * uplift, slv, slc, curve, demand, bool(floor)))
+    weakest = min(found, key=lambda one: one.slv.amplitude)
+    return replace(weakest, linear=min(one.linear for one in found), slc=min((one.slc for one in found), key=lambda at: at.amplitude))
 
 
 def _reached(curve: CapacityCurve, factor: float, state: LimitState, demand: Spectrum, amplitude: float, uplift: float) -> Reached:
