@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support.references import lanes
 
-from rocking_cli import LinearEquation, Method, Motion, RigidBodyEquation, cosine, response, sine
+from rocking_cli import LinearEquation, Method, Motion, response
 from rocking_cli.dynamics.contacts.contact import OneSided, Symmetric, Unequal
 from rocking_cli.motions import Piece
 from rocking_cli.structures.parameters import RockingParameters, Side
@@ -19,13 +19,6 @@ def cells(contact=None, amplitude=2.0, eta=0.8, equation=None):
     amplitude = np.atleast_1d(np.asarray(amplitude, dtype=float))
     sized = amplitude, np.full(amplitude.size, 3.0), np.full(amplitude.size, eta)
     return (contact or Symmetric()).cells(equation or LinearEquation(), *sized)
-
-
-def first_uplift(contact, motion, held):
-    """(segment, phase from the start of the motion, side, force) of the first uplift of a body at rest."""
-    found = contact.uplift(held, motion.segments, np.array([0]), np.array([0]), np.zeros(1))
-    start = np.append(motion.segments.start, motion.duration)
-    return int(found.k[0]), float(start[found.k[0]] + found.u[0]), float(found.side[0]), float(found.b[0])
 
 
 def march(y, v, eta):
@@ -53,47 +46,6 @@ def test_free_motion_equals_marching():
         assert overturns == (free.overturns[i] or free.overturns_after_impact[i])
         if not overturns and v[i] > 0:
             assert free.peak[i] == pytest.approx(peak, abs=2e-3)
-
-
-def test_a_rigid_body_lifts_at_the_tangent_of_alpha():
-    """A = a_g/(alpha g), and the body lifts at a_g = g tan(alpha) (Eq. 2.2)."""
-    lift = np.tan(0.4) / 0.4
-    held = cells(amplitude=[0.999 * lift, 1.001 * lift], equation=RigidBodyEquation(0.4))
-    strongest = Symmetric().strongest(held, sine().segments)
-    assert strongest[0] < 1.0 < strongest[1]
-
-
-@pytest.mark.parametrize("amplitude", [1.0 + 1e-12, 1.3, 40.0])
-def test_uplift_under_a_sine_is_at_the_arcsine(amplitude):
-    """Omega tau_1 = arcsin(1/A), against the ground's push."""
-    found = first_uplift(Symmetric(), sine(), cells(amplitude=amplitude))
-    assert found == (0, pytest.approx(np.arcsin(1.0 / amplitude), rel=1e-14, abs=0), -1.0, 0.0)
-
-
-def test_a_jump_of_the_ground_lifts_at_once_and_with_force():
-    assert first_uplift(Symmetric(), cosine(1), cells(amplitude=1.7)) == (0, 0.0, -1.0, pytest.approx(0.7, rel=1e-14, abs=0))
-
-
-def test_only_a_ground_acceleration_towards_the_backing_lifts_a_one_sided_body():
-    """Under a sine the second half cycle does: phase pi + arcsin(1/A), to the right."""
-    contact, held, half = OneSided(), cells(OneSided(), eta=-0.6), sine(0.5)
-    assert first_uplift(contact, sine(), held)[1:3] == (pytest.approx(math.pi + math.asin(0.5), rel=1e-14, abs=0), 1.0)
-    assert contact.strongest(held, half.segments)[0] == 0.0
-    assert first_uplift(contact, half, held)[0] == len(half.segments)
-
-
-def test_an_impact_turns_the_side_the_drive_and_a_part_of_the_speed():
-    body = lanes(side=[1.0, -1.0], eta=0.8)
-    Symmetric().strike(cells(amplitude=[2.0, 2.0]), body, np.array([-0.5, -1.5]), np.array([-0.25, -3.0]))
-    assert body.side.tolist() == [-1.0, 1.0]
-    assert body.v.tolist() == [0.8 * 0.5, 0.8 * 1.5]
-    assert (body.b + 1.0).tolist() == [-0.75, 2.0]  # a = 0.75 and -2 before
-
-
-def test_an_impact_returns_a_one_sided_body_to_its_side():
-    body = lanes(eta=0.6)
-    OneSided().strike(cells(OneSided(), eta=-0.6), body, np.array([-0.5]), np.array([-1.75]))
-    assert (body.side[0], body.v[0], body.b[0]) == (1.0, 0.3, -1.75)
 
 
 @pytest.mark.parametrize(("contact", "force"), [(Symmetric(), -0.7), (OneSided(), -1.4)], ids=["equal", "one side"])
@@ -139,28 +91,6 @@ def test_impacts_that_take_nothing_take_nothing_in_the_units_of_the_edges_either
         contact = Method(model).system_of(RockingParameters.of_sides("body", "prism", left, right)).contact
         products.add(contact.eta[0] * contact.eta[1])
     assert products == {1.0}
-
-
-def test_the_weaker_edge_lifts_first_whichever_way_the_ground_moves_first():
-    system = Method().system_of(BODY)
-    cells = system.contact.cells(system.equation, np.array([1.2]), np.array([4.0]), np.array([0.9]))
-    pushed = [system.contact.uplift(cells, m.segments, np.array([0]), np.array([0]), np.zeros(1)) for m in (sine(), sine().scaled(-1.0))]
-    # The stronger edge would need A = 1.5: mirrored, the first half cycle passes without uplift.
-    assert [p.side[0] for p in pushed] == [-1.0, -1.0]
-    assert pushed[0].u[0] == pytest.approx(math.asin(1.0 / 1.2), rel=1e-14, abs=0)
-    assert pushed[1].k[0] > 0
-
-
-def test_an_impact_carries_energy_over_to_the_units_of_the_other_edge():
-    """|theta'| in rad/s: eta times as fast after as before; theta of the peak is the same angle over its own alpha."""
-    contact = Method().system_of(BODY).contact
-    body = lanes(side=-1.0, eta=contact.eta[1], amplitude=2.0 * contact.drive[1], omega=4.0)
-    cells = contact.cells(None, np.array([2.0]), np.array([4.0]), np.array([0.5]))
-    contact.strike(cells, body, np.array([-0.6]), np.array([-1.2]))
-    assert body.side[0] == 1.0
-    assert body.v[0] * 0.3 * 1.6 == pytest.approx(0.9 * 0.6 * 0.2 * 2.0, rel=1e-14, abs=0)
-    assert (body.amplitude[0], body.omega[0], body.eta[0]) == (cells.amplitude[0, 0], cells.omega[0, 0], contact.eta[0])
-    assert body.b[0] + 1.0 == pytest.approx(0.2 * 0.2 / 0.3, rel=1e-13, abs=0)  # the drive -0.2 of the left edge, the other way round
 
 
 def test_a_second_impact_after_the_shaking_may_be_the_one_that_overturns():

@@ -16,7 +16,7 @@ from rocking_cli.dynamics.march import batch, closings
 from rocking_cli.motions.blocks import blocks
 from rocking_cli.motions.polyline import Polyline
 
-MOTIONS = [sine(), sine(3), cosine(1.5), pulse("rectangular"), pulse("ricker-symmetric"), pulse("mavroeidis-papageorgiou")]
+MOTIONS = [sine(), sine(3), pulse("ricker-symmetric"), pulse("mavroeidis-papageorgiou")]  # under which some settle
 
 
 def test_what_a_motion_varies_later_is_counted_with_its_jumps():
@@ -37,7 +37,7 @@ def test_marching_on_finds_the_same_peak(motion, monkeypatch):
     marched = linear_response(motion, amplitude, omega, eta)
     np.testing.assert_array_equal(settled.outcome, marched.outcome)
     np.testing.assert_array_equal(settled.theta_ratio, marched.theta_ratio)
-    assert marched.work.steps >= settled.work.steps
+    assert marched.work.steps > settled.work.steps
     assert np.all(settled.impacts <= marched.impacts)
 
 

@@ -135,18 +135,6 @@ def test_marks_have_the_values_of_the_patches():
         assert np.abs(values - table.slope(function, y)).max() < 1e-10
 
 
-def test_no_bit_of_a_lane_depends_on_the_others():
-    """2049 lanes: a block, and one lane more."""
-    equation = MechanismEquation(mechanism("voussoirs"))
-    segments = System(equation).segments(sine())
-    lanes = lanes_of(equation, segments, 2049, 5)
-    whole = equation.flow(segments, lanes)
-    for some in (np.arange(2000, 2049), np.array([2048]), np.array([17])):
-        part = equation.flow(segments, lanes.take(some))
-        assert np.array_equal(part.terms, whole.terms[:, some])
-        assert np.array_equal(part.longest, whole.longest[some])
-
-
 def test_series_of_taylor_end_where_their_patch_was_fitted():
     """Beyond it they converge to what the polynomial of the patch is there, which is not the linkage's."""
     equation = MechanismEquation(mechanism("voussoirs"), 1e-12)

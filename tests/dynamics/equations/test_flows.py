@@ -103,18 +103,6 @@ def test_a_short_arc_from_rest_keeps_its_digits():
     assert np.abs(found.v / wanted[1] - 1.0).max() < 2e-14
 
 
-@pytest.mark.parametrize("lanes", [1, 2, 3, 7])
-def test_the_digits_of_a_lane_are_its_own(lanes):
-    ratios, *state, h = arcs(40, harmonics=22)
-    flow = SummedFlow.of(*state, ratios)
-    together = flow.at(h)
-    for first in range(0, 35, 5):
-        some = np.arange(first, first + lanes)
-        assert all(np.array_equal(x, z[some]) for x, z in zip(flow.take(some).at(h[some]), together, strict=True))
-        own = SummedFlow.of(*(x[..., some] for x in state), ratios)
-        assert all(np.array_equal(x, z[..., some]) for x, z in zip(own[:-2], flow[:-2], strict=True))
-
-
 def test_frequencies_far_apart_are_left_to_the_flow_that_keeps_them_apart():
     assert can_be_summed(pulse("ricker-symmetric").segments)
     assert can_be_summed(pulse("mavroeidis-papageorgiou").segments)

@@ -8,7 +8,6 @@ from scipy.integrate import quad, solve_ivp
 from support.documents import built
 
 from rocking_cli import Method, Outcome, cosine, linear_response, pulse, sine
-from rocking_cli.dynamics.equations.linear import LinearEquation
 from rocking_cli.dynamics.equations.mechanism import MechanismEquation
 from rocking_cli.dynamics.response import response
 from rocking_cli.dynamics.system import System
@@ -47,33 +46,12 @@ def test_tables_are_the_linkage_to_rounding(arch):
     assert MechanismEquation(arch.mechanism).top == pytest.approx(expected, rel=1e-10, abs=0)
 
 
-def test_patches_meet_and_begin_at_rest(oppenheim):
-    table = MechanismEquation(oppenheim.mechanism).table
-    inner = table.edges[1:-1]
-    for function in (table.lift, table.push, table.turn, table.work, table.thrust):
-        before, after = (table.value(function, y) for y in (np.nextafter(inner, 0.0), inner))
-        assert np.abs(after - before).max() < 40 * EPS * max(1.0, np.abs(after).max()) + 1e-13  # 1e-13: two fits of the linkage
-    for function in (table.turn, table.work, table.thrust):
-        assert table.value(function, np.zeros(1)) == 0.0
-
-
 def test_work_is_the_integral_of_the_force(oppenheim):
     table = MechanismEquation(oppenheim.mechanism).table
     y = np.random.default_rng(1).uniform(0.0, table.edges[-1], 500)
     for integral, function in ((table.work, table.lift), (table.thrust, table.push)):
         there = table.value(function, y)
         assert np.abs(table.slope(integral, y) - there).max() < 1e-13 * np.abs(there).max()
-
-
-def test_series_about_a_point_have_the_values_beside_it(oppenheim):
-    equation = MechanismEquation(oppenheim.mechanism)
-    table, random = equation.table, np.random.default_rng(2)
-    y = random.uniform(0.0, 0.9 * equation.limit, 300)
-    at, x = table.of(y)
-    beside = y + random.uniform(-0.1, 0.1, 300) * table.half[at]
-    powers = ((beside - y) / table.half[at]) ** np.arange(19)[:, None]
-    for series, function in zip(equation._local(at, x, 19), (table.lift, table.push), strict=True):
-        assert np.abs((series * powers).sum(axis=0) - table.value(function, np.abs(beside))).max(initial=0.0, where=beside > 0.0) < 1e-13
 
 
 @pytest.mark.parametrize("start", [0.1, 0.5, 0.9])
@@ -155,10 +133,6 @@ def test_an_arch_that_barely_moves_is_its_linear_oscillator():
     linear = linear_response(sine(), amplitude, omega, 0.8)
     assert found.outcome.tolist() == linear.outcome.tolist() == [Outcome.ROCKED] * 3
     assert found.theta_ratio == pytest.approx(linear.theta_ratio, rel=0.05, abs=0)
-
-
-def test_linear_quarter_period_is_its_closed_form():
-    assert quarter_period(System(LinearEquation()), 0.6) == pytest.approx(math.acosh(1.0 / 0.4), rel=1e-14, abs=0)
 
 
 @pytest.mark.parametrize(("thickness", "angle"), [(0.8, 100), (0.795, 100), (0.801, 101), (2.0, 140), (0.5, 90)])

@@ -20,31 +20,6 @@ def exponentials(order, unit, growth=1.0):
     return taylor.TaylorSeries(terms, unit, np.ones(unit.size), 1.0 / unit)
 
 
-def test_powers_are_powers():
-    x = np.array([1e-3, 0.3, 1.0, 1.9])
-    rows = taylor.powers(x, 30)
-    assert rows.shape == (30, 4)
-    assert rows == pytest.approx(np.array([x**n for n in range(30)]), rel=40 * EPS, abs=0)
-
-
-def test_a_series_has_the_derivatives_of_its_function():
-    """exp is its own derivative, whatever the unit; at the start as well."""
-    arc = exponentials(30, [0.1, 0.5, 2.0])
-    for h in (0.0, 1e-6, 0.3, 1.0):
-        point = arc.at(np.full(3, h))
-        for value in point:
-            assert value == pytest.approx(np.full(3, math.exp(h)), rel=1e-13)
-    assert (arc.y, arc.v, arc.b) == tuple(pytest.approx(np.ones(3), rel=4 * EPS) for _ in range(3))
-
-
-def test_one_lane_is_the_same_lane_among_others():
-    arc, h = exponentials(25, np.linspace(0.1, 2.0, 7)), np.linspace(0.05, 0.9, 7)
-    together = arc.at(h)
-    for i in range(7):
-        alone = arc.take(np.array([i])).at(h[i : i + 1])
-        assert [x[0] for x in alone] == [x[i] for x in together]
-
-
 @pytest.mark.parametrize("n", [3, 4, 5, 12])
 def test_how_far_a_term_is_bent_from_the_chord_is_the_most_that_it_is(n):
     terms, h, unit = np.zeros((13, 2)), np.array([0.7, 1.3]), np.array([0.5, 2.0])

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from support.documents import built
 from support.references import INTERVALS, LADDER, MIXED, integrated
-from support.synthetic_records import allowance
+from support.synthetic_records import RECORDS, allowance, shaken
 
 from rocking_cli import Method, Motion, Outcome, RockingParameters, cosine, linear_response, pulse, response, sine
 from rocking_cli.dynamics.march.engine import Run
@@ -85,11 +85,13 @@ BLOCK = RockingParameters("b", "block", 2.0, 0.25, 0.9, math.tan(0.25), 1.0)
     ("body", "model", "motion", "count"),
     [
         (BLOCK, "linear", sine(1.5), 200),
+        (BLOCK, "linear", pulse("ricker-symmetric"), 40),
+        (BLOCK, "linear", shaken(RECORDS[0], 0.03), 12),
         (BLOCK, "nonlinear", sine(1.5), 40),
         (BLOCK, "nonlinear", with_vertical(sine(2), cosine(3), 0.5), 4),
         (built(ARCH), "nonlinear", sine(), 30),
     ],
-    ids=["linear", "rigid body", "weighed", "arch"],
+    ids=["linear", "many sinusoids", "record", "rigid body", "weighed", "arch"],
 )
 def test_one_lane_equals_the_same_lane_in_a_batch_to_the_last_bit(body, model, motion, count):
     random, system = np.random.default_rng(3), Method(model).system_of(body)

@@ -49,20 +49,6 @@ def test_impacts_are_found_to_rounding_with_their_velocity():
     assert np.all(v <= 0.0)
 
 
-def test_a_root_at_the_very_end_of_its_bracket_is_found():
-    arc = Polynomial([[1.0], [0.0], [-1.0], [0.0]])  # 1 - h^2
-    for high in (1.0, np.nextafter(1.0, 2.0)):
-        h, v = impact_root(arc, np.zeros(1), np.array([high]), np.array([0.5]))
-        assert h[0] == pytest.approx(1.0, abs=2 * EPS)
-        assert v[0] == pytest.approx(-2.0, rel=1e-14)
-
-
-def test_a_body_that_starts_on_the_ground_strikes_where_it_returns():
-    arc = Polynomial([[0.0], [1e-9], [-1.0], [0.0]])  # h (1e-9 - h)
-    h, v = impact_root(arc, np.zeros(1), np.ones(1), np.array([0.7]))
-    assert (h[0], v[0]) == (pytest.approx(1e-9, rel=4 * EPS, abs=0), pytest.approx(-1e-9, rel=1e-12, abs=0))
-
-
 @pytest.mark.parametrize("sense", [1.0, -1.0])
 def test_turning_points_are_found_with_the_height_there(sense):
     """y' = -sense (h - t)(h + 1)(1 + h^2/9): the only turn is at t; y there is exact to the second order of what is left."""
@@ -75,32 +61,6 @@ def test_turning_points_are_found_with_the_height_there(sense):
     expected = arc.at(turn).y
     assert np.abs(h - turn).max() < 1e-8
     assert np.abs(y - expected).max() < 4.0 * EPS * np.abs(arc.terms).sum(axis=0).max() * 4.0**5
-
-
-def test_no_digit_depends_on_the_neighbours():
-    random = np.random.default_rng(3)
-    root = random.uniform(0.01, 2.0, 60)
-    arc = falling(root, root + 0.7, 60)
-    low, high = np.zeros(60), root + 0.5
-    together = impact_root(arc, low, high, 0.3 * high)
-    turns = turning_point(arc, root + 0.01, root + 0.69, root + 0.2, -1.0)
-    for i in range(60):
-        one = slice(i, i + 1)
-        alone = impact_root(arc.take(np.array([i])), low[one], high[one], 0.3 * high[one])
-        assert [x[0] for x in alone] == [x[i] for x in together]
-        alone = turning_point(arc.take(np.array([i])), root[one] + 0.01, root[one] + 0.69, root[one] + 0.2, -1.0)
-        assert [x[0] for x in alone] == [x[i] for x in turns]
-
-
-def test_nothing_is_evaluated_where_no_lane_has_a_root():
-    none = np.zeros(0)
-
-    class Idle(Polynomial):
-        def at(self, h):
-            raise AssertionError("an evaluation without a lane")
-
-    arc = Idle(np.zeros((3, 0)))
-    assert [x.size for x in (*impact_root(arc, none, none, none), *turning_point(arc, none, none, none, 1.0))] == [0, 0, 0, 0]
 
 
 @pytest.mark.parametrize("bent", [0.05, 0.5, 4.0])  # hardly, monotone, with several turns

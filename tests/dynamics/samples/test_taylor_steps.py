@@ -137,6 +137,13 @@ def test_lemma_12_a_step_that_is_taken_holds_no_impact_and_no_higher_peak(equati
     unit = 10.0 ** random.uniform(-2.5, -0.3, count)
     y, v = 10.0 ** random.uniform(-5.0, 0.0, count), random.uniform(-1.0, 1.0, count) * 10.0 ** random.uniform(-3.0, 0.0, count)
     drive, gain = random.uniform(-4.0, 4.0, (2, count))
+    gain[::2] += 4.0
+    # Half of them come down to the ground, or nearly, within the step, and rise again before its end.
+    turn, depth, bend, more = random.uniform(0.3, 0.9, count), random.uniform(-0.1, 0.1, count), unit**2 * (drive - 1.0), unit**2 * gain
+    hop = -(bend * turn + 0.5 * more * turn**2)
+    height = depth * unit**2 - hop * turn - 0.5 * bend * turn**2 - more * turn**3 / 6.0
+    dips = (np.arange(count) % 2 == 0) & (height > 0.0) & (bend + more * turn > 0.0)
+    y, v = np.where(dips, height, y), np.where(dips, hop / unit, v)
     degree = degrees(np.full(count, 10.0) + np.abs(gain) / unit, (1.6 if weighed else 1.0) * unit, equation.tolerance)
     weight, then = np.random.default_rng(4).uniform(0.0, 2.5, (2, count))
     ramp = Ramp(drive, gain, unit, factors_for(unit, degree), weight=(weight, then - weight) if weighed else None)
@@ -148,7 +155,7 @@ def test_lemma_12_a_step_that_is_taken_holds_no_impact_and_no_higher_peak(equati
     assert np.all(path[:, taken] > 0.0)
     assert np.all(path.max(axis=0)[taken] <= np.maximum(peak, end)[taken] * (1.0 + 1e-15))
     touches, peaks = path.min(axis=0) < 0.0, path.max(axis=0) > np.maximum(peak, end) * (1.0 + 1e-12)
-    assert min((touches & ~taken).sum(), (peaks & ~taken).sum()) > 200
+    assert min((touches & ~taken).sum(), (peaks & ~taken).sum()) > 150
 
 
 def against_the_integration(words, samples, count, seed):
