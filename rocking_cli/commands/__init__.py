@@ -21,9 +21,7 @@ SECTIONS = {
         "params": "Derive p, alpha, eta, lambda and a_scale of each structure.",
         "draw": "Draw structures to scale, with pivots, hinges and cracks.",
     },
-    "Ground motions": {
-        "records": "Show what recorded ground motions hold, and measure them.",
-    },
+    "Ground motions": {"records": "Show what recorded ground motions hold, and measure them."},
     "One structure, one motion": {
         "check": "Check which structures stand, and by what margin.",
         "response": "Time history of one structure under one motion.",
@@ -113,11 +111,7 @@ def _no_such_option(error: click.NoSuchOption, arguments: list[str]) -> str:
     return f"No such option {name}{did_you_mean('--' + name.lstrip('-'), [*long, '--help'], _MEANT)}"
 
 
-@click.group(
-    cls=_Commands,
-    context_settings={"help_option_names": ["-h", "--help"]},
-    epilog="Example: rocking params configs/block.yaml",
-)
+@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]}, epilog="Example: rocking params configs/block.yaml")
 @click.version_option(__version__, prog_name="rocking")
 def cli() -> None:
     """Rocking parameters and rocking spectra of masonry structures.

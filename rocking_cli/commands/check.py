@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import repeat
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -74,9 +73,9 @@ def check(
     from ..envelopes.capacity import narrowest
     from ..responses.check import CHECK_COLUMNS, OLD_COLUMNS, outcome_alone, verdicts
 
-    files, shaken = asked.several(files)
-    ends = [end.of(shaken) for end in asked.ends()]
-    shaken = ends[0] if ends else asked.of(shaken)
+    files, motions = asked.several(files)
+    ends = [end.of(motions) for end in asked.ends()]
+    shaken = ends[0] if ends else asked.of(motions)
     structures, varied, lost = options.members_of(files, vary)
     azimuths = asked.azimuths()
     by_code = None
@@ -87,22 +86,20 @@ def check(
 
         by_code = CodeRows(coded.spectrum, coded.floor, coded.fc)
     if output is not None:
-        from ..publishing import check_target
-
-        check_target(output, overwrite, options.FIGURES)
+        options.check_target(output, overwrite)
     if by_code and coded.spectrum and not shaken.shakes:
         refuse("needs a motion: under --spectrum alone nothing is shaken", "fail_on", "sort")
         by_code.alone(structures, varied, output, overwrite)
         return 4 if lost else 0
     shakes = shaken.needed()
     demands = [(structure, *shake) for shake in shakes for structure in structures]
-    beside: list[dict[str, float]] = []  # a further column of each demand
+    beside: dict[str, dict[str, float]] = {}  # a further column by structure
     if azimuths is not None:
         from ..responses.azimuth import has_direction, worst_azimuths
 
         searched = ProgressLine("azimuths", "stages")
         directed = worst_azimuths(structures, shaken.recordings, azimuths, workers=workers, progress=searched)
-        beside, demands = [{"azimuth": angle} for angle, _ in directed], [demand for _, demand in directed]
+        beside, demands = {demand[0].name: {"azimuth": angle} for angle, demand in directed}, [demand for _, demand in directed]
         shakes = [(motion, grid) for _, motion, grid in demands]
         note(f"azimuth: the worst of {azimuths.size} as recorded; at another one the capacity may be less")
         if both := [s.name for s in structures if has_direction(s)]:
@@ -114,23 +111,22 @@ def check(
         searched = ProgressLine("frequencies", "structures")
         worst = at_worst_frequencies(structures, motion, low, high, a_max, workers=workers, progress=searched)
         demands = [(structure, motion, grid) for structure, (grid, _) in zip(structures, worst, strict=True)]
-        shakes, beside = [(motion, low), (motion, high)], [{"worst_f_g": frequency} for _, frequency in worst]
+        shakes = [(motion, low), (motion, high)]
+        beside = {one.name: {"worst_f_g": frequency} for one, (_, frequency) in zip(structures, worst, strict=True)}
     if by_code:
         demands = by_code.dynamic(demands)
     told: list[Verdict] = []
     limit = None if verdict_only else a_max
-    judged = verdicts(demands, a_max=limit, workers=workers, progress=ProgressLine("check", "stages"))
-    found: Iterable[tuple[Verdict, dict[str, float]]] = zip(judged, beside or repeat({}), strict=False)
+    found: Iterable[Verdict] = verdicts(demands, a_max=limit, workers=workers, progress=ProgressLine("check", "stages"))
     if sort:
-        found = sorted(found, key=lambda pair: float("inf") if (c := pair[0].capacity_demand) is None else c)
+        found = sorted(found, key=lambda verdict: float("inf") if (c := verdict.capacity_demand) is None else c)
 
     def rows() -> Iterator[dict[str, Any]]:
-        for verdict, more in found:
+        for verdict in found:
             told.append(verdict)
-            own = verdict.record()
-            head = {"structure": own["structure"], "motion": own["motion"], **more} if more else {}
+            head = {"structure": verdict.structure, "motion": verdict.motion, **beside.get(verdict.structure, {})}
             added = by_code.columns(verdict, not verdict_only) if by_code else {}
-            yield {**varied.get(verdict.structure, {}), **head, **own, **added}
+            yield {**varied.get(verdict.structure, {}), **head, **verdict.record(), **added}
         yield from by_code.others() if by_code else ()
 
     in_g = _in_g(asked.a_g or asked.scale_to or ("g" if asked.motion else ""))

@@ -22,9 +22,8 @@ def draw(
     the crack; for a stack the pieces below the interface on which it rocks. Kind parameters has no geometry and is left out. Figures
     need the extra: pip install 'rocking[plot]'.
     """
-    from ..publishing import check_target
     from ..reports.figures.drawing import draw_structures
 
-    check_target(output, overwrite, options.FIGURES)
+    options.check_target(output, overwrite)
     documents = options.documents_of(files, MOST, "a figure")
     draw_structures(documents, output, units=units_of(), look=looks.look(), overwrite=overwrite, tell=note)

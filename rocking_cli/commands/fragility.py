@@ -177,10 +177,8 @@ def fragility(
             rated += [(f"{study.structure.name}, overturning, exact", study.rate_without_fit) for study in found if exact]
             remarks += [f"{name}: {words}" for name, rate in rated if rate is not None for words in rate.remarks(hazard)]
     note(*refused, *remarks, *model.in_words([equation], structures), f"{len(members)} motions")
-    for study in found:
-        if study.resurrections:
-            words = f"{study.resurrections} of {len(members)} motions overturn it at one intensity and not at a larger one"
-            note(f"{study.structure.name}: {words}")
+    words = f"of {len(members)} motions overturn it at one intensity and not at a larger one"
+    note(*(f"{study.structure.name}: {study.resurrections} {words}" for study in found if study.resurrections))
     stated = click.get_current_context().get_parameter_source("limits") is not click.core.ParameterSource.DEFAULT
     return 4 if shaken.unread or (refused and stated) else 0  # of the default limit states some may have no fit
 

@@ -121,7 +121,8 @@ class Motions(Reading, Source):
 
             return read_motion(paths[0], **given)
 
-        return Ground(self._read(read)).with_upwards(self.upwards())
+        upwards, station = self.upwards()
+        return Ground(self._read(read, station)).with_upwards(upwards)
 
     def several(self, files: tuple[str, ...], one_upwards: bool = False) -> tuple[tuple[str, ...], Ground]:
         """(the structure files, the motion or the set of records that the options describe); one_upwards: no vertical one for a set.
@@ -144,22 +145,20 @@ class Motions(Reading, Source):
                 raise click.UsageError("standard input is given both as structure and as motion; expected only one")
             return read_motions((*paths, *own), unread=leave_out, **given)
 
-        found, upwards = self._read(read), self.upwards()
+        upwards, station = self.upwards()
+        found = self._read(read, station)
         if one_upwards and upwards is not None and isinstance(found, tuple):
             raise click.UsageError("--vertical goes with one pulse or motion document here, not with a set of records")
         ground = Ground(None, found, None, tuple(unread)) if isinstance(found, tuple) else Ground(found)
         return files, ground.with_upwards(upwards)
 
-    def of_the_station(self) -> float | None:
-        """The factor of the vertical component of the same file; None without --vertical station. Raises click.UsageError."""
-        return None
+    def upwards(self) -> tuple[Upwards | None, float | None]:
+        """(the vertical motion of a pulse or a file, the factor of the vertical component of the same file); None without. Raises
+        UsageError."""
+        return None, None
 
-    def upwards(self) -> Upwards | None:
-        """The vertical motion of a pulse or a file; None without one. Raises UsageError."""
-        return None
-
-    def _read(self, read: Callable[..., Any]) -> Any:
-        given = {one.name: getattr(self, one.name) for one in fields(Motions) if one.name != "motion"} | {"vertical": self.of_the_station()}
+    def _read(self, read: Callable[..., Any], station: float | None) -> Any:
+        given = {one.name: getattr(self, one.name) for one in fields(Motions) if one.name != "motion"} | {"vertical": station}
         given = {key: value for key, value in given.items() if value is not None}
         shape = {key: given.pop(key) for key in _PULSE if key in given}
         if self.motion:
@@ -193,17 +192,14 @@ class BothWays(Motions):
     vertical_unit: str | None = option("--vertical-unit", metavar="UNIT", help="Unit of a vertical record in plain columns of numbers.")
     vertical_dt: float | None = option("--vertical-dt", type=quantity("time"), metavar="TIME", help=DT)
 
-    def of_the_station(self) -> float | None:
-        if self.vertical != STATION:
-            return None
-        refuse(f"does not go with --vertical {STATION}", *_OF_A_FILE)
-        return 1.0 if self.vertical_scale is None else self.vertical_scale
-
-    def upwards(self) -> Upwards | None:
+    def upwards(self) -> tuple[Upwards | None, float | None]:
+        factor = 1.0 if self.vertical_scale is None else self.vertical_scale
         if self.vertical is None:
             refuse("goes with --vertical", "vertical_scale", *_OF_A_FILE)
-        if self.vertical in (None, STATION):
-            return None
+            return None, None
+        if self.vertical == STATION:
+            refuse(f"does not go with --vertical {STATION}", *_OF_A_FILE)
+            return None, factor
         from ..motions import PULSES, pulse
         from ..motions.biaxial import Upwards
         from ..motions.reading import read_motion
@@ -215,7 +211,7 @@ class BothWays(Motions):
             component, unit, dt = self.vertical_component, self.vertical_unit, self.vertical_dt
             with _named(component="vertical_component", unit="vertical_unit", dt="vertical_dt"):
                 motion = read_motion(self.vertical, component=component, unit=unit, dt=dt, tell=note)
-        return Upwards(motion, 1.0 if self.vertical_scale is None else self.vertical_scale)
+        return Upwards(motion, factor), None
 
 
 def no_shaking(*instead: str) -> click.UsageError:

@@ -23,9 +23,7 @@ TOPICS = {
 
 
 @command("rocking help documents")
-def help(
-    name: str | None = argument(required=False, type=Registered(lambda: [*COMMANDS, *TOPICS]), metavar="[COMMAND|TOPIC]"),
-) -> None:
+def help(name: str | None = argument(required=False, type=Registered(lambda: [*COMMANDS, *TOPICS]), metavar="[COMMAND|TOPIC]")) -> None:
     """Print the reference of a command, its options and examples, or of a topic.
 
     Without a name, list the commands and the topics.

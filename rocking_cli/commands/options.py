@@ -182,6 +182,14 @@ def remark_on(structures: Iterable[RockingParameters] = (), grid: Grid | None = 
         below(f"and {len(remarks) - _REMARKS} more such remarks")
 
 
+def check_target(output: Path, overwrite: bool, suffixes: tuple[str, ...] = FIGURES, recordings: Sequence[Recording] = ()) -> None:
+    """Refuse an output that cannot or must not be written, before any work is done. Raises UsageError."""
+    from ..publishing import check_target as check
+
+    check(output, overwrite, suffixes)
+    refuse_own_input(output, recordings)
+
+
 def refuse_own_input(output: Path, recordings: Sequence[Recording] = ()) -> None:
     """Raise click.UsageError if the output is a document or a record of this call, which --overwrite would destroy."""
     context = click.get_current_context()

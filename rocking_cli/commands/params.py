@@ -18,9 +18,7 @@ SHARED = {"one_sided": False, "damping": 0.0, "friction": None, "arm": None}  # 
 
 @command("rocking params configs/block.yaml --json | jq .p", printed)
 def params(
-    files: tuple[str, ...] = options.files(),
-    vary: tuple[str, ...] = options.vary(),
-    linear_uplift: str = equations.linear_uplift(),
+    files: tuple[str, ...] = options.files(), vary: tuple[str, ...] = options.vary(), linear_uplift: str = equations.linear_uplift()
 ) -> int:
     """Derive p, alpha, eta, lambda and a_scale of each structure.
 

@@ -42,7 +42,6 @@ def plot(
     FILE may be - for CSV on standard input; several responses go into one panel. Axes carry units: g and Hz unless --units says
     otherwise. Figures need the extra: pip install 'rocking[plot]'.
     """
-    from ..publishing import check_target
     from ..reports.drawing_files import draw, is_spectra_file
     from ..spectra.file.reader import SpectraFile
 
@@ -73,13 +72,13 @@ def plot(
         from ..reports.figures.animation import animate as moving
         from ..reports.rows import rows_of
 
-        check_target(animate, overwrite, (".gif",))
+        options.check_target(animate, overwrite, (".gif",))
         moving(rows_of(str(file)), animate, document, look=look, overwrite=overwrite, tell=note)
         if output is None:
             return
     if output is None:
         raise click.UsageError("no output: give -o FIGURE.png (or .svg, .pdf), or --text")
-    check_target(output, overwrite, options.FIGURES)
+    options.check_target(output, overwrite)
     drawn: dict[str, Any] = {"structure": structure, "cut": cut, "every": every}  # of a spectra file
     drawn |= {"over": over, "portrait": phase, "body": document, "align": align}  # of rows
     told = draw(files, output, log=log or "", units=units_of(), look=look, overwrite=overwrite, tell=note, **drawn)

@@ -31,7 +31,6 @@ def report(
     extra: pip install 'rocking[report]'.
     """
     from ..dynamics.outcome import Outcome
-    from ..publishing import check_target
     from ..reports.page import Subject, write_page
     from ..responses.check import tally
     from ..structures import build_structure, with_distinct_names
@@ -40,8 +39,7 @@ def report(
     shaken = asked.of(shaken)
     documents = options.documents_of(files, MOST, "a page")
     shakes = shaken.needed()
-    check_target(output, overwrite, (".html", ".htm"))
-    options.refuse_own_input(output, shaken.recordings)
+    options.check_target(output, overwrite, (".html", ".htm"), shaken.recordings)
     structures = with_distinct_names([build_structure(document) for document in documents])
     options.remark_on(structures)
     verdicts = write_page(
