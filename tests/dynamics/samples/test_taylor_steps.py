@@ -185,15 +185,17 @@ def test_more_weighed_bodies_against_that_integration(words):
     against_the_integration(words, slice(30, 60), 12, 4)
 
 
-def test_free_fall_before_and_after_the_uplift():
-    """The ground falls as fast as the body at 0.5 s, which the across motion lifts at 0.25 s or at 0.75 s, or after a fall that is none."""
-    t = 0.05 * np.arange(25)
-    fall = -np.interp(t, [0.3, 0.55, 0.8], [0.0, 1.0, 0.0])
-    for early, share, wanted in ((True, 4.8, "lost_contact"), (False, 4.8, "lost_contact"), (False, 2.0, "rocked")):
-        push = np.interp(t, [0.1, 0.3, 0.5], [0.0, 1.0, 0.0]) if early else np.interp(t, [0.65, 0.8, 1.0], [0.0, 1.0, 0.0])
-        across, up = shaken(push, 0.05), shaken(fall, 0.05)
-        found = response(SYSTEMS["a body"][0], with_vertical(across, up, share), [1.2], [0.3], 0.9)
-        assert Outcome(int(found.outcome[0])).flag == wanted, (early, share)
+@pytest.mark.parametrize(
+    ("lifts", "falls", "outcome"), [(0.1, 1.0, "lost_contact"), (2.1, 1.0, "lost_contact"), (0.1, 3.6, "overturned_no_impact")]
+)
+def test_free_fall_before_and_after_the_uplift_and_after_the_overturning(lifts, falls, outcome):
+    """A body that overturns where the ground falls less. With A = 2.5, r = alpha = 0.25, the least w = 1 - A r share is 0 at 1.6."""
+    t, system = 0.05 * np.arange(81), SYSTEMS["a body"][0]
+    across = shaken(np.interp(t, [lifts, lifts + 0.5, lifts + 1.0], [0.0, 1.0, 0.0]), 0.05)
+    up = shaken(-np.interp(t, [falls, falls + 0.15, falls + 0.3], [0.0, 1.0, 0.0]), 0.05)
+    for share, wanted in ((1.6 * (1.0 - 1e-9), "overturned_no_impact"), (1.6 * (1.0 + 1e-9), outcome)):
+        for motion in (with_vertical(across, up, share), with_vertical(long_series(across), long_series(up), share)):
+            assert Outcome(int(response(system, motion, [2.5], [0.5], 0.9).outcome[0])).flag == wanted
 
 
 def test_records_of_one_step_are_stepped_and_others_marched(monkeypatch):
