@@ -76,7 +76,7 @@ def segment_value(segments: Segments, k: Array, u: Array) -> tuple[Array, Array,
 
 def drive_change(segments: Segments, k: Array, u: Array) -> Array:
     """s - s(segment start) alone at phase u of segment k."""
-    return segment_value(segments, k, u)[0] if segments.table is None else segments.table.change(k, u)
+    return segment_value(segments, k, u)[0] if segments.table is None else segments.table.near(k, u).change
 
 
 def _near(segments: Segments, k: Array, u: Array) -> Near:

@@ -30,7 +30,15 @@ class Table:
 
     def near(self, k: Array, u: Array) -> Near:
         """s - s_start and its derivatives at phase u [rad] from the start of segment k."""
-        rows, x, half = self._patch(k, u)
+        half = self.half[k]
+        x = 0.5 * u / half
+        patch = x.astype(np.int64)
+        np.minimum(patch, self.last[k] - self.first[k], out=patch)
+        x -= patch  # then from -1 to 1
+        x += x
+        x -= 1.0
+        patch += self.first[k]
+        rows = self.terms.take(patch, axis=1)
         value, rate, bend = rows[-1].copy(), np.zeros(x.shape), np.zeros(x.shape)
         for row in rows[-2::-1]:  # Horner's rule for the value and both derivatives
             bend *= x
@@ -44,27 +52,6 @@ class Table:
         bend /= half
         bend /= half
         return Near(value, rate, bend)
-
-    def change(self, k: Array, u: Array) -> Array:
-        """s - s_start alone, equal to `near(k, u).change` to the last bit."""
-        rows, x, _ = self._patch(k, u)
-        value: Array = rows[-1].copy()
-        for row in rows[-2::-1]:
-            value *= x
-            value += row
-        return value
-
-    def _patch(self, k: Array, u: Array) -> tuple[Array, Array, Array]:
-        """(terms, place from -1 to 1, half width [rad]) of the patches that hold these phases."""
-        half = self.half[k]
-        x = 0.5 * u / half
-        patch = x.astype(np.int64)
-        np.minimum(patch, self.last[k] - self.first[k], out=patch)
-        x -= patch
-        x += x
-        x -= 1.0
-        patch += self.first[k]
-        return self.terms.take(patch, axis=1), x, half
 
 
 def table_of(segments: Any) -> Table | None:

@@ -147,7 +147,7 @@ def drive_series(segments: Segments, lanes: Lanes, order: int, gain: Array | flo
     _fill(terms[:, 1], segments, lanes, here, outward, w, unit)
     sway, rise = weighed.sway(lanes.side, lanes.amplitude) * unit2, segment_value(vertical, lanes.k, lanes.u)
     _fill(terms[:, 0], vertical, lanes, rise, sway, up[0], unit)
-    change = rise[0] if vertical.table is None else vertical.table.change(lanes.k, lanes.u)
+    change = rise[0] if vertical.table is None else vertical.table.near(lanes.k, lanes.u).change
     terms[0, 0] = unit2 + sway * (vertical.s_start[lanes.k] + change)
     return Drive(terms, unit, fastest)
 
