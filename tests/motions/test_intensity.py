@@ -4,14 +4,10 @@ import math
 
 import numpy as np
 import pytest
+from support.record_layouts import plain_record as record
 from support.record_layouts import wave
 
 from rocking_cli.motions.intensity import intensity
-from rocking_cli.motions.records import Record
-
-
-def record(samples, dt):
-    return Record("r", "text", None, dt, np.array(samples, dtype=float), None, "m/s2", "r", "")
 
 
 def test_a_triangle_exactly():

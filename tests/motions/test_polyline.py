@@ -5,17 +5,13 @@ import pickle
 
 import numpy as np
 import pytest
+from support.record_layouts import plain_record as record
 from support.record_layouts import wave
 
 from rocking_cli.dynamics.response import linear_response
 from rocking_cli.errors import MotionError
 from rocking_cli.motions import Motion, Piece, sine
 from rocking_cli.motions.polyline import Polyline, record_motion
-from rocking_cli.motions.records import Record
-
-
-def record(samples, dt):
-    return Record("r", "text", "N", dt, np.array(samples, dtype=float), None, "m/s2", "r", "")
 
 
 def polyline(count=60):

@@ -196,16 +196,6 @@ def test_a_set_is_scaled_record_by_record(folder):
     assert [r.factor for r in read_motions(["list"], scale=-1.5)] == [-1.5, -1.5]
 
 
-def test_what_does_not_fit_is_refused(folder):
-    with pytest.raises(UsageError, match="found 'PGA=-1g'; expected a positive intensity"):
-        read_motions(["a.AT2"], scale_to="PGA=-1g")
-    with pytest.raises(UsageError, match="component: found '99'; expected 1, the only one"):
-        read_motions(["a.AT2"], component="99")
-    with pytest.raises(UsageError, match="nowhere: cannot be read"):
-        read_motions(["nowhere"])
-    assert read_motions(["a.AT2"], component="1")
-
-
 def test_a_pipe_is_read_where_somebody_writes_to_it(folder, monkeypatch):
     monkeypatch.setattr("rocking_cli.documents.files._PATIENCE", 0.01)
     os.mkfifo("pipe")

@@ -6,17 +6,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from support.record_layouts import plain_record as record
 from support.record_layouts import wave
 
 from rocking_cli.errors import UsageError
-from rocking_cli.motions.records import Record
 from rocking_cli.motions.response_spectra import acceleration_spectrum, displacement_spectrum, mean_acceleration, periods_of
 
 SAMPLES = wave(240, 3.0) + 0.4 * np.sin(np.arange(240) ** 1.7)
-
-
-def record(samples, dt):
-    return Record("r", "text", None, dt, np.array(samples, dtype=float), None, "m/s2", "r", "")
 
 
 def integrated(samples, dt, period, damping):

@@ -238,16 +238,6 @@ def test_a_path_that_leads_nowhere_is_refused(key, words):
         list(family(document, [f"{key}=1:1:1"]))
 
 
-def test_dampers_move_a_body_as_their_zeta_does():
-    text = "kind: block\nwidth: 1\nheight: 5\nmass: 5 t\n"
-    damped = built(text + "dampers: {coefficient: 2 kN s/m}")
-    stated = built(text + f"damping: {damped.damping!r}")
-    grid = parse_grid("a_g=0.4g,f_g=1")
-    assert check(damped, sine(), grid) == check(stated, sine(), grid)
-    one, other = (list(time_history(s, sine(), grid).events()) for s in (damped, stated))
-    assert one == other
-
-
 REFUSED = {
     WALL + "ties:\n- ": [
         ("{height: 6.5, stiffness: 1}", r"f.yaml:7:12: height: found 6.5; expected a height above 0 m, .* up to 6 m, its top"),

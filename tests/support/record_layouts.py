@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rocking_cli.errors import DocumentError
-from rocking_cli.motions.records import read_records
+from rocking_cli.motions.records import Record, read_records
 
 
 def wave(count: int, peak: float = 1.0) -> np.ndarray:
@@ -28,6 +28,11 @@ def rows(values: Iterable[float], per_line: int, form: str) -> str:
 def as_printed(values: Sequence[float] | np.ndarray, form: str) -> np.ndarray:
     """The numbers that a reader can find again after printing."""
     return np.array([float(form.format(x)) for x in values])
+
+
+def plain_record(samples: Sequence[float] | np.ndarray, dt: float) -> Record:
+    """Samples [m/s2] as the record `r`, of component N."""
+    return Record("r", "text", "N", dt, np.array(samples, dtype=float), None, "m/s2", "r", "")
 
 
 def of_a_station(*columns: np.ndarray, dt: float = 0.02) -> str:

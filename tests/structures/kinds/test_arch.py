@@ -11,14 +11,10 @@ from hypothesis import strategies as st
 from oracles.thrust_line import largest_tilt
 from support.documents import built
 
-from rocking_cli import DocumentError, build_structure, parse_documents
+from rocking_cli import DocumentError, parse_documents
 from rocking_cli.structures.kinds.arch import find_mechanism, ring_of
-from rocking_cli.structures.mechanics.fourbar import Ring
 
 OPPENHEIM = "kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\n"
-
-
-RING = Ring(10.0, 1.5, math.radians(157.5))
 
 
 def test_oppenheims_seven_voussoirs_have_the_reference_values():
@@ -111,20 +107,10 @@ def test_voussoir_arches_jump_only_where_another_mechanism_takes_over():
 
 
 @settings(max_examples=15)
-@given(st.floats(120, 180), st.floats(0.14, 0.3), st.one_of(st.none(), st.integers(4, 30)))
-def test_parameters_are_those_of_a_rocking_structure(beta, thickness, voussoirs):
-    joints = "" if voussoirs is None else f"voussoirs: {voussoirs}\n"
-    (document,) = parse_documents(f"kind: arch\nradius: 1\nthickness: {thickness!r}\nangle: {beta!r} deg\n{joints}")
-    a = None
-    with contextlib.suppress(DocumentError):
-        a = build_structure(document)
-    if a is None:  # outside the paper's range an arch may have no such mechanism, and is refused
-        assert beta < 150 or thickness > 0.2 or voussoirs is not None
-        return
-    assert a.uplift > 0
-    assert a.alpha > 0
-    assert 0 <= a.eta <= 1
-    assert a.a_scale == pytest.approx(a.alpha / a.uplift, rel=1e-12, abs=0)
+@given(st.floats(150, 180), st.floats(0.12, 0.2))
+def test_every_arch_of_the_papers_range_has_a_mechanism(beta, thickness):
+    """Elsewhere an arch may have none, and is refused."""
+    assert built(f"kind: arch\nradius: 1\nthickness: {thickness!r}\nangle: {beta!r} deg").mechanism.voussoirs is None
 
 
 @pytest.mark.parametrize(("line", "outward"), [("centre-line", 0.0), ("intrados", 0.5), ("extrados", -0.5)])

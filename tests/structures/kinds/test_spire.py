@@ -4,8 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from support.documents import built
 
 from rocking_cli.structures.kinds.spire import Spire
@@ -75,19 +73,3 @@ def test_crack_at_the_base_and_vanishing_wall():
     assert (barely.p, barely.alpha, barely.eta) == pytest.approx((uncracked.p, uncracked.alpha, uncracked.eta), rel=1e-8, abs=0)
     thin, film = built(THIN + "crack_height: 8"), built(THIN + "thickness: 1e-6\ncrack_height: 8")
     assert (film.p, film.alpha, film.eta) == pytest.approx((thin.p, thin.alpha, thin.eta), rel=1e-6, abs=0)
-
-
-@settings(max_examples=15)
-@given(st.floats(0.05, 0.2), st.floats(0.02, 0.5), st.floats(0, 0.5))
-def test_spires_are_rocking_structures(kappa, wall, crack):
-    s = built(
-        f"kind: spire\nbase_radius: {12 * kappa!r}\nheight: 12\nthickness: {12 * kappa * wall!r}\ncrack_height: {12 * crack * (1 - wall)!r}"
-    )
-    assert s.uplift > 0
-    assert s.alpha > 0
-    assert 0 <= s.eta <= 1
-    scaled = built(
-        f"kind: spire\nbase_radius: {3 * kappa!r}\nheight: 3\nthickness: {3 * kappa * wall!r}\ncrack_height: {3 * crack * (1 - wall)!r}"
-    )
-    assert scaled.p == pytest.approx(2 * s.p, rel=1e-9, abs=0)
-    assert (scaled.alpha, scaled.eta) == pytest.approx((s.alpha, s.eta), rel=1e-9, abs=0)
