@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -29,6 +29,9 @@ from ..motions.blocks import blocks
 from .changes import SECTIONS, Brackets, narrowed
 from .one_arc import Modes, may_change, modes_at_end
 from .scan_grid import ScanGrid, gaps_between, onwards
+
+if TYPE_CHECKING:
+    from ..dynamics.single.scan import Scan
 
 Array = np.ndarray
 Steps = list[tuple[float, int]]  # amplitudes, rising, and the outcome from each on
@@ -102,13 +105,43 @@ class Search:
     def _respond(self, amplitude: Array, omega: Array) -> tuple[Array, Array]:
         """(codes of `Outcome`, number of impacts until the outcome was certain)."""
         found = response(self.system, self.motion, amplitude, omega, self.eta, peaks=False)
-        return np.where(found.outcome == Outcome.NO_UPLIFT, np.uint8(Outcome.ROCKED), found.outcome), found.impacts
+        return _lifted(found.outcome), found.impacts
 
     def rows(self, omegas: Array) -> list[Steps]:
         """For each Omega the outcome at `lowest` and every change above it, traced to `digits`; intervals narrower than the step of
         the scan may be missed."""
+        from ..dynamics.single.scan import Scan
+
+        if self.ratio and Scan.serves(self.system, self.motion):
+            return self._steps(*self._led(omegas, [Scan(self.system, self.motion, w, self.eta, close=True) for w in omegas.tolist()]))
         begins, brackets = self._scan(omegas)
         return self._steps(begins, self._narrowed(omegas, brackets))
+
+    def _led(self, omegas: Array, scans: list[Scan]) -> tuple[Array, Brackets]:
+        """As `rows`, under a record: the march is asked at the amplitudes of the scan grid, and on either side of every change that the
+        approximate scan of each row finds. A change that lies elsewhere is bisected."""
+        from ..dynamics.single.response import response_alone
+        from ..dynamics.single.scan import follow
+
+        def likely(amplitude: Array, row: Array) -> Array:
+            amplitude, row = np.broadcast_arrays(amplitude, row)
+            mine, label = [row == i for i in every], np.empty(row.shape, dtype=np.uint8)
+            follow(scans, [amplitude[some] for some in mine])
+            for scan, some in zip(scans, mine, strict=True):
+                label[some] = scan.outcomes(amplitude[some])
+            return label
+
+        def alone(amplitude: Array, row: Array) -> Array:
+            return _lifted(response_alone(self.system, self.motion, amplitude, omegas[row], self.eta, peaks=False).outcome)
+
+        every, grid = np.arange(omegas.size), self.grid.amplitude(np.arange(self.grid.size))
+        row, amplitude = np.repeat(every, grid.size), np.tile(grid, omegas.size)
+        told = narrowed(likely, Brackets.between(row, amplitude, likely(amplitude, row)), self.digits, self.parts, False)
+        row, amplitude = np.concatenate([row, told.row, told.row]), np.concatenate([amplitude, told.low, told.high])
+        order = np.lexsort((amplitude, row))
+        row, amplitude, label, _ = self._look(row[order], amplitude[order], omegas)
+        found = narrowed(alone, Brackets.between(row, amplitude, label), self.digits, 2, False)
+        return label[np.searchsorted(row, every)], found
 
     def _steps(self, begins: Array, found: Brackets) -> list[Steps]:
         rows = [[(self.lowest, label)] for label in begins.tolist()]
@@ -187,9 +220,7 @@ class Search:
         place = np.concatenate([np.arange(points.row.size), gap + share])
         order = np.argsort(place, kind="stable")
         row, amplitude, label = (np.concatenate([x, y])[order] for x, y in zip(points[:3], inner[:3], strict=True))
-        at = np.flatnonzero(label[1:] != label[:-1])
-        at = at[mine[place[order[at]].astype(np.int64)]]
-        return Brackets(row[at], amplitude[at], amplitude[at + 1], label[at], label[at + 1])
+        return Brackets.between(row, amplitude, label, mine[place[order[:-1]].astype(np.int64)])
 
     def _doubtful(self, omegas: Array) -> tuple[Array, Array, Brackets]:
         """(first and last scan point to compute, brackets of the changes above the last one); there is no change below the first."""
@@ -262,6 +293,11 @@ class Search:
     def _narrowed(self, omegas: Array, brackets: Brackets, *, lowest: bool = False) -> Brackets:
         """The changes, traced to `digits`; lowest: only the lowest one of each bracket."""
         return narrowed(lambda amplitude, row: self.outcome(amplitude, omegas[row]), brackets, self.digits, self.parts, lowest)
+
+
+def _lifted(outcome: Array) -> Array:
+    """The outcomes, with ROCKED for bodies that are not lifted."""
+    return np.where(outcome == Outcome.NO_UPLIFT, np.uint8(Outcome.ROCKED), outcome)
 
 
 def _around(flags: Array) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -25,6 +26,12 @@ class Brackets(Arrays):
     high: Array
     below: Array
     above: Array
+
+    @classmethod
+    def between(cls, row: Array, amplitude: Array, label: Array, where: Array | bool = True) -> Self:
+        """The changes of the label between neighbouring points of a row; where: only those after these points."""
+        at = np.flatnonzero((label[1:] != label[:-1]) & (row[1:] == row[:-1]) & where)
+        return cls(row[at], amplitude[at], amplitude[at + 1], label[at], label[at + 1])
 
 
 def narrowed(outcome: Callable[[Array, Array], Array], brackets: Brackets, digits: float, parts: int, lowest: bool) -> Brackets:

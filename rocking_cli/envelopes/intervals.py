@@ -35,8 +35,9 @@ BOTH = "both"  # each sign by itself
 NAMED = ("motion", "model")  # columns for programs; a table has them only where they differ
 INTERVAL_COLUMNS = ("structure", "Omega", "A_from", "A_to", "mode", *NAMED)
 CURVE_COLUMNS = ("structure", "curve", "Omega", "A", *NAMED)
-_SMALL = 1_000_000  # number of amplitudes below which one process is faster
-_SHARE, _SHARE_IN_STEPS = 8_000_000, 400_000  # amplitudes of a process between reports: some seconds, by an exact equation and by others
+_IN_STEPS = 20  # amplitudes of an exact equation that take as long as one of another equation
+_SMALL = 2_000_000  # amplitudes of an exact equation below which one process is faster
+_SHARE = 8_000_000  # amplitudes of an exact equation between reports of a process: some seconds
 
 
 class Interval(NamedTuple):
@@ -77,10 +78,11 @@ def trace_envelope(
     searches, amplitudes = _scan_of(motion, omegas.size, structure, method, a_max, sign)
     if workers is not None and workers < 1:
         raise UsageError(f"`workers`: found {workers}; expected a whole number from 1")
+    work = amplitudes * (1 if method.exact else _IN_STEPS)
     if workers is None:
-        workers = 1 if amplitudes < _SMALL else available_cpus()
+        workers = 1 if work < _SMALL else available_cpus()
     # Neighbouring frequencies cost alike, so each share takes some from everywhere.
-    shares = int(min(omegas.size, max(workers, np.ceil(amplitudes / (_SHARE if method.exact else _SHARE_IN_STEPS)))))
+    shares = int(min(omegas.size, max(workers, np.ceil(work / _SHARE))))
     found: list[list[Interval]] = [[] for _ in omegas]
     parts = [omegas[i::shares] for i in range(shares)]
     for i, rows in enumerate(in_turn(partial(merged, searches), parts, min(workers, shares))):

@@ -55,9 +55,10 @@ class Falls:
         def seems(amplitude: Array) -> Array:
             if scan is not None and amplitude.size <= _FEW:
                 return falls(amplitude)
-            fallen = np.zeros(amplitude.size, dtype=bool) if scan is None else scan.falls(amplitude)
+            fallen = np.zeros(amplitude.size, dtype=bool) if scan is None else ~safe(scan.outcomes(amplitude))
             doubtful = np.flatnonzero(~fallen & (amplitude > (0.0 if scan is None else system.safe_amplitude(motion))))
-            fallen[doubtful] = ~safe(response(system, motion, amplitude[doubtful], np.asarray(omega), eta, peaks=False).outcome)
+            judge = response_alone if scan is not None and doubtful.size <= _FEW else response
+            fallen[doubtful] = ~safe(judge(system, motion, amplitude[doubtful], np.asarray(omega), eta, peaks=False).outcome)
             return fallen
 
         scan = None
@@ -173,5 +174,5 @@ def look_ahead(asked: Sequence[tuple[Falls, float, float, float]]) -> None:
 
 def _below(scan: Scan, begin: float, end: float) -> Array:
     """The amplitudes below the lowest fall between these that a scan knows of, at which `Falls.lowest` will look."""
-    fall = scan.known[0][scan.known[1] & (begin <= scan.known[0]) & (scan.known[0] <= end)][:1]
+    fall = scan.known[0][~safe(scan.known[1]) & (begin <= scan.known[0]) & (scan.known[0] <= end)][:1]
     return _ladder(max(begin, _NEAR * _NEAR * fall[0]), fall[0], _FINE) if fall.size else fall

@@ -9,10 +9,13 @@ import pytest
 from matplotlib.figure import Figure
 from support.documents import built
 from support.record_layouts import rows, wave
-from support.synthetic_records import recorded
+from support.synthetic_records import noise, recorded, shaken
 
-from rocking_cli import Axis, UsageError
+from rocking_cli import Axis, LinearEquation, System, UsageError
 from rocking_cli.dynamics.references.general_solver import solve_cell
+from rocking_cli.dynamics.single.scan import Scan
+from rocking_cli.envelopes.boundaries import Search
+from rocking_cli.envelopes.capacity import RATIO
 from rocking_cli.motions.recording import Recording
 from rocking_cli.reports.figures.fragility_curves import overturning_spectra
 from rocking_cli.reports.units import Units
@@ -44,6 +47,16 @@ def test_ends_of_intervals_by_another_method(records):
             assert there.mode == row["mode"] != beyond.mode
             assert row[f"a_{key}"] == pytest.approx(end * BLOCK.alpha * 9.81, rel=1e-14)
             assert row[f"scale_{key}"] == pytest.approx(row[f"a_{key}"] / recording.acceleration, rel=1e-14)
+
+
+def test_a_scan_that_leads_the_march_changes_no_interval(monkeypatch):
+    motion = shaken(noise(100, 0.06, 4), 0.06)
+    omegas = np.array([0.3, 0.5])
+    search = Search(System(LinearEquation()), motion, 0.9, 4.0, ratio=RATIO, digits=1e-6, parts=128)
+    led = search.rows(omegas)
+    monkeypatch.setattr(Scan, "serves", lambda *_: False)
+    assert led == search.rows(omegas)
+    assert sum(map(len, led)) > 9
 
 
 def test_the_first_is_the_first_of_all(records):

@@ -5,7 +5,8 @@ of it, r, moves a body by the outward drive of s = 1 times W, where W'' = r and 
 looked for. Each lane, a body at an amplitude, goes its own way: in a round every lane moves on to the end of its line or to an impact,
 with the Taylor terms of `recurrence` on arrays. So lanes of many bodies share the cost of a round, and no bit depends on the others.
 Bounces shorter than a part of a line are averaged. The boundaries between standing and falling lie beside those of the march: of 48 first
-falls at most 5e-6 of the amplitude where a line is one sample, 6e-5 where it covers several; 2.4e-4 was seen once.
+falls at most 5e-6 of the amplitude where a line is one sample, 6e-5 where it covers several; 2.4e-4 was seen once. Bodies that are
+followed closely have lines of one sample: of 670 boundaries 647 lie within 5e-7.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import numpy as np
 
 from ...motions.motion import Motion
 from ...motions.segments import Segments
+from ..outcome import Outcome
 from ..system import System
 from .lane import Lane
 from .recurrence import compiled
@@ -25,12 +27,23 @@ from .recurrence import compiled
 Array = np.ndarray
 
 _STEP = 0.05  # [tau]
-_ORDER = 4  # of the series of a step
-_SHORT = 0.1  # times `_STEP`: bounces shorter than that are averaged; with 0.5 narrow falls are missed that march and scan find by chance
-_MOST = 4  # impacts in a line; the later ones are averaged
-_ROOTS = 2  # steps of Newton's method to an impact; one where a line is the record itself
 _ROUNDS = 8  # after so many, lanes at rest are lifted and lanes at the end leave
 _AHEAD = 64  # lines among which the next uplift is looked for at once
+
+
+class Closeness(NamedTuple):
+    """How closely bodies are followed. order: of the series of a step; short: times `_STEP`, bounces shorter than that are averaged; roots:
+    steps of Newton's method to an impact, beside one where a line is not the record itself; most: impacts in a line, of which the later
+    ones are averaged."""
+
+    order: int
+    short: float
+    roots: int
+    most: int
+
+
+_LOOSE = Closeness(4, 0.1, 1, 4)  # with bounces of 0.5 narrow falls are missed that march and scan find by chance
+_CLOSE = Closeness(6, 1e-3, 3, 1000)
 
 
 class Lines(NamedTuple):
@@ -44,16 +57,18 @@ class Lines(NamedTuple):
 
 
 class Scan:
-    """One body under one record at one Omega. kind: bodies of which it is the same can be followed together; known: the amplitudes A at
-    which it was followed, and its falls."""
+    """One body under one record at one Omega. close: True to follow it sample by sample, so that most boundaries lie within 1e-6 of the
+    march's; kind: bodies of which it is the same can be followed together; known: the amplitudes A at which it was followed, and the
+    outcomes."""
 
-    def __init__(self, system: System, motion: Motion, omega: float, eta: float) -> None:
+    def __init__(self, system: System, motion: Motion, omega: float, eta: float, close: bool = False) -> None:
         self.lane = lane = Lane(system, system.segments(motion.coarsest), omega, eta)
         self.faces = list(lane.faces(1.0).values())
         self.laws = [lane.laws[face.side] for face in self.faces]
-        self.lines = _lines(lane.segments, _STEP * min(face.omega for face in self.faces))
-        self.kind = self.laws[0].name, lane.zeta, len(self.faces), self.lines.rest.size > 0
-        self.known = np.zeros(0), np.zeros(0, dtype=bool)
+        step, self.closeness = _STEP * min(face.omega for face in self.faces), _CLOSE if close else _LOOSE
+        self.lines = _lines(lane.segments, min(step, float(lane.segments.length[:].max())) if close else step)
+        self.kind = self.laws[0].name, lane.zeta, len(self.faces), self.lines.rest.size > 0, close
+        self.known = np.zeros(0), np.zeros(0, dtype=np.uint8)
 
     @staticmethod
     def serves(system: System, motion: Motion) -> bool:
@@ -63,8 +78,8 @@ class Scan:
         straight = system.segments(motion.coarsest).straight
         return straight and motion.vertical is None and system.equation.law(1.0).local is None
 
-    def falls(self, amplitude: Array) -> Array:
-        """True for each amplitude A at which the body seems to fall, (lanes,)."""
+    def outcomes(self, amplitude: Array) -> Array:
+        """The likely outcome at each amplitude A, codes of `Outcome` with ROCKED for every body that stands, (lanes,)."""
         follow([self], [amplitude])
         return self.known[1][np.searchsorted(self.known[0], amplitude)]
 
@@ -77,16 +92,17 @@ def follow(scans: Sequence[Scan], amplitudes: Sequence[Array]) -> None:
         if not alike:
             continue
         with np.errstate(all="ignore"):
-            falls = _Pool([scans[i] for i in alike], [new[i] for i in alike]).falls()
-        for i, fallen in zip(alike, np.split(falls, np.cumsum([new[i].size for i in alike])), strict=False):
+            found = _Pool([scans[i] for i in alike], [new[i] for i in alike]).outcomes()
+        for i, outcome in zip(alike, np.split(found, np.cumsum([new[i].size for i in alike])), strict=False):
             every = np.append(scans[i].known[0], new[i])
             order = np.argsort(every)
-            scans[i].known = every[order], np.append(scans[i].known[1], fallen)[order]
+            scans[i].known = every[order], np.append(scans[i].known[1], outcome)[order]
 
 
 class _Pool:
-    """Lanes that still move: number; A; k, x: line and share of it; row: body and side; y, y'; drive: outward drive of s = 1 times A; pace:
-    tau over the phase; struck: impacts in the line; rested: line after the one in which it came to rest, -1 of others."""
+    """outcome, bounced: of every lane, as far as they are known. Lanes that still move: number; A; k, x: line and share of it; row: body
+    and side; y, y'; drive: outward drive of s = 1 times A; pace: tau over the phase; struck: impacts in the line; rested: line after the
+    one in which it came to rest, -1 of others."""
 
     _EACH = ("number", "amplitude", "k", "x", "row", "y", "v", "drive", "pace", "struck", "rested")
 
@@ -103,13 +119,14 @@ class _Pool:
         self.differ = {name: x for name, x in numbers.items() if x.min() < x.max()}
         alike = {name: float(x[0]) for name, x in numbers.items() if name not in self.differ}
         self.numbers: dict[str, Any] = {"tan": np.tan, "exp": np.exp, **alike}
-        self.terms: Callable[..., tuple[Any, ...]] = compiled(laws[0], _ORDER, scans[0].lane.zeta, True, False).terms
+        self.closeness = scans[0].closeness
+        self.terms: Callable[..., tuple[Any, ...]] = compiled(laws[0], self.closeness.order, scans[0].lane.zeta, True, False).terms
         self._lay([scan.lines for scan in scans])
         body = np.repeat(np.arange(len(scans)), [a.size for a in amplitudes])
         self.number, self.amplitude, self.row = np.arange(body.size), np.concatenate(amplitudes), body * self.sides
         self.k, self.rested, self.struck = self.end[body], self.begin[body], np.zeros(body.size, dtype=np.intp)
         self.x, self.y, self.v, self.drive, self.pace = np.zeros((5, body.size))
-        self.fallen = np.zeros(body.size, dtype=bool)
+        self.outcome, self.bounced = np.full(body.size, Outcome.ROCKED, dtype=np.uint8), np.zeros(body.size, dtype=bool)
 
     def _lay(self, every: list[Lines]) -> None:
         """The lines of the bodies, one record after the other; after each record come lines without length, where lanes wait."""
@@ -139,15 +156,19 @@ class _Pool:
         self.count = np.repeat(samples, np.diff(begins))
         self.sample = np.cumsum(self.count) - self.count
 
-    def falls(self) -> Array:
-        """True for each lane that falls."""
+    def outcomes(self) -> Array:
+        """The outcome of each lane."""
         rounds = 0
         while self.number.size:
             if rounds % _ROUNDS == 0:
                 self._wait()
             self._round()
             rounds += 1
-        return self.fallen
+        return self.outcome
+
+    def _falls(self, number: Array) -> None:
+        """Lanes that fall, as they struck the ground before or not."""
+        self.outcome[number] = np.where(self.bounced[number], Outcome.OVERTURNED_AFTER_IMPACT, Outcome.OVERTURNED_NO_IMPACT)
 
     def _keep(self, stay: Array) -> None:
         for name in self._EACH:
@@ -202,12 +223,13 @@ class _Pool:
             self._strike(hit, k[hit], x[hit], h[hit], lasts[hit], [c[hit] for c in terms])
         if not self.y.max(initial=0.0) <= self.lowest_limit:
             gone = ~(self.y <= self.limit[self.row])
-            self.fallen[self.number[gone]] = True
+            self._falls(self.number[gone])
             self._keep(~gone)
 
     def _strike(self, at: Array, k: Array, x: Array, h: Array, lasts: Array, terms: list[Array]) -> None:
         """The impacts of lanes `at`, whose step of h began at share x of line k."""
         before, row = self.drive[at], self.row[at]
+        self.bounced[self.number[at]] = True
         x, v, w, dw = self._impact(terms, x, h, k, lasts, before)
         v = -self.keeps[row] * np.minimum(v, 0.0)
         unit, row = 1.0 / self.pace[at], self.others[row]
@@ -220,8 +242,8 @@ class _Pool:
             self.own[name][at] = values[row]
         # Further bounces within the line, averaged under the drive halfway to its end.
         push = self.s[k] + self.rise[k] * (0.5 + 0.5 * x)
-        here, last = 1.0 - drive * push, struck > _MOST
-        few = (here > 0.0) & (last | (2.0 * v < _SHORT * here * _STEP))
+        here, last = 1.0 - drive * push, struck > self.closeness.most
+        few = (here > 0.0) & (last | (2.0 * v < self.closeness.short * here * _STEP))
         bounce, cycle = 2.0 * v / here, self.keeps[row]
         if self.sides == 2:
             other = self.others[row]
@@ -243,7 +265,7 @@ class _Pool:
         root = np.sqrt(np.maximum(v * v - 4.0 * half * y, 0.0))
         t = np.where(v > 0.0, -0.5 * (v + root) / half, 2.0 * y / (root - v))
         w = dw = np.zeros_like(x)
-        roots = 1 if self.rest is None else _ROOTS
+        roots = self.closeness.roots + (self.rest is not None)
         for n in range(roots + 1):
             t = np.fmin(np.fmax(t, 0.0), 1.0)
             y, v = _value(terms, t)
@@ -272,7 +294,8 @@ class _Pool:
             cells = contact.cells(equation, self.amplitude[i], np.broadcast_to(lane.omega, i.shape), np.broadcast_to(lane.eta, i.shape))
             lanes = lane.lanes(cells, self.scans[0].faces[side].side)
             free = contact.free_motion(equation, lanes, np.arange(i.size), self.y[i], self.v[i])
-            self.fallen[self.number[i]] = free.overturns | free.overturns_after_impact
+            self._falls(self.number[i[free.overturns]])
+            self.outcome[self.number[i[free.overturns_after_impact]]] = Outcome.OVERTURNED_AFTER_IMPACT
 
 
 def _lines(segments: Segments, step: float) -> Lines:

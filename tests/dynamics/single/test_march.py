@@ -139,9 +139,20 @@ def test_a_scan_falls_as_the_march_but_next_to_boundaries(name, motion):
     near = response(system, motion, np.outer([1.0 - 2e-4, 1.0, 1.0 + 2e-4], amplitude), 0.4, eta, peaks=False)
     falls = ~safe(near.outcome)
     settled = falls.all(axis=0) | ~falls.any(axis=0)
-    found = Scan(system, motion, 0.4, eta).falls(amplitude)
+    found = ~safe(Scan(system, motion, 0.4, eta).outcomes(amplitude))
     assert 3 < falls[1].sum() < 50
     assert np.mean((found != falls[1])[settled]) < 0.015
+
+
+@pytest.mark.parametrize("name", ["a body", "the oscillator", "a damped body of unlike edges", "a body on one side"])
+def test_a_close_scan_has_the_outcomes_of_the_march(name):
+    system, eta = SYSTEMS[name]
+    motion = SCANNED["a step a sample"]
+    amplitude = np.geomspace(1.01, 4.0, 400) * system.least_uplift(motion)
+    expected = response(system, motion, amplitude, 0.4, eta, peaks=False).outcome
+    expected[expected == Outcome.NO_UPLIFT] = Outcome.ROCKED
+    assert np.unique(expected).size >= 2
+    assert np.mean(Scan(system, motion, 0.4, eta, close=True).outcomes(amplitude) != expected) < 0.005
 
 
 def test_no_fall_depends_on_the_bodies_and_the_motions_that_are_scanned_with_it():
@@ -151,4 +162,4 @@ def test_no_fall_depends_on_the_bodies_and_the_motions_that_are_scanned_with_it(
     amplitudes = [np.geomspace(1.01, 4.0, 12 + i) * case[0].least_uplift(case[1]) for i, case in enumerate(cases)]
     follow(together, amplitudes)
     for scan, case, amplitude in zip(together, cases, amplitudes, strict=True):
-        assert scan.known[1].tolist() == Scan(*case).falls(amplitude).tolist()
+        assert scan.known[1].tolist() == Scan(*case).outcomes(amplitude).tolist()
