@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from .command import option
-from .parameter_types import NUMBER, Registered, Restitution, model_names
+from .parameter_types import NUMBER, Parsed, Registered, model_names, restitution
 
 if TYPE_CHECKING:
     from ..dynamics.method import Method
@@ -32,7 +32,7 @@ class Oscillators:
     """Dimensionless oscillators instead of structures."""
 
     etas: tuple[float | None, ...] = option(
-        "--eta", multiple=True, type=Restitution(), metavar="ETA",
+        "--eta", multiple=True, type=Parsed("restitution", restitution), metavar="ETA",
         help="A dimensionless oscillator of this restitution instead of FILE; repeatable. With --alpha: that of the blocks, or `block`.",
     )  # fmt: skip
 

@@ -251,7 +251,7 @@ class Shaking:
             return ground
         flags = {key: f"--{key.replace('_', '-')}" for key in given}
         for key, value in given.items():
-            if "," in value:
+            if "," in value or ":" in value:
                 raise click.UsageError(f"{flags[key]}: found {value!r}; expected one value")
         try:
             grid = parse_grid(
@@ -260,8 +260,6 @@ class Shaking:
         except UsageError as error:
             text = str(error).replace("`grid`: ", "")  # the axes are options of their own here
             raise UsageError(re.sub(r"`grid` (\w+):", r"`\1`:", text)) from None
-        if grid.shape != (1, 1):
-            raise UsageError(f"found {' '.join(f'{flags[k]} {v}' for k, v in given.items())}; expected one value of each")
         remark_on(grid=grid)
         return replace(ground, grid=grid)
 

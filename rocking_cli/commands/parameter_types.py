@@ -62,16 +62,6 @@ class Registered(click.ParamType):
         return [CompletionItem(word) for word in self.registry() if word.startswith(incomplete)]
 
 
-class Restitution(click.FloatRange):
-    """A number from 0 to 1, or `block`, which is None: 1 - 3/2 sin^2 alpha."""
-
-    def __init__(self) -> None:
-        super().__init__(0.0, 1.0)
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        return None if value == "block" else super().convert(value, param, ctx)
-
-
 class Parsed(click.ParamType):
     """A value that a function reads from its text; the function raises ValueError with the texts that it accepts."""
 
@@ -94,6 +84,14 @@ def quantity(dimension: str) -> Parsed:
         return parse_quantity(text, dimension)
 
     return Parsed(dimension, read)
+
+
+def restitution(text: str) -> float | None:
+    """A number from 0 to 1, or None for `block`, which is 1 - 3/2 sin^2 alpha. Raises ValueError."""
+    value = None if text == "block" else NUMBER.read(text)
+    if value is not None and not 0.0 <= value <= 1.0:
+        raise ValueError("a number from 0 to 1, or block")
+    return value
 
 
 NUMBER = quantity("number")
