@@ -60,7 +60,7 @@ from .motions.response_spectra import displacement_spectrum as displacement_spec
 from .reports.drawing_files import draw as draw
 from .reports.figures.canvas import Look as Look
 from .reports.figures.capacities import draw_capacities as draw_capacities
-from .reports.figures.capacity_curves import draw_capacity_curves as draw_capacity_curves
+from .reports.figures.capacities import draw_capacity_curves as draw_capacity_curves
 from .reports.figures.drawing import draw_structures as draw_structures
 from .reports.page import report as report
 from .reports.units import Units as Units

@@ -109,6 +109,6 @@ def _head(check: CodeCheck) -> dict[str, Any]:
 
 
 def _draw(checks: Sequence[CodeCheck], output: Path, overwrite: bool) -> None:
-    from ..reports.figures.capacity_curves import draw_capacity_curves
+    from ..reports.figures.capacities import draw_capacity_curves
 
     draw_capacity_curves(checks, output, overwrite=overwrite, tell=note)

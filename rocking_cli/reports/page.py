@@ -35,7 +35,7 @@ from ..motions.grid import Axis, Grid, HasMotion, demand_in_words, demand_of
 from ..motions.recording import Recording
 from ..motions.records import Record
 from ..publishing import published
-from ..responses.check import Progress, Verdict, check_all, tally
+from ..responses.check import Progress, Verdict, tally, verdicts
 from ..spectra.file.reader import SpectraFile
 from ..spectra.sweep import SweepOptions, write_spectrum
 from ..structures import RockingParameters, build_structure, with_distinct_names
@@ -147,15 +147,15 @@ def write_page(
     """Check the structures under motions with their demands, write the page and return the verdicts; given: more arguments of `page`.
     Raises OutputError if jinja2 or matplotlib is not installed."""
     _demand_extra()
-    verdicts = check_all([(one.structure, *shake) for shake in shakes for one in subjects], workers=workers, progress=progress)
+    found = list(verdicts([(one.structure, *shake) for shake in shakes for one in subjects], workers=workers, progress=progress))
     demand = demand_plainly(shakes, vertical) if summary else demand_in_words(shakes)
     pulse = None if recordings else shakes[0]
     text = page(
-        subjects, verdicts, pulse=pulse, recordings=recordings, vertical=vertical, demand=demand, workers=workers, summary=summary, **given
+        subjects, found, pulse=pulse, recordings=recordings, vertical=vertical, demand=demand, workers=workers, summary=summary, **given
     )
     with published(Path(target), overwrite) as file:
         file.write(text.encode())
-    return verdicts
+    return found
 
 
 def _hashes(subjects: Sequence[Subject], recordings: Sequence[Recording], vertical: str | None) -> list[tuple[str, str]]:

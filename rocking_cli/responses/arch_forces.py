@@ -112,7 +112,7 @@ class ArchForces:
         links, bodies = self._links(state), self.mechanism.links
         n = state.phi.size
         system, load = np.zeros((n, 9, 9)), np.zeros((n, 9))
-        ends = [*(link.now for link in links), np.broadcast_to(self.mechanism.points[3], (n, 2))]
+        ends = self._hinges_now(links)
         pull = np.stack([-state.across, -self.gravity - state.up], axis=-1)
         for i, (link, body) in enumerate(zip(links, bodies, strict=True)):
             at, gain, drift = (x[:, 0] for x in link.place(np.array([body.x / body.mass]), np.array([body.z / body.mass])))
@@ -156,7 +156,7 @@ class ArchForces:
             force = forces[:, hinge, None] - inertia
             centre = 0.5 * (np.array(ring.point(joints[mine], "intrados")) + np.array(ring.point(joints[mine], "extrados")))
             place = link.place(centre[0], centre[1])[0]
-            end = self._hinge_now(links, hinge, n)[:, None] - place
+            end = self._hinges_now(links)[hinge][:, None] - place
             arm = at - place
             central = part.about(part.x / safe, part.z / safe)
             spin = link.turn * bend + link.spun
@@ -169,8 +169,9 @@ class ArchForces:
         shear = np.abs((push * _turned(normal)).sum(axis=-1))
         return Resultants(thrust / self.weight, shear / self.weight, np.abs(moment) / (0.5 * ring.thickness * thrust))
 
-    def _hinge_now(self, links: list[_Link], hinge: int, n: int) -> Array:
-        return links[hinge].now if hinge < 3 else np.broadcast_to(self.mechanism.points[3], (n, 2))
+    def _hinges_now(self, links: list[_Link]) -> list[Array]:
+        """The places of the hinges, (n, 2) each; the last one stays."""
+        return [*(link.now for link in links), np.broadcast_to(self.mechanism.points[3], links[0].now.shape)]
 
 
 def _rotated(vector: Array, angle: Array) -> Array:

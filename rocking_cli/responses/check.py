@@ -256,13 +256,6 @@ def verdicts(
             yield verdict
 
 
-def check_all(
-    demands: Sequence[Demand], *, a_max: float | Limit = A_MAX, workers: int | None = None, progress: Progress | None = None
-) -> list[Verdict]:
-    """All of `verdicts`. Raises as that does."""
-    return list(verdicts(demands, a_max=a_max, workers=workers, progress=progress))
-
-
 def tally(verdicts: Sequence[Verdict]) -> str:
     """How many overturn, and how many lose the ground if any does, in words."""
     lost, leans = (sum(v.outcome == outcome for v in verdicts) for outcome in (Outcome.LOST_CONTACT, Outcome.LEANING))

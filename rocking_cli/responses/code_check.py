@@ -44,6 +44,7 @@ class Reached(NamedTuple):
     """A limit state of a mechanism: d [m], a [m/s2] and secant period T [s]; the demand on it [m], and the amplitude [m/s2] that reaches
     it; broken: True if a tie decides it by its break."""
 
+    state: LimitState
     displacement: float
     acceleration: float
     period: float
@@ -146,7 +147,7 @@ def _reached(curve: CapacityCurve, factor: float, state: LimitState, demand: Spe
     d, alpha, broken = curve.limit(state.share)
     period = state.factor * math.pi * math.sqrt(d / (alpha * factor))
     asked = demand.demand(period, state.damping)
-    return Reached(d, alpha * factor, period, asked, max(uplift, amplitude * d / asked), broken)
+    return Reached(state, d, alpha * factor, period, asked, max(uplift, amplitude * d / asked), broken)
 
 
 def first_beyond(

@@ -255,11 +255,6 @@ class _Writer:
     def _tau(self, lanes: Lanes) -> float:
         return self.lane.tau(int(lanes.k[0]), float(lanes.u[0]))
 
-    def _weight(self, lanes: Lanes) -> Array | float:
-        """The weight over m g [-] where and when the body is."""
-        seg = self.segments
-        return seg.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u)
-
     def _bounced(self, lanes: Lanes) -> float:
         """When bouncing too low to be seen comes to rest: bounce by bounce under forces that change evenly in each, and at last by the sum
         of its series."""
@@ -276,7 +271,8 @@ class _Writer:
             lanes.u += lanes.omega * h
             contact.strike(self.cells, lanes, fall, force)
             lanes.b = self._lying(lanes, np.zeros(1))
-        rest = contact.sequence_time(lanes, self._weight(lanes)) * lanes.omega / self.omega
+        weight = self.segments.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u)
+        rest = contact.sequence_time(lanes, weight) * lanes.omega / self.omega
         return self._tau(lanes) + float(rest[0])
 
     def _lying(self, lanes: Lanes, h: Array) -> Array:

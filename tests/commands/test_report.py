@@ -141,7 +141,7 @@ def test_a_vertical_motion_is_in_every_verdict_and_in_the_curves(rocking, monkey
         down = np.arange(len(motions.levels)) >= np.arange(4, 4 + len(motions.members))[:, None]
         return [Exposure(np.where(down, np.nan, 0.5), np.where(down, Outcome.OVERTURNED_NO_IMPACT, Outcome.ROCKED))]
 
-    monkeypatch.setattr("rocking_cli.reports.page.check_all", noted)
+    monkeypatch.setattr("rocking_cli.reports.page.verdicts", noted)
     monkeypatch.setattr("rocking_cli.reports.page.exposures", half_of_them)
     call = ("report", "configs/parameters.yaml", "--unit", "g", "--dt", "0.02", "--motion", *(f"{i}.txt" for i in range(5)), "-o", "r.html")
     assert rocking(*call, "--vertical", "3.txt", "--vertical-unit", "g", "--vertical-dt", "0.02", "--vertical-scale", "0.5").returncode == 0

@@ -12,7 +12,7 @@ from rocking_cli.dynamics.method import governing_method
 from rocking_cli.envelopes.capacity import Capacity
 from rocking_cli.envelopes.intervals import A_MAX
 from rocking_cli.motions.grid import as_recorded
-from rocking_cli.responses.check import CHECK_COLUMNS, check, check_all, tally
+from rocking_cli.responses.check import CHECK_COLUMNS, check, tally, verdicts
 from rocking_cli.responses.time_history import time_history
 
 QUICK = (sine(), sine(0.5), pulse("rectangular"))  # whose scans have bounds
@@ -153,8 +153,8 @@ def test_friction_is_that_of_the_response():
 def test_workers_change_nothing():
     demands = [(structure_of(f"kind: parameters\np: {p}\nalpha: 0.2\neta: 0.8\nlambda: 0.25"), sine(), DEMAND) for p in (1.5, 2.0, 3.0)]
     heard: list[tuple[int, int]] = []
-    verdicts = check_all(demands, workers=1, progress=lambda *x: heard.append(x))
-    assert check_all(demands, workers=2) == verdicts == [check(*demand) for demand in demands]
+    found = list(verdicts(demands, workers=1, progress=lambda *x: heard.append(x)))
+    assert list(verdicts(demands, workers=2)) == found == [check(*demand) for demand in demands]
     assert heard == [(i + 1, 3 * len(demands)) for i in range(3 * len(demands))]  # three stages of each
 
 
@@ -166,7 +166,7 @@ def test_verdicts_under_records_are_the_same_one_by_one_and_together():
     demands = [(body, motion, shaking) for motion in motions for body in bodies][:3]
     alone = [check(*demand, a_max=3.0) for demand in demands]
     assert sum(v.first_overturning_a is not None for v in alone) >= 1
-    assert check_all(demands, a_max=3.0, workers=1) == check_all(demands, a_max=3.0, workers=2) == alone
+    assert list(verdicts(demands, a_max=3.0, workers=1)) == list(verdicts(demands, a_max=3.0, workers=2)) == alone
 
 
 def test_no_demand_is_refused():

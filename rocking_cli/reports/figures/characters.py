@@ -13,21 +13,21 @@ WIDTH, HEIGHT = 80, 24  # of the terminal, with a line for the prompt
 _MARGIN = 11  # columns for the numbers at the left
 
 
-def text_map(file: SpectraFile, name: str | None, cut: str | None, width: int = WIDTH, height: int = HEIGHT) -> list[str]:
-    """The outcome map of a structure (or record), or a slice, as lines of text: up to `width` characters and `height` - 1 lines."""
+def text_map(file: SpectraFile, name: str | None, cut: str | None) -> list[str]:
+    """The outcome map of a structure (or record), or a slice, as lines of text: up to 80 characters and 23 lines."""
     (_, places), *both = file.frame.dimensions.items()
     if cut:
-        return _slice_text(slice_of(file, cut), width, height)
+        return _slice_text(slice_of(file, cut))
     place = place_of(file, name)
     if any(isinstance(values, list) for _, values in both):
-        return _slice_text(of_record(file, place), width, height)
+        return _slice_text(of_record(file, place))
     (across, x), (up, y), block = plane(file, place)
     shown = block["outcome"]
     items = (f"{places[place]}:", *(f"'{o.sign}' {o.sentence}" for o in Outcome if np.any(shown == o)))
-    first, *signs = (item[:width].replace(" ", "\xa0") for item in items)  # no item is broken
-    head = [line.replace("\xa0", " ") for line in textwrap.wrap(f"{first} {'  '.join(signs)}", width)]
-    rows = np.linspace(y.size - 1, 0, min(height - len(head) - 3, y.size)).astype(int)
-    columns = np.linspace(0, x.size - 1, min(width - _MARGIN, x.size)).astype(int)
+    first, *signs = (item[:WIDTH].replace(" ", "\xa0") for item in items)  # no item is broken
+    head = [line.replace("\xa0", " ") for line in textwrap.wrap(f"{first} {'  '.join(signs)}", WIDTH)]
+    rows = np.linspace(y.size - 1, 0, min(HEIGHT - len(head) - 3, y.size)).astype(int)
+    columns = np.linspace(0, x.size - 1, min(WIDTH - _MARGIN, x.size)).astype(int)
     lines = [f"{y[r]:>9.3g} |" + "".join(Outcome(int(shown[r, c])).sign for c in columns) for r in rows]
     return [*head, *lines, " " * 10 + "+" + "-" * columns.size, f"{up:>9}   {across} {x[0]:.4g} to {x[-1]:.4g}"]
 
@@ -42,17 +42,17 @@ def place_of(file: SpectraFile, name: str | None) -> int:
     return list(names).index(name)
 
 
-def _slice_text(found: Slice, width: int, height: int) -> list[str]:
+def _slice_text(found: Slice) -> list[str]:
     """Bars of theta_max/alpha for as many structures as fit, each with at least two rows."""
     where = "" if found.where == "record" else f" at {found.where} = {found.value:.6g}"
     lines = [f"theta_max/alpha{where} over {found.along} {found.x[0]:.4g} to {found.x[-1]:.4g}; blank: fell"]
-    room = height - 2
+    room = HEIGHT - 2
     shown = min(len(found.names), max(1, room // 5))
     tall = max(1, room // shown - 3)
     for name, theta in list(zip(found.names, found.theta, strict=True))[:shown]:
-        picked = theta[np.linspace(0, theta.size - 1, min(width - _MARGIN, theta.size)).astype(int)]
+        picked = theta[np.linspace(0, theta.size - 1, min(WIDTH - _MARGIN, theta.size)).astype(int)]
         lines += [name.replace(r"$\eta$", "eta").replace(r"\$", "$"), *_bars(picked, tall)]
-    return [line[:width] for line in lines]
+    return [line[:WIDTH] for line in lines]
 
 
 def _bars(values: np.ndarray, height: int) -> list[str]:

@@ -1,12 +1,13 @@
-"""The figure of capacities: what its bars and lines are."""
+"""The figures of a check: what their bars, lines and marks are."""
 
+import math
 from dataclasses import replace
 
 import pytest
 from matplotlib.figure import Figure
 
-from rocking_cli import build_structure, parse_documents, parse_grid, sine
-from rocking_cli.reports.figures.capacities import capacities
+from rocking_cli import build_structure, code_check, load_structures, parse_documents, parse_grid, sine
+from rocking_cli.reports.figures.capacities import _curve, capacities
 from rocking_cli.responses.check import check
 
 
@@ -20,3 +21,15 @@ def test_bars_end_at_the_first_overturning_and_lines_stand_at_the_demand():
     assert [text.get_text().split()[0] for text in axes.texts] == [f"{v.capacity_demand:.2f}" for v in verdicts]
     axes = capacities(Figure(), [replace(verdicts[0], motion=name) for name in ("north", "east")], in_g=True)
     assert [t.get_text() for t in axes.get_yticklabels()] == ["north", "east"]
+
+
+def test_marks_stand_at_the_limit_states_and_at_their_demands():
+    found = code_check(load_structures("block:0.5x2")[0], sine(), parse_grid("a_g=0.3g,T_g=0.4"))
+    axes = Figure().add_subplot()
+    _curve(axes, found)
+    lines = {line.get_label(): line for line in axes.lines}
+    assert lines["capacity"].get_xydata()[0] == pytest.approx((0.0, 0.25))
+    assert lines["capacity"].get_xydata()[-1] == pytest.approx((250.0, 0.0))
+    assert lines["$d_{SLV}$ = 100 mm"].get_xydata()[0] == pytest.approx((100.0, found.slv.acceleration / 9.81))
+    (x, y) = lines[f"demand at SLC {1000 * found.slc.demand:.3g} mm"].get_xydata()[0]
+    assert y * 9.81 == pytest.approx(x / 1000 * (2 * math.pi / found.slc.period) ** 2)

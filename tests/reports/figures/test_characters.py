@@ -3,14 +3,17 @@
 import pytest
 
 from rocking_cli import Outcome
+from rocking_cli.reports.figures import characters
 from rocking_cli.reports.figures.characters import text_map
 from rocking_cli.spectra.file.reader import SpectraFile
 
 
-def test_a_map_has_the_sign_of_each_cell(spectrum_file):
+def test_a_map_has_the_sign_of_each_cell(spectrum_file, monkeypatch):
+    for size in ("WIDTH", "HEIGHT"):
+        monkeypatch.setattr(characters, size, 500)
     with SpectraFile(spectrum_file) as file:
         outcome = file.block(0, slice(None))["outcome"]
-        told = text_map(file, None, None, width=500, height=500)
+        told = text_map(file, None, None)
     rows = [line.partition("|")[2] for line in told if " |" in line]
     assert rows == ["".join(Outcome(int(o)).sign for o in row) for row in outcome.T[::-1]]
 

@@ -193,15 +193,6 @@ def test_a_portrait_has_the_separatrix_of_its_own_equation(drawn, rocking):
         np.testing.assert_allclose((side.alpha * y * rigid.p / side.p) ** 2, 2 * (1 - np.cos(side.alpha * (1 - np.abs(x)))), atol=1e-8)
 
 
-def test_a_fragility_curve_is_dashed_beyond_its_last_level(drawn):
-    head = "structure,im,limit_state,method,x,probability,low,high,fraction\n"
-    (axes,) = drawn(head + "".join(f"S,PGA,0.5,stripes,{x},{x / 50},,,{0.1 if x in (10, 20) else ''}\n" for x in (5, 10, 20, 30))).axes
-    assert axes.get_ylabel() == "P(θ/α > 0.5 | PGA)"
-    solid, dashed, _ = axes.get_lines()
-    assert (solid.get_xdata()[-1], dashed.get_xdata()[0], dashed.get_linestyle()) == (20 / 9.81, 20 / 9.81, "--")
-    assert axes.get_title() == "S, stripes"
-
-
 def test_the_least_amplitude_of_a_check_is_drawn_over_a_varied_key(drawn, table):
     source, rows = table("check", "block:radius=1,alpha=10deg", "--a-g", "0.3g", "--f-g", "2", "--a-max", "3", "--vary", "alpha=10:14:3")
     (axes,) = drawn(source, over="alpha").axes

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from matplotlib import colors
 from matplotlib.figure import Figure
-from scipy.special import ndtr
 from support.axes import lines
 from support.record_layouts import rows, wave
 
@@ -130,18 +129,3 @@ def test_a_map_with_forces_has_lines_of_equal_friction_and_none_of_a_vertical_mo
     assert not drawn(upwards).axes[0].get_lines()
     with SpectraFile(upwards) as file, pytest.raises(UsageError, match="found a vertical motion"):
         file.motion()
-
-
-def test_fragility_over_two_measures_has_its_cells_and_lines_of_equal_probability(drawn):
-    """The line of P = 0.5 parts cells that fall from PGA PGV/PGA = 0.8 on: it lies between their logarithms."""
-    cells = [(x, y) for x in np.geomspace(1, 8, 7) for y in np.geomspace(0.1, 0.8, 7)]
-    flags = ["overturned_after_impact" if x * y > 0.8 * (1 + 0.3 * math.sin(9 * x)) else "rocked" for x, y in cells]
-    rows = "".join(f"S,m,{x},{y},0.5,{flag}\n" for (x, y), flag in zip(cells, flags, strict=True))
-    (axes,) = drawn("structure,motion,pga [m/s2],pgv_pga [s],theta_ratio,outcome\n" + rows).axes
-    falls, stands = (line.get_xdata().size for line in axes.get_lines()[:2])
-    assert (falls, stands) == (flags.count("overturned_after_impact"), flags.count("rocked"))
-    (contours,) = [c for c in axes.collections if hasattr(c, "levels")]
-    assert ndtr(contours.levels) == pytest.approx([0.1, 0.5, 0.9])
-    x, y = contours.get_paths()[1].vertices.T
-    assert np.exp(np.mean(np.log(9.81 * x * y))) == pytest.approx(0.8, rel=0.15)
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("PGA [g]", "PGV/PGA [s]")
