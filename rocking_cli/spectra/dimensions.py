@@ -1,11 +1,11 @@
 """The tables of a spectra file: the variables of its cells, their three dimensions, and the lists of values that belong to each.
 
-A new variable, parameter, coordinate or measure is one entry of a table below; a new kind of spectrum is one entry of FORMS.
+A new variable, parameter, coordinate or measure is one entry of a table below.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -86,32 +86,6 @@ ABOUT: dict[str, About] = {
     **RECORDED,
     "tan_alpha": About("1", "tangent of the critical angle"),
 }
-
-
-class Form(NamedTuple):
-    """A kind of spectrum: its dimensions in their order, and the dimension of each further list that it always has."""
-
-    dimensions: tuple[str, str, str]
-    beside: Mapping[str, str]
-
-
-_OF_STRUCTURES = dict.fromkeys(PARAMETERS, "structure")
-_OF_RECORDS = dict.fromkeys(RECORDED, "record")
-
-FORMS = (
-    *(Form(("structure", *pair), _OF_STRUCTURES) for pair in (("Omega", "A"), ("omega_g", "a_g"), ("omega_g", "A"))),
-    *(Form(("record", "structure", column), {**_OF_STRUCTURES, **_OF_RECORDS}) for column in ("scale", "A", "a_g")),
-    Form(("record", "alpha", "T"), {"eta": "alpha", "tan_alpha": "alpha", "p": "T", **_OF_RECORDS}),
-)
-
-
-def form_among(names: Iterable[str]) -> Form:
-    """The form whose dimensions are all among these names of datasets. Raises ValueError where none or several are."""
-    there = set(names)
-    found = [form for form in FORMS if there >= set(form.dimensions) and (form.dimensions[0] == "record") == ("record" in there)]
-    if len(found) != 1:
-        raise ValueError("it has no axes Omega and A, or omega_g and a_g or A, or those of records")
-    return found[0]
 
 
 @dataclass(frozen=True, eq=False)

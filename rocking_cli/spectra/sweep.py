@@ -149,7 +149,7 @@ def spectrum_of(scene: Scene, options: SweepOptions | None = None) -> Spectrum:
             for name, values in arrays.items():
                 values[i, unit.row : unit.row + rows, unit.column : unit.column + columns] = block[name]
 
-    summary = _Sweep(scene, options).run(keep)
+    summary = _run(scene, options, _units_of(scene, options), keep)
     theta_ratio, outcome, impacts = (arrays.pop(name) for name in ("theta_ratio", "outcome", "impacts"))
     return Spectrum(scene, theta_ratio, outcome, impacts, summary, arrays)
 
@@ -175,26 +175,21 @@ def write_scene(scene: Scene, path: str | Path, options: SweepOptions | None = N
     from .file.writer import SpectraWriter
 
     options = options or SweepOptions()
-    sweep, names, (part, count) = _Sweep(scene, options), options.variables_of(scene), options.shard or (1, 1)
-    attributes: dict[str, Any] = {"history": options.history, "documents": options.documents, "motion": scene.title}
-    attributes["model"] = scene.method.model
-    if scene.method.stated_tolerance is not None:
-        attributes["tolerance"] = scene.method.stated_tolerance
-    attributes["shard"] = f"{part}/{count}"
-    stored = {"impacts": options.impacts, "quantities": list(options.quantities_of(scene)), "chunk": list(sweep.chunk)}
-    layout = Layout(scene.frame(), sweep.chunk, names, {**scene.identity(), **stored}, attributes)
+    units, chunk, names, method = _units_of(scene, options), options.chunk(scene), options.variables_of(scene), scene.method
+    attributes: dict[str, Any] = {"history": options.history, "documents": options.documents, "motion": scene.title, "model": method.model}
+    if method.stated_tolerance is not None:
+        attributes["tolerance"] = method.stated_tolerance
+    attributes["shard"] = "{}/{}".format(*options.shard or (1, 1))
+    stored = {"impacts": options.impacts, "quantities": list(options.quantities_of(scene)), "chunk": list(chunk)}
+    layout = Layout(scene.frame(), chunk, names, {**scene.identity(), **stored}, attributes)
     with SpectraWriter(Path(path), layout, overwrite=options.overwrite, resume=options.resume, strict=options.strict) as writer:
-        mine = sweep.units[part - 1 :: count]
-        found = [writer.found(unit.places, unit.row, unit.column) for unit in mine]
-        sweep.todo = [unit for unit, counts in zip(mine, found, strict=True) if counts is None]
-        sweep.before += sum(counts for counts in found if counts is not None)
 
         def keep(unit: Unit, data: tuple[dict[str, bytes], ...]) -> None:
             for i, own in zip(unit.places, data, strict=True):
                 writer.write((i, unit.row, unit.column), own)
 
         try:
-            summary = sweep.run(keep, partial(_packed, names, sweep.chunk))
+            summary = _run(scene, options, units, keep, partial(_packed, names, chunk), writer.found)
         except KeyboardInterrupt:
             kept = int(writer.done.sum())
             if not kept:
@@ -212,61 +207,64 @@ def _packed(names: Sequence[str], chunk: tuple[int, int], block: Block) -> dict[
     return {name: pack(block[name], chunk) for name in names}
 
 
-class _Sweep:
-    """The computation of a scene. todo: the units to compute; before: counts of outcomes in resumed units. Raises
-    UsageError for a sweep that would take years, and for one of too many units of work."""
+def _units_of(scene: Scene, options: SweepOptions) -> list[Unit]:
+    """The units of work of a whole scene. Raises UsageError for a sweep that would take years, and for one of too many units."""
+    chunk = options.chunk(scene)
+    rows, columns = (-(-n // size) for n, size in zip(scene.shape[1:], chunk, strict=True))
+    count, cells = rows * columns * len(scene.sharing()), chunk[0] * chunk[1]
+    if count > _MOST_UNITS:
+        raise UsageError(f"found {count} units of work of {cells} cells; expected up to {_MOST_UNITS} larger ones")
+    refuse_endless(count * cells, 1 if scene.of_records else scene.segments)
+    return list(cut_into_units(scene, chunk))
 
-    def __init__(self, scene: Scene, options: SweepOptions) -> None:
-        self.scene, self.options, self.chunk = scene, options, options.chunk(scene)
-        self.before = np.zeros(len(Outcome), dtype=np.int64)
-        rows, columns = (-(-n // size) for n, size in zip(scene.shape[1:], self.chunk, strict=True))
-        count, cells = rows * columns * len(scene.sharing()), self.chunk[0] * self.chunk[1]
-        if count > _MOST_UNITS:
-            raise UsageError(f"found {count} units of work of {cells} cells; expected up to {_MOST_UNITS} larger ones")
-        refuse_endless(count * cells, 1 if scene.of_records else scene.segments)
-        self.units = self.todo = list(cut_into_units(scene, self.chunk))
 
-    def run(self, keep: Callable[[Unit, Any], None], convert: Callable[[Block], Any] | None = None) -> Summary:
-        """Compute the units, and hand the data of each, converted, to `keep` in order."""
-        began, scene, options = time.perf_counter(), self.scene, self.options
-        workers = max(1, min(options.processes(scene), len(self.todo)))
-        check = default_check(scene) if options.check is None else options.check
-        verification = Verification(scene, check, self.chunk, self.todo)
-        quantities = options.quantities_of(scene)
-        job = Job(scene, self.chunk, tuple(verification.sensitive), convert, quantities)
-        if options.scheduler is None:
-            crew = local_crew(job, workers)
-        else:
-            from .work.cluster import cluster
+def _run(
+    scene: Scene, options: SweepOptions, units: Sequence[Unit], keep: Callable[[Unit, Any], None],
+    convert: Callable[[Block], Any] | None = None, found: Callable[[Unit], np.ndarray | None] = lambda unit: None,
+) -> Summary:  # fmt: skip
+    """Compute the units of a shard, and hand the data of each, converted, to `keep` in order. found: the counts of outcomes in a unit that
+    is there already, None for one to compute."""
+    began, (part, parts) = time.perf_counter(), options.shard or (1, 1)
+    there = {unit: found(unit) for unit in units[part - 1 :: parts]}
+    todo = [unit for unit, counts in there.items() if counts is None]
+    before = sum((counts for counts in there.values() if counts is not None), np.zeros(len(Outcome), dtype=np.int64))
+    workers, chunk = max(1, min(options.processes(scene), len(todo))), options.chunk(scene)
+    check = default_check(scene) if options.check is None else options.check
+    verification, quantities = Verification(scene, check, chunk, todo), options.quantities_of(scene)
+    job = Job(scene, chunk, tuple(verification.sensitive), convert, quantities)
+    if options.scheduler is None:
+        crew = local_crew(job, workers)
+    else:
+        from .work.cluster import cluster
 
-            crew = cluster(job, options.scheduler, options.tell)
-        total, shared, differences = Work(), 0, np.zeros(len(Difference), dtype=np.int64)
-        outcomes = self.before.copy()
-        for done, (unit, report) in enumerate(unit_reports(job, self.todo, crew, verification), 1 + len(self.units) - len(self.todo)):
-            with deferred():
-                keep(unit, report.data)
-            total += report.work
-            outcomes += report.outcomes
-            differences += report.differences
-            shared += int(report.outcomes.sum()) // len(unit.places) * (len(unit.places) - 1)
-            verification.seen |= report.seen
-            if options.progress:
-                options.progress(done, len(self.units))
-        check_for_a_stop()
-        outcomes[Outcome.NOT_COMPUTED] = scene.cells - outcomes.sum()  # those of other shards
-        return Summary(
-            structures=len(scene.structures),
-            cells=scene.cells,
-            run_time=time.perf_counter() - began,
-            workers=workers,
-            outcomes={o.flag: int(outcomes[o]) for o in Outcome},
-            work=total,
-            shared_cells=shared,
-            checked_by=CHECKED_BY,
-            model=scene.method.model,
-            records=scene.shape[0] if scene.of_records else 0,
-            weighed=scene.weighed,
-            differences={d.flag: int(differences[d]) for d in Difference} if "linear" in quantities else {},
-            resumed_cells=int(self.before.sum()),
-            **verification.compared(),
-        )
+        crew = cluster(job, options.scheduler, options.tell)
+    total, shared, differences = Work(), 0, np.zeros(len(Difference), dtype=np.int64)
+    outcomes = before.copy()
+    for done, (unit, report) in enumerate(unit_reports(job, todo, crew, verification), 1 + len(units) - len(todo)):
+        with deferred():
+            keep(unit, report.data)
+        total += report.work
+        outcomes += report.outcomes
+        differences += report.differences
+        shared += int(report.outcomes.sum()) // len(unit.places) * (len(unit.places) - 1)
+        verification.seen |= report.seen
+        if options.progress:
+            options.progress(done, len(units))
+    check_for_a_stop()
+    outcomes[Outcome.NOT_COMPUTED] = scene.cells - outcomes.sum()  # those of other shards
+    return Summary(
+        structures=len(scene.structures),
+        cells=scene.cells,
+        run_time=time.perf_counter() - began,
+        workers=workers,
+        outcomes={o.flag: int(outcomes[o]) for o in Outcome},
+        work=total,
+        shared_cells=shared,
+        checked_by=CHECKED_BY,
+        model=scene.method.model,
+        records=scene.shape[0] if scene.of_records else 0,
+        weighed=scene.weighed,
+        differences={d.flag: int(differences[d]) for d in Difference} if "linear" in quantities else {},
+        resumed_cells=int(before.sum()),
+        **verification.compared(),
+    )

@@ -20,7 +20,7 @@ from ...errors import FAULTS, OutputError, UsageError
 from ...motions import Harmonic, Motion, Piece
 from ...motions.grid import Axis, Grid
 from ...structures.parameters import RockingParameters
-from ..dimensions import EDGE_PARAMETERS, VARIABLES, VARIED, Frame, Values, form_among, varied_units
+from ..dimensions import VARIABLES, Frame, Values, varied_units
 from .integrity import SIGNATURE, Log, checked_digest, read, reason
 from .layout import BOOKKEEPING, CHUNK_TABLES, ChunkGrid, Packed, checksum, split, unpack
 
@@ -62,20 +62,17 @@ class SpectraFile(ExitStack[None]):
         self._log = Log(raw) if self.digest is None else None
         file = self.file = self.enter_context(h5py.File(raw if self._log is None else io.BytesIO(self._log.image), "r"))
         tables = file.get(BOOKKEEPING, file)  # of an earlier version they stand at the root
-        names = {name for name in file if name not in CHUNK_TABLES and name != BOOKKEEPING}
+        names = [name for name in file if name not in CHUNK_TABLES and name != BOOKKEEPING]
         for group, some in ((file, names), (tables, CHUNK_TABLES)):
             for name in some:
                 _demand_own(group, name)
-        form = form_among(names)
-        beside = dict(form.beside)
-        if "structure" in form.dimensions:
-            beside |= dict.fromkeys(sorted(n for n in names if n in EDGE_PARAMETERS or n.startswith(VARIED)), "structure")
+        dimensions = {axis[0].name[1:]: _values(axis[0]) for axis in file["outcome"].dims}
+        others = [name for name in names if name not in VARIABLES and name not in dimensions]
+        lists = {name: (file[name].dims[0][0].name[1:], _values(file[name])) for name in others}
         self.attributes = {key: _plain(file.attrs[key]) for key in file.attrs}
         self.scene: dict[str, Any] = json.loads(self.attributes["scene"])
-        stated = self.scene["structures"] if "structure" in form.dimensions else ()
-        self.structures = tuple(RockingParameters.from_record(record) for record in stated)
-        dimensions = {name: _values(file[name]) for name in form.dimensions}
-        self.frame = Frame(dimensions, {name: (d, _values(file[name])) for name, d in beside.items()}, varied_units(self.structures))
+        self.structures = tuple(RockingParameters.from_record(record) for record in self.scene.get("structures", ()))
+        self.frame = Frame(dimensions, lists, varied_units(self.structures))
         self.names = tuple(name for name in VARIABLES if name in names)
         self.cut = ChunkGrid(self.frame.shape, file["outcome"].chunks)
         for name in self.names:

@@ -22,6 +22,7 @@ import numpy as np
 
 from ...errors import OutputError, UsageError
 from ...publishing import check_target, followed, kind_of, published
+from ..scene import Unit
 from ..work.machine import machine, together, unlike
 from .integrity import NOTE, SIGNATURE, Log, digest, digest_line, read, reason, record_of, write
 from .layout import BOOKKEEPING, Layout, Packed, checksum, joined, split
@@ -186,10 +187,9 @@ class SpectraWriter:
         self.done[intact] = True
         self.file.truncate(self.log.end)
 
-    def found(self, places: Sequence[int], row: int, column: int) -> np.ndarray | None:
-        """The counts of outcomes in the resumed chunks with the first cell (row, column) at these places of the first dimension; None
-        unless all of them are there."""
-        chunks = {self.cut.index((i, row, column)) for i in places}
+    def found(self, unit: Unit) -> np.ndarray | None:
+        """The counts of outcomes in the resumed chunks of a unit; None unless all of them are there."""
+        chunks = {self.cut.index((i, unit.row, unit.column)) for i in unit.places}
         return np.sum([self.resumed[i] for i in chunks], axis=0) if chunks <= self.resumed.keys() else None
 
     def write(self, offset: tuple[int, ...], packed: Packed) -> None:

@@ -44,7 +44,9 @@ def external(file):
 
 def uncut(file):
     del file["outcome"]
-    file.create_dataset("outcome", shape=(1, 200, 201), dtype="u1", chunks=(1, 25, 200))
+    data = file.create_dataset("outcome", shape=(1, 200, 201), dtype="u1", chunks=(1, 25, 200))
+    for dimension, scale in zip(data.dims, ("structure", "Omega", "A"), strict=True):
+        dimension.attach_scale(file[scale])
 
 
 HOSTILE = {
@@ -53,9 +55,8 @@ HOSTILE = {
     "a soft link": (linked(h5py.SoftLink("/alpha")), "its p is not a dataset of its own"),
     "an external link": (linked(h5py.ExternalLink("other.h5", "p")), "its p is not a dataset of its own"),
     "chunks of another shape": (uncut, "does not fit its axes"),
-    "no axis": (lambda file: file.__delitem__("A"), "no axes"),
+    "no axis": (lambda file: file.__delitem__("A"), "scales"),
     "no scene": (lambda file: file.attrs.__delitem__("scene"), "scene"),
-    "no parameter": (lambda file: file.__delitem__("gravity"), "gravity"),
 }
 
 
