@@ -77,24 +77,18 @@ class Tracing:
             return self.scene.columns.values / (2.0 * np.pi)
         return np.array([1.0 / self.scene.structures[structure].p])
 
-    def searches(self, task: Task) -> list[Search]:
-        """A search for each sign of the motion."""
-        structure, motion = self.scene.structures[task.structure], self.scene.recordings[task.record].motion
-        system, digits = self.scene.method.system_of(structure), tracing_width(self.scene.method, motion)
-        factors = (1.0,) if system.alike else SIGNS[task.sign]
-        motions = [motion if f > 0.0 else motion.scaled(f) for f in factors]
-        most = self.limit(task.structure)
-        found = [Search(system, m, structure.eta, most, ratio=RATIO, digits=digits, parts=_PARTS) for m in motions]
-        return [search for search in found if search.lowest < most]
-
     def __call__(self, task: Task) -> list[Steps]:
         """(amplitude, outcome from it on), rising, for each Omega of a task; empty if no amplitude lifts the body."""
-        omegas = self.omegas(task.structure)[list(task.omegas)]
+        structure, motion = self.scene.structures[task.structure], self.scene.recordings[task.record].motion
+        system, digits = self.scene.method.system_of(structure), tracing_width(self.scene.method, motion)
+        omegas, most = self.omegas(task.structure)[list(task.omegas)], self.limit(task.structure)
         found: list[Steps] = [[] for _ in omegas]
-        for search in self.searches(task):
-            rows = search.first_falls(omegas) if self.first else search.rows(omegas)
-            for i, steps in enumerate(rows):
-                found[i] = worse(found[i], steps) if found[i] else steps
+        for factor in (1.0,) if system.alike else SIGNS[task.sign]:
+            under = motion if factor > 0.0 else motion.scaled(factor)
+            search = Search(system, under, structure.eta, most, ratio=RATIO, digits=digits, parts=_PARTS)
+            if search.lowest < most:
+                rows = search.first_falls(omegas) if self.first else search.rows(omegas)
+                found = [worse(known, steps) if known else steps for known, steps in zip(found, rows, strict=True)]
         return found
 
 

@@ -6,7 +6,6 @@ with its phase in s, and in its own amplitude times the scale; on an axis A or a
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -136,7 +135,7 @@ class RecordScene(Scene):
             alphas = Axis("alpha", np.array([s.alpha for s in self.structures]))
             rows: dict[str, Any] = {"axis alpha": alphas.stated(), "eta": [s.eta for s in self.structures]}
         else:
-            rows = {"structures": [json.loads(json.dumps(s.record())) for s in self.structures]}
+            rows = {"structures": [s.record() for s in self.structures]}
         return {"records": [r.identity() for r in self.recordings], **rows, f"axis {self.columns.name}": self.columns.stated()}
 
     def frame(self) -> Frame:

@@ -88,7 +88,7 @@ class Scene(ABC):
 
     @abstractmethod
     def stated(self) -> dict[str, Any]:
-        """The input of the scene but its method, by name, as JSON values."""
+        """The input of the scene but its method, by name."""
 
     @abstractmethod
     def sharing(self) -> list[tuple[int, ...]]:
@@ -116,7 +116,8 @@ class Scene(ABC):
         """The input of the result by name, as JSON values; two scenes of equal identity have equal spectra."""
         from .work.machine import version
 
-        return {"version": version(), **self.stated(), "model": self.method.model, "tolerance": self.method.stated_tolerance}
+        stated = {"version": version(), **self.stated(), "model": self.method.model, "tolerance": self.method.stated_tolerance}
+        return dict(json.loads(json.dumps(stated)))
 
     def only(self, units: Sequence[Unit]) -> Scene:
         """The scene with only the data that these units need."""
@@ -204,10 +205,10 @@ class PulseScene(Scene):
 
     def stated(self) -> dict[str, Any]:
         return {
-            "structures": [json.loads(json.dumps(s.record())) for s in self.structures],
+            "structures": [s.record() for s in self.structures],
             **{f"axis {axis.name}": axis.stated() for axis in (self.grid.frequency, self.grid.amplitude)},
-            "motion": [self.motion.name, _plain(self.motion)],
-            **({} if self.motion.vertical is None else {"vertical": _plain(self.motion.vertical)}),
+            "motion": [self.motion.name, list(map(asdict, self.motion.pieces))],
+            **({} if self.motion.vertical is None else {"vertical": list(map(asdict, self.motion.vertical.pieces))}),
         }
 
     def sharing(self) -> list[tuple[int, ...]]:
@@ -219,11 +220,8 @@ class PulseScene(Scene):
         return [tuple(g) for g in groups.values()]
 
 
-def _plain(motion: Motion) -> list[Any]:
-    return [json.loads(json.dumps(asdict(piece))) for piece in motion.pieces]
-
-
 def cut_into_units(scene: Scene, chunk: tuple[int, int]) -> Iterator[Unit]:
+    """The units of chunks of (rows, columns), row by row."""
     _, rows, columns = scene.shape
     for group in scene.sharing():
         for row in range(0, rows, chunk[0]):

@@ -7,7 +7,7 @@ import json
 import os
 import stat
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -80,7 +80,7 @@ class SpectraFile(ExitStack[None]):
                 raise ValueError(f"its {name} does not fit its axes")
         self.done, self._sums = tables["chunk_done"][...] == 1, tables["chunk_checksum"][...]
         if self._log is not None:
-            self.attributes["computed_on"] = json.dumps(self._log.notes.get("computed_on"))
+            self.attributes["computed_on"] = json.dumps(self._log.notes.get("computed_on", []))
             self.done = np.isin(np.arange(self.cut.size), list(self._log.places))
 
     @property
@@ -90,10 +90,8 @@ class SpectraFile(ExitStack[None]):
 
     @property
     def machines(self) -> list[dict[str, Any]]:
-        """The machines that computed the chunks; none if the file does not state them as it should."""
-        with suppress(TypeError, ValueError):
-            return [found for found in json.loads(self.attributes.get("computed_on", "[]")) if isinstance(found, dict)]
-        return []
+        """The machines that computed the chunks."""
+        return list(json.loads(self.attributes.get("computed_on", "[]")))
 
     @property
     def grid(self) -> Grid:
@@ -104,15 +102,12 @@ class SpectraFile(ExitStack[None]):
         return Grid(Axis(amplitude, np.asarray(a)), Axis(frequency, np.asarray(omega)))
 
     def motion(self) -> Motion:
-        """The ground motion of a spectrum of a pulse. Raises OutputError, UsageError for one of records."""
+        """The ground motion of a spectrum of a pulse. Raises UsageError for one of records."""
         if self.frame.of_records or "vertical" in self.scene:
             found = "spectra of records" if self.frame.of_records else "a vertical motion"
             raise UsageError(f"{self.path}: found {found}; expected the spectrum of a pulse, which is horizontal alone")
-        try:
-            name, pieces = self.scene["motion"]
-            return Motion(name, tuple(Piece(**{**p, "harmonics": tuple(Harmonic(**h) for h in p["harmonics"])}) for p in pieces))
-        except _FAULTS as error:
-            raise OutputError(f"{self.path}: its motion cannot be read: {error}") from None
+        name, pieces = self.scene["motion"]
+        return Motion(name, tuple(Piece(**{**p, "harmonics": tuple(Harmonic(**h) for h in p["harmonics"])}) for p in pieces))
 
     def damaged_chunks(self) -> list[int]:
         """Indices of the chunks that are marked done but damaged."""
@@ -121,7 +116,7 @@ class SpectraFile(ExitStack[None]):
     def intact(self, index: int) -> bool:
         """True if a chunk is undamaged."""
         try:
-            self._arrays(index)
+            self.packed(index)
         except OutputError:
             return False
         return True
@@ -145,14 +140,8 @@ class SpectraFile(ExitStack[None]):
 
     def _unpacked(self, index: int) -> dict[str, np.ndarray]:
         """The variables of a chunk, checked, without the filling at the grid's edge. Raises OutputError."""
-        packed = self.packed(index)
         cells = tuple(slice(0, s.stop - s.start) for s in self.cut.extent(index))
-        try:
-            arrays = {name: unpack(packed[name], VARIABLES[name].dtype, self.cut.chunk)[cells] for name in self.names}
-            Outcome(int(arrays["outcome"].max()))
-            return arrays
-        except ValueError as error:
-            raise OutputError(f"{self.path}: chunk {index} is damaged: {error}") from None
+        return {name: unpack(raw, VARIABLES[name].dtype, self.cut.chunk)[cells] for name, raw in self.packed(index).items()}
 
     def block(self, place: int, rows: slice, columns: slice = slice(None)) -> dict[str, np.ndarray]:
         """The variables at one place of the first dimension, over a part of the other two; every chunk is checked. Raises OutputError."""

@@ -35,16 +35,6 @@ def test_doubles_of_every_kind_survive_packing():
         assert unpack(pack(some), some.dtype, some.shape).tobytes() == some.tobytes()
 
 
-def test_unpacking_stops_at_the_size_of_a_chunk():
-    packed = pack(np.zeros(10**7, dtype="u1"))
-    with pytest.raises(ValueError, match="more bytes, expected 100"):
-        unpack(packed, np.dtype("u1"), (10, 10))
-    with pytest.raises(ValueError, match="90 bytes, expected 100"):
-        unpack(pack(np.zeros(90, dtype="u1")), np.dtype("u1"), (10, 10))
-    with pytest.raises(ValueError, match="incorrect header"):
-        unpack(b"no gzip", np.dtype("u1"), (10, 10))
-
-
 def test_every_cell_lies_in_the_chunk_that_is_named():
     cut = ChunkGrid((2, 7, 5), (1, 3, 2))
     assert cut.counts == (2, 3, 3)

@@ -94,10 +94,3 @@ def test_shards_of_other_machines_are_told_and_refused_if_strict(tmp_path, monke
     assert "and 1.0" in merge([first, second], tmp_path / "m.h5").elsewhere
     with SpectraFile(tmp_path / "m.h5") as file:
         assert [m["numpy"] for m in json.loads(file.attributes["computed_on"])][1] == "1.0"
-
-
-def test_a_run_time_that_is_text_is_a_sentence(tmp_path, refused):
-    shard(tmp_path / "1.h5", (1, 2))
-    with h5py.File(tmp_path / "1.h5", "r+") as file:
-        file.attrs["run_time"] = "long"
-    assert "1.h5: " in refused(1, "merge", "1.h5", "-o", "m.h5")

@@ -6,14 +6,11 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
-import pytest
 import scipy
 
 import rocking_cli
-from rocking_cli import SpectraFile
 from rocking_cli.spectra.work.machine import described, machine, together, unlike, version
 
 
@@ -57,9 +54,3 @@ def test_what_differs_is_named_with_every_value():
     assert unlike([one, {"numpy": "2.0", "cpu": ["A"]}]) == "cpu A B and A"
     assert unlike([one, {}]) == "numpy 2.0 and unknown, cpu A B and unknown"
     assert together([[one], [two, one]]) == [one, two]
-
-
-@pytest.mark.parametrize("text", [None, "", "{", "3", '["x"]', 7])
-def test_a_list_that_cannot_be_read_is_empty(text):
-    assert SpectraFile.machines.fget(SimpleNamespace(attributes={"computed_on": text})) == []
-    assert SpectraFile.machines.fget(SimpleNamespace(attributes={"computed_on": '[{"numpy": "2.0"}]'})) == [{"numpy": "2.0"}]
