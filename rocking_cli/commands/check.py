@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import ground, options
-from .command import command, group, option, refuse
+from .command import command, group, option, partly, refuse
 from .parameter_types import NUMBER, InputPath
 from .printing import emit, is_quiet, note, printed, units_of
 from .progress import ProgressLine
@@ -76,7 +76,7 @@ def check(
     files, motions = asked.several(files)
     ends = [end.of(motions) for end in asked.ends()]
     shaken = ends[0] if ends else asked.of(motions)
-    structures, varied, lost = options.members_of(files, vary)
+    structures, varied = options.members_of(files, vary)
     azimuths = asked.azimuths()
     by_code = None
     if coded.code is None:
@@ -90,7 +90,7 @@ def check(
     if by_code and coded.spectrum and not shaken.shakes:
         refuse("needs a motion: under --spectrum alone nothing is shaken", "fail_on", "sort")
         by_code.alone(structures, varied, output, overwrite)
-        return 4 if lost else 0
+        return 0
     shakes = shaken.needed()
     demands = [(structure, *shake) for shake in shakes for structure in structures]
     beside: dict[str, dict[str, float]] = {}  # a further column by structure
@@ -126,11 +126,11 @@ def check(
             told.append(verdict)
             head = {"structure": verdict.structure, "motion": verdict.motion, **beside.get(verdict.structure, {})}
             added = by_code.columns(verdict, not verdict_only) if by_code else {}
-            yield {**varied.get(verdict.structure, {}), **head, **verdict.record(), **added}
+            yield {**head, **verdict.record(), **added}
         yield from by_code.others() if by_code else ()
 
     in_g = _in_g(asked.a_g or asked.scale_to or ("g" if asked.motion else ""))
-    emit(rows(), CHECK_COLUMNS, table_units="g,mm,deg" if in_g else "mm,deg", unseen=OLD_COLUMNS)
+    emit(rows(), CHECK_COLUMNS, table_units="g,mm,deg" if in_g else "mm,deg", unseen=OLD_COLUMNS, varied=varied)
     if output is not None and by_code:
         by_code.draw(output, overwrite)
     elif output is not None:
@@ -155,9 +155,8 @@ def check(
     if not verdict_only:
         note(f"intervals narrower than {width} may be missed, except around the demand")
     outcomes = [*(v.outcome for v in told), *(outcome for _, outcome in opposite)]
-    if fail_on and any(outcome.falls for outcome in outcomes):
-        return 5
-    return 4 if lost or shaken.unread or Outcome.FAILED in outcomes else 0
+    partly(Outcome.FAILED in outcomes)
+    return 5 if fail_on and any(outcome.falls for outcome in outcomes) else 0
 
 
 def _in_g(asked: str) -> bool:

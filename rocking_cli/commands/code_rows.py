@@ -36,7 +36,7 @@ class CodeRows:
         demand_geometry(structures)
         found = [code_check(structure, **self.given) for structure in structures]
         self._remark(found)
-        emit(({**varied.get(one.structure, {}), **_head(one), **one.record()} for one in found), table_units="g,mm,deg")
+        emit(({**_head(one), **one.record()} for one in found), table_units="g,mm,deg", varied=varied)
         if output is not None:
             _draw(found, output, overwrite)
         note(*self.lines)

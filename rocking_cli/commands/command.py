@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 F = Callable[..., Any]
+_PARTLY = f"{__name__}.partly"
 
 
 def option(*flags: str, **settings: Any) -> Any:
@@ -52,6 +53,12 @@ def refuse_together(*names: str) -> None:
         raise click.UsageError(f"{' and '.join(flags)} do not go together")
 
 
+def partly(lacks: object = True) -> None:
+    """State that the call lacks a part of its work, if so: its exit code is 4, unless the command returns another one."""
+    if lacks:
+        click.get_current_context().meta[_PARTLY] = True
+
+
 def command(example: str, *shared: Callable[[F], F]) -> Callable[[F], click.Command]:
     """A decorator that makes a command of a function; shared: decorators that add the options of the output.
 
@@ -67,7 +74,8 @@ def command(example: str, *shared: Callable[[F], F]) -> Callable[[F], click.Comm
         @wraps(function)
         def called(**given: Any) -> Any:
             made = {name: of(**{one.name: given.pop(one.name) for one in fields(of)}) for name, of in groups.items()}
-            return function(**made, **given)
+            code = function(**made, **given)
+            return code or (4 if _PARTLY in click.get_current_context().meta else 0)
 
         options: dict[str, Field[Any]] = {}
         for name, one in declared.items():

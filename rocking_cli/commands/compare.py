@@ -3,7 +3,7 @@
 import click
 
 from . import equations, ground, options
-from .command import command, group, option
+from .command import command, group, option, partly
 from .printing import emit, note, printed
 
 
@@ -15,7 +15,7 @@ def compare(
     model: equations.Models = group(equations.Models),
     eta: float | None = option("--eta", type=click.FloatRange(0.0, 1.0), help="Restitution for every structure instead of its own."),
     curves: bool = option("--curves", is_flag=True, help="Print the curves t, theta, tau, theta_ratio instead."),
-) -> int:
+) -> None:
     """Compare the responses of structures to one motion scaled to equal A and Omega.
 
     a_g and omega_g with units hold for the first structure. A line on standard error states the largest distance of the
@@ -44,4 +44,4 @@ def compare(
     if len({s.eta for s in structures}) > 1:
         hint = "" if any(s.one_sided for s in structures) else "; --eta gives all the same"
         note(f"the structures differ in restitution, so their curves part at the first impact{hint}")
-    return 4 if any(r.failed for r in responses) else 0
+    partly(any(r.failed for r in responses))

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..errors import counted
 from . import equations, ground, options
-from .command import command, group, option, refuse
+from .command import command, group, option, partly, refuse
 from .printing import emit, note, printed
 from .progress import ProgressLine
 
@@ -54,7 +55,7 @@ def envelope(
     sizeless: equations.Sizeless = group(equations.Sizeless),
     motions: ground.BothWays = group(ground.BothWays),
     model: equations.Equations = group(equations.Equations),
-) -> int:
+) -> None:
     """Trace every interval of amplitude that overturns, for each frequency.
 
     A_to is empty if the interval continues beyond --a-max. A frequency without overturning has mode none and neither end. Every
@@ -73,27 +74,28 @@ def envelope(
 
     files, shaken = motions.several(files, one_upwards=True)
     if shaken.motion is None:
-        return _of_records(files, wanted, sizeless, shaken, model)
+        _of_records(files, wanted, sizeless, shaken, model)
+        return
     refuse("goes with records: give --motion", "alphas", "median")
     motion, axis = shaken.motion, frequency_axis(wanted.axes)
-    structures, varied, lost = options.members_of(files, wanted.vary, sizeless.etas)
+    structures, varied = options.members_of(files, wanted.vary, sizeless.etas)
     structures = model.lifting(structures)
     if wanted.closed_form:
         for structure in structures:  # all of them, before the first row is printed
             check_curves(structure, motion, axis)
-        rows = ({**varied.get(s.name, {}), **row} for s in structures for row in structure_curves(s, motion, axis))
-        emit(rows, CURVE_COLUMNS, unseen=NAMED)
-        return 4 if lost else 0
+        rows = (row for structure in structures for row in structure_curves(structure, motion, axis))
+        emit(rows, CURVE_COLUMNS, unseen=NAMED, varied=varied)
+        return
     methods = model.methods(structures, axis.name == "Omega")
     told = model.in_words(methods, structures, axis.name == "Omega")
-    return _of_pulse(structures, motion, axis, methods, wanted, told, varied) or 4 * bool(lost)
+    _of_pulse(structures, motion, axis, methods, wanted, told, varied)
 
 
 def _of_pulse(
     structures: Sequence[RockingParameters], motion: Motion, axis: Axis, methods: Sequence[Method], wanted: Envelope, told: list[str],
     varied: dict[str, dict[str, float]],
-) -> int:  # fmt: skip
-    """Print the intervals of each structure by each method, then the lines `told`. Returns the exit code."""
+) -> None:  # fmt: skip
+    """Print the intervals of each structure by each method, then the lines `told`."""
     from ..envelopes.intervals import INTERVAL_COLUMNS, NAMED, NARROWEST, NONE, check_intervals, misjudged, structure_intervals
 
     for structure in structures:  # all of them, before the first row is printed
@@ -116,7 +118,7 @@ def _of_pulse(
                     found.append(row)
                     if row["mode"] == NONE:
                         none.add(row["Omega"])
-                    yield {**varied.get(structure.name, {}), **row}
+                    yield row
                 if none:
                     by = f", {method.model}" if both else ""
                     told.append(f"{structure.name}{by}: no overturning up to A = {most:g} at {len(none)} of {axis.values.size} frequencies")
@@ -124,23 +126,22 @@ def _of_pulse(
             if both and not wanted.lowest:
                 told.append(f"{structure.name}: {misjudged(*compared, a_max=most)}")
 
-    emit(rows(), INTERVAL_COLUMNS, unseen=NAMED[: 1 if both else 2])
-    return _closing(told, f"{NARROWEST:g} in A", failed)
+    emit(rows(), INTERVAL_COLUMNS, unseen=NAMED[: 1 if both else 2], varied=varied)
+    _closing(told, f"{NARROWEST:g} in A", failed)
 
 
-def _closing(told: list[str], narrowest: str, failed: int) -> int:
-    """Print the last lines; returns the exit code."""
-    note(*told)
-    note(f"intervals narrower than {narrowest}, safe or overturning, may be missed")
+def _closing(told: list[str], narrowest: str, failed: int) -> None:
+    """Print the last lines."""
+    note(*told, f"intervals narrower than {narrowest}, safe or overturning, may be missed")
     if failed:
-        note(f"{failed} intervals could not be decided (mode failed)")
-    return 4 if failed else 0
+        note(f"{counted(failed, 'interval')} could not be decided (mode failed)")
+        partly()
 
 
 def _of_records(
     files: tuple[str, ...], wanted: Envelope, sizeless: equations.Sizeless, shaken: ground.Ground, model: equations.Equations
-) -> int:
-    """Print the overturning scales of records, or their quantiles; returns the exit code."""
+) -> None:
+    """Print the overturning scales of records, or their quantiles."""
     from ..dynamics.method import model_in_words
     from ..envelopes.capacity import RATIO
     from ..envelopes.intervals import NAMED, NONE
@@ -152,7 +153,7 @@ def _of_records(
         raise click.UsageError("--median does not go with --sign both")
     if len(model.models) > 1:
         raise click.UsageError("--model both goes with a pulse; records use the nonlinear equation")
-    structures, varied, lost = options.members_of(files, wanted.vary, sizeless.etas) if files else ([], {}, 0)
+    structures, varied = options.members_of(files, wanted.vary, sizeless.etas) if files else ([], {})
     structures = model.lifting(structures)
     equation: dict[str, Any] = {"model": model.models[0], "tolerance": model.tolerance}
     scene = scene_of_words(structures, shaken.recordings, axes=wanted.axes, alphas=sizeless.alphas, etas=sizeless.etas, **equation)
@@ -162,15 +163,14 @@ def _of_records(
     def rows() -> Iterator[dict[str, Any]]:
         for row in tracing_records(tracing, sign=wanted.sign, workers=wanted.workers, progress=ProgressLine("envelope", "searches")):
             modes[row["mode"]] += 1
-            yield {**varied.get(str(row.get("structure")), {}), **row}
+            yield row
 
     if wanted.median:
         emit(overturning_spectrum(scene, rows()))
     else:
         places = ("record", "alpha", "T") if scene.over_angles else ("record", "structure")
-        emit(rows(), (*places, "A_from", *([] if tracing.first else ["A_to"]), "mode", "model"), unseen=NAMED)
+        emit(rows(), (*places, "A_from", *([] if tracing.first else ["A_to"]), "mode", "model"), unseen=NAMED, varied=varied)
     told = [model_in_words(scene.method, *structures, model=model.models[0])]
     if modes[NONE]:
         told.append(f"no overturning up to {tracing.most} in {modes[NONE]} searches")
-    code = _closing(told, f"{100.0 * RATIO:g} % of the amplitude", modes["failed"])
-    return 4 if lost or shaken.unread else code
+    _closing(told, f"{100.0 * RATIO:g} % of the amplitude", modes["failed"])

@@ -13,7 +13,7 @@ import click
 
 from ..errors import UsageError
 from . import equations, ground, options
-from .command import command, group, option, refuse, refuse_together
+from .command import command, group, option, partly, refuse, refuse_together
 from .parameter_types import InputPath, Registered, quantity
 from .printing import emit, form, note, printed, units_of
 from .progress import ProgressLine
@@ -31,7 +31,7 @@ def _measures() -> list[str]:
     return list(MEASURES)
 
 
-_WITH_COUNTS = ("counts", "curve", "samples", "seed", "form", "units", "quiet", "workers", "overwrite")
+_WITH_COUNTS = ("counts", "curve", "samples", "seed", "workers", "overwrite")
 _IN_G = re.compile(r"g(?![a-z])", re.IGNORECASE)  # and not in gal
 
 
@@ -82,7 +82,7 @@ def fragility(
     wanted: Fits = group(Fits),
     model: equations.Model = group(equations.Model),
     sweep: options.Sweep = group(options.Sweep),
-) -> int:
+) -> None:
     """Fit lognormal fragility curves of structures under a set of records or site pulses.
 
     One row for each structure, limit state and method: median theta of the intensity measure, dispersion beta, the 95 % bands of both by
@@ -102,7 +102,7 @@ def fragility(
     if wanted.counts is not None:
         refuse("does not go with --counts", *(click.get_current_context().params.keys() - set(_WITH_COUNTS)))
         _emit(counted(wanted.counts, Resampling(wanted.samples, wanted.seed)), [], wanted)
-        return 0
+        return
     structures, texts = options.structures_and_texts(files)
     if bool(shaken.recordings) == (wanted.pulses is not None):
         raise click.UsageError("no set of motions: give either --motion with records, or --pulses with a table of pulses")
@@ -153,7 +153,7 @@ def fragility(
     found = list(studies(structures, shaking, methods, how, sweep=settings, path=path, exact=exact, hazard=hazard, line=ProgressLine))
     if not found:
         note(f"{wanted.output}: {sweep.shard} is written; join the shards by rocking merge, then repeat the call with --resume")
-        return 4 if shaken.unread else 0
+        return
     refused: list[str] = []
     remarks: list[str] = []
     if wanted.cells:
@@ -180,7 +180,7 @@ def fragility(
     words = f"of {len(members)} motions overturn it at one intensity and not at a larger one"
     note(*(f"{study.structure.name}: {study.resurrections} {words}" for study in found if study.resurrections))
     stated = click.get_current_context().get_parameter_source("limits") is not click.core.ParameterSource.DEFAULT
-    return 4 if shaken.unread or (refused and stated) else 0  # of the default limit states some may have no fit
+    partly(refused and stated)  # of the default limit states some may have no fit
 
 
 def _emit(fits: Sequence[Fit], exact: Sequence[Study], wanted: Fits) -> None:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import RockingError, UsageError
-from .command import option, refuse
+from .command import option, partly, refuse
 from .options import remark_on
 from .parameter_types import NUMBER, STATION, InputPath, PulseOrPath, Registered, pulse_names, quantity
 from .printing import note, warn
@@ -60,7 +60,6 @@ class Ground:
     motion: Motion | None
     recordings: tuple[Recording, ...] = ()
     grid: Grid | None = None
-    unread: tuple[str, ...] = ()  # files of a directory that cannot be read
     upwards: Upwards | None = None  # which the motions have already
 
     @property
@@ -129,11 +128,6 @@ class Motions(Reading, Source):
 
         Records among the files belong to the set, so that a shell pattern after --motion works. Raises UsageError.
         """
-        unread: list[str] = []
-
-        def leave_out(line: str) -> None:
-            warn(line)
-            unread.append(line)
 
         def read(paths: tuple[str, ...], **given: Any) -> Motion | tuple[Recording, ...]:
             from ..motions.reading import holds_records, read_motions
@@ -149,7 +143,7 @@ class Motions(Reading, Source):
         found = self._read(read, station)
         if one_upwards and upwards is not None and isinstance(found, tuple):
             raise click.UsageError("--vertical goes with one pulse or motion document here, not with a set of records")
-        ground = Ground(None, found, None, tuple(unread)) if isinstance(found, tuple) else Ground(found)
+        ground = Ground(None, found) if isinstance(found, tuple) else Ground(found)
         return files, ground.with_upwards(upwards)
 
     def upwards(self) -> tuple[Upwards | None, float | None]:
@@ -212,6 +206,12 @@ class BothWays(Motions):
             with _named(component="vertical_component", unit="vertical_unit", dt="vertical_dt"):
                 motion = read_motion(self.vertical, component=component, unit=unit, dt=dt, tell=note)
         return Upwards(motion, factor), None
+
+
+def leave_out(line: str) -> None:
+    """Print why a file of a directory cannot be read and is left out."""
+    warn(line)
+    partly()
 
 
 def no_shaking(*instead: str) -> click.UsageError:

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from . import options
-from .command import argument, command
+from .command import argument, command, partly
 from .parameter_types import InputPath
 from .printing import note, quiet, warn
 
@@ -19,7 +19,7 @@ def merge(
     output: Path = options.output(required=True, help="The HDF5 file to write."),
     overwrite: bool = options.overwrite(),
     strict: bool = options.strict(),
-) -> int:
+) -> None:
     """Join the n files of `rocking spectrum --shard i/n` into one; exit code 4 if chunks are missing."""
     from ..spectra.file.merging import merge as put_together
 
@@ -30,4 +30,4 @@ def merge(
     if merged.missing:
         shown = ", ".join(merged.missing[:MOST]) + (f" and {len(merged.missing) - MOST} more" if len(merged.missing) > MOST else "")
         warn(f"missing or not complete: shard {shown}")
-    return 4 if merged.there < merged.whole else 0
+    partly(merged.there < merged.whole)

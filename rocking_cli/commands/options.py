@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .command import argument, option, refuse
+from .command import argument, option, partly, refuse
 from .parameter_types import InputPath, OutputPath, Parsed, limit, quantity
 from .printing import below, form, note
 from .streams import printable
@@ -121,14 +121,13 @@ def structures_and_texts(files: tuple[str, ...], etas: tuple[float | None, ...] 
 
 def members_of(
     files: tuple[str, ...], vary: tuple[str, ...], etas: tuple[float | None, ...] = ()
-) -> tuple[list[RockingParameters], dict[str, dict[str, float]], int]:
-    """(the structures of `structures_of`, or of the families of --vary; the columns of the varied values by name of the structure; the
-    number of members without a solution, which are noted).
+) -> tuple[list[RockingParameters], dict[str, dict[str, float]]]:
+    """(the structures of `structures_of`, or of the families of --vary; the columns of the varied values by name of the structure).
 
-    The columns hold SI units, as `varied_width`, in tables and CSV with the unit.
+    The columns hold SI units, as `varied_width`, in tables and CSV with the unit. Members without a solution are noted and left out.
     """
     if not vary:
-        return structures_of(files, etas), {}, 0
+        return structures_of(files, etas), {}
     from ..documents.quantities import headed
     from ..structures import with_distinct_names
     from ..structures.family import family, members, parse_variation
@@ -147,11 +146,12 @@ def members_of(
         if member.parameters is None:
             note_no_solution(member)
     remark_on(found)
-    return found, columns, len(every) - len(found)
+    return found, columns
 
 
 def note_no_solution(member: Member) -> None:
-    """Print why a member of a family has no solution."""
+    """Print why a member of a family has no solution and is left out."""
+    partly()
     varied = ", ".join(f"{key} = {value:g}" for key, value in member.shown.items())
     note(f"no solution for {varied}: {member.fault}")
 

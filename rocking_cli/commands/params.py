@@ -19,7 +19,7 @@ SHARED = {"one_sided": False, "damping": 0.0, "friction": None, "arm": None}  # 
 @command("rocking params configs/block.yaml --json | jq .p", printed)
 def params(
     files: tuple[str, ...] = options.files(), vary: tuple[str, ...] = options.vary(), linear_uplift: str = equations.linear_uplift()
-) -> int:
+) -> None:
     """Derive p, alpha, eta, lambda and a_scale of each structure.
 
     FILE is a YAML or JSON structure document, - for standard input. Bounds of --vary without a unit have the unit of that key in the
@@ -37,7 +37,6 @@ def params(
     variations = [parse_variation(text) for text in vary]
     total = members(variations)
     shown = form()
-    faults: list[str] = []
     early: list[RockingParameters] = []
 
     def records() -> Iterator[dict[str, Any]]:
@@ -57,7 +56,6 @@ def params(
             for j, member in enumerate(family(document, variations), 1):
                 progress(i * total + j, len(documents) * total)
                 if member.parameters is None:
-                    faults.append(str(member.fault))
                     options.note_no_solution(member)
                 else:
                     (structure,) = equations.lifting([member.parameters], linear_uplift)
@@ -67,7 +65,6 @@ def params(
     for s in early:
         lifts = f"lifts it at alpha/a_scale = {s.linear_uplift:.4g} g, the body at lambda = {s.uplift:.4g} g"
         note(f"{s.name}: the linear equation {lifts}")
-    return 4 if faults else 0
 
 
 def _rows(record: dict[str, Any], form: str | None, varied: dict[str, float] | None = None) -> Iterator[dict[str, Any]]:

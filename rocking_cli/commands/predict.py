@@ -1,7 +1,8 @@
 """`rocking predict`: the response of a structure under the motion of a dimensionless spectrum."""
 
+from ..errors import counted
 from . import ground, options
-from .command import argument, command, group, option
+from .command import argument, command, group, option, partly
 from .parameter_types import InputPath
 from .printing import emit, note, printed
 
@@ -16,7 +17,7 @@ def predict(
     exact: bool = option(
         "--exact", is_flag=True, help="Also beyond the range and restitutions of the spectrum, under its motion; nothing is interpolated."
     ),
-) -> int:
+) -> None:
     """Predict theta_max, outcome and margin of structures under the motion of a spectrum of equal restitution.
 
     SPECTRUM holds a linear spectrum on axes A and Omega. theta_max [rad] and the outcome are computed. capacity_demand is the
@@ -42,7 +43,6 @@ def predict(
             records = [beside_spectrum(s, file, grid) for s in structures]
     emit(records)
     note("model: linear, as the spectrum's")
-    failed = sum(r["outcome"] == Outcome.FAILED.flag for r in records)
-    if failed:
-        note(f"{failed} structures could not be decided (outcome failed)")
-    return 4 if failed else 0
+    if failed := sum(r["outcome"] == Outcome.FAILED.flag for r in records):
+        note(f"{counted(failed, 'structure')} could not be decided (outcome failed)")
+        partly()

@@ -75,12 +75,13 @@ def form() -> str | None:
 
 def emit(
     rows: Iterable[Mapping[str, Any]], columns: Sequence[str] = (), *, form: str | None = None, table_units: str | None = None,
-    without: Sequence[str] = (), unseen: Sequence[str] = (),
+    without: Sequence[str] = (), unseen: Sequence[str] = (), varied: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> None:  # fmt: skip
     """Print rows, each as soon as it is computed.
 
     columns: the CSV header if there is no row; form: without --json and --csv; table_units: of a table without --units; without:
-    columns that have no unit here; unseen: columns for programs only, which a table leaves out.
+    columns that have no unit here; unseen: columns for programs only, which a table leaves out; varied: the columns of the varied values
+    by structure, which stand first.
     """
     from shutil import get_terminal_size
 
@@ -91,6 +92,8 @@ def emit(
     chosen = [name.strip() for name in (_kept("columns") or "").split(",") if name.strip()]
     if units is None and form is None and table_units is not None:
         units = parse_units(table_units)
+    if varied:
+        rows = ({**varied.get(str(row.get("structure")), {}), **row} for row in rows)
     if unseen and form is None:
         rows = ({key: value for key, value in row.items() if key not in unseen or key in chosen} for row in rows)
     if without:

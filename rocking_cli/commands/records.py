@@ -11,7 +11,7 @@ import click
 from . import ground, options
 from .command import command, group, option, refuse
 from .parameter_types import NUMBER
-from .printing import emit, note, printed, warn
+from .printing import emit, note, printed
 
 if TYPE_CHECKING:
     from ..motions.records import Record
@@ -32,7 +32,7 @@ def records(
     damping: float | None = option(
         "--damping", type=NUMBER, metavar="RATIO", help="Damping ratio of the spectrum, such as 0.05 for 5 % (the default)."
     ),
-) -> int:
+) -> None:
     """Show what records hold, a row a component: sampling and intensity measures in s, m/s2, m/s and m.
 
     FILE is a record of any known format, packed with gzip or not, - for standard input, a directory, or a list of files, one a line.
@@ -62,8 +62,7 @@ def records(
     emit(taken, SPECTRUM_COLUMNS if export_spectrum else COLUMNS)
     note(*dict.fromkeys(notes))
     for line in unread:
-        warn(line)
-    return 4 if unread else 0
+        ground.leave_out(line)
 
 
 def _spectrum(record: Record, periods: str | None, damping: float | None) -> list[dict[str, Any]]:

@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from . import ground, options
-from .command import command, group, option
+from .command import command, group, option, partly
 from .printing import note, quiet
 from .progress import ProgressLine
 
@@ -22,7 +22,7 @@ def report(
     sort: str | None = option("--sort", type=click.Choice(["capacity"]), help="The structures with the least capacity first."),
     workers: int | None = options.workers(),
     overwrite: bool = options.overwrite(),
-) -> int:
+) -> None:
     """Write a page about structures under a pulse or a set of records: verdicts, drawings, maps and fragility.
 
     The page is one HTML file that opens in a browser without a network. It holds the table of rocking check; for each structure its
@@ -60,4 +60,4 @@ def report(
     ground.note_demand(shakes)
     ground.note_governing(structures, shakes[0][1].dimensionless)
     note(f"{output}: {tally(verdicts)}")
-    return 4 if shaken.unread or any(v.outcome == Outcome.FAILED for v in verdicts) else 0
+    partly(any(v.outcome == Outcome.FAILED for v in verdicts))

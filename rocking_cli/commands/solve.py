@@ -5,7 +5,7 @@ from typing import Any
 import click
 
 from . import ground, options
-from .command import command, group, option
+from .command import command, group, option, partly
 from .printing import emit, form, note, printed
 from .progress import ProgressLine
 
@@ -26,7 +26,7 @@ def solve(
     ),
     asked: ground.Demand = group(ground.Demand),
     workers: int | None = options.workers(),
-) -> int:
+) -> None:
     """Find the values of a key from which each structure stands under a motion with a margin.
 
     One row for each boundary in the range: the value, rounded to six digits on the side on which the structure stands, that side, and
@@ -44,7 +44,6 @@ def solve(
     varied = parse_variation(vary, _SCAN)
     rows: list[dict[str, Any]] = []
     remarks: list[str] = []
-    failed = bool(shaken.unread)
     for document in documents:
         given: dict[str, Any] = {"margin": margin, "share": share, "workers": workers, "progress": ProgressLine("solve", "values")}
         found, told = boundaries(document, varied, shakes, **given)
@@ -54,8 +53,7 @@ def solve(
             at = {"key": key, "value": value} if form() else {heading: f"{x:.6g}" for heading, x in one.shown.items()}
             rows.append({"structure": name, **at, **row})
         remarks += [f"{document.source}: {line}" if len(documents) > 1 else line for line in told]
-        failed = failed or any(line.startswith("no ") for line in told)
+        partly(any(line.startswith("no ") for line in told))
     emit(rows, ("structure", "key", "value", "side", "capacity_demand"))
     ground.note_demand(shakes)
     note(*remarks)
-    return 4 if failed else 0
