@@ -40,7 +40,7 @@ from ..spectra.file.reader import SpectraFile
 from ..spectra.sweep import SweepOptions, write_spectrum
 from ..structures import RockingParameters, build_structure, with_distinct_names
 from ..structures.kinds import sketch_of
-from .figures.canvas import FIGURE_UNITS, Figure, canvas, literal
+from .figures.canvas import FIGURE_UNITS, Figure, Look, drawn_as, literal, styled
 from .figures.capacities import capacities
 from .figures.drawing import structure_axes
 from .figures.fragility_curves import fragility_curves
@@ -101,20 +101,18 @@ def page(
         order = [v.structure for v in verdicts]
         subjects = sorted(subjects, key=lambda s: order.index(s.structure.name))
     of = {s.structure.name: [v for v in verdicts if v.structure == s.structure.name] for s in subjects}
-    with TemporaryDirectory() as name:
-        folder = Path(name)
-        return template.render(
-            title=title or f"Rocking of {', '.join(s.structure.name for s in subjects)}",
-            lead=f"{tally(verdicts)}, under {demand}." if summary else f"{tally(verdicts)}, under {motions}: {demand}.",
-            overview=[_row(OVERVIEW, overview_row(mine), worst_of(mine)) for mine in of.values()] if summary else [],
-            verdicts=[_row(HEADS, attrgetter(*HEADS.values())(v), v) for v in verdicts],
-            capacities=_image(folder, lambda figure: capacities(figure, verdicts, True)),
-            structures=[_section(folder, one, verdicts, pulse, recordings, workers) for one in subjects],
-            command=command,
-            made=made,
-            versions=[("rocking", __version__), ("Python", platform.python_version()), *((p, version(p)) for p in _PACKAGES)],
-            hashes=_hashes(subjects, recordings, vertical),
-        )
+    return template.render(
+        title=title or f"Rocking of {', '.join(s.structure.name for s in subjects)}",
+        lead=f"{tally(verdicts)}, under {demand}." if summary else f"{tally(verdicts)}, under {motions}: {demand}.",
+        overview=[_row(OVERVIEW, overview_row(mine), worst_of(mine)) for mine in of.values()] if summary else [],
+        verdicts=[_row(HEADS, attrgetter(*HEADS.values())(v), v) for v in verdicts],
+        capacities=_image(lambda figure: capacities(figure, verdicts, True)),
+        structures=[_section(one, of[one.structure.name], pulse, recordings, workers) for one in subjects],
+        command=command,
+        made=made,
+        versions=[("rocking", __version__), ("Python", platform.python_version()), *((p, version(p)) for p in _PACKAGES)],
+        hashes=_hashes(subjects, recordings, vertical),
+    )
 
 
 def report(
@@ -172,26 +170,24 @@ def _hashes(subjects: Sequence[Subject], recordings: Sequence[Recording], vertic
 
 
 def _section(
-    folder: Path, subject: Subject, verdicts: Sequence[Verdict], pulse: tuple[Motion, Grid] | None, recordings: Sequence[Recording],
-    workers: int | None,
-) -> dict[str, Any]:  # fmt: skip
-    """The template's values for one structure."""
+    subject: Subject, mine: Sequence[Verdict], pulse: tuple[Motion, Grid] | None, recordings: Sequence[Recording], workers: int | None
+) -> dict[str, Any]:
+    """The template's values for one structure; mine: its verdicts."""
     structure = subject.structure
-    mine = [v for v in verdicts if v.structure == structure.name]
     linear = all(v.model == LINEAR.model for v in mine)
     outcomes = np.array([(v.outcome, v.outcome_linear) for v in mine], dtype=np.uint8).reshape(-1, 2)
     drawn, codes = None, difference(outcomes[:, 0], outcomes[:, 1])
     if pulse is not None:
-        drawn, codes = _map(folder, structure, *pulse, mine, workers)
+        drawn, codes = _map(structure, *pulse, mine, workers)
     cases = "motions" if pulse is None else "cells of the map"
     return {
         "name": structure.name,
         "kind": f"kind {structure.structure}, restitution {structure.eta_source}" if structure.eta_source else structure.structure,
-        "drawing": _drawing(folder, subject),
+        "drawing": _drawing(subject),
         "parameters": parameter_rows(structure),
         "map": drawn,
         "validity": "The linear equation alone answers here." if linear else _agreement(codes, cases),
-        "fragility": _fragility(folder, structure, recordings, workers) if recordings else None,
+        "fragility": _fragility(structure, recordings, workers) if recordings else None,
         "text": subject.document.text.strip(),
     }
 
@@ -206,25 +202,26 @@ def _row(heads: Iterable[str], values: Iterable[str | float | None], v: Verdict)
     return {"falls": v.falls, "cells": cells}
 
 
-def _image(folder: Path, plan: Plan) -> str:
+def _image(plan: Plan) -> str:
     """A figure as a data URL for the page."""
-    target = folder / "figure.svg"
-    with canvas(target) as figure:
+    look = Look()
+    with styled(look) as figure:
         plan(figure)
-    return f"data:image/svg+xml;base64,{base64.b64encode(target.read_bytes()).decode()}"
+        drawn, _ = drawn_as(figure, Path("figure.svg"), look)
+    return f"data:image/svg+xml;base64,{base64.b64encode(drawn).decode()}"
 
 
-def _drawing(folder: Path, subject: Subject) -> str | None:
+def _drawing(subject: Subject) -> str | None:
     """A drawing of the structure as a data URL; None if its kind has no geometry."""
     try:
         sketch = sketch_of(subject.document, subject.structure)
     except DocumentError:
         return None
-    return _image(folder, lambda figure: structure_axes(figure.add_subplot(), subject.structure, sketch, FIGURE_UNITS))
+    return _image(lambda figure: structure_axes(figure.add_subplot(), subject.structure, sketch, FIGURE_UNITS))
 
 
 def _map(
-    folder: Path, structure: RockingParameters, motion: Motion, demand: Grid, mine: Sequence[Verdict], workers: int | None
+    structure: RockingParameters, motion: Motion, demand: Grid, mine: Sequence[Verdict], workers: int | None
 ) -> tuple[str, np.ndarray]:
     """(map around the demand as a data URL, `Difference` of each of its cells, empty for the linear equation)."""
     (omega,) = demand.frequency.values / (1.0 if demand.frequency.name == "omega_g" else 1.0 / structure.p)
@@ -233,26 +230,26 @@ def _map(
     most = min(most, 8.0 * amplitude)
     grid = Grid(Axis("a_g", most * np.arange(1, SIDE + 1) / SIDE), Axis("omega_g", omega * np.geomspace(0.25, 4.0, SIDE)))
     method = governing_method(structure, dimensionless=demand.dimensionless)
-    path = folder / "map.h5"
     beside = () if method.exact else ("linear",)
-    write_spectrum([structure], motion, grid, path, method=method, quantities=beside, check=0, workers=workers, overwrite=True)
-    with SpectraFile(path) as file:
 
-        def plan(figure: Figure) -> None:
-            figure.set_size_inches(8.4, 4.0)  # with the legend beside the map
-            axes = figure.add_subplot()
-            entries = outcome_map(axes, file, 0, FIGURE_UNITS)
-            x, y = omega / FIGURE_UNITS.column("omega_g")[2], amplitude / FIGURE_UNITS.column("a_g")[2]
-            entries += axes.plot(x, y, ls="", marker="*", ms=13, mfc="#F0E442", mec="k", label="demand")
-            axes.set_xscale("log")
-            ticks = [x * 2.0**i for i in range(-2, 3)]
-            axes.set_xticks(ticks, [f"{tick:.3g}" for tick in ticks])
-            axes.set_xticks([], minor=True)
-            axes.set_title(literal(structure.name))
-            figure.legend(handles=entries, loc="outside right upper")
+    def plan(figure: Figure) -> None:
+        figure.set_size_inches(8.4, 4.0)  # with the legend beside the map
+        axes = figure.add_subplot()
+        entries = outcome_map(axes, file, 0, FIGURE_UNITS)
+        x, y = omega / FIGURE_UNITS.column("omega_g")[2], amplitude / FIGURE_UNITS.column("a_g")[2]
+        entries += axes.plot(x, y, ls="", marker="*", ms=13, mfc="#F0E442", mec="k", label="demand")
+        axes.set_xscale("log")
+        ticks = [x * 2.0**i for i in range(-2, 3)]
+        axes.set_xticks(ticks, [f"{tick:.3g}" for tick in ticks])
+        axes.set_xticks([], minor=True)
+        axes.set_title(literal(structure.name))
+        figure.legend(handles=entries, loc="outside right upper")
 
-        picture = _image(folder, plan)
-        return picture, np.zeros(0) if method == LINEAR else file.block(0, slice(None))["difference"]
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "map.h5"
+        write_spectrum([structure], motion, grid, path, method=method, quantities=beside, check=0, workers=workers, overwrite=True)
+        with SpectraFile(path) as file:
+            return _image(plan), np.zeros(0) if method == LINEAR else file.block(0, slice(None))["difference"]
 
 
 def _agreement(codes: np.ndarray, cases: str) -> str:
@@ -268,7 +265,7 @@ def _agreement(codes: np.ndarray, cases: str) -> str:
     )
 
 
-def _fragility(folder: Path, structure: RockingParameters, recordings: Sequence[Recording], workers: int | None) -> dict[str, Any]:
+def _fragility(structure: RockingParameters, recordings: Sequence[Recording], workers: int | None) -> dict[str, Any]:
     """The template's values for fragility curves over PGA by stripes: figure, fitted parameters, remarks."""
     if len(recordings) < FEWEST:
         return {"figure": None, "fits": [], "remarks": [f"{len(recordings)} records; a fit needs {FEWEST}."]}
@@ -287,7 +284,7 @@ def _fragility(folder: Path, structure: RockingParameters, recordings: Sequence[
             remarks.append(f"limit state {word_of(limit)}: {error}")
     rows = [{key: "" if value is None else str(value) for key, value in row.items()} for fit in fits for row in fit.points_of_curve()]
     return {
-        "figure": _image(folder, lambda figure: fragility_curves(figure, rows, FIGURE_UNITS)) if fits else None,
+        "figure": _image(lambda figure: fragility_curves(figure, rows, FIGURE_UNITS)) if fits else None,
         "fits": [_fitted(fit) for fit in fits],
         "remarks": remarks,
     }

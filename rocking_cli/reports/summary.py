@@ -4,17 +4,18 @@ from collections.abc import Iterator
 
 from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Difference, Outcome
+from ..errors import counted
 from ..spectra.results import Summary
 
 
 def summary_lines(summary: Summary, output: str) -> Iterator[str]:
     """The sentences of the summary: size, run time, estimated error, outcomes, and work that was skipped."""
     s, w = summary, summary.work
-    records = f" under {s.records} record{'s' if s.records != 1 else ''}" if s.records else ""
-    yield f"{output}: {s.cells} cell{'s' if s.cells != 1 else ''}, {s.structures} structure{'s' if s.structures != 1 else ''}{records}"
+    records = f" under {counted(s.records, 'record')}" if s.records else ""
+    yield f"{output}: {counted(s.cells, 'cell')}, {counted(s.structures, 'structure')}{records}"
     if s.records and s.model == LINEAR.model:
         yield "the linear equation is not safe under records; `model` nonlinear decides"
-    yield f"run time: {s.run_time:.3g} s, {1e6 * s.time_per_cell:.3g} us a cell, {s.workers} worker{'s' if s.workers != 1 else ''}"
+    yield f"run time: {s.run_time:.3g} s, {1e6 * s.time_per_cell:.3g} us a cell, {counted(s.workers, 'worker')}"
     if s.resumed_cells:
         yield f"resumed: {s.resumed_cells} cells were there before; times, checks and what was left out are those of this run"
     if s.elsewhere:
@@ -22,7 +23,7 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
     if s.checked_cells:
         agree = "every outcome equal" if not s.misjudged else f"{s.misjudged} OUTCOMES DIFFER"
         sensitive = f" ({s.sensitive_cells} for their sensitivity)" if s.sensitive_cells else ""
-        many = f"{s.checked_cells} cell{'s' if s.checked_cells != 1 else ''}{sensitive} computed again by {s.checked_by}"
+        many = f"{counted(s.checked_cells, 'cell')}{sensitive} computed again by {s.checked_by}"
         yield f"estimated error: {s.estimated_error:.1e} in theta/alpha at {many}, {agree}"
         if s.misjudged or s.beyond_tolerance:
             cells = f"{s.misjudged + s.beyond_tolerance} of these cells"

@@ -8,7 +8,7 @@ from itertools import islice
 
 import numpy as np
 
-from ..errors import UsageError
+from ..errors import UsageError, counted
 from ..motions.grid import as_recorded
 from ..motions.recording import Recording
 from ..structures.parameters import RockingParameters
@@ -21,7 +21,7 @@ def at_azimuth(pair: Sequence[Recording], azimuth: float) -> Recording:
     The shorter one is at rest after its end. Raises UsageError unless there are two components with the same step.
     """
     if len(pair) != 2:
-        raise UsageError(f"found {len(pair)} horizontal component{'s' * (len(pair) != 1)}; expected two for an azimuth")
+        raise UsageError(f"found {counted(len(pair), 'horizontal component')}; expected two for an azimuth")
     one, two = (r.record for r in pair)
     if one.dt != two.dt:
         raise UsageError(f"{one.label} has a step of {one.dt:g} s and {two.label} one of {two.dt:g} s; expected equal steps")

@@ -58,17 +58,19 @@ class TimeHistory:
         """tau every dt [tau], at the solver's own steps, of a record at its samples, impacts and peaks, or POINTS of them. Raises
         UsageError."""
         if steps:
-            marks = np.unique(np.concatenate([h.steps() for h in self.histories.values()]))
-            return np.append(marks[marks < self.end], self.end)
-        if dt is None and self.motion.acceleration is not None:
-            return self._at_samples()
-        if dt is None:
+            marks = [h.steps() for h in self.histories.values()]
+        elif dt is None and self.motion.acceleration is not None:
+            marks = self._samples()
+        elif dt is None:
             return np.linspace(0.0, self.end, POINTS + 1)
-        if not (dt > 0.0 and self.end / dt <= MOST_POINTS):
+        elif not (dt > 0.0 and self.end / dt <= MOST_POINTS):
             raise UsageError(f"`dt`: found {dt / self.structure.p:g} s; expected a positive time that gives up to {MOST_POINTS} points")
-        return dt * np.arange(math.floor(self.end / dt * (1.0 + 1e-12)) + 1)
+        else:
+            return dt * np.arange(math.floor(self.end / dt * (1.0 + 1e-12)) + 1)
+        times = np.unique(np.concatenate(marks))
+        return np.append(times[times < self.end], self.end)
 
-    def _at_samples(self) -> np.ndarray:
+    def _samples(self) -> list[np.ndarray]:
         """tau of the samples of a record, and on at their mean step, with the impacts and peaks."""
         stops = Ground(self.motion, self.amplitude, self.omega).stops
         last, step = float(stops[-1]), float(stops[-1]) / stops.size
@@ -76,8 +78,7 @@ class TimeHistory:
             raise UsageError(f"the record gives more than {MOST_POINTS} rows; `dt` sets their step")
         after = last + step * np.arange(1, max(1, math.ceil((self.end - last) / step)))
         turns = [event.tau for found in self.histories.values() for event in found.events if event.event in ("impact", "peak")]
-        marks = np.unique(np.concatenate([[0.0], stops, after, turns]))
-        return np.append(marks[marks < self.end], self.end)
+        return [np.zeros(1), stops, after, np.array(turns)]
 
     @cached_property
     def forces(self) -> dict[str, ForceHistory | ArchHistory]:

@@ -110,20 +110,26 @@ def canvas(
     target, look = Path(target), look or Look()
     with styled(look, instead) as figure:
         yield figure
-        look.finish(figure)
-        form, drawn = target.suffix[1:].lower(), io.BytesIO()
-        dpi = look.dpi or (_FINE if form in _UNDATED else figure.dpi)
-        with warnings.catch_warnings(record=True) as raised:
-            warnings.filterwarnings("always", message=_NO_GLYPH)
-            try:
-                figure.savefig(drawn, format=form, dpi=dpi, metadata=_UNDATED.get(form))
-            except (OSError, ValueError) as error:
-                raise OutputError(f"{target}: cannot be drawn: {error}") from None
-    missing = sorted({chr(int(found[1])) for w in raised if (found := re.match(_NO_GLYPH, str(w.message)))})
+        drawn, missing = drawn_as(figure, target, look)
     if missing and tell is not None:
-        tell(f"{target}: the font of the figure has no {' '.join(missing)}; boxes stand there")
+        tell(f"{target}: the font of the figure has no {missing}; boxes stand there")
     with published(target, overwrite) as file:
-        file.write(drawn.getvalue())
+        file.write(drawn)
+
+
+def drawn_as(figure: Figure, target: Path, look: Look) -> tuple[bytes, str]:
+    """(the figure in the format of `target`, the characters that its font lacks). Raises OutputError if it cannot be drawn."""
+    look.finish(figure)
+    form, drawn = target.suffix[1:].lower(), io.BytesIO()
+    dpi = look.dpi or (_FINE if form in _UNDATED else figure.dpi)
+    with warnings.catch_warnings(record=True) as raised:
+        warnings.filterwarnings("always", message=_NO_GLYPH)
+        try:
+            figure.savefig(drawn, format=form, dpi=dpi, metadata=_UNDATED.get(form))
+        except (OSError, ValueError) as error:
+            raise OutputError(f"{target}: cannot be drawn: {error}") from None
+    missing = {chr(int(found[1])) for w in raised if (found := re.match(_NO_GLYPH, str(w.message)))}
+    return drawn.getvalue(), " ".join(sorted(missing))
 
 
 def literal(text: str) -> str:
