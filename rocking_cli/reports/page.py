@@ -45,8 +45,7 @@ from .figures.capacities import capacities
 from .figures.drawing import structure_axes
 from .figures.fragility_curves import fragility_curves
 from .figures.maps import outcome_map
-from .overview import OVERVIEW, capacity_left, demand_plainly, overview_row, worst_of
-from .relations import parameter_rows
+from .wording import OVERVIEW, capacity_left, demand_plainly, overview_row, parameter_rows, worst_of
 
 SIDE = 80  # values on each axis of a map
 LEVELS = 16  # PGA levels of a fragility curve

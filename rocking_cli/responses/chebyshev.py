@@ -1,7 +1,5 @@
 """The extremes of a smooth function on a stretch of time: roots of the derivative of its Chebyshev series, not samples."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
 from typing import NamedTuple
@@ -25,7 +23,7 @@ class Extent(NamedTuple):
     largest: float
     at_largest: float
 
-    def join(self, other: Extent) -> Extent:
+    def join(self, other: "Extent") -> "Extent":
         """Over both stretches."""
         low, high = min(self, other, key=lambda e: e.least), max(self, other, key=lambda e: e.largest)
         return Extent(low.least, low.at_least, high.largest, high.at_largest)

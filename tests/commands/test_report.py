@@ -18,8 +18,8 @@ from rocking_cli.fragility.measures import members_of, shaken_upwards
 from rocking_cli.motions.biaxial import Upwards
 from rocking_cli.motions.reading import read_motions
 from rocking_cli.motions.recording import Recording
-from rocking_cli.reports.overview import OVERVIEW, demand_plainly, overview_row, verdict_plainly
 from rocking_cli.reports.page import Subject, page
+from rocking_cli.reports.wording import OVERVIEW, demand_plainly, overview_row, verdict_plainly
 
 HOSTILE = """<script>document.title = "taken"</script>'"&amp; $x$ {{ 7 * 7 }}"""
 DEMAND = parse_grid("a_g=0.6g,f_g=1.2")
