@@ -124,18 +124,10 @@ class Body(NamedTuple):
             kept &= still - edge.kappa * (speed * speed * cos + 2.0 * self.damping * speed * sin) > 0.0
         return kept
 
-    def safe_push(self, sway: tuple[float, ...]) -> tuple[float, ...]:
-        """The push [g] on each edge up to which Fz > 0 is proved if the body does not overturn; sway: largest |w - 1| over the push."""
-        return tuple(_safe_push(self, i, ratio) for i, ratio in enumerate(sway))
-
-    def safe_at(self, edge: int, turn: Array, ratio: float) -> Array:
-        """The push [g] up to which Fz > 0 is proved for rotations up to `turn` [rad] on this edge; ratio: the sway."""
-        step, pushes = _safe_pushes(self, edge, ratio)
-        return pushes[np.minimum(np.ceil(turn / step), pushes.size - 1).astype(np.int64)]
-
 
 @lru_cache(maxsize=256)
-def _safe_push(body: Body, edge: int, ratio: float) -> float:
+def safe_push(body: Body, edge: int, ratio: float) -> float:
+    """The push [g] on an edge up to which Fz > 0 is proved if the body does not overturn; ratio: largest |w - 1| over the push."""
     sway = ratio * _PUSHES
     with np.errstate(all="ignore"):
         slope = np.where(sway < 1.0, _PUSHES / (1.0 - sway), np.inf)  # at most to the equilibrium of this inward push
@@ -145,9 +137,9 @@ def _safe_push(body: Body, edge: int, ratio: float) -> float:
 
 
 @lru_cache(maxsize=256)
-def _safe_pushes(body: Body, edge: int, ratio: float) -> tuple[float, Array]:
-    """(step [rad], the pushes for rotations up to its multiples and, last, for any rotation)."""
-    least = _safe_push(body, edge, ratio)
+def safe_pushes(body: Body, edge: int, ratio: float) -> tuple[float, Array]:
+    """(step [rad], the same pushes if the rotation is known to be at most its multiples and, last, of any rotation)."""
+    least = safe_push(body, edge, ratio)
     turns = np.linspace(0.0, _TURNS * body.alpha[edge], _STEPS)
     pushes = max(least, float(_PUSHES[0])) * np.geomspace(1.0, 1e2, _STEPS)
     with np.errstate(all="ignore"):

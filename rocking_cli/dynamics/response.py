@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -12,7 +11,7 @@ from ..motions.motion import Motion
 from ..motions.segments import Chain
 from .lanes import Array
 from .march.batch import Batch
-from .march.engine import Run, Stepper, WindowStepper
+from .march.engine import Run, by_windows
 from .outcome import Outcome, Work, safe
 from .system import System
 
@@ -92,36 +91,37 @@ def _marched(
 ) -> Run:
     """The finished run of a batch of these cells, with those that lost the ground. jumps: False if the observers have to see the arcs or
     Taylor steps of every lane."""
-    stepper, pool = _stepper_of(system, [motion], pool, jumps)
+    march, pool = _march_of(system, [motion], pool, jumps)
     watched: Array | bool = False
     if system.body is not None:
         from .observers.contact_loss import ContactLoss
 
-        on_the_way = stepper is WindowStepper and not system.equation.bounded
+        on_the_way = march is by_windows and not system.equation.bounded
         loss = ContactLoss(system.body, batch, _LIKELY if on_the_way else np.inf)
         observers, watched = observers + ((loss,) if loss.any else ()), loss.watched
-    run = Run(batch, pool, stepper, observers)
-    run.all()
+    run = Run(batch, pool, observers)
+    run.all(march)
     doubtful = (run.outcome == Outcome.ROCKED) & ~np.asarray(watched)
     gone = that_left_the_ground(system, motion, cells, doubtful, run.theta_ratio if batch.peaks else None)
     run.outcome[gone], run.theta_ratio[gone] = Outcome.LOST_CONTACT, np.nan
     return run
 
 
-def _stepper_of(system: System, motions: Sequence[Motion], pool: int | None, jumps: bool) -> tuple[Callable[[Run], Stepper], int | None]:
-    """(the stepper of a run under these motions, the number of lanes that it advances together)."""
+def _march_of(system: System, motions: Sequence[Motion], pool: int | None, jumps: bool) -> tuple[Callable[[Run, Array], None], int | None]:
+    """(the march of a run under these motions, the number of lanes that it advances together)."""
     samples = [found for motion in motions if (found := motion.coarsest.samples) is not None]
     weighed = motions[0].vertical is not None
     if len(samples) < len(motions) or (weighed and not jumps):
-        return WindowStepper, pool
+        return by_windows, pool
     equal = all(motion.samples is not None for motion in motions)
     if jumps and not weighed and equal and system.equation.bounded:  # linear, undamped, under equal steps: exact
         from .samples.exact import LANES, ExactStepper
 
-        return partial(ExactStepper, samples=samples), pool or LANES
+        return lambda run, waiting: ExactStepper(run, samples).march(waiting), pool or LANES
     from .samples.taylor_steps import LANES, TaylorStepper, WeighedTaylorStepper
 
-    return partial(WeighedTaylorStepper if weighed else TaylorStepper, samples=samples), pool or LANES
+    stepper = WeighedTaylorStepper if weighed else TaylorStepper
+    return lambda run, waiting: stepper(run, samples).march(waiting), pool or LANES
 
 
 def that_left_the_ground(
@@ -202,9 +202,9 @@ def response_under_records(
     chain = Chain.of([record.coarsest.segments for record in records])
     batch = Batch.of(system, chain, amplitude, omega, eta, first=chain.first[which])
     speed = PeakSpeed(batch)
-    stepper, pool = _stepper_of(system, records, None, True)
-    run = Run(batch, pool, stepper, [speed])
-    run.all()
+    march, pool = _march_of(system, records, None, True)
+    run = Run(batch, pool, [speed])
+    run.all(march)
     return _response(run, amplitude.shape), np.where(safe(run.outcome), speed.speed.largest, np.nan)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..motions.motion import Motion
 from ..motions.segments import Segments
-from .body import Body
+from .body import Body, safe_push
 from .contacts.contact import Contact, Symmetric
 from .equations.equation import Equation
 
@@ -60,7 +60,7 @@ class System(NamedTuple):
             return math.inf
         sway = 0.0 if motion.vertical is None else motion.vertical.peak / motion.peak
         scales = self.body.a_scale or (1.0,) * len(self.body.alpha)
-        pushes = self.body.safe_push(tuple(sway / scale for scale in scales))
+        pushes = [safe_push(self.body, i, sway / scale) for i, scale in enumerate(scales)]
         return min(push / scale for push, scale in zip(pushes, scales, strict=True)) / (self.scale * motion.peak)
 
     def least_uplift(self, motion: Motion) -> float:

@@ -92,9 +92,7 @@ def _value(segments: Segments, k: Array, u: Array) -> Array:
 
 
 def weighed(motion: Motion, right: float, left: float) -> Segments:
-    """The segments of a motion for a body whose edges have these r: `WeighedSegments` under a vertical motion, else its own."""
-    if motion.vertical is None:
-        return motion.segments
+    """The segments of a motion with a vertical one for a body whose edges have these r."""
     return (_last if len(motion.segments) > _LONG else _many)(motion, right, left)
 
 

@@ -11,7 +11,7 @@ import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import cache
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -41,45 +41,31 @@ def keep_freed_memory() -> None:
             mallopt(_TRIM_THRESHOLD, 2 * _BLOCK)
 
 
-class Stepper(Protocol):
-    """The way of a run's lanes from instant to instant."""
-
-    def march(self, waiting: Array) -> None:
-        """Bring these cells, which leave the ground, to their end; (cells,) indices."""
-
-
-class WindowStepper:
-    """From window to window of the drive (`advance`), round by round."""
-
-    def __init__(self, run: Run) -> None:
-        self.run = run
-
-    def march(self, waiting: Array) -> None:
-        """Bodies that are hardly lifted bounce longest, so they begin."""
-        run, batch = self.run, self.run.batch
-        if waiting.size > run.pool:
-            lift = batch.contact.strongest(batch.cells, batch.segments, batch.first)[waiting]
-            waiting = waiting[np.argsort((255.0 - 255.0 / lift).astype(np.uint8), kind="stable")]  # of bytes it takes a pass each
-        lanes, taken = run.start(waiting[:0]), 0
-        with np.errstate(all="ignore"):
-            while taken < waiting.size or lanes.cell.size:
-                room = run.pool - lanes.cell.size
-                if room > 0 and taken < waiting.size:
-                    lanes = lanes.join(run.end_free_fall(run.start(waiting[taken : taken + room])))
-                    taken += room
-                lanes = run.round(lanes)
+def by_windows(run: Run, waiting: Array) -> None:
+    """March these cells of a run, (cells,) indices, to their end, from window to window of the drive (`advance`). Bodies that are hardly
+    lifted bounce longest, so they begin."""
+    batch = run.batch
+    if waiting.size > run.pool:
+        lift = batch.contact.strongest(batch.cells, batch.segments, batch.first)[waiting]
+        waiting = waiting[np.argsort((255.0 - 255.0 / lift).astype(np.uint8), kind="stable")]  # of bytes it takes a pass each
+    lanes, taken = run.start(waiting[:0]), 0
+    with np.errstate(all="ignore"):
+        while taken < waiting.size or lanes.cell.size:
+            room = run.pool - lanes.cell.size
+            if room > 0 and taken < waiting.size:
+                lanes = lanes.join(run.end_free_fall(run.start(waiting[taken : taken + room])))
+                taken += room
+            lanes = run.round(lanes)
 
 
 class Run:
-    """A batch of cells on its way through the pool, and their results so far. Parameters: pool: lanes advanced together; stepper: makes
-    what advances the lanes; observers: what is shown their motion. theta_ratio, outcome, impacts: (cells,), as in `Response`; bounced: of
+    """A batch of cells on its way through the pool, and their results so far. Parameters: pool: lanes advanced together; observers: what
+    is shown their motion. theta_ratio, outcome, impacts: (cells,), as in `Response`; bounced: of
     damped cells, True after an impact on still ground."""
 
-    def __init__(
-        self, batch: Batch, pool: int | None = None, stepper: Callable[[Run], Stepper] = WindowStepper, observers: Sequence[Observer] = ()
-    ) -> None:
+    def __init__(self, batch: Batch, pool: int | None = None, observers: Sequence[Observer] = ()) -> None:
         keep_freed_memory()
-        self.batch, self.pool, self.stepper, self.observers = batch, pool or batch.equation.pool, stepper, list(observers)
+        self.batch, self.pool, self.observers = batch, pool or batch.equation.pool, list(observers)
         self.closings, self.after_rest = closings_of(batch, bool(observers))
         self.theta_ratio = np.full(batch.size, 0.0 if batch.peaks else np.nan)
         self.outcome = np.full(batch.size, Outcome.NO_UPLIFT, dtype=np.uint8)
@@ -88,8 +74,8 @@ class Run:
         if batch.free_fall is not None:  # also from under bodies that nothing lifts: one that is pushed against its wall
             self._lose(np.flatnonzero(batch.free_fall.ever))
 
-    def all(self) -> None:
-        """Run every cell to its end, once."""
+    def all(self, march: Callable[[Run, Array], None] = by_windows) -> None:
+        """Run every cell to its end, once; march: brings those that leave the ground there."""
         batch = self.batch
         lifts = batch.contact.strongest(batch.cells, batch.segments, batch.first) > 1.0
         waiting, still = np.flatnonzero(lifts), np.flatnonzero(~lifts)
@@ -98,7 +84,7 @@ class Run:
         for observer in self.observers:
             observer.rest(still, batch.first[still], zero, *to)
         self.work.no_uplift += still.size
-        self.stepper(self).march(waiting)
+        march(self, waiting)
 
     def start(self, cell: Array) -> Lanes:
         """Bodies at rest, taken to their first uplift; k is the number of segments where there is none."""

@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..body import Body, Edge, Ground
+from ..body import Body, Edge, Ground, safe_push, safe_pushes
 from ..lanes import Array, Arrays, Lanes
 from ..march.batch import Batch
 from .observer import Arcs, Observer
@@ -91,7 +91,7 @@ class ContactLoss(Observer):
             self.across = (max(segments.largest, float(most[0]), -float(least[0])), *segments.steepest)
             self.up, share = (weighed.vertical.largest, *weighed.vertical.steepest), weighed.share
         self.sway = tuple(abs(r) * self.up[0] / (e.uplift * self.across[0] or 1.0) for r, e in zip(share, body.edges, strict=False))
-        safe = np.array(body.safe_push(self.sway))[:, None]
+        safe = np.array([safe_push(body, i, ratio) for i, ratio in enumerate(self.sway)])[:, None]
         pushes = batch.cells.amplitude * (np.array([e.uplift for e in body.edges])[:, None] * self.across[0])
         self.open = np.any(pushes > safe, axis=0)
         self.watched: Array = self.open & np.any(pushes / ahead > safe, axis=0)
@@ -104,7 +104,8 @@ class ContactLoss(Observer):
         for i, (edge, ratio) in enumerate(zip(self.body.edges, self.sway, strict=True)):
             push = self.batch.cells.amplitude[i, at] * (edge.uplift * self.across[0])
             if fastest is None or not self.body.alike:
-                kept &= push <= self.body.safe_at(i, edge.alpha * theta_ratio, ratio)
+                step, pushes = safe_pushes(self.body, i, ratio)
+                kept &= push <= pushes[np.minimum(np.ceil(edge.alpha * theta_ratio / step), pushes.size - 1).astype(np.int64)]
             else:
                 kept &= self.body.pressed(edge, push, edge.alpha * theta_ratio, ratio * push, _MARGIN * fastest)
         return kept

@@ -15,7 +15,7 @@ import numpy as np
 from ...motions.segments import Samples
 from ..drive import place
 from ..lanes import Array, Lanes
-from ..march.engine import Run, WindowStepper
+from ..march.engine import Run, by_windows
 from ..outcome import Outcome
 
 WIDTH = 5056  # lanes that jump together: what they need fits the second-level cache, and no power of two lies between its rows
@@ -50,7 +50,7 @@ class SampleStepper(ABC, Generic[Pooled]):
     def march(self, waiting: Array) -> None:
         """March cells of like pace together; from window to window if samples are far apart."""
         pace = (self.step[waiting] / self.cells.omega[:, waiting]).max(axis=0)
-        WindowStepper(self.run).march(waiting[pace > LONGEST])
+        by_windows(self.run, waiting[pace > LONGEST])
         waiting, pace = waiting[pace <= LONGEST], pace[pace <= LONGEST]
         with np.errstate(all="ignore"):
             for share in self.shares(waiting[np.argsort(pace, kind="stable")]) if waiting.size else ():

@@ -1,6 +1,5 @@
 """Exact propagation through records against the march, and the tables that it needs."""
 
-from functools import partial
 from itertools import pairwise
 
 import mpmath
@@ -52,9 +51,9 @@ def test_the_work_follows_the_impacts_and_not_the_samples(monkeypatch):
     work = []
     for motion in (shaken(samples, 0.02), shaken(fine, 0.005)):
         tried.clear()
-        stepper, eta = partial(ExactStepper, samples=[motion.samples]), np.full(60, 0.9)
-        run = Run(Batch.of(System(LinearEquation()), motion.segments, amplitude, omega, eta), LANES, stepper)
-        run.all()
+        eta = np.full(60, 0.9)
+        run = Run(Batch.of(System(LinearEquation()), motion.segments, amplitude, omega, eta), LANES)
+        run.all(lambda run, waiting, samples=motion.samples: ExactStepper(run, [samples]).march(waiting))
         work.append((run.work.steps, sum(tried)))
     assert np.all(np.array(work[1]) < 1.5 * np.array(work[0])), work
 
