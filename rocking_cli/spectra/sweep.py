@@ -247,7 +247,6 @@ def _run(
         outcomes += report.outcomes
         differences += report.differences
         shared += int(report.outcomes.sum()) // len(unit.places) * (len(unit.places) - 1)
-        verification.seen |= report.seen
         if options.progress:
             options.progress(done, len(units))
     check_for_a_stop()

@@ -65,8 +65,7 @@ def test_the_same_cells_are_checked_however_a_sweep_is_cut(chunk, workers):
     scene = PulseScene(OSCILLATORS, GRID, sine())
     units = list(cut_into_units(scene, chunk))
     verification = Verification(scene, 6, chunk, units)
-    for _, report in reports(Job(scene, chunk, tuple(verification.sensitive)), units, workers, verification):
-        verification.seen |= report.seen
+    assert len(list(reports(Job(scene, chunk, tuple(verification.sensitive)), units, workers, verification))) == len(units)
     assert list(verification.answers) == [tuple(cell) for cell in checked_cells(scene, 6)[:, :3].tolist()]
     whole = spectrum(OSCILLATORS, sine(), GRID, check=6).summary
     found = verification.compared()
@@ -79,8 +78,7 @@ def test_only_cells_of_the_units_are_checked_and_an_answer_that_differs_shows():
     scene = PulseScene(OSCILLATORS, GRID, sine())
     units = list(cut_into_units(scene, (10, 60)))[::2]
     verification = Verification(scene, 40, (10, 60), units)
-    for _, report in reports(Job(scene, (10, 60), tuple(verification.sensitive)), units, 1, verification):
-        verification.seen |= report.seen
+    assert len(list(reports(Job(scene, (10, 60), tuple(verification.sensitive)), units, 1, verification))) == len(units)
     every, found = checked_cells(scene, 40).tolist(), verification.compared()
     assert [list(place) for place in verification.answers] == [cell[:3] for cell in every if (5 * cell[0] + cell[1] // 10) % 2 == 0]
     assert 0 < found["checked_cells"] == len(verification.answers) < 40

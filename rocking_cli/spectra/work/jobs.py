@@ -217,11 +217,13 @@ def local_crew(job: Job, workers: int) -> Iterator[tuple[Run, int]]:
 
 
 def unit_reports(job: Job, units: Sequence[Unit], crew: Crew, verification: Verification) -> Iterator[tuple[Unit, Report]]:
-    """The reports of the units, in their order; after the last one the verification has its answers."""
+    """The reports of the units, in their order; after the last one the verification has all it compares."""
     with crew as (run, at_once):
         size = max(1, min(job.together, -(-len(units) // at_once)))
         batches = [list(units[i : i + size]) for i in range(0, len(units), size)]
         results = run(chain(batches, verification.sensitive))
         for batch in batches:
-            yield from zip(batch, next(results), strict=True)
+            for unit, report in zip(batch, next(results), strict=True):
+                verification.seen |= report.seen
+                yield unit, report
         verification.answers |= zip(verification.sensitive, results, strict=True)
