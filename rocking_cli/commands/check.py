@@ -45,9 +45,7 @@ def check(
     a_max: Limit = options.a_max(),
     verdict_only: bool = option("--verdict-only", is_flag=True, help="Skip the search; first_overturning_a and safe_to stay empty."),
     vary: tuple[str, ...] = options.vary(),
-    sort: str | None = option(
-        "--sort", type=click.Choice(["capacity"]), help="Sort the rows: the weakest first, structures that never overturn last."
-    ),
+    sort: str | None = options.sort(),
     fail_on: str | None = option(
         "--fail-on",
         type=click.Choice(["overturning"]),
@@ -71,7 +69,7 @@ def check(
     """
     from ..dynamics.outcome import Outcome
     from ..envelopes.capacity import narrowest
-    from ..responses.check import CHECK_COLUMNS, OLD_COLUMNS, outcome_alone, verdicts
+    from ..responses.check import CHECK_COLUMNS, OLD_COLUMNS, has_direction, outcome_alone, verdicts
 
     files, motions = asked.several(files)
     ends = [end.of(motions) for end in asked.ends()]
@@ -95,7 +93,7 @@ def check(
     demands = [(structure, *shake) for shake in shakes for structure in structures]
     beside: dict[str, dict[str, float]] = {}  # a further column by structure
     if azimuths is not None:
-        from ..responses.azimuth import has_direction, worst_azimuths
+        from ..responses.azimuth import worst_azimuths
 
         searched = ProgressLine("azimuths", "stages")
         directed = worst_azimuths(structures, shaken.recordings, azimuths, workers=workers, progress=searched)
@@ -140,7 +138,7 @@ def check(
     ground.note_demand(shakes)
     ground.note_governing(structures, shakes[0][1].dimensionless)
     note(*_remarks(told), *(by_code.said() if by_code else ()))
-    sided = [(s, motion.scaled(-1.0), grid) for s, motion, grid in demands if azimuths is None and (s.one_sided or s.sides)]
+    sided = [(s, motion.scaled(-1.0), grid) for s, motion, grid in demands if azimuths is None and has_direction(s)]
     if sided and ends:  # the worst frequency of the opposite direction is another one
         worst = at_worst_frequencies([s for s, _, _ in sided], sided[0][1], low, high, a_max, workers=workers, progress=searched)
         sided = [(s, motion, grid) for (s, motion, _), (grid, _) in zip(sided, worst, strict=True)]

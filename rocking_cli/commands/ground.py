@@ -249,10 +249,9 @@ class Shaking:
             given = {"a_g": f"{own!r} m/s2"}
         if not given:
             return ground
-        flags = {key: f"--{key.replace('_', '-')}" for key in given}
         for key, value in given.items():
             if "," in value or ":" in value:
-                raise click.UsageError(f"{flags[key]}: found {value!r}; expected one value")
+                raise click.UsageError(f"--{key.replace('_', '-')}: found {value!r}; expected one value")
         try:
             grid = parse_grid(
                 ",".join(f"{key}={value}" for key, value in given.items()), own_time=own is not None or bool(ground.recordings)

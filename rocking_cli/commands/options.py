@@ -53,6 +53,9 @@ vary = partial(
     option, "--vary", multiple=True, metavar="KEY=START:STOP:N",
     help="Vary this key: a family of structures; repeatable, all combinations.",
 )  # fmt: skip
+sort = partial(
+    option, "--sort", type=click.Choice(["capacity"]), help="Sort by capacity: the weakest first, structures that never overturn last."
+)
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,6 @@
 
 from pathlib import Path
 
-import click
-
 from . import ground, options
 from .command import command, group, option, partly
 from .printing import note, quiet
@@ -19,7 +17,7 @@ def report(
     output: Path = options.output(required=True, help="The page: .html."),
     title: str | None = option("--title", metavar="TEXT", help="Title of the page (default: the names of the structures)."),
     summary: bool = option("--summary", is_flag=True, help="A first page in words: a sentence on each structure; the details follow."),
-    sort: str | None = option("--sort", type=click.Choice(["capacity"]), help="The structures with the least capacity first."),
+    sort: str | None = options.sort(),
     workers: int | None = options.workers(),
     overwrite: bool = options.overwrite(),
 ) -> None:

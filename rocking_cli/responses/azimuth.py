@@ -12,7 +12,7 @@ from ..errors import UsageError, counted
 from ..motions.grid import as_recorded
 from ..motions.recording import Recording
 from ..structures.parameters import RockingParameters
-from .check import Demand, Progress, Verdict, verdicts
+from .check import Demand, Progress, Verdict, has_direction, verdicts
 
 
 def at_azimuth(pair: Sequence[Recording], azimuth: float) -> Recording:
@@ -48,11 +48,6 @@ def worst_azimuths(
         tried.append([(angle, (s, turned(angle).motion, as_recorded(turned(angle).acceleration))) for angle in angles])
     found = verdicts([demand for several in tried for _, demand in several], a_max=None, workers=workers, progress=progress)
     return [max(zip(map(_rank, islice(found, len(several))), several, strict=True), key=lambda pair: pair[0])[1] for several in tried]
-
-
-def has_direction(structure: RockingParameters) -> bool:
-    """True if the opposite motion is another one for the structure: it has one side, or two that differ."""
-    return structure.one_sided or bool(structure.sides)
 
 
 def _rank(verdict: Verdict) -> tuple[bool, float, float]:

@@ -144,6 +144,11 @@ def check(
     return _judged(structure, *demand_of(motion, shaking), a_max, None, progress)
 
 
+def has_direction(structure: RockingParameters) -> bool:
+    """True if the opposite motion is another one for the structure: it has one side, or two that differ in themselves or in their ties."""
+    return not governing_method(structure).system_of(structure).alike
+
+
 def outcome_alone(structure: RockingParameters, motion: Motion, shaking: Grid) -> Outcome:
     """The outcome that the verdict of `check` has."""
     _, _, amplitude, omega, method, _ = _sought(structure, motion, shaking, 0.0)

@@ -261,5 +261,8 @@ def test_the_opposite_direction_of_a_body_with_one_side_is_told(rocking):
     for done, falls in zip((there, opposite), reversed(outcomes), strict=True):
         assert f"unequal sides: {'overturns' if falls else 'does not overturn'} block:0.5x2" in done.stderr
     assert "opposite" not in rocking("check", "block:0.5x2", *call[2:]).stderr
+    tied = "block:0.5x2,name=T,mass=2000,ties=[{height: 1.8, stiffness: 2e5, ultimate: 30 mm, yield: 2 kN, side: right}]"
+    done = rocking("check", tied, "--a-g=-0.42g", "--f-g", "1.5", "--verdict-only", "--fail-on", "overturning", "--json")
+    assert (done.returncode, done.record["outcome"], "unequal sides: overturns T" in done.stderr) == (5, "rocked", True)
     ranged = rocking(*call[:4], "--f-g", "1:3", "--verdict-only", "--scale", "-1", "--fail-on", "overturning")
     assert (ranged.returncode, "unequal sides: overturns block:0.5x2" in ranged.stderr) == (5, True)

@@ -53,10 +53,6 @@ def test_free_rocking_and_records_have_units(rocking):
     ]
 
 
-def test_quiet_says_nothing(rocking):
-    assert rocking("response", "configs/block.yaml", *UNITS, "--csv", "-q").stderr == ""
-
-
 def test_the_functions_follow_the_rule():
     from rocking_cli import load_structures, parse_grid, sine, spectrum
 

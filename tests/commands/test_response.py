@@ -105,10 +105,8 @@ def test_a_vertical_motion_in_the_response_the_spectrum_and_the_envelope(rocking
     assert float(found.rows[-1]["A_from"]) == pytest.approx(1.0 / (3 * block["alpha"]), rel=1e-9)
 
 
-@pytest.mark.parametrize("motion", [(), ("--motion", "configs/motions/synthetic.at2")], ids=["pulse", "record"])
-def test_a_negative_amplitude_turns_the_motion_over(rocking, motion):
-    frequency = () if motion else ("--f-g", "1")
-    call = ("response", "wall:1.2x8,one_sided=true", *motion, *frequency, "--model", "linear", "--events", "--json")
+def test_a_negative_amplitude_turns_the_motion_over(rocking):
+    call = ("response", "wall:1.2x8,one_sided=true", "--f-g", "1", "--model", "linear", "--events", "--json")
     turned, scaled = rocking(*call, "--a-g=-0.2g"), rocking(*call, "--a-g", "0.2g", "--scale", "-1")
     assert turned.returncode == scaled.returncode == 0, turned.stderr + scaled.stderr
     assert turned.stdout == scaled.stdout != rocking(*call, "--a-g", "0.2g").stdout
