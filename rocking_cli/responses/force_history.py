@@ -42,6 +42,11 @@ class Forces(NamedTuple):
     fx: Any
     fz: Any
 
+    @property
+    def friction(self) -> float:
+        """|Fx|/Fz of one instant: the coefficient of friction with which the base does not slide; infinite where Fz <= 0."""
+        return abs(self.fx) / self.fz if self.fz > 0.0 else math.inf
+
 
 class Impulses(NamedTuple):
     """Impulses of the ground on the body at an impact over m g, times p [-]: divided by p they are in s."""
@@ -249,9 +254,9 @@ class ForceHistory:
             for weight, ratio in self.ground.extents(rests, lifts) if lifts > rests else ():
                 least = min(least, (weight.least, weight.at_least))
                 resting += self._leaning(ratio) if weight.least > 0.0 else [Demand(math.inf, weight.at_least)]
-            for tau, (fx, fz) in self._lying(bounces, rests):
-                least = min(least, (fz, tau))
-                rocking.append(Demand(abs(fx) / fz if fz > 0.0 else math.inf, tau))
+            for tau, forces in self._lying(bounces, rests):
+                least = min(least, (forces.fz, tau))
+                rocking.append(Demand(forces.friction, tau))
         arcs, lows, highs = self._bounds
         for i in np.argsort(lows, kind="stable").tolist():
             if lows[i] > max(least[0], 0.0):
@@ -303,7 +308,7 @@ class ForceHistory:
         if not arc.size:  # the ground falls away in the same instant
             return Demand(math.inf, uplift.tau)
         fx, fz = (float(x[0]) for x in self.along(arc, self.found.arcs.start[arc]))
-        return Demand(abs(fx) / fz if fz > 0.0 else math.inf, uplift.tau)
+        return Demand(Forces(fx, fz).friction, uplift.tau)
 
     def event(self, event: Event, time: float) -> dict[str, float | None]:
         """The columns at an event, before and after it, with the impulses of an impact [s, or of tau where `time` is 1]."""

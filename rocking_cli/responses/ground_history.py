@@ -59,18 +59,14 @@ class Ground:
         across, up = (np.zeros(tau.shape) if m is None else self.amplitude * m.value(tau * self.omega) for m in motions)
         return across, up
 
-    def cut(self, low: float, high: float) -> Iterator[tuple[float, float]]:
-        """A stretch of time cut where pieces end."""
-        first, last = self._between(low, high)
-        yield from pairwise([low, *self.stops[first:last].tolist(), high])
-
     def extents(self, low: float, high: float) -> Iterator[tuple[Extent, Extent]]:
         """The extents of the weight over m g and of xg''/g over that weight, of a stretch of lines or of each piece of it; the latter means
         nothing where there is no weight."""
         if (lines := self.lines(low, high)) is not None:
             yield lines
             return
-        for a, b in self.cut(low, high):
+        first, last = self._between(low, high)
+        for a, b in pairwise([low, *self.stops[first:last].tolist(), high]):
             middle = 0.5 * (a + b)
             weight = extent(partial(self._weight, middle), a, b)
             yield weight, extent(partial(self._ratio, middle), a, b) if weight.least > 0.0 else weight

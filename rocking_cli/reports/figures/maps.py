@@ -39,8 +39,9 @@ def outcome_map(axes: Axes, file: SpectraFile, place: int, units: Units) -> list
     entries: list[Any] = [Patch(facecolor=o.colour, edgecolor="0.5", label=o.sentence) for o in Outcome if np.any(shown == o)]
     if "difference" in block:
         entries += _differences(axes, x, y, block["difference"])
-    if "friction" in block and min(shown.shape) > 1:
-        _frictions(axes, x, y, block["friction"])
+    if "friction" in block and min(shown.shape) > 1:  # lines of equal required friction where the body stays upright
+        lines = axes.contour(x, y, np.ma.masked_invalid(block["friction"]), colors="0.25", linewidths=0.7)
+        axes.clabel(lines, fmt=lambda level: f"μ = {level:g}", fontsize="x-small")
     if x.size > 1 and y.size > 1:
         axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
     if not file.frame.of_records:
@@ -61,12 +62,6 @@ def _differences(axes: Axes, x: np.ndarray, y: np.ndarray, codes: np.ndarray) ->
             axes.pcolormesh(x, y, there, cmap=ListedColormap([one.colour]), shading="nearest", rasterized=True, gid=one.flag)
             entries.append(Patch(facecolor=one.colour, edgecolor="0.5", label=one.sentence))
     return entries
-
-
-def _frictions(axes: Axes, x: np.ndarray, y: np.ndarray, friction: np.ndarray) -> None:
-    """Draw lines of equal required friction, (up, across), where the body stays upright."""
-    lines = axes.contour(x, y, np.ma.masked_invalid(friction), colors="0.25", linewidths=0.7)
-    axes.clabel(lines, fmt=lambda level: f"μ = {level:g}", fontsize="x-small")
 
 
 def _title(file: SpectraFile, place: int) -> str:
