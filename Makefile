@@ -8,6 +8,9 @@ TESTS := $(shell find tests -type f -not -path '*/__pycache__/*')
 .PHONY: help demo test lint quick figures study code-study bench database golden trace soak ladder mutants readers validate clean
 
 .DEFAULT_GOAL := help
+# Two processes of tests have two cores: threads of OpenBLAS would wait for each other.
+quick $(STAMPS)/test: export OPENBLAS_NUM_THREADS = 1
+
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  \1\t\2/p' $(MAKEFILE_LIST) | expand -t 14
 

@@ -62,7 +62,7 @@ def test_the_largest_speed_by_another_integration(model, body, damping):
     np.testing.assert_allclose(found.theta_ratio, plain.theta_ratio, rtol=1e-9, atol=0)  # jumps are cut where a speed may hide
     assert set(found.outcome) == {Outcome.ROCKED}
     np.testing.assert_allclose(speed, marched.speed.largest, rtol=1e-10)
-    for i in range(4):
+    for i in range(2):  # one that is fastest in the air, one that is fastest at an impact
         assert speed[i] == pytest.approx(fastest(model, body, amplitude[i], omega[i], eta), rel=1e-5)
 
 

@@ -57,7 +57,8 @@ def test_a_minimum_inside_the_range_is_found_between_the_points_of_the_scan():
     first = trace_envelope(oscillator, motion, [omega], a_max=4.0, workers=1)[0].a_from
     around = [trace_envelope(oscillator, motion, [omega + d], a_max=4.0, workers=1)[0].a_from for d in (-1e-3, 1e-3)]
     assert first < min(around)
-    assert overturned(np.array([first * 1.003]), np.array([omega])).all()
-    raster = np.linspace(1.001, first * 0.997, 40)[:, None], np.linspace(2.85, 3.1, 11)
-    assert not overturned(*raster).any()
+    raster = np.meshgrid(np.linspace(1.001, first * 0.997, 40), np.linspace(2.85, 3.1, 11))
+    below, above = np.split(overturned(*(np.append(x, there) for x, there in zip(raster, (first * 1.003, omega), strict=True))), [-1])
+    assert above.all()
+    assert not below.any()
     assert first == pytest.approx(3.351, abs=1e-3)

@@ -50,7 +50,7 @@ def test_sequences_that_only_the_end_of_the_shaking_ends_are_not_followed():
 
 @pytest.mark.parametrize("motion", [cosine(1.5), pulse("ricker-symmetric")], ids=lambda m: m.name)
 def test_given_up_is_what_would_have_been_given_up(motion, monkeypatch):
-    monkeypatch.setattr(batch, "MAX_STEPS", 400)
+    monkeypatch.setattr(batch, "MAX_STEPS", 150)
     random = np.random.default_rng(5)
     amplitude, omega = 1.0 + 10.0 ** random.uniform(-9.0, -1.0, 200), 10.0 ** random.uniform(-1.0, 1.0, 200)
     eta = random.choice([1.0, 1.0 - 1e-9, 1.0 - 1e-5, 0.999], 200)
