@@ -66,15 +66,6 @@ def test_uplift_from_rest_is_a_triple_root_without_noise():
     assert arc.at(h).y == pytest.approx(3.0 * rate * h**3 / 6 - 9.0 * h**4 / 24, rel=1e-7, abs=0)
 
 
-def test_free_rocking_period_is_housners():
-    """Slender free period pT = 4 arccosh(1/(1-x0)), Housner's formula: a quarter of it leads from rest at x0 to the ground."""
-    for x0 in (1e-6, 0.1, 0.5, 0.9, 0.999):
-        quarter = math.acosh(1 / (1 - x0)) if x0 > 1e-3 else math.sqrt(2 * x0) * (1 + 5 * x0 / 12)
-        still = np.zeros((1, 1))
-        arc = LinearFlow(np.array([x0]), np.zeros(1), np.array([x0 - 1.0]), still, still, np.ones((1, 1)), None)
-        assert abs(arc.at(np.array([quarter])).y[0]) < 1e-15 + 1e-11 * x0
-
-
 def test_the_state_is_that_of_the_definition():
     ratios, *state, h = arcs(70)
     flow = SummedFlow.of(*state, ratios)

@@ -4,8 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
-from scipy.optimize import brentq
 from support.documents import built
 from support.references import integrated, lanes
 
@@ -45,31 +43,6 @@ def series_from(model, y, v, segments=None):
     still = segments or Motion("still", (Piece(0.0, 1.0, (Harmonic(0.0),)),)).segments
     b = -math.sin(model.alpha - model.sin * y) / model.sin
     return model.flow(still, lanes(y=y, v=v, b=b))
-
-
-@pytest.mark.parametrize("alpha", [0.1, 0.25, 0.6])
-@pytest.mark.parametrize("start", [0.1, 0.5, 0.9, 0.99])
-def test_free_quarter_period_equals_the_quadrature(alpha, start):
-    """T/4 = integral of dtheta / sqrt(2 (cos(alpha - theta0) - cos(alpha - theta))), the singularity taken out by theta = theta0 - u^2."""
-    theta0 = start * alpha
-
-    def slowness(u):
-        theta = theta0 - u * u
-        fall = 2.0 * math.sin(alpha - (theta + theta0) / 2) * math.sin(u * u / 2)
-        return 2.0 / math.sqrt(2.0 * fall / (u * u)) if u > 1e-7 else 2.0 / math.sqrt(math.sin(alpha - theta0))
-
-    expected = quad(slowness, 0.0, math.sqrt(theta0), epsabs=1e-13, epsrel=1e-13, limit=400)[0]
-    model, time = RigidBodyEquation(alpha, 1e-12), 0.0
-    y, v = theta0 / model.sin, 0.0
-    while True:
-        flow = series_from(model, y, v)
-        h = flow.longest
-        end = flow.at(h)
-        if end.y[0] <= 0.0:
-            break
-        time, y, v = time + h[0], end.y[0], end.v[0]
-    time += brentq(lambda x: flow.at(np.array([x])).y[0], 0.0, h[0], xtol=1e-15)
-    assert time == pytest.approx(expected, rel=1e-9, abs=0)
 
 
 def test_order_of_the_flow_is_the_order_of_its_series():
