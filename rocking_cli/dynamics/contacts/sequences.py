@@ -41,8 +41,9 @@ class OtherSide(Arrays):
     rotation: Array | float
 
 
-def sequence_ends(segments: Segments, lanes: Lanes, equation: Equation, there: OtherSide | None) -> Array:
-    """True for lanes for which Lemma 7 holds and no arc rises above the lane's peak so far, (lanes,)."""
+def sequence_ends(segments: Segments, lanes: Lanes, equation: Equation, there: OtherSide | None, more: float = 0.0) -> Array:
+    """True for lanes for which Lemma 7 holds and no arc rises above the lane's peak so far, (lanes,). more: what the restraints of a tied
+    body add to |df/dy|."""
     v, keeps = lanes.v, lanes.eta if there is None else there.eta * there.back
     slow = np.flatnonzero((lanes.b < 0.0) & ((v * v < 0.05 * lanes.b * lanes.b) | (v < BELOW_ROUNDING)))
     gap = np.zeros(v.shape)
@@ -52,11 +53,11 @@ def sequence_ends(segments: Segments, lanes: Lanes, equation: Equation, there: O
     room = segments.length[lanes.k[at]] - lanes.u[at]  # a trial is longer than 3 v / (1 - q) / (1 - a)
     at = at[3.0 * v[at] * lanes.omega[at] < room * (1.0 - keeps[at]) * -lanes.b[at]]
     if at.size:
-        proved[at] |= _ends(segments, lanes.take(at), equation, None if there is None else there.take(at), keeps[at])
+        proved[at] |= _ends(segments, lanes.take(at), equation, None if there is None else there.take(at), keeps[at], more)
     return proved
 
 
-def _ends(segments: Segments, lanes: Lanes, equation: Equation, there: OtherSide | None, q: Array) -> Array:
+def _ends(segments: Segments, lanes: Lanes, equation: Equation, there: OtherSide | None, q: Array, more: float) -> Array:
     """The same for lanes whose sequence may be short enough."""
     k, v = lanes.k, lanes.v
     n, r, rotation = (0.0, 1.0, 1.0) if there is None else (there.eta, there.time, there.rotation)
@@ -77,7 +78,7 @@ def _ends(segments: Segments, lanes: Lanes, equation: Equation, there: OtherSide
             heaviest = np.maximum(1.0, 1.0 + weighed.sway(lanes.side, lanes.amplitude) * most)
     here, beyond = np.minimum(here, then), np.minimum(beyond, beyond_then)
     height = v * v * np.maximum(gains * gains / here, (n * gained) ** 2 / beyond)  # while y and damping take less than half the force
-    extra = equation.on(lanes.side, lanes.cell).gain * heaviest * height + 2.0 * equation.damping * growth * v * np.maximum(1.0, n)
+    extra = (equation.on(lanes.side, lanes.cell).gain + more) * heaviest * height + 2.0 * equation.damping * growth * v * np.maximum(1.0, n)
     ends = (later < segments.length[k]) & (here > 0.0) & (beyond > 0.0) & (extra < 0.5 * np.minimum(here, beyond))
     lasts = scale * (gains / (here - extra) + n * r * gained / (beyond - extra))
     return np.asarray(ends & (lasts <= trial) & (np.maximum(1.0, rotation) * height <= lanes.peak))

@@ -35,7 +35,6 @@ from .tied_lanes import Ends, Found, Recorder, TiedLanes
 
 _STILL = 1e-20  # a speed is none below this: later it changes y by about as much, and any uplift by far less than the rounding of y
 _TOGETHER = 8192  # lanes
-_HELD = 4.0  # times m g R sin(alpha), to which restraints may hold a body at the ground
 _NEWTON, _CLOSE = 6, 1e-13  # steps to a peak, and the last of them over y
 _INSTANTS = 33  # of a stretch, at which the forces on the ground are computed
 WORDS = {SLACK: "slack", ELASTIC: "engagement", YIELDING: "yield", BROKEN: "rupture"}
@@ -69,6 +68,8 @@ class March:
         self.law = Law(self.devices, np.broadcast_to(alpha, 2), self.equation.damping, self.equation.tolerance)
         self.limit = np.minimum(np.broadcast_to(self.equation.on(sides).limit, 2), self._lever_ends())
         self._told = False
+        # theta^2 P h/(m g R sin(alpha)) over y, both in the unit in which the held body falls back with acceleration 1 and y < 1/2
+        self.levers = 0.0 if self.devices.linear else 0.5 * float(np.max(self.devices.unit * self.devices.held_at_first())) ** 2
         self.doubtful = 1.0  # y beyond which the march asks whether a body can come back
         if recorder is not None:
             self.doubtful = float(np.max(self.equation.on(sides).displacement(np.full(2, FALLEN))))
@@ -391,9 +392,8 @@ class March:
 
     def _bounces_out(self, lanes: TiedLanes) -> Array:
         """True for lanes just after an impact whose bouncing ends in rest before any other event (Lemma 7). A restraint that neither
-        yields nor breaks gives back the work that it takes, and its inward force is least at the ground: as a constant force it holds
-        the body less. A tie whose moment falls with y is left out, and so are restraints that hold a body more than `_HELD` times: their
-        lever falls with y faster than the lemma allows for."""
+        yields nor breaks gives back the work that it takes. Its moment is at least P h (1 - theta^2), P its force at the ground, if its
+        stiffness makes up for a lever that falls (x < 0, down to -0.4 h) and theta < 1: that is what the lemma's e has to cover."""
         free, there = self._free(lanes)
         devices, lowest, falls = self.devices, np.full(lanes.cell.size, np.inf), np.zeros(lanes.cell.size, dtype=bool)
         for i, held in enumerate(self._held(lanes)):
@@ -402,10 +402,10 @@ class March:
             level = np.where(whole, devices.level(row, limit), np.inf).min(axis=0)
             lowest = np.minimum(lowest, level / held)
             h, x = devices.on(devices.height, row), devices.on(devices.behind, row)
-            falls |= (whole & (devices.on(devices.prestress, row) * x + devices.on(devices.stiffness, row) * h * h < 0.0)).any(axis=0)
-            falls |= held > _HELD
+            soft = devices.on(devices.prestress, row) * x + devices.on(devices.stiffness, row) * h * h < 0.0
+            falls |= (whole & (soft | (x < -0.4 * h))).any(axis=0)
         free.peak[:] = np.minimum(free.peak, lowest)
-        return ~falls & sequence_ends(self.segments, free, self.equation, there)
+        return ~falls & sequence_ends(self.segments, free, self.equation, there, self.levers)
 
     def _free(self, lanes: TiedLanes) -> tuple[TiedLanes, OtherSide | None]:
         """(Lanes of a free body that the restraints hold at the ground as constant forces, its other side): in the unit of y in which the

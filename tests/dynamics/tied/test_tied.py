@@ -253,6 +253,19 @@ def test_a_body_that_a_tie_presses_to_the_ground_comes_to_rest_at_once():
     assert found.steps.max() < 150
 
 
+def test_bouncing_that_is_summed_ends_as_it_does_impact_by_impact(monkeypatch):
+    # Lemma 7 of a body that its tendon holds to seven times m g R sin(alpha); eta 0.7, so that each bounce can be followed.
+    body = built(BLOCK + TENDON)
+    system = Method("nonlinear").system_of(body)
+    cells = system.least_uplift(sine()) * np.array([1.02, 1.3, 1.8]), np.array([3.0, 5.0, 8.0])
+    summed = response(system, sine(), *cells, 0.7)
+    monkeypatch.setattr(March, "_bounces_out", lambda self, lanes: np.zeros(lanes.cell.size, dtype=bool))
+    marched = response(system, sine(), *cells, 0.7)
+    assert marched.work.steps > 5 * summed.work.steps
+    np.testing.assert_array_equal(marched.outcome, summed.outcome)
+    np.testing.assert_allclose(marched.theta_ratio, summed.theta_ratio, rtol=1e-10)
+
+
 @pytest.mark.parametrize(
     ("names", "first", "words"),
     [
