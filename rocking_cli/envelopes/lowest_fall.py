@@ -24,6 +24,7 @@ Array = np.ndarray
 _FINE = 6e-5  # ratio of neighbouring amplitudes minus 1 in the tenth below a known fall
 _FINEST, _NEAREST = 5e-6, 0.997  # under a pulse with narrow falls: step, and reach of the search below each fall
 _NEAR, _ABOVE = 0.9, 1.05  # times the lowest fall: start of the fine search, and end of the count of falls
+_TOGETHER = 32  # parts of a bracket where a march takes amplitudes together
 _FEW = 20  # amplitudes up to which the march is as fast as a scan
 _BESIDE = 5  # amplitudes on either side of a fall that seems to be, at which the march looks for it
 _CHECKED = 5  # amplitudes that the march looks at, below a fall and around one that seems to be
@@ -35,14 +36,15 @@ class Falls:
     """The search for the lowest amplitude at which one body falls, where falls may be narrow.
 
     falls: true for each amplitude that falls, by the march; seems: the same for many amplitudes, where it may be approximate: it tells
-    where to look; digits: relative width of a traced boundary; scan: of all amplitudes together, None if there is none; seen: all
-    amplitudes `COARSE` apart so far, with their falls.
+    where to look; digits: relative width of a traced boundary; scan: of all amplitudes together, None if there is none; parts: of a
+    bracket in one cut; seen: all amplitudes `COARSE` apart so far, with their falls.
     """
 
     falls: Callable[[Array], Array]
     seems: Callable[[Array], Array]
     digits: float
     scan: Scan | None = None
+    parts: int = 2
     seen: tuple[Array, Array] = field(default_factory=lambda: (np.zeros(0), np.zeros(0, dtype=bool)))
 
     @classmethod
@@ -66,7 +68,7 @@ class Falls:
             from ..dynamics.single.scan import Scan
 
             scan = Scan(system, motion, omega, eta) if Scan.serves(system, motion) else None
-        return cls(falls, seems, digits, scan)
+        return cls(falls, seems, digits, scan, 2 if system.devices is None else _TOGETHER)
 
     def first(self, begin: float, end: float) -> float | None:
         """The lowest amplitude between these that falls, None if there is none."""
@@ -137,8 +139,11 @@ class Falls:
 
     def narrowed(self, low: float, high: float) -> float:
         """The amplitude, within `digits`, between standing at `low` and falling at `high`."""
-        while high - low > self.digits * high and low < (middle := 0.5 * (low + high)) < high:
-            low, high = (low, middle) if self.falls(np.array([middle]))[0] else (middle, high)
+        share = np.arange(1.0, self.parts)
+        while high - low > self.digits * high and low < 0.5 * (low + high) < high:
+            between = ((self.parts - share) * low + share * high) / self.parts
+            ends, first = [low, *between.tolist(), high], int(np.argmax(np.append(self.falls(between), True)))
+            low, high = ends[first], ends[first + 1]
         return high
 
     def dust(self, first: float) -> float:

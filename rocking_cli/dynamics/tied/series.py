@@ -96,7 +96,8 @@ class Law:
         slope = -lanes.side * lanes.amplitude * segments.slope[lanes.k] * lanes.omega
         size = 2.0 + np.abs(drive) + np.abs(lanes.v) * fastest + np.abs(self.force(row, now, lanes.y, drive)) + np.abs(slope)
         degree = taylor.degrees(size, unit * fastest / _TERMS_RATE, self.tolerance)
-        terms, factors = np.zeros((taylor.MOST_TERMS + 1, unit.size)), taylor.factors_for(np.ones(unit.size), degree)
+        factors = taylor.factors_for(np.ones(unit.size), degree)
+        terms = np.empty((len(factors) + 2, unit.size))
         lines = np.array([drive, slope * unit]) * unit**2
         self._fill(terms, lanes, row, now, lines, unit, factors, exact)
         last = taylor.last_terms(terms, degree * unit.size + np.arange(unit.size), unit)
@@ -137,28 +138,35 @@ class Law:
         factor[0] -= unit2
         factor[1] += unit2 / tan
         second, turned = 2.0 * np.hypot(factor[2], factor[3]), 0.5 * np.arctan2(factor[3], factor[2])
-        p, q, factor = np.cos(turned), np.sin(turned), np.concatenate([factor[:2], factor[4:]])
-        waves, rate, by, u = np.empty((len(terms), *factor.shape)), *(np.empty(terms.shape) for _ in range(3))
-        both, half = np.empty(factor.shape), np.array([1.0, 1.0, 0.5, 0.5])[: len(factor), None]
-        stretched = second.any()
+        count, stretched = len(factor) - 2, second.any()
+        mix = np.zeros((3, count, row.size))  # of the waves: the linear part of y'', the lever of the drive, u
+        mix[0, :2], mix[0, 2:], mix[1, 0], mix[1, 1], mix[2, 0], mix[2, 1] = (
+            factor[:2],
+            factor[4:],
+            1.0,
+            tan,
+            np.cos(turned),
+            np.sin(turned),
+        )
+        waves, rate, mixed = np.empty((len(terms), count, row.size)), np.empty(terms.shape), np.empty((len(terms), 3, row.size))
+        both, half = np.empty((count, row.size)), np.array([[1.0], [0.5]])[: count // 2]
 
         def term(n: int) -> Array:
             if n == 0:
-                theta = half[::2] * (sin * terms[0])
+                theta = half * (sin * terms[0])
                 waves[0, ::2], waves[0, 1::2] = np.cos(theta), np.sin(theta)
             else:
                 np.multiply(terms[n], n * sin, out=rate[n])
                 np.einsum("il,ijl->jl", rate[1 : n + 1], waves[n - 1 :: -1], out=both)
-                np.multiply(both, half / n, out=both)
-                np.negative(both[1::2], out=waves[n, ::2])
-                waves[n, 1::2] = both[::2]
-            by[n] = waves[n, 0] + tan * waves[n, 1]
-            own = np.einsum("jl,jl->l", factor, waves[n])
-            if stretched:
-                u[n] = p * waves[n, 0] + q * waves[n, 1]
-                own += second * np.einsum("il,il->l", u[: n + 1], u[n::-1])
+                np.multiply(both[1::2], half / -n, out=waves[n, ::2])
+                np.multiply(both[::2], half / n, out=waves[n, 1::2])
+            np.einsum("kjl,jl->kl", mix, waves[n], out=mixed[n])
             most = min(n + 1, len(drive))
-            return own + np.einsum("il,il->l", drive[:most], by[n - most + 1 : n + 1][::-1])
+            own = np.einsum("il,il->l", drive[:most], mixed[n - most + 1 : n + 1, 1][::-1])
+            own += mixed[n, 0]
+            if stretched:
+                own += second * np.einsum("il,il->l", mixed[: n + 1, 2], mixed[n::-1, 2])
+            return own
 
         return term
 
@@ -189,10 +197,12 @@ def one_turn(arc: TaylorSeries, left: Array) -> Step:
 def _bernstein(arc: TaylorSeries, h: Array) -> tuple[Array, Array, Array]:
     """(shorter steps with one turn at most, the sense of y at their start, True where there is a turn): the signs of the Bernstein
     coefficients of y' tell."""
-    n, share, lanes = np.arange(1.0, len(arc.terms))[:, None], h / arc.unit, np.arange(h.size)
+    terms = np.zeros((max(len(arc.terms), taylor.MOST_TERMS + 1), h.size))  # as many as with any neighbours
+    terms[: len(arc.terms)] = arc.terms
+    n, share, lanes = np.arange(1.0, len(terms))[:, None], h / arc.unit, np.arange(h.size)
     outward, turns = np.zeros(h.size), np.zeros(h.size, dtype=bool)
     for halving in range(_HALVINGS + 1):
-        signs = np.sign(bernstein_form(n * arc.terms[1:, lanes] * share[lanes] ** n))
+        signs = np.sign(bernstein_form(n * terms[1:, lanes] * share[lanes] ** n))
         changes, outward[lanes] = _changes(signs)
         turns[lanes] = (changes == 1) | ((changes > 1) & (halving == _HALVINGS))
         lanes = lanes[changes > 1]

@@ -35,7 +35,7 @@ from .tied_lanes import Ends, Found, Recorder, TiedLanes
 
 _STILL = 1e-20  # a speed is none below this: later it changes y by about as much, and any uplift by far less than the rounding of y
 _TOGETHER = 8192  # lanes
-_NEWTON, _CLOSE = 6, 1e-13  # steps to a peak, and the last of them over y
+_NEWTON, _CLOSE = 4, 1e-13  # steps to a peak, and the last of them over y
 _INSTANTS = 33  # of a stretch, at which the forces on the ground are computed
 WORDS = {SLACK: "slack", ELASTIC: "engagement", YIELDING: "yield", BROKEN: "rupture"}
 
@@ -228,9 +228,9 @@ class March:
         out, energy = lanes.v > 0.0, 0.5 * lanes.v**2
         taken = self.law.work(row, now, lanes.y, np.where(out, high, ground))
         up, down = out & (energy >= taken), ~out
-        y, top = np.where(out, high, ground), self._peak(lanes, row, now)
-        peaked = out & ~up
-        y[peaked] = top[peaked]
+        y, peaked = np.where(out, high, ground), out & ~up
+        at = np.flatnonzero(peaked)
+        y[at] = self._peak(lanes.y[at], energy[at], row[at], now.take(at))
         low, far = np.minimum(y, lanes.y), np.maximum(y, lanes.y)
         least, most = self.law.inward(row, now, low, far)
         v = np.where(peaked, 0.0, np.where(out, 1.0, -1.0) * np.sqrt(np.maximum(0.0, 2.0 * (energy - taken))))
@@ -250,13 +250,13 @@ class March:
         lanes = self._events(lanes, row[at], now.take(at), high[at], ends)
         return lanes.join(self._round(others)) if others.cell.size else lanes
 
-    def _peak(self, lanes: TiedLanes, row: Array, now: Phase) -> Array:
-        """y at which lanes that move outwards turn back, by Newton's method; what it does not find is NaN."""
-        energy, none = 0.5 * lanes.v**2, np.zeros(row.size)
-        back, soft = -self.law.force(row, now, lanes.y, none), 1.0 - self.devices.linear_terms(row, now)[1]
-        y = lanes.y + 2.0 * energy / (back + np.sqrt(back * back - 2.0 * soft * energy))
+    def _peak(self, y: Array, energy: Array, row: Array, now: Phase) -> Array:
+        """y at which lanes with this y'^2/2 turn back on still ground, by Newton's method; what it does not find is NaN."""
+        start, none = y, np.zeros(y.size)
+        back, soft = -self.law.force(row, now, y, none), 1.0 - self.devices.linear_terms(row, now)[1]
+        y = y + 2.0 * energy / (back + np.sqrt(back * back - 2.0 * soft * energy))
         for _ in range(_NEWTON):
-            y, before = y + (energy - self.law.work(row, now, lanes.y, y)) / -self.law.force(row, now, y, none), y
+            y, before = y - (energy - self.law.work(row, now, start, y)) / self.law.force(row, now, y, none), y
         return np.where(np.abs(y - before) <= _CLOSE * y, y, np.nan)
 
     def _press(self, lanes: TiedLanes, row: Array, now: Phase, step: Step, reach: Array) -> None:
