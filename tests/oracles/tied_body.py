@@ -143,6 +143,9 @@ class TiedBody:
                 d.broken, d.yielding = True, False
                 for other in self.devices:
                     other.broken |= d.tendon and other.tendon
+            for other in on if name in ("yield", "rupture") else ():  # at the same instant
+                over = other.prestress + other.stiffness * (other.elongation(u) - other.permanent) - other.force
+                other.yielding |= not other.broken and over > 0
         self.bounced = bounced
         return largest, "stands"
 

@@ -209,6 +209,7 @@ class March:
             reach[at], v[at] = falls(here, np.where(through[at], step.turn[at], 0.0), reach[at])
             v[at] *= sense
             y[at] = level
+        top = np.where(through, top, y)
         if self.recorder is not None:
             self.recorder.keep(lanes, arc, float(reach[0]))
         self._press(lanes, row, now, step, reach)

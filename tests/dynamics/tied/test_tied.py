@@ -107,6 +107,8 @@ def test_dop853_with_bisected_events_agrees(text, devices, damping, a_g, period,
     assert fell == (outcome == "overturned")
     if not fell:
         assert found.theta_ratio[0] == pytest.approx(largest / ALPHA, abs=1e-7)
+        for side, stretched, stiffness in zip((1, -1), found.farthest[:, :, 0], EXACT.system_of(body).devices.stiffness, strict=False):
+            assert stretched[stiffness > 0.0] == pytest.approx([d.farthest for d in devices if d.side == side], abs=1e-7)
 
 
 def test_a_tie_without_force_is_the_free_body_to_the_bit():
