@@ -92,20 +92,13 @@ class Segments:
     @cached_property
     def _blocks(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(largest s, largest -s, first index of each level j) over blocks of 2^j segments, level by level up to a single block."""
-        sizes = [len(self)]
-        while sizes[-1] > 1:
-            sizes.append((sizes[-1] + 1) // 2)
-        start = np.cumsum([0, *sizes])
-        high, low = np.empty(start[-1]), np.empty(start[-1])
-        np.maximum(self.s_start, self.s_end, out=high[: len(self)])
-        np.maximum(-self.s_start, -self.s_end, out=low[: len(self)])
-        for values in (high, low):
-            for begin, middle, end in zip(start, start[1:], start[2:], strict=False):
-                below, above = values[begin:middle], values[middle:end]
-                pairs = below.size // 2
-                np.maximum(below[: 2 * pairs : 2], below[1::2], out=above[:pairs])
-                above[pairs:] = below[2 * pairs :]  # the last block if their number is odd
-        return high, low, start
+        found, levels = [], list[np.ndarray]()
+        for values in (np.maximum(self.s_start, self.s_end), np.maximum(-self.s_start, -self.s_end)):
+            levels = [values]
+            while levels[-1].size > 1:
+                levels.append(np.maximum.reduceat(levels[-1], np.arange(0, levels[-1].size, 2)))
+            found.append(np.concatenate(levels))
+        return found[0], found[1], np.cumsum([0, *map(len, levels)])
 
     def next_beyond(self, k: np.ndarray, above: np.ndarray, below: np.ndarray) -> np.ndarray:
         """The first segment from k on with s > above or -s > below; K if there is none; shape of k, (lanes,)."""
@@ -129,20 +122,17 @@ class Segments:
 
     def extent(self, k: np.ndarray, to: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(largest s, least s) on segments k to `to` - 1; minus and plus infinity for no segment; shape of k, (lanes,)."""
-        high, low, start = self._blocks
-        largest, least = np.full(k.shape, -np.inf), np.full(k.shape, np.inf)
-        lanes = np.flatnonzero(k < to)
-        at = k[lanes]
-        while lanes.size:  # take the largest block that begins at the segment and fits
-            room, aligned = to[lanes] - at, at & -at
-            level = np.frexp(np.where(aligned > 0, np.minimum(aligned, room), room).astype(float))[1] - 1
-            block = start[level] + (at >> level)
-            largest[lanes] = np.maximum(largest[lanes], high[block])
-            least[lanes] = np.minimum(least[lanes], -low[block])
-            at = at + (1 << level)
-            going = at < to[lanes]
-            lanes, at = lanes[going], at[going]
+        high, low = self._ends
+        largest, least, lanes = np.full(k.shape, -np.inf), np.full(k.shape, np.inf), np.flatnonzero(k < to)
+        lanes = lanes[np.argsort(k[lanes])]  # reduceat also reduces from the end of each range to the start of the next
+        ranges = np.column_stack([k[lanes], to[lanes]]).ravel()
+        largest[lanes], least[lanes] = np.maximum.reduceat(high, ranges)[::2], np.minimum.reduceat(low, ranges)[::2]
         return largest, least
+
+    @cached_property
+    def _ends(self) -> tuple[np.ndarray, np.ndarray]:
+        """(largest s, least s) on each segment, and 0 behind the last, (K + 1,)."""
+        return np.append(np.maximum(self.s_start, self.s_end), 0.0), np.append(np.minimum(self.s_start, self.s_end), 0.0)
 
     @cached_property
     def wave(self) -> Wave:

@@ -59,7 +59,7 @@ def turned(outline: Sequence[Point], about: Point, angle: float) -> Outline:
     return tuple((about[0] + cos * x + sin * z, about[1] + cos * z - sin * x) for x, z in offsets)
 
 
-def circle(centre: Point, radius: float, corners: int = 48) -> Outline:
-    """A circle as a polygon."""
-    steps = (2.0 * math.pi * i / corners for i in range(corners))
+def circle(centre: Point, radius: float) -> Outline:
+    """A circle as a polygon of 48 corners."""
+    steps = (2.0 * math.pi * i / 48 for i in range(48))
     return tuple((centre[0] + radius * math.cos(s), centre[1] + radius * math.sin(s)) for s in steps)

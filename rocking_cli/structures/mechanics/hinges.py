@@ -95,8 +95,9 @@ def _gradient(ring: Ring, s: np.ndarray) -> np.ndarray:
     return np.array([(found.lift / found.push).imag / _STEP for found in moved])
 
 
-def _curvature(ring: Ring, s: np.ndarray, step: float = 1e-5) -> np.ndarray:
+def _curvature(ring: Ring, s: np.ndarray) -> np.ndarray:
     """The second derivatives of lambda, shape (4, 4)."""
+    step = 1e-5  # rad
     rows = [(_gradient(ring, s + step * unit) - _gradient(ring, s - step * unit)) / (2.0 * step) for unit in np.eye(4)]
     return 0.5 * (np.array(rows) + np.array(rows).T)
 

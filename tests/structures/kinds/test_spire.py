@@ -7,6 +7,7 @@ import pytest
 from support.documents import built
 
 from rocking_cli.structures.kinds.spire import Spire
+from rocking_cli.structures.mechanics.stacked_pieces import frustum_moments
 
 THIN = "kind: spire\nbase_radius: 1.5\nheight: 12\n"
 
@@ -63,6 +64,14 @@ def test_quadrature_has_converged_to_1e_9(monkeypatch):
     fine = [*one.rocking(), *one.rocking(both=True)]
     monkeypatch.setattr(spire, "_NODES", 24)
     assert [*one.rocking(), *one.rocking(both=True)] == pytest.approx(fine, rel=1e-9, abs=1e-15)
+
+
+def test_a_whole_spire_is_its_cone_without_the_hollow():
+    outer, hollow = frustum_moments(1.5, 0.0, 12.0), frustum_moments(1.5 - 0.3, 0.0, 9.0)
+    mass, z, inertia = (a - b for a, b in zip((outer.mass, outer.z, outer.polar), (hollow.mass, hollow.z, hollow.polar), strict=True))
+    s = built(THIN + "thickness: 0.3\ntip_height: 9")
+    assert s.alpha == pytest.approx(math.atan2(1.5, z / mass), rel=1e-13, abs=0)
+    assert s.p**2 == pytest.approx(9.81 * mass * math.hypot(1.5, z / mass) / (inertia + mass * 1.5**2), rel=1e-13, abs=0)
 
 
 def test_crack_at_the_base_and_vanishing_wall():
