@@ -37,7 +37,6 @@ def info(
 
     damaged: list[str] = []
     records: list[dict[str, Any]] = []
-    commands: list[str] = []
     for path in files:
         with SpectraFile(path) as file:
             if documents:
@@ -60,14 +59,14 @@ def info(
                 etas = [f"{one['eta']:.6g}" for one in file.scene.get("structures", ())]
                 record |= {"eta": _names(etas) or None, "tolerance": attributes.get("tolerance")}
                 record |= {"cells": ", ".join(f"{n} {name}" for name, n in counts.items() if n), "command": _command(path, file)}
-                commands.append(record["command"] or "")
             records.append(record)
     if documents:
         return 0
     emit([{**record, "command": None} for record in records] if form() is None else records)
+    commands = [record["command"] for record in records] if again else []
     for line in filter(None, commands if form() is None else []):
-        for part in (parts := wrap(line, 96, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)):
-            streams.put(part if part is parts[-1] else f"{part} \\")
+        parts = wrap(line, 96, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
+        streams.put(*(f"{part} \\" for part in parts[:-1]), parts[-1])
     if not all(commands):
         note("written by a function of Python: the file holds no command")
     for line in damaged:
