@@ -6,7 +6,10 @@ import math
 
 import numpy as np
 import pytest
+from oracles.collocation import integrate
 from oracles.record_lockstep import LINEAR, Rigid, lockstep
+from support.bodies import drawn
+from support.references import shape
 from support.synthetic_records import RECORDS, allowance, assert_same, cells, noise, shaken
 
 from rocking_cli import LinearEquation, Method, Outcome, RigidBodyEquation, System, cosine, load_structures, pulse, response, sine
@@ -94,6 +97,20 @@ def against_lockstep(record, count, eta, nonlinear, part=slice(None)):
 @pytest.mark.parametrize("nonlinear", [False, True])
 def test_against_an_integration_that_shares_no_code(nonlinear):
     against_lockstep(2, 12, 0.7, nonlinear, slice(35, 80))
+
+
+@pytest.mark.parametrize("words", ["unequal damped nonlinear", "one-sided nonlinear", "unequal linear", "one-sided damped linear"])
+def test_other_bodies_against_collocation_that_shares_no_code(words):
+    random, method, motion, outcomes = np.random.default_rng(3), Method(words.split()[-1]), shaken(RECORDS[0][35:60], 0.05), set()
+    for amplitude in (1.1, 1.7, 2.6, 6.0):
+        structure, body, _ = drawn(words, random, (0.08, 0.4), (0.3, 0.98), 0.4, (0.01, 0.05, 0.2))
+        found = response_alone(method.system_of(structure), motion, amplitude, 1.0 / structure.p, structure.eta)
+        cell = shape(motion), motion.duration, float(structure.ground_acceleration(amplitude)), 1.0
+        answer = integrate(body, *cell, tuple(piece.stop for piece in motion.pieces))
+        assert Outcome(int(found.outcome)).flag == answer.outcome
+        assert float(found.theta_ratio) == pytest.approx(answer.rotation, rel=0, abs=5e-9, nan_ok=True)
+        outcomes.add(answer.outcome)
+    assert len(outcomes) > 1
 
 
 @pytest.mark.soak
