@@ -1,13 +1,10 @@
 """Changes of the outcome along the amplitude, for many frequencies: a scan brackets the changes, and sections trace each one.
 
-Theorems exclude amplitudes of the scan (Lemmas 9 and 10 of `dynamics`), the latter two for the linear oscillator, most of them there:
-
-- Nothing overturns while A int |s| dphi is small, from the first uplift on (`Search.harmless`). Bodies that may lose contact without
-  overturning are computed from a smaller amplitude on (`System.safe_amplitude`).
-- If one amplitude overturns without impact, so does every larger one, provided that the motion lifts the body on its first segment at any
-  amplitude. At a fixed time y = A J - K with K > 0 and dy/dA = J: if y > 0 it grows with A.
-- So if the first arc outlasts the shaking at one amplitude, it does at every larger one. The outcome then changes only at amplitudes whose
-  energy at the end of the shaking crosses a level; bounds of that energy over stretches of amplitudes exclude most of them (`one_arc`).
+Theorems exclude amplitudes of the scan (`dynamics.lemmas`). Below, nothing overturns (Lemma 9); bodies that may lose contact without
+overturning are computed from a smaller amplitude on (`System.safe_amplitude`). Above, for the linear oscillator that the motion lifts on
+its first segment at any amplitude (Lemma 10): every amplitude above one that overturns without impact does so too, and where the first arc
+outlasts the shaking the outcome changes only where the energy at its end crosses a level, which bounds over stretches of amplitudes tell
+(`one_arc`).
 """
 
 from __future__ import annotations
@@ -27,8 +24,8 @@ from ..dynamics.system import System
 from ..motions import Motion
 from ..motions.blocks import blocks
 from .changes import SECTIONS, Brackets, narrowed
-from .one_arc import Modes, may_change, modes_at_end
-from .scan_grid import ScanGrid, gaps_between, onwards
+from .one_arc import undecided
+from .scan_grid import ScanGrid
 
 if TYPE_CHECKING:
     from ..dynamics.single.scan import Scan
@@ -240,7 +237,9 @@ class Search:
             return first, last, none
         # Above the first amplitude at which the first arc outlasts the shaking, only the energy at its end matters.
         clear, lasts = self._outcome_from(omegas, first, last, lambda label, impacts: (impacts == 0) & (label != Outcome.FAILED))
-        row, point = self._unstruck(omegas, clear, lasts, last[clear], np.isin(clear, over)).T
+        falls = np.isin(clear, over)  # without an impact at the last point, but not below
+        top = np.column_stack([clear, last[clear] - 1])[falls & (lasts < last[clear])]
+        row, point = np.concatenate([top, undecided(segments, scan, omegas, self.eta, clear, lasts, last[clear] - falls)]).T
         last[clear] = lasts
         ends = scan.amplitude(point), scan.amplitude(point + 1)
         under, above = (self.outcome(amplitude, omegas[row]) for amplitude in ends)
@@ -268,27 +267,21 @@ class Search:
         return low
 
     def _outcome_from(self, omegas: Array, first: Array, last: Array, holds: Callable[[Array, Array], Array]) -> tuple[Array, Array]:
-        """`onwards` for a condition on the outcome and the impacts of lifted bodies."""
+        """(rows in which a condition on the outcome and the impacts of lifted bodies holds at the last scan point, the first scan point of
+        each at which it holds); if it holds at a point, it holds above."""
 
         def there(points: Array, rows: Array) -> Array:
             amplitude = self.grid.amplitude(points)
             return holds(*self._respond(amplitude, omegas[rows])) & (amplitude > self.uplift * (1.0 + 1e-9))
 
-        return onwards(np.arange(omegas.size), first, last, there)
-
-    def _unstruck(self, omegas: Array, row: Array, low: Array, high: Array, falls: Array) -> Array:
-        """Gaps, (row, point below), that may hold a change between points `low` and `high` of rows whose bodies have no impact during the
-        shaking; falls: true if they overturn without impact at `high`, but not below."""
-        scan = self.grid
-        top = np.column_stack([row[falls], high[falls] - 1])[low[falls] < high[falls]]
-
-        def modes(row: Array, point: Array) -> Modes:
-            return modes_at_end(self.motion.segments, scan.amplitude(point), omegas[row])
-
-        def differ(one: Modes, other: Modes, row: Array, low: Array, high: Array) -> Array:
-            return may_change(one, other, scan.amplitude(high) - scan.amplitude(low), self.eta)
-
-        return np.concatenate([top, gaps_between(row, low, np.where(falls, high - 1, high), modes, differ)])
+        rows = np.flatnonzero(there(last, np.arange(omegas.size)))
+        first, high, row = first[rows], last[rows], np.arange(rows.size)
+        low = first - 1
+        while np.any(high - low > 1):
+            points = np.maximum(low[:, None] + (high - low)[:, None] * np.arange(1, SECTIONS + 1) // SECTIONS, first[:, None])
+            step = there(points, rows[:, None]).argmax(axis=1)
+            high, low = points[row, step], np.where(step > 0, points[row, step - 1], low)
+        return rows, high
 
     def _narrowed(self, omegas: Array, brackets: Brackets, *, lowest: bool = False) -> Brackets:
         """The changes, traced to `digits`; lowest: only the lowest one of each bracket."""

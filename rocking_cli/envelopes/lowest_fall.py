@@ -90,15 +90,11 @@ class Falls:
     def _coarse(self, low: float, high: float) -> tuple[Array, Array]:
         """(amplitudes `COARSE` apart between these, true where the body seems to fall); each is looked at once."""
         amplitude = _ladder(low, high, COARSE)
-        self.look(amplitude)
-        return amplitude, self.seen[1][np.searchsorted(self.seen[0], amplitude)]
-
-    def look(self, amplitude: Array) -> None:
-        """Look at amplitudes of the coarse search, together."""
         new = np.setdiff1d(amplitude, self.seen[0], assume_unique=True)
         if new.size:
             every, order = np.unique(np.append(self.seen[0], new), return_index=True)
             self.seen = every, np.append(self.seen[1], self.seems(new))[order]
+        return amplitude, self.seen[1][np.searchsorted(self.seen[0], amplitude)]
 
     def lowest(self, begin: float, found: float, ratio: float = _FINE, near: float = _NEAR) -> float | None:
         """The lowest fall from `begin` to `found`, where a body seems to fall, None if the march finds none. Amplitudes at a ratio are

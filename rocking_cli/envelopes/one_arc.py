@@ -20,6 +20,7 @@ import numpy as np
 from ..dynamics.contacts.contact import first_uplift
 from ..dynamics.drive import segment_value, summed
 from ..motions.segments import Segments
+from .scan_grid import ScanGrid
 
 Array = np.ndarray
 
@@ -65,6 +66,26 @@ def bounded_response(segments: Segments, k: Array, u: Array, omega: Array, sense
     level = segments.s_start[k] - summed(segments.sin.take(k, axis=1))
     rate = segments.slope[k] * omega
     return -sense * (level + segments.slope[k] * u) - rate - summed((sense * sin + w * cos) / (1.0 + w * w))
+
+
+def undecided(segments: Segments, grid: ScanGrid, omegas: Array, eta: float, row: Array, low: Array, high: Array) -> Array:
+    """(gaps, 2): row and lower scan point of the gaps between points `low` and `high` of rows in which the outcome of bodies that fall back
+    after the shaking may change."""
+    found = [np.zeros((0, 2), dtype=np.int64)]
+    at = np.flatnonzero(low < high)
+    row, low, high = row[at], low[at], high[at]
+    one, other = (modes_at_end(segments, grid.amplitude(point), omegas[row]) for point in (low, high))
+    while row.size:
+        at = np.flatnonzero(may_change(one, other, grid.amplitude(high) - grid.amplitude(low), eta))
+        narrow = high[at] - low[at] == 1
+        found.append(np.column_stack([row[at[narrow]], low[at[narrow]]]))
+        at = at[~narrow]
+        middle = (low[at] + high[at]) // 2
+        between = modes_at_end(segments, grid.amplitude(middle), omegas[row[at]])
+        one = Modes(*(np.concatenate([x[at], y]) for x, y in zip(one, between, strict=True)))
+        other = Modes(*(np.concatenate([y, x[at]]) for x, y in zip(other, between, strict=True)))
+        row, low, high = np.tile(row[at], 2), np.concatenate([low[at], middle]), np.concatenate([middle, high[at]])
+    return np.concatenate(found)
 
 
 def may_change(one: Modes, other: Modes, width: Array, eta: float) -> Array:

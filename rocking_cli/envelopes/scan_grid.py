@@ -1,17 +1,13 @@
-"""The amplitudes of the scan at one frequency, and searches that skip amplitudes of the scan."""
+"""The amplitudes of the scan at one frequency."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple, Self, TypeVar
+from typing import Self
 
 import numpy as np
 
-from .changes import SECTIONS
-
 Array = np.ndarray
-Ends = TypeVar("Ends", bound=NamedTuple)  # arrays of shape (rows,)
 
 SCAN_STEP = 0.999e-3  # in A; no interval wider than 1e-3 is missed
 LONGEST_FINE = 200  # segments of a motion up to which the scan is as fine as an envelope's
@@ -55,45 +51,3 @@ class ScanGrid:
         top = self.start + self.step * (self.size - self.near.size + 1)  # larger scan numbers overflow a whole number
         beyond = np.floor((np.minimum(amplitude, top) - self.start) / self.step).astype(np.int64) - 1 + self.near.size
         return np.clip(np.where(beyond >= self.near.size, beyond, there), 0, self.size - 1)
-
-
-def onwards(rows: Array, first: Array, last: Array, there: Callable[[Array, Array], Array]) -> tuple[Array, Array]:
-    """(rows in which a condition holds at the last scan point, the first scan point of each row at which it holds).
-
-    there: function from scan points and rows, of shapes that broadcast, to the condition; if it holds at a point, it holds above."""
-    at = np.flatnonzero(there(last, rows))
-    rows, first, high = rows[at], first[at], last[at]
-    low = first - 1
-    while np.any(high - low > 1):
-        points = low[:, None] + (high - low)[:, None] * np.arange(1, SECTIONS + 1) // SECTIONS
-        points = np.maximum(points, first[:, None])
-        step, row = there(points, np.broadcast_to(rows[:, None], points.shape)).argmax(axis=1), np.arange(rows.size)
-        high, low = points[row, step], np.where(step > 0, points[row, step - 1], low)
-    return rows, high
-
-
-def gaps_between(
-    row: Array,
-    low: Array,
-    high: Array,
-    measure: Callable[[Array, Array], Ends],
-    differ: Callable[[Ends, Ends, Array, Array, Array], Array],
-) -> Array:
-    """(gaps, 2): row and lower scan point of the gaps between `low` and `high` in which the outcome may change.
-
-    measure: function from rows and scan points to values; differ: true if the outcome may change between two points with such values."""
-    found = [np.zeros((0, 2), dtype=np.int64)]
-    at = np.flatnonzero(low < high)
-    row, low, high = row[at], low[at], high[at]
-    one, other = measure(row, low), measure(row, high)
-    while row.size:
-        at = np.flatnonzero(differ(one, other, row, low, high))
-        narrow = high[at] - low[at] == 1
-        found.append(np.column_stack([row[at[narrow]], low[at[narrow]]]))
-        at = at[~narrow]
-        middle = (low[at] + high[at]) // 2
-        between = measure(row[at], middle)
-        one = one._make((np.concatenate([x[at], y]) for x, y in zip(one, between, strict=True)))
-        other = other._make((np.concatenate([y, x[at]]) for x, y in zip(other, between, strict=True)))
-        row, low, high = np.tile(row[at], 2), np.concatenate([low[at], middle]), np.concatenate([middle, high[at]])
-    return np.concatenate(found)

@@ -49,8 +49,8 @@ class Lane:
 
     def __init__(self, system: System, segments: Segments, omega: float, eta: float) -> None:
         self.omega, self.eta, self.shaken = np.array([omega]), np.array([eta]), len(segments)
+        cells = system.contact.cells(system.equation, np.ones(1), self.omega, self.eta)
         if system.equation.damping:  # no closed form of the free motion: march on over still ground
-            cells = system.contact.cells(system.equation, np.ones(1), self.omega, self.eta)
             segments = segments.followed_by_rest(SETTLING * (1.0 + 3.0 * system.equation.damping) * float(cells.omega.max()))
         self.system, self.segments, self.reel = system, segments, Reel(segments)
         self.weighed = segments.weighed is not None
@@ -61,22 +61,18 @@ class Lane:
             self.largest = max(self.largest, float(weighed.inward[0][0]), -float(weighed.inward[1][0]))
             self.most_up = max(float(weighed.vertical.later_max[0]), -float(weighed.vertical.later_min[0]))
         self._codes: dict[tuple[float, int], Code] = {}
-        self._unit: dict[float, Face] = {}
         self.laws = {side: system.equation.law(side) for side in (1.0, -1.0)}
         self.composed = self.laws[1.0].local is not None
         self.longest = float(np.max(segments.length[: min(self.shaken, _SAMPLED)]))
+        self._unit = {side: self._face(cells, side) for side in ((1.0,) if self._strike(cells, 1.0)[0] > 0.0 else (1.0, -1.0))}
 
     def faces(self, amplitude: float) -> dict[float, Face]:
         """The sides under a motion of this amplitude."""
-        if not self._unit:
-            one = self.system.contact.cells(self.system.equation, np.ones(1), self.omega, self.eta)
-            self._unit = {side: self._face(one, side) for side in ((1.0,) if self._strike(one, 1.0)[0] > 0.0 else (1.0, -1.0))}
         faces = {}
         for side, face in self._unit.items():
             drive, sway = amplitude * face.drive, amplitude * face.sway
             heaviest = 1.0 + abs(sway) * self.most_up
-            code = self._code(side, self._order(face.omega, abs(drive)))
-            faces[side] = face._replace(drive=drive, sway=sway, lift=heaviest * face.lift, code=code,
+            faces[side] = face._replace(drive=drive, sway=sway, lift=heaviest * face.lift, code=self._code(face, abs(drive)),
                                         fall=heaviest * face.lift + face.push * abs(drive) * self.largest)  # fmt: skip
         return faces
 
@@ -101,19 +97,16 @@ class Lane:
         self.system.contact.strike(cells, lanes, -np.ones(1), -np.ones(1))
         return float(lanes.side[0]), float(lanes.v[0])
 
-    def _order(self, omega: float, amplitude: float) -> int:
+    def _code(self, face: Face, drive: float) -> Code:
+        """The code of a side under this drive of s = 1, with as many terms as it needs."""
+        order = _ORDER
         if self.reel.straight:
-            unit = np.array([min(self.longest / omega, LONGEST)])
-            order = int(degrees(np.array([4.0 + amplitude * self.largest]), unit, self.system.equation.tolerance)[0])
-        else:
-            order = _ORDER
-        return min(order, _COMPOSED if self.composed else MOST_TERMS)
-
-    def _code(self, side: float, order: int) -> Code:
-        kept = self._codes.get((side, order))
-        if kept is None:
-            kept = self._codes[side, order] = compiled(self.laws[side], order, self.zeta, self.reel.straight, self.weighed)
-        return kept
+            unit = np.array([min(self.longest / face.omega, LONGEST)])
+            order = int(degrees(np.array([4.0 + drive * self.largest]), unit, self.system.equation.tolerance)[0])
+        key = face.side, min(order, _COMPOSED if self.composed else MOST_TERMS)
+        if key not in self._codes:
+            self._codes[key] = compiled(self.laws[face.side], key[1], self.zeta, self.reel.straight, self.weighed)
+        return self._codes[key]
 
     def lanes(self, cells: Cells, side: float) -> Lanes:
         """A lane for each cell, on a side, at the motion's start."""

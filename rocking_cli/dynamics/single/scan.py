@@ -33,17 +33,15 @@ _AHEAD = 64  # lines among which the next uplift is looked for at once
 
 class Closeness(NamedTuple):
     """How closely bodies are followed. order: of the series of a step; short: times `_STEP`, bounces shorter than that are averaged; roots:
-    steps of Newton's method to an impact, beside one where a line is not the record itself; most: impacts in a line, of which the later
-    ones are averaged."""
+    steps of Newton's method to an impact, beside one where a line is not the record itself."""
 
     order: int
     short: float
     roots: int
-    most: int
 
 
-_LOOSE = Closeness(4, 0.1, 1, 4)  # with bounces of 0.5 narrow falls are missed that march and scan find by chance
-_CLOSE = Closeness(6, 1e-3, 3, 1000)
+_LOOSE = Closeness(4, 0.1, 1)  # with bounces of 0.5 narrow falls are missed that march and scan find by chance
+_CLOSE = Closeness(6, 1e-3, 3)
 
 
 class Lines(NamedTuple):
@@ -101,10 +99,10 @@ def follow(scans: Sequence[Scan], amplitudes: Sequence[Array]) -> None:
 
 class _Pool:
     """outcome, bounced: of every lane, as far as they are known. Lanes that still move: number; A; k, x: line and share of it; row: body
-    and side; y, y'; drive: outward drive of s = 1 times A; pace: tau over the phase; struck: impacts in the line; rested: line after the
+    and side; y, y'; drive: outward drive of s = 1 times A; pace: tau over the phase; rested: line after the
     one in which it came to rest, -1 of others."""
 
-    _EACH = ("number", "amplitude", "k", "x", "row", "y", "v", "drive", "pace", "struck", "rested")
+    _EACH = ("number", "amplitude", "k", "x", "row", "y", "v", "drive", "pace", "rested")
 
     def __init__(self, scans: list[Scan], amplitudes: list[Array]) -> None:
         faces = [face for scan in scans for face in scan.faces]
@@ -124,7 +122,7 @@ class _Pool:
         self._lay([scan.lines for scan in scans])
         body = np.repeat(np.arange(len(scans)), [a.size for a in amplitudes])
         self.number, self.amplitude, self.row = np.arange(body.size), np.concatenate(amplitudes), body * self.sides
-        self.k, self.rested, self.struck = self.end[body], self.begin[body], np.zeros(body.size, dtype=np.intp)
+        self.k, self.rested = self.end[body], self.begin[body]
         self.x, self.y, self.v, self.drive, self.pace = np.zeros((5, body.size))
         self.outcome, self.bounced = np.full(body.size, Outcome.ROCKED, dtype=np.uint8), np.zeros(body.size, dtype=bool)
 
@@ -235,15 +233,13 @@ class _Pool:
         unit, row = 1.0 / self.pace[at], self.others[row]
         pace, drive = self.paces[row], self.drives[row] * self.amplitude[at]
         unit *= pace
-        struck = self.struck[at] + 1
-        self.struck = np.zeros_like(self.struck)
         self.row[at], self.drive[at], self.pace[at], self.y[at] = row, drive, pace, 0.0
         for name, values in self.differ.items():
             self.own[name][at] = values[row]
         # Further bounces within the line, averaged under the drive halfway to its end.
         push = self.s[k] + self.rise[k] * (0.5 + 0.5 * x)
-        here, last = 1.0 - drive * push, struck > self.closeness.most
-        few = (here > 0.0) & (last | (2.0 * v < self.closeness.short * here * _STEP))
+        here = 1.0 - drive * push
+        few = (here > 0.0) & (2.0 * v < self.closeness.short * here * _STEP)
         bounce, cycle = 2.0 * v / here, self.keeps[row]
         if self.sides == 2:
             other = self.others[row]
@@ -252,9 +248,9 @@ class _Pool:
         slow = v * (1.0 - self.length[k] * pace * (1.0 - x) * (1.0 - cycle) / bounce)
         self.v[at] = np.where(few, np.fmax(slow, 0.0), v)
         rests = few & ~(slow > 1e-7)
-        on = np.flatnonzero(~few & ~last)
+        on = np.flatnonzero(~few)
         i = at[on]
-        self.k[i], self.x[i], self.struck[i] = k[on], x[on], struck[on]
+        self.k[i], self.x[i] = k[on], x[on]
         self.y[i], self.v[i] = -drive[on] * w[on] * unit[on] ** 2, v[on] - drive[on] * dw[on] * unit[on]
         i = at[rests]
         self.rested[i], self.k[i], self.y[i], self.v[i] = k[rests] + 1, self.end[row[rests] // self.sides], 1e-9, 0.0
