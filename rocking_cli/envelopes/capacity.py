@@ -76,9 +76,39 @@ class Sought(NamedTuple):
         digits = tracing_width(self.method, self.motion)
         return Falls.of(self.method.system_of(self.structure), self.motion, self.omega, self.structure.eta, digits)
 
+    def capacity(self, narrow: Falls | None = None) -> Capacity:
+        """The capacity; narrow: one of `searches`. Intervals narrower than `narrowest` may be missed, but not around the demand. Changes
+        are traced as `tracing_width` says. Raises UsageError if the demand or `a_max` is above the limit of a scan."""
+        motion, amplitude, system = self.motion, self.amplitude, self.method.system_of(self.structure)
+        lowest, top = self.ends()
+        if not lowest < top:
+            return Capacity(None, None, lowest if np.isfinite(lowest) else None)
+        narrow = narrow or searches([self])[0]
+        if narrow is not None:
+            stands = amplitude <= lowest or not narrow.falls(np.array([amplitude]))[0]
+            below = narrow.first(lowest, min(amplitude, top)) if lowest < amplitude else None
+            above = narrow.first(max(lowest, amplitude), top) if stands else None
+            first = below or (above if stands else narrow.lowest(lowest, amplitude))
+            return Capacity(first, above, lowest, 0.0 if first is None else narrow.dust(first))
+        search = Search(system, motion, self.structure.eta, top, digits=tracing_width(self.method, motion), parts=_PARTS)
+        brackets: list[Brackets] = []  # one window after the other, until the outcome at the demand and the next fall above it are known
+        above_demand = False
+        for begin, end in _windows(lowest, amplitude, top, at_once=system.bounded):
+            fall, last = replace(search, a_min=begin, a_max=end).fall(self.omega)
+            brackets += [fall] if fall.row.size else []
+            above_demand = begin >= amplitude and fall.row.size > 0
+            if above_demand or (end <= amplitude and not Outcome(last).safe):
+                break
+        found = search.first_falls_in(self.omega, Brackets.joined(brackets)) if brackets else []
+        first, dust = min(found, default=None), 0.0
+        if first is not None and motion.segments.pushes > FEW:
+            first, dust = self.falls().lowest_narrow(lowest, first)
+        safe_to = found[-1] if above_demand else None
+        return Capacity(first, safe_to if first is None or safe_to is None or first < amplitude else first, lowest, dust)
+
 
 def searches(sought: Sequence[Sought]) -> list[Falls | None]:
-    """The search of each that is under a record: what they will look at is scanned together. Raises UsageError as `capacity` does."""
+    """The search of each that is under a record: what they will look at is scanned together. Raises UsageError as `Sought.ends`."""
     found: list[Falls | None] = []
     ahead = []
     for asked in sought:
@@ -92,49 +122,6 @@ def searches(sought: Sequence[Sought]) -> list[Falls | None]:
 
         look_ahead(ahead)
     return found
-
-
-def capacity(
-    structure: RockingParameters,
-    motion: Motion,
-    amplitude: float,
-    omega: float,
-    *,
-    method: Method,
-    a_max: float,
-    narrow: Falls | None = None,
-) -> Capacity:
-    """The capacity of a structure at Omega [-] against a demand of A = `amplitude` [-], searched up to `a_max` and twice the demand.
-
-    narrow: one of `searches`. Intervals narrower than `narrowest` may be missed, but not around the demand. Changes are traced as
-    `tracing_width` says. Raises UsageError if `amplitude` or `a_max` is above the limit of a scan.
-    """
-    asked, system = Sought(structure, motion, amplitude, omega, method, a_max), method.system_of(structure)
-    lowest, top = asked.ends()
-    if not lowest < top:
-        return Capacity(None, None, lowest if np.isfinite(lowest) else None)
-    narrow = narrow or searches([asked])[0]
-    if narrow is not None:
-        stands = amplitude <= lowest or not narrow.falls(np.array([amplitude]))[0]
-        below = narrow.first(lowest, min(amplitude, top)) if lowest < amplitude else None
-        above = narrow.first(max(lowest, amplitude), top) if stands else None
-        first = below or (above if stands else narrow.lowest(lowest, amplitude))
-        return Capacity(first, above, lowest, 0.0 if first is None else narrow.dust(first))
-    search = Search(system, motion, structure.eta, top, digits=tracing_width(method, motion), parts=_PARTS)
-    brackets: list[Brackets] = []  # one window after the other, until the outcome at the demand and the next fall above it are known
-    above_demand = False
-    for begin, end in _windows(lowest, amplitude, top, at_once=system.bounded):
-        fall, last = replace(search, a_min=begin, a_max=end).fall(omega)
-        brackets += [fall] if fall.row.size else []
-        above_demand = begin >= amplitude and fall.row.size > 0
-        if above_demand or (end <= amplitude and not Outcome(last).safe):
-            break
-    found = search.first_falls_in(omega, Brackets.joined(brackets)) if brackets else []
-    first, dust = min(found, default=None), 0.0
-    if first is not None and motion.segments.pushes > FEW:
-        first, dust = asked.falls().lowest_narrow(lowest, first)
-    safe_to = found[-1] if above_demand else None
-    return Capacity(first, safe_to if first is None or safe_to is None or first < amplitude else first, lowest, dust)
 
 
 def tracing_width(method: Method, motion: Motion) -> float:

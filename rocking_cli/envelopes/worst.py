@@ -15,7 +15,7 @@ from ..motions import Motion
 from ..motions.grid import Axis, Grid
 from ..processes import available_cpus
 from ..structures.parameters import RockingParameters
-from .capacity import capacity
+from .capacity import Sought
 from .intervals import A_MAX, in_turn, trace_envelope
 from .limit import Limit, limit_of
 
@@ -69,7 +69,7 @@ def _worst(
     least = system.least_uplift(motion)
 
     def first(omega: float, most: float) -> float:
-        found = capacity(structure, motion, least, omega, method=method, a_max=most).first if least < most else None
+        found = Sought(structure, motion, least, omega, method, most).capacity().first if least < most else None
         return math.inf if found is None else found
 
     worst = (math.inf, low)

@@ -15,7 +15,7 @@ from ..dynamics.method import LINEAR, Method, governing_method
 from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import Response
 from ..dynamics.single.response import response_alone
-from ..envelopes.capacity import Capacity, Sought, capacity, searches
+from ..envelopes.capacity import Capacity, Sought, searches
 from ..envelopes.intervals import A_MAX
 from ..envelopes.limit import Limit, limit_of
 from ..envelopes.scan_grid import LONGEST_FINE
@@ -153,7 +153,7 @@ def outcome_alone(structure: RockingParameters, motion: Motion, shaking: Grid) -
     """The outcome that the verdict of `check` has."""
     _, _, amplitude, omega, method, _ = _sought(structure, motion, shaking, 0.0)
     outcome = Outcome(int(_respond(method, structure, motion, np.array([amplitude]), omega).outcome[0]))
-    if outcome != Outcome.ROCKED:
+    if outcome != Outcome.ROCKED or amplitude <= method.system_of(structure).safe_amplitude(motion):
         return outcome
     return Outcome.LOST_CONTACT if _lifts_off(_of_history(method, structure, motion, shaking)) else outcome
 
@@ -162,7 +162,7 @@ def first_overturning(structure: RockingParameters, motion: Motion, shaking: Gri
     """The lowest amplitude that overturns a body, None if there is none; near: where it is expected, which saves time [m/s2]."""
     asked = _sought(structure, motion, shaking, a_max)
     near = min(float(structure.dimensionless_amplitude(near)), max(asked.amplitude, 0.5 * a_max))
-    found = capacity(structure, motion, near, asked.omega, method=asked.method, a_max=max(a_max, 2.0 * asked.amplitude)).first
+    found = asked._replace(amplitude=near, a_max=max(a_max, 2.0 * asked.amplitude)).capacity().first
     return None if found is None else float(structure.ground_acceleration(found))
 
 
@@ -180,7 +180,8 @@ def _judged(
     structure: RockingParameters, motion: Motion, shaking: Grid, a_max: float | None, narrow: Falls | None, progress: Progress | None
 ) -> Verdict:
     """The verdict of `check`; narrow: the search for falls if it has begun."""
-    _, _, amplitude, omega, method, most = _sought(structure, motion, shaking, a_max or 0.0)
+    sought = _sought(structure, motion, shaking, a_max or 0.0)
+    _, _, amplitude, omega, method, _ = sought
     done = progress or _no_progress
     beside = amplitude * (1.0 + _BESIDE)
     governs = _respond(method, structure, motion, beside, omega)
@@ -192,10 +193,10 @@ def _judged(
         least = method.system_of(structure).least_uplift(motion)
         found = Capacity(None, None, least if math.isfinite(least) else None)
     else:
-        found = capacity(structure, motion, amplitude, omega, method=method, a_max=most, narrow=narrow)
+        found = sought.capacity(narrow)
     free = None
     if structure.restraints and a_max is not None:
-        free = capacity(replace(structure, restraints=None), motion, amplitude, omega, method=method, a_max=most).first
+        free = sought._replace(structure=replace(structure, restraints=None)).capacity().first
     done(2, _STAGES)
     asked = _of_history(method, structure, motion, shaking)
     done(_STAGES, _STAGES)

@@ -19,7 +19,7 @@ from rocking_cli import (
 )
 from rocking_cli.dynamics.method import LINEAR, Method
 from rocking_cli.dynamics.outcome import safe
-from rocking_cli.envelopes.capacity import capacity
+from rocking_cli.envelopes.capacity import Sought
 from rocking_cli.envelopes.lowest_fall import Falls
 
 BLOCK = build_structure(parse_documents("kind: block\nradius: 1.6065856\nalpha: 0.25\nrestitution: 0.9")[0])  # p = 2.14 rad/s
@@ -37,16 +37,14 @@ def test_reference_values_at_omega_5(structure, method, edges):
     first, until, again = edges
     demands = ((0.5, first), (2.0, first), (4.0, None), (0.5 * (until + again), again), (8.0, None))
     for demand, safe_to in demands if method.exact else demands[1:4]:
-        found = capacity(structure, sine(), demand, 5.0, method=method, a_max=20.0)
+        found = Sought(structure, sine(), demand, 5.0, method, 20.0).capacity()
         assert found.first == pytest.approx(first, abs=5.1e-6)
         assert found.safe_to == (None if safe_to is None else pytest.approx(safe_to, abs=5.1e-6))
 
 
 def test_a_demand_on_either_side_of_a_boundary_is_told_apart_to_the_last_digits():
-    edge = capacity(dimensionless_oscillator(0.9), sine(), 2.0, 5.0, method=LINEAR, a_max=20.0).first
-    below, above = (
-        capacity(dimensionless_oscillator(0.9), sine(), edge * (1.0 + s * 1e-14), 5.0, method=LINEAR, a_max=20.0) for s in (-1, 1)
-    )
+    edge = Sought(dimensionless_oscillator(0.9), sine(), 2.0, 5.0, LINEAR, 20.0).capacity().first
+    below, above = (Sought(dimensionless_oscillator(0.9), sine(), edge * (1.0 + s * 1e-14), 5.0, LINEAR, 20.0).capacity() for s in (-1, 1))
     assert below.safe_to == pytest.approx(edge, rel=1e-14, abs=0)
     assert above.safe_to is None
     assert below.first == pytest.approx(edge, rel=1e-14, abs=0)
@@ -56,27 +54,27 @@ def test_a_demand_on_either_side_of_a_boundary_is_told_apart_to_the_last_digits(
 def test_rectangular_pulse():
     """A = 1/(1 - exp(-p t_d)), with Omega = 2 pi / (p t_d)."""
     for duration, first in ((0.5, 2.54149), (1.0, 1.58198), (2.0, 1.15652)):
-        found = capacity(dimensionless_oscillator(0.0), pulse("rectangular"), 1.05, 2.0 * np.pi / duration, method=LINEAR, a_max=20.0)
+        found = Sought(dimensionless_oscillator(0.0), pulse("rectangular"), 1.05, 2.0 * np.pi / duration, LINEAR, 20.0).capacity()
         assert (found.uplift, found.first) == (1.0, pytest.approx(first, abs=5.1e-6))
 
 
 def test_nothing_overturns_up_to_the_limit():
-    found = capacity(dimensionless_oscillator(0.9), sine(), 1.5, 30.0, method=LINEAR, a_max=5.0)
+    found = Sought(dimensionless_oscillator(0.9), sine(), 1.5, 30.0, LINEAR, 5.0).capacity()
     assert (found.first, found.safe_to, found.uplift) == (None, None, 1.0)
-    assert capacity(dimensionless_oscillator(0.9), sine(), 0.1, 5.0, method=LINEAR, a_max=0.5).first is None
+    assert Sought(dimensionless_oscillator(0.9), sine(), 0.1, 5.0, LINEAR, 0.5).capacity().first is None
 
 
 def test_a_body_against_its_backing_is_not_lifted_by_a_push_inwards():
     (document,) = parse_documents("kind: block\nwidth: 1.2\nheight: 8\none_sided: true")
     push = pulse("rectangular")
-    assert capacity(build_structure(document), push, 3.0, 1.0, method=LINEAR, a_max=20.0).uplift is None
-    assert capacity(build_structure(document), push.scaled(-1.0), 3.0, 1.0, method=LINEAR, a_max=20.0).uplift == 1.0
+    assert Sought(build_structure(document), push, 3.0, 1.0, LINEAR, 20.0).capacity().uplift is None
+    assert Sought(build_structure(document), push.scaled(-1.0), 3.0, 1.0, LINEAR, 20.0).capacity().uplift == 1.0
 
 
 @pytest.mark.parametrize("demand", [6e4, 1e300])
 def test_a_demand_beyond_the_scan_is_refused(demand):
     with pytest.raises(UsageError, match="expected up to 100000"):
-        capacity(dimensionless_oscillator(0.9), sine(), demand, 5.0, method=LINEAR, a_max=20.0)
+        Sought(dimensionless_oscillator(0.9), sine(), demand, 5.0, LINEAR, 20.0).capacity()
 
 
 # Falls [m/s2] of a block of 0.5 x 2.5 m under a record, found on a raster of 5e-5; from 3.3264 on every other stretch of 0.002 falls.
@@ -132,7 +130,7 @@ def test_a_scan_leads_to_the_fall_that_the_march_finds(dt, seed):
     system = LINEAR.system_of(oscillator)
     march = Falls.of(system, motion, 0.4, 0.9, 1e-6)
     march.seems = lambda a: ~safe(response(system, motion, a, 0.4, 0.9, peaks=False).outcome)
-    found = capacity(oscillator, motion, 1.6, 0.4, method=LINEAR, a_max=4.0)
+    found = Sought(oscillator, motion, 1.6, 0.4, LINEAR, 4.0).capacity()
     assert found.first is not None
     assert found.first == pytest.approx(march.first(found.uplift, 4.0), rel=2e-6, abs=0)  # each is traced to 1e-6
 

@@ -197,7 +197,7 @@ def test_a_body_that_needs_more_friction_than_its_document_states_slides():
 def test_a_demand_that_the_last_digits_decide_is_called_so(searched, monkeypatch):
     """After 160 impacts five of fifteen amplitudes within a part of 1e-6 stand."""
     if not searched:
-        monkeypatch.setattr("rocking_cli.responses.check.capacity", lambda *_, **__: Capacity(None, None, 1.0))
+        monkeypatch.setattr("rocking_cli.envelopes.capacity.Sought.capacity", lambda *_, **__: Capacity(None, None, 1.0))
     structure = structure_of("kind: parameters\np: 2\nalpha: 0.25\neta: 0.98\nlambda: 0.25")
     omega_g = 1.1642588176866302 * structure.p
     grid = Grid(Axis("A", np.array([1.046522639017664])), Axis("omega_g", np.array([omega_g])))
