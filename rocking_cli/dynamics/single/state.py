@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..contacts.contact import Uplift
-from ..contacts.sequences import BELOW_ROUNDING
+from ..contacts.sequences import BELOW_ROUNDING, outlasts
 from ..drive import place
 from ..equations.taylor import LONGEST, WITHIN
 from ..lanes import Cells, Lanes
@@ -88,10 +88,20 @@ class Body:
         self.face, self.y, self.v = to, 0.0, -face.keeps * v
         fall = 1.0 - self._net(to, self.k, self.u)
         self.force = -fall
-        if self.k < self.reel.count and (self.v < _STILL or self._may_rest(to, fall)):
+        if self.impacts > 15 and self.impacts & (self.impacts - 1) == 0 and self._bounces_too_often():
+            self._finish(Outcome.FAILED)
+        elif self.k < self.reel.count and (self.v < _STILL or self._may_rest(to, fall)):
             lanes = self._lanes()
             if self.v < _STILL or self.contact.sequence_ends(self.segments, lanes, self.equation)[0]:
                 self._uplift(lanes=lanes)
+
+    def _bounces_too_often(self) -> bool:
+        """True if it needs more steps than it may take, within its segment."""
+        if self.k >= self.lane.shaken or self.lane.zeta or not self.contact.alike or self.segments.weighed is not None:
+            return False
+        lanes = self._lanes()
+        lanes.steps[0] = self.impacts
+        return bool(outlasts(self.segments, lanes, self.most)[0])
 
     def _may_rest(self, face: Face, fall: float) -> bool:
         """True if Lemma 7 may prove that the sequence of impacts ends in rest within this segment: the part of it that needs no arrays."""
