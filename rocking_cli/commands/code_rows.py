@@ -7,6 +7,7 @@ from typing import Any
 from ..dynamics.method import governing_method
 from ..errors import UsageError
 from ..motions.design_spectra import parse_floor, read_spectrum
+from ..reports.figures.capacities import draw_capacity_curves
 from ..responses.check import Demand, Verdict
 from ..responses.code_check import SLC, SLV, CodeCheck, code_check, first_beyond
 from ..structures import RockingParameters
@@ -38,7 +39,7 @@ class CodeRows:
         self._remark(found)
         emit(({**_head(one), **one.record()} for one in found), table_units="g,mm,deg", varied=varied)
         if output is not None:
-            _draw(found, output, overwrite)
+            draw_capacity_curves(found, output, overwrite=overwrite, tell=note)
         note(*self.lines)
 
     def dynamic(self, demands: Sequence[Demand]) -> list[Demand]:
@@ -91,7 +92,7 @@ class CodeRows:
 
     def draw(self, output: Path, overwrite: bool) -> None:
         """Draw the capacity curve of every check."""
-        _draw([check for check, _, _ in self.checks.values()], output, overwrite)
+        draw_capacity_curves([check for check, _, _ in self.checks.values()], output, overwrite=overwrite, tell=note)
 
     def _remark(self, checks: Sequence[CodeCheck]) -> None:
         demands = list(dict.fromkeys(check.demand for check in checks))
@@ -106,9 +107,3 @@ class CodeRows:
 
 def _head(check: CodeCheck) -> dict[str, Any]:
     return {"structure": check.structure, "motion": check.demand, "demand_a": check.demand_a}
-
-
-def _draw(checks: Sequence[CodeCheck], output: Path, overwrite: bool) -> None:
-    from ..reports.figures.capacities import draw_capacity_curves
-
-    draw_capacity_curves(checks, output, overwrite=overwrite, tell=note)

@@ -24,14 +24,6 @@ _POINTS = 2001
 _BESIDE = 1e-9  # relative distance of the points on either side of a break
 
 
-class Limit(NamedTuple):
-    """A limit state: d [m] and alpha [-] there; broken: True if the break of a tie or a tendon decides it."""
-
-    displacement: float
-    multiplier: float
-    broken: bool
-
-
 class CapacityCurve(NamedTuple):
     """The multiplier alpha [-] of the weights over the displacement d [m] of the equivalent oscillator.
 
@@ -50,14 +42,15 @@ class CapacityCurve(NamedTuple):
         """d0 [m]."""
         return float(self.displacement[-1])
 
-    def limit(self, share: float) -> Limit:
-        """`share` of d0, or the first break that leaves less than half of the largest multiplier until then, if it comes before."""
+    def limit(self, share: float) -> tuple[float, float, bool]:
+        """(d [m], alpha [-], True if a break decides) at `share` of d0, or at the first break of a tie or a tendon before that leaves less
+        than half of the largest multiplier until then."""
         d = share * self.vanishes
         for i in self.breaks:
             before = float(self.displacement[i])
             if before < d and self.multiplier[i + 1] < 0.5 * self.multiplier[: i + 1].max():
-                return Limit(before, float(self.multiplier[i]), True)
-        return Limit(d, float(np.interp(d, self.displacement, self.multiplier)), False)
+                return before, float(self.multiplier[i]), True
+        return d, float(np.interp(d, self.displacement, self.multiplier)), False
 
 
 def demand_geometry(structures: Sequence[RockingParameters]) -> None:
