@@ -53,13 +53,6 @@ class Layout(NamedTuple):
         """The layout of a match of FORTRAN."""
         return cls(max(1, int(found["columns"] or 1)), int(found["width"]))
 
-    def split(self, line: bytes, wanted: int) -> list[bytes]:
-        """The numbers of a line: those between blanks if they are as many as wanted, else those of the columns."""
-        tokens, line = line.split(), line.rstrip()
-        if len(tokens) == wanted or self.width is None:
-            return tokens
-        return [line[i : i + self.width].strip() for i in range(0, len(line), self.width)]
-
 
 def fortran_layout(text: str) -> Layout | None:
     """The layout of the first Fortran format in a text; None if there is none."""
@@ -238,12 +231,15 @@ class RecordText:
         """The numbers of each line as printed, `count` in all. Raises DocumentError at a line of fixed width that is not full."""
         done = 0
         while done < count:
-            line, wanted = self._take(1), min(layout.columns, count - done)
+            line, wanted, width = self._take(1), min(layout.columns, count - done), layout.width
             if not line:
                 raise self.fault(f"the file ends after {done} of {count} values")
-            row = layout.split(line, wanted)
+            row = line.split()
+            if width is not None and len(row) != wanted:  # they touch, or are too few
+                line = line.rstrip()
+                row = [line[i : i + width].strip() for i in range(0, len(line), width)]
             yield row[: count - done]
-            if layout.width is not None and len(row) != wanted:
+            if width is not None and len(row) != wanted:
                 raise self.fault(f"found {len(row)} numbers on a line; expected {wanted} (the header announces {count} values)")
             done += len(row)
 

@@ -124,7 +124,7 @@ def equal_edges(
 
     def again(inset: float) -> RigidBody:
         moments = Moments(1.0, 0.0, z, (inertia - 1.0) * radius**2 + z * z)
-        kept = {key: more[key] for key in ("top", "limit", "details", "crown") if key in more}
+        kept = {key: value for key, value in more.items() if key != "backing"}  # which follows from the top
         return symmetric_body(moments, half - inset, drawing=redrawn(drawing, inset), **kept)
 
     return RigidBody(**{"again": again, **more}, edges=edges, reach=half, drawing=drawing, radius=radius)
