@@ -11,7 +11,7 @@ import io
 import json
 import os
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
@@ -267,28 +267,23 @@ class SpectraWriter:
         self.file.close()
 
 
-def difference(one: Any, other: Any) -> tuple[str, str, str] | None:
+def difference(one: Any, other: Any, place: str = "") -> tuple[str, str, str] | None:
     """(the place where two scenes first differ, the value there in each, as JSON of at most 60 characters); None if they are equal. The
-    place of a text that begins a list is that of the list."""
-    texts = [{place: json.dumps(value) for place, value in _values(scene)} for scene in (one, other)]
-    for place in texts[0] | texts[1]:
-        if texts[0].get(place) != texts[1].get(place):
-            first, second = (found if len(found) <= 60 else f"{found[:57]}..." for found in (text.get(place, "null") for text in texts))
-            return place, first, second
-    return None
-
-
-def _values(scene: Any, place: str = "") -> Iterator[tuple[str, Any]]:
-    """The values of a scene, each with its place; a list without lists or mappings is one value."""
-    if isinstance(scene, Mapping) and scene:
-        for key, value in scene.items():
-            yield from _values(value, f"{place}.{key}" if place else key)
-    elif isinstance(scene, list) and any(isinstance(x, list | Mapping) for x in scene):
-        yield f"number of {place}", len(scene)
-        for i, value in enumerate(scene):
-            yield from _values(value, f"{place}[{i}]" if i or not isinstance(value, str) else place)
+    place of a text that begins a list is that of the list; a list without lists or mappings is one value."""
+    if one == other:
+        return None
+    inner: Iterable[tuple[str, Any, Any]]
+    if isinstance(one, Mapping) and isinstance(other, Mapping):
+        inner = ((f"{place}.{key}" if place else key, one.get(key), other.get(key)) for key in {**one, **other})
+    elif isinstance(one, list) and isinstance(other, list) and any(isinstance(x, list | Mapping) for x in (*one, *other)):
+        if len(one) != len(other):
+            return f"number of {place}", str(len(one)), str(len(other))
+        pairs = zip(one, other, strict=True)
+        inner = ((f"{place}[{i}]" if i or not isinstance(a, str) else place, a, b) for i, (a, b) in enumerate(pairs))
     else:
-        yield place, scene
+        first, second = (text if len(text) <= 60 else f"{text[:57]}..." for text in (json.dumps(one), json.dumps(other)))
+        return place, first, second
+    return next(filter(None, (difference(a, b, at) for at, a, b in inner)), None)
 
 
 class _Target:
