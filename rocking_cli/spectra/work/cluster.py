@@ -54,7 +54,7 @@ def cluster(job: Job, address: str, tell: Callable[[str], None] | None = None) -
                 try:
                     return future.result(timeout=_PATIENCE)
                 except TimeoutError:
-                    if future.done():  # an exception of the task
+                    if future.status == "error":  # of the task; a result may have come since the timeout
                         raise
                     threads()
         except Exception as error:  # any failure of a cluster keeps the finished chunks
