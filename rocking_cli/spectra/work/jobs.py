@@ -181,16 +181,11 @@ class Job:
 
     def report(self, unit: Unit, bands: Sequence[Sequence[Block]], work: Work) -> Report:
         """The report of a unit of these bands, each with its block at all places of the unit."""
-        keys = [tuple(map(id, blocks)) for blocks in zip(*bands, strict=True)]
-        parts = {  # several places often share one
-            key: {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
-            for key, blocks in zip(keys, zip(*bands, strict=True), strict=True)
-        }
-        data = {key: self.convert(one) if self.convert else one for key, one in parts.items()}
-        outcomes = sum(np.bincount(parts[key]["outcome"].ravel(), minlength=len(Outcome)) for key in keys)
-        first = parts[keys[0]]
-        differences = np.bincount(first.get("difference", np.zeros(0, np.uint8)).ravel(), minlength=len(Difference))
-        return Report(tuple(data[key] for key in keys), work, np.asarray(outcomes), len(keys) * differences, self.seen(unit, first))
+        places = [_joined(blocks) for blocks in zip(*bands, strict=True)]
+        data = {key: self.convert(block) if self.convert else block for key, block in {id(x): x for x in places}.items()}
+        outcomes = np.sum([np.bincount(block["outcome"].ravel(), minlength=len(Outcome)) for block in places], axis=0)
+        differences = np.bincount(places[0].get("difference", np.zeros(0, np.uint8)).ravel(), minlength=len(Difference))
+        return Report(tuple(data[id(x)] for x in places), work, outcomes, len(places) * differences, self.seen(unit, places[0]))
 
     def seen(self, unit: Unit, block: Block) -> dict[Place, tuple[int, float]]:
         """Outcome and theta/alpha of the cells to check in this unit."""
@@ -200,6 +195,11 @@ class Job:
             if i == unit.places[0] and 0 <= r < self.chunk[0] and 0 <= c < self.chunk[1]:
                 found[i, row, column] = int(block["outcome"][r, c]), float(block["theta_ratio"][r, c])
         return found
+
+
+def _joined(blocks: Sequence[Block]) -> Block:
+    """The rows of several blocks as one block; the same object for one block, which several places often share."""
+    return blocks[0] if len(blocks) == 1 else {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
 
 
 Crew = AbstractContextManager[tuple[Run, int]]
