@@ -35,8 +35,8 @@ def who(_: int) -> int:
     return os.getpid()
 
 
-def interrupted() -> Iterator[int]:
-    yield from range(20)
+def interrupted(*items: float) -> Iterator[float]:
+    yield from items
     raise KeyboardInterrupt
 
 
@@ -116,9 +116,16 @@ def test_all_processes_are_gone_afterwards():
     assert all(gone(pid) for pid in pids)
     pids.clear()
     with pytest.raises(KeyboardInterrupt), processes(2, who, "") as run:
-        pids.update(run(interrupted()))
+        pids.update(run(interrupted(*range(20))))
     assert pids
     assert all(gone(pid) for pid in pids)
+
+
+def test_a_block_that_fails_waits_for_no_task():
+    begun = time.monotonic()
+    with pytest.raises(KeyboardInterrupt), processes(2, time.sleep, "") as run:
+        run(interrupted(60.0))
+    assert time.monotonic() - begun < 50.0
 
 
 @linux

@@ -110,11 +110,13 @@ def lets_through(change: Change, tests: list[str]) -> str | None:
     with tempfile.TemporaryDirectory() as folder:
         shutil.copytree(ROOM, Path(folder) / "rocking_cli", ignore=shutil.ignore_patterns("__pycache__"))
         (Path(folder) / change[0].relative_to(ROOT)).write_text(text, encoding="utf-8")
-        call = [sys.executable, "-P", "-m", "pytest", "-x", "-q", "-n", "0", "--tb=no", "-p", "no:cacheprovider"]
-        call += [*([str(own)] if own.is_dir() else []), *tests]
+        (Path(folder) / "configs").symlink_to(ROOT / "configs")  # tests run here, so that what they start takes the changed package too
+        call = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "--tb=no", "-p", "no:cacheprovider"]
+        call += ["--rootdir", str(ROOT), "-c", str(ROOT / "pyproject.toml")]
+        call += [*([str(own)] if own.is_dir() else []), *(str(ROOT / test) for test in tests)]
         environment = {**os.environ, "PYTHONPATH": folder}
         try:
-            done = subprocess.run(call, cwd=ROOT, env=environment, capture_output=True, timeout=LONGEST, check=False)
+            done = subprocess.run(call, cwd=folder, env=environment, capture_output=True, timeout=LONGEST, check=False)
         except subprocess.TimeoutExpired:
             return None
     return None if done.returncode else told
