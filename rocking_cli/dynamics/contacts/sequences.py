@@ -17,7 +17,7 @@ from ..lanes import Array, Arrays, Lanes
 # With (nearly) no loss at impacts a sequence (nearly) never ends: a speed and a height below these are rest to every digit of theta/alpha.
 BELOW_ROUNDING, LOWEST = 1e-12, 1e-16
 _HARDLY_LOSES = 1.0 - 1e-6  # part of the speed that such a cycle keeps
-_KEEPS = 0.99  # eta above which bodies are tested: others come to rest soon
+KEEPS = 0.99  # eta above which bodies are tested: others come to rest soon
 _FIRST = 16  # steps of a lane before the first test
 _HARDLY = 0.1  # part of its speed that such a body may lose: the sequence of one that loses all could end within the segment
 _SHARES = (0.0, 0.125, 0.375, 0.625, 0.875)  # of the rest of a segment: now, and the middles of its quarters
@@ -137,7 +137,7 @@ def outlasts(segments: Segments, lanes: Lanes, most: int) -> Array:
 
 def _looked_at(lanes: Lanes) -> Array:
     """Indices of lanes that hardly lose speed, at the ground under |a| < 1: after `_FIRST` steps, then each time their number doubled."""
-    looks = (lanes.steps >= _FIRST) & (lanes.steps & (lanes.steps - 1) == 0) & (lanes.eta > _KEEPS) & (lanes.v > 0.0)
+    looks = (lanes.steps >= _FIRST) & (lanes.steps & (lanes.steps - 1) == 0) & (lanes.eta > KEEPS) & (lanes.v > 0.0)
     return np.flatnonzero(looks & (lanes.b < 0.0) & (lanes.b > -2.0))
 
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..contacts.sequences import bounces_on, outlasts, settles
+from ..contacts.sequences import KEEPS, bounces_on, outlasts, settles
 from ..drive import ImpulseAhead
 from ..lanes import Array, Lanes
 from ..outcome import Outcome
@@ -80,9 +80,10 @@ def closings_of(batch: Batch, observed: bool) -> tuple[list[Closing], list[Closi
         return DAMPED, []
     if not batch.contact.alike or segments.weighed is not None:
         return [FREE_MOTION], []
+    lasting = float(batch.cells.eta.max(initial=0.0)) > KEEPS
     if observed:
-        return [FREE_MOTION, OUTLASTS], []
-    early = [FREE_MOTION, OUTLASTS, *[SETTLES] * (linear and batch.peaks), *[BOUNCES_ON] * segments.straight]
+        return [FREE_MOTION, *[OUTLASTS] * lasting], []
+    early = [FREE_MOTION, *[SETTLES] * (linear and batch.peaks), *[BOUNCES_ON] * (lasting and segments.straight), *[OUTLASTS] * lasting]
     if batch.peaks or not linear or segments.straight or segments.pushes > FEW:
         return early, []
     ahead = ImpulseAhead.of(segments)  # where only the outcome is wanted: lanes that nothing to come overturns (Lemma 9)
