@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...motions.segments import Segments
 from ..drive import segment_value
 from ..lanes import Array, Lanes
-from .equation import Equation, Law, Ramp
+from .equation import Equation, Flow, Law, Ramp
 from .flow import LinearFlow
 from .taylor import TaylorSeries, drive_series, order_for, ramp_flow, series
-
-if TYPE_CHECKING:
-    from .damped_flow import DampedFlow
-    from .summed_flow import SummedFlow
 
 WEIGHED = 1e-12  # tolerance of the series where the weight varies, which has no closed form
 
@@ -36,7 +31,7 @@ class LinearEquation(Equation):
         self.bounded = damping == 0.0
         self.growth = math.sqrt(1.0 + damping * damping) - damping  # rate of the unstable mode, over p
 
-    def flow(self, segments: Segments, lanes: Lanes) -> LinearFlow | SummedFlow | DampedFlow | TaylorSeries:
+    def flow(self, segments: Segments, lanes: Lanes) -> Flow:
         """The exact motion of each lane from its state; a series where the weight varies."""
         if segments.weighed is not None:
             return ramp_flow(self, segments, lanes) if segments.straight else self._series(segments, lanes)
