@@ -214,14 +214,10 @@ def _bernstein(arc: TaylorSeries, h: Array) -> tuple[Array, Array, Array]:
 
 def _changes(signs: Array) -> tuple[Array, Array]:
     """(number of sign changes of each column, zeros apart, its first sign that is not 0)."""
-    changes, first = np.zeros(signs.shape[1], dtype=np.int64), np.zeros(signs.shape[1])
-    last = first.copy()
-    for row in signs:
-        moved = row != 0.0
-        changes += moved & (last != 0.0) & (row != last)
-        first = np.where(first == 0.0, row, first)
-        last = np.where(moved, row, last)
-    return changes, first
+    last = np.maximum.accumulate(np.where(signs != 0.0, np.arange(len(signs))[:, None], 0), axis=0)
+    filled = np.take_along_axis(signs, last, axis=0)
+    first = np.take_along_axis(signs, np.argmax(signs != 0.0, axis=0)[None], axis=0)[0]
+    return np.count_nonzero(filled[1:] * filled[:-1] < 0.0, axis=0), first
 
 
 def falls(arc: TaylorSeries, low: Array, high: Array) -> tuple[Array, Array]:

@@ -1,10 +1,13 @@
 """The march of tied bodies, many at once, from event to event.
 
-A step is a stretch on which y is monotone, within one segment of the motion and one phase of the restraints (`series`). If y passes an end
-of the phase, the step ends there: the bracket holds one root. So no engagement, yield, slack, rupture or impact is stepped over.
+A step lies within one closed form of the motion and one phase of the restraints, and has one turn at most (`series`). If y passes an end
+of the phase before or after the turn, the step ends there: the bracket holds one root. So no engagement, yield, slack, rupture or impact
+is stepped over. A peak ends a step only where a restraint yields.
 
-After the shaking the body goes on over still ground until its outcome is proved. The energy that it needs to come back to a peak, from
-which it has returned, is what it had there; impacts, damping and yielding only take energy, and a rupture begins the count anew. So
+After the shaking the body goes on over still ground until its outcome is proved. Without damping its energy gives the end of each phase,
+the peak and the speed at the ground, where a bound of the restoring force proves that nothing comes before. The energy that a body needs
+to come back to a peak, from which it has returned, is what it had there; impacts, damping and yielding only take energy, and a rupture
+begins the count anew. So
 
 - a body that has returned to the ground from a peak on each of its sides never exceeds these peaks again: it rocked;
 - a body that turns back outwards above the ground after such a peak goes to and fro between both: it leans;
@@ -57,7 +60,7 @@ class March:
             raise UsageError("found a vertical motion under a body with ties or a tendon; expected a horizontal motion alone")
         assert system.devices is not None
         segments = motion.segments
-        self.system, self.equation, self.contact, self.devices = system, system.equation, system.contact, system.devices
+        self.equation, self.contact, self.devices = system.equation, system.contact, system.devices
         self.cells = self.contact.cells(self.equation, amplitude, omega, eta)
         self.shaken, self.segments, self.recorder = len(segments), segments.followed_by_rest(np.inf), recorder
         self.one_sided = isinstance(self.contact, OneSided)
@@ -90,12 +93,12 @@ class March:
     def run(self, release: float = 0.0) -> Found:
         """All cells, from rest or released to the right from theta/alpha = release."""
         with np.errstate(all="ignore"):
-            by_energy, taken, aside = self.recorder is None and not self.equation.damping, 0, []
-            lanes = self._begin(np.zeros(0, dtype=np.int64), 0.0)
-            while taken < self.found.outcome.size or lanes.cell.size:
-                if (room := _TOGETHER - lanes.cell.size) > 0 and taken < self.found.outcome.size:
-                    lanes = lanes.join(self._begin(np.arange(taken, min(taken + room, self.found.outcome.size)), release))
-                    taken += room
+            by_energy, aside = self.recorder is None and not self.equation.damping, []
+            waiting = np.arange(self.found.outcome.size)
+            lanes = self._begin(waiting[:0], 0.0)
+            while waiting.size or lanes.cell.size:
+                if room := max(0, _TOGETHER - lanes.cell.size):
+                    lanes, waiting = lanes.join(self._begin(waiting[:room], release)), waiting[room:]
                 lanes = self._round(lanes) if lanes.cell.size else lanes
                 if by_energy and (still := lanes.k >= self.shaken).any():
                     aside.append(lanes.take(np.flatnonzero(still)))

@@ -268,6 +268,19 @@ def test_bouncing_that_is_summed_ends_as_it_does_impact_by_impact(monkeypatch):
     np.testing.assert_allclose(marched.theta_ratio, summed.theta_ratio, rtol=1e-10)
 
 
+def test_bouncing_that_makes_the_tie_of_the_other_side_yield_is_not_summed(monkeypatch):
+    # The tie yields from 0.1 mm on. Bounces to the left reach that, below the peak of the body: each of them stretches it further.
+    body = built(WALL.replace("true", "false") + "ties: [{height: 5.5 m, stiffness: 2e6 N/m, yield: 200 N, side: left}]\n")
+    system = Method("nonlinear", 1e-11).system_of(body)
+    cells = system.least_uplift(sine()) * np.array([1.29, 1.42]), np.array([6.3, 9.1]), np.full(2, 0.7)
+    summed = March(system, sine(), *cells).run()
+    monkeypatch.setattr(March, "_bounces_out", lambda self, lanes: np.zeros(lanes.cell.size, dtype=bool))
+    marched = March(system, sine(), *cells).run()
+    assert (summed.plastic[1] > 0.0).all()
+    np.testing.assert_allclose(summed.plastic, marched.plastic, rtol=1e-9)
+    np.testing.assert_allclose(summed.theta_ratio, marched.theta_ratio, rtol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("names", "first", "words"),
     [
