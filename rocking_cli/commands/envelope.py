@@ -131,7 +131,7 @@ def _of_pulse(
 
 
 def _closing(told: list[str], narrowest: str, failed: int) -> None:
-    """Print the last lines."""
+    """Print what the search may have missed and how many intervals failed."""
     note(*told, f"intervals narrower than {narrowest}, safe or overturning, may be missed")
     if failed:
         note(f"{counted(failed, 'interval')} could not be decided (mode failed)")

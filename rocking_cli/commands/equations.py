@@ -92,7 +92,7 @@ class Models(Model):
 
 @dataclass(frozen=True)
 class Equations(Models):
-    """The equation of motion of a run, or both, and the uplift of the linear one."""
+    """The options that choose the equation of motion (linear, nonlinear or both) and the uplift of the linear equation."""
 
     linear_uplift: str = linear_uplift()
 

@@ -169,7 +169,7 @@ def documents_of(files: tuple[str, ...], most: int | None = None, place: str = "
         raise click.UsageError(f"no structure: give FILE (- for standard input){instead}")
     found = [document for path in files for document in read_documents(path)]
     if most is not None and len(found) > most:
-        raise click.UsageError(f"found {len(found)} structures; up to {most} fit {place}")
+        raise click.UsageError(f"found {len(found)} structures; expected at most {most} for {place}")
     return found
 
 

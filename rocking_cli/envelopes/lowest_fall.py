@@ -49,7 +49,7 @@ class Falls:
 
     @classmethod
     def of(cls, system: System, motion: Motion, omega: float, eta: float, digits: float) -> Self:
-        """The search for a system of one body at one Omega."""
+        """Set up the search for the lowest overturning amplitude of one body at one Omega."""
 
         def falls(amplitude: Array) -> Array:
             return ~safe(response_alone(system, motion, amplitude, omega, eta, peaks=False).outcome)

@@ -128,7 +128,7 @@ def _under_records(
         with SpectraFile(path) as file:
             here = scene.identity()
             if {key: file.scene.get(key) for key in here} != here:
-                raise UsageError(f"{path}: is of another scene; give another output, or `overwrite`")
+                raise UsageError(f"{path}: belongs to another scene; give another output, or `overwrite`")
             theta, outcome = file.array("theta_ratio"), file.array("outcome")
     return [Exposure(theta[:, i], outcome[:, i]) for i in range(len(structures))]
 

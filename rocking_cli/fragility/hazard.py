@@ -208,7 +208,7 @@ def _demand_measure(place: str, found: str, wanted: Measure) -> None:
     except UsageError:
         name = ""
     if found == "AvgSA" or name != wanted.name:  # that of OpenQuake has periods that the file does not state
-        raise UsageError(f"{place}: found levels of {found}; expected {wanted.name}, the measure `im`")
+        raise UsageError(f"{place}: found levels of {found}; expected levels of {wanted.name}, the measure `im`")
 
 
 def _number(place: str, text: str, dimension: str = "number") -> float:

@@ -25,7 +25,7 @@ _HALVINGS = 64
 
 
 def isolated_extremes(piece: Piece) -> Array:
-    """Phases [rad] of the extremes of s within the piece, in order; the piece must have sinusoids."""
+    """Phases [rad], in order, at which the acceleration s has extremes within the piece; the piece must have sinusoids."""
     fastest = max(h.frequency for h in piece.harmonics)
     edges = np.linspace(piece.start, piece.stop, math.ceil((piece.stop - piece.start) * fastest / (2.0 * math.pi) * _CELLS) + 2)
     low, high = edges[:-1], edges[1:]

@@ -43,7 +43,7 @@ class _Recorder:
         self.arcs.append((self.tau(lanes), reach, float(lanes.side[0]), pace, float(arc.unit[0]), arc.terms[:, 0].copy()))
 
     def note(self, lanes: Lanes, event: str, y: float, v: float, device: str = "", later: float = 0.0) -> None:
-        """Keep an event, `later` [tau] than the place of the lanes."""
+        """Keep an event of the first lane, at the time of the lane plus `later` [tau]."""
         tau, side = max(self.tau(lanes) + later, self.events[-1].tau if self.events else 0.0), float(lanes.side[0])
         equation, pace = self.system.equation.on(lanes.side[:1]), self.omega / float(lanes.omega[0])
         ratio, rate = equation.rotation(np.array([y])), equation.rotation_rate(np.array([y]), np.array([v]))

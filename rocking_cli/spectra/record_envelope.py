@@ -72,7 +72,7 @@ class Tracing:
         return f"{self.a_max.value:g} m/s2" if isinstance(self.a_max, Limit) and self.a_max.acceleration else f"A = {self.limit(0):g}"
 
     def omegas(self, structure: int) -> Array:
-        """Omega = 1/p of a structure [s/rad], or of every size."""
+        """Omega = 1/p [s/rad] of the structure, or of each size of the grid."""
         if self.scene.over_angles:
             return self.scene.columns.values / (2.0 * np.pi)
         return np.array([1.0 / self.scene.structures[structure].p])

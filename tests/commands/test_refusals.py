@@ -68,7 +68,7 @@ REFUSED = {
         (2, "block:0.5x2 -o x.jpg", "ends in .png, .svg or .pdf"),
         (2, "block:0.5x2 -o there.svg", "exists; --overwrite"),
         (3, "configs/parameters.yaml -o x.svg", "states no geometry to draw"),
-        (2, f"{'block:0.5x2 ' * 13} -o x.svg", "found 13 structures; up to 12 fit a figure"),
+        (2, f"{'block:0.5x2 ' * 13} -o x.svg", "found 13 structures; expected at most 12 for a figure"),
     ],
     "envelope": [
         (2, "--grid f_g=1", "or --eta"),
@@ -121,7 +121,7 @@ REFUSED = {
         (2, f"stated.yaml {SITE} {LEVELS} {RATES} --standing 9s", "--standing: found '9s'; expected a number of years"),
         (2, f"stated.yaml {SITE} {LEVELS} {RATES} --standing 0", "--standing goes with a positive time"),
         (2, f"stated.yaml {SITE} {LEVELS} {RATES} --standing 9yr --limit 1", "and the limit state overturning"),
-        (2, f"stated.yaml {SITE} --levels 0.1,0.4 --im PGV {RATES}", "line 1: found levels of PGA; expected PGV, the measure --im"),
+        (2, f"stated.yaml {SITE} --levels 0.1,0.4 --im PGV {RATES}", "line 1: found levels of PGA; expected levels of PGV"),
         (2, f"stated.yaml {SITE} {LEVELS} {RATES} --site 9,45", "--site goes with a file of OpenQuake"),
         (2, f"--counts counts.csv {RATES}", "--hazard does not go with --counts"),
         (2, f"stated.yaml {SITE} {LEVELS} --hazard none.csv", "none.csv: cannot be read"),

@@ -84,7 +84,7 @@ def test_a_file_of_cells_is_read_again_and_another_scene_refused(tmp_path):
     motions = MotionSet(RECORDS[:1], MEASURES["PGA"], np.array([2.0, 4.0, 6.0]), LINEAR)
     (fresh,), (same,) = exposures([BLOCK], motions, path), exposures([BLOCK], motions, path, again)
     assert same.outcome.tolist() == fresh.outcome.tolist()
-    with pytest.raises(UsageError, match="is of another scene"):
+    with pytest.raises(UsageError, match="belongs to another scene"):
         exposures([BLOCK], replace(motions, levels=2 * motions.levels), path, again)
     with pytest.raises(UsageError, match="holds one structure only"):
         exposures([BLOCK, BLOCK], replace(motions, measure=MEASURES["nPGA"]), tmp_path / "two.h5")
@@ -117,7 +117,7 @@ def test_a_file_of_cells_with_a_vertical_motion_is_read_again_for_it_alone(tmp_p
     motions = MotionSet(shaken, MEASURES["PGA"], np.array([2.6, 4.0]), Method("nonlinear"))
     (kept,), (same,) = exposures([BLOCK], motions, path), exposures([BLOCK], motions, path, again)
     assert same.outcome.tolist() == kept.outcome.tolist()
-    with pytest.raises(UsageError, match="is of another scene"):
+    with pytest.raises(UsageError, match="belongs to another scene"):
         exposures([BLOCK], replace(motions, members=RECORDS[:1]), path, again)
     with pytest.raises(UsageError, match="expected two records, or none"):
         shaken_upwards(RECORDS, UPWARDS["pulses"])

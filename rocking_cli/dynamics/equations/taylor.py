@@ -119,7 +119,7 @@ class Drive(NamedTuple):
 
     @property
     def parts(self) -> tuple[Array | None, Array]:
-        """The terms of the weight, None where it is steady, and those of the drive."""
+        """(Taylor terms of gravity, None without a vertical motion, those of the horizontal drive)."""
         return (self.terms[:, 0], self.terms[:, 1]) if self.terms.ndim == 3 else (None, self.terms)
 
 

@@ -197,7 +197,7 @@ class Devices:
         return _added(least) / self.moment[row, 0], _added(most) / self.moment[row, 0]
 
     def linear_terms(self, row: Array, now: Phase) -> tuple[Array, Array]:
-        """(-y'' at y = 0, its growth with y) that the devices add in the linear equation, (lanes,)."""
+        """(constant, stiffness) that the devices add to -y'' = constant + stiffness y in the linear equation, each (lanes,)."""
         h, moment = self.on(self.height, row), self.moment[row, 0]
         return _added(now.fixed * h) / moment, _added(now.rate * h * h) * self.unit[row, 0] / moment
 

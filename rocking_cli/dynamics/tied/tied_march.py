@@ -346,7 +346,7 @@ class March:
                 self._note(lanes, WORDS[int(following[device, 0])], lanes.y, lanes.v, self.devices.names[device])
 
     def _unload(self, lanes: TiedLanes, at: Array, row: Array) -> None:
-        """Devices that yield turn elastic as the lanes `at` turn back, with what is left of their elongation."""
+        """Unload the lanes `at`, whose speed has changed its sign: yielding devices become elastic and keep their permanent elongation."""
         if not at.size:
             return
         phase, plastic = (x[row[at], :, at].T for x in (lanes.phase, lanes.plastic))

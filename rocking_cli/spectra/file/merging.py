@@ -47,7 +47,7 @@ def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = 
         for other in files[1:]:
             if (found := difference(first.scene, other.scene)) is not None:
                 place, here, there = found
-                raise UsageError(f"{other.path}: is of another scene than {first.path}: its {place} differs: {there}, there {here}")
+                raise UsageError(f"{other.path}: belongs to another scene than {first.path}: its {place} differs: {there}, there {here}")
         machines = together([f.machines for f in files])
         if strict and unlike(machines):
             raise UsageError(f"{output}: its shards come from machines that compute differently ({unlike(machines)})")

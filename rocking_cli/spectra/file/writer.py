@@ -174,7 +174,9 @@ class SpectraWriter:
         with SpectraFile(self.part) as before:
             if (found := difference(before.scene, dict(layout.scene))) is not None:
                 place, there, here = found
-                raise UsageError(f"{self.part}: is of another scene: its {place} is {there}, this one's {here}; `overwrite` begins anew")
+                raise UsageError(
+                    f"{self.part}: belongs to another scene: its {place} is {there}, that of this run {here}; `overwrite` begins anew"
+                )
             shards = [attributes.get("shard") for attributes in (before.attributes, layout.attributes)]
             if shards[0] != shards[1]:
                 raise UsageError(f"{self.part}: is of shard {shards[0]}, this call computes {shards[1]}; give another output")

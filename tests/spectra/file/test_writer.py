@@ -93,11 +93,11 @@ def test_killed_sweeps_go_on_to_the_same_file(tmp_path):
 @pytest.mark.parametrize(
     ("changed", "words"),
     [
-        ({"grid": parse_grid("A=0.5:12:40,Omega=0.5:12:31")}, "is of another scene: its axis Omega is"),
-        ({"motion": cosine()}, 'its motion is "sine, 1 cycle", this one\'s "cosine, 1 cycle"'),
-        ({"structures": [*ONE, dimensionless_oscillator(0.7)]}, "its number of structures is 1, this one's 2"),
+        ({"grid": parse_grid("A=0.5:12:40,Omega=0.5:12:31")}, "belongs to another scene: its axis Omega is"),
+        ({"motion": cosine()}, 'its motion is "sine, 1 cycle", that of this run "cosine, 1 cycle"'),
+        ({"structures": [*ONE, dimensionless_oscillator(0.7)]}, "its number of structures is 1, that of this run 2"),
         ({"shard": (1, 2)}, r"s\.h5\.part: is of shard 1/1, this call computes 1/2"),
-        ({"impacts": True}, "its impacts is false, this one's true"),
+        ({"impacts": True}, "its impacts is false, that of this run true"),
         ({"resume": False}, "left by a sweep that did not finish; `resume` goes on with it, `overwrite` begins anew"),
     ],
 )
