@@ -22,10 +22,9 @@ from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import response
 from ..dynamics.system import System
 from ..motions import Motion
-from ..motions.blocks import blocks
 from .changes import SECTIONS, Brackets, narrowed
 from .one_arc import undecided
-from .scan_grid import ScanGrid
+from .scan_grid import LONGEST_FINE, ScanGrid
 
 if TYPE_CHECKING:
     from ..dynamics.single.scan import Scan
@@ -248,19 +247,15 @@ class Search:
     def _quiet(self, omegas: Array) -> Array:
         """The last scan point of each row that cannot overturn, since A int |s| dphi is `harmless`."""
         scan, segments, most = self.grid, self.motion.segments, (1.0 - 1e-9) * self.harmless * omegas
-        if segments.straight:  # trapezoids of the whole motion; they exceed the integral if s changes its sign
-            parts = (
-                segments.length[part] @ (np.abs(segments.s_start[part]) + np.abs(segments.s_end[part])) for part in blocks(len(segments))
-            )
-            return scan.below(most / (0.5 * float(sum(parts))))
+        if len(segments) > LONGEST_FINE:  # a record pushes for so long that this spares no look
+            return np.zeros(omegas.size, dtype=np.int64)
         from ..dynamics.drive import ImpulseAhead
 
         ahead = ImpulseAhead.of(segments)
         low, high = np.zeros(omegas.size, dtype=np.int64), np.full(omegas.size, scan.size)
         while np.any(high - low > 1):  # a larger amplitude lifts earlier
-            middle = (low + high) // 2
+            middle, cell = (low + high) // 2, np.arange(omegas.size)
             amplitude = scan.amplitude(middle)
-            cell = np.arange(omegas.size)
             lift = self.system.contact.uplift(self._cells(amplitude, omegas), segments, cell, 0 * cell, np.zeros(omegas.size))
             holds = amplitude * ahead.after(lift.k, lift.u) <= most
             low, high = np.where(holds, middle, low), np.where(holds, high, middle)
