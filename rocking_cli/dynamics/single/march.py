@@ -68,12 +68,11 @@ class _March(Body):
         if self.drop is not None and self.drop.ever[0]:
             last = min(last, max(0, int(self.drop.k[0]) - block.first))
         keep = None if self.listener is None else partial(self._kept, block.first)
-        top = face.top if self.listener is None else self._fallen(face)
         peak = -math.inf if self.listener is not None else self.peak / face.unit
         lists, sway = ((block.up, block.up_rise), {"sway": face.sway}) if self.lane.weighed else ((), {})
         after, u, self.y, v, struck = face.code.coast(
             k, self.u, last, self.y, self.v, self.force, block.start, block.rise, block.length, *lists, face.drive, 1.0 / face.omega,
-            face.fall, top, peak, self.least, keep, **sway,
+            face.fall, self._top(face), peak, self.least, keep, **sway,
         )  # fmt: skip
         if after != k or struck:
             self.force = None
@@ -86,9 +85,9 @@ class _March(Body):
         assert self.listener is not None
         self.listener.keep(self.lane.tau(first + k, u), reach, self.face.side, float(self.lane.omega[0]) / self.face.omega, h, terms)
 
-    def _fallen(self, face: Face) -> float:
-        assert self.listener is not None
-        return self.listener.fallen[0 if face.side > 0.0 else 1]
+    def _top(self, face: Face) -> float:
+        """y from which on a body that moves outwards may be lost."""
+        return face.top if self.listener is None else self.listener.fallen[0 if face.side > 0.0 else 1]
 
     def _step(self) -> None:
         """One step in one window."""
@@ -140,7 +139,7 @@ class _March(Body):
             v = min(v, 0.0)
         self._peaks(terms, h, reach, v)
         if self.listener is not None and reach > 0.0:
-            self.listener.keep(self.lane.tau(k, u), reach, face.side, float(self.lane.omega[0]) / face.omega, h, terms)
+            self._kept(0, k, u, reach, h, terms)
         if hit is not None:
             to = u + hit * face.omega
             self.k, self.u = (k, to) if hit < whole and to < length else (k + 1, 0.0)
@@ -148,8 +147,7 @@ class _March(Body):
             return
         self.k, self.u = (k, to) if to < length else (k + 1, 0.0)
         self.y, self.v, self.force = y, v, None
-        top = face.top if self.listener is None else self._fallen(face)
-        if self.end is None and (y >= face.limit or (y >= top and v > 0.0)):
+        if self.end is None and (y >= face.limit or (y >= self._top(face) and v > 0.0)):
             self._doubt()
 
     def _window(self, face: Face, k: int, u: float, h: float, c0: float, c1: float) -> float:

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import lru_cache
 from types import CodeType
 from typing import Any, NamedTuple
 
@@ -20,6 +19,7 @@ from ..equations.equation import Law
 from .series_roots import only_root, value
 
 Terms = Callable[..., tuple[float, ...]]
+_CODES: dict[tuple[Any, ...], CodeType] = {}
 
 
 class Code(NamedTuple):
@@ -34,20 +34,15 @@ class Code(NamedTuple):
 def compiled(law: Law, order: int, zeta: float, straight: bool, weighed: bool) -> Code:
     """The code of a law to terms of this order."""
     space: dict[str, Any] = {"tan": math.tan, "exp": math.exp, "only_root": only_root, "value": value, **law.numbers, "drag": 2.0 * zeta}
-    exec(_code(law.name, law, order, zeta != 0.0, straight, weighed), space)
+    exec(_code(law, order, zeta != 0.0, straight, weighed), space)
     return Code(order, space["terms"], space.get("coast"))
 
 
-@lru_cache(maxsize=64)
-def _kept(key: tuple[Any, ...]) -> list[CodeType]:
-    return []
-
-
-def _code(name: str, law: Law, order: int, damped: bool, straight: bool, weighed: bool) -> CodeType:
-    kept = _kept((name, order, damped, straight, weighed))
-    if not kept:
-        kept.append(compile(_text(law, order, damped, straight, weighed), f"<{name}>", "exec"))
-    return kept[0]
+def _code(law: Law, order: int, damped: bool, straight: bool, weighed: bool) -> CodeType:
+    key = law.name, order, damped, straight, weighed
+    if key not in _CODES:
+        _CODES[key] = compile(_text(law, order, damped, straight, weighed), f"<{law.name}>", "exec")
+    return _CODES[key]
 
 
 def _text(law: Law, order: int, damped: bool, straight: bool, weighed: bool) -> str:

@@ -23,6 +23,7 @@ from ..outcome import Outcome
 from ..system import System
 from .lane import Lane
 from .recurrence import compiled
+from .series_roots import value
 
 Array = np.ndarray
 
@@ -264,7 +265,7 @@ class _Pool:
         roots = self.closeness.roots + (self.rest is not None)
         for n in range(roots + 1):
             t = np.fmin(np.fmax(t, 0.0), 1.0)
-            y, v = _value(terms, t)
+            y, v = value(terms, t)
             if self.rest is not None and n:
                 w, dw = self._away(self.rest, x + (1.0 - x) * t, k, lasts)
                 y, v = y + drive * w, v + drive * dw * h
@@ -320,12 +321,3 @@ def _lines(segments: Segments, step: float) -> Lines:
 def _sums(gains: Array) -> Array:
     """The sums of the gains before each sample of a line."""
     return np.cumsum(gains, axis=1) - gains
-
-
-def _value(terms: list[Array], x: Array) -> tuple[Array, Array]:
-    """(y, y' times the step) of the series at a share of the step."""
-    y, v = terms[-1], np.zeros_like(x)
-    for c in terms[-2::-1]:
-        v = v * x + y
-        y = y * x + c
-    return y, v

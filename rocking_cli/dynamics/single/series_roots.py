@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import Any
 
 
-def value(terms: Sequence[float], x: float, h: float = 1.0) -> tuple[float, float]:
-    """y and y' at the share x of a step h."""
-    y, v = 0.0, 0.0
+def value(terms: Sequence[Any], x: Any, h: float = 1.0) -> tuple[Any, Any]:
+    """y and y' at the share x of a step h; floats, or arrays."""
+    y = v = 0.0
     for c in reversed(terms):
         v = v * x + y
         y = y * x + c
