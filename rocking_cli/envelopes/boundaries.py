@@ -36,6 +36,7 @@ FINE_STEP = 0.999e-4  # step of the finer scan around changes of the outcome or 
 _AROUND = 12  # points on either side of such a change that the finer scan includes
 _WORTH = 20_000  # number of amplitudes from which bounds over stretches are faster than single amplitudes
 _BATCH = 1 << 20  # cells of the scan computed together
+_TOLD = 1e-6  # relative width to which an approximate scan tells changes
 _STRETCH = 80  # points computed together in a search for the first fall
 
 
@@ -108,7 +109,7 @@ class Search:
         the scan may be missed."""
         from ..dynamics.single.scan import Scan
 
-        if self.ratio and Scan.serves(self.system, self.motion):
+        if self.ratio and self.digits >= _TOLD and Scan.serves(self.system, self.motion):
             return self._steps(*self._led(omegas, [Scan(self.system, self.motion, w, self.eta, close=True) for w in omegas.tolist()]))
         begins, brackets = self._scan(omegas)
         return self._steps(begins, self._narrowed(omegas, brackets))
