@@ -117,7 +117,7 @@ def test_a_part_that_another_state_of_the_program_began_is_refused(output, monke
     monkeypatch.setattr(machine, "version", lambda: "0.1.0+1234")
     left_part(output)
     monkeypatch.undo()
-    with pytest.raises(UsageError, match=r'its version is "0\.1\.0\+1234", this one\'s "'):
+    with pytest.raises(UsageError, match=r'its version is "0\.1\.0\+1234", that of this run "'):
         sweep(output, resume=True)
 
 
