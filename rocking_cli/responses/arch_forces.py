@@ -1,12 +1,12 @@
-"""The forces in an arch that rocks as a linkage of four hinges: at the hinges, and the resultant on every radial joint.
+"""Forces in an arch that rocks as a linkage of four hinges: the force at each hinge, and the resultant on every radial joint.
 
 The three links give nine Newton-Euler equations, in the frame of the ground, for the four hinge forces and phi'':
 
     m_i a_i = H_i - H_(i+1) + m_i (-xg'', -g - zg''),   I_i alpha_i = moments of H_i and -H_(i+1) about the mass centre of link i
 
-with H the force that what is before a hinge exerts on what is after it. phi'' is that of Eq. 3.4. The resultant on a joint follows from
-the balance of the part of the link before it. While the mechanism is as it is assumed N > 0 on every joint and |M| <= N t/2, the
-moment about the joint's centre: beyond that another hinge opens; and |T| <= mu N: beyond that the joint slides.
+H is the force at a hinge: the part of the arch before the hinge exerts it on the part after the hinge. phi'' is that of Eq. 3.4. The
+balance of the part of a link before a joint gives the thrust N, the shear T and the moment M about the joint's centre. The assumed
+mechanism holds while N > 0 and |M| <= N t/2 on every joint, else another hinge opens, and |T| <= mu N, else the joint slides.
 """
 
 from dataclasses import dataclass
@@ -36,7 +36,7 @@ class LinkForces(NamedTuple):
 
 
 class Resultants(NamedTuple):
-    """On each joint, (n, joints): thrust N and shear T over the arch's weight, eccentricity |M|/(N t/2) [-]."""
+    """The resultants on each joint, (n, joints): thrust N and shear T over the arch's weight, eccentricity |M|/(N t/2) [-]."""
 
     thrust: Array
     shear: Array
@@ -57,7 +57,7 @@ class _Link(NamedTuple):
     drift: Array
 
     def place(self, x: Array, z: Array) -> tuple[Array, Array, Array]:
-        """Of points at rest, (points,): where they are, and the factor and the rest of their acceleration, each (n, points, 2)."""
+        """Return (place, gain, drift) of points given at rest, (points,): their acceleration is gain phi'' + drift; each (n, points, 2)."""
         cos, sin = np.cos(self.angle)[:, None], np.sin(self.angle)[:, None]
         dx, dz = x - self.rest[0], z - self.rest[1]
         arm = np.stack([cos * dx + sin * dz, cos * dz - sin * dx], axis=-1)
@@ -82,7 +82,7 @@ class ArchForces:
 
     @property
     def weight(self) -> float:
-        """Of the whole arch, per unit density and width."""
+        """The weight of the whole arch, per unit density and width."""
         ring = self.mechanism.ring
         return self.gravity * ring.radius * ring.thickness * ring.angle
 
@@ -108,7 +108,7 @@ class ArchForces:
         return links
 
     def hinges(self, state: State) -> LinkForces:
-        """The hinge forces and phi'' in these states."""
+        """Return the hinge forces and phi'' in these states."""
         links, bodies = self._links(state), self.mechanism.links
         n = state.phi.size
         system, load = np.zeros((n, 9, 9)), np.zeros((n, 9))
@@ -132,7 +132,7 @@ class ArchForces:
         return LinkForces(found[:, :8].reshape(n, 4, 2), found[:, 8])
 
     def resultants(self, state: State, joints: Array) -> Resultants:
-        """On the joints at these angles from springing A [rad], (joints,), in these states."""
+        """Return the resultants in these states on the joints at these angles from springing A [rad], (joints,)."""
         ring, marks = self.mechanism.ring, self.mechanism.hinges
         links, (forces, bend) = self._links(state), self.hinges(state)
         n = state.phi.size
@@ -170,7 +170,7 @@ class ArchForces:
         return Resultants(thrust / self.weight, shear / self.weight, np.abs(moment) / (0.5 * ring.thickness * thrust))
 
     def _hinges_now(self, links: list[_Link]) -> list[Array]:
-        """The places of the hinges, (n, 2) each; the last one stays."""
+        """Return the displaced places of the four hinges, (n, 2) each; the last hinge does not move."""
         return [*(link.now for link in links), np.broadcast_to(self.mechanism.points[3], links[0].now.shape)]
 
 
@@ -182,7 +182,7 @@ def _rotated(vector: Array, angle: Array) -> Array:
 
 
 def _closed(one: Array, other: Array, wanted: Array) -> tuple[Array, Array]:
-    """x, y with x one + y other = wanted, vectors (n, 2)."""
+    """Solve x one + y other = wanted for x and y, (n,); one, other, wanted: vectors (n, 2)."""
     area = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
     return (
         (wanted[:, 0] * other[:, 1] - wanted[:, 1] * other[:, 0]) / area,

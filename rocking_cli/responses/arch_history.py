@@ -1,6 +1,6 @@
-"""The forces in an arch along its response by Eq. 3.4: at its four hinges and on its joints, and the worst of them.
+"""Forces in an arch along its response by Eq. 3.4, at its four hinges and on its joints, and their extremes in time.
 
-Hinges are numbered from the left springing, 1 to 4, wherever the mechanism of the moment has them, and joints from it, 0, on.
+Hinges have the numbers 1 to 4 from the left springing, whichever way the arch sways; joints are numbered from the left springing, 0.
 """
 
 from collections.abc import Callable
@@ -23,7 +23,7 @@ Array = np.ndarray
 
 
 class Worst(NamedTuple):
-    """The worst of a quantity over joints, or hinges, and time: its value [-], the number of the joint or hinge, and when [tau]."""
+    """The extreme of a quantity over joints (or hinges) and time: its value [-], the number of the joint or hinge, its time [tau]."""
 
     value: float
     joint: int
@@ -58,7 +58,7 @@ class ArchHistory:
 
     @cached_property
     def forces(self) -> ArchForces:
-        """Of its mechanism."""
+        """The forces in an arch of this mechanism."""
         assert isinstance(self.structure.mechanism, FourBar)  # `TimeHistory.forces` builds no other
         return ArchForces(self.structure.mechanism, self.structure.gravity)
 
@@ -68,7 +68,7 @@ class ArchHistory:
         return np.linspace(0.0, self.forces.mechanism.ring.angle, (self.forces.mechanism.voussoirs or _SECTIONS) + 1)
 
     def state(self, arc: Array, tau: Array) -> State:
-        """The arch at times tau, each on an arc, by index; mirrored where it sways to the left."""
+        """Return the state of the arch at times tau; arc: the index of the arc of each time. A sway to the left is mirrored."""
         s, g, arcs = self.structure, self.structure.gravity, self.found.arcs
         side, point = arcs.side[arc], arcs.points(arc, tau)
         equation = self.found.equation.on(side)
@@ -77,9 +77,9 @@ class ArchHistory:
         return State(equation.rotation(point.y) * s.alpha, rate, side * g * across, g * up)
 
     def columns(self, tau: Array) -> dict[str, Array]:
-        """By name at times tau: force of the ground on the links over the arch's weight, least N over it, largest |T|/N, largest
-        |M|/(N t/2) beside the hinges, and the forces at the hinges over that weight; NaN at rest, where the arch is redundant, and after
-        the end."""
+        """Return arrays by column name at times tau: the force of the ground on the links, the least N and the forces at the hinges, all
+        over the arch's weight, the largest |T|/N, and the largest |M|/(N t/2) away from the hinges. Values are NaN after the end, and at
+        rest, where the arch is statically indeterminate."""
         names = ("fx_ratio", "fz_ratio", *_COLUMNS, *HINGE_COLUMNS)
         found = {name: np.full(tau.shape, np.nan) for name in names}
         moving, arcs = self.found.arcs.at(tau)
@@ -90,8 +90,8 @@ class ArchHistory:
             side, weight = self.found.arcs.side[arc], self.forces.weight
             on = (hinges[:, 0] - hinges[:, 3]) / weight
             found["fx_ratio"][inside], found["fz_ratio"][inside] = side * on[:, 0], on[:, 1]
-            # That what is left of each hinge exerts on what is right of it. Mirrored, the last hinge comes first, and before it is what is
-            # right of it.
+            # The forces that the part left of each hinge exerts on the part right of it. In a mirrored arch the last hinge is the first from
+            # the left, and the part before it is the right one.
             mirrored = hinges[:, ::-1] * np.array([1.0, -1.0])
             there = np.where(side[:, None, None] > 0.0, hinges, mirrored).reshape(inside.size, -1) / weight
             for name, values in zip(HINGE_COLUMNS, there.T, strict=True):
@@ -108,15 +108,15 @@ class ArchHistory:
         return values
 
     def _at_hinges(self, state: State) -> Array:
-        """The forces at the hinges over the arch's weight, (n, 4)."""
+        """Return the forces at the hinges over the arch's weight, (n, 4)."""
         return np.hypot(*self.forces.hinges(state).hinges.T).T / self.forces.weight
 
     @cached_property
     def demands(self) -> dict[str, Worst]:
-        """The extremes in time, each on the worst joint or hinge of 25 instants of an arc; empty if the arch never moved.
+        """The extreme of each quantity in time; empty if the arch never moved. 25 instants of each arc choose the joint or hinge.
 
-        thrust_min: least N over the arch's weight; friction: largest |T|/N; eccentricity: largest |M|/(N t/2) beside the hinges;
-        hinge_force: largest force at a hinge over the weight.
+        thrust_min: least N over the arch's weight; friction: largest |T|/N; eccentricity: largest |M|/(N t/2) away from the hinges;
+        hinge_force: largest force at a hinge over the arch's weight.
         """
         worst: dict[str, Worst] = {}
         starts, stops, sides, *_ = self.found.arcs
@@ -143,7 +143,7 @@ class ArchHistory:
         return worst
 
     def summary(self, when: str, time: float) -> dict[str, Any]:
-        """As a record; `when` names a time, `time` its unit by tau."""
+        """Return the extremes as a record; `when`: suffix of the columns of times, `time`: the factor from tau to their unit."""
         found, record = self.demands, dict[str, Any]()
         for name in ("friction", "thrust_min", "eccentricity", "hinge_force"):
             value, place, tau = found.get(name) or (None, None, None)
@@ -156,11 +156,11 @@ class ArchHistory:
         return record
 
     def event(self, event: Event, _: float) -> dict[str, float | None]:
-        """The columns at an event, after it."""
+        """Return the columns just after an event."""
         return {name: float(x[0]) if np.isfinite(x[0]) else None for name, x in self.columns(np.array([event.tau])).items()}
 
     def words(self) -> str:
-        """The worst forces, in a sentence."""
+        """Return a sentence on the extreme forces."""
         if not self.demands:
             return "the arch never moved"
         thrust, friction, eccentricity, hinge = (self.demands[k] for k in ("thrust_min", "friction", "eccentricity", "hinge_force"))

@@ -16,9 +16,9 @@ from .check import Demand, Progress, Verdict, has_direction, verdicts
 
 
 def at_azimuth(pair: Sequence[Recording], azimuth: float) -> Recording:
-    """The two components in one direction: the first times cos(azimuth) plus the second times sin(azimuth); azimuth in rad.
+    """Return the motion in one direction: the first component times cos(azimuth) plus the second times sin(azimuth); azimuth in rad.
 
-    The shorter one is at rest after its end. Raises UsageError unless there are two components with the same step.
+    The shorter component is zero after its end. Raises UsageError unless there are two components with the same step.
     """
     if len(pair) != 2:
         raise UsageError(f"found {counted(len(pair), 'horizontal component')}; expected two for an azimuth")
@@ -36,8 +36,8 @@ def worst_azimuths(
     structures: Sequence[RockingParameters], pair: Sequence[Recording], azimuths: np.ndarray, *,
     workers: int | None = None, progress: Progress | None = None,
 ) -> list[tuple[float, Demand]]:  # fmt: skip
-    """The azimuth [rad] that is worst for each structure, with the demand there: the first that overturns it, else the largest rotation,
-    else the largest acceleration over that at uplift. Structures whose sides differ are shaken in the opposite directions too.
+    """Return (worst azimuth [rad], demand) for each structure: the first azimuth that overturns it; if none does, that of the largest
+    rotation, or of the largest acceleration if nothing rocks. Structures whose sides differ are shaken in the opposite directions too.
 
     Raises UsageError as `at_azimuth` and `check` do.
     """

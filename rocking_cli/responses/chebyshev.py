@@ -1,4 +1,4 @@
-"""The extremes of a smooth function on a stretch of time: roots of the derivative of its Chebyshev series, not samples."""
+"""Extremes of a smooth function on an interval of time, found as roots of the derivative of its Chebyshev series, not by sampling."""
 
 from collections.abc import Callable
 from functools import cache
@@ -16,7 +16,7 @@ _DEEPEST = 12  # halvings of a stretch whose series does not end
 
 
 class Extent(NamedTuple):
-    """Least and largest value, and where."""
+    """The least and the largest value of a function, and the places of both."""
 
     least: float
     at_least: float
@@ -24,16 +24,16 @@ class Extent(NamedTuple):
     at_largest: float
 
     def join(self, other: "Extent") -> "Extent":
-        """Over both stretches."""
+        """Return the extent over the intervals of both."""
         low, high = min(self, other, key=lambda e: e.least), max(self, other, key=lambda e: e.largest)
         return Extent(low.least, low.at_least, high.largest, high.at_largest)
 
 
 def extent(f: Callable[[Array], Array], low: float, high: float, depth: int = 0) -> Extent:
-    """Least and largest value of f, analytic and vectorised, on [low, high]: of its ends and of every extremum between them.
+    """Return the least and the largest value of an analytic, vectorised function f on [low, high], from its ends and all extrema inside.
 
-    The stretch is halved until the Chebyshev series of f ends in it; the roots of the series' derivative are the extrema, where
-    f itself is then taken.
+    The interval is halved until the Chebyshev series of f converges on each part. The roots of the derivative of the series are the
+    extrema; f itself is then evaluated there.
     """
     x, analyse = _nodes()
     half, middle = 0.5 * (high - low), 0.5 * (high + low)
@@ -58,7 +58,7 @@ def extent(f: Callable[[Array], Array], low: float, high: float, depth: int = 0)
 
 
 def first_below(f: Callable[[Array], Array], low: float, high: float, level: float) -> float | None:
-    """The first instant of [low, high] at which f <= level, which is far above the rounding of f; f as in `extent`, None: nowhere."""
+    """Return the first instant of [low, high] with f <= level, None without one; f as in `extent`, level far above its rounding."""
     reach = extent(f, low, high)
     if reach.least > level:
         return None
@@ -73,7 +73,7 @@ def first_below(f: Callable[[Array], Array], low: float, high: float, level: flo
 
 @cache
 def _nodes() -> tuple[Array, Array]:
-    """Chebyshev points of the second kind, from -1 to 1, and the matrix from values there to the coefficients."""
+    """Return the Chebyshev points of the second kind, from -1 to 1, and the matrix from values at them to the coefficients."""
     k = np.arange(_DEGREE + 1)
     x = -np.cos(np.pi * k / _DEGREE)
     return x, np.linalg.inv(chebyshev.chebvander(x, _DEGREE))

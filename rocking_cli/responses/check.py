@@ -46,17 +46,17 @@ CHECK_COLUMNS = (
 
 @dataclass(frozen=True)
 class Verdict:
-    """A structure under a motion by the equation that governs it; accelerations are amplitudes a_g of the motion [m/s2].
+    """The verdict on a structure under a motion by its governing equation; accelerations are amplitudes a_g of the motion [m/s2].
 
-    demand_a: the demand; uplift_a, first_overturning_a: the least that lift and overturn the body, None if none does;
-    safe_to: upper end of the interval around the demand in which the body stands, None if it falls or nothing above overturns it;
+    demand_a: the demand; uplift_a, first_overturning_a: the lowest that lift and overturn the body, None if none does;
+    safe_to: upper end of the interval around the demand in which the body stands, None if it falls or no larger one overturns it;
     theta_ratio: max |theta|/alpha, None if it falls; outcome_linear: by the linear equation; friction_needed, fz_min: the friction
     that the motion needs (impacts apart), and the least vertical force over the weight, of a rigid body whose mass centre is
-    known; friction_needed is also None if the body loses the ground; unsettled: true if changes of the demand by 1e-12 to 1e-6 of it
-    change the outcome, or theta_ratio by 0.01; dust: if many narrow intervals overturn the body, the share of amplitudes within
-    5 % above the first that do; slides: true if friction_needed is more than that of the document; top_displacement: the largest of the
-    top of the body from its rest position [m], None without a geometry or if it falls; first_overturning_a_free: that of the same body
-    without its ties and tendon; devices: a row for each of these, as `History.devices` has it, empty without any.
+    known; friction_needed is also None if the body loses contact; unsettled: true if changes of the demand by 1e-12 to 1e-6 of it
+    change the outcome, or theta_ratio by 0.01; dust: if many narrow intervals overturn the body, the share of overturning amplitudes
+    within 5 % above the first one; slides: true if friction_needed exceeds the friction of the document; top_displacement: the largest
+    displacement of the top [m], None without a geometry or if the body falls; first_overturning_a_free: first_overturning_a of the
+    body without its ties and tendon; devices: a row for each tie and tendon, see `History.devices`.
     """
 
     structure: str
@@ -100,11 +100,11 @@ class Verdict:
 
     @property
     def falls(self) -> bool:
-        """True if the body fell, lost the ground or is left leaning."""
+        """True if the body overturned, lost contact or rests leaning."""
         return self.outcome.falls
 
     def record(self) -> dict[str, Any]:
-        """As `rocking check --json` prints it."""
+        """Return the verdict as `rocking check --json` prints it."""
         own = {
             **vars(self),
             "name": self.structure,
@@ -129,12 +129,11 @@ def check(
     a_max: float | None = A_MAX,
     progress: Progress | None = None,
 ) -> Verdict:
-    """The verdict on a structure under a motion, and the capacity it has left; shaking: a grid of one cell, the demand,
-    which a record does not need.
+    """Return the verdict on a structure under a motion; shaking: the demand, a grid of one cell; a record does not need it.
 
-    a_max: dimensionless amplitude up to which overturning is looked for (and twice the demand), None for no search; progress: called
-    with the stages done and all of them: the responses, the search, the forces. Raises UsageError for a demand of zero, one beyond what
-    a search reaches, or a structure without units.
+    a_max: the search for overturning goes up to this A, or to twice the demand if that is larger; None: no search; progress: called
+    with the number of finished stages and of all (responses, search, forces). Raises UsageError for a demand of zero, for one above
+    the limit of the search, and for a structure without units.
 
     >>> (column,) = load_structures('configs/block.yaml')
     >>> verdict = check(column, sine(), parse_grid('a_g=0.35g,f_g=1.5'))
@@ -145,12 +144,12 @@ def check(
 
 
 def has_direction(structure: RockingParameters) -> bool:
-    """True if the opposite motion is another one for the structure: it has one side, or two that differ in themselves or in their ties."""
+    """True if the reversed motion may have another result: the structure has one side, or two sides that differ, or ties that differ."""
     return not governing_method(structure).system_of(structure).alike
 
 
 def outcome_alone(structure: RockingParameters, motion: Motion, shaking: Grid) -> Outcome:
-    """The outcome that the verdict of `check` has."""
+    """Return only the outcome of the verdict of `check`."""
     _, _, amplitude, omega, method, _ = _sought(structure, motion, shaking, 0.0)
     outcome = Outcome(int(_respond(method, structure, motion, np.array([amplitude]), omega).outcome[0]))
     if outcome != Outcome.ROCKED or amplitude <= method.system_of(structure).safe_amplitude(motion):
@@ -159,7 +158,7 @@ def outcome_alone(structure: RockingParameters, motion: Motion, shaking: Grid) -
 
 
 def first_overturning(structure: RockingParameters, motion: Motion, shaking: Grid, a_max: float, near: float) -> float | None:
-    """The lowest amplitude that overturns a body, None if there is none; near: where it is expected, which saves time [m/s2]."""
+    """Return the lowest amplitude that overturns a body [m/s2], None without one; near: a guess of it [m/s2], which saves time."""
     asked = _sought(structure, motion, shaking, a_max)
     near = min(float(structure.dimensionless_amplitude(near)), max(asked.amplitude, 0.5 * a_max))
     found = asked._replace(amplitude=near, a_max=max(a_max, 2.0 * asked.amplitude)).capacity().first
@@ -167,7 +166,7 @@ def first_overturning(structure: RockingParameters, motion: Motion, shaking: Gri
 
 
 def _sought(structure: RockingParameters, motion: Motion, shaking: Grid, a_max: float) -> Sought:
-    """The capacity against a demand. Raises UsageError as `check` does."""
+    """Return the search for the overturning amplitudes of a demand. Raises UsageError as `check` does."""
     if structure.dimensionless:
         raise UsageError("a restitution alone has no units: give a structure document")
     amplitude, omega = (float(x[0]) for x in shaking.scaled(structure))
@@ -179,7 +178,7 @@ def _sought(structure: RockingParameters, motion: Motion, shaking: Grid, a_max: 
 def _judged(
     structure: RockingParameters, motion: Motion, shaking: Grid, a_max: float | None, narrow: Falls | None, progress: Progress | None
 ) -> Verdict:
-    """The verdict of `check`; narrow: the search for falls if it has begun."""
+    """Return the verdict of `check`; narrow: the search for overturning amplitudes, if one has begun."""
     sought = _sought(structure, motion, shaking, a_max or 0.0)
     _, _, amplitude, omega, method, _ = sought
     done = progress or _no_progress
@@ -208,7 +207,7 @@ def _judged(
         return None if least is None else float(structure.ground_acceleration(least))
 
     def limit(*a: float | None) -> float | None:
-        """Of falls that are dust with the four digits that they have, rounded down."""
+        """The least of these amplitudes as an acceleration; if many narrow intervals overturn the body, rounded down to four digits."""
         least = acceleration(*a)
         if least is None or not found.dust:
             return least
@@ -241,10 +240,10 @@ def verdicts(
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> Iterator[Verdict]:
-    """The verdicts on (structure, motion, shaking), in their order, each as soon as it is found.
+    """Yield the verdict on each demand (structure, motion, shaking), in their order, as soon as it is found.
 
-    a_max: A, or an acceleration for each, None for no search; workers: processes that share the demands, None for all cores where that
-    saves time; progress: called with the stages or checks done and all of them. Raises as `check` does,
+    a_max: an A, or an acceleration for every structure, None for no search; workers: number of processes, None for all cores if that
+    saves time; progress: called with the number of finished stages or checks and of all. Raises as `check` does, and
     OutputError when a worker process dies.
     """
     available, done = workers or available_cpus(), progress or _no_progress
@@ -263,7 +262,7 @@ def verdicts(
 
 
 def tally(verdicts: Sequence[Verdict]) -> str:
-    """How many overturn, and how many lose the ground if any does, in words."""
+    """Return a text with the number of structures that overturn, and, if there are any, of those that lose contact or lean."""
     lost, leans = (sum(v.outcome == outcome for v in verdicts) for outcome in (Outcome.LOST_CONTACT, Outcome.LEANING))
     overturn = f"{sum(v.outcome.overturned for v in verdicts)} of {len(verdicts)} overturn"
     overturn += f", {lost} lose{'s' if lost == 1 else ''} contact with the ground" if lost else ""
@@ -271,16 +270,16 @@ def tally(verdicts: Sequence[Verdict]) -> str:
 
 
 def _no_progress(done: int, total: int) -> None:
-    """No progress is shown."""
+    """Show no progress."""
 
 
 def _after(progress: Progress, before: int, checks: int, stage: int, stages: int) -> None:
-    """Progress by the stages of all checks."""
+    """Call `progress` with the number of finished stages of all checks; before: the number of finished checks."""
     progress(before * stages + stage, checks * stages)
 
 
 def _each(a_max: float | Limit | None, demands: Sequence[Demand], progress: Sequence[Progress | None]) -> Iterator[Verdict]:
-    """The verdicts on demands of which the searches are scanned together."""
+    """Yield the verdicts on several demands; their searches share their scans."""
     most = [None if a_max is None else limit_of(a_max, structure) for structure, _, _ in demands]
     found = searches([_sought(*demand, a) for demand, a in zip(demands, most, strict=True) if a is not None])
     for demand, a, narrow, done in zip(demands, most, found or repeat(None), progress, strict=False):
@@ -292,7 +291,7 @@ def _all(a_max: float | Limit | None, demands: Sequence[Demand]) -> list[Verdict
 
 
 def _of_history(method: Method, structure: RockingParameters, motion: Motion, shaking: Grid) -> dict[str, Any]:
-    """friction_needed, fz_min, top_displacement and devices of the history, as far as a body that falls is followed."""
+    """Return friction_needed, fz_min, top_displacement and devices from the history, which follows a falling body to `FALLEN`."""
     if structure.arm is None and not structure.top and not structure.restraints:
         return {}
     found = time_history(structure, motion, shaking, [method])
@@ -305,7 +304,7 @@ def _of_history(method: Method, structure: RockingParameters, motion: Motion, sh
 
 
 def _lifts_off(asked: dict[str, Any]) -> bool:
-    """True if the history of `_of_history` loses the ground."""
+    """True if the body loses contact in the history of `_of_history`."""
     return (asked.get("fz_min", 1.0) or 0.0) <= 0.0
 
 

@@ -2,7 +2,7 @@
 
     a = alpha g/(e* FC) (C8.7.1.3),   T_s = k pi sqrt(d_s/a(d_s)), k = 1.68 at SLV and 1.56 at SLC (C8.7.1.10, 11)
 
-A limit state is reached at the amplitude whose spectrum demands the displacement d_s, and never below uplift.
+A motion reaches a limit state at the amplitude whose spectral displacement is d_s, or at uplift if that amplitude is larger.
 """
 
 import math
@@ -74,7 +74,7 @@ class CodeCheck:
     on_floor: bool
 
     def record(self, beyond: float | None = None) -> dict[str, Any]:
-        """The columns that `rocking check --code` adds; beyond: the amplitude [m/s2] of `first_beyond`."""
+        """Return the columns that `rocking check --code` adds; beyond: the amplitude [m/s2] of `first_beyond`."""
         found: dict[str, Any] = {}
         for key, a in {**self.accepted(), "theta_04_a": beyond}.items():
             found |= {key: a, f"{key.removesuffix('_a')}_ratio": None if a is None else a / self.demand_a}
@@ -86,8 +86,8 @@ class CodeCheck:
         return {"code_linear": self.linear, "code_slv": self.slv.amplitude, "code_slc": self.slc.amplitude}
 
     def promises(self, fall: float | None, beyond: float | None) -> list[str]:
-        """A sentence on each method that accepts more than the amplitude `fall` that overturns the body, or SLV more than `beyond`, that of
-        `first_beyond` [m/s2]. None for a floor, whose motion is another one than that which shakes the body."""
+        """Return a sentence on each method that accepts more than `fall`, the amplitude that overturns the body, and on SLV if it accepts
+        more than `beyond`, that of `first_beyond` [m/s2]; no sentence on a floor spectrum, since the dynamics are those on the ground."""
         told = []
         for key, a in {} if self.on_floor else self.accepted().items():
             method = f"the {METHODS[key]} method accepts {a / DEFAULT_GRAVITY:.3f} g"
@@ -107,7 +107,7 @@ def code_check(
     floor: Sequence[FloorMode] = (),
     confidence: float = 1.0,
 ) -> CodeCheck:
-    """The check of a structure by the code "ntc2018" under the spectrum of a motion, or of the site; shaking: as for `check`.
+    """Check a structure by the code "ntc2018" under the spectrum of a motion, or of the site; shaking: as for `check`.
 
     site: the spectrum of a file; floor: the modes of the building that carries the body, on a ground with this spectrum; confidence: FC.
     Raises UsageError for a structure without geometry, without a motion and a spectrum, for an amplitude of zero, or periods beyond those
@@ -153,8 +153,8 @@ def _reached(curve: CapacityCurve, factor: float, state: LimitState, demand: Spe
 def first_beyond(
     structure: RockingParameters, motion: Motion, shaking: Grid, share: float = ROTATION, *, most: float | None = None
 ) -> float | None:
-    """The lowest amplitude a_g [m/s2] under which |theta| exceeds `share` alpha or the body falls, by the governing equation, None if there
-    is none up to `most` [m/s2], by default ten times the demand. Amplitudes 0.5 % apart are looked at. Raises UsageError as `check` does.
+    """Return the lowest amplitude a_g [m/s2] under which |theta| exceeds `share` alpha or the body falls, by the governing equation; None
+    without one up to `most` [m/s2] (default: ten times the demand). Tries amplitudes 0.5 % apart. Raises UsageError as `check` does.
 
     >>> (column,) = load_structures('configs/block.yaml')
     >>> round(first_beyond(column, sine(), parse_grid('a_g=0.3g,T_g=0.4')) / 9.81, 3)

@@ -1,4 +1,4 @@
-"""Structures compared: their dimensional responses to motions scaled alike, which collapse (Fig. 8), and the linear against the
+"""Comparison of structures under motions of equal A and Omega, whose dimensionless curves collapse (Fig. 8), and of the linear with the
 nonlinear equation (Fig. 7)."""
 
 from collections.abc import Iterator, Sequence
@@ -19,7 +19,7 @@ _SHAKEN = 201  # times at least of a curve while the ground moves
 
 
 def scaled_alike(structure: RockingParameters, shaking: Grid, first: RockingParameters) -> Grid:
-    """The one-cell grid in units of a structure, a_g and omega_g, that has the A and Omega that `shaking` has for the first."""
+    """Return the grid of one cell, a_g and omega_g, that gives `structure` the A and Omega that `shaking` gives `first`."""
     amplitude, omega = shaking.scaled(first)
     if structure.dimensionless:
         return Grid(Axis("A", amplitude), Axis("Omega", omega))
@@ -29,10 +29,10 @@ def scaled_alike(structure: RockingParameters, shaking: Grid, first: RockingPara
 def compare(
     structures: Sequence[RockingParameters], motion: Motion | HasMotion, shaking: Grid | None = None, methods: Sequence[Method] = ()
 ) -> list[TimeHistory]:
-    """The response of each structure to the motion scaled to equal (A, Omega), from its own a_g and omega_g.
+    """Return the response of each structure to the motion, scaled so that all have equal A and Omega.
 
-    shaking: a grid of one cell for the first structure, which a record does not need; methods: empty for `governing_method`. Raises
-    UsageError.
+    shaking: a grid of one cell for the first structure; a record does not need it; methods: the equations of motion, empty for
+    `governing_method`. Raises UsageError.
 
     >>> found = compare(load_structures(['configs/block.yaml', 'configs/arch.yaml']), sine(), parse_grid('A=2,Omega=5'))
     >>> [history.outcome('linear').flag for history in found]
@@ -44,7 +44,7 @@ def compare(
 
 
 def collapse(responses: Sequence[TimeHistory], model: str) -> float:
-    """Largest distance between the dimensionless curves theta/alpha (p t) of one model [-]."""
+    """Return the largest distance between the curves theta/alpha over p t of the structures by one equation [-]."""
     curves = [r.histories[model] for r in responses]
     tau = np.linspace(0.0, min(c.end for c in curves), _SAMPLES)
     first, *others = (c.at(tau)[0] for c in curves)
@@ -52,7 +52,7 @@ def collapse(responses: Sequence[TimeHistory], model: str) -> float:
 
 
 def comparison_records(responses: Sequence[TimeHistory], methods: Sequence[Method]) -> Iterator[dict[str, Any]]:
-    """One record a structure: its motion in units, peaks, and with both models their difference and the quarter periods' ratios."""
+    """Return a record for each structure: motion in units, peaks, and for two equations their difference and ratios of quarter periods."""
     for r in responses:
         s = r.structure
         record: dict[str, Any] = {
@@ -81,7 +81,7 @@ def comparison_records(responses: Sequence[TimeHistory], methods: Sequence[Metho
 
 
 def curve_records(responses: Sequence[TimeHistory], methods: Sequence[Method]) -> Iterator[dict[str, Any]]:
-    """The curves themselves: structure, model, t [s], theta [rad], tau, theta/alpha, the ground acceleration [m/s2] and motion."""
+    """Yield the points of all curves: structure, model, t [s], theta [rad], tau, theta/alpha, ground acceleration [m/s2], motion."""
     for r in responses:
         tau = np.union1d(r.times(None, False), np.linspace(0.0, r.motion.duration / r.omega, _SHAKEN))
         ground = r.structure.ground_acceleration(r.amplitude * r.motion.value(tau * r.omega))

@@ -1,16 +1,16 @@
-"""The forces between a rigid body and the ground: along a history, at their extremes, and as impulses at impacts.
+"""Forces between a rigid body and the ground along a history, their extremes in time, and the impulses of impacts.
 
 With s = sgn theta, phi = alpha - |theta|, R from the edge to the mass centre and kappa = R p^2/g = m R^2/I,
 
     Fx/(m g) = xg''/g + kappa (s u'' cos phi + s u'^2 sin phi)
     Fz/(m g) = 1 + zg''/g + kappa (u'' sin phi - u'^2 cos phi),   u = |theta| [rad], ' = d/d(p t)
 
-under any equation of motion: they move the mass centre as in the response. At rest they are xg''/g and 1 + zg''/g. The
-base needs a coefficient of friction of max |Fx|/Fz, and Fz > 0 throughout. On passing from edge to edge the ground gives the impulses
+for any equation of motion, since they are the forces that move the mass centre as in the response. At rest they are xg''/g and
+1 + zg''/g. The base needs a coefficient of friction of max |Fx|/Fz, and Fz > 0 at all times. The impulses of the ground in an impact are
 
     Jx = s m R cos(alpha) w (1 - eta),   Jz = m w (R sin(alpha) + eta R' sin(alpha')),   w = |theta'| before
 
-the primes those of the other edge; their ratio is the friction that the impact needs.
+where R' and alpha' belong to the other edge. Jx/Jz is the friction that the impact needs.
 """
 
 import math
@@ -61,7 +61,7 @@ class Impulses(NamedTuple):
 
 
 class Demand(NamedTuple):
-    """A required coefficient of friction [-] and when [tau]."""
+    """A required coefficient of friction [-] and its time [tau]."""
 
     friction: float
     tau: float
@@ -69,11 +69,11 @@ class Demand(NamedTuple):
 
 @dataclass(frozen=True)
 class Demands:
-    """The ground forces that a response needs.
+    """The friction and the vertical force that a response needs from the ground.
 
-    resting: the largest demand while at rest, up to the uplift; lifting: that in the first instant after the first uplift, which where the
-    drive jumps is Shenton's boundary; rocking: the largest while it rocks, impact: of the impulses. Each is None where there was none.
-    fz_min: least Fz over m g [-], and fz_min_tau when. A demand is infinite where Fz <= 0.
+    resting: the largest demand while the body is at rest; lifting: the demand just after the first uplift (Shenton's boundary, if the
+    ground acceleration jumps there); rocking: the largest while the body rocks; impact: the largest of the impulses; each None without
+    such a time. fz_min: least Fz over m g [-]; fz_min_tau: its time. A demand is infinite if Fz <= 0.
     """
 
     resting: Demand | None
@@ -89,8 +89,8 @@ class Demands:
         return max((d for d in (self.resting, self.rocking) if d is not None), key=lambda d: d.friction, default=Demand(0.0, 0.0))
 
     def slides(self, friction: float) -> str | None:
-        """When a base of this coefficient of friction first cannot hold: "before rocking" (at rest, or at the instant of the first
-        uplift), "rocking" or "impact"; None where it holds throughout."""
+        """Return when a base with this coefficient of friction slides first: "before rocking" (at rest, or at the first uplift),
+        "rocking" or "impact"; None if it never slides."""
         for word, demand in (("before rocking", self.resting), ("before rocking", self.lifting), ("rocking", self.rocking)):
             if demand is not None and demand.friction > friction:
                 return word
@@ -103,7 +103,7 @@ def kappa(p: float, arm: float, gravity: float) -> float:
 
 
 def body_forces(kappa: Any, alpha: Any, side: Any, u: Array, rate: Array, bend: Array, ground: Array, vertical: Array) -> Forces:
-    """Forces over m g on one side, +1 or -1.
+    """Return the forces over m g on one side, +1 or -1.
 
     u = |theta| [rad], its first and second derivative by tau = p t of the side, and the ground acceleration xg''/g and zg''/g [-],
     arrays of one shape.
@@ -130,7 +130,7 @@ class Edge(NamedTuple):
 
 
 def edges_of(structure: RockingParameters) -> tuple[Edge, Edge]:
-    """The right and the left edge. Raises UsageError if the structure is no rigid body, or if its mass centre is not known."""
+    """Return the right and the left edge. Raises UsageError if the structure is no rigid body, or if its mass centre is not known."""
     if structure.arm is None:
         raise UsageError(f"{structure.name}: forces need one rigid body on its edges, and arm, the distance of its mass centre from them")
     edges = []
@@ -151,11 +151,11 @@ class ForceHistory:
     found: History
 
     def edge(self, side: float) -> Edge:
-        """The edge of a side, +1 right or -1 left."""
+        """Return the edge on which the body stands on this side, +1 right or -1 left."""
         return self.edges[side < 0.0]
 
     def impulses(self, event: Event) -> Impulses | None:
-        """The impulses of an impact; None of a one-sided body, whose backing bears a part that nobody knows."""
+        """Return the impulses of an impact; None for a one-sided body, whose backing bears an unknown part of them."""
         if self.structure.one_sided:
             return None
         here, there = self.edge(event.side), self.edge(-event.side)
@@ -166,7 +166,7 @@ class ForceHistory:
         return Impulses(event.side * scale * across, scale * upwards)
 
     def at(self, tau: Array) -> Forces:
-        """Forces at times tau, arrays of one shape: after an impact or a jump where there is one; NaN after the end."""
+        """Return the forces at times tau, in its shape; at an impact or a jump those after it, NaN after the end."""
         tau = np.asarray(tau, dtype=float)
         fx, fz = self.ground.at(tau)
         fz = 1.0 + fz
@@ -176,12 +176,12 @@ class ForceHistory:
         return Forces(fx, fz)
 
     def columns(self, tau: Array) -> dict[str, Array]:
-        """By name at times tau."""
+        """Return arrays by column name at times tau."""
         fx, fz = self.at(tau)
         return {"fx_ratio": fx, "fz_ratio": fz}
 
     def around(self, tau: float) -> tuple[Forces, Forces]:
-        """The forces just before and just after an instant; they differ at impacts and where the ground acceleration jumps."""
+        """Return the forces just before and just after an instant; they differ at impacts and at jumps of the ground acceleration."""
         arcs, at = self.found.arcs, np.array([tau])
         before = np.flatnonzero((arcs.start < tau) & (tau <= arcs.stop * LATE))[:1]
         after = np.flatnonzero((arcs.start <= tau * LATE) & (tau < arcs.stop))[:1]
@@ -190,7 +190,7 @@ class ForceHistory:
         return first, then
 
     def along(self, arc: Array, tau: Array) -> Forces:
-        """The forces at times tau on these arcs, by index, each from end to end its own."""
+        """Return the forces at times tau; arc: the index of the arc of each time, whose own values hold at both of its ends."""
         arcs = self.found.arcs
         side, point = arcs.side[arc], arcs.points(arc, tau)
         equation = self.found.equation.on(side)  # of which the rotation is linear in y
@@ -200,14 +200,14 @@ class ForceHistory:
         return body_forces(kappa, alpha, side, u, rate, bend, *self.ground.during(0.5 * (arcs.start[arc] + arcs.stop[arc]), tau))
 
     def _on(self, arc: int, of: Callable[[Forces], Array]) -> tuple[Callable[[Array], Array], float, float]:
-        """(a function of the forces as a function of tau, both ends) of one arc."""
+        """Return (f(tau), start, stop) of one arc, where f is the function `of` of the forces at tau."""
         arcs = self.found.arcs
         return lambda tau: of(self.along(np.full(tau.size, arc), tau)), float(arcs.start[arc]), float(arcs.stop[arc])
 
     @cached_property
     def _bounds(self) -> tuple[Array, Array, Array]:
-        """(arcs, by index; the least that Fz and the most that |Fx|/Fz may come to on each): of 17 instants, and a twentieth more than they
-        lie apart. A body that begins an arc too far is not looked at."""
+        """(indices of arcs, lower bounds of Fz, upper bounds of |Fx|/Fz) on each arc: the extremes of 17 instants, widened by 5 % of their
+        range. Arcs that begin beyond the rotation `FAR` are left out."""
         arcs = self.found.arcs
         alpha = np.where(arcs.side > 0.0, self.edges[0].alpha, self.edges[1].alpha)
         arc = np.flatnonzero((arcs.stop > arcs.start) & (alpha * self.found.equation.on(arcs.side).rotation(arcs.flow.y) < FAR))
@@ -223,7 +223,7 @@ class ForceHistory:
         return arc, low, high
 
     def rests(self) -> Iterator[tuple[float, float, float]]:
-        """The stretches [tau] in which the body bounces too low to be seen, until it stands still, and stands still."""
+        """Yield the intervals between visible arcs as times [tau]: the start, the end of invisible bounces, the end of the rest."""
         arcs, found = self.found.arcs, self.found
         begins, ends = np.append(0.0, arcs.stop), np.append(arcs.start, found.end)
         still = [event.tau for event in found.events if event.event == "rest"]
@@ -232,8 +232,8 @@ class ForceHistory:
             yield a, next((x for x in still if a <= x <= b), b) if i else a, b
 
     def _lying(self, low: float, high: float) -> Iterator[tuple[float, Forces]]:
-        """The forces of bounces without speed, on each edge, at both ends of a stretch of them, if it is one: one of its instants has its
-        extremes."""
+        """Yield (tau, forces) of bounces too low to be seen, with zero speed, on each edge at both ends of the interval [low, high]. One of
+        these instants has the extremes. Nothing for an empty interval."""
         if not high > low * (1.0 + 1e-12):
             return
         across, up = self.ground.during(0.5 * (low + high), np.array([low, high]))
@@ -246,7 +246,7 @@ class ForceHistory:
 
     @cached_property
     def demands(self) -> Demands:
-        """The ground forces that the response needs; of a one-sided body at rest without those of its backing."""
+        """The demands of the response; those at rest leave out the forces between a one-sided body and its backing."""
         resting: list[Demand] = []
         rocking: list[Demand] = []
         least = (1.0, 0.0)  # Fz/(m g), tau
@@ -282,7 +282,7 @@ class ForceHistory:
 
     @cached_property
     def lost(self) -> float | None:
-        """The first instant tau at which Fz <= 0; None where the body presses on the ground throughout."""
+        """The first instant tau with Fz <= 0; None if Fz > 0 at all times."""
         if self.demands.fz_min > 0.0:
             return None
         found = [self.demands.fz_min_tau] + [self.found.end] * (self.found.outcome == Outcome.LOST_CONTACT)
@@ -296,14 +296,14 @@ class ForceHistory:
         return min(found)
 
     def _leaning(self, ratio: Extent) -> list[Demand]:
-        """The largest demands of either sign of a body at rest, the push over the weight being in this extent."""
+        """Return the largest demand of each sign on a body at rest; ratio: the extent of the horizontal force over the weight."""
         demands = [Demand(max(0.0, -ratio.least), ratio.at_least)]
         if not self.structure.one_sided:
             demands.append(Demand(max(0.0, ratio.largest), ratio.at_largest))
         return demands
 
     def _after(self, uplift: Event) -> Demand:
-        """The demand in the first instant after an uplift."""
+        """Return the demand just after an uplift."""
         arc = np.flatnonzero(self.found.arcs.stop > uplift.tau)[:1]
         if not arc.size:  # the ground falls away in the same instant
             return Demand(math.inf, uplift.tau)
@@ -311,7 +311,7 @@ class ForceHistory:
         return Demand(Forces(fx, fz).friction, uplift.tau)
 
     def event(self, event: Event, time: float) -> dict[str, float | None]:
-        """The columns at an event, before and after it, with the impulses of an impact [s, or of tau where `time` is 1]."""
+        """Return the forces before and after an event as columns, with the impulses of an impact [s, or in tau if `time` is 1]."""
         before, after = self.around(event.tau)
         impulses = self.impulses(event) if event.event == "impact" else None
         return {
@@ -320,7 +320,7 @@ class ForceHistory:
         }  # fmt: skip
 
     def summary(self, when: str, time: float) -> dict[str, Any]:
-        """The demands as a record; `when` names a time, `time` its unit by tau."""
+        """Return the demands as a record; `when`: suffix of the columns of times, `time`: the factor from tau to their unit."""
         asked, stated = self.demands, self.structure.friction
         friction = asked.friction.friction if math.isfinite(asked.friction.friction) else None
         return {
@@ -334,7 +334,7 @@ class ForceHistory:
         }
 
     def words(self) -> str:
-        """The demands, in a sentence."""
+        """Return a sentence on the demands."""
         asked, s = self.demands, self.structure
         friction, tau = asked.friction
         text = f"least Fz {asked.fz_min:.6g} m g at {asked.fz_min_tau / s.p:.4g} s"

@@ -1,4 +1,4 @@
-"""How the ground moves along a history: between the ends of its pieces one closed form, or straight lines."""
+"""The ground acceleration along a history, piece by piece: a closed form on each piece, or straight lines."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Ground:
-    """A motion, its amplitude over g [-] and its omega, radians of its phase by tau."""
+    """A motion, its amplitude over g [-], and omega, its phase [rad] over tau."""
 
     motion: Motion
     amplitude: float
@@ -25,12 +25,12 @@ class Ground:
 
     @property
     def _signals(self) -> tuple[Motion, ...]:
-        """The horizontal motion, and the vertical one where there is one."""
+        """The horizontal motion, and the vertical one if there is one."""
         return (self.motion,) if self.motion.vertical is None else (self.motion, self.motion.vertical)
 
     @cached_property
     def stops(self) -> Array:
-        """Where pieces end [tau]."""
+        """The ends of the pieces [tau]."""
         across = self._signals[0]
         stop = across.stop if isinstance(across, Polyline) else [piece.stop for piece in self.motion.pieces]
         stops = np.array(stop, dtype=float)
@@ -38,7 +38,7 @@ class Ground:
         return stops
 
     def during(self, inside: Array | float, tau: Array) -> tuple[Array, Array]:
-        """(xg''/g, zg''/g) at times tau, each by the closed form of the piece in which the time `inside` lies, or all by that of one."""
+        """Return (xg''/g, zg''/g) at times tau by the closed form of the piece that holds the time `inside`, one of each tau or of all."""
         k = np.broadcast_to(np.searchsorted(self.stops, inside), tau.shape)
         found = [np.zeros(tau.shape) for _ in range(2)]
         shaken = np.flatnonzero(k < self.stops.size)
@@ -54,14 +54,14 @@ class Ground:
         return found[0], found[1]
 
     def at(self, tau: Array) -> tuple[Array, Array]:
-        """(xg''/g, zg''/g) at times tau; right-hand values where they jump."""
+        """Return (xg''/g, zg''/g) at times tau; at a jump the values after it."""
         motions = (self.motion, self.motion.vertical)
         across, up = (np.zeros(tau.shape) if m is None else self.amplitude * m.value(tau * self.omega) for m in motions)
         return across, up
 
     def extents(self, low: float, high: float) -> Iterator[tuple[Extent, Extent]]:
-        """The extents of the weight over m g and of xg''/g over that weight, of a stretch of lines or of each piece of it; the latter means
-        nothing where there is no weight."""
+        """Yield the extents on [low, high] of the weight over m g, and of the ratio of xg''/g to it; for straight lines once, otherwise for
+        each piece. The ratio means nothing if the weight is not positive."""
         if (lines := self.lines(low, high)) is not None:
             yield lines
             return
@@ -78,12 +78,12 @@ class Ground:
         return self.during(inside, tau)[0] / self._weight(inside, tau)
 
     def _between(self, low: float, high: float) -> tuple[int, int]:
-        """The first piece that ends after `low`, and the first that does not end before `high`."""
+        """Return the indices of the first piece that ends after `low`, and of the first one that does not end before `high`."""
         return int(np.searchsorted(self.stops, low, side="right")), int(np.searchsorted(self.stops, high))
 
     def lines(self, low: float, high: float) -> tuple[Extent, Extent] | None:
-        """The extents of the weight over m g and of xg'' over g and that weight on a stretch of straight lines, which are at their ends,
-        the latter while there is a weight; None of another motion."""
+        """Return the extents on [low, high] of the weight over m g, and of the ratio of xg''/g to it, for straight lines: the extremes are
+        at the ends of lines. The ratio means nothing if the weight is not positive. None for a motion of other pieces."""
         signals = [x for x in self._signals if isinstance(x, Polyline)]
         if len(signals) < len(self._signals):
             return None
@@ -105,6 +105,6 @@ class Ground:
 
 
 def _extent(values: Array, tau: Array) -> Extent:
-    """Of these values, and the last of equals."""
+    """Return the extent of these values; among equal values the last one counts."""
     least, most = float(values.min()), float(values.max())
     return Extent(least, float(tau[values == least].max(initial=-np.inf)), most, float(tau[values == most].max(initial=-np.inf)))

@@ -1,7 +1,7 @@
 """The response of one body in time: every arc as a series, and the events.
 
-It listens to the march of one body on floats: nothing is closed early but the last, invisible part of a chatter, and the ground goes on
-standing still after the motion.
+`history` listens to the march of one body on floats. Only the last, invisible part of a sequence of impacts is summed; all else is
+followed in time. After the motion the ground is at rest.
 """
 
 import math
@@ -36,8 +36,8 @@ LATE = 1.0 + 1e-14  # of a time: what still belongs to the arc that ends there
 
 
 class Arcs(NamedTuple):
-    """All arcs in the order of time, arrays (arcs,): the motion between two times tau on one side, along one series, a lane of `flow`.
-    pace: tau of the side over tau of the history."""
+    """All arcs in the order of time, arrays (arcs,). An arc is the motion on one side between two times tau, given by one series, a lane of
+    `flow`. pace: tau of the side over tau of the history."""
 
     start: Array
     stop: Array
@@ -46,20 +46,21 @@ class Arcs(NamedTuple):
     pace: Array
 
     def at(self, tau: Array) -> tuple[Array, Array]:
-        """(the times, by index, at which an arc goes on, the arc of each of them)."""
+        """Return (the indices of the times that lie on an arc, the index of the arc of each)."""
         arc = np.searchsorted(self.start, tau, side="right") - 1
         inside = np.flatnonzero((arc >= 0) & (tau <= self.stop.take(arc) * LATE)) if self.start.size else np.zeros(0, dtype=np.int64)
         return inside, arc[inside]
 
     def points(self, arc: Array, tau: Array) -> Point:
-        """y and its derivatives at times tau, each on an arc, by index."""
+        """Return y and its derivatives at times tau; arc: the index of the arc of each time."""
         return self.flow.take(arc).at((tau - self.start[arc]) * self.pace[arc])
 
 
 class Event(NamedTuple):
-    """At a time tau: release, uplift, impact, peak, rest, overturning, lost contact, or an event of a tie or tendon; theta/alpha and its
-    rate by tau (before an impact), the side, +1 or -1, and the tie or tendon, "" without one. alpha is that of the side the body is on,
-    tau = p t that of the edge that lifts first."""
+    """An event at a time tau: release, uplift, impact, peak, rest, overturning, lost contact, or an event of a tie or tendon.
+
+    theta/alpha and its rate by tau (before an impact), with alpha of the side on which the body is and tau = p t of the edge that lifts
+    first; side: +1 or -1; device: the tie or tendon, "" without one."""
 
     tau: float
     event: str
@@ -71,8 +72,8 @@ class Event(NamedTuple):
 
 @dataclass(frozen=True)
 class History:
-    """A response in time: arcs, events, the time tau at which it ends, the outcome, also after that, and the largest
-    |theta|/alpha of all, also after that (NaN where it overturned); devices: a row for each tie and tendon (`tied_history`)."""
+    """A response in time: arcs, events, the time tau at which they end; the outcome and the largest |theta|/alpha of the whole motion,
+    which may come later (NaN if the body overturned); devices: a row for each tie and tendon (`tied_history`)."""
 
     equation: Equation
     arcs: Arcs
@@ -100,19 +101,19 @@ class History:
         return (ratio + 0.0).reshape(tau.shape), (rate + 0.0).reshape(tau.shape)  # no -0
 
     def sides(self, tau: Array) -> Array:
-        """The side, +1 or -1, that the body is on at times tau; +1 at rest."""
+        """Return the side, +1 or -1, on which the body is at times tau; +1 at rest."""
         side: Array = np.ones(np.size(tau))
         inside, arc = self.arcs.at(np.ravel(tau))
         side[inside] = self.arcs.side[arc]
         return side.reshape(np.shape(tau))
 
     def steps(self) -> Array:
-        """The ends of the solver's own arcs, with the events, in tau."""
+        """Return the times tau of the ends of all arcs and of the events."""
         return np.unique(np.concatenate([[0.0, self.end], self.arcs.start, self.arcs.stop, [e.tau for e in self.events]]))
 
     @property
     def theta_ratio(self) -> float | None:
-        """max |theta|/alpha [-]: 0 where the body never left the ground, None where it overturned or was given up."""
+        """max |theta|/alpha [-]: 0 if the body never lifted, None if it overturned, lost contact or has no outcome."""
         if self.outcome == Outcome.NO_UPLIFT:
             return 0.0
         if self.outcome not in _KNOWN:
@@ -121,7 +122,7 @@ class History:
 
     @cached_property
     def peak(self) -> Event | None:
-        """The event of the largest |theta|/alpha up to the end; None where the body never left the ground, or overturned."""
+        """The event of the largest |theta|/alpha up to the end; None if the body never lifted, or overturned."""
         if self.outcome not in _KNOWN:
             return None
         found = [e for e in self.events if e.event in ("peak", "release")]
@@ -131,7 +132,7 @@ class History:
 def history(
     system: System, motion: Motion, amplitude: float, omega: float, eta: float, *, release: float = 0.0, duration: float
 ) -> History:
-    """The response of one body at rest, or released from theta/alpha = release, up to tau = duration or the end of the shaking.
+    """Return the response of a body that begins at rest, or at theta/alpha = release, up to tau = duration or the end of the shaking.
 
     Parameters as in `response`; amplitude 0 is free rocking. A body is released to its right side. Raises ValueError when a
     number is out of range.
@@ -159,7 +160,7 @@ def history(
 
 
 class _Writer:
-    """Writes down the march of one body; times are tau of the history, phase over its omega."""
+    """Writes down the arcs and events of the march of one body; times are tau of the history, which is the phase over omega."""
 
     def __init__(self, system: System, segments: Segments, omega: float, eta: float) -> None:
         self.system, self.equation, self.omega = system, system.equation, omega
@@ -169,7 +170,7 @@ class _Writer:
         self.events = list[Event]()
 
     def _fallen(self, side: float) -> float:
-        """y at which a body on a side is lost: at `FALLEN`, or where it lies on its side."""
+        """Return the y at which a body counts as fallen: theta/alpha = `FALLEN`, or the rotation at which it lies on the ground."""
         equation = self.equation.on(np.array([side]))
         return min(float(np.min(equation.limit)), float(equation.displacement(np.array([FALLEN]))[0]))
 
@@ -199,7 +200,7 @@ class _Writer:
         return outcome
 
     def _arcs(self) -> Arcs:
-        """The arcs that were kept; each series has as many terms as the longest."""
+        """Return the arcs that were kept; each series gets as many terms as the longest one."""
         start, reach, side, pace, unit = np.array(self.numbers).reshape(-1, 5).T
         lengths, most = np.array(self.lengths, dtype=np.int64), max(self.lengths, default=5)
         terms = np.zeros((start.size, most))
@@ -219,8 +220,8 @@ class _Writer:
         self.events.append(Event(tau, event, float(side * rotation[0]) + 0.0, float(side * rate[0]) * pace + 0.0, float(side)))  # no -0
 
     def _overturn(self, arcs: Arcs) -> None:
-        """The last time at which the body passes the height to which it is followed; it may be many arcs before it is certain that it
-        falls."""
+        """Note the overturning at the last time at which the body passes y of `_fallen`, which may be many arcs before the march is certain
+        of the fall."""
         i = arcs.start.size - 1
         fallen = self._fallen(float(arcs.side[i]))
         while i and arcs.flow.terms[0, i] >= fallen:
@@ -238,14 +239,14 @@ class _Writer:
             self._note(high, "overturning", float(arcs.side[i]), float(point.y[0]), float(point.v[0]))
 
     def _lose(self, arcs: Arcs, tau: float) -> None:
-        """The instant from which the ground falls as fast as the body."""
+        """Note the loss of contact at tau, when the ground begins to fall as fast as the body."""
         self.events = [e for e in self.events if e.tau <= tau]
         found = History(self.equation, arcs, (), tau, Outcome.LOST_CONTACT, math.nan)
         ratio, rate = (float(x[0]) for x in found.at(np.array([tau])))
         self.events.append(Event(tau, LOST, ratio, rate, float(arcs.side[-1]) if arcs.side.size else 1.0))
 
     def _rest(self, before: Lanes, after: Lanes) -> None:
-        """The end of the bouncing, by the sum of its series, and the uplift after it."""
+        """Note the rest at the end of the bounces, and the uplift after it."""
         rest, lifts = self._bounced(before), after.k[0] < len(self.segments)
         if not lifts or self._tau(after) > rest:
             self._note(rest, "rest", 1.0, 0.0, 0.0)
@@ -256,8 +257,8 @@ class _Writer:
         return self.lane.tau(int(lanes.k[0]), float(lanes.u[0]))
 
     def _bounced(self, lanes: Lanes) -> float:
-        """When bouncing too low to be seen comes to rest: bounce by bounce under forces that change evenly in each, and at last by the sum
-        of its series."""
+        """Return the tau at which bounces too low to be seen come to rest: each bounce under a force linear in time, the last ones by the
+        sum of a series."""
         lanes, contact = lanes.take(np.zeros(1, dtype=np.int64)), self.system.contact
         least = _SUMMED * lanes.v
         for _ in range(_UNSEEN):
@@ -276,7 +277,7 @@ class _Writer:
         return self._tau(lanes) + float(rest[0])
 
     def _lying(self, lanes: Lanes, h: Array) -> Array:
-        """The force on a body on the ground after h [tau of its side]."""
+        """Return the force on a body at theta = 0 after a time h [tau of its side]."""
         seg, u = self.segments, lanes.u + lanes.omega * h
         k = np.minimum(lanes.k, len(seg) - 1)  # the ground is still at the end
         b = -lanes.side * lanes.amplitude * (seg.s_start[k] + drive_change(seg, k, u)) - 1.0
@@ -284,7 +285,7 @@ class _Writer:
 
 
 def quarter_period(system: System, release: float) -> float:
-    """Time tau [-] from release at theta/alpha to the first impact, on still ground. Raises ValueError."""
+    """Return the time tau [-] from the release at theta/alpha = release to the first impact, on still ground. Raises ValueError."""
     reach = 4.0 * math.acosh(1.0 / (1.0 - release)) + 10.0
     free = history(system, Motion("still", (Piece(0.0, reach),)), 0.0, 1.0, 0.0, release=release, duration=reach)
     return next((e.tau for e in free.events if e.event == "impact"), math.inf)

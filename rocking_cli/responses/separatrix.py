@@ -13,10 +13,10 @@ _POINTS = 101  # between the ground and the equilibrium, and beyond it
 
 
 def separatrix(structure: RockingParameters, method: Method, reach: float) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """(theta/alpha, its derivative by p t) on each side, (points,), from the ground to |theta|/alpha = `reach`, on still ground.
+    """Yield (theta/alpha, its derivative by p t) for each side, (points,), from theta = 0 to |theta|/alpha = `reach`, on still ground.
 
-    A body inside comes back by itself, a body outside falls. p is that of the structure, alpha that of the side. Raises UsageError as
-    `Method.system_of`.
+    A body inside the curve comes back by itself, a body outside it falls. p belongs to the structure, alpha to the side. Raises
+    UsageError as `Method.system_of`.
 
     >>> (column,) = load_structures('configs/block.yaml')
     >>> right, left = separatrix(column, Method('linear'), 1.2)
@@ -33,7 +33,7 @@ def separatrix(structure: RockingParameters, method: Method, reach: float) -> It
 
 
 def _branch(equation: Equation, top: float, end: float) -> np.ndarray:
-    """(y, v), (2, points), from beside the equilibrium y = `top` to y = `end`: dv/dy = y''/v, on which an error at the beginning decays."""
+    """Integrate dv/dy = y''/v from near the equilibrium y = `top` to y = `end`: (y, v), (2, points). An error at the start decays."""
     from scipy.integrate import solve_ivp
 
     def slope(y: float, v: np.ndarray) -> np.ndarray:

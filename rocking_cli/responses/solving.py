@@ -1,4 +1,4 @@
-"""The values of a key of a document between which a structure stands under motions with a margin."""
+"""Boundaries of the values of a key for which a structure stands under motions with a margin."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -22,10 +22,10 @@ _EXACT = 1e-8  # of a boundary before it is rounded
 
 @dataclass(frozen=True)
 class Boundary:
-    """A value [SI] of a key beside which a structure stands; shown: the same in the unit of the range.
+    """A value [SI] of a key with a structure that stands on one side of it only; shown: the value in the unit of the range.
 
-    side: "stands above" or "stands below"; capacity_demand: that of the document with this value, by `check`; under a set of motions
-    the least of the required share.
+    side: "stands above" or "stands below"; capacity_demand: the number that `check` finds for the document with this value; under a
+    set of motions the least one over the motions of the required share.
     """
 
     structure: str
@@ -36,7 +36,7 @@ class Boundary:
     shown: dict[str, float]
 
     def record(self) -> dict[str, Any]:
-        """As `rocking solve --json` prints it."""
+        """Return the boundary as `rocking solve --json` prints it."""
         return {key: value for key, value in asdict(self).items() if key != "shown"}
 
 
@@ -50,10 +50,11 @@ def boundaries(
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[list[Boundary], list[str]]:
-    """(every boundary between neighbouring values of `varied`, remarks): on one side of it the first overturning amplitude is at least
-    `margin` times the demand under this share of the motions. Boundaries closer than two values may be missed.
+    """Return (boundaries, remarks). On one side of a boundary the first overturning amplitude is at least `margin` times the demand under
+    this share of the motions. Two boundaries between neighbouring values of `varied` may be missed.
 
-    shakes: motions with grids of one cell, the demands; progress: called with the values done and all. Raises UsageError, DocumentError.
+    shakes: motions with grids of one cell, the demands; progress: called with the number of finished values and of all. Raises
+    UsageError, DocumentError.
 
     >>> (column,) = read_documents('configs/block.yaml')
     >>> (found,), _ = boundaries(column, parse_variation('width=0.4:0.8:3'), [(sine(), parse_grid('a_g=0.4g,f_g=1'))])
@@ -68,7 +69,7 @@ def boundaries(
 
     @cache
     def excess(value: float) -> float:
-        """The logarithm of capacity over demand and margin; nan if there is no such structure, or no verdict."""
+        """Return ln(capacity_demand/margin) for a value of the key; NaN if there is no such structure, or no verdict."""
         (member,) = family(document, [varied._replace(values=(value,))])
         if member.parameters is None:
             remarks.append(f"no solution for {varied.key} = {value:g}: {member.fault}")

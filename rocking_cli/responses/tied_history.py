@@ -21,7 +21,7 @@ STATES = ("elastic", "yielded", "broken")  # of ties and tendons
 
 
 class _Recorder:
-    """The arcs and events of one body; until: phase [rad] to which it is followed; omega: Omega of the history."""
+    """Records the arcs and events of one body; until: the phase [rad] up to which it is followed; omega: Omega of the history."""
 
     visible = INVISIBLE
 
@@ -32,13 +32,13 @@ class _Recorder:
         self.events: list[Event] = []
 
     def tau(self, lanes: Lanes) -> float:
-        """tau of the history at the place of the lanes."""
+        """Return the time of the first lane, as tau of the history."""
         assert self.march is not None
         segments, k = self.march.segments, min(int(lanes.k[0]), len(self.march.segments) - 1)
         return (float(segments.start[k]) + float(lanes.u[0])) / self.omega
 
     def keep(self, lanes: Lanes, arc: TaylorSeries, reach: float) -> None:
-        """Keep an arc."""
+        """Keep an arc of the first lane that begins now and lasts `reach` [tau of the side]."""
         pace = self.omega / float(lanes.omega[0])
         self.arcs.append((self.tau(lanes), reach, float(lanes.side[0]), pace, float(arc.unit[0]), arc.terms[:, 0].copy()))
 
@@ -50,7 +50,7 @@ class _Recorder:
         self.events.append(Event(tau, event, float(side * ratio[0]) + 0.0, float(side * rate[0]) * pace + 0.0, side, device))
 
     def rest(self, before: Lanes, after: Lanes, bounces: float) -> None:
-        """Keep a rest, after bouncing for `bounces` [tau of the side], and the uplift after it."""
+        """Keep a rest, which begins after bounces of a duration `bounces` [tau of the side], and the uplift after the rest."""
         lasts = bounces * float(before.omega[0]) / self.omega
         lifts = after.k[0] < len(self.march.segments) if self.march else False
         if not lifts or self.tau(after) > self.tau(before) + lasts:
@@ -60,7 +60,7 @@ class _Recorder:
 
 
 def tied_history(system: System, motion: Motion, amplitude: float, omega: float, eta: float, release: float, duration: float) -> History:
-    """`history` of a body with ties or a tendon. Raises UsageError for a vertical motion."""
+    """Return the history of a body with ties or a tendon; arguments as `history`. Raises UsageError for a vertical motion."""
     recorder = _Recorder(system, duration * omega, omega)
     recorder.march = march = March(system, motion.coarsest, np.array([amplitude]), np.array([omega]), np.array([eta]), recorder)
     found = march.run(release)
@@ -79,9 +79,9 @@ def tied_history(system: System, motion: Motion, amplitude: float, omega: float,
 
 
 def device_rows(system: System, march: March) -> list[dict[str, Any]]:
-    """A row for each tie and the tendon of the first cell: device; force, the largest [N], and tie_force, the same over its yield [-] (None
-    without one); tie_elongation and permanent, its largest and its permanent elongation [m]; state: elastic, yielded or broken. A tie of
-    both sides acts as two; its row holds the larger numbers and the worse state; words: the row as a sentence."""
+    """Return a row for each tie and the tendon of the first cell. device: its name; force: its largest force [N]; tie_force: force over its
+    yield [-], None without one; tie_elongation, permanent: its largest and its permanent elongation [m]; state: elastic, yielded or broken;
+    words: the row as a sentence. A tie of both sides acts as two; its row has the larger numbers and the worse state."""
     devices, found = system.devices, march.found
     assert devices is not None
     rows = np.arange(len(devices.stiffness))
@@ -103,26 +103,27 @@ def device_rows(system: System, march: March) -> list[dict[str, Any]]:
 
 
 def _rank(phase: int, plastic: float) -> int:
-    """The place of a state in STATES."""
+    """Return the index in STATES of a device in this phase with this permanent elongation [m]."""
     return 2 if phase == BROKEN else int(phase == YIELDING or plastic > 0.0)
 
 
 def columns_of(devices: tuple[dict[str, Any], ...]) -> dict[str, Any]:
-    """The columns of `rocking check` from the rows of `device_rows`: the largest of each number, and the worst state."""
+    """Return the columns of `rocking check` from the rows of `device_rows`: the largest of each number, and the worst state."""
     keys = ("tie_force", "tie_elongation", "permanent")
     most = {key: max((x for one in devices if (x := one[key]) is not None), default=None) for key in keys}
     return {**most, "tie_state": max((one["state"] for one in devices), key=STATES.index)}
 
 
 def _in_words(device: dict[str, Any]) -> str:
-    """A row as a sentence."""
+    """Return the text of a row of `device_rows`."""
     share = "" if device["tie_force"] is None else f" ({device['tie_force']:.4g} of its yield)"
     left = f", {1e3 * device['permanent']:.4g} mm of them permanent" if device["permanent"] else ""
     return f"{device['device']} {device['state']}, up to {device['force']:.6g} N{share} and {1e3 * device['tie_elongation']:.4g} mm{left}"
 
 
 def remarks(devices: tuple[dict[str, Any], ...], first: float | None, free: float | None) -> list[str]:
-    """A sentence for each row of `device_rows`, and one on the lowest overturning amplitudes with these devices and without."""
+    """Return a sentence for each row of `device_rows`, and one that compares first, the lowest overturning amplitude, with free, that
+    without these devices."""
     lines = [one["words"] for one in devices]
     if first is not None and free is not None:
         change = 100.0 * (first / free - 1.0)

@@ -1,4 +1,4 @@
-"""Responses in time as records: with units, or theta/alpha against p t; linear and nonlinear side by side."""
+"""Responses in time as records, with units or as theta/alpha over p t, by the linear and the nonlinear equation."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ STILL = Motion("free rocking", (Piece(0.0, 1.0),))
 
 @dataclass(frozen=True, eq=False)
 class TimeHistory:
-    """One structure under one motion: A, Omega, and the history by each equation of motion, to the end of the shaking at least.
+    """The response of one structure to one motion: A, Omega, and a history for each equation of motion, at least to the end of the shaking.
 
-    shown: tau up to which records, events and figures go.
+    shown: the tau up to which records, events and figures go.
     """
 
     structure: RockingParameters
@@ -46,17 +46,17 @@ class TimeHistory:
 
     @property
     def end(self) -> float:
-        """tau at which the longest ends, as far as it is shown."""
+        """The end [tau] of the longest history, at most `shown`."""
         return min(self.shown, max(h.end for h in self.histories.values()))
 
     @property
     def failed(self) -> bool:
-        """True if one failed."""
+        """True if a history has no outcome."""
         return any(h.outcome == Outcome.FAILED for h in self.histories.values())
 
     def times(self, dt: float | None, steps: bool) -> np.ndarray:
-        """tau every dt [tau], at the solver's own steps, of a record at its samples, impacts and peaks, or POINTS of them. Raises
-        UsageError."""
+        """Return the times of the rows [tau]: every dt [tau]; with `steps` those of `History.steps`; without dt the samples of a record,
+        its impacts and peaks, or the ends of POINTS equal intervals for a pulse. Raises UsageError."""
         if steps:
             marks = [h.steps() for h in self.histories.values()]
         elif dt is None and self.motion.acceleration is not None:
@@ -71,7 +71,7 @@ class TimeHistory:
         return np.append(times[times < self.end], self.end)
 
     def _samples(self) -> list[np.ndarray]:
-        """tau of the samples of a record, and on at their mean step, with the impacts and peaks."""
+        """Return tau at the samples of a record, at the same mean step after its end, and at impacts and peaks. Raises UsageError."""
         stops = Ground(self.motion, self.amplitude, self.omega).stops
         last, step = float(stops[-1]), float(stops[-1]) / stops.size
         if self.end / step > MOST_POINTS:
@@ -82,7 +82,8 @@ class TimeHistory:
 
     @cached_property
     def forces(self) -> dict[str, ForceHistory | ArchHistory]:
-        """The forces by each equation of motion: of a rigid body on the ground, of an arch at its hinges and joints. Raises UsageError."""
+        """The forces for each equation of motion: between a rigid body and the ground, or at the hinges and joints of an arch. Raises
+        UsageError."""
         s = self.structure
         if any(found.devices for found in self.histories.values()):
             raise UsageError(f"{s.name}: found ties or a tendon; expected a body without them, whose forces on the ground are known")
@@ -99,7 +100,7 @@ class TimeHistory:
         return {model: ForceHistory(s, edges, ground, found) for model, found in self.histories.items()}
 
     def top_displacement(self, model: str) -> float | None:
-        """The largest displacement of the top from its rest position [m]; None without a geometry, and if the body does not stand."""
+        """Return the largest displacement of the top from its rest position [m]; None without a geometry, and if the body falls."""
         s, found = self.structure, self.histories[model]
         if not s.top or found.theta_ratio is None or self.outcome(model).falls:
             return None
@@ -110,12 +111,12 @@ class TimeHistory:
         return max((2.0 * arm * math.sin(0.5 * angle) for arm, angle in turned), default=0.0)
 
     def outcome(self, model: str) -> Outcome:
-        """The outcome by one equation: a body whose forces are known has lost contact if it rocks and Fz <= 0."""
+        """Return the outcome by one equation. A body that rocks has lost contact if its forces are known and Fz <= 0 at some time."""
         return self.histories[model].outcome if self._lost(model) is None else Outcome.LOST_CONTACT
 
     def _lost(self, model: str) -> float | None:
-        """The first instant tau at which Fz <= 0 under a body that does not overturn; None without one, and where forces are not known or
-        the march has looked itself (ties)."""
+        """Return the first instant tau with Fz <= 0 of a body that does not overturn; None without one, if forces are not known, and for a
+        body with ties, whose march checks Fz itself."""
         if self.histories[model].outcome not in (Outcome.ROCKED, Outcome.LOST_CONTACT):
             return None
         try:
@@ -124,7 +125,7 @@ class TimeHistory:
             return None
 
     def _events(self, model: str) -> Iterator[Event]:
-        """The events until the end of what is shown, or until contact is lost."""
+        """Yield the events up to tau = `shown`, or up to the loss of contact."""
         found, lost = self.histories[model], self._lost(model)
         stop = self.shown if lost is None else min(lost, self.shown)
         yield from (m for m in found.events if m.tau <= stop and (lost is None or m.event != LOST))
@@ -136,8 +137,8 @@ class TimeHistory:
     def records(
         self, *, dt: float | None = None, steps: bool = False, dimensionless: bool = False, forces: bool = False
     ) -> Iterator[dict[str, Any]]:
-        """One record a time; dt in s, or in tau with `dimensionless`; forces: with those on the ground, over m g, too. Columns carry
-        the model's name where there are two. With units tau and theta/alpha come after them, and `NAMED` last."""
+        """Yield a record for each time; dt in s, or in tau with `dimensionless`; forces: add the forces over m g. Columns have the name of
+        the model if there are two. Columns with units come first, then tau and theta/alpha, last those of `NAMED`."""
         s = self.structure
         time = 1.0 if dimensionless else 1.0 / s.p
         tau = self.times(None if dt is None else dt / time, steps)
@@ -160,10 +161,9 @@ class TimeHistory:
             yield {k: None if math.isnan(x) else float(x) for k, x in zip(keys, row, strict=True)} | named
 
     def events(self, *, dimensionless: bool = False, forces: bool = False) -> Iterator[dict[str, Any]]:
-        """One record for each uplift, impact, peak, rest, overturning and loss of contact, which is the last; the rate is that before an
-        impact.
+        """Yield a record for each event; a loss of contact is the last one. The rate at an impact is the rate before it.
 
-        forces: with those on the ground before and after it, over m g, and an impact's impulses over m g [s].
+        forces: add the forces over m g before and after the event, and the impulses of an impact over m g [s].
         """
         s = self.structure
         for model, found in self.histories.items():
@@ -178,10 +178,10 @@ class TimeHistory:
                 yield {"model": model, "event": m.event, **row, **({"device": m.device or None} if found.devices else {}), **pushes}
 
     def summaries(self, *, dimensionless: bool = False, forces: bool = False) -> Iterator[dict[str, Any]]:
-        """The outcome of the structure, one record a model: theta_ratio (None where it overturned) and outcome.
+        """Yield a record for each model with theta_ratio (None if the structure overturned) and outcome.
 
-        forces: also the required friction and when, that of the impacts, the least Fz over m g and when, and where the document
-        states a friction, when the base slides (None where it does not).
+        forces: add the required friction and its time, the friction that impacts need, the least Fz over m g and its time; if the
+        document states a friction, also when the base slides (None if it does not).
         """
         s, when, time = self.structure, "tau" if dimensionless else "t", 1.0 if dimensionless else 1.0 / self.structure.p
         for model, found in self.histories.items():
@@ -195,7 +195,7 @@ class TimeHistory:
             yield {"model": model, "event": "summary", **demanded, "theta_ratio": found.theta_ratio, "outcome": self.outcome(model).flag}
 
     def summary(self, *, forces: bool = False) -> Iterator[str]:
-        """The outcome of the structure, in a sentence for each model."""
+        """Yield a sentence on the outcome for each model."""
         s = self.structure
         for model, found in self.histories.items():
             peak, ratio = found.peak, found.theta_ratio or 0.0
@@ -223,10 +223,10 @@ def time_history(
     release: float = 0.0,
     duration: float | None = None,
 ) -> TimeHistory:
-    """The response of one structure; motion: None for free rocking from theta/alpha = release; shaking: a grid of one cell, which a
-    record does not need; methods: the equations of motion, empty for `governing_method`.
+    """Return the response of one structure; motion: None for free rocking from theta/alpha = release; shaking: a grid of one cell; a
+    record does not need it; methods: the equations of motion, empty for `governing_method`.
 
-    duration [s] that is shown, None for the shaking and 30/p after it; the outcome is that of the whole motion.
+    duration [s]: the time that is shown, None for the shaking and 30/p after it; the outcome holds for the whole motion.
     Raises UsageError.
 
     >>> found = time_history(load_structures('configs/block.yaml')[0], sine(), parse_grid('a_g=0.35g,f_g=1.5'))
