@@ -146,7 +146,7 @@ def check(
     if opposite:
         fallen = dict.fromkeys(name for name, outcome in opposite if outcome.falls)
         names, does = ", ".join(fallen or dict.fromkeys(name for name, _ in opposite)), "overturns" if fallen else "does not overturn"
-        note(f"the opposite direction (--scale -1), another one for unequal sides: {does} {names}")
+        note(f"the opposite direction (--scale -1) may have another outcome: it {does} {names}")
     if not (verdict_only or is_quiet()) and (remark := _of_an_inset(told, demands, a_max)):
         note(remark)
     width = " or ".join(dict.fromkeys(narrowest(shake) for shake, _ in shakes))
@@ -158,7 +158,7 @@ def check(
 
 
 def _in_g(asked: str) -> bool:
-    """True if the request is in g: by --units, or by the text of its amplitude."""
+    """True if --units, or the text of the amplitude, states g."""
     units = units_of()
     if units is not None and "acceleration" in units.chosen:
         return units.of("acceleration")[0] == "g"
@@ -166,7 +166,8 @@ def _in_g(asked: str) -> bool:
 
 
 def _of_an_inset(told: list[Verdict], demands: Sequence[Demand], a_max: Limit) -> str | None:
-    """How much of the least capacity an inset takes, None if no structure has a capacity and geometry to tell it."""
+    """Return a line on the structure of least capacity: how much of it is lost if the pivots lie inside the edges; None if no structure
+    has both a capacity and a geometry."""
     from ..envelopes.limit import limit_of
     from ..responses.check import first_overturning
     from ..structures.mechanics.single_body import worn
@@ -187,7 +188,7 @@ def _of_an_inset(told: list[Verdict], demands: Sequence[Demand], a_max: Limit) -
 
 
 def _remarks(verdicts: list[Verdict]) -> list[str]:
-    """The lines under the table."""
+    """Return the lines below the table: which structures fall, and what is to note on the others."""
     from ..dynamics.outcome import Outcome
 
     several = len({v.motion for v in verdicts}) > 1

@@ -16,10 +16,10 @@ from .printing import emit, note
 
 
 class CodeRows:
-    """The checks of a call by the code.
+    """The checks by the code in one call of the command.
 
-    given: the arguments of `code_check`; checks: (check, its demand, True if an equation of motion takes the body) by structure and motion;
-    lines: what is to be said of them.
+    given: the arguments of `code_check`; checks: for each structure and motion (check, demand, True if an equation of motion describes
+    the body); lines: the remarks to print below the table.
     """
 
     def __init__(self, spectrum: str | None, floor: Sequence[str], fc: float | None) -> None:
@@ -33,7 +33,7 @@ class CodeRows:
     def alone(
         self, structures: Sequence[RockingParameters], varied: Mapping[str, Mapping[str, Any]], output: Path | None, overwrite: bool
     ) -> None:
-        """Print the rows under the spectrum of a file, without any motion."""
+        """Print a row for each structure under the spectrum of a file; the call has no motion."""
         demand_geometry(structures)
         found = [code_check(structure, **self.given) for structure in structures]
         self._remark(found)
@@ -43,7 +43,7 @@ class CodeRows:
         note(*self.lines)
 
     def dynamic(self, demands: Sequence[Demand]) -> list[Demand]:
-        """Check every demand by the code; the demands on bodies that an equation of motion takes."""
+        """Check every demand by the code, and return the demands on bodies that an equation of motion describes."""
         demand_geometry([structure for structure, _, _ in demands])
         for structure, motion, grid in demands:
             try:
@@ -58,7 +58,7 @@ class CodeRows:
         return [demand for _, demand, moves in self.checks.values() if moves]
 
     def columns(self, verdict: Verdict, searched: bool) -> dict[str, Any]:
-        """The columns of the code beside a verdict; searched: with the amplitude at which theta exceeds 0.4 alpha."""
+        """Return the columns of the code for the row of a verdict; searched: search for theta_04_a too."""
         check, demand, _ = self.checks[verdict.structure, verdict.motion]
         self.told.setdefault(verdict.structure, []).append(verdict)
         beyond = first_beyond(*demand, most=verdict.first_overturning_a) if searched else None
@@ -67,14 +67,14 @@ class CodeRows:
         return check.record(beyond)
 
     def others(self) -> Iterator[dict[str, Any]]:
-        """The rows of bodies that no equation of motion takes."""
+        """Yield a row for each body that no equation of motion describes."""
         for check, (_, motion, _), moves in self.checks.values():
             if not moves:
                 yield {**_head(check), "motion": motion.name, **check.record()}
 
     def said(self) -> list[str]:
-        """The lines to print, with the means of the rotations of free bodies under several records (C8.7.1.2.1.9). There d/d0 is at most
-        theta/alpha."""
+        """Return the lines to print. Under several records they state the mean theta_ratio of each body without ties (C8.7.1.2.1.9); d/d0
+        of such a body is at most theta/alpha."""
         found = []
         for name, verdicts in self.told.items():
             structure = next(s for _, (s, _, _), _ in self.checks.values() if s.name == name)

@@ -28,7 +28,7 @@ def group(of: type) -> Any:
 
 
 def given(*names: str) -> list[str]:
-    """The options among these parameters that the call states, an argument as FILE."""
+    """Return those of these parameters that the call states, as the user writes them; an argument is FILE."""
     context = click.get_current_context()
     found = []
     for parameter in context.command.params:
@@ -42,7 +42,7 @@ def given(*names: str) -> list[str]:
 
 
 def refuse(why: str, *names: str) -> None:
-    """Raise click.UsageError if the call states one of these parameters, which then would have no effect."""
+    """Raise click.UsageError if the call states one of these parameters, which would have no effect; why: the reason in words."""
     for flag in given(*names):
         raise click.UsageError(f"{flag} {why}")
 
@@ -54,13 +54,13 @@ def refuse_together(*names: str) -> None:
 
 
 def partly(lacks: object = True) -> None:
-    """State that the call lacks a part of its work, if so: its exit code is 4, unless the command returns another one."""
+    """If `lacks` is true, set the exit code 4 (a part of the work has no result), unless the command returns another one."""
     if lacks:
         click.get_current_context().meta[_PARTLY] = True
 
 
 def command(example: str, *shared: Callable[[F], F]) -> Callable[[F], click.Command]:
-    """A decorator that makes a command of a function; shared: decorators that add the options of the output.
+    """Return a decorator that turns a function into a command; shared: further decorators, which add the options of the output.
 
     >>> @command("rocking greet Ada --loud", printed)
     ... def greet(name: str = argument(), loud: bool = option("--loud", is_flag=True), model: Model = group(Model)) -> None:

@@ -95,7 +95,7 @@ def _of_pulse(
     structures: Sequence[RockingParameters], motion: Motion, axis: Axis, methods: Sequence[Method], wanted: Envelope, told: list[str],
     varied: dict[str, dict[str, float]],
 ) -> None:  # fmt: skip
-    """Print the intervals of each structure by each method, then the lines `told`."""
+    """Print the intervals of each structure by each equation under a pulse; told: the lines to print after them."""
     from ..envelopes.intervals import INTERVAL_COLUMNS, NAMED, NARROWEST, NONE, check_intervals, misjudged, structure_intervals
 
     for structure in structures:  # all of them, before the first row is printed
@@ -141,7 +141,7 @@ def _closing(told: list[str], narrowest: str, failed: int) -> None:
 def _of_records(
     files: tuple[str, ...], wanted: Envelope, sizeless: equations.Sizeless, shaken: ground.Ground, model: equations.Equations
 ) -> None:
-    """Print the overturning scales of records, or their quantiles."""
+    """Print the intervals of scale of each record that overturn a structure, or with --median their quantiles."""
     from ..dynamics.method import model_in_words
     from ..envelopes.capacity import RATIO
     from ..envelopes.intervals import NAMED, NONE

@@ -48,7 +48,7 @@ class Sizeless(Oscillators):
 
 @dataclass(frozen=True)
 class Model:
-    """The equation of motion of a run; `model` None: the governing equation."""
+    """The option --model of a command with one equation; `model` None: the governing equation."""
 
     model: str | None = option("--model", type=Registered(model_names), help=_RULE.format(both=""))
     tolerance: float = option(
@@ -61,13 +61,13 @@ class Model:
         return (self.model,)
 
     def methods(self, structures: Sequence[RockingParameters], dimensionless: bool = False) -> list[Method]:
-        """The method of each requested equation. Raises UsageError."""
+        """Return the method of each requested equation. Raises UsageError."""
         from ..dynamics.method import governing_method
 
         return [governing_method(*structures, model=one, tolerance=self.tolerance, dimensionless=dimensionless) for one in self.models]
 
     def in_words(self, methods: Sequence[Method], structures: Sequence[RockingParameters], dimensionless: bool = False) -> list[str]:
-        """The line that names each equation."""
+        """Return the line that names the equation of each structure."""
         from ..dynamics.method import model_in_words
 
         pairs = zip(methods, self.models, strict=True)
@@ -76,7 +76,7 @@ class Model:
 
 @dataclass(frozen=True)
 class Models(Model):
-    """The equation of motion of a run, or both."""
+    """The option --model of a command that can use both equations."""
 
     model: str | None = option(
         "--model", type=Registered(lambda: (*model_names(), "both")), help=_RULE.format(both=", or both")
@@ -102,7 +102,7 @@ class Equations(Models):
         return ("linear",) if self.model is None and self.linear_uplift == "lambda" else super().models
 
     def lifting(self, structures: list[RockingParameters]) -> list[RockingParameters]:
-        """The structures with the requested uplift. Raises click.UsageError for another equation, or without structures."""
+        """Return the structures with the requested uplift. Raises click.UsageError with --model nonlinear, or without structures."""
         if self.linear_uplift == "lambda" and not structures:
             raise click.UsageError("--linear-uplift lambda goes with structures: give FILE")
         if self.linear_uplift == "lambda" and self.models != ("linear",):
@@ -111,5 +111,5 @@ class Equations(Models):
 
 
 def lifting(structures: list[RockingParameters], linear_uplift: str) -> list[RockingParameters]:
-    """The structures with the uplift of --linear-uplift."""
+    """Return the structures, with a_scale = alpha/lambda if --linear-uplift is `lambda`."""
     return [structure.lifting_at_lambda() for structure in structures] if linear_uplift == "lambda" else structures

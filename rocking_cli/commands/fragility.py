@@ -184,7 +184,7 @@ def fragility(
 
 
 def _emit(fits: Sequence[Fit], exact: Sequence[Study], wanted: Fits) -> None:
-    """Print the rows of fits or of their curves. A table, or output with --units, states the unit of the measure."""
+    """Print the rows of fits, or with --curve those of curves. A table, and any output with --units, states the unit of the measure."""
     from ..documents.quantities import headed
     from ..fragility.hazard import RATE_COLUMNS
     from ..fragility.study import CURVE_COLUMNS, FRAGILITY_COLUMNS, HAZARD_COLUMNS
@@ -218,7 +218,7 @@ def _emit(fits: Sequence[Fit], exact: Sequence[Study], wanted: Fits) -> None:
 
 
 def _each(flag: str, text: str, read: Callable[[str], Any], expected: str = "") -> list[Any]:
-    """The values of the words between commas; expected: the words that `read` takes, for those that it refuses by a ValueError."""
+    """Return read(word) for each word between commas. Raises UsageError, which names `expected`, if read raises ValueError."""
     found: list[Any] = []
     for part in map(str.strip, text.split(",")):
         try:
@@ -229,7 +229,7 @@ def _each(flag: str, text: str, read: Callable[[str], Any], expected: str = "") 
 
 
 def _levels(text: str | None, measure: Measure) -> np.ndarray:
-    """The levels of --levels, in SI. Raises UsageError."""
+    """Return the levels that --levels states, in SI. Raises UsageError."""
     import numpy as np
 
     from ..documents.quantities import parse_quantity
@@ -245,7 +245,7 @@ def _levels(text: str | None, measure: Measure) -> np.ndarray:
 
 
 def _limit(text: str) -> float | None:
-    """A limit state: a value of |theta|/alpha, or None for overturning. Raises ValueError."""
+    """Return the limit state that a text states: a value of |theta|/alpha, or None for overturning. Raises ValueError."""
     value = None if text == "overturning" else float(text)
     if value is not None and not 0.0 < value < 1e3:
         raise ValueError

@@ -1,4 +1,4 @@
-"""The options of the ground motion: pulses, records, the vertical part, and the demand: one amplitude and one frequency."""
+"""The options of the ground motion: pulses, records, the vertical motion, and the demand, which has one amplitude and one frequency."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ DT = "Time between the values of a record in a single column."
 
 @contextmanager
 def _named(**names: str) -> Iterator[None]:
-    """Context that replaces the names of library arguments in errors by those of options."""
+    """Context in which errors name the options of the command instead of the arguments of the library."""
     try:
         yield
     except RockingError as error:
@@ -64,20 +64,20 @@ class Ground:
 
     @property
     def shakes(self) -> list[tuple[Motion, Grid]]:
-        """Each motion with its demand, which is the peak of a record if the call states none."""
+        """Each motion with its demand; without a stated one the demand of a record is its own peak."""
         from ..motions.grid import as_recorded
 
         shakes = [(r.motion, self.grid or as_recorded(r.acceleration)) for r in self.recordings]
         return shakes if self.motion is None or self.grid is None else [*shakes, (self.motion, self.grid)]
 
     def needed(self) -> list[tuple[Motion, Grid]]:
-        """The motions with their demands. Raises click.UsageError if there are none."""
+        """The motions with their demands. Raises click.UsageError if the call states no motion."""
         if not self.shakes:
             raise no_shaking("--motion FILE")
         return self.shakes
 
     def with_upwards(self, upwards: Upwards | None) -> Ground:
-        """The same motions together with a vertical one."""
+        """Return the motions with this vertical motion added to each."""
         if upwards is None:
             return self
         motion = None if self.motion is None else upwards(self.motion)
@@ -111,7 +111,7 @@ class Motions(Reading, Source):
     scale_to: str | None = option("--scale-to", metavar="IM=VALUE", help="Scale a record to an intensity measure, such as PGA=0.35g.")
 
     def one(self) -> Ground:
-        """The motion that the options describe. Raises UsageError for a set of records."""
+        """Return the motion that the options describe. Raises UsageError for a set of records."""
         if len(self.motion) > 1 or any(map(os.path.isdir, self.motion)):
             raise click.UsageError(f"--motion: found {' '.join(self.motion)}; expected one motion")
 
@@ -215,7 +215,7 @@ def leave_out(line: str) -> None:
 
 
 def no_shaking(*instead: str) -> click.UsageError:
-    """The error for a call without a motion; instead: other options that may state one."""
+    """Return the error for a call without a motion; instead: other options that may state one."""
     return click.UsageError(", or ".join(("no shaking: give --a-g and --omega-g (or --f-g, --T-g)", *instead)))
 
 
@@ -233,9 +233,9 @@ class Shaking:
     Omega: str | None = option("--Omega", metavar="VALUE", help="Dimensionless frequency omega_g/p.")
 
     def of(self, ground: Ground) -> Ground:
-        """The motion with its demand, a grid of one cell; the motion is reversed for a negative a_g.
+        """Return the motion and its demand, a grid of one cell, None if the options state no value; a negative a_g reverses the motion.
 
-        A record has both values, so only its peak may be given. The grid is None without any value. Raises UsageError.
+        A record has its own time, so the options may only state its peak. Raises UsageError.
         """
         from ..motions.grid import parse_grid
 
@@ -268,7 +268,8 @@ class Demand(Shaking, BothWays):
     """The ground motion, a vertical one, and the demand."""
 
     def ends(self) -> list[Demand]:
-        """The demands at both ends of a range of frequencies, FROM:TO; none without one. Raises click.UsageError for an amplitude alone."""
+        """Return the demands at both ends of a range of frequencies FROM:TO; none without a range. Raises click.UsageError for an amplitude
+        alone."""
         given = {key: getattr(self, key) for key in ("omega_g", "f_g", "T_g", "Omega")}
         if (self.a_g or self.A) and not self.motion and not any(given.values()):
             ways = "a range of frequencies such as --f-g 0.5:5, records by --motion FILE --scale-to PGA=0.3g"
@@ -287,7 +288,7 @@ class Directed(Demand):
     )  # fmt: skip
 
     def azimuths(self) -> np.ndarray | None:
-        """The directions [rad]; None without --azimuth. Raises UsageError."""
+        """Return the directions that --azimuth states [rad]; None without it. Raises UsageError."""
         if self.azimuth is None:
             return None
         import numpy as np

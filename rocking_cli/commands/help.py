@@ -42,13 +42,13 @@ def help(name: str | None = argument(required=False, type=Registered(lambda: [*C
 
 
 def page(name: str) -> str:
-    """The page of a command or a topic; empty for a command whose --help says everything."""
+    """Return the page of a command or a topic; empty for a command that has only its --help."""
     found = files(__package__) / "pages" / f"{name}.txt"
     return found.read_text(encoding="utf-8") if found.is_file() else ""
 
 
 def _options(group: click.Context, name: str) -> str:
-    """The text of --help for a command; empty for a topic."""
+    """Return the text of --help for a command; empty for a topic."""
     if name not in COMMANDS:
         return ""
     assert isinstance(group.command, click.Group)

@@ -75,12 +75,12 @@ def info(
 
 
 def _names(values: list[str]) -> str:
-    """A text of all names; of many names only the first, the last and how many there are."""
+    """Return the names as a text; if there are many, only the first, the last and their number."""
     return ", ".join(values) if len(values) <= _MOST_NAMES else f"{len(values)}, {values[0]} to {values[-1]}"
 
 
 def _documents(file: SpectraFile) -> list[dict[str, Any]]:
-    """The documents of a file, each with the name that its structure has there."""
+    """Return the documents of a spectra file, each with the name of its structure in the file."""
     from ..documents.document import parse_documents
 
     text, names = str(file.attributes.get("documents", "")), file.frame.dimensions.get("structure", [])
@@ -89,7 +89,8 @@ def _documents(file: SpectraFile) -> list[dict[str, Any]]:
 
 
 def _command(path: str, file: SpectraFile) -> str | None:
-    """The command that makes a file again from its documents and the motions that its first command names; None without a command."""
+    """Return the command that computes a file again, from the documents in it and the motions that its own command names; None if the file
+    states no command."""
     from ..motions.reading import holds_records
 
     name, *arguments = shlex.split(str(file.attributes.get("history", "")).partition("rocking ")[2]) or [""]

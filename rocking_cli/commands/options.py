@@ -68,7 +68,7 @@ class Looks:
     style: str | None = option("--style", type=InputPath(), metavar="FILE", help="Style file of matplotlib (.mplstyle).")
 
     def look(self) -> Look:
-        """The look that the options ask for. Raises click.UsageError."""
+        """Return the look that the options state. Raises click.UsageError."""
         from ..reports.figures.canvas import Look
 
         if self.size is not None and not 0.02 <= self.size <= 2.0:
@@ -87,7 +87,7 @@ class Sweep:
     scheduler: str | None = option("--scheduler", metavar="ADDRESS", help="Compute on a dask.distributed cluster, such as tcp://host:8786.")
 
     def writing(self, documents: str) -> dict[str, Any]:
-        """Arguments of `write_scene`; documents: the texts of the structures. Raises click.UsageError for --shard."""
+        """Return the arguments of `write_scene`; documents: the texts of the structures. Raises click.UsageError for a wrong --shard."""
         from ..documents.quantities import parse_whole
 
         shard = None
@@ -100,12 +100,12 @@ class Sweep:
 
 
 def structures_of(files: tuple[str, ...], etas: tuple[float | None, ...] = ()) -> list[RockingParameters]:
-    """The structures of the given documents and the dimensionless oscillators of the given restitutions."""
+    """Return the structures of the documents in these files, and a dimensionless oscillator for each restitution."""
     return structures_and_texts(files, etas)[0]
 
 
 def structures_and_texts(files: tuple[str, ...], etas: tuple[float | None, ...] = ()) -> tuple[list[RockingParameters], str]:
-    """The structures, and the text of their documents."""
+    """Return the structures of `structures_of`, and the texts of their documents."""
     from ..structures import build_structure, with_distinct_names
     from ..structures.parameters import dimensionless_oscillator
 
@@ -125,9 +125,9 @@ def structures_and_texts(files: tuple[str, ...], etas: tuple[float | None, ...] 
 def members_of(
     files: tuple[str, ...], vary: tuple[str, ...], etas: tuple[float | None, ...] = ()
 ) -> tuple[list[RockingParameters], dict[str, dict[str, float]]]:
-    """(the structures of `structures_of`, or of the families of --vary; the columns of the varied values by name of the structure).
+    """Return (structures, columns): those of `structures_of`, or of the families of --vary, and for each name the varied values as columns.
 
-    The columns hold SI units, as `varied_width`, in tables and CSV with the unit. Members without a solution are noted and left out.
+    A column such as `varied_width` is in SI; tables and CSV state its unit. Members without a solution are reported and left out.
     """
     if not vary:
         return structures_of(files, etas), {}
@@ -160,7 +160,7 @@ def note_no_solution(member: Member) -> None:
 
 
 def documents_of(files: tuple[str, ...], most: int | None = None, place: str = "") -> list[Any]:
-    """The structure documents of the files, up to `most` in a `place`. Raises click.UsageError."""
+    """Return the structure documents of the files. Raises click.UsageError for more than `most`; place: what limits them, in words."""
     from ..structures import read_documents
 
     if not files:
@@ -174,7 +174,7 @@ def documents_of(files: tuple[str, ...], most: int | None = None, place: str = "
 
 
 def remark_on(structures: Iterable[RockingParameters] = (), grid: Grid | None = None, spans: str = "") -> None:
-    """Print up to three remarks on unusual structures, amplitudes and spans."""
+    """Print up to three remarks on numbers of structures, amplitudes and spans that are probably wrong."""
     from ..reports.plausibility import bare_remarks, grid_remarks, span_remarks, structure_remarks
 
     remarks = [remark for one in structures for remark in structure_remarks(one)] + ([] if grid is None else list(grid_remarks(grid)))

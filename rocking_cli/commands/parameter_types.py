@@ -76,7 +76,7 @@ class Parsed(click.ParamType):
 
 
 def quantity(dimension: str) -> Parsed:
-    """A number in SI, bare or with a unit of this dimension."""
+    """Return the type of an option that takes a number of this dimension, bare (in SI) or with a unit."""
 
     def read(text: str) -> float:
         from ..documents.quantities import parse_quantity
@@ -87,7 +87,7 @@ def quantity(dimension: str) -> Parsed:
 
 
 def restitution(text: str) -> float | None:
-    """A number from 0 to 1, or None for `block`, which is 1 - 3/2 sin^2 alpha. Raises ValueError."""
+    """Return the restitution of a text: a number from 0 to 1, or None for `block`, which is 1 - 3/2 sin^2 alpha. Raises ValueError."""
     value = None if text == "block" else NUMBER.read(text)
     if value is not None and not 0.0 <= value <= 1.0:
         raise ValueError("a number from 0 to 1, or block")
@@ -98,7 +98,7 @@ NUMBER = quantity("number")
 
 
 def limit(text: str) -> Limit:
-    """The amplitude of a text: `20` is A, `1g` and `5 m/s2` are accelerations. Raises ValueError."""
+    """Return the amplitude of a text: `20` is A, `1g` and `5 m/s2` are accelerations. Raises ValueError."""
     from ..documents.quantities import parse_quantity
     from ..envelopes.limit import Limit
 

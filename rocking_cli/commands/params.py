@@ -68,7 +68,8 @@ def params(
 
 
 def _rows(record: dict[str, Any], form: str | None, varied: dict[str, float] | None = None) -> Iterator[dict[str, Any]]:
-    """The rows of a record: for JSON the record; for CSV the columns of all members of a family; for a table a row a side or interface."""
+    """Return the rows of a record: for JSON the record, for CSV one with the columns of the whole family, for a table one for each side or
+    interface."""
     from ..structures.kinds import reports_of
     from ..structures.parameters import VARIED
 

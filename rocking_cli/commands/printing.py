@@ -59,17 +59,17 @@ def printed(command: F) -> F:
 
 
 def is_quiet() -> bool:
-    """True with --quiet."""
+    """True if the call has --quiet."""
     return bool(_kept("quiet"))
 
 
 def units_of() -> Units | None:
-    """The units of --units, None without it."""
+    """Return the units that --units states, None without it."""
     return _kept("units")
 
 
 def form() -> str | None:
-    """`json`, `csv`, or None for a table."""
+    """Return the form of the output: `json`, `csv`, or None for a table."""
     return _kept("form")
 
 
@@ -79,9 +79,9 @@ def emit(
 ) -> None:  # fmt: skip
     """Print rows, each as soon as it is computed.
 
-    columns: the CSV header if there is no row; form: without --json and --csv; table_units: of a table without --units; without:
-    columns that have no unit here; unseen: columns for programs only, which a table leaves out; varied: the columns of the varied values
-    by structure, which stand first.
+    columns: the CSV header if there is no row; form: the form without --json and --csv; table_units: the units of a table without
+    --units; without: columns that have no unit here; unseen: columns that only JSON and CSV have; varied: for each structure the columns
+    of its varied values, which come first.
     """
     from shutil import get_terminal_size
 
@@ -105,7 +105,7 @@ def emit(
 
 
 def in_options(text: str, command: click.Command) -> str:
-    """A sentence of the library in which the command's options replace arguments in backticks; other words in backticks stay."""
+    """Return a sentence of the library with the arguments in backticks replaced by the options of the command; other words stay."""
     options: dict[str, str] = {}
     for parameter in command.params:
         if isinstance(parameter, click.Option):
@@ -121,7 +121,7 @@ def warn(text: str) -> None:
 
 
 def below(text: str) -> None:
-    """Print a line on standard error as `note` does: below the table of a command that prints one."""
+    """Print a line on standard error, as `note` does, after the table if the command prints a table."""
     context = click.get_current_context()
     tabular = form() is None and any(parameter.name == "columns" for parameter in context.command.params)
     context.call_on_close(partial(note, text)) if tabular else note(text)

@@ -17,7 +17,7 @@ _current: ProgressLine | None = None
 
 
 def _follow(line: ProgressLine | None) -> None:
-    """Make this the line that `told` reports; None: no line."""
+    """Let `told` report this line; None: no line."""
     global _current
     _current = line
 
@@ -67,7 +67,7 @@ class ProgressLine:
         return self._visible and self._done < max(self._total, 1)
 
     def in_words(self) -> str:
-        """The time left at the rate so far; the time passed until enough units are done."""
+        """Return the time left at the rate so far; until enough units are done, the time passed."""
         seconds, new = monotonic() - self._start, self._done - self._first
         units = f"{self._done} of {self._total} {self._unit} done" if self._done < self._total else ""
         if not units or new < _ENOUGH:

@@ -66,7 +66,7 @@ def records(
 
 
 def _spectrum(record: Record, periods: str | None, damping: float | None) -> list[dict[str, Any]]:
-    """The rows of the response spectrum of a record. Raises UsageError."""
+    """Return the rows of the response spectrum of a record. Raises UsageError."""
     from ..motions.grid import parse_span
     from ..motions.response_spectra import DAMPING, displacement_spectrum
 

@@ -39,7 +39,7 @@ def end_line() -> None:
 
 
 def put(*lines: str) -> None:
-    """Lines on standard output, each at once."""
+    """Write lines on standard output, each at once."""
     for line in lines:
         if sys.stdout.isatty():
             end_line()
@@ -48,7 +48,7 @@ def put(*lines: str) -> None:
 
 
 def say(line: str) -> None:
-    """A line on standard error, at once; a terminal shows it in lines of whole words."""
+    """Write a line on standard error at once; on a terminal it is broken between words."""
     end_line()
     text = printable(line)
     if sys.stderr.isatty():

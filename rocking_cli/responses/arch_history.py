@@ -90,7 +90,7 @@ class ArchHistory:
             side, weight = self.found.arcs.side[arc], self.forces.weight
             on = (hinges[:, 0] - hinges[:, 3]) / weight
             found["fx_ratio"][inside], found["fz_ratio"][inside] = side * on[:, 0], on[:, 1]
-            # The forces that the part left of each hinge exerts on the part right of it. In a mirrored arch the last hinge is the first from
+            # The forces of the part left of each hinge on the part right of it. In a mirrored arch the last hinge is the first from
             # the left, and the part before it is the right one.
             mirrored = hinges[:, ::-1] * np.array([1.0, -1.0])
             there = np.where(side[:, None, None] > 0.0, hinges, mirrored).reshape(inside.size, -1) / weight

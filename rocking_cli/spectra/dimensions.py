@@ -24,7 +24,7 @@ _FLOAT, _WHOLE, _TEXT = np.dtype("<f8"), np.dtype("<i8"), None
 
 
 class About(NamedTuple):
-    """The attributes of a list of values in a file: units, long name, type (None for text); get: the value of one structure or record."""
+    """The attributes of a list of values in a file: units, long name, type (None for text); get: reads a value of a structure or record."""
 
     units: str
     long_name: str
@@ -90,15 +90,15 @@ ABOUT: dict[str, About] = {
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """The places of a file's cells. dimensions: the values on each of the three, in their order; beside: other lists by name, each with its
-    dimension; units: of the varied keys of a family, which ABOUT does not know."""
+    """The places of a file's cells. dimensions: the values on each of the three dimensions, in their order; beside: further lists by name,
+    each with its dimension; units: the units of the varied keys of a family, which are not in ABOUT."""
 
     dimensions: Mapping[str, Values]
     beside: Mapping[str, tuple[str, Values]]
     units: Mapping[str, str] = field(default_factory=dict)
 
     def about(self, name: str) -> About:
-        """The attributes of a list in the file."""
+        """Return the attributes of a list in the file."""
         return About(self.units[name], f"{name.removeprefix(VARIED)} as it was varied") if name in self.units else ABOUT[name]
 
     @property
@@ -129,7 +129,7 @@ def _lists(table: Mapping[str, About], dimension: str, of: Sequence[Any]) -> dic
 
 
 def beside_structures(structures: Sequence[RockingParameters]) -> dict[str, tuple[str, Values]]:
-    """The lists of structures: parameters, those of edges if a body has two, and varied keys."""
+    """Return the lists along the structures: their parameters, the parameters of each edge if the edges differ, and varied keys."""
     found = _lists(PARAMETERS | (EDGE_PARAMETERS if any(s.sides for s in structures) else {}), "structure", structures)
     for name in varied_units(structures):
         values = [s.details.get("varied", {}).get(name.removeprefix(VARIED), np.nan) for s in structures]
@@ -138,12 +138,12 @@ def beside_structures(structures: Sequence[RockingParameters]) -> dict[str, tupl
 
 
 def varied_units(structures: Sequence[RockingParameters]) -> dict[str, str]:
-    """The keys that families among these structures varied, as they stand in a file (varied_KEY), with the units of their values."""
+    """Return the names (varied_KEY) of the keys that families among these structures vary, with the units of their values."""
     return {f"{VARIED}{key}": unit or "1" for s in structures for key, unit in s.details.get("varied_units", {}).items()}
 
 
 def beside_records(recordings: Sequence[Recording]) -> dict[str, tuple[str, Values]]:
-    """The lists of records."""
+    """Return the lists along the records."""
     return _lists(RECORDED, "record", recordings)
 
 

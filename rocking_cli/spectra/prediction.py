@@ -21,7 +21,7 @@ ETA_TOLERANCE = 1e-6  # restitutions closer than this count as equal
 
 
 def predict(structure: RockingParameters, spectrum: SpectraFile | str | Path, shaking: Grid) -> dict[str, Any]:
-    """The row of `predict_exactly` under the motion of a linear dimensionless spectrum, with the value interpolated in the spectrum.
+    """Return the row of `predict_exactly` under the motion of a linear dimensionless spectrum, with the value interpolated in it.
     theta_ratio_interpolated is linear between the spectrum's cells around (A, Omega), None unless all of them are safe; interpolation_error
     is its distance from the computed theta_ratio. Raises UsageError when the spectrum has other axes, model or restitutions, or does not
     reach (A, Omega).
@@ -58,7 +58,7 @@ def predict(structure: RockingParameters, spectrum: SpectraFile | str | Path, sh
 
 
 def predict_exactly(structure: RockingParameters, motion: Motion, shaking: Grid) -> dict[str, Any]:
-    """theta_max [rad], theta_ratio and outcome, computed, and the distance to overturning, from boundaries traced along A.
+    """Compute a row with theta_max [rad], theta_ratio, outcome, and the distance to overturning from boundaries traced along A.
     capacity_demand: the lowest overturning amplitude over A, below 1 if a lower amplitude overturns the body; margin: relative distance in
     A to the nearest boundary between standing and overturning; margin_side: the side of A on which it lies. They are None if no amplitude
     up to A_MAX and 2 A overturns, and at A = 0. theta_max is None if the edges differ, since the largest theta/alpha does not state its
@@ -91,7 +91,7 @@ def predict_exactly(structure: RockingParameters, motion: Motion, shaking: Grid)
 
 
 def _interpolated(spectrum: SpectraFile, index: int, amplitude: float, omega: float) -> float | None:
-    """theta_ratio between the cells around (A, Omega), None unless all of them are safe."""
+    """Return theta_ratio interpolated between the cells around (A, Omega), None unless all of them are safe."""
     places = []
     for axis, value in ((spectrum.grid.frequency.values, omega), (spectrum.grid.amplitude.values, amplitude)):
         low = int(np.searchsorted(axis, value, side="right")) - 1

@@ -37,7 +37,7 @@ QUANTILES = (16, 50, 84)
 
 @dataclass(frozen=True)
 class Task:
-    """One share of the work: a record, a structure, and its Omegas, by index; sign: of the ground acceleration."""
+    """One piece of the work, by index: a record, a structure and some of its Omegas; sign: that of the ground acceleration."""
 
     record: int
     structure: int
@@ -47,8 +47,8 @@ class Task:
 
 @dataclass(frozen=True)
 class Tracing:
-    """A scene to trace; its columns are T or unused. first: trace the lowest overturning amplitude only. Raises UsageError for a limit or
-    columns that the search cannot take."""
+    """A scene of records whose overturning intervals are searched; its columns are T, or are not used. first: search only the lowest
+    overturning amplitude. Raises UsageError for a limit or columns that the search cannot take."""
 
     scene: RecordScene
     a_max: float | Limit = A_MAX
@@ -68,7 +68,7 @@ class Tracing:
 
     @property
     def most(self) -> str:
-        """The limit in words."""
+        """The limit of the search in words."""
         return f"{self.a_max.value:g} m/s2" if isinstance(self.a_max, Limit) and self.a_max.acceleration else f"A = {self.limit(0):g}"
 
     def omegas(self, structure: int) -> Array:
@@ -78,7 +78,7 @@ class Tracing:
         return np.array([1.0 / self.scene.structures[structure].p])
 
     def __call__(self, task: Task) -> list[Steps]:
-        """(amplitude, outcome from it on), rising, for each Omega of a task; empty if no amplitude lifts the body."""
+        """Return for each Omega of a task the changes (amplitude, outcome from there on), rising; none if no amplitude lifts the body."""
         structure, motion = self.scene.structures[task.structure], self.scene.recordings[task.record].motion
         system, digits = self.scene.method.system_of(structure), tracing_width(self.scene.method, motion)
         omegas, most = self.omegas(task.structure)[list(task.omegas)], self.limit(task.structure)
@@ -117,7 +117,7 @@ def envelope(
     structure: RockingParameters, motion: Motion | Record | Recording, axis: Axis | str | None = None, *, method: Method | None = None,
     a_max: float = A_MAX, sign: str = "worse", workers: int | None = None,
 ) -> list[dict[str, Any]]:  # fmt: skip
-    """Every overturning interval of a structure, as the rows of `rocking envelope`.
+    """Return every overturning interval of a structure, as the rows of `rocking envelope`.
     axis: of frequencies, such as 'f_g=0.5:5:10'; None for a `Recording`, whose scale is varied; method: None for `governing_method`; the
     other arguments as of `trace_envelope`. Raises UsageError as that does.
 
@@ -148,7 +148,7 @@ def _tasks(tracing: Tracing, sign: str, shares: int) -> Iterator[Task]:
 
 
 def _told(scene: RecordScene, task: Task, column: int, steps: Steps, first: bool, signed: bool) -> Iterator[dict[str, Any]]:
-    """The intervals of one search as rows."""
+    """Yield the intervals of one search as rows."""
     recording, structure = scene.recordings[task.record], scene.structures[task.structure]
     if scene.over_angles:
         of: dict[str, Any] = {"record": recording.label, "alpha": structure.alpha, "T": float(scene.columns.values[column])}
@@ -169,7 +169,7 @@ def _told(scene: RecordScene, task: Task, column: int, steps: Steps, first: bool
 
 
 def overturning_spectrum(scene: RecordScene, records: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
-    """The rows of a spectrum, one for each size or structure, from the rows of `tracing_records` with `first`.
+    """Yield the rows of an overturning spectrum, one for each size or structure, from the rows of `tracing_records` with `first`.
     structure, or alpha [rad] and T [s]; p [rad/s]; pga_ratio_16, _50, _84: quantiles of the first overturning PGA/(lambda g) over the
     records [%], None if too few of them overturn the body; overturned, records: their numbers."""
     found: dict[tuple[Any, ...], list[float]] = {}
@@ -192,7 +192,7 @@ def overturning_spectrum(scene: RecordScene, records: Iterable[Mapping[str, Any]
 
 
 def _quantile(rising: np.ndarray, share: float) -> float | None:
-    """The quantile, linear between the order statistics; None if it is infinite."""
+    """Return the quantile of rising values, linear between the order statistics; None if it is infinite."""
     place = share * (rising.size - 1)
     low, high = float(rising[math.floor(place)]), float(rising[math.ceil(place)])
     return low + (place - math.floor(place)) * (high - low) if math.isfinite(high) else None

@@ -29,9 +29,9 @@ AS_RECORDED = Axis("scale", np.array([1.0]))
 
 
 def block_of(alpha: float, eta: float | None) -> RockingParameters:
-    """A rigid block of critical angle alpha [rad] whatever its size; eta: None for 1 - 3/2 sin^2 alpha.
-    Its p is 1 rad/s; forces over its weight are those of any size (p^2 = 3g/(4R)). Raises StructureError for a restitution out of range,
-    such as that of a block whose width is above 1.41 times its height."""
+    """Return a rigid block of critical angle alpha [rad] without a size; eta: None for 1 - 3/2 sin^2 alpha.
+    Its p is 1 rad/s; its forces over its weight hold for every size (p^2 = 3g/(4R)). Raises StructureError for a restitution out of
+    range, such as that of a block wider than 1.41 times its height."""
     own, arm = 1.0 - 1.5 * math.sin(alpha) ** 2, 0.75 * DEFAULT_GRAVITY
     numbers = (1.0, alpha, own if eta is None else eta, math.tan(alpha), 1.0, "momentum" if eta is None else "given")
     return RockingParameters(f"alpha={alpha:.6g}", "block", *numbers, arm=arm)
@@ -69,7 +69,7 @@ class RecordScene(Scene):
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """The quantities of every rocking spectrum: the speed besides the rotation."""
+        """The quantities that the scene always has: velocity_ratio for a rocking spectrum over alpha and T."""
         return ("velocity_ratio",) if self.over_angles else ()
 
     @property
@@ -95,7 +95,7 @@ class RecordScene(Scene):
         return self.recordings[0].label if len(self.recordings) == 1 else f"{len(self.recordings)} records"
 
     def _scaled(self, structure: RockingParameters, acceleration: float) -> tuple[Array, Array]:
-        """(A, Omega) of the columns for one structure under a record of this peak [m/s2], broadcast against each other."""
+        """Return (A, Omega) of the columns for one structure under a record with this peak [m/s2], broadcast against each other."""
         values, name = self.columns.values, self.columns.name
         with np.errstate(all="ignore"):
             if name == "T":
@@ -117,7 +117,7 @@ class RecordScene(Scene):
         return () if self.over_angles and not self.weighed and self.method.mixes(structure) else self.shares(structure)
 
     def only(self, units: Sequence[Unit]) -> RecordScene:
-        """The scene with the samples of only those records that these units need, to send less data."""
+        """Return the scene with the samples of only those records that these units need, to send less data."""
         wanted = {place for unit in units for place in unit.places}
         some = self.recordings[min(wanted)]
         return replace(self, recordings=tuple(r if i in wanted else some for i, r in enumerate(self.recordings)))
@@ -154,7 +154,7 @@ class RecordScene(Scene):
 def structures_scene(
     structures: Sequence[RockingParameters], recordings: Sequence[Recording], columns: Axis = AS_RECORDED, method: Method = LINEAR
 ) -> RecordScene:
-    """Structures under records at the values of an axis `scale`, `A` or `a_g`. Raises UsageError."""
+    """Return the scene of structures under records at the values of an axis `scale`, `A` or `a_g`. Raises UsageError."""
     if columns.name == "T":
         raise UsageError("axis T: structures have a size of their own; expected scale, A or a_g")
     return RecordScene(tuple(structures), tuple(recordings), columns, method)
@@ -163,7 +163,7 @@ def structures_scene(
 def angles_scene(
     alphas: Axis, periods: Axis, recordings: Sequence[Recording], eta: float | None = None, method: Method = LINEAR
 ) -> RecordScene:
-    """Rigid blocks over alpha and T = 2 pi/p under records; eta: None for the value of a block. Raises UsageError."""
+    """Return the scene of rigid blocks over alpha and T = 2 pi/p under records; eta: None for the value of a block. Raises UsageError."""
 
     def block(alpha: float) -> RockingParameters:
         try:
@@ -179,8 +179,8 @@ def scene_of_words(
     structures: Sequence[RockingParameters], recordings: Sequence[Recording], *, axes: str | None = None, alphas: str | None = None,
     etas: Sequence[float | None] = (), model: str | None = None, tolerance: float = TOLERANCE,
 ) -> RecordScene:  # fmt: skip
-    """The scene of the options `--grid` (None: as recorded), `--alpha` and `--eta` (None: of a block). model, tolerance: those of
-    `governing_method`. Raises UsageError."""
+    """Return the scene that the texts `axes` (None: records as they are), `alphas` and `etas` (None: of a block) state. model, tolerance:
+    arguments of `governing_method`. Raises UsageError."""
     found = parse_axes(axes, records=True) if axes is not None else {}
     if alphas is not None:
         if "alpha" in found:

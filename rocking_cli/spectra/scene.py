@@ -35,8 +35,8 @@ class Unit:
 
 
 class Band(NamedTuple):
-    """Rows of a unit with one structure under one motion: A and Omega broadcast to the shape (rows, columns); sharers: the structures of
-    the unit's places, which all have the rotations of this one."""
+    """Rows of a unit with one structure under one motion: A and Omega broadcast to the shape (rows, columns); sharers: the structures at
+    all places of the unit, whose rotations are the same."""
 
     structure: RockingParameters
     motion: Motion
@@ -51,7 +51,7 @@ class Band(NamedTuple):
         return self.shape[0] * self.shape[1]
 
     def cells(self) -> Array:
-        """A, Omega and eta of each cell."""
+        """Return A, Omega and eta of each cell."""
         return np.stack([np.broadcast_to(x, self.shape).ravel() for x in (self.amplitude, self.omega, self.structure.eta)])
 
 
@@ -79,7 +79,7 @@ class Scene(ABC):
     @property
     @abstractmethod
     def segments(self) -> int:
-        """Segments of the motion, of the longest one of several."""
+        """The number of segments of the motion; of several motions the largest number."""
 
     @property
     @abstractmethod
@@ -88,7 +88,7 @@ class Scene(ABC):
 
     @abstractmethod
     def stated(self) -> dict[str, Any]:
-        """The input of the scene but its method, by name."""
+        """The input of the scene by name, without its method."""
 
     @abstractmethod
     def sharing(self) -> list[tuple[int, ...]]:
@@ -96,11 +96,11 @@ class Scene(ABC):
 
     @abstractmethod
     def bands(self, unit: Unit, size: tuple[int, int]) -> Iterator[Band]:
-        """The rows of a unit of (rows, columns), in their order."""
+        """Yield the bands of a unit in the order of their rows; size: (rows, columns) of the unit."""
 
     @abstractmethod
     def frame(self) -> Frame:
-        """The places of the cells, as a file has them."""
+        """The places of the cells, as a spectra file has them."""
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -108,7 +108,7 @@ class Scene(ABC):
         return ()
 
     def cell(self, place: int, row: int, column: int) -> Cell:
-        """One cell."""
+        """Return the cell at these indices on the three dimensions."""
         (band,) = self.bands(Unit((place,), row, column), (1, 1))
         return Cell(band.structure, band.motion, band.amplitude.item(), band.omega.item())
 
@@ -120,11 +120,11 @@ class Scene(ABC):
         return dict(json.loads(json.dumps(stated)))
 
     def only(self, units: Sequence[Unit]) -> Scene:
-        """The scene with only the data that these units need."""
+        """Return the scene with only the data that these units need."""
         return self
 
     def judge_of(self, cell: Cell) -> Outcome | None:
-        """The outcome of a cell under the nonlinear equation; None if the scene does not compare."""
+        """Return the outcome of a cell by the nonlinear equation; None if the scene does not compare the equations."""
         return None
 
     @property
@@ -139,13 +139,13 @@ class Scene(ABC):
         return False
 
     def shares(self, structure: RockingParameters) -> tuple[Any, ...]:
-        """A key: structures with equal keys differ under one motion in restitution only."""
+        """Return a key of a structure. Under one motion, structures with equal keys differ only in restitution."""
         scale = (structure.alpha / structure.a_scale,) if self.weighed else ()
         body = None if self.method.exact else self.method.body_of(structure)  # forces of the linear oscillator are computed afterwards
         return (*self.method.shares(structure), *scale, body)
 
     def runs_with(self, structure: RockingParameters) -> tuple[Any, ...]:
-        """A key: structures with equal keys are computed in one run of the engine under one motion."""
+        """Return a key of a structure. One run of the engine computes all structures with equal keys under one motion."""
         return self.shares(structure)
 
 
@@ -221,7 +221,7 @@ class PulseScene(Scene):
 
 
 def cut_into_units(scene: Scene, chunk: tuple[int, int]) -> Iterator[Unit]:
-    """The units of chunks of (rows, columns), row by row."""
+    """Return the units of work of a scene, row by row; chunk: (rows, columns) of a unit."""
     _, rows, columns = scene.shape
     for group in scene.sharing():
         for row in range(0, rows, chunk[0]):

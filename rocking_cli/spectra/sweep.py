@@ -81,14 +81,14 @@ class SweepOptions:
         return self.workers or (1 if scene.cells < SMALL_SWEEP else available_cpus())
 
     def chunk(self, scene: Scene) -> tuple[int, int]:
-        """(rows, columns) of a unit of work: whole rows if they fit."""
+        """Return (rows, columns) of a unit of work: whole rows if they fit."""
         _, rows, columns = scene.shape
         width = min(columns, self.chunk_cells)
         return min(rows, max(1, self.chunk_cells // width)), width
 
     def quantities_of(self, scene: Scene) -> tuple[str, ...]:
-        """The quantities to compute, in the order of `QUANTITIES`: the requested ones, and those that the scene always has. Raises
-        UsageError if one is not defined for the scene."""
+        """Return the quantities to compute, in the order of `QUANTITIES`: the requested ones, and those that the scene always has. Raises
+        UsageError if the scene does not define one of them."""
         found = tuple(name for name in QUANTITIES if name in (*self.quantities, *scene.quantities))
         if "velocity_ratio" in found and not scene.of_records:
             raise UsageError("quantity velocity_ratio: found the sweep of a pulse; expected a sweep of records")
@@ -123,7 +123,7 @@ def spectrum(
     structures: Sequence[RockingParameters], motion: Motion | HasMotion, grid: Grid | None = None, *, method: Method | None = None,
     **options: Any,
 ) -> Spectrum:  # fmt: skip
-    """The rocking spectrum of structures over a grid, in memory; a record needs none, or one of its peak: parse_grid(..., own_time=True).
+    """Return the rocking spectrum of structures over a grid, in memory. A record needs no grid; parse_grid(..., own_time=True) scales it.
     method: the equation of motion, None for `governing_method`; options: workers, check and quantities of `SweepOptions`. Raises
     UsageError.
 
@@ -139,7 +139,7 @@ def _pulse_scene(structures: Sequence[RockingParameters], motion: Motion, grid: 
 
 
 def spectrum_of(scene: Scene, options: SweepOptions | None = None) -> Spectrum:
-    """The spectrum of a scene, in memory. Raises UsageError."""
+    """Return the spectrum of a scene, in memory. Raises UsageError."""
     options = replace(options or SweepOptions(), impacts=True)
     arrays = {name: np.full(scene.shape, VARIABLES[name].fill, VARIABLES[name].dtype) for name in options.variables_of(scene)}
 
@@ -201,7 +201,7 @@ def write_scene(scene: Scene, path: str | Path, options: SweepOptions | None = N
 
 
 def _packed(names: Sequence[str], chunk: tuple[int, int], block: Block) -> dict[str, bytes]:
-    """The variables of a block as the file stores them; worker processes call this."""
+    """Return the bytes of the variables of a block as the file stores them; worker processes call this."""
     from .file.layout import pack
 
     return {name: pack(block[name], chunk) for name in names}
@@ -222,8 +222,8 @@ def _run(
     scene: Scene, options: SweepOptions, units: Sequence[Unit], keep: Callable[[Unit, Any], None],
     convert: Callable[[Block], Any] | None = None, found: Callable[[Unit], np.ndarray | None] = lambda unit: None,
 ) -> Summary:  # fmt: skip
-    """Compute the units of a shard, and hand the data of each, converted, to `keep` in order. found: the counts of outcomes in a unit that
-    is there already, None for one to compute."""
+    """Compute the units of a shard, and call `keep` with each unit and its converted data, in order. found: returns the counts of outcomes
+    of a unit that a resumed file already has, None for a unit to compute."""
     began, (part, parts) = time.perf_counter(), options.shard or (1, 1)
     there = {unit: found(unit) for unit in units[part - 1 :: parts]}
     todo = [unit for unit, counts in there.items() if counts is None]

@@ -1,4 +1,4 @@
-"""The trust in a sweep: cells computed again by the reference, their condition, and the linear equation beside the nonlinear one.
+"""Checks of a sweep: some cells computed again by the reference, the condition of cells, and a comparison of the two equations.
 
 Half of the cells are drawn at random, half are those of high sensitivity. They depend on the scene alone, not on workers or units.
 """
@@ -35,7 +35,7 @@ _SEED_OF_VALIDITY = 20120925
 
 
 def condition_of(respond: Callable[[Array, Array, Array], Response], amplitude: Array, omega: Array, eta: Array, tolerance: float) -> Array:
-    """Condition of cells (any shape, broadcast): change of max |theta|/alpha over a small relative change of the input,
+    """Return the condition of cells (any shape, broadcast): the change of max |theta|/alpha over a small relative change of the input,
 
         kappa = |d theta/d ln A| + |d theta/d ln Omega| + |d theta/d ln eta|,   theta = max |theta|/alpha        [-]
 
@@ -64,7 +64,7 @@ def default_check(scene: Scene) -> int:
 
 
 def checked_cells(scene: Scene, check: int) -> Array:
-    """(structure, row, column, True if chosen as sensitive) of the cells to check: half of them drawn, half the most sensitive of 128.
+    """Return (structure, row, column, True if chosen as sensitive) of the cells to check: half drawn, half the most sensitive of 128.
     None of a scene with ties or a tendon, which the reference does not know."""
     if any(s.restraints for s in scene.structures):
         check = 0
@@ -76,7 +76,7 @@ def checked_cells(scene: Scene, check: int) -> Array:
 
 
 def sampled_cells(scene: Scene, check: int, seed: int = _SEED) -> Array:
-    """(structure, row, column) of cells drawn without regard to units, among those that uplift."""
+    """Return (structure, row, column) of `check` cells, drawn by chance from all cells that uplift."""
     _, rows, columns = scene.shape
     owners = [group[0] for group in scene.sharing()]
     lifts: dict[int, float] = {}  # the uplift of each structure
@@ -104,7 +104,7 @@ def _drawn(seed: int, count: int, below: tuple[int, ...]) -> Array:
 
 
 def sensitive_cells(scene: Scene, count: int) -> Array:
-    """(structure, row, column) of the cells whose rotation changes most with A, among 128 candidates of the least damped structure."""
+    """Return (structure, row, column) of the `count` cells whose rotation changes most with A, among the 128 of `_candidates`."""
     drawn = _candidates(scene) if count else np.zeros((0, 3), dtype=np.int64)
     if not len(drawn):
         return drawn
@@ -120,7 +120,7 @@ def sensitive_cells(scene: Scene, count: int) -> Array:
 
 
 def _candidates(scene: Scene) -> Array:
-    """At most 128 cells of the least damped structure under one motion: drawn, or one row of one record."""
+    """Return at most 128 cells of the least damped structure under one motion: drawn by chance, or one row of cells of one record."""
     if isinstance(scene, PulseScene):
         liveliest = max((group[0] for group in scene.sharing()), key=lambda i: abs(scene.structures[i].eta))
         drawn = sampled_cells(replace(scene, structures=(scene.structures[liveliest],)), _CANDIDATES, _SEED + 1)
@@ -143,15 +143,15 @@ class Answer(NamedTuple):
 
 
 def reference(scene: Scene, place: Place) -> Answer:
-    """The answer for a cell by the reference, which shares no code with the march."""
+    """Return the answer for a cell by the reference, which shares no code with the march."""
     cell = scene.cell(*place)
     outcome, theta = scene.method.reference_of(cell.structure)(*cell[1:], cell.structure.eta)
     return Answer(outcome, theta, None if outcome == Outcome.FAILED else scene.judge_of(cell))
 
 
 class Verification:
-    """The cells of some units, of `size` rows and columns, that are computed again. sensitive: their places, with True for those chosen for
-    their sensitivity; seen: outcome and theta/alpha of each in the sweep; answers: of the reference."""
+    """The cells of some units, of `size` rows and columns, that the reference computes again. sensitive: their places, with True for a cell
+    chosen for its sensitivity; seen: outcome and theta/alpha of each cell in the sweep; answers: those of the reference."""
 
     def __init__(self, scene: Scene, check: int, chunk: tuple[int, int], units: Sequence[Unit]) -> None:
         (rows, columns), there = chunk, {(unit.places[0], unit.row, unit.column) for unit in units}
@@ -191,7 +191,7 @@ class Verification:
 
 @dataclass(frozen=True)
 class Validity:
-    """Numbers of cells: computed by both equations, with different outcomes, and with a body that falls but stands in the linear one."""
+    """Numbers of cells: computed by both equations; with different outcomes; with a body that falls, but stands by the linear equation."""
 
     sampled: int
     differ: int
@@ -199,8 +199,8 @@ class Validity:
 
 
 def validity(scene: Scene, tolerance: float = 1e-6) -> Validity | None:
-    """The comparison at cells of a linear sweep under a pulse; None if the nonlinear equation holds for none of the structures, or
-    no cell leaves the ground. tolerance: of the nonlinear equation."""
+    """Compare some cells of a linear sweep under a pulse with the nonlinear equation; None if that equation holds for no structure, or if
+    no cell uplifts. tolerance: that of the nonlinear equation."""
     nonlinear = Method("nonlinear", tolerance)
     if not (isinstance(scene, PulseScene) and scene.method.exact):
         return None

@@ -1,7 +1,8 @@
-"""Checksums of all bytes: the digest of a finished file, and the records of a partial one.
+"""Checksums of all bytes: the digest of a finished file, and the records of a partial file.
 
-A digest follows the end of the HDF5 data of a finished file, as a line of JSON and a line with its length. It is over all bytes but the
-chunks, which have checksums of their own. A partial file is a layout, and behind it records, which are only appended: damage costs one.
+The digest follows the HDF5 data of a finished file, as a line of JSON and a line with its length. It covers all bytes except the
+chunks, which have their own checksums. A partial file is a layout followed by records. Records are only appended, so a damaged byte
+spoils one record at most.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ _MAGIC = b"rock"
 
 
 def read(file: BinaryIO, offset: int, length: int) -> bytes:
-    """These bytes of an open file, fewer at its end."""
+    """Return `length` bytes of an open file from an offset; fewer at the end of the file."""
     file.seek(offset)
     pieces = []
     while length > 0 and (piece := file.read(min(length, _BLOCK))):
@@ -46,7 +47,7 @@ def write(file: BinaryIO, offset: int, content: bytes) -> None:
 
 
 def digest(pieces: Iterable[bytes]) -> str:
-    """BLAKE2b of the pieces put together, 64 hexadecimal digits."""
+    """Return BLAKE2b of the joined pieces, 64 hexadecimal digits."""
     found = hashlib.blake2b(digest_size=32)
     for piece in pieces:
         found.update(piece)
@@ -59,7 +60,7 @@ def _digest_of(file: BinaryIO, size: int, ranges: Sequence[tuple[int, int]]) -> 
 
 
 def digest_line(file: BinaryIO, places: Sequence[tuple[int, int]]) -> bytes:
-    """The last lines of a finished file, whose chunks lie at these places (offset, length). Raises ValueError if they overlap."""
+    """Return the last lines of a finished file, with its digest; places: (offset, length) of chunks. Raises ValueError if they overlap."""
     size, end, ranges = file.seek(0, os.SEEK_END), 0, []
     for begin, length in sorted([*places, (size, 0)]):
         if begin < end:
@@ -72,7 +73,7 @@ def digest_line(file: BinaryIO, places: Sequence[tuple[int, int]]) -> bytes:
 
 
 def checked_digest(file: BinaryIO) -> str | None:
-    """The digest at the end of a file, None if there is none. Raises ValueError if the file has changed."""
+    """Return the digest at the end of a file, None without one. Raises ValueError if the file does not agree with it."""
     size = file.seek(0, os.SEEK_END)
     last = _LAST.fullmatch(read(file, max(0, size - _LAST_LENGTH), _LAST_LENGTH))
     begins = size - _LAST_LENGTH - int(last[1]) if last is not None else 0
@@ -116,7 +117,7 @@ class Log:
             raise ValueError("its layout is damaged")
 
     def content(self, index: int) -> bytes:
-        """The content of a record. Raises ValueError where it is damaged, KeyError where there is none."""
+        """Return the content of a record. Raises ValueError if it is damaged, KeyError if it does not exist."""
         raw = read(self.file, *self.places[index])
         if raw != record_of(index, raw[_RECORD.size :]):
             raise ValueError("its checksum does not fit")
@@ -141,12 +142,12 @@ class Log:
 
 
 def record_of(index: int, content: bytes) -> bytes:
-    """A record: its head, and the content."""
+    """Return the bytes of a record: its head, then the content."""
     head = zlib.crc32(struct.pack("<qQ", index, len(content)))
     return _RECORD.pack(_MAGIC, index, len(content), zlib.crc32(content, head)) + content
 
 
 def reason(error: BaseException) -> str:
-    """The message of an error, in one line."""
+    """Return the message of an error in one line."""
     text = str(error.args[0]) if isinstance(error, KeyError) and error.args else str(error)
     return text if " " in text else f"it has no {text!r}"

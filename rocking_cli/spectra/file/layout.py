@@ -36,42 +36,42 @@ CHUNK_TABLES = {
 
 @dataclass(frozen=True)
 class ChunkGrid:
-    """An array that is cut into chunks, counted row by row. Chunks that reach over the edge of the array are filled up with zeros."""
+    """An array cut into chunks, which are numbered row by row. Chunks that reach over the edge of the array are filled up with zeros."""
 
     shape: tuple[int, ...]
     chunk: tuple[int, ...]
 
     @property
     def counts(self) -> tuple[int, ...]:
-        """Chunks along each dimension."""
+        """The number of chunks along each dimension."""
         return tuple(-(-n // c) for n, c in zip(self.shape, self.chunk, strict=True))
 
     @property
     def size(self) -> int:
-        """Chunks in all."""
+        """The number of all chunks."""
         return math.prod(self.counts)
 
     def offset(self, index: int) -> tuple[int, ...]:
-        """The first cell of a chunk."""
+        """Return the indices of the first cell of a chunk."""
         return tuple(int(i) * c for i, c in zip(np.unravel_index(index, self.counts), self.chunk, strict=True))
 
     def index(self, cell: Sequence[int]) -> int:
-        """The chunk that holds a cell."""
+        """Return the number of the chunk that holds a cell."""
         return int(np.ravel_multi_index([i // c for i, c in zip(cell, self.chunk, strict=True)], self.counts))
 
     def extent(self, index: int) -> tuple[slice, ...]:
-        """The cells of a chunk, without the filling at the edge."""
+        """Return the cells of a chunk as slices, without the zeros beyond the edge of the array."""
         return tuple(slice(o, min(o + c, n)) for o, c, n in zip(self.offset(index), self.chunk, self.shape, strict=True))
 
     def within(self, cells: Sequence[slice]) -> Iterator[int]:
-        """The chunks that hold any of these cells (slices with start and stop)."""
+        """Return the numbers of the chunks that hold any of these cells (slices with start and stop)."""
         spans = [range(s.start // c, -(-s.stop // c) if s.stop > s.start else 0) for s, c in zip(cells, self.chunk, strict=True)]
         return (int(np.ravel_multi_index(place, self.counts)) for place in product(*spans))
 
 
 @dataclass(frozen=True)
 class Layout:
-    """All of a spectra file but the results of its cells.
+    """The whole of a spectra file except the results of its cells.
     frame: the places of its cells; chunk: (rows, columns); names: of the variables; scene: the identity of the scene; attributes: others of
     the root, with shard "i/n" for the i-th of n parts, and without shard if any chunks may be missing."""
 
@@ -83,7 +83,7 @@ class Layout:
 
     @property
     def cut(self) -> ChunkGrid:
-        """The cells, cut into chunks."""
+        """The grid of chunks into which the cells are cut."""
         return ChunkGrid(self.frame.shape, (1, *self.chunk))
 
     def image(self) -> bytes:
@@ -126,12 +126,12 @@ def _add_list(group: h5py.Group, name: str, dimension: str, values: Values, dtyp
 
 
 def _encodable(value: Any) -> Any:
-    """The value with bytes that are not UTF-8 escaped, since HDF5 cannot store them."""
+    """Return the value with all bytes that are not UTF-8 escaped, since HDF5 cannot store such bytes."""
     return value.encode("utf-8", "backslashreplace").decode() if isinstance(value, str) else value
 
 
 def pack(block: np.ndarray, shape: tuple[int, ...] | None = None) -> bytes:
-    """A block as HDF5's shuffle and gzip filters store it, filled up with zeros to the shape of a chunk. Workers call this."""
+    """Return the bytes of a block after HDF5's shuffle and gzip filters; zeros fill it up to the shape of a chunk. Workers call this."""
     if shape not in (None, block.shape):
         block = np.pad(block, [(0, n - m) for m, n in zip(block.shape, shape or (), strict=True)])
     planes = np.ascontiguousarray(block).view(np.uint8).reshape(-1, block.dtype.itemsize).T
@@ -139,23 +139,23 @@ def pack(block: np.ndarray, shape: tuple[int, ...] | None = None) -> bytes:
 
 
 def unpack(raw: bytes, dtype: np.dtype, shape: tuple[int, ...]) -> np.ndarray:
-    """The inverse of `pack`, of bytes whose checksum fits."""
+    """Return the block that `pack` has packed; the caller has checked the checksum of the bytes."""
     planes = np.frombuffer(zlib.decompress(raw), dtype=np.uint8).reshape(dtype.itemsize, math.prod(shape))
     return np.ascontiguousarray(planes.T).view(dtype).reshape(shape)
 
 
 def checksum(packed: Packed) -> int:
-    """CRC-32 over the packed variables of a chunk."""
+    """Return the CRC-32 of the packed variables of a chunk."""
     return zlib.crc32(b"".join(packed.values()))
 
 
 def joined(packed: Packed) -> bytes:
-    """The packed variables of a chunk as the record of a partial file: their lengths, and their bytes."""
+    """Return the content of a record of a partial file: the lengths of the packed variables of a chunk, then their bytes."""
     return struct.pack(f"<{len(packed)}Q", *map(len, packed.values())) + b"".join(packed.values())
 
 
 def split(content: bytes, names: Sequence[str]) -> dict[str, bytes]:
-    """The inverse of `joined`."""
+    """Return the packed variables by name from the content that `joined` has made."""
     begin, packed = 8 * len(names), {}
     for name, length in zip(names, struct.unpack(f"<{len(names)}Q", content[:begin]), strict=True):
         packed[name] = content[begin : begin + length]

@@ -1,4 +1,4 @@
-"""Merging of the shards of a sweep: bytes are copied, nothing is computed."""
+"""Merges the shards of a sweep into one file; it copies bytes and computes no cell."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ KEPT = ("history", "documents", "motion", "model", "tolerance")
 
 @dataclass(frozen=True)
 class Merged:
-    """The result of a merge: chunks there, chunks of the whole, the differences of the machines that computed them, and the shards
-    ("2/8") that were not given or are not complete."""
+    """The result of a merge: the number of chunks that are there, the number of the whole sweep, the differences of the machines that
+    computed them, and the shards ("2/8") that are missing or not complete."""
 
     there: int
     whole: int
@@ -73,7 +73,7 @@ def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = 
 
 
 def _missing_shards(files: Sequence[SpectraFile]) -> tuple[str, ...]:
-    """The shards that hold fewer of the chunks than their part; none if the files are parts of different numbers."""
+    """Return the shards that lack some of their chunks, such as "2/8"; none if the files belong to different N."""
     shards = [str(file.attributes.get("shard", "")).partition("/")[::2] for file in files]
     if len({of for _, of in shards}) != 1 or not all(part.isdecimal() and of.isdecimal() for part, of in shards):
         return ()
@@ -84,7 +84,7 @@ def _missing_shards(files: Sequence[SpectraFile]) -> tuple[str, ...]:
 
 
 def _agreed(holders: Sequence[SpectraFile], index: int) -> tuple[SpectraFile, Packed]:
-    """(the first file in which a chunk is intact, the bytes). Raises OutputError if another file has different bytes."""
+    """Return (the first file in which a chunk is intact, its bytes). Raises OutputError if another file has different bytes."""
     intact = [f for f in holders if f.intact(index)]
     first = intact[0] if intact else holders[0]
     packed = first.packed(index)

@@ -30,9 +30,9 @@ UNPACKED = 8  # chunks that are kept as arrays
 
 class SpectraFile(ExitStack[None]):
     """A spectra file, finished or partial, open for reading; a context manager.
-    frame: the places of its cells; structures: parameters as stored; names: of the variables; cut, done: how it is cut, and which chunks
-    are there; attributes: of the root; digest: of a finished file, None of a partial one. Every byte is checked against the digest or a
-    checksum. Raises UsageError if the file cannot be opened, and OutputError if it is no spectra file or has changed."""
+    frame: the places of its cells; structures: parameters as stored; names: those of the variables; cut: the grid of chunks; done: which
+    chunks are there; attributes: those of the root; digest: that of a finished file, None for a partial file. Every byte is checked by
+    the digest or a checksum. Raises UsageError if the file cannot be opened, and OutputError if it is no spectra file or has changed."""
 
     def __init__(self, path: str | Path) -> None:
         super().__init__()
@@ -85,7 +85,7 @@ class SpectraFile(ExitStack[None]):
 
     @property
     def complete(self) -> bool:
-        """True if every chunk is there and the sweep came to its end."""
+        """True if every chunk is there and the sweep has finished."""
         return bool(self.done.all()) and self.digest is not None
 
     @property
@@ -122,11 +122,11 @@ class SpectraFile(ExitStack[None]):
         return True
 
     def outcomes(self, index: int) -> np.ndarray:
-        """The number of cells of a chunk with each outcome. Raises OutputError."""
+        """Return the number of cells of a chunk for each outcome. Raises OutputError."""
         return np.bincount(self._arrays(index)["outcome"].ravel(), minlength=len(Outcome))
 
     def packed(self, index: int) -> Packed:
-        """The stored bytes of a chunk, checked. Raises OutputError."""
+        """Return the stored bytes of a chunk. Raises OutputError if they are damaged."""
         try:
             if self._log is not None:
                 return split(self._log.content(index), self.names)
@@ -139,12 +139,12 @@ class SpectraFile(ExitStack[None]):
             raise OutputError(f"{self.path}: chunk {index} is damaged: {reason(error)}") from None
 
     def _unpacked(self, index: int) -> dict[str, np.ndarray]:
-        """The variables of a chunk, checked, without the filling at the grid's edge. Raises OutputError."""
+        """Return the variables of a chunk, without the zeros beyond the grid's edge. Raises OutputError if the chunk is damaged."""
         cells = tuple(slice(0, s.stop - s.start) for s in self.cut.extent(index))
         return {name: unpack(raw, VARIABLES[name].dtype, self.cut.chunk)[cells] for name, raw in self.packed(index).items()}
 
     def block(self, place: int, rows: slice, columns: slice = slice(None)) -> dict[str, np.ndarray]:
-        """The variables at one place of the first dimension, over a part of the other two; every chunk is checked. Raises OutputError."""
+        """Return the variables at one place of the first dimension, over these rows and columns. Raises OutputError for a damaged chunk."""
         wanted = [slice(*s.indices(n)[:2]) for s, n in zip((slice(place, place + 1), rows, columns), self.frame.shape, strict=True)]
         shape = [max(0, s.stop - s.start) for s in wanted]
         found = {name: np.full(shape, VARIABLES[name].fill, VARIABLES[name].dtype) for name in self.names}
@@ -157,13 +157,13 @@ class SpectraFile(ExitStack[None]):
         return {name: values[0] for name, values in found.items()}
 
     def array(self, name: str) -> np.ndarray:
-        """One variable over all three dimensions, NaN or 0 where it is not computed. Raises OutputError, UsageError."""
+        """Return one variable over all three dimensions, NaN or 0 in cells that are not computed. Raises OutputError, UsageError."""
         if name not in self.names:
             raise UsageError(f"{self.path}: has no variable {name!r}; expected one of {', '.join(self.names)}")
         return np.stack([self.block(i, slice(None))[name] for i in range(self.frame.shape[0])])
 
     def cells(self) -> Iterator[dict[str, Any]]:
-        """Every computed cell as a record: its place on each dimension, in SI units, and the variables."""
+        """Yield a record for every computed cell: its place on each dimension, in SI units, and its variables."""
         (first, places), (second, rows), (third, columns) = (
             (name, values if isinstance(values, list) else values.tolist()) for name, values in self.frame.dimensions.items()
         )
@@ -177,12 +177,12 @@ class SpectraFile(ExitStack[None]):
 
 
 def _within(cells: Sequence[slice], some: Sequence[slice]) -> tuple[slice, ...]:
-    """The places of some cells, counted from the first of all cells."""
+    """Return the slices of `some` cells counted from the first of `cells`."""
     return tuple(slice(s.start - first.start, s.stop - first.start) for s, first in zip(some, cells, strict=True))
 
 
 def _told(name: str, value: np.generic) -> float | int | str | None:
-    """A cell's number as programs read it, None for NaN, or the word of a code."""
+    """Return the value of a cell for JSON: a number, None for NaN, or the word of a code."""
     if (codes := VARIABLES[name].codes) is not None:
         return codes(int(value.item())).flag
     number: float | int = value.item()
@@ -190,12 +190,12 @@ def _told(name: str, value: np.generic) -> float | int | str | None:
 
 
 def _plain(value: Any) -> Any:
-    """An attribute's value as Python has it."""
+    """Return the value of an attribute as a type of Python instead of one of NumPy."""
     return value.tolist() if isinstance(value, np.generic | np.ndarray) else value
 
 
 def _demand_own(group: h5py.Group, name: str) -> None:
-    """Demand that a dataset and its data stand in the file itself. Raises ValueError."""
+    """Raise ValueError if a dataset or its data lie in another file."""
     if not isinstance(group.get(name, getlink=True), h5py.HardLink) or not isinstance(group[name], h5py.Dataset):
         raise ValueError(f"its {name} is not a dataset of its own")
     if group[name].external or group[name].is_virtual:
@@ -203,6 +203,6 @@ def _demand_own(group: h5py.Group, name: str) -> None:
 
 
 def _values(data: h5py.Dataset) -> Values:
-    """A list of numbers or of texts."""
+    """Return the numbers or texts of a dataset."""
     values = data[...]
     return [text.decode() for text in values] if data.dtype.hasobject else values

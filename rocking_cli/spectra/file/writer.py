@@ -32,8 +32,8 @@ _OF_OTHERS = {".csv", ".json", ".jsonl", ".txt", ".tsv", ".xlsx", ".yaml", ".yml
 
 
 def check_output(path: Path, overwrite: bool, resume: bool = False) -> Path:
-    """Refuse an output that cannot or must not be written, before any work is done; the name of its partial file. Raises UsageError,
-    OutputError if it is in use or, with resume, if the file there is damaged."""
+    """Refuse an output that cannot or must not be written, before any work is done, and return the name of its partial file. Raises
+    UsageError, and OutputError if another process writes the output or, with resume, if the file there is damaged."""
     if path.suffix.lower() in _OF_OTHERS:
         raise UsageError(f"{path}: the output is HDF5; found the ending {path.suffix}; give a name such as {path.stem}.h5")
     check_target(path, overwrite=True)
@@ -61,7 +61,7 @@ def _refuse_existing(path: Path, partial: Path | None, overwrite: bool, resume: 
 
 
 def _demand_whole(path: Path) -> None:
-    """Raise OutputError unless a file is a finished spectra file, every chunk of it as it was written."""
+    """Raise OutputError unless a file is a finished spectra file without damage."""
     from .reader import SpectraFile
 
     try:
@@ -75,7 +75,7 @@ def _demand_whole(path: Path) -> None:
 
 
 def _locked(file: BinaryIO) -> bool:
-    """Lock an open file for this process, True also where there are no locks; False where another process has it."""
+    """Lock an open file for this process. Returns False if another process has locked it, True also on a system without locks."""
     try:
         import fcntl
     except ImportError:
@@ -94,7 +94,7 @@ def _locked(file: BinaryIO) -> bool:
 
 
 def _opened(path: Path) -> tuple[BinaryIO, bool]:
-    """(a partial file, opened and locked; True if it is new). Raises OutputError when another process has it, OSError."""
+    """Open and lock a partial file; return (the file, True if it is new). Raises OutputError if another process has locked it, OSError."""
     end = time.monotonic() + PATIENCE
     while time.monotonic() <= end:
         try:
@@ -111,7 +111,7 @@ def _opened(path: Path) -> tuple[BinaryIO, bool]:
 
 
 def _stands(file: BinaryIO, path: Path) -> bool:
-    """True if an open file is the one under this name, so that nobody has removed it meanwhile."""
+    """True if this name still belongs to the open file, so that nobody has removed or replaced it."""
     with suppress(FileNotFoundError):
         return os.path.samestat(os.lstat(path), os.fstat(file.fileno()))
     return False
@@ -119,9 +119,9 @@ def _stands(file: BinaryIO, path: Path) -> bool:
 
 class SpectraWriter:
     """The one writer of a spectra file; a context manager that closes the partial file whatever happens.
-    strict: refuse a partial file that was begun on a machine that computes differently; machines: those whose chunks are written, this one
-    unless given. part: the partial file; done: the finished chunks; resumed: those of an earlier run, with their counts of outcomes;
-    elsewhere: the differences of the machines, empty where they compute alike. Raises UsageError for an output that is refused, OutputError
+    strict: refuse a partial file that was begun on a machine that computes differently; machines: the machines that computed the chunks, by
+    default this one. part: the partial file; done: the finished chunks; resumed: the counts of outcomes in each chunk of an earlier run;
+    elsewhere: the differences of the machines, empty if they compute alike. Raises UsageError for an output that is refused, OutputError
     when the file is in use or cannot be written."""
 
     def __init__(
@@ -148,7 +148,7 @@ class SpectraWriter:
             raise OutputError(f"{self.part}: is not a sweep that can go on ({error}); it is kept, `overwrite` begins anew") from None
 
     def _begin(self, layout: Layout, overwrite: bool, resume: bool, strict: bool) -> None:
-        """Begin the partial file, or go on with it. Raises UsageError, OutputError, OSError, or ValueError for one that cannot go on."""
+        """Begin the partial file, or continue it. Raises UsageError, OutputError, OSError, or ValueError if it cannot be continued."""
         head = read(self.file, 0, len(SIGNATURE))
         if any(head) and head != SIGNATURE:
             raise UsageError(f"{self.part}: is no partial file of this program; move it away, or give another output")
@@ -190,7 +190,7 @@ class SpectraWriter:
         self.file.truncate(self.log.end)
 
     def found(self, unit: Unit) -> np.ndarray | None:
-        """The counts of outcomes in the resumed chunks of a unit; None unless all of them are there."""
+        """Return the counts of outcomes in the resumed chunks of a unit; None unless all chunks of the unit are there."""
         chunks = {self.cut.index((i, unit.row, unit.column)) for i in unit.places}
         return np.sum([self.resumed[i] for i in chunks], axis=0) if chunks <= self.resumed.keys() else None
 
@@ -217,7 +217,7 @@ class SpectraWriter:
         self._remove()
 
     def _copy_into(self, file: BinaryIO, attributes: Mapping[str, Any]) -> None:
-        """Write the HDF5 file: the layout, the chunks that are done, and the digest behind it. Raises OutputError, OSError."""
+        """Write the HDF5 file: the layout, the finished chunks, and the digest at its end. Raises OutputError, OSError."""
         target, places = _Target(file), list[tuple[int, int]]()
         file.write(self.log.image)
         try:
@@ -247,7 +247,7 @@ class SpectraWriter:
         file.write(line)
 
     def discard(self) -> None:
-        """Remove the partial file, if this process made it."""
+        """Remove the partial file if this process has begun it."""
         if self.created:
             self._remove()
 

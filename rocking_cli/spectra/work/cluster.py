@@ -1,4 +1,4 @@
-"""Units of work on a running dask.distributed cluster: workers return arrays, the one writer stays here."""
+"""Units of work on a running dask.distributed cluster: workers return arrays, and this process alone writes the file."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def cluster(job: Job, address: str, tell: Callable[[str], None] | None = None) -
         raise OutputError("`scheduler` needs dask.distributed: pip install 'rocking[distributed]'") from None
 
     def threads() -> int:
-        """The cluster's threads as soon as it has any."""
+        """Return the number of threads of the cluster, once it has one."""
         began = said = time.monotonic()
         while not (found := sum(dict(client.ncores()).values())):
             time.sleep(0.1)

@@ -81,7 +81,7 @@ class Job:
 
     @property
     def together(self) -> int:
-        """The number of units in one batch, which fills the engine's pool; they are one system."""
+        """The number of units in one batch, which fills the pool of the engine; all units of a batch have one system."""
         one_run = len({self.scene.runs_with(structure) for structure in self.scene.structures}) == 1
         if not (one_run and (self.scene.method.exact or self.pooled)):
             return 1
@@ -93,7 +93,7 @@ class Job:
         return self.scene.of_records and self.quantities == ("velocity_ratio",)
 
     def answer(self, item: Item) -> list[Report] | Answer:
-        """The reports of some units, or the reference of a cell."""
+        """Return the reports of some units, or the reference answer for a cell."""
         return self.run(item) if isinstance(item, list) else reference(self.scene, item)
 
     def run(self, units: Sequence[Unit]) -> list[Report]:
@@ -124,7 +124,7 @@ class Job:
         return [self.report(unit, [found[id(band)] for band in own], w) for unit, own, w in zip(units, bands, works, strict=False)]
 
     def under_records(self, batch: Sequence[Band], cells: np.ndarray) -> tuple[Block, Work]:
-        """(the variables of all cells (A, Omega, eta) of bands of one system under several records, the work)."""
+        """Return (the variables of all cells (A, Omega, eta), the work) for bands of one system under several records."""
         counts, structures = [band.size for band in batch], [band.structure for band in batch]
         system = self.scene.method.system_of_cells(structures, counts)._replace(body=None, own=())
         numbers: dict[int, int] = {}
@@ -135,7 +135,7 @@ class Job:
         return {"theta_ratio": got.theta_ratio, "outcome": got.outcome, "impacts": got.impacts, "velocity_ratio": rate}, got.work
 
     def together_of(self, batch: Sequence[Band], cells: np.ndarray) -> tuple[Block, Work]:
-        """(the variables of all cells (A, Omega, eta) of bands under one motion, the work)."""
+        """Return (the variables of all cells (A, Omega, eta), the work) for bands under one motion."""
         method, motion, counts, structures = self.scene.method, batch[0].motion, [b.size for b in batch], [b.structure for b in batch]
         system = method.system_of_cells(structures, counts)
         if method.exact and not self.forces:
@@ -168,7 +168,7 @@ class Job:
         return {"theta_ratio": got.theta_ratio, "outcome": got.outcome, "impacts": got.impacts, **beside}, got.work
 
     def _standing(self, structure: RockingParameters, motion: Motion, cells: np.ndarray, block: Block) -> Block:
-        """The block of one of the structures that share it, with its own lost contact."""
+        """Return the block of one structure among those that share rotations, with the lost contact of this structure."""
         doubtful, system = block["outcome"].ravel() == Outcome.ROCKED, self.scene.method.system_of(structure)
         theta_ratio, fastest = (block[name].ravel() if name in block else None for name in ("theta_ratio", "velocity_ratio"))
         gone = that_left_the_ground(system, motion, (cells[0], cells[1], cells[2]), doubtful, theta_ratio, fastest)
@@ -180,7 +180,7 @@ class Job:
         return block
 
     def report(self, unit: Unit, bands: Sequence[Sequence[Block]], work: Work) -> Report:
-        """The report of a unit of these bands, each with its block at all places of the unit."""
+        """Return the report of a unit, from the block of each of its bands at all places of the unit."""
         places = [_joined(blocks) for blocks in zip(*bands, strict=True)]
         data = {key: self.convert(block) if self.convert else block for key, block in {id(x): x for x in places}.items()}
         outcomes = np.sum([np.bincount(block["outcome"].ravel(), minlength=len(Outcome)) for block in places], axis=0)
@@ -188,7 +188,7 @@ class Job:
         return Report(tuple(data[id(x)] for x in places), work, outcomes, len(places) * differences, self.seen(unit, places[0]))
 
     def seen(self, unit: Unit, block: Block) -> dict[Place, tuple[int, float]]:
-        """Outcome and theta/alpha of the cells to check in this unit."""
+        """Return outcome and theta/alpha of the cells to check in this unit."""
         found = {}
         for i, row, column in self.checked:
             r, c = row - unit.row, column - unit.column
@@ -198,7 +198,7 @@ class Job:
 
 
 def _joined(blocks: Sequence[Block]) -> Block:
-    """The rows of several blocks as one block; the same object for one block, which several places often share."""
+    """Join the rows of several blocks to one block; a single block is returned itself, since several places often share it."""
     return blocks[0] if len(blocks) == 1 else {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
 
 
@@ -208,7 +208,7 @@ Crew = AbstractContextManager[tuple[Run, int]]
 
 @contextmanager
 def local_crew(job: Job, workers: int) -> Iterator[tuple[Run, int]]:
-    """A crew of this process, or of `workers` others. Raises OutputError when one of them dies."""
+    """Context of a crew: this process alone, or `workers` other processes. Raises OutputError when a worker dies."""
     if workers == 1:
         yield partial(map, job.answer), 1
         return
@@ -217,7 +217,7 @@ def local_crew(job: Job, workers: int) -> Iterator[tuple[Run, int]]:
 
 
 def unit_reports(job: Job, units: Sequence[Unit], crew: Crew, verification: Verification) -> Iterator[tuple[Unit, Report]]:
-    """The reports of the units, in their order; after the last one the verification has all it compares."""
+    """Yield the reports of the units, in their order; after the last one `verification` has all its answers."""
     with crew as (run, at_once):
         size = max(1, min(job.together, -(-len(units) // at_once)))
         batches = [list(units[i : i + size]) for i in range(0, len(units), size)]

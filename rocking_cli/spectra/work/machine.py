@@ -62,13 +62,13 @@ def described(machine: Mapping[str, Any]) -> str:
 
 
 def together(lists: Sequence[Sequence[Mapping[str, Any]]]) -> list[dict[str, Any]]:
-    """All machines of several lists, each once."""
+    """Return all machines of several lists, each one once."""
     every = [dict(m) for machines in lists for m in machines]
     return [m for i, m in enumerate(every) if m not in every[:i]]
 
 
 def unlike(machines: Sequence[Mapping[str, Any]]) -> str:
-    """The differences of several machines, by name and value; empty if they compute alike."""
+    """Return the differences of several machines, by name and value; empty if the machines compute alike."""
     found = {
         key: dict.fromkeys(" ".join(v) if isinstance(v := m.get(key, "unknown"), list) else str(v) for m in machines)
         for key in dict.fromkeys(key for m in machines for key in m)
