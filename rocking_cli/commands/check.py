@@ -146,7 +146,7 @@ def check(
     if opposite:
         fallen = dict.fromkeys(name for name, outcome in opposite if outcome.falls)
         names, does = ", ".join(fallen or dict.fromkeys(name for name, _ in opposite)), "overturns" if fallen else "does not overturn"
-        note(f"the opposite direction (--scale -1) may have another outcome: it {does} {names}")
+        note(f"the opposite direction (--scale -1), which may differ for unequal sides: {does} {names}")
     if not (verdict_only or is_quiet()) and (remark := _of_an_inset(told, demands, a_max)):
         note(remark)
     width = " or ".join(dict.fromkeys(narrowest(shake) for shake, _ in shakes))
