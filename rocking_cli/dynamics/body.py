@@ -6,11 +6,11 @@ centre gives
     s Fx/(m g) = s xg''/g + kappa (u'' cos z + u'^2 sin z),   Fz/(m g) = w + kappa (u'' sin z - u'^2 cos z)
 
 Every arc that does not overturn the body begins or ends at rest, at a peak. With P the strongest |xg''|/g and u_m the largest u, the
-energy over what is left to a peak, or what has been passed since one, bounds the speed at u by
+energy on the way to that peak, or on the way back from it, bounds the speed at u by
 
     u'^2 <= 2 int_u^u_m (w_+ sin z + P cos z) du        (linear: w_+ z + P; with damping u' <= 2 zeta u_m + sqrt((2 zeta u_m)^2 + that))
 
-and the speed bounds Fz from below. `observers.contact_loss` follows the bodies for which this proves nothing.
+and the speed bounds Fz from below. `observers.contact_loss` follows the bodies for which this bound does not prove Fz > 0.
 """
 
 from __future__ import annotations
@@ -25,17 +25,17 @@ from .contacts.contact import Contact
 from .drive import segment_value, summed
 from .lanes import Array, Lanes
 
-_PARTS = 32  # of the path from the ground to the peak; on each the bound takes the worst of every term
-_PUSHES = np.geomspace(1e-2, 1e2, 256)  # [g] that are tried
+_PARTS = 32  # parts of the path from the ground to the peak; on each part the bound takes the worst value of every term
+_PUSHES = np.geomspace(1e-2, 1e2, 256)  # pushes [g] for which the proof is tried
 _TURNS, _STEPS = 2.0, 64  # largest rotation over alpha for which pushes are tabulated, and the number of steps up to it
 FAR = 100.0  # rotation [rad] beyond which no forces are computed: the body has left the ground
 _LOWEST = -0.5 * np.pi  # least z for which the bound is computed
-_TRIALS = 4  # of the time that a bouncing lasts
+_TRIALS = 4  # iterations for the time that a sequence of impacts lasts
 
 
 class Edge(NamedTuple):
-    """The numbers of an edge, floats or arrays over lanes: alpha [rad]; kappa = m R^2/I [-]; unit, u of y = 1 [rad]; uplift,
-    lambda of the equation [-]."""
+    """Numbers of one edge of the base, floats or arrays over lanes: alpha [rad]; kappa = m R^2/I [-]; unit, the u of y = 1 [rad]; uplift,
+    the static uplift acceleration lambda of the equation [-]."""
 
     alpha: Any
     kappa: Any
@@ -44,10 +44,10 @@ class Edge(NamedTuple):
 
 
 class Body(NamedTuple):
-    """A rigid body: alpha [rad], kappa = m R^2/I [-] and a_scale [-] (1 unless given) of its edges, right and left, or one if they are
-    alike; linear: True for the linear equation; damping: zeta [-]; one_sided: True if it stands on its right edge only. Pushes are a_scale
-    times the ground acceleration: under them the linear equation and Fz are those of a_scale 1. Fx needs the ground's own
-    (`moves_with_the_ground`)."""
+    """A rigid body. alpha [rad], kappa = m R^2/I [-], a_scale [-] (1 unless given): one value for each edge, right and left, or a single
+    value if the edges are alike; linear: True for the linear equation; damping: zeta [-]; one_sided: True if the body stands on its right
+    edge only. A push is a_scale times the ground acceleration; under a push the linear equation and Fz are those of a_scale 1. Fx needs the
+    ground acceleration itself (`moves_with_the_ground`)."""
 
     alpha: tuple[float, ...]
     kappa: tuple[float, ...]
@@ -58,12 +58,12 @@ class Body(NamedTuple):
 
     @property
     def moves_with_the_ground(self) -> bool:
-        """True if pushes are the ground's own, so that Fx is known."""
+        """True if every push equals the ground acceleration (a_scale 1), so that Fx is known."""
         return all(scale == 1.0 for scale in self.a_scale)
 
     @property
     def alike(self) -> bool:
-        """True if one edge stands for both, or is the only one."""
+        """True if the body has one set of edge numbers: both edges are equal, or there is only one edge."""
         return len(self.alpha) == 1
 
     @property
@@ -79,7 +79,7 @@ class Body(NamedTuple):
         return Edge(*(np.where(side > 0.0, right, left) for right, left in zip(*self.edges, strict=True)))
 
     def pull(self, edge: Edge) -> Any:
-        """-u'' just above the ground, where the weight m g alone acts: how fast the body is pulled back."""
+        """-u'' just above the ground under the weight m g alone, without a push."""
         return edge.alpha if self.linear else np.sin(edge.alpha)
 
     def lifting(self, edge: Edge, push: Array | float, weight: Array | float) -> Any:
@@ -87,12 +87,12 @@ class Body(NamedTuple):
         return (push if self.linear else push * np.cos(edge.alpha)) - weight * self.pull(edge)
 
     def fall(self, edge: Edge, u: Array) -> Array:
-        """The growth of u'^2 from u to the impact on still ground, undamped."""
+        """Returns by how much u'^2 grows on the way down from u to the impact, on still ground, undamped."""
         z = edge.alpha - u
         return edge.alpha**2 - z * z if self.linear else 2.0 * (np.cos(z) - np.cos(edge.alpha))
 
     def square_at_ground(self, edge: Edge, y: Array, v: Array) -> Array:
-        """u'^2 at the impact on still ground of bodies at y, v [units of the edge], undamped."""
+        """Returns u'^2 at the next impact of bodies that are now at y, v [units of the edge], on still ground, undamped."""
         return (edge.unit * v) ** 2 + self.fall(edge, edge.unit * y)
 
     def top(self, edge: Edge, square: Array) -> Array:
@@ -102,8 +102,8 @@ class Body(NamedTuple):
         return edge.alpha - np.arccos(np.minimum(np.cos(edge.alpha) + 0.5 * square, 1.0))
 
     def pressed(self, edge: Edge, push: Array, turn: Array, sway: Array | float = 0.0, fastest: Array | float = np.inf) -> Array:
-        """True where Fz > 0 is proved for pushes up to `push` [g] of either sign, |theta| up to `turn` and u' up to `fastest` [rad], and
-        weights of 1 -+ sway."""
+        """True where Fz > 0 is proved for every push up to `push` [g] of either sign, |theta| up to `turn` [rad], u' up to `fastest` [rad],
+        and weights over m g from 1 - sway to 1 + sway."""
         light, heavy, alpha = 1.0 - sway, 1.0 + sway, edge.alpha
         lowest = alpha - turn
         kept = (light > 0.0) & (lowest >= _LOWEST)
@@ -127,10 +127,10 @@ class Body(NamedTuple):
 
 @lru_cache(maxsize=256)
 def safe_push(body: Body, edge: int, ratio: float) -> float:
-    """The push [g] on an edge up to which Fz > 0 is proved if the body does not overturn; ratio: largest |w - 1| over the push."""
+    """The largest push [g] on an edge for which Fz > 0 is proved if the body does not overturn; ratio: largest |w - 1| over the push."""
     sway = ratio * _PUSHES
     with np.errstate(all="ignore"):
-        slope = np.where(sway < 1.0, _PUSHES / (1.0 - sway), np.inf)  # at most to the equilibrium of this inward push
+        slope = np.where(sway < 1.0, _PUSHES / (1.0 - sway), np.inf)  # without overturning u stays below the equilibrium
         turn = body.alpha[edge] + (slope if body.linear else np.arctan(slope))
         kept = body.pressed(body.edges[edge], _PUSHES, turn, sway)
     return float(np.append(0.0, _PUSHES)[int(np.argmin(np.append(kept, False)))])
@@ -138,7 +138,7 @@ def safe_push(body: Body, edge: int, ratio: float) -> float:
 
 @lru_cache(maxsize=256)
 def safe_pushes(body: Body, edge: int, ratio: float) -> tuple[float, Array]:
-    """(step [rad], the same pushes if the rotation is known to be at most its multiples and, last, of any rotation)."""
+    """(step [rad], pushes as of `safe_push` for rotations up to 0, 1, 2 ... steps and, as the last one, for any rotation)."""
     least = safe_push(body, edge, ratio)
     turns = np.linspace(0.0, _TURNS * body.alpha[edge], _STEPS)
     pushes = max(least, float(_PUSHES[0])) * np.geomspace(1.0, 1e2, _STEPS)
@@ -158,13 +158,13 @@ class Shaking(NamedTuple):
 
 
 class Ground:
-    """The ground of a motion under a rigid body: its push and weight along the march, and how long a bouncing lasts under them."""
+    """The moving ground under a rigid body: it returns push and weight along the march, and how long a sequence of impacts lasts."""
 
     def __init__(self, body: Body, segments: Segments) -> None:
         self.body, self.segments = body, segments
 
     def shaking(self, lanes: Lanes, h: Array) -> Shaking:
-        """After h [tau] on the present side of lanes, by the closed form of the piece that they are in."""
+        """Push and weight h [tau] after the present instant of lanes, on their present side and in their present closed form."""
         phase = lanes.u + lanes.omega * h
         outward = -lanes.side * lanes.amplitude * self.body.on(lanes.side).uplift
         push, push_slope = value_and_slope(self.segments, lanes.k, phase)
@@ -176,7 +176,7 @@ class Ground:
         return Shaking(outward * push, outward * lanes.omega * push_slope, 1.0 + sway * rise, sway * lanes.omega * rise_slope)
 
     def bouncing_lasts(self, lanes: Lanes, contact: Contact) -> Array:
-        """The time [tau] that lanes just after an impact bounce, under the drive half way, at most to the end of their segment."""
+        """The time [tau] until lanes just after an impact stop bouncing, for the drive halfway there; at most to the end of the segment."""
         here = self.body.on(lanes.side)
         room, trial = (self.segments.length[lanes.k] - lanes.u) / lanes.omega, lanes.take(np.arange(lanes.cell.size))
         lasts = np.zeros(lanes.cell.size)
@@ -188,6 +188,6 @@ class Ground:
 
 
 def value_and_slope(segments: Segments, k: Array, phase: Array) -> tuple[Array, Array]:
-    """s and its slope by the phase."""
+    """s and ds/dphase, at this phase of segment k."""
     change, _, cos = segment_value(segments, k, phase)
     return segments.s_start[k] + change, summed(segments.frequency.take(k, axis=1) * cos) + segments.slope[k]

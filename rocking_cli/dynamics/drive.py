@@ -14,8 +14,8 @@ from ..motions.motion import Near
 from ..motions.segments import Segments
 from .lanes import Array, Lanes
 
-_SHORT = 3e-6  # of every scale of the drive: after a step of Halley's method this short the error is below rounding
-_ROUNDING = 1e-13  # of the terms that an integral over a segment is summed from
+_SHORT = 3e-6  # a step relative to every scale of the drive: after a step of Halley's method this short the error is below rounding
+_ROUNDING = 1e-13  # rounding error over the terms that an integral over a segment is summed from
 _SURELY = 1.0 - 1e-9
 _LEAST_SQUARE = 1e-300  # for R^2 - x^2, which rounding may make 0 or less at an extremum of the sinusoid
 
@@ -23,7 +23,7 @@ _LEAST_SQUARE = 1e-300  # for R^2 - x^2, which rounding may make 0 or less at an
 def crossing(segments: Segments, k: Array, level: Array) -> Array:
     """Phase u in segment k where s = level, for lanes whose level lies between the segment's end values."""
     length = segments.length[k]
-    if not segments.harmonics:  # a ramp, or a level that is met throughout
+    if not segments.harmonics:  # a ramp, or a constant s
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.clip(np.nan_to_num((level - segments.s_start[k]) / segments.slope[k]), 0.0, length)
     if segments.harmonics != 1 or segments.sloped:
@@ -46,7 +46,7 @@ def crossing(segments: Segments, k: Array, level: Array) -> Array:
 
 
 def summed(rows: Array) -> Array:
-    """Sum of (terms, lanes) over the terms in their order: NumPy's own order depends on the number of lanes."""
+    """Sum of the terms in their order, from (terms, lanes) to (lanes,): the order of NumPy's own sum depends on the number of lanes."""
     total = rows[0].copy() if len(rows) else np.zeros(rows.shape[1:])
     for row in rows[1:]:
         total += row
@@ -75,12 +75,12 @@ def segment_value(segments: Segments, k: Array, u: Array) -> tuple[Array, Array,
 
 
 def drive_change(segments: Segments, k: Array, u: Array) -> Array:
-    """s - s(segment start) alone at phase u of segment k."""
+    """s - s(segment start) at phase u of segment k, without the sine and cosine parts."""
     return segment_value(segments, k, u)[0] if segments.table is None else segments.table.near(k, u).change
 
 
 def _near(segments: Segments, k: Array, u: Array) -> Near:
-    """The drive and its derivatives about phase u of segment k."""
+    """The drive and its derivatives at phase u of segment k."""
     if segments.table is not None:
         return segments.table.near(k, u)
     change, sin, cos = segment_value(segments, k, u)
@@ -89,8 +89,8 @@ def _near(segments: Segments, k: Array, u: Array) -> Near:
 
 
 def _bracketed_crossing(segments: Segments, k: Array, level: Array, length: Array) -> Array:
-    """The crossing on a monotone segment of any shape: Halley's method inside a bracket that only shrinks. A step leaves an error of its
-    third power over the square of the distance at which the rate changes, 2 |rate/second derivative|."""
+    """The phase at which a monotone segment of any shape meets a level: Halley's method inside a bracket that only shrinks. A step leaves
+    an error of the third power of the step over the square of the distance at which the rate changes, 2 |rate/second derivative|."""
     low, high = np.zeros_like(length), length.copy()
     start, end = segments.s_start[k], segments.s_end[k]
     share = np.clip((level - start) / np.where(end == start, 1.0, end - start), 0.0, 1.0)
@@ -118,7 +118,7 @@ def _bracketed_crossing(segments: Segments, k: Array, level: Array, length: Arra
 
 
 def place(segments: Segments, k: Array, u: Array) -> tuple[Array, Array]:
-    """The same position with the phase inside its segment; k is the number of segments at the end of the motion."""
+    """The same position, written so that the phase lies inside its segment; k is the number of segments at the end of the motion."""
     k, u, over = k.copy(), u.copy(), np.arange(k.size)
     while over.size:
         over = over[k[over] < len(segments)]
@@ -131,7 +131,7 @@ def place(segments: Segments, k: Array, u: Array) -> tuple[Array, Array]:
 
 
 def phase_between(segments: Segments, k: Array, u: Array, to_k: Array, to_u: Array) -> Array:
-    """Phase from one position to a later one, summed over whole segments so that 10^4 cycles lose no digits."""
+    """Phase from one position to a later one. Whole segments between them are summed, so that 10^4 cycles lose no digits."""
     phase, at, behind = to_u - u, k.copy(), np.flatnonzero(k < to_k)
     while behind.size:
         phase[behind] += segments.length[at[behind]]
@@ -142,8 +142,8 @@ def phase_between(segments: Segments, k: Array, u: Array, to_k: Array, to_u: Arr
 
 class ImpulseAhead(NamedTuple):
     """int |s| dphi to the end of a motion of sinusoids, which bounds overturning (Lemma 9); arrays over segments. zero: the phase at which
-    s changes its sign in a segment, 0 if it does not; sign: of s after that; turn, last: an antiderivative of s at `zero` and at the
-    segment's end; later: the integral after the segment, with room for rounding."""
+    s changes its sign in a segment, 0 if it does not; sign: the sign of s after `zero`; turn, last: an antiderivative of s at `zero` and at
+    the end of the segment; later: the integral after the segment, with room for rounding."""
 
     segments: Segments
     zero: Array
@@ -154,7 +154,7 @@ class ImpulseAhead(NamedTuple):
 
     @classmethod
     def of(cls, segments: Segments) -> Self:
-        """The integral of a motion."""
+        """Build the integral for the segments of a motion."""
         k = np.arange(len(segments))
         changes = segments.s_start * segments.s_end < 0.0
         zero = np.where(changes, crossing(segments, k, np.zeros(k.size)), 0.0)
@@ -176,7 +176,7 @@ class ImpulseAhead(NamedTuple):
         return found
 
     def cannot_overturn(self, lanes: Lanes) -> Array:
-        """True for lanes at y = 0 that nothing to come overturns: |v| + A int |s| dphi/Omega < 1 (Lemma 9)."""
+        """True for lanes at y = 0 that the rest of the motion cannot overturn: |v| + A int |s| dphi/Omega < 1 (Lemma 9)."""
         return lanes.amplitude * self.after(lanes.k, lanes.u) < _SURELY * (1.0 - np.abs(lanes.v)) * lanes.omega
 
 

@@ -1,4 +1,4 @@
-"""Lanes of the march, the state of many rocking bodies as arrays of one length; and the drive of each cell on its sides."""
+"""`Lanes` holds the state of many rocking bodies as arrays of one length; `Cells` holds the drive of each cell on each side."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ Extended = TypeVar("Extended", bound="Arrays")
 
 @dataclass
 class Arrays:
-    """Base of dataclasses of lanes. A field is an array whose last axis holds the lanes, another such record, or a value of all lanes."""
+    """Base of records of lanes. A field is an array with the lanes on its last axis, another such record, or one value for all lanes."""
 
     def take(self, at: Array | slice) -> Self:
-        """These lanes alone: copies of their numbers if `at` holds indices, views if it is a slice."""
+        """Returns a record with these lanes only: copies if `at` holds indices, views if it is a slice."""
         return type(self)(*[_taken(getattr(self, name), at) for name in self.__dataclass_fields__])
 
     def put(self, places: Array, others: Self) -> None:
@@ -26,7 +26,7 @@ class Arrays:
             getattr(self, name)[places] = getattr(others, name)
 
     def extended(self, kind: type[Extended], **more: Array) -> Extended:
-        """These lanes as a record of a subclass, with the values of its own fields."""
+        """Returns these lanes as a record of a subclass, which takes the values of its additional fields from the arguments."""
         return kind(**vars(self), **more)
 
     @classmethod
@@ -65,10 +65,10 @@ class Cells(NamedTuple):
 
 @dataclass
 class Lanes(Arrays):
-    """One body a lane. The side is stored, never inferred from a sign. cell: index of the cell; amplitude, omega, eta: of the present side
-    (`Cells`); k, u: segment of the motion and phase in it; side: +1 or -1; y, v: displacement in the unit of the side and its derivative by
-    the tau of the side; b: the force y'' + 2 zeta y'; peak: largest y at a turning point so far, in the unit of the present side; impacts,
-    steps: numbers so far."""
+    """The state of rocking bodies, one body a lane. The side is stored, never inferred from a sign. cell: index of the cell; amplitude,
+    omega, eta: as `Cells` has them for the present side; k, u: segment of the motion and phase in it; side: +1 or -1; y, v: displacement in
+    the unit of the side, and dy/dtau with the tau of the side; b: the force y'' + 2 zeta y'; peak: largest y at a turning point so far, in
+    the unit of the present side; impacts, steps: how many the lane has had so far."""
 
     cell: Array
     amplitude: Array

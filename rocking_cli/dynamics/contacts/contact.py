@@ -1,4 +1,4 @@
-"""The contact with the ground: where a body lifts off, the result of an impact, and the outcome of the free motion.
+"""The contact with the ground: it decides where a body lifts off, what an impact does, and how the free motion ends.
 
 `Symmetric`, `Unequal` and `OneSided` are the contacts; `Contact` holds their common part.
 """
@@ -20,7 +20,7 @@ from .sequences import OtherSide, sequence_ends, sequence_time
 
 
 class Uplift(NamedTuple):
-    """Uplifts of bodies at rest: segment (the number of segments if there is none), phase, side, force."""
+    """The next uplift of bodies at rest: segment k (the number of segments if nothing lifts the body), phase u in it, side, force b."""
 
     k: Array
     u: Array
@@ -29,7 +29,7 @@ class Uplift(NamedTuple):
 
 
 class FreeMotion(NamedTuple):
-    """Outcome of the free motion: overturns before or after an impact; the largest y to come, NaN if the body overturns."""
+    """Outcome of the free motion: overturns without a further impact, or after one; largest y to come, NaN if the body overturns."""
 
     overturns: Array
     overturns_after_impact: Array
@@ -44,30 +44,30 @@ class Contact(ABC):
 
     @abstractmethod
     def cells(self, equation: Equation, amplitude: Array, omega: Array, eta: Array) -> Cells:
-        """The drive of each cell on its sides, from A, Omega and eta (each (cells,)). Raises ValueError if an eta is out of range."""
+        """Returns the drive of each cell on each side, from A, Omega, eta (each (cells,)). Raises ValueError if an eta is out of range."""
 
     @abstractmethod
     def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
-        """Impact with velocity v <= 0 and force b, of the weight m g: set the new side, velocity and force (Eq. 2.6) of the lanes."""
+        """Apply an impact with velocity v <= 0 and force b under the weight m g: set side, velocity, force of the lanes (Eq. 2.6)."""
 
     @abstractmethod
     def other_side(self, lanes: Lanes) -> OtherSide | None:
-        """The side on which lanes land at their next impact; None for the same side."""
+        """Returns the side on which lanes land at their next impact; None if they land on the same side again."""
 
     def strongest(self, cells: Cells, segments: Segments, first: Array | int = 0) -> Array:
-        """The strongest drive of each cell from segment `first` on over its value at uplift: above 1 the body lifts off, (cells,)."""
+        """The strongest drive of each cell from segment `first` on, over the drive at uplift, (cells,). Above 1 the body lifts off."""
         return np.maximum(cells.amplitude[0] * -segments.later_min[first], cells.amplitude[-1] * segments.later_max[first])
 
     def uplift(self, cells: Cells, segments: Segments, cell: Array, k: Array, u: Array) -> Uplift:
-        """The first uplift of bodies at rest at (k, u), on to either edge."""
+        """The first uplift of bodies that rest at (k, u), onto either edge."""
         return first_uplift(segments, k, u, cells.amplitude[0, cell], cells.amplitude[-1, cell])
 
     def turn(self, cells: Cells, lanes: Lanes, at: Array, side: Array) -> None:
-        """Put the lanes of these indices on a side: their numbers become those of the side, in its units."""
+        """Put the lanes of these indices on a side; their numbers then have the values and units of this side."""
         lanes.side[at] = side
 
     def speed(self, side: Array, rate: Array) -> Array:
-        """d(|theta|/alpha)/dtau on these sides, restated with the alpha and p of the reference, as A, Omega and results are."""
+        """Convert rates d(|theta|/alpha)/dtau on these sides to the alpha and p of the reference edge, as A and Omega are."""
         return rate
 
     def sequence_ends(self, segments: Segments, lanes: Lanes, equation: Equation) -> Array:
@@ -75,11 +75,11 @@ class Contact(ABC):
         return sequence_ends(segments, lanes, equation, self.other_side(lanes))
 
     def sequence_time(self, lanes: Lanes, weight: Array | float = 1.0) -> Array:
-        """Duration [tau of their side] of the sequence of impacts under the drive and the weight of now; 0 if it does not end."""
+        """How long the sequence of impacts lasts [tau of the side] if drive and weight stay as they are now; 0 if it does not end."""
         return sequence_time(lanes, self.other_side(lanes), weight)
 
     def free_motion(self, equation: Equation, lanes: Lanes, at: Array, y: Array, v: Array) -> FreeMotion:
-        """Outcome of undamped lanes of these indices, at y >= 0 and v when the shaking is over (Lemma 8, Eq. 2.7)."""
+        """Outcome of undamped lanes `at` that have y >= 0 and velocity v when the shaking ends (Lemma 8, Eq. 2.7)."""
         lanes = lanes.take(at)
         other, here = self.other_side(lanes), equation.on(lanes.side, lanes.cell)
         there, back, unit = (here, lanes.eta, 1.0) if other is None else (equation.on(-lanes.side, lanes.cell), other.back, other.rotation)
@@ -93,9 +93,9 @@ class Contact(ABC):
 
 
 def first_uplift(segments: Segments, k: Array, u: Array, right: Array, left: Array) -> Uplift:
-    """First instant at or after (k, u) that lifts bodies at rest: -right s > 1 on to their right edge, left s > 1 on to their left. right,
-    left: amplitudes in units of each edge's uplift, 0 for an edge that does not exist. The force is 0 there unless the drive jumps. If the
-    weight varies each edge has an effective motion of its own, and the earlier uplift counts."""
+    """First instant at or after (k, u) that lifts bodies at rest: -right s > 1 lifts them onto the right edge, left s > 1 onto the left.
+    right, left: amplitudes in units of each edge's uplift, 0 for an edge that does not exist. The force is 0 at uplift unless the drive
+    jumps. If the weight varies, each edge has its own effective motion, and the earlier uplift counts."""
     if (weighed := segments.weighed) is not None:
         one = first_uplift(weighed.right, k, u, right, np.zeros_like(right))
         other = first_uplift(weighed.left, k, u, np.zeros_like(left), left)
@@ -135,34 +135,34 @@ def first_uplift(segments: Segments, k: Array, u: Array, right: Array, left: Arr
 
 
 class Symmetric(Contact):
-    """Two equal edges: an impact puts the body on the other one with eta times its speed (Eq. 2.6), eta within [0, 1], of each cell."""
+    """Two equal edges: an impact puts the body on the other edge with eta times its speed (Eq. 2.6). Each cell has an eta, in [0, 1]."""
 
     alike = True
 
     def cells(self, equation: Equation, amplitude: Array, omega: Array, eta: Array) -> Cells:
-        """One row for both sides."""
+        """Returns one row, which holds for both sides."""
         if not np.all((eta >= 0.0) & (eta <= 1.0)):
             raise ValueError("eta must be within [0, 1]")
         return Cells((amplitude / equation.uplift_amplitude)[None], omega[None], eta[None])
 
     def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
-        """The side flips, and with it the sign of the drive."""
+        """Reverse the side, and with it the sign of the drive."""
         lanes.side = -lanes.side
         lanes.v = -lanes.eta * v
-        lanes.b = -2.0 - b  # b = -1 + a at y = 0, and a changes sign
+        lanes.b = -2.0 - b  # b = -1 + a at y = 0, and a changes its sign
 
     def other_side(self, lanes: Lanes) -> OtherSide:
-        """The other side is like this one."""
+        """Returns the other side, whose numbers equal those of this one."""
         return OtherSide(1.0, 1.0, lanes.eta, lanes.eta, 1.0)
 
 
 class OneSided(Contact):
     """A body that is free for theta > 0 only, on its right edge: a facade against transverse walls (Sorrentino et al. 2011). At theta = 0
-    it hits its backing and returns on the same side with e times its speed; eta is e, within (-1, 0], of each cell. It lifts off only
-    outwards, and an inward drive presses it to its backing."""
+    it hits its backing and returns on the same side with e times its speed; the eta of each cell is e, within (-1, 0]. It lifts off
+    outwards only; an inward drive presses it against its backing."""
 
     def cells(self, equation: Equation, amplitude: Array, omega: Array, eta: Array) -> Cells:
-        """One row, of the right edge; the lanes' eta is -e."""
+        """Returns one row, for the right edge; the eta of the lanes is -e."""
         if not np.all((eta > -1.0) & (eta <= 0.0)):
             raise ValueError("eta of a one-sided body must be within (-1, 0]")
         return Cells((amplitude / equation.uplift_amplitude)[None], omega[None], np.abs(eta)[None])
@@ -177,17 +177,17 @@ class OneSided(Contact):
         return first_uplift(segments, k, u, amplitude, np.zeros_like(amplitude))
 
     def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
-        """The body returns on the same side, under the same force."""
+        """Return the body on the same side; the force stays the same."""
         lanes.v = -lanes.eta * v
         lanes.b = b.copy()
 
     def other_side(self, lanes: Lanes) -> None:
-        """None: every arc is on this side."""
+        """Returns None: every arc is on the same side."""
 
 
 def exchange(one: float, other: float) -> tuple[float, float]:
-    """one/other and other/one of positive units, to a few roundings: their product is 1 to every digit, so that impacts which take nothing
-    take nothing in these units either."""
+    """Returns one/other and other/one of positive units, so that their product is 1 to every digit (each is exact to a few roundings): an
+    impact without loss then has no loss in these units either."""
     there, back = one / other, other / one
     while 0.0 < abs(there * back - 1.0) < 1.0:
         there = math.nextafter(there, math.inf)
@@ -197,10 +197,10 @@ def exchange(one: float, other: float) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Unequal(Contact):
-    """Two edges that differ: A = 1 and Omega = 1 of a reference in the units of each edge, (right, left). With y = |theta| over its unit
-    and tau = p t on each side, an impact multiplies the speed y' by eta_12 (unit_1 p_1)/(unit_2 p_2), which may exceed 1; eta_12 eta_21 <
-    1. drive: amplitude over the edge's uplift; omega: omega_g over the edge's p; eta: speed y' after over y' before on leaving the edge;
-    rotation: |theta|/alpha of y = 1; pace: |theta'| of d(|theta|/alpha)/dtau = 1 over that of the reference. Raises ValueError when a
+    """Two edges that differ. drive, omega: A = 1 and Omega = 1 of the reference edge in the units of each edge, (right, left), amplitude
+    over the edge's uplift and omega_g over its p; eta: speed y' after over y' before an impact on leaving the edge; rotation: |theta|/alpha
+    of y = 1; pace: |theta'| of d(|theta|/alpha)/dtau = 1 over that of the reference. With y = |theta| over its unit and tau = p t on each
+    side, an impact multiplies y' by eta_12 (unit_1 p_1)/(unit_2 p_2), which may exceed 1; eta_12 eta_21 < 1. Raises ValueError when a
     number is out of range."""
 
     drive: tuple[float, float]
@@ -219,30 +219,30 @@ class Unequal(Contact):
         return np.where(side > 0.0, *pair)
 
     def cells(self, equation: Equation, amplitude: Array, omega: Array, eta: Array) -> Cells:
-        """A row for each edge; eta is this body's own, the cells' is ignored."""
+        """Returns a row for each edge. eta is that of this contact; the argument `eta` is ignored."""
         drive, frequency, own = (np.array(pair)[:, None] for pair in (self.drive, self.omega, self.eta))
         return Cells(drive * amplitude, frequency * omega, np.broadcast_to(own, (2, omega.size)))
 
     def turn(self, cells: Cells, lanes: Lanes, at: Array, side: Array) -> None:
-        """Drive, time and restitution are the new side's, and the peak is in its unit."""
+        """Put lanes on a side: drive, time and restitution become those of the side, and the peak is converted to its unit."""
         lanes.peak[at] *= self._of(self.rotation, lanes.side[at]) / self._of(self.rotation, side)
         lanes.side[at] = side
         row, cell = cells.row(side), lanes.cell[at]
         lanes.amplitude[at], lanes.omega[at], lanes.eta[at] = (values[row, cell] for values in cells)
 
     def speed(self, side: Array, rate: Array) -> Array:
-        """The rate in units of the reference."""
+        """Convert rates to units of the reference edge."""
         return rate * self._of(self.pace, side)
 
     def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
-        """The side flips; drive, time and unit become those of the other edge."""
+        """Put lanes on the other edge, with its drive, time and unit."""
         lanes.v = -lanes.eta * v
-        # b = -1 + a at y = 0; a changes sign, and is measured by the other edge's uplift
+        # b = -1 + a at y = 0; a changes its sign, and its unit becomes the uplift of the other edge
         lanes.b = -1.0 - (1.0 + b) * (self._of(self.drive, -lanes.side) / self._of(self.drive, lanes.side))
         self.turn(cells, lanes, np.arange(lanes.side.size), -lanes.side)
 
     def other_side(self, lanes: Lanes) -> OtherSide:
-        """The other edge."""
+        """Returns the other edge, in units of this one."""
         here, there = lanes.side, -lanes.side
         drive, omega, rotation = (self._of(pair, there) / self._of(pair, here) for pair in (self.drive, self.omega, self.rotation))
         return OtherSide(drive, omega, lanes.eta, self._of(self.eta, there), rotation)

@@ -1,5 +1,5 @@
-"""Sequences of impacts (Lemma 7): those that end in rest before any other event and their duration, those that last until the shaking is
-over, also at one action under a record (Lemma 14), and those that need more steps than the march follows."""
+"""Tests of sequences of impacts: which ones end in rest before any other event, and when (Lemma 7); which ones last until the shaking is
+over (Lemma 7, under a record Lemma 14); which ones need more steps than the march follows."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ from ..lanes import Array, Arrays, Lanes
 
 # With (nearly) no loss at impacts a sequence (nearly) never ends: a speed and a height below these are rest to every digit of theta/alpha.
 BELOW_ROUNDING, LOWEST = 1e-12, 1e-16
-_HARDLY_LOSES = 1.0 - 1e-6  # part of the speed that such a cycle keeps
-KEEPS = 0.99  # eta above which bodies are tested: others come to rest soon
+_HARDLY_LOSES = 1.0 - 1e-6  # least part of its speed that a cycle (nearly) without loss keeps
+KEEPS = 0.99  # eta above which bodies are tested for lasting bounces: bodies with a smaller eta come to rest soon
 _FIRST = 16  # steps of a lane before the first test
-_HARDLY = 0.1  # part of its speed that such a body may lose: the sequence of one that loses all could end within the segment
-_SHARES = (0.0, 0.125, 0.375, 0.625, 0.875)  # of the rest of a segment: now, and the middles of its quarters
-_ROOM = (0.05, 0.1, 0.2, 0.4, 0.8)  # for G
-_SMALL = 0.095  # of D^2/g
-_PEAK = 1.17  # over W/D: 1.053 during the shaking, and after it, where a goes to 0 with M <= 1.05 y, 1.053 (1 + 1.106 e/D) D
-_JOINED = 1e-15  # of the largest s: a larger change between lines is a jump
-_SURELY = 1.0 - 1e-6  # part of a bound that is used: the rest is room for rounding
+_HARDLY = 0.1  # largest part of its speed that such a body may lose: a body that loses all of it could come to rest
+_SHARES = (0.0, 0.125, 0.375, 0.625, 0.875)  # instants as parts of the rest of a segment: now, and the middles of its quarters
+_ROOM = (0.05, 0.1, 0.2, 0.4, 0.8)  # values of G (Lemma 14) that are tried
+_SMALL = 0.095  # largest W over D^2/g (Lemma 14)
+_PEAK = 1.17  # largest y over W/D: 1.053 during the shaking, and after it, where a goes to 0 with M <= 1.05 y, 1.053 (1 + 1.106 e/D) D
+_JOINED = 1e-15  # over the largest |s|: a larger change of s between lines is a jump
+_SURELY = 1.0 - 1e-6  # share of a bound that is used; the rest is room for rounding
 
 
 @dataclass
 class OtherSide(Arrays):
-    """The side of the next arc, in units of this one: its outward drive is -drive a, its time `time` times that of the same arc here. eta,
-    back: speed after over before an impact on leaving this side and the other; a cycle keeps their product. rotation: |theta|/alpha of y =
-    1 there over that here."""
+    """The side of the next arc, in units of this side. drive: its outward drive is -drive times the outward drive a here; time: duration of
+    an arc there over that of the same arc here; eta, back: speed after over speed before an impact on leaving this side, and on leaving the
+    other side; a cycle keeps their product; rotation: |theta|/alpha of y = 1 there over that here."""
 
     drive: Array | float
     time: Array | float
@@ -42,8 +42,8 @@ class OtherSide(Arrays):
 
 
 def sequence_ends(segments: Segments, lanes: Lanes, equation: Equation, there: OtherSide | None, more: float = 0.0) -> Array:
-    """True for lanes for which Lemma 7 holds and no arc rises above the lane's peak so far, (lanes,). more: what the restraints of a tied
-    body add to |df/dy|."""
+    """True for lanes whose sequence of impacts ends in rest (Lemma 7) without an arc above the lane's peak so far, (lanes,). more: amount
+    by which the restraints of a tied body raise |df/dy|."""
     v, keeps = lanes.v, lanes.eta if there is None else there.eta * there.back
     slow = np.flatnonzero((lanes.b < 0.0) & ((v * v < 0.05 * lanes.b * lanes.b) | (v < BELOW_ROUNDING)))
     gap = np.zeros(v.shape)
@@ -58,7 +58,7 @@ def sequence_ends(segments: Segments, lanes: Lanes, equation: Equation, there: O
 
 
 def _ends(segments: Segments, lanes: Lanes, equation: Equation, there: OtherSide | None, q: Array, more: float) -> Array:
-    """The same for lanes whose sequence may be short enough."""
+    """As `sequence_ends`, for lanes whose sequence may be short enough."""
     k, v = lanes.k, lanes.v
     n, r, rotation = (0.0, 1.0, 1.0) if there is None else (there.eta, there.time, there.rotation)
     here, beyond = _forces(segments, lanes, there)
@@ -85,7 +85,7 @@ def _ends(segments: Segments, lanes: Lanes, equation: Equation, there: OtherSide
 
 
 def _forces(segments: Segments, lanes: Lanes, there: OtherSide | None, u: Array | None = None) -> tuple[Array, Array]:
-    """Inward force on bodies at the ground on this side and on the other (infinite without one): now, or at phase u of the segment."""
+    """Inward force on bodies at the ground, on this side and on the other (infinite if there is none), now or at phase u of the segment."""
     if (weighed := segments.weighed) is not None:
         here = -lanes.b if u is None else 1.0 - weighed.net(lanes.side, lanes.amplitude, lanes.k, u)
         if there is None:
@@ -99,7 +99,7 @@ def _forces(segments: Segments, lanes: Lanes, there: OtherSide | None, u: Array 
 
 
 def sequence_time(lanes: Lanes, there: OtherSide | None, weight: Array | float = 1.0) -> Array:
-    """The sum of the series of arcs under a constant drive and weight [tau]; 0 if it does not end."""
+    """Duration [tau] of the sequence of arcs under a constant drive and weight; 0 if it does not end."""
     if there is None:
         return 2.0 * lanes.v / (1.0 - lanes.eta) / -lanes.b
     drive, keeps = weight + lanes.b, there.eta * there.back
@@ -109,8 +109,8 @@ def sequence_time(lanes: Lanes, there: OtherSide | None, weight: Array | float =
 
 
 def settles(segments: Segments, lanes: Lanes) -> Array:
-    """True for lanes just after an impact that bounce or rest until the shaking is over and never rise above their peak: undamped linear
-    oscillators with equal edges (Lemma 7)."""
+    """True for lanes just after an impact that bounce or rest until the shaking is over and never rise above their peak (Lemma 7). It holds
+    for undamped linear oscillators with equal edges."""
     drive, ends = 1.0 + lanes.b, -lanes.side * lanes.amplitude * segments.s_end[lanes.k]
     left = 1.0 - np.maximum(np.maximum(np.abs(drive), np.abs(ends)), lanes.amplitude * segments.largest_later[lanes.k])
     variation = np.abs(ends - drive) + lanes.amplitude * segments.variation[lanes.k]
@@ -120,8 +120,9 @@ def settles(segments: Segments, lanes: Lanes) -> Array:
 
 
 def outlasts(segments: Segments, lanes: Lanes, most: int) -> Array:
-    """True for undamped lanes on equal edges just after an impact that have more than `most` impacts to come before their segment ends:
-    two arcs last 4 v/(1 - a^2), and v^3 goes with 1 - a^2 (Lemma 14). No proof: twice as many are asked for, and such bodies given up."""
+    """True for undamped lanes on equal edges, just after an impact, that have more than `most` impacts until their segment ends: two arcs
+    last 4 v/(1 - a^2), and v^3 goes with 1 - a^2 (Lemma 14). An estimate, no proof: it asks for twice `most`, and the march gives them up.
+    """
     found = np.zeros(lanes.v.shape, dtype=bool)
     at = _looked_at(lanes)
     if not at.size:
@@ -136,13 +137,13 @@ def outlasts(segments: Segments, lanes: Lanes, most: int) -> Array:
 
 
 def _looked_at(lanes: Lanes) -> Array:
-    """Indices of lanes that hardly lose speed, at the ground under |a| < 1: after `_FIRST` steps, then each time their number doubled."""
+    """Indices of lanes at the ground that lose almost no speed, under |a| < 1: after `_FIRST` steps, then each time their number doubled."""
     looks = (lanes.steps >= _FIRST) & (lanes.steps & (lanes.steps - 1) == 0) & (lanes.eta > KEEPS) & (lanes.v > 0.0)
     return np.flatnonzero(looks & (lanes.b < 0.0) & (lanes.b > -2.0))
 
 
 def bounces_on(segments: Segments, lanes: Lanes, equation: Equation) -> Array:
-    """True for lanes just after an impact that bounce below their peak until the shaking is over."""
+    """True for lanes just after an impact that bounce until the shaking is over and stay below their peak (Lemma 14)."""
     found = np.zeros(lanes.v.shape, dtype=bool)
     at = _looked_at(lanes)
     if not at.size:
@@ -159,7 +160,7 @@ def bounces_on(segments: Segments, lanes: Lanes, equation: Equation) -> Array:
 
 
 def ceiling(segments: Segments, lane: Lanes, gain: float) -> float:
-    """A bound of all later peaks [y] of one body just after an impact if nothing lifts it again; infinite if none is proved."""
+    """A bound of all later peaks [y] of one body just after an impact if nothing lifts it again (Lemma 14); infinite if none is proved."""
     (k,), (u,), (amplitude,), (omega,), (v,), (b,) = (x.tolist() for x in (lane.k, lane.u, lane.amplitude, lane.omega, lane.v, lane.b))
     torn = _JOINED * amplitude * max(float(segments.later_max[0]), -float(segments.later_min[0]))
     now, sums, most, steepest, tall = abs(1.0 + b), 0.0, 0.0, 0.0, 0.0

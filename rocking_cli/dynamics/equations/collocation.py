@@ -1,8 +1,8 @@
-"""A mechanism's motion over a step as a polynomial whose y'' meets Eq. 3.4 at Chebyshev's points, in place of a Taylor series.
+"""Collocation: a polynomial whose y'' meets Eq. 3.4 at Chebyshev's points gives a mechanism's motion over a step, without Taylor series.
 
-A sweep integrates y'' at the points twice. Two sweeps take F and G as parabolas about the start, two as series about the marks nearest
-to y, and the last sweeps take the slope of the equation there. A step that has not converged is halved. It costs no more than a Taylor
-step, which must stay where its powers converge, and is twice as long.
+A sweep integrates y'' at the points twice. The first two sweeps use parabolas of F and G about the start, the next two their series about
+the marks nearest to y, the last ones the slope of the equation at these y. A step that has not converged is halved. A step costs no more
+than a Taylor step, which is limited by the convergence of its powers, and is twice as long.
 """
 
 from __future__ import annotations
@@ -19,20 +19,20 @@ from ..lanes import Array, Lanes
 from .patches import Marks
 from .taylor import CACHED, LOCAL, TaylorSeries, order_for
 
-_POINTS = 0.57  # points of a step for each factor e of its error
-_COARSE = 2  # sweeps with parabolas: then all but one step in a hundred are near their marks
-_PACE = 0.17  # largest step times the pace of the drive, for each point
+_POINTS = 0.57  # number of points over -log(error of a step)
+_COARSE = 2  # sweeps with parabolas: after them 99 % of the steps are near their marks
+_PACE = 0.17  # largest product of step and pace of the drive, per point
 _STIFF = 0.8  # largest square of a step times the slope of the force: each sweep leaves a tenth of the error or less
 _FAR = 2.0  # largest change of y in a step, in half widths of a patch; y may also fall to half the lowest mark
-_HALVED = 8  # times that a step is halved before it is left to Taylor series
+_HALVED = 8  # how often a step is halved before Taylor series replace it
 _NEAR = 2.0  # largest distance of y from the mark of its series, in steps of marks
-_INSIDE = 3.0  # error of the velocity inside a step over that at the end, where the points are good to twice as many powers
+_INSIDE = 3.0  # error of y' inside a step over that at its end, where the points are exact for twice as many powers
 
 
 class Points(NamedTuple):
-    """Chebyshev's points of a step of length 1, and matrices for values of y'' at the start and the points. at: the points with the end and
-    without the start, (points, 1); twice: values to the double integral at the points; chebyshev: values to Chebyshev coefficients; terms:
-    these to the coefficients of time^2, time^3 ... of y."""
+    """Chebyshev's points of a step of length 1, and matrices that act on the values of y'' at the start and at the points. at: the points,
+    with the end and without the start, (points, 1); twice: gives the double integral at the points; chebyshev: gives the Chebyshev
+    coefficients; terms: converts these to the coefficients of time^2, time^3 ... of y."""
 
     at: Array
     twice: Array
@@ -42,7 +42,7 @@ class Points(NamedTuple):
 
 @lru_cache(maxsize=16)
 def points(count: int) -> Points:
-    """The rule with `count` points besides the start."""
+    """Returns the rule with `count` points besides the start."""
     n = np.arange(count + 1.0)
     values = np.cos(np.pi / count * np.fmod(np.outer(n, n), 2.0 * count))
     values[1::2] *= -1.0  # T_n at the points and the start
@@ -61,7 +61,7 @@ def points(count: int) -> Points:
 
 
 def collocated(marks: Marks, tolerance: float, segments: Segments, lanes: Lanes) -> tuple[TaylorSeries, Array]:
-    """The motion of undamped lanes under a steady weight, each over its own step, and the indices of lanes without a result."""
+    """(the motion of undamped lanes under a steady weight, each over its own step; the indices of lanes for which it was not found)."""
     count = order_for(tolerance, _POINTS)
     w = segments.frequency.take(lanes.k, axis=1) * lanes.omega
     fastest = 1.0 + w.max(axis=0, initial=0.0)
@@ -93,7 +93,7 @@ def collocated(marks: Marks, tolerance: float, segments: Segments, lanes: Lanes)
 def _step(
     marks: Marks, tolerance: float, segments: Segments, lanes: Lanes, w: Array, start: Array, drive: Array, length: Array
 ) -> tuple[Array, Array]:
-    """Terms of y in powers of time over `length`, (count + 3, lanes), and True for lanes where they hold. It needs two lanes or more: NumPy
+    """(terms of y in powers of time over `length`, (count + 3, lanes); True for lanes where they hold). It needs at least two lanes: NumPy
     sums a single lane in another order, and no digit may depend on a lane's neighbours."""
     rule = points(order_for(tolerance, _POINTS))
     count = len(rule.at)
@@ -144,7 +144,7 @@ def _step(
 
 
 def _change(segments: Segments, lanes: Lanes, w: Array, time: Array) -> Array:
-    """Change of the drive until these times [tau], (points, lanes)."""
+    """By how much the drive has changed at these times [tau], (points, lanes)."""
     _, sin, cos = segment_value(segments, lanes.k, lanes.u)
     outward = -lanes.side * lanes.amplitude
     total = np.zeros_like(time)

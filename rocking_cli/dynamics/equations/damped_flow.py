@@ -9,7 +9,7 @@ C = int S dh (sinh h and cosh h - 1 without damping), the force f and a(h) = a(0
     G3 = [(1 + w^2)(w S - sin(w h)) + 2 zeta w (C + 1 - cos(w h))] / D,           D = (1 + w^2)^2 + 4 zeta^2 w^2
     G4 = [(D - 1 - w^2) C - (1 + w^2)(1 - cos(w h)) + 2 zeta w (w S - sin(w h))] / D
 
-As in `flow`, increments of small arguments come from their series.
+As in `flow`, small increments are summed from their series.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ from ..lanes import Array
 from .equation import Point
 from .flow import SMALL, LinearFlow
 
-_TERMS = 17  # powers of h in a series: what is left out at SMALL is below 1e-17 of its sum for zeta up to 1
+_TERMS = 17  # powers of h in a series: the terms left out at SMALL are below 1e-17 of its sum for zeta up to 1
 
 
 @dataclass
 class DampedFlow(LinearFlow):
-    """One arc a lane, as `LinearFlow`; b is the force at its start."""
+    """One arc a lane, with the fields of `LinearFlow`; b is the force f at its start."""
 
     @property
     def fastest(self) -> Array:
-        """Rate of the fastest change: the mode that decays, or the fastest drive over p."""
+        """Rate [1/tau] of the fastest change: of the decaying mode, or of the fastest drive."""
         return 1.0 + 2.0 * self.damping + self.w.max(axis=0, initial=0.0)
 
     def at(self, h: Array) -> Point:
@@ -48,7 +48,7 @@ class DampedFlow(LinearFlow):
         s *= decay
         tiny = np.flatnonzero(h < SMALL)
         x = h[tiny]
-        s4, c4 = (np.polyval(terms, x) * (x * x) ** 2 for terms in _coefficients(zeta))  # what follows in S and C from h^4 on
+        s4, c4 = (np.polyval(terms, x) * (x * x) ** 2 for terms in _coefficients(zeta))  # the terms of S and C from h^4 on
         c[tiny] = x * x * (0.5 - zeta * x / 3.0) + c4
         y, v = self.v * s + self.b * c, (s * (-2.0 * zeta) + c + 1.0) * self.v + self.b * s
         drive, drive_rate = np.zeros(h.shape), np.zeros(h.shape)
@@ -77,7 +77,7 @@ class DampedFlow(LinearFlow):
 
 
 def _responses(w: Array, h: Array, zeta: float, s4: Array, c4: Array) -> tuple[Array, Array]:
-    """G3 and G4 for small h and w h, from the terms of S and C from h^4 on: lower powers, which cancel, are left out of each term."""
+    """G3 and G4 for small h and w h, from the terms of S and C from h^4 on. Each difference omits its lower powers, which cancel."""
     x2 = (w * h) ** 2
     h3, cube = h**3 / 6.0, w * h * x2 / 6.0
     sine5 = -cube * x2 * np.polyval(_ODD, -x2) / 20.0  # x - sin x - x^3/6

@@ -1,8 +1,8 @@
-"""The interface of an equation of motion to the march, `Equation`, and the records that go with it.
+"""`Equation`, the interface of an equation of motion to the march, and the records that it uses. The drive is the outward drive a.
 
 All equations have one form, which `dynamics.lemmas` states. The linear oscillator has l = 1 - y, m = 1 (Eq. 2.4), a rigid body
 l = sin(alpha - theta)/sin alpha, m = cos(alpha - theta)/cos alpha (Eq. 2.3), a mechanism the forces of Eq. 3.4 in its canonical
-coordinate. Uplift, windows and impacts need nothing else.
+coordinate. Uplift, windows and impacts need only this form.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ..lanes import Array, Lanes
 
 
 class Point(NamedTuple):
-    """A state on an arc: displacement y, velocity v, acceleration b, jerk j; (lanes,), per tau."""
+    """State of lanes at an instant of an arc: displacement y, velocity v, acceleration b, jerk j; (lanes,), derivatives by tau."""
 
     y: Array
     v: Array
@@ -28,9 +28,9 @@ class Point(NamedTuple):
 
 
 class Flow(Protocol):
-    """The motion of each lane from its present state on, until the next impact or the end of a piece. Arrays are (lanes,). damping: zeta
-    [-]; y, v, b: displacement, velocity and acceleration at the start; longest: longest step [tau]; fastest: rate [1/tau] of the fastest
-    change, for the roots' tolerances."""
+    """The motion of each lane from its present state to the next impact or the end of a piece. Arrays are (lanes,). damping: zeta [-]; y,
+    v, b: displacement, velocity and acceleration at the start; longest: longest step [tau]; fastest: rate [1/tau] of the fastest change,
+    from which the tolerances of roots follow."""
 
     @property
     def damping(self) -> float: ...
@@ -49,16 +49,16 @@ class Flow(Protocol):
         """The flow of the lanes of these indices."""
 
     def at(self, h: Array) -> Point:
-        """The state after h >= 0 [tau], one for each lane."""
+        """The state of each lane h >= 0 [tau] after the start; h: (lanes,)."""
 
     def at_ground(self, h: Array) -> Array:
-        """The force f at an impact after h [tau], (lanes,)."""
+        """The force f of each lane at an impact h [tau] after the start, (lanes,)."""
 
 
 class Ramp(NamedTuple):
-    """The drive of each lane over its unit of time [tau]: its value now and its gain until the unit is over, (lanes,). factors: unit^2/((n
-    + 1)(n + 2)) for the terms n + 2 of y, 0 beyond a lane's degree, (degrees, lanes); force: f now if it is known to more digits than the
-    drive tells, as at uplift, where it is 0; weight: w now and its gain, if it varies."""
+    """A straight line of the drive of each lane over its unit of time [tau]. drive, gain: the drive now and its growth until the unit is
+    over, (lanes,); factors: unit^2/((n + 1)(n + 2)) for the terms n + 2 of y, 0 beyond a lane's degree, (degrees, lanes); force: f now,
+    given where it is known to more digits than the drive tells (at uplift it is 0); weight: w now and its growth, if it varies."""
 
     drive: Array
     gain: Array
@@ -68,7 +68,7 @@ class Ramp(NamedTuple):
     weight: tuple[Array, Array] | None = None
 
     def after(self, share: Array) -> Ramp:
-        """The rest of the ramp when this share of its unit is over; its factors must be those of the rest."""
+        """The rest of the ramp when this share of its unit is over. The factors are not changed: the caller gives those of the rest."""
         left = 1.0 - share
         weight = None if self.weight is None else (self.weight[0] + self.weight[1] * share, self.weight[1] * left)
         return Ramp(self.drive + self.gain * share, self.gain * left, self.unit * left, self.factors, None, weight)
@@ -76,9 +76,10 @@ class Ramp(NamedTuple):
 
 class Law(NamedTuple):
     """An equation of motion as text, y'' = -w F(y) + a G(y) - 2 zeta y', from which `single.recurrence` makes straight-line code. name: of
-    the equation, by which compiled code is kept; start: lines that find F0 and G0 from y; term: lines that find F<n> and G<n> from Y1 ...
-    Y<n> and earlier ones; numbers: floats that the lines name; constant: True if G = 1, which no line finds; local: function of a y and a
-    number of terms that returns the room |y - y(0)| in which they hold, and the argument `local` of the lines."""
+    the equation; compiled code is stored under it; start: lines that compute F0 and G0 from y; term: lines that compute F<n> and G<n> from
+    Y1 ... Y<n> and earlier terms; numbers: floats that the lines use by name; constant: True if G = 1, which no line computes; local:
+    function of a y and a number of terms that returns (the largest |y - y(0)| for which the terms hold, the argument `local` of the lines).
+    """
 
     name: str
     start: tuple[str, ...]
@@ -96,12 +97,12 @@ def convolution(a: str, b: str, n: int, first: int = 0) -> str:
 class Equation(ABC):
     """An equation of motion; y, v in its own unit, per tau. Its numbers are floats, or (lanes,) arrays where the two sides of a body differ
     or every cell has a body of its own (`on`). damping: zeta [-]; without damping the motion after the shaking has a closed form.
-    tolerance: error of theta/alpha that series keep; gain: bound of the growth of f with y, near the ground and for |a| <= 1, on either
-    side; uplift_amplitude: the dimensionless amplitude A at which a drive of s = 1 lifts the body; limit: y from which the body counts as
-    overturned whatever comes (it lies on its side, the linkage has collapsed); barrier: energy (`fall`) of a body that leaves the ground
-    and just reaches its unstable equilibrium; bounds: the largest l and m from the ground up to the limit; bounded: True if an envelope may
-    use Lemmas 9 and 10; pool: lanes that the march advances together; per_y, per_rotation: |theta|/alpha of y = 1, and y of |theta|/alpha =
-    1, where they are proportional."""
+    tolerance: error of theta/alpha that a series may have; gain: bound of the growth of f with y, near the ground and for |a| <= 1, on
+    either side; uplift_amplitude: the dimensionless amplitude A at which a drive of s = 1 lifts the body; limit: y from which the body
+    counts as overturned under any later drive (it lies on its side, the linkage has collapsed); barrier: energy (`fall`) of a body that
+    leaves the ground and just reaches its unstable equilibrium; bounds: the largest l and m from the ground up to the limit; bounded: True
+    if an envelope may use Lemmas 9 and 10; pool: lanes that the march advances together; per_y, per_rotation: |theta|/alpha of y = 1, and y
+    of |theta|/alpha = 1, where they are proportional."""
 
     tolerance: float
     gain: Any
@@ -120,20 +121,20 @@ class Equation(ABC):
         self.damping = damping
 
     def on(self, side: Array, cell: Array | None = None) -> Self:
-        """The equation with the numbers of the sides, +1 or -1, that these lanes are on, and of their cells."""
+        """Returns the equation with the numbers of these lanes: of the sides, +1 or -1, that they are on, and of their cells."""
         return self
 
     @abstractmethod
     def flow(self, segments: Segments, lanes: Lanes) -> Flow:
-        """The flow of the lanes from their present state."""
+        """Returns the flow of the lanes from their present state."""
 
     @abstractmethod
     def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
-        """Terms of y in powers of time over `ramp.unit` under a straight line, (degrees + 2, lanes)."""
+        """Taylor terms of y, in powers of time over `ramp.unit`, under a drive that is a straight line, (degrees + 2, lanes)."""
 
     @abstractmethod
     def law(self, side: float) -> Law:
-        """The equation of one side as text."""
+        """Returns the equation of one side as text."""
 
     @abstractmethod
     def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
@@ -144,7 +145,7 @@ class Equation(ABC):
         return y * self.per_y
 
     def rotation_rate(self, y: Array, v: Array) -> Array:
-        """Derivative of |theta|/alpha by tau."""
+        """Derivative of |theta|/alpha by tau, at displacement y and velocity v."""
         return v * self.per_y
 
     def displacement(self, rotation: Array) -> Array:
@@ -153,30 +154,30 @@ class Equation(ABC):
 
     @abstractmethod
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
-        """(True if an undamped body overturns on this side on still ground, its energy, proportional to v^2 at the ground)."""
+        """(True if an undamped body overturns on this side on still ground; its energy, proportional to v^2 at the ground)."""
 
     @abstractmethod
     def peak(self, energy: Array) -> Array:
         """Largest y of a body that has this energy and does not pass the barrier."""
 
     def damped_peak(self, y: Array, v: Array) -> Array:
-        """Largest y of bodies that move outwards on still ground, with damping; NaN if they overturn, move inwards, or it has no closed
-        form."""
+        """Largest y of bodies that move outwards on still ground, with damping; NaN if they overturn, move inwards, or the equation has no
+        closed form."""
         return np.full(y.shape, np.nan)
 
     @abstractmethod
     def certainly_overturns(self, y: Array, v: Array, inward: Array, steady: bool = True) -> Array:
-        """True where no drive up to `inward` >= 0 (over the uplift's) can bring the body back (Lemma 6). steady: True if the weight is
-        constant; otherwise `inward` is over the least weight to come."""
+        """True where no later inward drive up to `inward` >= 0 (over the drive at uplift) can bring the body back (Lemma 6). steady: True
+        if the weight is constant; otherwise `inward` is the drive over the least later weight."""
 
 
 class SeriesEquation(Equation):
-    """An equation whose l and m are series in y, so that the terms of y follow from each other."""
+    """An equation whose l and m are series in y, so that a recurrence gives the terms of y."""
 
     @abstractmethod
     def along(self, y: Array) -> Callable[[int], Array]:
-        """A function of n that returns terms n of l and m, (2, lanes), from the terms 0 to n of y, (terms, lanes); it is called for n = 0,
-        1 ... in this order."""
+        """Returns a function of n that returns terms n of l and m, (2, lanes), from the terms 0 to n of y, (terms, lanes). The caller calls
+        it for n = 0, 1 ... in this order."""
 
     def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
         """See `Equation.ramp_terms`."""
@@ -203,6 +204,6 @@ class SeriesEquation(Equation):
 
 
 def falls_by_energy(v: Array, energy: Array, barrier: Array | float, beyond: Array) -> Array:
-    """True where bodies of this energy on still ground overturn. beyond: past the unstable equilibrium, from where only the speed
-    to climb back over the barrier saves them."""
+    """True where bodies with this energy on still ground overturn. beyond: True past the unstable equilibrium, where only an inward speed
+    that carries the body back over the barrier saves it."""
     return np.where(beyond, (v >= 0.0) | (energy < barrier), (v > 0.0) & (energy > barrier))

@@ -4,8 +4,8 @@ With y = |theta|/alpha on the current side, tau = p t and the outward drive a = 
 
     y'' = y - 1 + a                                                                  (Eqs. 2.4 and 3.6, dimensionless)
 
-The state after h is the present state plus increments that have their leading power of h as a factor: where the motion is small, a
-difference of terms of order one would lose its digits.
+The state after h is the present state plus increments with their leading power of h as a factor: for a small motion, a difference of
+terms of order one would lose its digits.
 With b = y''(0) and a(h) = a(0) + sum_j [S_j sin(w_j h) - C_j (1 - cos(w_j h))] + r h,
 
     y(h) = y0 + v0 sinh h + b (cosh h - 1) + sum_j [S_j F3(w_j, h) - C_j F4(w_j, h)] + r (sinh h - h)
@@ -23,7 +23,7 @@ from ..drive import turn
 from ..lanes import Array, Arrays
 from .equation import Point
 
-SMALL = 0.5  # below this, max(1, w) h, the differences in F3, F4 are taken from their series
+SMALL = 0.5  # where max(1, w) h is below this, series replace the differences in F3 and F4
 _TERMS = 7  # terms of those series: the first one left out is below 1e-17 of the sum at SMALL
 # Of 6 (sinh x - x)/x^3 and 24 (cosh x - 1 - x^2/2)/x^4 in powers of x^2.
 _ODD, _EVEN = (np.array([math.factorial(k) / math.factorial(2 * n + k) for n in range(_TERMS)]) for k in (3, 4))
@@ -32,7 +32,7 @@ _BOTH = np.stack([_ODD, _EVEN], axis=1)[:, :, None, None]
 
 @dataclass
 class LinearFlow(Arrays):
-    """One arc a lane: state at its start and the drive's coefficients, (lanes,) or (harmonics, lanes)."""
+    """One arc a lane: the state at its start and the coefficients of the outward drive, (lanes,) or (harmonics, lanes)."""
 
     y: Array
     v: Array
@@ -88,7 +88,7 @@ class LinearFlow(Arrays):
         return Point(y, v, drive + self.b + (y - self.y), drive_rate + v)
 
     def at_ground(self, h: Array) -> Array:
-        """The force at an impact, where y = 0, from the change of the drive since the start."""
+        """The force at an impact, where y = 0, computed from the change of the drive since the start."""
         total = self.b - self.y if self.ramp is None else self.b - self.y + self.ramp * h
         for s, c, w in zip(self.sin, self.cos, self.w, strict=True):
             t = np.tan(0.5 * (w * h))

@@ -1,4 +1,4 @@
-"""The linear oscillator (Eqs. 2.4 and 3.6): y is |theta|/alpha, the flow is exact."""
+"""The linear oscillator (Eqs. 2.4 and 3.6): y is |theta|/alpha, and its flow is exact."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .equation import Equation, Flow, Law, Ramp
 from .flow import LinearFlow
 from .taylor import TaylorSeries, drive_series, order_for, ramp_flow, series
 
-WEIGHED = 1e-12  # tolerance of the series where the weight varies, which has no closed form
+WEIGHED = 1e-12  # tolerance of the series under a varying weight, for which there is no closed form
 
 
 class LinearEquation(Equation):
@@ -21,7 +21,7 @@ class LinearEquation(Equation):
 
     gain = 1.0
     limit = np.inf
-    tolerance = 1e-13  # of a series, where there is one: what it leaves out is below rounding
+    tolerance = 1e-13  # of a series, where one is used: the terms left out are below rounding
     bounds = (1.0, 1.0)
     barrier = 1.0
     pool = 32768  # fewer rounds outweigh arrays that no longer fit the second-level cache
@@ -32,7 +32,7 @@ class LinearEquation(Equation):
         self.growth = math.sqrt(1.0 + damping * damping) - damping  # rate of the unstable mode, over p
 
     def flow(self, segments: Segments, lanes: Lanes) -> Flow:
-        """The exact motion of each lane from its state; a series where the weight varies."""
+        """The exact motion of each lane from its state; under a varying weight, a Taylor series."""
         if segments.weighed is not None:
             return ramp_flow(self, segments, lanes) if segments.straight else self._series(segments, lanes)
         _, sin, cos = segment_value(segments, lanes.k, lanes.u)
@@ -72,7 +72,7 @@ class LinearEquation(Equation):
         return series(y, known.fastest, WEIGHED, self.damping)
 
     def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
-        """Terms of y under a straight line."""
+        """See `Equation.ramp_terms`."""
         terms = np.empty((len(ramp.factors) + 2, y.size))
         terms[0] = y
         np.multiply(v, ramp.unit, out=terms[1])
@@ -117,7 +117,7 @@ class LinearEquation(Equation):
 
     def certainly_overturns(self, y: Array, v: Array, inward: Array, steady: bool = True) -> Array:
         """True if the unstable mode z = y - 1 + g v, of rate g, exceeds all inward drive to come: z' = g (z + a) > 0. Under a weight that
-        varies y - 1 must exceed it, outwards."""
+        varies, y - 1 must exceed it and the body must move outwards."""
         if not steady:
             return (v > 0.0) & (y - 1.0 > inward)
         return y - 1.0 + (self.growth * v if self.damping else v) > inward

@@ -1,13 +1,13 @@
 """The nonlinear equation of a mechanism (Eq. 3.4), by Taylor series.
 
-In the canonical coordinate q = int sqrt(M) dphi the velocity term is gone. With L = V'/g, F = L/sqrt(M), G = B/sqrt(M), values at
+The canonical coordinate q = int sqrt(M) dphi removes the velocity term. With L = V'/g, F = L/sqrt(M), G = B/sqrt(M), values at
 rest F0 and G0, y = q p^2/(g F0) and a the outward drive over lambda g,
 
     y'' = -F(y)/F0 + a G(y)/G0 - 2 zeta y'
 
-F and G are tabulated once (`patches`). A step is found by collocation (`collocation`); if the body is damped, its weight varies or the
-tolerance is too tight, the series of F and G are composed with that of y. F/G = lambda(phi) falls all the way (checked), as the sign
-tests of `march.advance` need. Where it no longer falls, or is below -50 times its value at rest, the structure has collapsed.
+F and G are tabulated once (`patches`). A step is computed by `collocation`; if the body is damped, its weight varies or the tolerance is
+too tight, the series of F and G are composed with that of y. The sign tests of `march.advance` need F/G = lambda(phi) to fall from rest
+on (this is checked). Where F/G no longer falls, or is below -50 times its value at rest, the structure has collapsed.
 """
 
 from __future__ import annotations
@@ -29,22 +29,22 @@ from .equation import Law, SeriesEquation, falls_by_energy
 from .patches import DEGREE, inverse, largest, tabulate
 from .taylor import CACHED, LOCAL, MOST_TERMS, TaylorSeries, drive_series, longest, order_for, powers, ramp_flow
 
-_SHIFT = 4  # powers of x that a narrow patch's series is shifted with
+_SHIFT = 4  # powers of x used to shift the series of a narrow patch
 _MARKS, _NEAR = 2048, 4  # intervals of a finer table: within half of one, powers above the 4th are below 1e-13
 _CHOOSE = np.array([[math.comb(j + k, k) for j in range(MOST_TERMS)] for k in range(_NEAR + 1)], dtype=float)
-_LEFT = 0.1  # part of a step's error that the series about marks may leave out
+_LEFT = 0.1  # largest error of the series about marks, over the error of a step
 _MARGIN = 1e-6  # energy beyond a barrier from which overturning is certain, whatever the table's interpolation
 _FACTORIALS = np.array([[float(math.factorial(k))] for k in range(DEGREE + 1)])
 
 
 class MechanismEquation(SeriesEquation):
-    """Eq. 3.4 for one mechanism; tolerance: error of phi/alpha that is aimed at; damping: zeta [-], of q. Raises ValueError when the
-    mechanism does not stand or never becomes unstable, when its lambda(phi) does not fall until then, or when the tolerance is not between
-    1e-13 and 1e-2."""
+    """Eq. 3.4 for one mechanism; tolerance: error of phi/alpha that the integration aims at; damping: zeta [-], of q. Raises ValueError
+    when the mechanism does not stand, when it never becomes unstable, when its lambda(phi) does not fall until then, or when the tolerance
+    is not between 1e-13 and 1e-2."""
 
     def __init__(self, mechanism: Mechanism, tolerance: float = 1e-9, damping: float = 0.0) -> None:
         super().__init__(damping)
-        self.order, self.tolerance = order_for(tolerance, 0.8), tolerance  # fewer terms than for a body: they cost their third power
+        self.order, self.tolerance = order_for(tolerance, 0.8), tolerance  # fewer terms than for a body: cost ~ terms^3
         self.table = table = tabulate(mechanism)
         self.limit = float(table.edges[-1])
         self.top = float(inverse(table, table.turn, np.array([1.0]), self.limit)[0])  # y at phi = alpha
@@ -56,7 +56,7 @@ class MechanismEquation(SeriesEquation):
         self.marks = beyond, -table.value(table.lift, beyond) / table.value(table.push, beyond)
 
     def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
-        """The motion of every lane over a step, as terms of a series."""
+        """The motion of every lane over a step, as a polynomial in time."""
         if segments.straight:
             return ramp_flow(self, segments, lanes)
         marks_hold = not self.damping and self.table.marks.left <= _LEFT * LOCAL * self.tolerance
@@ -74,8 +74,8 @@ class MechanismEquation(SeriesEquation):
         return TaylorSeries(y, 1.0 / fastest, self._longest(y, fastest), fastest, self.damping)
 
     def _longest(self, terms: Array, fastest: Array) -> Array:
-        """The step [tau] that the tolerance allows and on which y stays where its patch was fitted; the terms do not show the error of F
-        and G beyond it."""
+        """The longest step [tau] that the tolerance allows and on which y stays where its patch was fitted: beyond that the terms do not
+        show the error of F and G."""
         step = longest(terms, fastest, self.tolerance)
         sizes = powers(step * fastest, len(terms))
         sizes *= terms
@@ -84,7 +84,7 @@ class MechanismEquation(SeriesEquation):
         return step * np.minimum(1.0, room / summed(sizes[1:]))
 
     def _fill(self, y: Array, segments: Segments, lanes: Lanes) -> Array:
-        """Fill (order + 1, lanes) with the terms of y; returns the rate in whose powers they are."""
+        """Fill (order + 1, lanes) with the terms of y; returns the rate [1/tau], so that the terms are in powers of rate h."""
         count, table = len(y) - 2, self.table
         known = drive_series(segments, lanes, count)
         weight, drive = known.parts
@@ -107,7 +107,7 @@ class MechanismEquation(SeriesEquation):
         return known.fastest
 
     def along(self, y: Array) -> Callable[[int], Array]:
-        """Terms of F and G from their series about each y."""
+        """See `SeriesEquation.along`; the terms come from the series of F and G about each y."""
         return _composed(self._near(y[0], len(y) - 2), y, 1.0)[0]
 
     def law(self, side: float) -> Law:
@@ -128,7 +128,7 @@ class MechanismEquation(SeriesEquation):
         return 0.5 * half, tuple(tuple(row) for row in rows.tolist())
 
     def _near(self, y: Array, count: int) -> Array:
-        """(2, count, lanes): the series of F and G in powers of y - y0, from those about the nearest of many marks."""
+        """(2, count, lanes): the series of F and G in powers of y - y0, shifted from the nearest of many marks."""
         at = np.rint(y * (_MARKS / self.limit)).astype(np.int64)
         np.clip(at, 0, _MARKS, out=at)
         off = y - at * (self.limit / _MARKS)
@@ -147,7 +147,7 @@ class MechanismEquation(SeriesEquation):
         return self._local(at, x, count) / self.table.half[at] ** np.arange(count)[:, None]
 
     def _local(self, at: Array, x: Array, count: int) -> Array:
-        """(2, count, lanes): the series of F and G in powers of (y - y0) / half, from those about the patch's centre, which is near y0."""
+        """(2, count, lanes): the series of F and G in powers of (y - y0) / half, shifted from the centre of the patch that holds y0."""
         if x.size == 1:  # NumPy sums a single lane in another order: no digit may depend on a lane's neighbours
             return self._local(at.repeat(2), x.repeat(2), count)[:, :, :1]
         given = min(count + _SHIFT, DEGREE + 1)
@@ -166,7 +166,7 @@ class MechanismEquation(SeriesEquation):
         return a * self.table.value(self.table.push, y) - weight * self.table.value(self.table.lift, y)
 
     def rotation(self, y: Array) -> Array:
-        """phi/alpha."""
+        """phi/alpha at y."""
         return self.table.value(self.table.turn, y)
 
     def rotation_rate(self, y: Array, v: Array) -> Array:
@@ -183,12 +183,12 @@ class MechanismEquation(SeriesEquation):
         return falls_by_energy(v, energy, self.barrier, y > self.top), energy
 
     def peak(self, energy: Array) -> Array:
-        """y where the work of the weight is the energy."""
+        """The y at which the work of the weight equals the energy."""
         return inverse(self.table, self.table.work, np.minimum(energy, self.barrier), self.top)
 
     def certainly_overturns(self, y: Array, v: Array, inward: Array, steady: bool = True) -> Array:
-        """True beyond the barrier of the strongest inward drive still to come, with the speed to pass it, or where it has collapsed. Under
-        a constant inward drive e the equilibrium, F/G = -e, is a maximum of int F + e G, since F/G falls."""
+        """True if the body moves outwards beyond the barrier of the strongest inward drive to come, or with the speed to pass it, or has
+        collapsed. Under a constant inward drive e the equilibrium, F/G = -e, is a maximum of int F + e G, since F/G falls."""
         table = self.table
         certain = y >= self.limit
         if self.damping or not steady:  # energy is lost, or the barrier moves
@@ -203,13 +203,13 @@ class MechanismEquation(SeriesEquation):
         return certain
 
     def _equilibrium(self, e: Array) -> Array:
-        """y where F/G = -e, at most the limit, from a table: an error of y is of second order at a maximum."""
+        """The y at which F/G = -e, at most the limit, from a table; at a maximum an error of y has an effect of second order only."""
         return np.interp(e, self.marks[1], self.marks[0])
 
 
 def _composed(local: Array, y: Array, over: Array | float) -> tuple[Callable[[int], Array], Array]:
-    """Function that finds term n of F and G along a motion from its terms of y, and the array (2, terms, lanes) of those that it has
-    found; local: series of F and G in powers of (y - y0) `over`, (2, terms, lanes)."""
+    """(function that computes term n of F and G along a motion from its terms of y; array (2, terms, lanes) that the function fills).
+    local: series of F and G in powers of (y - y0) `over`, (2, terms, lanes)."""
     _, count, lanes = local.shape
     power = np.zeros((count, count, lanes))  # [j, n]: term n of power j; it is zero for n < j
     found = np.empty(local.shape)

@@ -1,7 +1,7 @@
 """The functions of a mechanism's equation as power series in y on patches, fitted to the linkage to rounding.
 
-A patch is fitted where it is short against the distance to the linkage's nearest lock-up. It is then cut into narrow patches, on which a
-value takes a few terms.
+A patch is short against the distance to the linkage's nearest lock-up; its series is fitted there. The patch is then cut into narrow
+patches, on which a value needs a few terms only.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from ...structures.mechanics.kinematics import Mechanism, linearise
 from ..lanes import Array
 
 DEGREE = 28  # of a patch's series
-_PARTS = 512  # narrow patches that one is cut into
-_TERMS = 6  # of a narrow patch's series for a value: x is below 1/1024 there, and x^6 is 1e-18
+_PARTS = 512  # narrow patches that a fitted patch is cut into
+_TERMS = 6  # terms of a narrow patch's series for a value: there x is below 1/1024, and x^6 below 1e-18
 _MARKS, _POWERS = 2048, 4  # intervals between marks, and powers of the series about a mark
 _BEYOND = 0.45  # marks go on beyond the ends by this part of a patch's fitted half width; the fit holds to 0.5
 _COLLAPSED = -50.0  # lambda(phi) / lambda(0): no drive below 50 times the uplift's brings the structure back from there
-_CLOSE = 1e-9  # a Newton step this short, over the whole interval, leaves an error of its square
+_CLOSE = 1e-9  # a Newton step this short, over the whole interval, leaves an error of the square of the step
 _WIDEN = 2.0  # a patch's series is fitted on this times its width
 # A smaller Chebyshev coefficient is rounding: values are of order one, with errors of 1e-14, or of 1e-15 over lambda where lambda is small.
 _SMALL = 3e-14
@@ -28,9 +28,9 @@ _SMALL = 3e-14
 
 @dataclass(frozen=True)
 class Marks:
-    """F/F0 and G/G0 about equally spaced marks. low: the lowest mark; step: their distance; rows: coefficients of powers of y less the
-    mark, (2, powers, marks); halves: fitted half width of the patch at each mark; left: the first term left out, two steps away from a
-    mark."""
+    """Series of F/F0 and G/G0 about equally spaced values of y, the marks. low: the lowest mark; step: their distance; rows: coefficients
+    of powers of y less the mark, (2, powers, marks); halves: fitted half width of the patch at each mark; left: size of the first omitted
+    term, two steps away from a mark."""
 
     low: float
     step: float
@@ -44,7 +44,7 @@ class Marks:
         return at, self.low + at * self.step
 
     def about(self, y: Array) -> Array:
-        """(2, 3, lanes): value, slope and half the second derivative of either at each y."""
+        """(2, 3, lanes): value, slope and half the second derivative of F/F0 and of G/G0 at each y."""
         at, near = self.nearest(y)
         return _shifted(self.rows.take(at, axis=2), y - near, 3)
 
@@ -65,7 +65,7 @@ class Patches:
     thrust: Array
 
     def of(self, y: Array) -> tuple[Array, Array]:
-        """(patch, argument of its series) of each displacement."""
+        """(index of the patch, argument of its series) for each displacement y."""
         at = np.searchsorted(self.edges[1:-1], y, side="right")
         return at, (y - self.centre.take(at)) / self.half.take(at)
 
@@ -100,7 +100,7 @@ class Patches:
 
 
 def _shifted(rows: Array, x: Array, count: int) -> Array:
-    """The first terms of series (functions, terms, lanes) about x in place of 0, by Horner's rule; changes the rows."""
+    """The first terms, about x in place of 0, of series (functions, terms, lanes), by Horner's rule. It overwrites `rows`."""
     for first in range(count):
         for n in range(rows.shape[1] - 2, first - 1, -1):
             rows[:, n] += x * rows[:, n + 1]
@@ -108,13 +108,13 @@ def _shifted(rows: Array, x: Array, count: int) -> Array:
 
 
 def largest(table: Patches, coefficients: Array) -> float:
-    """An upper bound of a tabulated function: its largest value on 4097 points and what its slope adds between them."""
+    """An upper bound of a tabulated function: its largest value on 4097 points, plus the growth between points that its slope allows."""
     y = np.linspace(0.0, float(table.edges[-1]), 4097)
     return float(table.value(coefficients, y).max() + np.abs(table.slope(coefficients, y)).max() * y[1])
 
 
 def inverse(table: Patches, coefficients: Array, value: Array, high: float) -> Array:
-    """y in [0, high] where a rising function has a value: Newton's method inside a bracket that only shrinks, from its chord on."""
+    """The y in [0, high] at which a rising function has a value: Newton's method in a bracket that only shrinks, from its chord on."""
     shape, value = np.shape(value), np.atleast_1d(np.asarray(value, dtype=float))
     nodes = np.linspace(0.0, high, 513)
     known = table.value(coefficients, nodes)
@@ -152,7 +152,7 @@ def tabulate(mechanism: Mechanism) -> Patches:
 
 
 def _narrowed(wide: Patches) -> Patches:
-    """The same functions on patches so narrow that a value, or a series about any y of the patch, takes a few terms of theirs."""
+    """The same functions on patches so narrow that a value, or a series about any y of the patch, needs a few of their terms only."""
     share, width = (np.arange(_PARTS) + 0.5) / _PARTS, np.diff(wide.edges)
     edges = np.append((wide.edges[:-1, None] + width[:, None] * (share - 0.5 / _PARTS)).ravel(), wide.edges[-1])
     centre, half = (wide.edges[:-1, None] + width[:, None] * share).ravel(), wide.half.repeat(_PARTS)
@@ -165,7 +165,7 @@ def _narrowed(wide: Patches) -> Patches:
 
 
 class _Path:
-    """y(phi) from rest to collapse by quadrature, and F/F0, G/G0, phi/alpha at given y."""
+    """Computes y(phi) from rest to collapse by quadrature, and F/F0, G/G0, phi/alpha at given y."""
 
     def __init__(self, mechanism: Mechanism, alpha: float, stiffness: float) -> None:
         self.mechanism, self.alpha = mechanism, alpha
@@ -216,7 +216,7 @@ def _collapse(mechanism: Mechanism, alpha: float) -> float:
 
 
 def _fit(path: _Path, start: float, stop: float, depth: int) -> list[tuple[float, float, float, list[Array]]]:
-    """Patches from start to stop: halved until their series converge."""
+    """Returns patches from start to stop, halved until their series converge."""
     if depth > 16:
         raise ValueError("the nonlinear model does not hold: the linkage locks too close to rest")
     centre, half = 0.5 * (start + stop), 0.5 * _WIDEN * (stop - start)
@@ -241,7 +241,7 @@ def _fit(path: _Path, start: float, stop: float, depth: int) -> list[tuple[float
 
 
 def _integral(coefficients: Array, edges: Array, centre: Array, half: Array) -> Array:
-    """The coefficients, by patches, of the integral from y = 0 of a function given by patches."""
+    """Coefficients, by patches, of the integral from y = 0 of a function; its coefficients are given by patches."""
     n = np.arange(1, coefficients.shape[0] + 1)[:, None]
     raised = np.concatenate([np.zeros((1, centre.size)), coefficients * half / n])
     total = 0.0

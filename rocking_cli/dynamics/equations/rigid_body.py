@@ -4,8 +4,8 @@ With y = |theta| / sin(alpha), z = alpha - y sin(alpha) and a the outward drive 
 
     y'' = -sin z / sin(alpha) + a cos z / cos(alpha) - 2 zeta y'
 
-The series of y, sin z and cos z follow from each other term by term. Under a subcritical drive (a < 1) tan z > tan alpha below the
-ground, so that a body that has crossed y = 0 stays below it; under a supercritical one f > 0 for y >= 0. So Lemmas 1 and 2 hold.
+A recurrence gives the series of y, sin z and cos z together. Below the ground tan z > tan alpha, so under a subcritical drive (a < 1) a
+body that has crossed y = 0 stays below it. Under a supercritical drive f > 0 for y >= 0. So Lemmas 1 and 2 hold.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from .taylor import CACHED, TaylorSeries, drive_series, order_for, ramp_flow, se
 
 
 class RigidBodyEquation(SeriesEquation):
-    """Eq. 2.3 for a body of critical angle alpha [rad]. alpha: of both edges, (right, left) of a body whose edges differ, or an array of
-    one alpha for each cell; tolerance: error of theta/alpha that is aimed at; damping: zeta [-]. Raises ValueError when an alpha is not
+    """Eq. 2.3 for a rigid body. alpha: critical angle [rad], the two angles (right, left) if the edges differ, or an array with one alpha
+    for each cell; tolerance: error of theta/alpha that the integration aims at; damping: zeta [-]. Raises ValueError when an alpha is not
     between 1e-30 and pi/2, the tolerance not between 1e-13 and 1e-2, or the damping negative."""
 
     alpha: Any
@@ -52,7 +52,7 @@ class RigidBodyEquation(SeriesEquation):
         self.bounds = 1.0, 1.0 / self.cos
 
     def _at(self, lanes: Array | slice) -> Self:
-        """The equation with numbers of these lanes, cells or edges, of those that it has."""
+        """Returns the equation with the numbers at these indices, of cells, of edges or of lanes."""
         there = copy.copy(self)
         there._each = {key: x[lanes] for key, x in self._each.items()}
         for key, x in there._each.items():
@@ -61,7 +61,7 @@ class RigidBodyEquation(SeriesEquation):
         return there
 
     def on(self, side: Array, cell: Array | None = None) -> Self:
-        """The same body on the edges that the lanes are on, or each lane's own body."""
+        """See `Equation.on`."""
         if self._by_cell:
             return self if cell is None else self._at(cell)
         return self if len(self._each["alpha"]) == 1 else self._at((side < 0.0).astype(np.int64))
@@ -77,7 +77,7 @@ class RigidBodyEquation(SeriesEquation):
         return series(y, fastest, self.tolerance, self.damping)
 
     def _fill(self, y: Array, segments: Segments, lanes: Lanes) -> Array:
-        """Fill (order + 1, lanes) with the terms of y; returns the rate in whose powers they are."""
+        """Fill (order + 1, lanes) with the terms of y; returns the rate [1/tau], so that the terms are in powers of rate h."""
         if lanes.y.size == 1:  # NumPy sums a single lane in another order: no digit may depend on a lane's neighbours
             twice = np.empty((len(y), 2))
             fastest = self._fill(twice, segments, lanes.take(np.zeros(2, dtype=np.int64)))
@@ -115,7 +115,7 @@ class RigidBodyEquation(SeriesEquation):
         return known.fastest
 
     def along(self, y: Array) -> Callable[[int], Array]:
-        """Terms of sin z/sin(alpha) and cos z/cos(alpha), which follow from each other."""
+        """See `SeriesEquation.along`; the terms are those of sin z/sin(alpha) and cos z/cos(alpha)."""
         rows, lanes = len(y) - 2, y.shape[1]
         rate, turn, both = np.empty((rows, lanes)), np.empty((rows, 2, lanes)), np.empty((2, lanes))  # rate: n y_n
         half = np.tan(0.5 * (self.alpha - self.sin * y[0]))
@@ -135,7 +135,7 @@ class RigidBodyEquation(SeriesEquation):
         return term
 
     def law(self, side: float) -> Law:
-        """F = sin z/sin(alpha) and G = cos z/cos(alpha) follow from each other: n F_n = -cos(alpha) sum i Y_i G_(n-i)."""
+        """F = sin z/sin(alpha) and G = cos z/cos(alpha), each from the other's earlier terms: n F_n = -cos(alpha) sum i Y_i G_(n-i)."""
         there = self.on(np.array([side]))
         alpha, sin, cos = (float(np.ravel(x)[0]) for x in (there.alpha, there.sin, there.cos))
         numbers = {"alpha": alpha, "sine": sin, "falls": -cos, "pushes": sin * sin / cos, "by_sin": 2.0 / sin, "by_cos": 1.0 / cos}
@@ -157,7 +157,7 @@ class RigidBodyEquation(SeriesEquation):
         return a * np.cos(z) / self.cos - weight * (np.sin(z) / self.sin)
 
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
-        """K = v^2/2 + [cos z - cos(alpha)]/sin^2(alpha) is constant between impacts; 1/(1 + cos(alpha)) at the barrier."""
+        """See `Equation.fall`. The energy is K = v^2/2 + [cos z - cos(alpha)]/sin^2(alpha), 1/(1 + cos(alpha)) at the barrier."""
         turned = self.sin * y
         energy = 0.5 * v * v + 2.0 * np.sin(self.alpha - 0.5 * turned) * np.sin(0.5 * turned) / self.square
         return falls_by_energy(v, energy, self.barrier, turned > self.alpha), energy
@@ -168,9 +168,9 @@ class RigidBodyEquation(SeriesEquation):
         return (self.alpha - 2.0 * np.arcsin(np.sqrt(0.5 * left))) / self.sin
 
     def certainly_overturns(self, y: Array, v: Array, inward: Array, steady: bool = True) -> Array:
-        """True beyond the barrier of the strongest inward drive still to come, with the speed to pass it, or where theta >= pi/2. Under a
-        constant inward e = inward tan(alpha) the equilibrium is at beta = alpha + arctan e and y'' is sqrt(1 + e^2) sin(theta - beta) /
-        sin(alpha). While v > 0 the energy over that barrier never falls."""
+        """True if the body moves outwards beyond the barrier of the strongest inward drive to come, or with the speed to pass it, or has
+        theta >= pi/2. Under a constant inward e = inward tan(alpha) the equilibrium is at beta = alpha + arctan e and y'' is sqrt(1 + e^2)
+        sin(theta - beta) / sin(alpha). While v > 0 the energy over that barrier never falls."""
         e = inward * self.tan
         gap = self.alpha + np.arctan(e) - self.sin * y
         on_its_side = self.sin * y >= 0.5 * math.pi

@@ -1,12 +1,12 @@
-"""Exact flow of the linear rocking oscillator for drives of many sinusoids: the modes of y apart from the sums over the drive's terms.
+"""Exact flow of the linear rocking oscillator for drives of many sinusoids: it separates the modes of y from the sums over the sinusoids.
 
-What `flow` states harmonic by harmonic comes, with D_j = S_j/(1 + w_j^2) and E_j = C_j/(1 + w_j^2), to
+The solution of `flow` is, with D_j = S_j/(1 + w_j^2) and E_j = C_j/(1 + w_j^2),
 
     y(h) = y0 + (v0 + P) sinh h + (b - Q) (cosh h - 1) + Y(h),   Y = sum_j [E_j (1 - cos(w_j h)) - D_j sin(w_j h)]
     P = sum_j w_j D_j,   Q = sum_j w_j^2 E_j
 
-so that an evaluation takes a sine and a cosine a harmonic and four sums, and no F3 and F4. These sums cancel where the arc is short:
-there the drive's derivatives d_n = a^(n)(0) take their place,
+so an evaluation takes a sine and a cosine for each harmonic and four sums, and no F3 and F4. On a short arc these sums cancel; the
+derivatives of the drive d_n = a^(n)(0) replace them there,
 
     y(h) = y0 + v0 sinh h + b (cosh h - 1) + sum_{m>=3} G_m h^m/m!,   G_m = d_(m-2) + G_(m-2),   G_1 = G_2 = 0
 """
@@ -24,16 +24,16 @@ from ..lanes import Array
 from .equation import Point
 from .taylor import powers
 
-SHORT = 2.0  # below this, (1 + fastest w) h, an arc is taken from the drive's derivatives
+SHORT = 2.0  # where (1 + fastest w) h is below this, the derivatives of the drive give the arc
 _PAIRS = 11  # of derivatives: the first power of h that is left out is below 1e-17 of the sum at SHORT
 _WEIGHED, _PRODUCTS = "kj,jl->kl", "...jl,jl->...l"
 _OVER = 1.0 / np.array([math.factorial(m) for m in range(2 * _PAIRS + 3)], dtype=float)[:, None]
-_MOST_LOST = 100.0  # roundings of what the drive adds to an arc, just above SHORT
+_MOST_LOST = 100.0  # allowed loss by cancellation just above SHORT, in roundings of the drive's part of the motion
 
 
 def can_be_summed(segments: Segments) -> bool:
-    """True if the sinusoids of a motion are everywhere the same, and near enough to each other for the sums to keep their digits. The sums
-    are of order sum |C| h/w, their result sum |C| w h^3/6 at small h, where h is at least SHORT over the fastest w."""
+    """True if all segments of a motion have the same sinusoids, with frequencies so close to each other that the sums keep their digits.
+    The sums are of order sum |C| h/w, their result sum |C| w h^3/6 at small h, where h is at least SHORT over the fastest w."""
     alike = not segments.sloped and bool(np.all(segments.frequency == segments.frequency[:, :1]))
     return alike and 6.0 * segments.spread / SHORT**2 <= _MOST_LOST
 
@@ -56,7 +56,7 @@ class SummedFlow(NamedTuple):
 
     @classmethod
     def of(cls, y: Array, v: Array, b: Array, sin: Array, cos: Array, top: Array, ratios: Array) -> SummedFlow:
-        """From the state and the drive's S_j and C_j."""
+        """Build the flow from the state and from the coefficients S_j and C_j of the drive."""
         sin, cos = (np.ascontiguousarray(x) for x in (sin, cos))  # else the order of the sums would be another
         w = ratios[:, None] * top
         over = 1.0 / (1.0 + w * w)
@@ -77,7 +77,7 @@ class SummedFlow(NamedTuple):
         return np.full(self.y.shape, 24.0)
 
     def take(self, lanes: Array) -> SummedFlow:
-        """The arcs of some lanes."""
+        """Returns the arcs of some lanes."""
         return SummedFlow._make([*(x.take(lanes, axis=-1) for x in self[:-2]), *self[-2:]])
 
     def at(self, h: Array) -> Point:
@@ -107,14 +107,14 @@ class SummedFlow(NamedTuple):
         return turn(self.weights[2][:, None] * (self.top * h))
 
     def _turned(self, sin: Array, cosm: Array) -> tuple[Array, Array]:
-        """Y, and the sum of its terms times w^2."""
+        """(Y, the sum of its terms times w^2)."""
         turned = self.cos * cosm
         turned -= self.sin * sin
         total, curved = _summed(_WEIGHED, self.weights[:2], turned)
         return total, curved * self.top * self.top
 
     def _sums(self, sin: Array, cosm: Array) -> tuple[Array, Array, Array, Array]:
-        """Y and Y', and the sums of their terms times w^2."""
+        """(Y, Y', the sums of their terms times w^2)."""
         turned, curved = self._turned(sin, cosm)
         np.multiply(self.cos, sin, out=sin)
         sin += np.multiply(self.sin, cosm, out=cosm)
@@ -122,7 +122,7 @@ class SummedFlow(NamedTuple):
         return turned, rate * self.top, curved, curved_rate * self.top * self.top * self.top
 
     def _short(self, h: Array, sinh: Array, cosh1: Array) -> Point:
-        """The state after a short h, with d_n and G_m over powers of the fastest w, which no power of w exceeds."""
+        """The state after a short h. d_n and G_m are over powers of the fastest w, so that no number grows large."""
         ratios2, ratios, share = self.weights[1], self.weights[2], self.top / self.fastest
         scale = ratios2[:, None] * (self.top * self.top)
         scale += 1.0
@@ -151,13 +151,13 @@ class SummedFlow(NamedTuple):
         return Point(self.y + y, v, self.b + y + drive, v + rate * self.fastest)
 
     def at_ground(self, h: Array) -> Array:
-        """The force at an impact, where y = 0, from the change of the drive since the start."""
+        """The force at an impact, where y = 0, computed from the change of the drive since the start."""
         turned, curved = self._turned(*self._phases(h))
         return self.b - self.y - turned - curved
 
 
 def _summed(formula: str, one: Array, rows: Array) -> Array:
-    """np.einsum of weights, or of other rows, with rows (..., terms, lanes) over the terms, for each lane by itself."""
+    """np.einsum over the terms of rows (..., terms, lanes), with weights or other rows; no lane's result depends on other lanes."""
     if rows.shape[-1] == 1:  # NumPy sums a single lane in another order: no digit may depend on a lane's neighbours
         return np.einsum(formula, one, np.repeat(rows, 2, axis=-1))[..., :1]
     return np.einsum(formula, one, rows)

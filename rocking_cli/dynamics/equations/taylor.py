@@ -1,6 +1,6 @@
 """Taylor series of each lane's motion: the flow of equations without a closed form.
 
-The last terms of a series limit its step, so that no step is rejected. Impacts and peaks are found on the series.
+The last terms of a series give the length of its step, so no step is rejected. Impacts and peaks are roots of the series.
 """
 
 from __future__ import annotations
@@ -17,22 +17,22 @@ from ..drive import segment_value
 from ..lanes import Array, Arrays, Lanes
 from .equation import Equation, Point, Ramp
 
-# The error of a step, in the velocity, over the tolerance: errors double every 0.7 in tau, and grow by a factor of tens under a pulse.
+# Allowed error of a step, in y', over the tolerance: errors double every 0.7 in tau, and grow by a factor of tens under a pulse.
 LOCAL = 3e-2
 CACHED = 2048  # lanes for which the recurrences stay in the second-level cache
 LOWEST, HIGHEST = 1e-13, 1e-2  # range of tolerances
 LONGEST = 1.0  # tau: a series of `MOST_TERMS` holds any tolerance up to it
 MOST_TERMS = 24
 WITHIN = 1e-2 * LOCAL  # error of a step, in y', over the tolerance: after a hundred impacts it has grown further than under a pulse
-_TINY = 1e-90  # stands for no time at all, where derivatives are taken as n (n - 1) ... c_n x^n / x^d
+_TINY = 1e-90  # replaces x = 0, since derivatives are computed as n (n - 1) ... c_n x^n / x^d
 _LEAST = 1e-3  # tau: the unit of lanes at the end of their line
-_GROWTH = 1.3  # g of lanes not far beyond the barrier; where it is larger, the last terms show it
-_ROOM = 0.1  # largest first term left out, over the error that a step may have
+_GROWTH = 1.3  # growth rate of lanes up to a little beyond the barrier; the last terms show where it is larger
+_ROOM = 0.1  # largest size of the first term left out, over the error that a step may have
 
 
 @dataclass
 class TaylorSeries(Arrays):
-    """(terms, lanes) coefficients of (h / unit)^n, and how far [tau] they may be used."""
+    """Coefficients of (h / unit)^n, (terms, lanes), and the longest h [tau] for which they hold."""
 
     terms: Array
     unit: Array
@@ -56,11 +56,11 @@ class TaylorSeries(Arrays):
         return 2.0 * self.terms[2] / self.unit**2
 
     def at(self, h: Array) -> Point:
-        """y and three derivatives after h."""
+        """y and its first three derivatives after h [tau], (lanes,)."""
         return self._at(h)[0]
 
     def at_with_chord_errors(self, h: Array) -> tuple[Point, Array]:
-        """`at`, and bounds of the distance of h y' and h^2 y'' up to there from the straight line between their ends, (2, lanes)."""
+        """(`at`, chord errors (2, lanes)): bounds of how far h y' and h^2 y'' leave the straight line between their values at 0 and h."""
         point, terms = self._at(h)
         return point, np.einsum("dn,nl->dl", _chord_errors(len(terms)), np.abs(terms[3:]))[:, : h.size]
 
@@ -76,7 +76,7 @@ class TaylorSeries(Arrays):
         return Point(y, v * over, b * over * over, j * over * over * over), terms
 
     def at_ground(self, h: Array) -> Array:
-        """The force at an impact after h: y'' plus the drag."""
+        """The force at an impact after h [tau]: y'' plus the drag 2 zeta y'."""
         there = self.at(h)
         return there.b + 2.0 * self.damping * there.v if self.damping else there.b
 
@@ -96,22 +96,22 @@ def powers(x: Array, count: int) -> Array:
 
 @lru_cache(maxsize=64)
 def _falling_factors(count: int) -> Array:
-    """(4, count): 1, n, n (n - 1), n (n - 1)(n - 2)."""
+    """(4, count): 1, n, n (n - 1), n (n - 1)(n - 2), for n from 0."""
     n = np.arange(float(count))
     return np.array([np.ones(count), n, n * (n - 1.0), n * (n - 1.0) * (n - 2.0)])
 
 
 @lru_cache(maxsize=64)
 def _chord_errors(count: int) -> Array:
-    """(2, count - 3): n times the most of t - t^(n - 1) on [0, 1], and n (n - 1) times that of t - t^(n - 2), from n = 3 on."""
+    """(2, count - 3), for n from 3: n times the maximum of t - t^(n - 1) on [0, 1], and n (n - 1) times that of t - t^(n - 2)."""
     n = np.arange(3.0, count)
     m = np.maximum(np.array([n - 1.0, n - 2.0]), 1.0 + 1e-9)
     return np.array([n, n * (n - 1.0)]) * m ** (-1.0 / (m - 1.0)) * (1.0 - 1.0 / m)
 
 
 class Drive(NamedTuple):
-    """unit^2 times the Taylor series of the outward drive in powers of h / unit, without its first term, (terms, lanes); or, where the
-    weight varies, those of the weight over m g, with its first term, and of the drive, (terms, 2, lanes)."""
+    """Taylor series of the outward drive in powers of h / unit, times unit^2, without its first term, (terms, lanes). Where the weight
+    varies: the series of the weight over m g, with its first term, and of the drive, (terms, 2, lanes)."""
 
     terms: Array
     unit: Array
@@ -119,20 +119,20 @@ class Drive(NamedTuple):
 
     @property
     def parts(self) -> tuple[Array | None, Array]:
-        """(Taylor terms of gravity, None without a vertical motion, those of the horizontal drive)."""
+        """(Taylor terms of the weight, None without a vertical motion; those of the horizontal drive)."""
         return (self.terms[:, 0], self.terms[:, 1]) if self.terms.ndim == 3 else (None, self.terms)
 
 
 def order_for(tolerance: float, terms: float = 0.98) -> int:
-    """Terms of a series: `terms` for each factor e of a step's error. Raises ValueError when the tolerance is out of range."""
+    """Number of terms of a series: -`terms` log(error of a step). Raises ValueError when the tolerance is out of range."""
     if not LOWEST <= tolerance <= HIGHEST:
         raise ValueError(f"tolerance: found {tolerance:g}; expected a number from {LOWEST:g} to {HIGHEST:g}")
     return max(8, math.ceil(-terms * math.log(tolerance * LOCAL)))
 
 
 def drive_series(segments: Segments, lanes: Lanes, order: int, gain: Array | float = 1.0, rate: Array | float = 1.0) -> Drive:
-    """Terms 1 ... order of the drive times `gain`, and those of the weight where it varies. The first, the drive now, follows from the
-    force that a lane carries. rate: of the body on still ground [1/tau]."""
+    """Terms 1 ... order of the drive times `gain`, and the terms of the weight where it varies. Term 0, the drive now, follows from the
+    force that the lane stores. rate: fastest change of the body on still ground [1/tau]."""
     weighed, here = segments.weighed, segment_value(segments, lanes.k, lanes.u)
     w, *up = (part.frequency.take(lanes.k, axis=1) * lanes.omega for part in (segments, *((weighed.vertical,) if weighed else ())))
     fastest = rate + np.maximum.reduce([x.max(axis=0, initial=0.0) for x in (w, *up)])
@@ -153,7 +153,7 @@ def drive_series(segments: Segments, lanes: Lanes, order: int, gain: Array | flo
 
 
 def _fill(terms: Array, segments: Segments, lanes: Lanes, here: tuple[Array, Array, Array], outward: Array, w: Array, unit: Array) -> None:
-    """Fill (terms, lanes) from the second on with `outward` times a motion; here: its `segment_value` now; w: its frequencies [1/tau]."""
+    """Fill (terms, lanes) from row 1 on with `outward` times a motion's terms; here: its `segment_value` now; w: its frequencies [1/tau]."""
     if not len(w):
         terms[1:] = 0.0
     mine = terms
@@ -174,12 +174,12 @@ def _fill(terms: Array, segments: Segments, lanes: Lanes, here: tuple[Array, Arr
 
 
 def series(terms: Array, fastest: Array, tolerance: float, damping: float = 0.0) -> TaylorSeries:
-    """The series of these terms in powers of `fastest` h, with the step that the tolerance allows."""
+    """Build the series from its terms in powers of `fastest` h, with the longest step that the tolerance allows."""
     return TaylorSeries(terms, 1.0 / fastest, longest(terms, fastest, tolerance), fastest, damping)
 
 
 def longest(terms: Array, fastest: Array, tolerance: float) -> Array:
-    """The step [tau] that the tolerance allows."""
+    """The longest step [tau] that the tolerance allows."""
     # Four terms, since one or two can be small by accident: after a jump from rest the series has even powers only.
     last = np.arange(terms.shape[0] - 4.0, terms.shape[0])[:, None]
     size = np.abs(terms[-4:])
@@ -192,7 +192,7 @@ def longest(terms: Array, fastest: Array, tolerance: float) -> Array:
 
 
 def degrees(size: Array, unit: Array, tolerance: float) -> Array:
-    """Degree of each lane's series; size: bound of the accelerations, and of the drive's slope, over its unit."""
+    """Degree that each lane's series needs; size: bound of the acceleration and of the slope of the drive during the unit."""
     degree = np.full(unit.shape, 3, dtype=np.int64)
     reach = _GROWTH * unit
     left = 0.5 * size * reach  # what term n adds to the acceleration, n (n - 1) c_n/unit^2, over n - 1; here n = 3
@@ -206,7 +206,7 @@ def degrees(size: Array, unit: Array, tolerance: float) -> Array:
 
 
 def factors_for(unit: Array, degree: Array) -> Array:
-    """`Ramp.factors`, as many as the largest degree takes."""
+    """`Ramp.factors`, with one row for each term up to the largest degree."""
     n = np.arange(1.0, float(degree.max(initial=3)))[:, None]
     rows: Array = unit * unit / (n * (n + 1.0))
     rows[n + 1.0 > degree] = 0.0
@@ -214,7 +214,7 @@ def factors_for(unit: Array, degree: Array) -> Array:
 
 
 def last_terms(terms: Array, last: Array, unit: Array) -> Array:
-    """Size of the last two terms of each lane, (lanes,), at most `WITHIN` times tolerance and unit; last: flat index of the last term."""
+    """Size of the last two terms of each lane, (lanes,): a step needs size <= `WITHIN` tolerance unit. last: flat index of the last term."""
     flat = terms.ravel()
     size = np.abs(flat.take(last - unit.size))
     size *= unit
@@ -224,7 +224,7 @@ def last_terms(terms: Array, last: Array, unit: Array) -> Array:
 
 
 def ramp_flow(equation: Equation, segments: Segments, lanes: Lanes) -> TaylorSeries:
-    """The series of lanes under straight lines, to the end of their line or for `LONGEST`."""
+    """The series of lanes under straight lines, each to the end of its line or for `LONGEST`."""
     outward = -lanes.side * lanes.amplitude
     slope = outward * segments.slope[lanes.k]
     drive = outward * segments.s_start[lanes.k] + slope * lanes.u
@@ -238,7 +238,7 @@ def ramp_flow(equation: Equation, segments: Segments, lanes: Lanes) -> TaylorSer
 
 
 def line_series(equation: Equation, y: Array, v: Array, ramp: Ramp) -> TaylorSeries:
-    """The series of lanes under ramps; it finds the factors."""
+    """The series of lanes under ramps, whose `factors` it computes."""
     unit = ramp.unit
     size = 2.0 + np.abs(ramp.drive) + np.abs(v) + np.abs(ramp.gain) / unit
     if ramp.weight is not None:

@@ -1,4 +1,4 @@
-"""One round of the engine: from the present state to the end of a window of the drive, or to an impact.
+"""One round of the engine: each lane goes from its present state to the end of a window of the outward drive a, or to an impact.
 
 A window of the drive is a stretch of time on which one sign test proves whether y has a root: on one side y'' - y = a - 1 (linear), and the
 sign of a - 1 decides (Lemma 1 where a < 1, Lemma 2 where a >= 1). A window with a < 1 ends at any inner maximum of a, so that a falls and
@@ -18,12 +18,12 @@ from ..equations.taylor import TaylorSeries
 from ..lanes import Array, Lanes
 from .roots import falls_through_zero, hidden_turn, impact_root, sense, turning_point
 
-_SURELY = 1.0 - 1e-9  # a bound settles a question if it does so with this much room, which rounding never needs
+_SURELY = 1.0 - 1e-9  # a bound counts if it holds with this much room, which is more than rounding needs
 
 
 class Windows(NamedTuple):
-    """The end of the present window of every lane: segment and phase in it, True if the drive is supercritical, and the phase of the
-    whole segments that lie between."""
+    """The end of the present window of every lane. k, u: segment and phase in it; supercritical: True if the drive is supercritical; over:
+    phase of the whole segments between the present one and k."""
 
     k: Array
     u: Array
@@ -36,8 +36,8 @@ class Windows(NamedTuple):
 
 
 def window_end(segments: Segments, k: Array, u: Array, side: Array, amplitude: Array) -> Windows:
-    """The end of the window that (k, u) lies in; a boundary belongs to the window that it begins. Where the weight varies the windows are
-    those of the net drive on the body's side."""
+    """The end of the window that holds the position (k, u); a boundary belongs to the window that begins there. Where the weight varies,
+    the windows are those of the net drive on the body's side."""
     if (weighed := segments.weighed) is not None:
         offset = weighed.offset(side)
         there = _beyond_cuts(weighed.edges, window_end(weighed.edges, k + offset, u, side, amplitude), side, amplitude)
@@ -58,8 +58,8 @@ def window_end(segments: Segments, k: Array, u: Array, side: Array, amplitude: A
     here = u < cut
     supercritical = np.where(here, start, end)
     here &= start != end
-    # Past the crossing (or with none) the window runs to the segment's end, and on into the next segment where that one
-    # continues the closed form and turns the other way.
+    # Past the crossing (or without one) the window runs to the segment's end. It continues into the next segment if that
+    # segment has the same closed form and brings the drive back towards a = 1.
     falling = to_s < from_s
     to_k, to_u, over = k, np.where(here, cut, length), np.zeros(length.shape)
     lanes = np.flatnonzero(~here & segments.joins[k] & (supercritical != falling))
@@ -75,8 +75,8 @@ def window_end(segments: Segments, k: Array, u: Array, side: Array, amplitude: A
 
 
 def _beyond_cuts(segments: Segments, window: Windows, side: Array, amplitude: Array) -> Windows:
-    """The same windows further on where a segment ends without a turn of this edge's drive, which is cut for the other one's too; a
-    subcritical window still ends at an inner maximum, so that its drive is largest at an end."""
+    """The same windows, extended past segment ends at which the drive of this edge does not turn (the segments are also cut where the drive
+    of the other edge turns). A subcritical window still ends at an inner maximum, so that its drive is largest at an end."""
     k, u, supercritical, over = window
     lanes = np.arange(k.size)
     while True:
@@ -96,9 +96,10 @@ def _beyond_cuts(segments: Segments, window: Windows, side: Array, amplitude: Ar
 
 
 class Step(NamedTuple):
-    """The stretch that each lane goes in one proof: one window of the drive, or a supercritical window that is left outwards together with
-    the subcritical one after it. k, u: where the step ends; h: its length [tau]; supercritical: True if the drive is supercritical
-    throughout; subcritical: time [tau] in it at which its subcritical window begins, 0 if it is the only one."""
+    """The time that each lane covers with one proof: one window of the drive, or a supercritical window that the lane leaves outwards
+    together with the subcritical window after it. k, u: where the step ends; h: its length [tau]; supercritical: True if the drive is
+    supercritical throughout; subcritical: time [tau] in the step at which its subcritical window begins, 0 if the step has no other window.
+    """
 
     k: Array
     u: Array
@@ -108,13 +109,13 @@ class Step(NamedTuple):
 
 
 class Passage(NamedTuple):
-    """A step and the state at its end; time, velocity and force of an impact; bent: as `TaylorSeries.at_with_chord_errors` has it, where
-    the weight varies."""
+    """A step, the state at its end, and where the lane hit the ground (`hit`) the velocity and force of the impact at `reach`; bent: chord
+    errors of `TaylorSeries.at_with_chord_errors`, where the weight varies."""
 
     step: Step
     arc: Flow
     end: Point
-    reach: Array  # end of the stretch looked at: the impact, or the end of the step
+    reach: Array  # [tau] from the start: to the impact, or to the end of the step
     hit: Array
     impact_v: Array
     impact_b: Array
@@ -122,17 +123,17 @@ class Passage(NamedTuple):
 
     @property
     def force(self) -> Array:
-        """The force at the end."""
+        """The force f at the end of the step."""
         return self.end.b + 2.0 * self.arc.damping * self.end.v if self.arc.damping else self.end.b
 
 
 def next_step(segments: Segments, lanes: Lanes, longest: Array) -> Step:
-    """The longest step that one sign test covers and that the flow can take (`longest` [tau]), for each lane."""
+    """The longest step of each lane that one sign test covers and that the flow can make (`longest` [tau])."""
     window = window_end(segments, lanes.k, lanes.u, lanes.side, lanes.amplitude)
     k, u = window.k.copy(), window.u.copy()
     h = window.phase(lanes.u) / lanes.omega
     supercritical, subcritical = window.supercritical.copy(), np.zeros(h.size)
-    # A supercritical window entered outwards holds no event: go on to the end of the subcritical one after it.
+    # A supercritical window entered outwards holds no event: go on to the end of the subcritical window after it.
     on = np.flatnonzero(window.supercritical & (lanes.v >= 0.0) & (u < segments.length[k]) & (h < longest))
     if on.size:
         beyond = window_end(segments, k[on], u[on], lanes.side[on], lanes.amplitude[on])
@@ -147,7 +148,7 @@ def next_step(segments: Segments, lanes: Lanes, longest: Array) -> Step:
 
 
 def advance(segments: Segments, lanes: Lanes, equation: Equation, until: Array | float = np.inf) -> Passage:
-    """Take the step and settle whether the body hit the ground on the way, and when; until: the longest step [tau] besides the flow's."""
+    """Take the step, and find out whether and when the body hit the ground in it; until: the longest step [tau] that other events allow."""
     arc = equation.flow(segments, lanes)
     step = next_step(segments, lanes, np.minimum(arc.longest, until))
     if segments.weighed is not None and isinstance(arc, TaylorSeries):
@@ -156,7 +157,7 @@ def advance(segments: Segments, lanes: Lanes, equation: Equation, until: Array |
         end, bent = arc.at(step.h), None
     reach = step.h.copy()
     hit = end.y <= 0.0
-    # A supercritical window entered inwards: its single minimum may touch the ground although both ends are above it.
+    # A supercritical window entered inwards: y may touch the ground at its only minimum although both ends are above the ground.
     dips = np.flatnonzero(step.supercritical & ~hit & (lanes.v < 0.0) & (end.v > 0.0))
     if dips.size:
         h = step.h[dips]
@@ -175,7 +176,7 @@ def advance(segments: Segments, lanes: Lanes, equation: Equation, until: Array |
 
 
 def _impact_guess(arc: Flow, step: Step, end: Point, reach: Array, at: Array) -> Array:
-    """A first guess inside the bracket: ballistic from the left where b < 0 at the start, else a step from the right."""
+    """A first guess of the impact time inside the bracket: from y, y', y'' at the start where b < 0 there, else a step back from the end."""
     low, high = step.subcritical[at], reach[at]
     y, v, b = arc.y[at], arc.v[at], arc.b[at]
     with np.errstate(all="ignore"):
@@ -187,8 +188,8 @@ def _impact_guess(arc: Flow, step: Step, end: Point, reach: Array, at: Array) ->
 
 
 def turning_points(segments: Segments, lanes: Lanes, passage: Passage, wanted: Array) -> tuple[Array, Array, Array]:
-    """(lanes, times [tau] since the start of their step, heights y) of the turning points of this step: at most one a lane, and only where
-    a is below 1 (Lemmas 3 and 4); of bodies whose weight varies as many as the series has, in the order of lanes and times."""
+    """(lanes, times [tau] since the start of their step, heights y) of the turning points in this step. A lane has at most one, and only
+    where a is below 1 (Lemmas 3 and 4). A body whose weight varies has as many as its series, in the order of lanes and times."""
     step, end, damping = passage.step, passage.end, passage.arc.damping
     wanted = wanted & ~step.supercritical
     if segments.weighed is not None:
@@ -199,7 +200,7 @@ def turning_points(segments: Segments, lanes: Lanes, passage: Passage, wanted: A
         at, low, high = falls_through_zero(passage.arc, passage.reach, *(np.flatnonzero(x) for x in (at & ~monotone, once)))
         if not at.size:
             return at, low, high
-        chord = high * (lanes.v[at] / (lanes.v[at] - np.minimum(v[at], 0.0)))  # where it is the only turn of the step
+        chord = high * (lanes.v[at] / (lanes.v[at] - np.minimum(v[at], 0.0)))  # if this is the only turn of the step
         guess = np.where(high - low == passage.reach[at], chord, 0.5 * (low + high))
         return at, *turning_point(passage.arc.take(at), low, high, guess, 1.0)
     rises = wanted & ((step.subcritical > 0.0) | (lanes.v > 0.0))
@@ -231,12 +232,12 @@ def turning_points(segments: Segments, lanes: Lanes, passage: Passage, wanted: A
 
 
 def _slope(b: Array, v: Array, damping: float) -> Array:
-    """Slope of exp(zeta tau) y' over that factor, y'' + zeta y'; from the force it is f - zeta y'."""
+    """Derivative of exp(zeta tau) y' over exp(zeta tau): y'' + zeta y' = f - zeta y'. Where b is f, damping is -zeta."""
     return b + damping * v if damping else b
 
 
 def _bottom(segments: Segments, lanes: Lanes, passage: Passage, at: Array) -> Array:
-    """The time until which the drive falls in these steps: to the start of the last segment; 0 where it only rises."""
+    """How long [tau] the drive falls in these steps: until the start of the last segment; 0 where it only rises."""
     k, u = lanes.k[at], lanes.u[at]
     to_k, to_u = passage.step.k[at], passage.step.u[at]
     to_k = np.where(to_u > 0.0, to_k, to_k - 1)

@@ -1,4 +1,4 @@
-"""Cells that are run together under one motion, as the march takes them."""
+"""`Batch`: cells that the march computes together under one motion; `FreeFall`: when the ground falls away from them."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from ..equations.equation import Equation
 from ..lanes import Array, Cells, Lanes
 from ..system import System
 
-SETTLING = 250.0  # tau, times what damping slows the unstable mode: no body is longer on its way to its last impacts that matter
-MAX_STEPS = 120_000  # a cell that takes more, and 40 for each segment of the motion, is given up as failed
-_INSTANT = 1e-9  # tau: within it of a free fall the weight is as good as none
+SETTLING = 250.0  # tau, times (1 + 3 zeta): after so long on still ground every body has had its last impact that matters
+MAX_STEPS = 120_000  # a cell with more steps than this plus 40 for each segment of the motion fails
+_INSTANT = 1e-9  # tau: this close to a free fall of the ground the weight counts as zero
 
 
 class FreeFall:
-    """The first instant at which the ground falls away from the body of each cell, (cells,): k, u: its place in the motion; ever: True if
-    there is one."""
+    """The first instant at which the ground falls away from the body of each cell, (cells,). k, u: segment and phase of this instant; ever:
+    True if there is such an instant."""
 
     def __init__(self, segments: Segments, first: Uplift, ever: Array) -> None:
         self.segments, self.k, self.u, self.ever = segments, first.k, first.u, ever
 
     @classmethod
     def of(cls, segments: Segments, cells: Cells, shaken: int) -> FreeFall | None:
-        """The free fall of cells under a motion that ends with segment `shaken`; None if the ground falls away from none of them."""
+        """Find the free fall of cells; the motion is over from segment `shaken` on. Returns None if the ground falls away from no cell."""
         weighed = segments.weighed
         if weighed is None:
             return None
@@ -37,7 +37,7 @@ class FreeFall:
         return cls(segments, first, ever) if ever.any() else None
 
     def until(self, lanes: Lanes) -> Array:
-        """The time [tau] that is left until the ground falls away; 0 after it."""
+        """Returns the time [tau] left until the ground falls away; 0 after this instant, infinite if it never comes."""
         k, start = self.k[lanes.cell], self.segments.start
         last = len(self.segments) - 1
         ahead = start[np.minimum(k, last)] - start[np.minimum(lanes.k, last)]  # its rounding is far below `_INSTANT`
@@ -49,16 +49,16 @@ class FreeFall:
         return np.asarray(self.until(lanes) <= _INSTANT)
 
     def sooner(self, cell: Array, lift: Uplift) -> tuple[Array, Array]:
-        """(k, u) of the free fall or of the uplift of bodies at rest, the earlier one."""
+        """(k, u) of the free fall or of the uplift `lift` of bodies at rest, whichever is earlier."""
         k, u = self.k[cell], self.u[cell]
         before = (k < lift.k) | ((k == lift.k) & (u < lift.u))
         return np.where(before, k, lift.k), np.where(before, u, lift.u)
 
 
 class Batch(NamedTuple):
-    """Cells on one kind of body. segments: of the motion, followed by still ground where damping leaves the free motion without a closed
-    form; first: the segment with which the motion of each cell begins; shaken: the one from which on the ground is still; peaks: True if
-    the largest rotations are wanted; most_steps: after so many a cell is given up."""
+    """Cells with one kind of body. segments: of the motion, followed by still ground if damping leaves the free motion without a closed
+    form; first: index of the segment with which the motion of each cell begins; shaken: index of the segment from which on the ground is
+    still; peaks: True if the largest rotations are wanted; most_steps: a cell with more steps fails."""
 
     equation: Equation
     contact: Contact
@@ -93,12 +93,12 @@ class Batch(NamedTuple):
         return self.equation.on(lanes.side[at], lanes.cell[at]).rotation(np.asarray(y))
 
     def cannot_return(self, lanes: Lanes, at: Array | slice, k: Array, y: Array, v: Array) -> Array:
-        """True where no drive to come can bring the lanes `at` back from y, v in segments k (Lemma 6)."""
+        """True where no later drive can bring the lanes `at` back, with y, v in segments k (Lemma 6)."""
         side = lanes.side[at]
         inward = self.segments.hardest(side, lanes.amplitude[at], k)
         return self.equation.on(side, lanes.cell[at]).certainly_overturns(y, v, inward, self.segments.weighed is None)
 
     def rests_until(self, cell: Array, k: Array, u: Array) -> tuple[Uplift, tuple[Array, Array]]:
-        """The uplift of bodies that rest from (k, u) on, and (k, u) of it or of the instant at which the ground falls away from them."""
+        """(next uplift of bodies that rest from (k, u) on; (k, u) of the end of the rest: the uplift, or the ground falls away earlier)."""
         lift = self.contact.uplift(self.cells, self.segments, cell, k, u)
         return lift, (lift.k, lift.u) if self.free_fall is None else self.free_fall.sooner(cell, lift)

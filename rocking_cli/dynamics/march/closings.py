@@ -1,4 +1,4 @@
-"""Closings: proofs that lanes come to a known outcome, so that they need not be followed."""
+"""Closings: proofs that the outcome of a lane is already known, so that the march need not follow it to the end."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from ..lanes import Array, Lanes
 from ..outcome import Outcome
 from .batch import Batch
 
-FEW = 2  # pushes of a motion: under more, an envelope looks closer where the number of impacts changes, and bodies are followed to the end
+FEW = 2  # under more pushes an envelope scans finer where the number of impacts changes; so the march follows bodies to the end
 
 
 class Closed(NamedTuple):
-    """Lanes whose outcome is known: their indices, outcomes, and the largest y of those that rocked, NaN of others."""
+    """Lanes whose outcome is known: their indices, their outcomes, and the largest y of those that rocked (NaN for other outcomes)."""
 
     at: Array
     outcome: Array | Outcome
@@ -25,8 +25,8 @@ class Closed(NamedTuple):
 
 
 class Closing(NamedTuple):
-    """closes(batch, lanes): the lanes just after an impact that it closes; counts: field of `Work` that counts them; still: True of lanes
-    that are left on still ground, which observers are told."""
+    """A proof and how the run uses it. closes(batch, lanes): returns the lanes that the proof closes, among lanes just after an impact;
+    counts: field of `Work` that counts them; still: True for proofs on still ground, where the run first tells the observers."""
 
     closes: Callable[[Batch, Lanes], Closed]
     counts: str = ""
@@ -34,7 +34,7 @@ class Closing(NamedTuple):
 
 
 def free_motion(batch: Batch, lanes: Lanes) -> Closed:
-    """Undamped lanes for which the shaking is over: the outcome of their free motion (Lemma 8)."""
+    """Close undamped lanes for which the shaking is over, by the outcome of their free motion (Lemma 8)."""
     at = np.flatnonzero(lanes.k >= len(batch.segments))
     if not at.size:
         return Closed(at, at, lanes.peak[at])
@@ -45,8 +45,8 @@ def free_motion(batch: Batch, lanes: Lanes) -> Closed:
 
 
 def damped_settling(batch: Batch, lanes: Lanes) -> Closed:
-    """Damped lanes on still ground that cannot rise above their peak: without damping they would have more energy, and even so they
-    neither pass the barrier nor rise above their peak. The peaks of lanes on still ground are raised to the next one where it is known."""
+    """Close damped lanes on still ground that without damping, so with more energy, would neither pass the barrier nor rise above their
+    peak. It also raises the stored peak of lanes on still ground to their next peak where this is known."""
     at = np.flatnonzero(lanes.k >= batch.shaken)
     y, v = lanes.y[at], lanes.v[at]
     top = batch.equation.damped_peak(y, v)
@@ -54,7 +54,7 @@ def damped_settling(batch: Batch, lanes: Lanes) -> Closed:
     y[known], v[known] = top[known], 0.0
     lanes.peak[at] = np.fmax(lanes.peak[at], top)
     most = batch.contact.free_motion(batch.equation, lanes, at, y, v)
-    below = batch.rotation(lanes, at, y) < 1.0  # from above the barrier damping may keep it there
+    below = batch.rotation(lanes, at, y) < 1.0  # above the barrier damping may keep the body from falling back
     at = at[below & ~(most.overturns | most.overturns_after_impact) & (most.peak <= lanes.peak[at])]
     return Closed(at, Outcome.ROCKED, lanes.peak[at])
 
@@ -66,15 +66,15 @@ def _rocked(lanes: Lanes, proved: Array) -> Closed:
 
 FREE_MOTION = Closing(free_motion, "free_phase", still=True)
 UNSETTLED = Closing(lambda batch, lanes: Closed(np.flatnonzero(lanes.k >= len(batch.segments)), Outcome.FAILED, np.nan))
-DAMPED = [Closing(damped_settling, still=True), UNSETTLED]  # at the end of the still ground they should have settled
+DAMPED = [Closing(damped_settling, still=True), UNSETTLED]  # a lane that has not settled at the end of the still ground fails
 SETTLES = Closing(lambda batch, lanes: _rocked(lanes, settles(batch.segments, lanes)), "chatters_closed")
 BOUNCES_ON = Closing(lambda batch, lanes: _rocked(lanes, bounces_on(batch.segments, lanes, batch.equation)), "chatters_closed")
 OUTLASTS = Closing(lambda batch, lanes: Closed(np.flatnonzero(outlasts(batch.segments, lanes, batch.most_steps)), Outcome.FAILED, np.nan))
 
 
 def closings_of(batch: Batch, observed: bool) -> tuple[list[Closing], list[Closing]]:
-    """The closings of a run: for lanes just after an impact, and for those of them that have been taken to their next uplift. observed:
-    True if anything but peaks and outcomes is looked for."""
+    """(closings for lanes just after an impact, closings for those lanes after they are taken from rest to their next uplift) of a run.
+    observed: True if observers look for more than peaks and outcomes."""
     segments, linear = batch.segments, batch.equation.bounded
     if batch.equation.damping:
         return DAMPED, []
@@ -86,5 +86,5 @@ def closings_of(batch: Batch, observed: bool) -> tuple[list[Closing], list[Closi
     early = [FREE_MOTION, *[SETTLES] * (linear and batch.peaks), *[BOUNCES_ON] * (lasting and segments.straight), *[OUTLASTS] * lasting]
     if batch.peaks or not linear or segments.straight or segments.pushes > FEW:
         return early, []
-    ahead = ImpulseAhead.of(segments)  # where only the outcome is wanted: lanes that nothing to come overturns (Lemma 9)
+    ahead = ImpulseAhead.of(segments)  # if only the outcome is wanted: close lanes that the rest of the motion cannot overturn (Lemma 9)
     return early, [Closing(lambda _, lanes: Closed(np.flatnonzero(ahead.cannot_overturn(lanes)), Outcome.ROCKED, np.nan))]

@@ -1,7 +1,7 @@
 """The march: cells (A, Omega, eta) under one motion, advanced arc by arc in a pool of lanes.
 
 In each round every lane goes to the end of a window of the drive, or to its impact (`advance`). Lanes that finish hand in their result and
-new cells take their places. The march leaves out cells that never leave the ground, rest, and lanes whose outcome a closing proves.
+new cells take their places. The march skips cells that never leave the ground, times of rest, and lanes whose outcome a closing proves.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ from .closings import FREE_MOTION, Closed, Closing, closings_of, free_motion
 
 Landing = TypeVar("Landing", bound=Lanes)
 
-STILL = 1e-100  # a speed whose square a double does not hold is none
+STILL = 1e-100  # speed that counts as zero, since its square is below double precision
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # of mallopt(3)
 _BLOCK = 32 << 20  # bytes, the largest that it takes
 
 
 @cache
 def keep_freed_memory() -> None:
-    """Let glibc keep freed blocks of up to 32 MB, 64 MB in all: to fault the arrays of each round in anew takes as long as all the rest."""
+    """Make glibc keep freed blocks of up to 32 MB, 64 MB in all: page faults for the arrays of each round would double the time."""
     if sys.platform == "linux":
         with suppress(AttributeError):  # another library than glibc
             mallopt = ctypes.CDLL(None).mallopt
@@ -43,11 +43,11 @@ def keep_freed_memory() -> None:
 
 def by_windows(run: Run, waiting: Array) -> None:
     """March these cells of a run, (cells,) indices, to their end, from window to window of the drive (`advance`). Bodies that are hardly
-    lifted bounce longest, so they begin."""
+    lifted bounce longest, so they go first."""
     batch = run.batch
     if waiting.size > run.pool:
         lift = batch.contact.strongest(batch.cells, batch.segments, batch.first)[waiting]
-        waiting = waiting[np.argsort((255.0 - 255.0 / lift).astype(np.uint8), kind="stable")]  # of bytes it takes a pass each
+        waiting = waiting[np.argsort((255.0 - 255.0 / lift).astype(np.uint8), kind="stable")]  # bytes sort in one pass
     lanes, taken = run.start(waiting[:0]), 0
     with np.errstate(all="ignore"):
         while taken < waiting.size or lanes.cell.size:
@@ -59,9 +59,9 @@ def by_windows(run: Run, waiting: Array) -> None:
 
 
 class Run:
-    """A batch of cells on its way through the pool, and their results so far. Parameters: pool: lanes advanced together; observers: what
-    is shown their motion. theta_ratio, outcome, impacts: (cells,), as in `Response`; bounced: of
-    damped cells, True after an impact on still ground."""
+    """The march of a batch: the lanes in the pool, and the results so far. Parameters: pool: number of lanes advanced together; observers:
+    objects that see the motion of the lanes. theta_ratio, outcome, impacts: (cells,), as in `Response`; bounced: True for damped cells
+    after an impact on still ground."""
 
     def __init__(self, batch: Batch, pool: int | None = None, observers: Sequence[Observer] = ()) -> None:
         keep_freed_memory()
@@ -71,11 +71,11 @@ class Run:
         self.outcome = np.full(batch.size, Outcome.NO_UPLIFT, dtype=np.uint8)
         self.impacts, self.bounced = np.zeros(batch.size, dtype=np.int32), np.zeros(batch.size, dtype=bool)
         self.work = Work(cells=batch.size)
-        if batch.free_fall is not None:  # also from under bodies that nothing lifts: one that is pushed against its wall
+        if batch.free_fall is not None:  # a body pressed against its wall loses the ground too
             self._lose(np.flatnonzero(batch.free_fall.ever))
 
     def all(self, march: Callable[[Run, Array], None] = by_windows) -> None:
-        """Run every cell to its end, once; march: brings those that leave the ground there."""
+        """Run every cell to its end, once. march: function that runs those cells to their end that leave the ground."""
         batch = self.batch
         lifts = batch.contact.strongest(batch.cells, batch.segments, batch.first) > 1.0
         waiting, still = np.flatnonzero(lifts), np.flatnonzero(~lifts)
@@ -87,19 +87,19 @@ class Run:
         march(self, waiting)
 
     def start(self, cell: Array) -> Lanes:
-        """Bodies at rest, taken to their first uplift; k is the number of segments where there is none."""
+        """Returns lanes for these cells, at their first uplift from rest; k is the number of segments if there is no uplift."""
         zero, count, begin = np.zeros(cell.size), np.zeros(cell.size, dtype=np.int32), self.batch.first[cell]
         first, to = self.batch.rests_until(cell, begin, zero)
         for observer in self.observers if cell.size else ():
             observer.rest(cell, begin, zero, *to)
-        peak = np.full(cell.size, 0.0 if self.batch.peaks else np.inf)  # infinite: nothing that comes can matter to it
+        peak = np.full(cell.size, 0.0 if self.batch.peaks else np.inf)  # infinite: no later peak exceeds it
         row = self.batch.cells.row(first.side)
         amplitude, omega, eta = (values[row, cell] for values in self.batch.cells)
         place_and_state = (first.k, first.u, first.side, zero, zero.copy(), first.b)
         return Lanes(cell, amplitude, omega, eta, *place_and_state, peak, count, count.copy())
 
     def round(self, lanes: Landing) -> Landing:
-        """Take one step of every lane; returns the lanes that go on."""
+        """Take one step of every lane; returns the lanes that are not finished."""
         batch, seg = self.batch, self.batch.segments
         lanes.steps += 1
         equation = batch.equation.on(lanes.side, lanes.cell)
@@ -109,7 +109,7 @@ class Run:
         bad = ~(np.isfinite(end.y) & np.isfinite(passage.reach)) | (lanes.steps > batch.most_steps)
         shaken = ~hit & ~bad & (k >= len(seg))
         if batch.equation.damping:
-            bad, shaken = bad | shaken, np.zeros(hit.shape, dtype=bool)  # it should have settled
+            bad, shaken = bad | shaken, np.zeros(hit.shape, dtype=bool)  # a damped lane should have settled before
         foreseen = batch.cannot_return(lanes, slice(None), np.minimum(k, len(seg) - 1), end.y, end.v)
         over = ~hit & ~bad & ~shaken & foreseen
         last = self._onward(lanes, passage, k, u, np.flatnonzero(shaken))
@@ -118,8 +118,8 @@ class Run:
         wanted[np.flatnonzero(shaken)[free.outcome != Outcome.ROCKED]] = False
         if batch.peaks:
             at, _, y = turning_points(seg, lanes, passage, wanted)
-            np.maximum.at(lanes.peak, at, y)  # there may be several to a lane
-            fallen = at[y >= np.broadcast_to(equation.limit, hit.shape)[at]]  # on its side, though it may be back within one step
+            np.maximum.at(lanes.peak, at, y)  # a lane may have several turning points
+            fallen = at[y >= np.broadcast_to(equation.limit, hit.shape)[at]]  # it lay on its side, even if y ends lower
             over[fallen] = ~bad[fallen]
         if self.observers:
             y, v = np.where(hit, 0.0, end.y), np.where(hit, passage.impact_v, end.v)
@@ -143,7 +143,7 @@ class Run:
         return self.end_free_fall(onward.join(landed))
 
     def _onward(self, lanes: Landing, passage: Passage, k: Array, u: Array, at: Array) -> Landing:
-        """The lanes `at`, which reached the end of their step in the air, in their new state."""
+        """Returns the lanes `at`, which reached the end of their step in the air, with their new state."""
         lanes = lanes.take(at)
         lanes.k, lanes.u = k[at], u[at]
         lanes.y, lanes.v, lanes.b = passage.end.y[at], passage.end.v[at], passage.force[at]
@@ -151,7 +151,7 @@ class Run:
         return lanes
 
     def _land(self, lanes: Landing, h: Array, v: Array, b: Array) -> Landing:
-        """Returns these lanes after impacts h [tau] from now, with velocity v <= 0 and force b, less those that came to their end."""
+        """Returns the lanes after impacts h [tau] from now, with velocity v <= 0 and force b, without those that the impact finishes."""
         batch, seg = self.batch, self.batch.segments
         lanes.k, lanes.u = place(seg, lanes.k, lanes.u + lanes.omega * h)
         lanes.y = np.zeros(h.size)
@@ -169,7 +169,7 @@ class Run:
         return lanes
 
     def _rest(self, lanes: Landing) -> Landing:
-        """Bodies whose bouncing is over skip to their next uplift, or finish."""
+        """Take bodies whose bouncing is over to their next uplift, or finish them."""
         batch = self.batch
         ends = batch.contact.sequence_ends(batch.segments, lanes, batch.equation)
         resting = np.flatnonzero(ends | (lanes.v < STILL))
@@ -188,7 +188,7 @@ class Run:
         return lanes.take(np.flatnonzero(lanes.k < len(batch.segments)))
 
     def end_free_fall(self, lanes: Landing) -> Landing:
-        """Finish bodies from which the ground has fallen away: beyond `FALLEN` they have overturned before, others have lost contact."""
+        """Finish bodies from which the ground has fallen away: overturned if the rotation is at least `FALLEN`, otherwise lost contact."""
         if self.batch.free_fall is None:
             return lanes
         falls = self.batch.free_fall.now(lanes)
@@ -198,11 +198,11 @@ class Run:
         return lanes.take(np.flatnonzero(~falls))
 
     def end_shaking(self, lanes: Lanes) -> None:
-        """Finish undamped lanes at the end of the shaking, by the outcome of their free motion."""
+        """Finish undamped lanes for which the shaking is over, by the outcome of their free motion."""
         self._end(FREE_MOTION, lanes, free_motion(self.batch, lanes))
 
     def _close(self, closing: Closing, lanes: Landing) -> Landing:
-        """Finish the lanes that a closing closes; returns the others."""
+        """Finish the lanes that the closing closes; returns the other lanes."""
         closed = closing.closes(self.batch, lanes)
         if closed.at.size:
             ended = self._end(closing, lanes, closed)
@@ -210,7 +210,7 @@ class Run:
         return lanes
 
     def _end(self, closing: Closing, lanes: Lanes, closed: Closed) -> Array:
-        """Finish lanes that are closed, unless an observer still has to see them; returns their indices."""
+        """Finish closed lanes, except lanes that an observer still has to see; returns the indices of the finished lanes."""
         at, outcome, peak = closed
         if closing.still and self.batch.equation.damping:
             for observer in self.observers:
@@ -226,13 +226,13 @@ class Run:
         return at
 
     def overturn(self, lanes: Lanes, at: Array) -> None:
-        """Finish the lanes `at`, which overturn."""
+        """Finish the lanes `at` as overturned."""
         bounced = (lanes.impacts[at] > 0) | self.bounced[lanes.cell[at]]
         self.finish(lanes, at, np.where(bounced, Outcome.OVERTURNED_AFTER_IMPACT, Outcome.OVERTURNED_NO_IMPACT), np.nan)
         self.work.certain_overturning += at.size
 
     def finish(self, lanes: Lanes, at: Array, outcome: Outcome | Array, peak: Array | float) -> None:
-        """Hand in the results of the lanes `at`: their outcomes, and the largest y of those that rocked, NaN of others."""
+        """Store the results of the lanes `at`: their outcomes, and the largest y of those that rocked (NaN for other outcomes)."""
         if not at.size:
             return
         cell = lanes.cell[at]
@@ -251,13 +251,13 @@ class Run:
         self.outcome[cell], self.theta_ratio[cell] = Outcome.LOST_CONTACT, np.nan
 
     def _renew_drive(self, lanes: Lanes) -> None:
-        """Take the force from the new side of a jump of the drive, which may be where a piece of the motion begins."""
+        """Recompute the force of lanes at the start of a segment with a new closed form: the drive may jump there."""
         seg = self.batch.segments
         at = np.flatnonzero((lanes.u == 0.0) & (lanes.k > 0) & (lanes.k < len(seg)))
         self.push(lanes, at[~seg.joins[lanes.k[at] - 1]])
 
     def push(self, lanes: Lanes, at: Array) -> None:
-        """The force on the lanes `at`, which are where a segment begins."""
+        """Recompute the force on the lanes `at`, which are at the start of a segment."""
         seg, side, amplitude, k = self.batch.segments, lanes.side[at], lanes.amplitude[at], lanes.k[at]
         weight = seg.weight(side, amplitude, k, lanes.u[at])
         drive = -side * amplitude * seg.s_start[k]

@@ -1,8 +1,8 @@
-"""Impact times and peaks on an arc: roots that are known to be there, polished inside brackets; and turns of a series, isolated.
+"""Roots on an arc: impact times and peaks inside brackets that hold exactly one root, and brackets for the turning points of a series.
 
-Existence and uniqueness are settled before (see `advance`); here a lane holds a bracket with one root. Each lane iterates on its own and
-leaves when it has converged, so that its digits do not depend on its neighbours. Under a weight that varies the signs of the Bernstein
-coefficients of y' isolate its roots: in (0, 1) it has as many as they change sign, or fewer by an even number.
+`advance` proves beforehand that a bracket holds exactly one root. Each lane iterates by itself and stops when it has converged, so that
+its digits do not depend on its neighbours. Under a weight that varies, Bernstein coefficients of y' isolate its roots: the number of roots
+in (0, 1) equals the number of sign changes of the coefficients, or is less by an even number.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from ..equations.equation import Flow, Point
 from ..equations.taylor import CACHED, TaylorSeries, powers
 from ..lanes import Array
 
-_HALVINGS = 40  # two turns closer than 1e-12 of a step are none: the height between them is the same to every digit
-_NEAR = 1e-3  # a turning point this far, against every scale of the arc, is met to its fourth power over 24 by y's own Taylor series
-_CLOSE = 3e-6  # a Householder step this short, against every scale of the arc, leaves v an error of its third power
+_HALVINGS = 40  # two turns closer than 1e-12 of a step are ignored: y differs between them by less than rounding
+_NEAR = 1e-3  # a Halley step this short, over every scale of the arc: the Taylor series of y then errs by its fourth power over 24
+_CLOSE = 3e-6  # a Householder step this short, over every scale of the arc, leaves an error of v of the third power of the step
 _ROUNDS = 200  # bisection alone would end in 64 for any bracket that a double can hold between 1e-3 and 1e3
 
 
@@ -41,7 +41,7 @@ def impact_root(arc: Flow, low: Array, high: Array, guess: Array) -> tuple[Array
         exact = size <= 4e-16 * h
         settled = inside & (size <= _CLOSE * h) & (size * fastest <= _CLOSE) & (size * np.abs(f.b) <= _CLOSE * np.abs(f.v))
         settled |= exact & (f.v < 0.0)
-        keep = np.flatnonzero(~settled)  # few: only their brackets are drawn closer
+        keep = np.flatnonzero(~settled)  # few lanes: only their brackets are narrowed
         after, low, high, here = after[keep], low[keep], high[keep], h[keep]
         low, high = np.where(after, low, here), np.where(after, here, high)
         closed = high - low <= 4e-16 * high
@@ -105,9 +105,9 @@ def turning_point(arc: Flow, low: Array, high: Array, guess: Array, sense: float
 
 
 def hidden_turn(arc: Flow, low: Array, high: Array, sense: float) -> Array:
-    """A point with sense * v < 0 between two ends with sense * v >= 0, NaN where there is none. Lemma 4. sense = +1: a dip of v while the
-    drive rises: v'' = v + a' > 0 while v > 0, so v is convex there and the sign of its slope b says on which side its minimum lies. sense =
-    -1: a rise of v while the drive falls, its mirror image."""
+    """A point with sense * v < 0 between two ends with sense * v >= 0, NaN if there is none (Lemma 4). sense = +1 looks for a dip of v
+    while the drive rises: v'' = v + a' > 0 while v > 0, so v is convex there and the sign of its slope b tells on which side its minimum
+    lies. sense = -1 looks for the mirror image, a rise of v while the drive falls."""
     found = np.full(low.shape, np.nan)
     lanes = np.arange(low.size)
     low, high = low.copy(), high.copy()
@@ -128,16 +128,16 @@ def hidden_turn(arc: Flow, low: Array, high: Array, sense: float) -> Array:
 
 
 def sense(arc: Flow, h: Array, end: Point, bent: Array) -> tuple[Array, Array]:
-    """(True if y' is proved to have no zero, True if it is proved to be monotone) along steps of h, from both their ends and how far they
-    are bent in between (`TaylorSeries.at_with_chord_errors`)."""
+    """(True if y' is proved to have no zero, True if y' is proved to be monotone) along steps of length h, from the values at both ends and
+    the chord errors `bent` (`TaylorSeries.at_with_chord_errors`)."""
     speed, rate = (np.array([at_start * part, at_end * part]) for at_start, at_end, part in ((arc.v, end.v, h), (arc.b, end.b, h * h)))
     kept, monotone = ((x.min(axis=0) > most) | (x.max(axis=0) < -most) for x, most in zip((speed, rate), bent, strict=True))
     return kept, monotone
 
 
 def falls_through_zero(arc: Flow, reach: Array, lanes: Array, once: Array) -> tuple[Array, Array, Array]:
-    """The instants on (0, reach) at which y' falls through zero: (lane, low, high) of each, one in each bracket [tau]; of the lanes `once`
-    it is known to do so once."""
+    """The instants on (0, reach) at which y' falls through zero: (lane, low, high) with one instant in each bracket [tau]. once: lanes for
+    which it is already known that there is exactly one."""
     if not isinstance(arc, TaylorSeries):
         raise TypeError("turns of a series only")
     found: list[tuple[Array, Array, Array]] = [(once, np.zeros(once.size), np.ones(once.size))]
@@ -167,7 +167,7 @@ def falls_through_zero(arc: Flow, reach: Array, lanes: Array, once: Array) -> tu
 
 
 def _speed(arc: TaylorSeries, span: Array) -> Array:
-    """span y' in powers of time over it, (terms, lanes)."""
+    """Coefficients of span y' in powers of time over span, (terms, lanes)."""
     terms = powers(span / arc.unit, len(arc.terms))
     terms *= arc.terms
     terms *= np.arange(float(len(terms)))[:, None]
@@ -176,12 +176,12 @@ def _speed(arc: TaylorSeries, span: Array) -> Array:
 
 @lru_cache(maxsize=64)
 def _from_powers(count: int) -> Array:
-    """(count, count): Bernstein coefficients on [0, 1] of the powers."""
+    """(count, count) matrix: converts coefficients of powers to Bernstein coefficients on [0, 1]."""
     return np.array([[comb(i, n) / comb(count - 1, n) for n in range(count)] for i in range(count)])
 
 
 def bernstein_form(terms: Array) -> Array:
-    """Bernstein coefficients on [0, 1] of polynomials, (terms, lanes), each summed in the same order whatever its neighbours."""
+    """Bernstein coefficients on [0, 1] of polynomials, (terms, lanes). The order of each sum does not depend on the other lanes."""
     if terms.shape[1] == 1:  # NumPy sums a single lane in another order
         return bernstein_form(np.repeat(terms, 2, axis=1))[:, :1]
     parts = [np.einsum("in,nl->il", _from_powers(len(terms)), terms[:, block]) for block in blocks(terms.shape[1], CACHED)]
@@ -189,7 +189,7 @@ def bernstein_form(terms: Array) -> Array:
 
 
 def _halves(bernstein: Array) -> tuple[Array, Array]:
-    """The coefficients on either half (de Casteljau)."""
+    """Bernstein coefficients on the left half and on the right half (de Casteljau)."""
     left, right, row = np.empty_like(bernstein), np.empty_like(bernstein), bernstein
     for i in range(len(bernstein)):
         left[i], right[-1 - i] = row[0], row[-1]

@@ -1,10 +1,11 @@
-"""Lost contact: whether Fz > 0 all along the march, where `body` proves nothing beforehand.
+"""Lost contact: `ContactLoss` tests whether Fz > 0 all along the march, for cells for which `body` does not prove it beforehand.
 
-Cells under pushes well above the one proved beforehand are watched on their way, the others where their largest rotation does not prove it
-either; those of the undamped linear oscillator only so, since a step of theirs is long and costs less than a look at it.
+A cell whose push is well above the push proved safe beforehand is watched while it is marched. Another cell is marched once more and then
+watched, if its largest rotation does not prove Fz > 0. The undamped linear oscillator is always treated in this second way: its steps are
+long and cost less than the test.
 
-Along a step Fz stays above its chord less the chord error. A stretch that is not proved is halved; one in which Fz <= 0 at an end has lost
-the ground. Bodies press in sequences of impacts that are closed early as they do in bounces without speed.
+Along a step Fz stays above its chord less the chord error. A stretch for which this does not prove Fz > 0 is halved; if Fz <= 0 at an end
+of a stretch, the body has lost the ground. In a sequence of impacts that is closed early Fz is that of bounces without speed.
 
 The chord error: with bounds V, B, J and Q of the first four derivatives of u = |theta| [rad by tau], P and W of the push over g and the
 weight over m g, the second derivative of Fz over m g is at most
@@ -26,14 +27,14 @@ from ..lanes import Array, Arrays, Lanes
 from ..march.batch import Batch
 from .observer import Arcs, Observer
 
-_ROOM = 0.25  # of the bound of a speed; a longer stretch has none
-_MARGIN = 1.01  # times a speed that was found to 1e-6: a bound of it
-_HALVINGS = 30  # a stretch this short in which Fz is positive wherever it was looked at only touches zero
+_ROOM = 0.25  # least denominator in the bound of |u'|; a stretch for which it is smaller is too long for a bound
+_MARGIN = 1.01  # times a speed that was found to 1e-6 bounds this speed
+_HALVINGS = 30  # after so many, Fz was positive at every point computed: it touches zero at most
 
 
 @dataclass
 class Ends(Arrays):
-    """u, u', u'' [rad by tau] and Fz/(m g) at one end of stretches, (stretches,)."""
+    """u, u', u'' [rad, by tau] and Fz/(m g) at one end of each stretch, (stretches,)."""
 
     u: Array
     v: Array
@@ -42,7 +43,7 @@ class Ends(Arrays):
 
 
 class Shakes(NamedTuple):
-    """The largest push over g of each stretch and its first two derivatives by tau, and the same of the change of the weight over m g."""
+    """The largest push over g of each stretch and the bounds of its first two derivatives by tau; the same of the weight over m g less 1."""
 
     push: Array
     push1: Array
@@ -78,15 +79,15 @@ def chord_errors(body: Body, edge: Edge, s: Shakes, h: Array, one: Ends, other: 
 
 
 class ContactLoss(Observer):
-    """The search for lost contact in the cells that are `watched` on their way; `open`: True for cells without a proof beforehand. ahead:
-    the push over the proved one, above 0, beyond which cells are watched."""
+    """Search for lost contact in the cells that are `watched` while they are marched. open: True for cells without a proof beforehand.
+    Parameter ahead: a cell is watched if its push is more than `ahead` times the push proved safe, ahead > 0."""
 
     def __init__(self, body: Body, batch: Batch, ahead: float) -> None:
         self.body, self.batch, self.segments, self.ground = body, batch, batch.segments, Ground(body, batch.segments)
         segments = batch.segments
         # Bounds of |s|, |s'| and |s''| by the phase, of the horizontal and the vertical motion.
         self.across, self.up, share = (segments.largest, *segments.steepest), (0.0, 0.0, 0.0), (0.0, 0.0)
-        if (weighed := segments.weighed) is not None:  # whose horizontal extremes lie between the ends
+        if (weighed := segments.weighed) is not None:  # here horizontal extremes lie inside segments
             most, least = weighed.inward
             self.across = (max(segments.largest, float(most[0]), -float(least[0])), *segments.steepest)
             self.up, share = (weighed.vertical.largest, *weighed.vertical.steepest), weighed.share
@@ -99,7 +100,7 @@ class ContactLoss(Observer):
         self._lost = np.zeros(self.watched.size, dtype=bool)
 
     def pressed(self, at: Array, theta_ratio: Array, fastest: Array | None = None) -> Array:
-        """True for those of these cells whose largest rotation and u' [rad], if it is known, prove that they pressed on the ground."""
+        """True for those of these cells whose largest rotation, and u' [rad] if it is given, prove that they never lost the ground."""
         kept = np.ones(at.size, dtype=bool)
         for i, (edge, ratio) in enumerate(zip(self.body.edges, self.sway, strict=True)):
             push = self.batch.cells.amplitude[i, at] * (edge.uplift * self.across[0])
@@ -111,7 +112,7 @@ class ContactLoss(Observer):
         return kept
 
     def arcs(self, arcs: Arcs) -> None:
-        """Look for Fz <= 0 along these arcs: halve them until Fz > 0 is proved in each part, or one has lost the ground."""
+        """Look for Fz <= 0 along these arcs: halve each arc until Fz > 0 is proved on every part, or Fz <= 0 is found at a point."""
         at = arcs.wanted[(self.watched & ~self._lost)[arcs.lanes.cell[arcs.wanted]]]
         lanes, arc, low, high = arcs.lanes.take(at), arcs.flow.take(at), np.zeros(at.size), arcs.stop[at]
         slowing = 2.0 * self.body.damping
@@ -119,7 +120,7 @@ class ContactLoss(Observer):
         other = self._ends(lanes, high, arcs.y[at], arcs.v[at], arcs.b[at] - slowing * arcs.v[at])
         for _ in range(_HALVINGS if at.size else 0):
             self._lost[lanes.cell[~((one.fz > 0.0) & (other.fz > 0.0))]] = True
-            with np.errstate(invalid="ignore"):  # of a stretch too long for a bound of its speed nothing is proved
+            with np.errstate(invalid="ignore"):  # a stretch too long for a bound of |u'| stays unproved
                 error = chord_errors(self.body, self.body.on(lanes.side), self._shaking(lanes), high - low, one, other)
                 proved = np.minimum(one.fz, other.fz) > error
             more = np.flatnonzero(~proved & ~self._lost[lanes.cell])
@@ -142,7 +143,7 @@ class ContactLoss(Observer):
         )
 
     def _ends(self, lanes: Lanes, h: Array, y: Array, v: Array, b: Array) -> Ends:
-        """The ends of stretches after h at displacement y, and Fz there."""
+        """State and Fz of lanes h after their present state, at displacement y, velocity v and acceleration b."""
         weight = self.segments.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u + lanes.omega * h)
         edge = self.body.on(lanes.side)
         u, v, b = edge.unit * y, edge.unit * v, edge.unit * b
@@ -150,7 +151,7 @@ class ContactLoss(Observer):
         return Ends(u, v, b, weight + edge.kappa * (b * np.sin(z) - v * v * np.cos(z)))
 
     def may_close(self, lanes: Lanes) -> Array:
-        """True for all. Watched lanes bounce without speed under a drive that is monotone until they rest: Fz is least at an end."""
+        """True for all. Watched lanes bounce without speed under a monotone drive until they rest: it tests Fz at both ends."""
         some = lanes.take(np.flatnonzero(self.watched[lanes.cell] & (lanes.v > 0.0)))
         lasts = self.ground.bouncing_lasts(some, self.batch.contact) if some.cell.size else np.zeros(0)
         for sense in (1.0,) if self.body.one_sided else (1.0, -1.0):
@@ -163,14 +164,14 @@ class ContactLoss(Observer):
         return super().may_close(lanes)
 
     def free(self, lanes: Lanes) -> None:
-        """Fz is least at the next impact on either edge."""
+        """Test Fz at the next impact on either edge: in the free motion it is least there."""
         some = lanes.take(np.flatnonzero(self.watched[lanes.cell]))
         self._lost[some.cell[np.flatnonzero(self._least_to_come(some) <= 0.0)]] = True
 
     def _least_to_come(self, lanes: Lanes) -> Array:
-        """Least Fz/(m g) over still ground, of the next impact on either edge; damped a lower bound, -inf where none is proved. With S =
-        sin z (linear: z) and u'^2 = q at the next impact Fz >= 1 - kappa (S sin z + u'^2 cos z), which falls towards the ground while 3 cos
-        z > cos(alpha) + q/2 (linear: q < 1). Damping takes energy, and adds at most 2 zeta kappa u' to the force."""
+        """Least Fz/(m g) of the free motion, which occurs at the next impact on either edge; with damping a lower bound, -inf where none is
+        proved. With S = sin z (linear: z) and u'^2 = q at the next impact Fz >= 1 - kappa (S sin z + u'^2 cos z), which falls towards the
+        ground while 3 cos z > cos(alpha) + q/2 (linear: q < 1). Damping takes energy, and adds at most 2 zeta kappa u' to the force."""
         here, there = self.body.on(lanes.side), self.body.on(-lanes.side)
         square, least = self.body.square_at_ground(here, lanes.y, lanes.v), np.full(lanes.y.size, np.inf)
         for edge, q in ((here, square), (there, square * (lanes.eta * there.unit / here.unit) ** 2)):
@@ -183,9 +184,9 @@ class ContactLoss(Observer):
         return least
 
     def lost(self, cell: Array) -> Array:
-        """True for the cells that were found."""
+        """True for those of these cells in which Fz <= 0 was found."""
         return self._lost[cell]
 
     def may_settle(self, lanes: Lanes, bounced: Array) -> Array:
-        """False for lanes that may still lose the ground."""
+        """True for lanes that cannot lose the ground any more, that are not watched, or that have lost it already."""
         return ~self.watched[lanes.cell] | self._lost[lanes.cell] | (self._least_to_come(lanes) > 0.0)

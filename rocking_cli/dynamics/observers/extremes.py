@@ -1,7 +1,7 @@
 """The largest value of a quantity along the motion of each cell, found to 1e-6, not proved.
 
-Where a quantity and its slope are known at both ends of a short stretch, it is near the cubic through them. The peak of the cubic is a
-closed form; the quantity is evaluated there, and the part of the stretch that holds the peak is looked at again.
+The values and slopes of a quantity at both ends of a short stretch give a cubic, which is near the quantity. The peak of the cubic has a
+closed form; the quantity is evaluated there, and the search repeats on the part of the stretch that holds its peak.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from ..lanes import Array, Arrays
 
 Values = TypeVar("Values", bound=Arrays)
 
-_CUT = 1.6  # over the rate at which a quantity bends: length of the stretches
-_CUTS = 5  # of a stretch, at peaks of cubics
+_CUT = 1.6  # longest stretch, times the rate of change of the quantity
+_CUTS = 5  # largest number of evaluations inside a stretch, at peaks of cubics
 
 
 @dataclass
 class Ratio(Arrays):
-    """A quantity `top` over another one, `bottom`, and the slopes of both; (stretches,)."""
+    """A ratio `top`/`bottom` of two quantities at points, and the slopes of both; (stretches,)."""
 
     top: Array
     bottom: Array
@@ -42,7 +42,7 @@ class Ratio(Arrays):
 
 @dataclass
 class Stretches(Arrays):
-    """Stretches of a motion, (n,): index of the motion, start and end [tau, or another time], rate at which quantities bend [1/time]."""
+    """Stretches of motions, (n,): index of the motion, start and end [tau, or another time], fastest rate of the quantities [1/time]."""
 
     own: Array
     low: Array
@@ -51,23 +51,23 @@ class Stretches(Arrays):
 
 
 class Extremes:
-    """The largest values so far, `largest`, (cells,). Parameters: start: the first value of each cell, (cells,)."""
+    """The largest value so far of each cell, `largest`, (cells,). Parameters: start: the first value of each cell, (cells,)."""
 
     def __init__(self, start: Array) -> None:
         self.largest = start
 
     def offer(self, cell: Array, value: Array) -> None:
-        """Take in values of these cells, (n,), of which several may belong to one cell; NaN leaves a cell as it is."""
+        """Raise the extremes of these cells to these values, (n,). A cell may occur several times; NaN leaves it unchanged."""
         np.fmax.at(self.largest, cell, value)
 
     def can_beat(self, cell: Array, bound: Array) -> Array:
-        """True where a value up to `bound` can exceed the largest so far of these cells, (n,), or the bound is NaN."""
+        """True where a value up to `bound` can exceed the largest value so far of these cells, (n,), or the bound is NaN."""
         return ~(bound <= self.largest[cell])
 
     def search(self, cell: Array, along: Callable[[Array, Array], Ratio], s: Stretches, one: Ratio, other: Ratio) -> None:
-        """Take in the largest values on stretches of these cells, (n,). along: the ratio in motions of given indices at given times; one,
-        other: the ratio at the start and at the end of each stretch. The value found on a stretch depends neither on other stretches nor on
-        the extremes so far."""
+        """Raise the extremes of these cells to the largest values on stretches, (n,). along: function of (indices of motions, times) that
+        returns the ratio; one, other: the ratio at the start and at the end of each stretch. The value found on a stretch depends neither
+        on other stretches nor on the extremes so far."""
         best = np.maximum(one.value, other.value)
         self.offer(cell, best)
         with np.errstate(all="ignore"):
@@ -87,7 +87,7 @@ class Extremes:
 
 
 def parts(along: Callable[[Array, Array], Values], whole: Stretches, start: Values, end: Values) -> tuple[Stretches, Values, Values]:
-    """Short parts of stretches and the values at their ends; start, end: the values at the ends of the whole stretches."""
+    """Short parts of whole stretches, and the values at their starts and ends; start, end: the values at the ends of the whole stretches."""
     count = np.maximum(np.ceil((whole.high - whole.low) * whole.rate / _CUT), 1.0).astype(np.int64)
     own = np.repeat(np.arange(count.size), count)
     n = np.arange(own.size) - np.repeat(np.cumsum(count) - count, count)
@@ -103,7 +103,8 @@ def parts(along: Callable[[Array, Array], Values], whole: Stretches, start: Valu
 
 
 def _excess(s: Stretches, one: Ratio, other: Ratio, level: Array) -> Array:
-    """The most of top - level * bottom between its ends: the largest Bernstein coefficient of the cubic, and an estimate of its error."""
+    """The largest top - level * bottom inside a stretch: the largest inner Bernstein coefficient of the cubic, plus an estimate of its
+    error."""
     h = s.high - s.low
     inner = [x.top - level * x.bottom + part * h * x.slope(level) for x, part in ((one, 1.0 / 3.0), (other, -1.0 / 3.0))]
     size = np.maximum(np.abs(one.top), np.abs(other.top)) + np.abs(level) * np.maximum(np.abs(one.bottom), np.abs(other.bottom))
@@ -111,7 +112,7 @@ def _excess(s: Stretches, one: Ratio, other: Ratio, level: Array) -> Array:
 
 
 def _peak(s: Stretches, one: Ratio, other: Ratio, level: Array) -> Array:
-    """Time of the peak of the cubic through top - level * bottom; NaN or outside the stretch where it has none there."""
+    """Time of the peak of the cubic for top - level * bottom; NaN or outside the stretch if the cubic has no peak in it."""
     h = s.high - s.low
     gain = 3.0 * (other.top - one.top - level * (other.bottom - one.bottom))
     c1, d1 = h * one.slope(level), h * other.slope(level)

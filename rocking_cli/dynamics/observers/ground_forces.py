@@ -1,7 +1,7 @@
 """The ground forces of each cell, to 1e-6: the least vertical force and the largest |Fx|/Fz of a rigid body (formulas in `body`).
 
-An observer of a run of its own. The forces on every arc, at rest and in the free motion after the shaking are searched for their
-extremes. A sequence of impacts is marched until its forces cannot be extremes, or are nearly those of bounces without speed.
+`GroundForces` observes a separate run. It searches the forces on every arc, at rest and in the free motion after the shaking for their
+extremes. A sequence of impacts is marched until its forces cannot be extremes, or nearly equal those of bounces without speed.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from .extremes import Extremes, Ratio, Stretches, parts
 from .observer import Arcs, Observer, TaylorSteps
 
 _TOGETHER = 4096  # Taylor steps over samples that are searched at once
-_SEGMENTS = 1 << 16  # of rests, searched at a time
-_STILL = 1e-7  # change of a force over m g by the speed of bounces, below which they are taken to have none
-_ROOM = 1.25  # times the speed of now: what a sequence of impacts may come to
-_ARCS = 3  # on still ground: each edge has had its fastest impact
-_LEAST = 1e-20  # of u'^2 at the top of an arc, where the slopes by u are those by time over u'
-_BY_TURN = 3.0  # rate at which the forces on still ground bend by u
+_SEGMENTS = 1 << 16  # segments of times of rest that are searched at once
+_STILL = 1e-7  # if the speed of bounces changes a force over m g by less, the speed counts as zero
+_ROOM = 1.25  # largest later speed in a sequence of impacts, over the present speed
+_ARCS = 3  # arcs on still ground that are searched: after them each edge has had its fastest impact
+_LEAST = 1e-20  # least u'^2, for the top of an arc: slopes by u are slopes by time divided by u'
+_BY_TURN = 3.0  # rate of change of the forces on still ground, with u as the variable
 
 
 @dataclass
@@ -41,7 +41,7 @@ class Forces(Arrays):
     fz_slope: Array
 
     def ratio(self, kind: Array) -> Ratio:
-        """-Fz for the kind 0, Fx/Fz for 1, -Fx/Fz for -1."""
+        """-Fz/1 for kind 0, Fx/Fz for kind 1, -Fx/Fz for kind -1, as `Ratio`."""
         up = kind == 0
         return Ratio(
             np.where(up, -self.fz, kind * self.fx), np.where(up, 1.0, self.fz),
@@ -49,11 +49,11 @@ class Forces(Arrays):
         )  # fmt: skip
 
 
-Along = Callable[[Array, Array], Forces]  # the forces in motions of given indices, at given times
+Along = Callable[[Array, Array], Forces]  # function of (indices of motions, times)
 
 
 def forces_on(body: Body, edge: Edge, shaking: Shaking, u: Array, rate: Array) -> Forces:
-    """Forces of a body at u, u' [rad, by tau] on an edge under this push and weight over m g; arrays of one shape."""
+    """Forces on a body at u with speed u' [rad, by tau] on an edge, under this push and weight over m g; arrays of one shape."""
     push, push_slope, weight, weight_slope = shaking
     z = edge.alpha - u
     sin, cos = np.sin(z), np.cos(z)
@@ -76,25 +76,25 @@ def forces_on(body: Body, edge: Edge, shaking: Shaking, u: Array, rate: Array) -
 
 
 class ForceExtremes(Extremes):
-    """The largest |Fx|/Fz of each cell, then the largest -Fz/(m g) of each, (2 cells,); at first those of a body at rest."""
+    """The largest |Fx|/Fz of each cell, then the largest -Fz/(m g) of each, (2 cells,). It starts with the values of a body at rest."""
 
     def __init__(self, cells: int) -> None:
         super().__init__(np.repeat([0.0, -1.0], cells))
         self.cells = cells
 
     def take_in(self, cell: Array, fx: Array, fz: Array) -> None:
-        """Forces of these cells, (..., n)."""
+        """Raise the extremes of these cells to those of forces, (..., n)."""
         self.offer(np.broadcast_to(cell, fx.shape), _friction(fx, fz))
         self.offer(np.broadcast_to(self.cells + cell, fz.shape), -fz)
 
     def can_be_beaten(self, cell: Array, fx: Array, fz: Array) -> Array:
-        """True where any of the forces of these cells, (..., n), exceeds the extremes so far, or is not known, (n,)."""
+        """True for cells in which one of these forces, (..., n), exceeds the extremes so far or is NaN, (n,)."""
         beat = self.can_beat(cell, _friction(fx, fz)) | self.can_beat(self.cells + cell, -fz)
         return np.any(beat, axis=tuple(range(beat.ndim - 1)))
 
     def take_in_along(self, cell: Array, along: Along, whole: Stretches, start: Forces, end: Forces, one_way: bool = False) -> None:
-        """Forces on stretches of motions of these cells. along: the forces inside the motions; start, end: those at the ends of each
-        stretch; one_way: True if only an outward Fx counts."""
+        """Raise the extremes of these cells to those on stretches. along: function that returns the forces inside the motions; start, end:
+        the forces at the ends of each stretch; one_way: True if only an outward Fx counts."""
         s, one, other = parts(along, whole, start, end)
         kinds = np.array([0, 1] if one_way else [0, 1, -1])
         kind, own = np.repeat(kinds, s.own.size), np.tile(s.own, kinds.size)
@@ -114,7 +114,7 @@ def _friction(fx: Array, fz: Array) -> Array:
 
 
 class GroundForces(Observer):
-    """The forces of the cells of a batch."""
+    """The observer that finds the ground forces of the cells of a batch."""
 
     def __init__(self, body: Body, batch: Batch) -> None:
         self.body, self.batch, self.cells, self.segments = body, batch, batch.cells, batch.segments
@@ -132,19 +132,19 @@ class GroundForces(Observer):
             point = flow.take(own).at(h)
             return self._forces(lanes.take(own), h, point.y, point.v)
 
-        # The drive does not bend on still ground.
+        # On still ground only the motion of the body changes the forces.
         fastest = np.where(lanes.k < self.batch.shaken, flow.fastest, 1.0 + 2.0 * self.body.damping)
         rate = fastest + unit * np.maximum(np.abs(lanes.v), np.abs(v))
         ends = self._forces(lanes, zero, lanes.y, lanes.v), self._forces(lanes, stop, y, v)
         self.extremes.take_in_along(lanes.cell, along, Stretches(np.arange(at.size), zero, stop, rate), *ends)
 
     def _forces(self, lanes: Lanes, h: Array, y: Array, v: Array) -> Forces:
-        """The forces on lanes that are at y, v after h."""
+        """The forces on lanes that have y, v at h [tau] after their present state."""
         edge = self.body.on(lanes.side)
         return forces_on(self.body, edge, self.ground.shaking(lanes, h), edge.unit * y, edge.unit * v)
 
     def steps(self, steps: TaylorSteps, go: Array) -> None:
-        """Hold steps until there are many to be searched."""
+        """Store steps, and search them when there are `_TOGETHER`."""
         cell, side, _, (y, v), (end_y, end_v), ramp = steps
         weight = (np.ones(cell.size), np.zeros(cell.size)) if ramp.weight is None else ramp.weight
         at = np.flatnonzero(go & (self.body.on(side).unit * y < FAR))
@@ -174,7 +174,7 @@ class GroundForces(Observer):
         self.extremes.take_in_along(s[0].astype(np.int64), along, Stretches(every, zero, unit, rate), *ends)
 
     def rest(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
-        """Take in the forces at rest, xg''/g across and 1 + zg''/g upwards; of a one-sided body only an outward Fx counts."""
+        """Take in the forces of bodies at rest, xg''/g across and 1 + zg''/g upwards; on a one-sided body only an outward Fx counts."""
         last = len(self.segments) - 1
         to_k, to_u = np.minimum(to_k, last), np.where(to_k > last, self.segments.length[last], to_u)
         push = self.cells.amplitude[0, cell] * self.body.edges[0].uplift  # outward, over g, of s = -1 on the right edge
@@ -188,7 +188,7 @@ class GroundForces(Observer):
             self._weighed_rest(*(x[some] for x in (cell, push, k, u, to_k, to_u)))
 
     def _weighed_rest(self, cell: Array, push: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
-        """Search every segment of these rests."""
+        """As `rest`, under a weight that varies: search every segment of these rests."""
         seg = self.segments.weighed
         count = np.maximum(to_k - k + (to_u > 0.0), 0) * ((k < to_k) | (u < to_u))
         rest = np.repeat(np.arange(cell.size), count)
@@ -208,14 +208,14 @@ class GroundForces(Observer):
         self.extremes.take_in_along(cell, along, whole, along(every, low), along(every, high), self.body.one_sided)
 
     def free(self, lanes: Lanes) -> None:
-        """Hold undamped motions until the result is asked for."""
+        """Store the free motions of undamped lanes until the result is asked for."""
         edge = self.body.on(lanes.side)
         square = self.body.square_at_ground(edge, lanes.y, lanes.v)
         top = np.where(lanes.v > 0.0, self.body.top(edge, square), edge.unit * lanes.y)
         self._free.append(np.array([lanes.cell, lanes.side, square, top]))
 
     def _search_free(self) -> None:
-        """Three arcs, so that each edge has its fastest impact, and bounces without speed."""
+        """Search three arcs of each free motion, so that each edge has its fastest impact, and the forces of bounces without speed."""
         cell, side, square, top = np.concatenate(self._free, axis=1)
         cell, zero = cell.astype(np.int64), np.zeros(cell.size)
         kept = self.cells.eta[0, cell] * self.cells.eta[-1, cell]
@@ -231,7 +231,7 @@ class GroundForces(Observer):
             top = self.body.top(edge, square)
 
     def _free_arc(self, cell: Array, side: Array, square: Array, top: Array) -> None:
-        """Search the forces from the ground up to u = top, by u: those on the way back are the same."""
+        """Search the forces from the ground up to u = top, with u as the variable; on the way back the forces are the same."""
         at = np.flatnonzero(top > 0.0)
         cell, side, square, top = cell[at], side[at], square[at], top[at]
 
@@ -250,8 +250,8 @@ class GroundForces(Observer):
         return self.may_close(lanes)
 
     def may_close(self, lanes: Lanes) -> Array:
-        """Lanes whose forces until they rest cannot beat the extremes so far, or are within `_STILL` of those of bounces without speed: at
-        the fastest impact and at the highest point, under the push and the weight of now and of the time when they rest."""
+        """True for lanes whose forces until they rest cannot exceed the extremes so far, or are within `_STILL` of those of bounces without
+        speed: at the fastest impact and at the highest point, under push and weight of now and of the time of rest."""
         cell, count, lasts = lanes.cell, lanes.cell.size, self.ground.bouncing_lasts(lanes, self.batch.contact)
         here, shaking = self.body.on(lanes.side), self.ground.shaking(lanes.join(lanes), np.append(np.zeros(count), lasts))
         push, weight = (np.broadcast_to(x, 2 * count).reshape(2, count) for x in (shaking.push, shaking.weight))
@@ -266,7 +266,7 @@ class GroundForces(Observer):
                 forces = forces_on(self.body, edge, Shaking(sense * push, zero, weight, zero),
                                    np.array([zero, zero, zero, high]), np.array([zero, fast, -fast, zero]))  # fmt: skip
                 found.append((forces.fx, forces.fz))
-                drift = np.maximum(drift, (pull[0] - pull[1]) ** 2 / np.abs(pull).min(axis=0))  # of the push when they rest
+                drift = np.maximum(drift, (pull[0] - pull[1]) ** 2 / np.abs(pull).min(axis=0))  # how far the push changes until they rest
             fx, fz = (np.array(x) for x in zip(*found, strict=True))  # (edges, 4, 2, lanes)
             change = np.maximum(np.abs(fx - fx[:, :1]), np.abs(fz - fz[:, :1])).max(axis=(0, 1, 2))
             known = (speed == 0.0) | (change + drift < _STILL * np.clip(fz.min(axis=(0, 1, 2)), 0.0, 1.0))
@@ -279,7 +279,7 @@ class GroundForces(Observer):
         return done
 
     def result(self, outcome: Array) -> tuple[Array, Array]:
-        """The largest |Fx|/Fz (infinite where Fz <= 0) and the least Fz/(m g) of each cell, (cells,); outcome: of each cell."""
+        """(largest |Fx|/Fz, infinite where Fz <= 0; least Fz/(m g)) of each cell, (cells,). outcome: codes of each cell."""
         self._search_steps()
         self._search_free()
         if self.batch.free_fall is not None:
@@ -290,7 +290,7 @@ class GroundForces(Observer):
 
 
 def _range(segments: Segments, k: Array, u: Array, to_k: Array, to_u: Array) -> tuple[Array, Array]:
-    """The largest s and the least, and 0, between two positions: just after the first and just before the last."""
+    """(largest s or 0, least s or 0) between two positions: just after the first and just before the last."""
     over, enters = to_k > k, to_u > 0.0
     ends = (
         np.where(over | (u < to_u), value_and_slope(segments, k, u)[0], 0.0),

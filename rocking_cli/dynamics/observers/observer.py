@@ -1,4 +1,4 @@
-"""The interface of a run to its observers: the motion that it shows them, and their answers."""
+"""`Observer`, the interface through which a run shows its motion to observers and asks them what it may skip."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from ..lanes import Array, Lanes
 
 
 class Arcs(NamedTuple):
-    """The motion of lanes from their present state until `stop` [tau], each along its flow. lanes: as they are at 0; flow: of these lanes;
-    y, v, b: displacement, velocity and force at `stop`, (lanes,); wanted: indices of the lanes whose outcome is still open."""
+    """The motion of lanes from their present state until `stop` [tau] later, each along its flow. lanes: the present state; flow: of these
+    lanes; y, v, b: displacement, velocity and force at `stop`, (lanes,); wanted: indices of the lanes whose outcome is still open."""
 
     lanes: Lanes
     flow: Flow
@@ -25,8 +25,8 @@ class Arcs(NamedTuple):
 
 
 class TaylorSteps(NamedTuple):
-    """Motion of bodies in the air from one sample to the next, (steps,). cell: which cell; side: +1 or -1; equation: of these cells on
-    these sides; start, end: (y, y') at either end; ramp: what drives them."""
+    """Motion of bodies in the air from one sample to the next, (steps,). cell: index of the cell; side: +1 or -1; equation: of these cells
+    on these sides; start, end: (y, y') at the start and at the end; ramp: the drive between the two samples."""
 
     cell: Array
     side: Array
@@ -37,7 +37,7 @@ class TaylorSteps(NamedTuple):
 
 
 class Propagation(NamedTuple):
-    """The propagation of all lanes: y and y' at their ends, the peak with them, 1 - a at the most, and their time [tau]."""
+    """A propagation of all lanes over samples: y and y' at its end, peak (largest y so far), fall (largest 1 - a on the way), time [tau]."""
 
     y: Array
     v: Array
@@ -47,34 +47,34 @@ class Propagation(NamedTuple):
 
 
 class Observer:
-    """Base of observers of a run. Each method does nothing here; an observer overrides those that it needs."""
+    """Base of observers of a run. Its methods do nothing; a subclass overrides those that it needs."""
 
     def rest(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
-        """Bodies of these cells rest from (k, u), segment and phase in it, to another position; (rests,) each. to_k is the number of
-        segments where they rest to the end."""
+        """Called when bodies of these cells rest from (k, u), segment and phase in it, to (to_k, to_u), (rests,) each. to_k is the number
+        of segments if they rest to the end."""
 
     def arcs(self, arcs: Arcs) -> None:
-        """Lanes have moved along these arcs."""
+        """Called when lanes have moved along these arcs."""
 
     def steps(self, steps: TaylorSteps, go: Array) -> None:
-        """Lanes are to take these Taylor steps over samples, those that `go`, (steps,); sets `go` to False for those that the march must
-        look at more closely."""
+        """Called before lanes take those of these Taylor steps over samples that `go`, (steps,). An observer sets `go` to False where it
+        needs the march instead."""
 
     def propagates(self, lanes: Lanes, step: Propagation, proved: Array, strongest: Callable[[Array], Array]) -> Array:
-        """The lanes that are `proved` are to be propagated over samples, (lanes,); returns the indices of those that must go half as far.
-        strongest: upper bound of the outward drive on the propagations of given indices."""
+        """Called before the lanes that are `proved`, (lanes,), are propagated over samples. Returns indices of lanes that must go half as
+        far. strongest: function of indices that returns an upper bound of the outward drive on their propagations."""
         return np.zeros(0, dtype=np.int64)
 
     def may_close(self, lanes: Lanes) -> Array:
-        """Lanes just after an impact, whose sequence of impacts ends in rest, that may be taken there at once, (lanes,)."""
+        """True for lanes just after an impact, whose sequence of impacts ends in rest, that may be taken to rest at once, (lanes,)."""
         return np.ones(lanes.cell.size, dtype=bool)
 
     def free(self, lanes: Lanes) -> None:
-        """Undamped lanes stay upright over still ground from now on."""
+        """Called when the march leaves undamped lanes that stay upright on still ground from now on."""
 
     def may_settle(self, lanes: Lanes, bounced: Array) -> Array:
-        """Lanes on still ground, which stay upright, that need not be marched on, (lanes,); bounced: True for cells that have had an impact
-        there, (cells,)."""
+        """True for lanes that need not be marched on, (lanes,). They are on still ground and stay upright. bounced: True for cells that
+        have had an impact on still ground, (cells,)."""
         return np.ones(lanes.cell.size, dtype=bool)
 
     def lost(self, cell: Array) -> Array:

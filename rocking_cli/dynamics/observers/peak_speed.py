@@ -2,8 +2,8 @@
 
 Within an arc |v| is largest at an end or where the acceleration is zero. Under straight lines the acceleration of the linear oscillator
 between samples is a sum of two exponentials, which has at most one zero; the nonlinear equations differ little from it over one sample. A
-propagation over samples is halved while the bounds of y'' leave room for a larger speed in it; a Taylor step is left to the march where
-y'' >= -K leaves it (Lemma 12) and y'' changes its sign. After the shaking the speed is largest before the next impact: by the energy, or
+propagation over samples is halved while the bounds of y'' allow a larger speed in it. The march replaces a Taylor step in which y'' changes
+its sign and y'' >= -K (Lemma 12) allows a larger speed. After the shaking the speed is largest before the next impact: by the energy, or
 with damping by following the body to it.
 """
 
@@ -20,7 +20,7 @@ from .observer import Arcs, Observer, Propagation, TaylorSteps
 
 
 class PeakSpeed(Observer):
-    """max |d theta/d tau|/alpha [-] of each cell so far in `speed`, tau = p t, p and alpha those of the reference."""
+    """The observer that finds max |d theta/d tau|/alpha [-] of each cell, in `speed`; tau = p t, with p and alpha of the reference."""
 
     def __init__(self, batch: Batch) -> None:
         self.equation, self.contact, self.shaken, self.speed = batch.equation, batch.contact, batch.shaken, Extremes(np.zeros(batch.size))
@@ -30,7 +30,7 @@ class PeakSpeed(Observer):
         return np.abs(self.contact.speed(side, self.equation.on(side, cell).rotation_rate(y, v)))
 
     def arcs(self, arcs: Arcs) -> None:
-        """The speeds at the ends of arcs, and where the acceleration passes through zero."""
+        """Take in the speeds at the ends of arcs, and where the acceleration passes through zero."""
         lanes, arc, reach, y, v, b, _ = arcs
         b = b - 2.0 * arc.damping * v
         self.speed.offer(lanes.cell, self._speed(lanes.side, lanes.cell, y, v))
@@ -55,7 +55,7 @@ class PeakSpeed(Observer):
         self.speed.search(cell[s.own], along, s, one, other)
 
     def steps(self, steps: TaylorSteps, go: Array) -> None:
-        """The speeds at the ends of Taylor steps; those within which a larger one may be are not taken."""
+        """Take in the speeds at the ends of Taylor steps; reject steps that may hold a larger speed inside."""
         cell, side, equation, (y, v), (end_y, end_v), ramp = steps
         lift, push = equation.bounds
         steepest = lift + push * np.maximum(0.0, -np.minimum(ramp.drive, ramp.drive + ramp.gain))
@@ -71,8 +71,8 @@ class PeakSpeed(Observer):
         self.speed.offer(cell[go], speed[go])
 
     def propagates(self, lanes: Lanes, step: Propagation, proved: Array, strongest: Callable[[Array], Array]) -> Array:
-        """Propagations that may hold a larger speed: with c - 1 <= y'' <= r, v is below the lines of slope r from the start and c - 1 to
-        the end, and above those of slope c - 1 from the start and r to the end."""
+        """Returns propagations that may hold a larger speed. With c - 1 <= y'' <= r, v is below the lines of slope r from the start and c -
+        1 to the end, and above those of slope c - 1 from the start and r to the end."""
         cell, side, at = lanes.cell, lanes.side, np.flatnonzero(proved)
         self.speed.offer(cell[at], np.abs(self.contact.speed(side[at], step.v[at])))
         fastest = self.speed.largest[cell] / self.contact.speed(side, np.ones(side.size))
@@ -85,11 +85,11 @@ class PeakSpeed(Observer):
         return at[(rise > 0.0) & (fall > 0.0) & (np.maximum(top, -bottom) > fastest[at])]  # y'' may be zero
 
     def free(self, lanes: Lanes) -> None:
-        """The speed at the next impact."""
+        """Take in the speed at the next impact."""
         zero, there = np.zeros(lanes.cell.size), self.equation.on(lanes.side, lanes.cell)
         at_ground = np.sqrt(there.fall(lanes.y, lanes.v)[1] / there.fall(zero, zero + 1.0)[1])
         self.speed.offer(lanes.cell, self._speed(lanes.side, lanes.cell, zero, at_ground))
 
     def may_settle(self, lanes: Lanes, bounced: Array) -> Array:
-        """False for lanes that fall on still ground for the first time: they are followed to the impact."""
+        """False for lanes that fall for the first time on still ground: the march follows them to the impact."""
         return ~((lanes.k >= self.shaken) & (lanes.y > 0.0) & ~bounced[lanes.cell])

@@ -1,4 +1,4 @@
-"""Steppers through records: over many samples at once where that is proved free of impacts, rounds of the march elsewhere.
+"""Steppers take cells through a record: over many samples at once if it is proved that no impact occurs, else by rounds of the march.
 
 stepper        the pool of lanes, which both steppers share
 exact          the stepper of the undamped linear oscillator: exact propagation

@@ -1,6 +1,6 @@
-"""Exact propagation of the undamped linear oscillator over many samples of a record, each proved free of impacts (Lemma 11).
+"""Exact propagation of the undamped linear oscillator over many samples of a record, where Lemma 11 proves that no impact occurs.
 
-Of all solutions of Y'' = Y + s one stays bounded. It is the sum of its two modes, each integrated in the direction in which it decays:
+Y'' = Y + s has one bounded solution Y. It is the sum of two modes, each integrated in the direction in which it decays:
 Y + Y' = -int_tau^T exp(tau - t) s dt and Y - Y' = -int_0^tau exp(t - tau) s dt. Every motion on one side is then
 y = 1 + c Y + up exp(tau) + down exp(-tau), c = -side A. So the state at any later sample costs two exponentials.
 """
@@ -21,15 +21,15 @@ from ..march.engine import Run
 from ..observers.observer import Propagation
 from .stepper import PooledLanes, SampleStepper
 
-LANES = 65536  # lanes: fewer rounds outweigh what no longer fits any cache
+LANES = 65536  # lanes: fewer rounds outweigh arrays that no longer fit any cache
 _TABLES = 1 << 25  # bytes of tables at a time
-_LEAST = 1e-8  # over 1 + A: a displacement below it, which a propagation knows to 1e-15 only, is left to the march
-_ROUNDS = 16  # propagations in a row, before lanes that wait get their round
-_FEW = 2  # of so many lanes one must go on
-_SURELY = 1.0 - 1e-6  # part of a horizon that is used: y at a propagation's end may be off by 1e-15 of 1e-8
-_TERMS = 20  # of the series of the weights: the first one left out is below 1e-17 up to `stepper.LONGEST`
-LONGEST_STRETCH = 24.0  # tau: exp of it stays below 3e10, so that growth cannot bury the state in rounding
-_FORGOTTEN = 1e-20  # a mode that has decayed to this part is no longer felt
+_LEAST = 1e-8  # over 1 + A: below this displacement the march goes on, since a propagation errs by 1e-15
+_ROUNDS = 16  # largest number of propagations in a row; then the waiting lanes get their round of the march
+_FEW = 2  # propagations stop when fewer than one in so many lanes goes on
+_SURELY = 1.0 - 1e-6  # share of a horizon that is used: y at the end of a propagation may err by 1e-15 of 1e-8
+_TERMS = 20  # terms of the series of the weights: the first one left out is below 1e-17 up to `stepper.LONGEST`
+LONGEST_STRETCH = 24.0  # tau: its exp stays below 3e10, so that growth cannot bury the state in rounding
+_FORGOTTEN = 1e-20  # a mode that has decayed to this share is left out
 SLACK = 1e-6  # part of the peak by which each bound lies below what it bounds: far above the rounding to single precision
 _FINE = 3  # stretches of 2^k samples begin at every sample up to this k, at every 2^(k - 3)rd beyond
 
@@ -62,8 +62,9 @@ def _mode(samples: Array, weights: Sequence[float], decays: Sequence[float]) -> 
 
 
 class Stretches(NamedTuple):
-    """Bounds over stretches: that of level k from sample n covers the samples n ... n + 2^k, as far as there are any. low: (2 sides x
-    stretches,), 40 bytes a sample; start, shift: (levels,); face: entries of one side: 0 is the right edge, this the left."""
+    """Lower bounds of the outward drive of A = 1 over stretches: the stretch of level k from sample n covers the samples n ... n + 2^k, up
+    to the last one. low: (2 sides x stretches,), 40 bytes a sample; start, shift: (levels,); face: number of entries of one side; the right
+    edge comes first, then the left."""
 
     low: Array
     start: Array
@@ -71,13 +72,13 @@ class Stretches(NamedTuple):
     face: int
 
     def at(self, face: Array, level: Array, n: Array) -> Array:
-        """Lower bound of the outward drive of A = 1 over the stretch."""
+        """Lower bound of the outward drive of A = 1 over the stretches of these levels from these samples."""
         return self.low.take(face + self.start.take(level) + (n >> self.shift.take(level)))
 
 
 def stretches(motions: Sequence[Array], levels: int) -> Stretches:
-    """The bounds of the samples s (n,) of motions, for stretches of 1, 2, 4 ... 2^(levels - 1) intervals; on the right edge the outward
-    drive is -s. Those of a motion take as much room as those of the longest one."""
+    """Build `Stretches` from the samples s (n,) of motions, for stretches of 1, 2, 4 ... 2^(levels - 1) intervals. On the right edge the
+    outward drive is -s. Every motion takes as much room as the longest one."""
     shift = np.maximum(0, np.arange(levels, dtype=np.int64) - _FINE)
     sizes = (max(samples.size for samples in motions) - 1) // (1 << shift) + 1
     start = np.cumsum(sizes) - sizes
@@ -87,7 +88,7 @@ def stretches(motions: Sequence[Array], levels: int) -> Stretches:
         for side, outward in zip(own, (-samples, samples), strict=True):
             least = (outward - slack).astype(np.float32)
             for level in range(levels):
-                reach = 1 << max(level - 1, 0)  # from the front: what comes later has not changed yet
+                reach = 1 << max(level - 1, 0)  # from the front: later entries are still those of the level before
                 least[:-reach] = np.minimum(least[:-reach], least[reach:])
                 found = np.minimum.reduceat(least, np.arange(0, last + 1, 1 << int(shift[level])))
                 side[start[level] : start[level] + found.size] = found
@@ -96,8 +97,8 @@ def stretches(motions: Sequence[Array], levels: int) -> Stretches:
 
 @dataclass
 class ExactLanes(PooledLanes):
-    """up, down: coefficients of exp(tau) and exp(-tau) in y, tau from the first sample that is not before u; row: where the table of the
-    pace begins; level: of the stretch that is tried next."""
+    """Lanes with their modes. up, down: coefficients of exp(tau) and exp(-tau) in y, with tau from the first sample that is not before u;
+    row: where the table for the lane's pace begins; level: level of the stretch to try next."""
 
     up: Array
     down: Array
@@ -106,7 +107,7 @@ class ExactLanes(PooledLanes):
 
 
 class ExactStepper(SampleStepper[ExactLanes]):
-    """The way of a run of the undamped linear oscillator through a record."""
+    """Takes a run of the undamped linear oscillator through a record."""
 
     def __init__(self, run: Run, samples: Sequence[Samples]) -> None:
         super().__init__(run, samples)
@@ -116,7 +117,7 @@ class ExactStepper(SampleStepper[ExactLanes]):
         self.rows = np.zeros(self.cells.omega.shape, dtype=np.int64)
 
     def shares(self, waiting: Array) -> Iterator[Array]:
-        """Cells of few motions and frequencies together, so that their tables stay small."""
+        """Groups the cells so that each group has few motions and frequencies, whose tables are small."""
         pairs = self.motion[waiting] + 1j * (self.step[waiting] / self.cells.omega[:, waiting])
         tables, which = np.unique(pairs, return_inverse=True)
         motion, which = tables.real.astype(np.int64), which.reshape(-1, waiting.size)
@@ -130,18 +131,18 @@ class ExactStepper(SampleStepper[ExactLanes]):
             yield np.sort(waiting[some])
 
     def launch(self, lanes: PooledLanes) -> ExactLanes:
-        """Lanes with their modes about the bounded response."""
+        """Add to lanes the coefficients of their modes, relative to the bounded response."""
         found = lanes.extended(ExactLanes, up=lanes.y, down=lanes.y, row=lanes.k, level=lanes.k)
         self._renew_modes(found)
         return found
 
     def after_round(self, lanes: ExactLanes) -> None:
-        """The modes of lanes that have moved otherwise."""
+        """Renew the modes of lanes after a round of the march."""
         super().after_round(lanes)
         self._renew_modes(lanes)
 
     def _renew_modes(self, lanes: ExactLanes) -> None:
-        """The modes at the next sample."""
+        """Compute the modes of lanes at the next sample."""
         inside = lanes.u > 0.0
         lanes.row = self.rows[self.cells.row(lanes.side), lanes.cell]
         there = self.equation.flow(self.segments, lanes).at((lanes.pace - lanes.u / lanes.omega) * inside)
@@ -153,16 +154,16 @@ class ExactStepper(SampleStepper[ExactLanes]):
         lanes.level = np.clip(level, 0, self._top(lanes.pace)).astype(np.int64)
 
     def _top(self, pace: Array) -> Array:
-        """The level of the longest stretch."""
+        """The level of the longest stretch over which lanes of this pace are propagated."""
         return np.minimum(np.frexp(LONGEST_STRETCH / pace)[1] - 1, self.stretches.start.size - 1).astype(np.int64)
 
     def can_jump(self, lanes: ExactLanes) -> Array:
-        """True for lanes that do not bounce within this interval."""
+        """True for lanes that have more samples to come and do not fall back to the ground within this interval."""
         ahead = self.step.take(lanes.cell) - lanes.u
         return (lanes.k < self.last.take(lanes.cell)) & ((lanes.y > 0.0) | (2.0 * lanes.v * lanes.omega >= -lanes.b * ahead))
 
     def jump(self, lanes: ExactLanes, at: Array, many: bool) -> Array:
-        """Try some propagations. A lane stops where one is not proved."""
+        """Propagate lanes several times. A lane stops when a propagation is not proved."""
         own, go = lanes.take(at), np.ones(at.size, dtype=bool)
         drive, pace, top = own.outward, own.pace, self._top(own.pace)
         first, last, face, per_step = (x.take(own.cell) for x in (self.first, self.last, self.face, 1.0 / self.step))
@@ -196,7 +197,7 @@ class ExactStepper(SampleStepper[ExactLanes]):
         return go
 
     def _doubtful(self, lanes: ExactLanes, step: Propagation, proved: Array) -> Array:
-        """Lanes whose propagation may hold a peak above the highest one, by Lemma 11: they go half as far."""
+        """Indices of lanes whose propagation may hold a peak above their highest one (Lemma 11); these lanes go half as far."""
         if not self.run.batch.peaks:
             return np.zeros(0, dtype=np.int64)
         highest = np.maximum(lanes.y, step.y) + 0.125 * step.fall * step.time * step.time
@@ -204,7 +205,7 @@ class ExactStepper(SampleStepper[ExactLanes]):
         y, v, time, end_v = lanes.y[high], lanes.v[high], step.time[high], step.v[high]
         pull = self._strongest(lanes, high) - 1.0
         start, end = y + pull, step.y[high] + pull
-        rises = end_v >= np.maximum(end, 0.0) * (0.5 * time)  # no more than at the end
+        rises = end_v >= np.maximum(end, 0.0) * (0.5 * time)  # its largest y is at the end
         falls = -v >= np.maximum(start, 0.0) * (0.5 * time)
         top = np.where((start < 0.0) & (v > 0.0), y + v * v / (-start + np.sqrt(start * start - v * v)), np.inf)
         held = high[~(rises | falls | (top <= step.peak[high]))]
@@ -213,14 +214,14 @@ class ExactStepper(SampleStepper[ExactLanes]):
         return held
 
     def _strongest(self, lanes: ExactLanes, at: Array) -> Array:
-        """Upper bound of the outward drive over the stretches of these lanes."""
+        """Upper bound of the outward drive over the present stretches of these lanes."""
         drive, cell = lanes.outward[at], lanes.cell[at]
         face = self.face.take(cell) + (drive < 0.0) * self.stretches.face
         return -np.abs(drive) * self.stretches.at(face, lanes.level[at], lanes.k[at] - self.first.take(cell))
 
 
 def horizon(y: Array, v: Array, least: Array) -> tuple[Array, Array]:
-    """Time [tau] for which y + v sinh h + (y - 1 + least)(cosh h - 1) stays positive, and 1 - least."""
+    """(time [tau] for which y + v sinh h + (y - 1 + least)(cosh h - 1) stays positive, 1 - least); least: bound of the outward drive."""
     fall = 1.0 - least
     q = y - fall
     grows = q + v
@@ -238,7 +239,7 @@ def horizon(y: Array, v: Array, least: Array) -> tuple[Array, Array]:
 
 
 def _cut(order: Array, rows: Array, most: int) -> Iterator[Array]:
-    """`order`, sorted by rows, cut so that each part has at most so many of them."""
+    """Cut `order`, which is sorted by rows, into parts that cover at most `most` rows each."""
     first = 0
     while first < order.size:
         stop = int(np.searchsorted(rows, rows[first] + most))

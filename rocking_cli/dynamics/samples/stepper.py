@@ -1,6 +1,6 @@
-"""Cells under a record of samples at equal steps: they jump over samples where a proof allows it, and take rounds of the march elsewhere.
+"""`SampleStepper` takes cells through a record with equal steps: over samples where a proof allows it, elsewhere by rounds of the march.
 
-Subclasses say how far a lane can jump: `exact.ExactStepper` and `taylor_steps.TaylorStepper`.
+A jump is such a move over one or more samples. The subclasses `exact.ExactStepper` and `taylor_steps.TaylorStepper` decide how far it goes.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from ..lanes import Array, Lanes
 from ..march.engine import Run, by_windows
 from ..outcome import Outcome
 
-WIDTH = 5056  # lanes that jump together: what they need fits the second-level cache, and no power of two lies between its rows
+WIDTH = 5056  # lanes in one call of `jump`: their arrays fit the second-level cache, and rows are no power of two apart
 LONGEST = 0.5  # interval between samples [tau] up to which lanes jump
 
 
 @dataclass
 class PooledLanes(Lanes):
-    """Lanes of the pool. pace: tau between samples; outward: the outward drive of s = 1; slot: place in the pool."""
+    """Lanes in the pool. pace: tau between samples; outward: the outward drive of s = 1; slot: index of the lane in the pool."""
 
     pace: Array
     outward: Array
@@ -35,10 +35,10 @@ Pooled = TypeVar("Pooled", bound=PooledLanes)
 
 
 class SampleStepper(ABC, Generic[Pooled]):
-    """The way of a run along the samples of a record."""
+    """Takes the cells of a run along the samples of a record."""
 
     def __init__(self, run: Run, samples: Sequence[Samples]) -> None:
-        """samples: those of each motion, in the order of the segments. Every cell gets its motion, first and last sample, and step."""
+        """samples: of each motion, in the order of the segments. They give every cell its motion, first and last sample, and step."""
         self.run, self.equation, self.cells, self.segments = run, run.batch.equation, run.batch.cells, run.batch.segments
         self.values = [one.values for one in samples]
         self.samples, self.gains = np.concatenate(self.values), np.concatenate([gains(one) for one in self.values])
@@ -48,7 +48,7 @@ class SampleStepper(ABC, Generic[Pooled]):
         self.step = np.array([one.step for one in samples])[self.motion]
 
     def march(self, waiting: Array) -> None:
-        """March cells of like pace together; from window to window if samples are far apart."""
+        """March these cells to their end, cells of similar pace together; by windows where samples are far apart."""
         pace = (self.step[waiting] / self.cells.omega[:, waiting]).max(axis=0)
         by_windows(self.run, waiting[pace > LONGEST])
         waiting, pace = waiting[pace <= LONGEST], pace[pace <= LONGEST]
@@ -57,31 +57,31 @@ class SampleStepper(ABC, Generic[Pooled]):
                 self._advance(share)
 
     def shares(self, waiting: Array) -> Iterator[Array]:
-        """The cells in shares, each of which fills the pool by itself."""
+        """Splits the cells into groups, each of which fills the pool by itself."""
         yield waiting
 
     @abstractmethod
     def launch(self, lanes: PooledLanes) -> Pooled:
-        """Lanes with the other numbers that they need in the pool."""
+        """Returns lanes with the additional fields that a subclass needs in the pool."""
 
     def can_jump(self, lanes: Pooled) -> Array:
         """True for lanes that may try to jump."""
         return (lanes.u == 0.0) & (lanes.k < self.last.take(lanes.cell))
 
     def order(self, lanes: Pooled, at: Array) -> Array:
-        """The indices `at`, those together that jump alike."""
+        """The indices `at`, sorted so that lanes with similar jumps are together."""
         return at
 
     @abstractmethod
     def jump(self, lanes: Pooled, at: Array, many: bool) -> Array:
-        """Move the lanes `at` over samples; returns True for those that may jump on. many: True if others wait to jump."""
+        """Move the lanes `at` over samples; returns True for lanes that can jump again. many: True if other lanes wait to jump."""
 
     def after_round(self, lanes: Pooled) -> None:
-        """Renew the numbers of lanes in the pool after a round of the march."""
+        """Renew the additional fields of lanes after a round of the march."""
         lanes.pace, lanes.outward = self.step.take(lanes.cell) / lanes.omega, -lanes.side * lanes.amplitude
 
     def _advance(self, waiting: Array) -> None:
-        """Advance these cells, as many at once as the pool holds, until all are done."""
+        """March these cells to their end, as many at once as the pool holds."""
         taken = min(self.run.pool, waiting.size)
         lanes = self._begin(waiting[:taken], np.arange(taken))
         free = np.zeros(taken, dtype=bool)
@@ -111,16 +111,16 @@ class SampleStepper(ABC, Generic[Pooled]):
                 lanes.slot = np.arange(keep.size)
 
     def _begin(self, cells: Array, slot: Array) -> Pooled:
-        """The lanes of these cells at their first uplift."""
+        """Returns lanes for these cells at their first uplift."""
         lanes = self.run.start(cells)
         lanes.k, lanes.u = place(self.segments, lanes.k, lanes.u)
         pace = self.step.take(lanes.cell) / lanes.omega
         return self.launch(lanes.extended(PooledLanes, pace=pace, outward=-lanes.side * lanes.amplitude, slot=slot))
 
     def _careful(self, lanes: Pooled) -> Pooled:
-        """A round of the march for lanes that cannot jump."""
+        """Take one round of the march with lanes that cannot jump; returns the lanes that are not finished."""
         past = self.segments.ended(lanes.k)
-        if past.any():  # undamped, at the end of the shaking
+        if past.any():  # undamped lanes at the end of the shaking
             lanes.k[past] = len(self.segments)
             ended = lanes.take(np.flatnonzero(past))
             failed = ~np.isfinite(ended.y)
@@ -133,7 +133,7 @@ class SampleStepper(ABC, Generic[Pooled]):
         return going
 
     def _lost(self, lanes: PooledLanes, at: Array) -> Array:
-        """Lanes between samples that nothing can bring back (Lemma 6)."""
+        """Finish those of the lanes `at` that nothing can bring back (Lemma 6); returns their indices."""
         at = at[lanes.y[at] + lanes.v[at] > 1.0]
         at = at[self.run.batch.cannot_return(lanes, at, lanes.k[at], lanes.y[at], lanes.v[at])]
         self.run.overturn(lanes, at)
@@ -141,5 +141,5 @@ class SampleStepper(ABC, Generic[Pooled]):
 
 
 def gains(samples: Array) -> Array:
-    """The growth of s over the interval after each sample, 0 after the last."""
+    """The change of s over the interval after each sample, 0 after the last sample."""
     return np.append(np.diff(samples), 0.0)

@@ -1,7 +1,7 @@
-"""Taylor steps over samples: cells of any equation under a record, in rounds of the march where an event may happen.
+"""Taylor steps over samples, for cells of any equation under a record; rounds of the march where an event may happen.
 
 Between samples the drive is a straight line, over which a short Taylor series carries a lane (`equations.taylor`). A step is taken where
-Lemma 12 proves that it holds no impact and no peak above the highest one; other lanes wait until enough have gathered for a round.
+Lemma 12 proves that it holds no impact and no peak above the highest one so far. Other lanes wait for a round of the march.
 """
 
 from __future__ import annotations
@@ -20,20 +20,20 @@ from ..march.engine import Run
 from ..observers.observer import TaylorSteps
 from .stepper import PooledLanes, SampleStepper, gains
 
-LANES = 32768  # lanes: a round of the march costs calls, not lanes
-_STEPS, _NARROW = 4, 16  # in a row, before lanes that wait get their round: of many lanes, and of fewer than a block
-_NEARLY = 0.9  # part of the displacement from which a body has overturned: beyond it the march judges
+LANES = 32768  # lanes: the cost of a round depends on its calls more than on its lanes
+_STEPS, _NARROW = 4, 16  # steps in a row before waiting lanes get their round: if other blocks of lanes wait to jump, and if none does
+_NEARLY = 0.9  # share of the limit of y: beyond it the march decides whether the body overturns
 
 
 @dataclass
 class SteppingLanes(PooledLanes):
-    """degree: of the series."""
+    """Lanes in the pool. degree: degree of the Taylor series of each lane."""
 
     degree: Array
 
 
 class TaylorStepper(SampleStepper[SteppingLanes]):
-    """The way of a run of any equation from sample to sample of a record."""
+    """Takes a run of any equation from sample to sample of a record."""
 
     def __init__(self, run: Run, samples: Sequence[Samples]) -> None:
         super().__init__(run, samples)
@@ -44,16 +44,16 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
         return lanes.extended(SteppingLanes, degree=self._degree(lanes))
 
     def _degree(self, lanes: PooledLanes) -> Array:
-        """Degree of the series of lanes, for speeds that rocking usually has."""
+        """Degree of the series of each lane, enough for speeds that are usual in rocking."""
         drive = lanes.amplitude * np.maximum(2.0, self.steepest.take(lanes.cell) / lanes.pace)
         return degrees(2.0 + drive, lanes.pace, self.equation.tolerance)
 
     def order(self, lanes: SteppingLanes, at: Array) -> Array:
-        """Lanes of like degree together, whose series have no rows of zeros."""
+        """The indices `at`, sorted by degree, so that the lanes of a block have series of similar length."""
         return at[np.argsort(lanes.degree[at].astype(np.int8), kind="stable")]
 
     def jump(self, lanes: SteppingLanes, at: Array, many: bool) -> Array:
-        """Take some Taylor steps. A lane stops where a step is not proved."""
+        """Take several Taylor steps. A lane stops when a step is not proved."""
         names = "cell", "side", "k", "y", "v", "peak", "pace", "outward", "degree"
         cell, side, k, y, v, peak, pace, outward, degree = (getattr(lanes, name).take(at) for name in names)
         go, equation = np.ones(at.size, dtype=bool), self.equation.on(side, cell)
@@ -73,11 +73,11 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
         return go
 
     def _ramp(self, k: Array, outward: Array, pace: Array, factors: Array) -> Ramp:
-        """The drive of lanes from sample k to the next."""
+        """The drive of lanes from sample k to the next one, as a `Ramp`."""
         return Ramp(outward * self.samples.take(k), outward * self.gains.take(k), pace, factors)
 
     def _step(self, equation: Equation, y: Array, v: Array, peak: Array, ramp: Ramp, last: Array) -> tuple[Array, Array, Array]:
-        """y and y' at the end of a ramp, and whether it is proved that nothing happens on the way (Lemma 12)."""
+        """(y, y', True if neither an impact nor a higher peak occurs on the way (Lemma 12)) at the end of a ramp."""
         terms = equation.ramp_terms(y, v, ramp)
         hop, unit = terms[1], ramp.unit
         drop = np.minimum(ramp.drive, ramp.drive + ramp.gain)
@@ -100,7 +100,7 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
         end_y, end_v = terms[top].copy(), terms[top].copy()
         for n in range(top - 1, 0, -1):
             end_y += terms[n]
-            end_v += end_y  # in the end n times term n
+            end_v += end_y  # after the loop the sum of n times term n
         end_y += y
         proved &= (end_y > 0.0) & (end_y < _NEARLY * equation.limit)
         higher += np.maximum(y, end_y)
@@ -113,9 +113,9 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
         return end_y, end_v, proved
 
     def after_round(self, lanes: SteppingLanes) -> None:
-        """Lanes inside an interval, after an impact, go on to its end where that is proved: in `jump` those that stop would cost more."""
+        """Take lanes that are inside an interval after an impact to its end, where a Taylor step is proved; `jump` would cost more."""
         super().after_round(lanes)
-        if len(self.cells.amplitude) > 1:  # the other edge has its own
+        if len(self.cells.amplitude) > 1:  # the other edge needs another degree
             lanes.degree = self._degree(lanes)
         at = np.flatnonzero((lanes.u > 0.0) & (lanes.k < self.last.take(lanes.cell)) & (lanes.v > 0.0))
         if not at.size:
@@ -134,7 +134,7 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
 
 
 class WeighedTaylorStepper(TaylorStepper):
-    """A `TaylorStepper` for bodies whose weight varies; samples: the horizontal ones."""
+    """A `TaylorStepper` for bodies whose weight varies; samples: those of the horizontal motion."""
 
     def __init__(self, run: Run, samples: Sequence[Samples]) -> None:
         super().__init__(run, samples)
@@ -146,13 +146,13 @@ class WeighedTaylorStepper(TaylorStepper):
         self.highest, self.steepest_up = largest(self.ups), largest(self.rises)
 
     def march(self, waiting: Array) -> None:
-        """March the cells from which the ground does not fall away before it lifts them."""
+        """March the cells that are lifted before the ground falls away from them; finish the others."""
         if self.run.batch.free_fall is not None and waiting.size:
             waiting = self.run.end_free_fall(self.run.start(waiting)).cell
         super().march(waiting)
 
     def _degree(self, lanes: PooledLanes) -> Array:
-        """Terms grow with the root of the weight."""
+        """As `TaylorStepper._degree`; the number of terms grows with the root of the weight."""
         amplitude, pace = lanes.amplitude, lanes.pace
         drive = amplitude * np.maximum(2.0, self.steepest.take(lanes.cell) / pace)
         sway = max(abs(x) for x in self.share) * amplitude
