@@ -137,7 +137,7 @@ def outlasts(segments: Segments, lanes: Lanes, most: int) -> Array:
 
 
 def _looked_at(lanes: Lanes) -> Array:
-    """Indices of lanes at the ground that lose almost no speed, under |a| < 1: after `_FIRST` steps, then each time their number doubled."""
+    """Indices of lanes at the ground that lose almost no speed, under |a| < 1: after `_FIRST` steps, then each time these have doubled."""
     looks = (lanes.steps >= _FIRST) & (lanes.steps & (lanes.steps - 1) == 0) & (lanes.eta > KEEPS) & (lanes.v > 0.0)
     return np.flatnonzero(looks & (lanes.b < 0.0) & (lanes.b > -2.0))
 

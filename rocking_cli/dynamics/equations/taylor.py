@@ -153,7 +153,7 @@ def drive_series(segments: Segments, lanes: Lanes, order: int, gain: Array | flo
 
 
 def _fill(terms: Array, segments: Segments, lanes: Lanes, here: tuple[Array, Array, Array], outward: Array, w: Array, unit: Array) -> None:
-    """Fill (terms, lanes) from row 1 on with `outward` times a motion's terms; here: its `segment_value` now; w: its frequencies [1/tau]."""
+    """Fill (terms, lanes) from row 1 on with `outward` times a motion; here: its `segment_value` now; w: its frequencies [1/tau]."""
     if not len(w):
         terms[1:] = 0.0
     mine = terms
@@ -214,7 +214,7 @@ def factors_for(unit: Array, degree: Array) -> Array:
 
 
 def last_terms(terms: Array, last: Array, unit: Array) -> Array:
-    """Size of the last two terms of each lane, (lanes,): a step needs size <= `WITHIN` tolerance unit. last: flat index of the last term."""
+    """Size of the last two terms of each lane, (lanes,): steps need size <= `WITHIN` tolerance unit. last: flat index of the last term."""
     flat = terms.ravel()
     size = np.abs(flat.take(last - unit.size))
     size *= unit

@@ -176,7 +176,7 @@ def advance(segments: Segments, lanes: Lanes, equation: Equation, until: Array |
 
 
 def _impact_guess(arc: Flow, step: Step, end: Point, reach: Array, at: Array) -> Array:
-    """A first guess of the impact time inside the bracket: from y, y', y'' at the start where b < 0 there, else a step back from the end."""
+    """A first guess of the impact time inside the bracket: from the start by y, y', y'' where b < 0 there, else a step from the end."""
     low, high = step.subcritical[at], reach[at]
     y, v, b = arc.y[at], arc.v[at], arc.b[at]
     with np.errstate(all="ignore"):

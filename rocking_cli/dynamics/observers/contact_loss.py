@@ -43,7 +43,7 @@ class Ends(Arrays):
 
 
 class Shakes(NamedTuple):
-    """The largest push over g of each stretch and the bounds of its first two derivatives by tau; the same of the weight over m g less 1."""
+    """The largest push over g of each stretch and bounds of its first two derivatives by tau; the same of the weight over m g less 1."""
 
     push: Array
     push1: Array

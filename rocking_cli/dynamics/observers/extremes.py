@@ -87,7 +87,7 @@ class Extremes:
 
 
 def parts(along: Callable[[Array, Array], Values], whole: Stretches, start: Values, end: Values) -> tuple[Stretches, Values, Values]:
-    """Short parts of whole stretches, and the values at their starts and ends; start, end: the values at the ends of the whole stretches."""
+    """Short parts of whole stretches, and the values at their starts and ends; start, end: values at the ends of the whole stretches."""
     count = np.maximum(np.ceil((whole.high - whole.low) * whole.rate / _CUT), 1.0).astype(np.int64)
     own = np.repeat(np.arange(count.size), count)
     n = np.arange(own.size) - np.repeat(np.cumsum(count) - count, count)

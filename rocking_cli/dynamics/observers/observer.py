@@ -37,7 +37,7 @@ class TaylorSteps(NamedTuple):
 
 
 class Propagation(NamedTuple):
-    """A propagation of all lanes over samples: y and y' at its end, peak (largest y so far), fall (largest 1 - a on the way), time [tau]."""
+    """Propagation of all lanes over samples: y and y' at its end, peak (largest y so far), fall (largest 1 - a on the way), time [tau]."""
 
     y: Array
     v: Array
