@@ -28,6 +28,8 @@ from .series_roots import value
 Array = np.ndarray
 
 _STEP = 0.05  # [tau]
+_SLOW = 1e-7  # a body is at rest after an impact below this speed
+_MOST = 100  # rounds over lines, after which a lane is left to the march
 _ROUNDS = 8  # after so many, lanes at rest are lifted and lanes at the end leave
 _AHEAD = 64  # lines among which the next uplift is looked for at once
 
@@ -157,12 +159,13 @@ class _Pool:
 
     def outcomes(self) -> Array:
         """The outcome of each lane."""
-        rounds = 0
-        while self.number.size:
+        rounds, most = 0, _MOST * self.s.size
+        while self.number.size and rounds < most:
             if rounds % _ROUNDS == 0:
                 self._wait()
             self._round()
             rounds += 1
+        self.outcome[self.number] = Outcome.FAILED
         return self.outcome
 
     def _falls(self, number: Array) -> None:
@@ -248,13 +251,15 @@ class _Pool:
             cycle = cycle * self.keeps[other]
         slow = v * (1.0 - self.length[k] * pace * (1.0 - x) * (1.0 - cycle) / bounce)
         self.v[at] = np.where(few, np.fmax(slow, 0.0), v)
-        rests = few & ~(slow > 1e-7)
-        on = np.flatnonzero(~few)
+        # A body that hardly bounces, where the drive lifts it later in the line, waits in the line, or at its end for the next one.
+        onwards = k + (few | (x > 1.0 - 1e-9))
+        rests = np.where(few, ~(slow > _SLOW), v <= _SLOW)
+        on = np.flatnonzero(~few & ~rests)
         i = at[on]
         self.k[i], self.x[i] = k[on], x[on]
         self.y[i], self.v[i] = -drive[on] * w[on] * unit[on] ** 2, v[on] - drive[on] * dw[on] * unit[on]
         i = at[rests]
-        self.rested[i], self.k[i], self.y[i], self.v[i] = k[rests] + 1, self.end[row[rests] // self.sides], 1e-9, 0.0
+        self.rested[i], self.k[i], self.y[i], self.v[i] = onwards[rests], self.end[row[rests] // self.sides], 1e-9, 0.0
 
     def _impact(self, terms: list[Array], x: Array, h: Array, k: Array, lasts: Array, drive: Array) -> tuple[Array, Array, Array, Array]:
         """(share of line k at which y comes to 0, y' there, W and W' there) of lanes whose step of h began at share x of the line."""

@@ -161,6 +161,17 @@ def test_a_scan_falls_as_the_march_but_next_to_boundaries(name, motion):
     assert np.mean((found != falls[1])[settled]) < 0.015
 
 
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_a_scan_ends_where_a_sample_just_reaches_the_uplift(name):
+    system, eta = SYSTEMS[name]
+    motion = SCANNED["a step a sample"]
+    for close in (False, True):
+        scan = Scan(system, motion, 0.4, eta, close=close)
+        amplitude = np.unique([x for face in scan.faces for x in 1.0 / (face.drive * scan.lines.s[scan.lines.s != 0.0]) if 0.0 < x < 20.0])
+        assert amplitude.size > 20
+        assert np.all(scan.outcomes(amplitude) != Outcome.FAILED)
+
+
 @pytest.mark.parametrize("name", ["a body", "the oscillator", "a damped body of unlike edges", "a body on one side"])
 def test_a_close_scan_has_the_outcomes_of_the_march(name):
     system, eta = SYSTEMS[name]
