@@ -68,7 +68,7 @@ def params(
 
 
 def _rows(record: dict[str, Any], form: str | None, varied: dict[str, float] | None = None) -> Iterator[dict[str, Any]]:
-    """Return the rows of a record: for JSON the record, for CSV one with the columns of the whole family, for a table one for each side or
+    """Yield the rows of a record: for JSON the record, for CSV one with the columns of the whole family, for a table one for each side or
     interface."""
     from ..structures.kinds import reports_of
     from ..structures.parameters import VARIED

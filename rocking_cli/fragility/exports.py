@@ -1,4 +1,4 @@
-"""Fragility curves as the files of other programs: NRML 0.5 of OpenQuake, CSV and JSON of pelicun.
+"""Writes fragility curves as files for other programs: NRML 0.5 of OpenQuake, CSV and JSON of pelicun.
 
 A fit is lognormal. OpenQuake takes the mean and the standard deviation of the level, not of its logarithm:
 mean = theta exp(beta^2/2), stddev = mean sqrt(exp(beta^2) - 1). An exact share is written as points joined by straight lines, from each
@@ -39,8 +39,8 @@ _SHARE = "running maximum of the exact share of overturning motions"
 
 @dataclass(frozen=True, eq=False)
 class Share:
-    """The exact share of overturning of a structure: points (x [SI], p) that straight lines join, and the level [SI] up to which nothing
-    happens, 0 if that is not known."""
+    """The exact share of motions that overturn a structure: points (x [SI], p) joined by straight lines, and the level [SI] up to which the
+    body stays at rest, 0 if that level is not known."""
 
     structure: str
     no_damage: float
@@ -54,7 +54,7 @@ State = Fit | Share
 
 
 def share_of(study: Study) -> Share:
-    """The exact share of overturning for a file. Raises UsageError if no motion overturns the structure."""
+    """Return the exact share of overturning motions for a file. Raises UsageError if no motion overturns the structure."""
     x, share = share_overturned(study.intervals or (), study.motions.weight)
     most = np.maximum.accumulate(share)
     rises = np.flatnonzero(np.diff(most, prepend=0.0) > 1e-9)
@@ -68,7 +68,7 @@ def share_of(study: Study) -> Share:
 def export_fragility(
     curves: Sequence[Fit], target: str | Path, form: str = "openquake", *, im: str = "PGA", overwrite: bool = False
 ) -> list[str]:
-    """Write fragility curves for another program, and return sentences on what the file holds otherwise than the curves.
+    """Write fragility curves for another program, and return a sentence on each difference between the file and the curves.
 
     curves: fits, one for each structure and limit state, with levels in SI; form: `openquake` (NRML 0.5) or
     `pelicun` (CSV, and JSON of the same name); im: their measure. Limit states that a structure lacks are left out. Raises UsageError for
@@ -131,7 +131,7 @@ def check_export(target: Path, form: str, measure: Measure, overwrite: bool) -> 
 
 
 def _names(texts: Iterable[str]) -> list[str]:
-    """Distinct names of letters, digits, - and _."""
+    """Return distinct names that have only letters, digits, - and _."""
     found: list[str] = []
     for text in texts:
         name = re.sub(r"[^A-Za-z0-9_-]+", "_", text)
@@ -148,7 +148,7 @@ def _number(x: float) -> str:
 
 
 def _nrml(structures: Sequence[Sequence[State]], measure: Measure) -> str:
-    """NRML 0.5."""
+    """Return the text of a file in NRML 0.5."""
     scale, states = openquake_unit(measure)[1], structures[0]
     limits = _names(state.limit if state.limit == "overturning" else f"theta_{state.limit}" for state in states)
     imt = re.sub(r"\((.*)\)", lambda found: f"({float(found[1])})", "IA" if measure.name == "Arias" else measure.name)
@@ -186,7 +186,7 @@ def _nrml(structures: Sequence[Sequence[State]], measure: Measure) -> str:
 
 
 def _pelicun(structures: Sequence[Sequence[State]], measure: Measure) -> tuple[str, str]:
-    """(CSV, JSON) of pelicun."""
+    """Return the texts (CSV, JSON) of the two files of pelicun."""
     period = "" if measure.name in _DEMANDS else f"|{measure.periods[0]:.2f}"
     demand, unit = _DEMANDS.get(measure.name, (f"Spectral Acceleration{period}", "g"))
     scale, table = openquake_unit(measure)[1], io.StringIO()

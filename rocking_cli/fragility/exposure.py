@@ -45,8 +45,8 @@ class Exposure:
     outcome: Array
 
     def beyond(self, limit: float | None) -> tuple[Array, Array]:
-        """(True beyond the limit state |theta|/alpha = `limit`, None for overturning; True if that is known), (members, levels). Lost
-        contact is beyond every limit."""
+        """Return (beyond, known), both (members, levels). beyond: True if |theta|/alpha exceeds `limit` (None: if the body falls), or if
+        contact is lost; known: True if the cell has an outcome."""
         gone, known = falls(self.outcome), (self.outcome != Outcome.FAILED) & (self.outcome != Outcome.NOT_COMPUTED)
         if limit is None:
             return gone, known
@@ -79,11 +79,11 @@ class MotionSet:
         return all(m.recording is not None for m in self.members)
 
     def factor(self, structure: RockingParameters, member: Member) -> float:
-        """The factor of a motion that makes its measure 1."""
+        """Return the factor of a motion that makes its measure 1."""
         return member.measured(self.measure, structure) ** (-1.0 / self.measure.power)
 
     def unit(self, structure: RockingParameters, member: Member) -> float:
-        """The A at which the measure of a motion is 1."""
+        """Return the A at which the measure of a motion is 1."""
         own = float(structure.dimensionless_amplitude(member.acceleration)) / member.motion.peak
         return own * self.factor(structure, member)
 
@@ -91,7 +91,7 @@ class MotionSet:
 def exposures(
     structures: Sequence[RockingParameters], motions: MotionSet, path: Path | None = None, sweep: SweepOptions | None = None
 ) -> list[Exposure]:
-    """Each structure under every motion scaled to each level.
+    """Return the exposure of each structure: every motion scaled to each level.
 
     path: the spectra file to write for records; sweep: options of the computation and of this file. With `resume` a complete file of the
     same scene, such as a merged one, is read; for a shard the result is empty. Raises UsageError for a path with pulses, or with several
@@ -134,7 +134,7 @@ def _under_records(
 
 
 def _under_each(structure: RockingParameters, motions: MotionSet, amplitudes: Sequence[Array]) -> Exposure:
-    """A structure under each motion at its amplitudes A."""
+    """Return the exposure of a structure to each motion at its amplitudes A."""
     system = motions.method.system_of(structure)
     found = [
         response(system, m.motion, a, np.array([m.omega / structure.p]), structure.eta)
@@ -144,7 +144,7 @@ def _under_each(structure: RockingParameters, motions: MotionSet, amplitudes: Se
 
 
 def as_recorded(structure: RockingParameters, motions: MotionSet) -> Exposure:
-    """A structure under each motion as it is, as at one level."""
+    """Return the exposure of a structure to each unscaled motion, as if at one level."""
     own = [structure.dimensionless_amplitude(np.array([m.acceleration / m.motion.peak])) for m in motions.members]
     return _under_each(structure, motions, own)
 
@@ -152,8 +152,8 @@ def as_recorded(structure: RockingParameters, motions: MotionSet) -> Exposure:
 def traced(
     structure: RockingParameters, motions: MotionSet, workers: int | None = None, progress: Progress | None = None
 ) -> list[list[Interval]]:
-    """For each motion the intervals of the measure (SI) that overturn the structure, up to the highest level; the end of an interval beyond
-    it is infinite. Intervals are traced as in an envelope; under records those narrower than 0.5 % may be missed."""
+    """Return for each motion the intervals of the measure (SI) that overturn the structure, up to the highest level. An interval that goes
+    on beyond it has an infinite end. The search is that of an envelope; under records it may miss intervals narrower than 0.5 %."""
     workers = min(workers or (available_cpus() if motions.of_records else 1), len(motions.members))
     found = []
     for intervals in in_turn(partial(_trace, structure, motions), motions.members, workers):
@@ -164,7 +164,7 @@ def traced(
 
 
 def _trace(structure: RockingParameters, motions: MotionSet, member: Member) -> list[Interval]:
-    """The intervals of one motion."""
+    """Return the intervals of one motion."""
     unit, method = motions.unit(structure, member), motions.method
     long = len(member.motion.segments) > LONGEST_FINE
     search = Search(
@@ -179,12 +179,12 @@ def _trace(structure: RockingParameters, motions: MotionSet, member: Member) -> 
 
 
 def first_of(intervals: Sequence[Sequence[Interval]]) -> Array:
-    """The intensity of first overturning under each motion, NaN without overturning, (members,)."""
+    """Return the intensity of first overturning under each motion, NaN without overturning, (members,)."""
     return np.array([found[0][0] if found else np.nan for found in intervals])
 
 
 def share_overturned(intervals: Sequence[Sequence[Interval]], weight: Array) -> tuple[Array, Array]:
-    """(levels at which the share of overturning motions changes, the share from each level on); the shares are exact."""
+    """Return (the levels at which the exact share of overturning motions changes, the share from each level to the next)."""
     steps = [
         (edge, sign * w) for found, w in zip(intervals, weight, strict=True) for i in found for edge, sign in zip(i, (1, -1), strict=True)
     ]

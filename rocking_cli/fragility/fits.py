@@ -1,10 +1,10 @@
-"""Fragility: the probability that a limit state is passed, given an intensity measure x, as a lognormal curve
+"""Fits of fragility curves: the probability that a structure passes a limit state at the intensity x is a lognormal curve
 
     P(x) = Phi(ln(x/theta)/beta)
 
-fitted to counts at levels (stripes, Baker 2015), to the intensity at which each record first overturns the body (incremental dynamic
-analysis, with the records that never do as censored), or to rotations as recorded (cloud). The fits take arrays of many samples at
-once, (..., k), so that a bootstrap is one call.
+A curve is fitted to counts at levels (stripes, Baker 2015), to the intensities at which each record first overturns the body (incremental
+dynamic analysis; a record that never overturns it is censored), or to rotations under unscaled records (cloud). The fits take arrays of
+many samples at once, (..., k), so that a bootstrap is one call.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Curve:
     n: float
 
     def __call__(self, x: Array | float) -> Array:
-        """Probability at intensities x, of their shape."""
+        """Return the probability at intensities x, in the shape of x."""
         from scipy.special import ndtr
 
         with np.errstate(divide="ignore"):
@@ -56,7 +56,7 @@ class Band:
 
 
 def stripes(x: Array, n: Array, z: Array) -> Estimate:
-    """The maximum-likelihood curve of counts: z of n beyond the limit state at each level x; n and z may be sums of weights.
+    """Return the maximum-likelihood curve of counts: z of n beyond the limit state at each level x; n and z may be sums of weights.
 
     x: (k,), positive; n, z: (..., k). Maximises sum z ln Phi(u) + (n - z) ln Phi(-u), u = ln(x/theta)/beta (Baker 2015,
     Eq. 11). If the counts do not rise, beta is its upper bound; if they change from none to all, its lower bound.
@@ -74,7 +74,7 @@ def stripes(x: Array, n: Array, z: Array) -> Estimate:
 
 
 def first_overturning(r: Array, limit: Array | float, weight: Array | None = None) -> Estimate:
-    """The curve of the intensities r at which records first overturn the body, NaN or infinite for records that do not up to their limit.
+    """Return the curve of the intensities r at which records first overturn the body; NaN or infinite for a record without overturning.
 
     r: (..., k); limit: the highest intensity computed; weight: 1 by default; both of the same shape or one number. If all records
     overturn the body, theta = exp(mean ln r) and beta is the standard deviation of ln r with k - 1. Otherwise the curve maximises
@@ -103,10 +103,11 @@ def _likeliest(
     start: Array, slope: Array, y: Array, below: Array, above: Array, m: Array | float = 0.0, first: Array | float = 0.0,
     second: Array | float = 0.0,
 ) -> Estimate:  # fmt: skip
-    """(mu, beta) of the largest likelihood, by Newton's method in slope = 1/beta and start = -mu/beta (Olsen 1978), u = start + slope y.
+    """Return the (mu, beta) of largest likelihood, by Newton's method in slope = 1/beta and start = -mu/beta (Olsen 1978).
 
     below, above: weights of the records known to be below and above each y, (..., k); m, first, second: the sums of weight, y and y^2 of
-    those known exactly. The likelihood is the sum of below ln Phi(u) + above ln Phi(-u), and of ln slope - u^2/2 of the latter.
+    the exact records. With u = start + slope y the log-likelihood is the sum of below ln Phi(u) + above ln Phi(-u), and over the exact
+    records of ln slope - u^2/2.
     """
     from scipy.special import log_ndtr
 
@@ -130,7 +131,7 @@ def _likeliest(
 
 
 def cloud(x: Array, theta_ratio: Array, limit: float, weight: Array | None = None) -> Estimate:
-    """The curve of a regression ln(theta_max/alpha) = a + b ln x + sigma e over unscaled records, for |theta|/alpha beyond `limit`.
+    """Return the curve for |theta|/alpha > `limit` from the regression ln(theta_max/alpha) = a + b ln x + sigma e over unscaled records.
 
     x, theta_ratio: (..., k); records without a positive finite rotation are left out. theta = exp((ln limit - a)/b), beta = sigma/b, sigma
     with k - 2.
@@ -152,7 +153,7 @@ def cloud(x: Array, theta_ratio: Array, limit: float, weight: Array | None = Non
 
 
 def check_levels(x: Array) -> Array:
-    """Levels of an intensity measure. Raises UsageError unless they are positive and rise."""
+    """Return the levels of an intensity measure as an array. Raises UsageError unless they are positive and rise."""
     x = np.asarray(x, dtype=float)
     if x.ndim != 1 or x.size < 2 or not np.all(np.isfinite(x)) or not x[0] > 0.0 or np.any(np.diff(x) <= 0.0):
         raise UsageError("levels: expected two or more, positive and rising")
@@ -160,8 +161,8 @@ def check_levels(x: Array) -> Array:
 
 
 def fit_stripes(x: Array, n: Array, z: Array) -> Curve:
-    """The curve of counts at levels: z of n beyond the limit state at each x. Raises UsageError unless two levels have some
-    records beyond it and some not.
+    """Return the curve of counts: z of n records are beyond the limit state at each level x. Raises UsageError unless at two levels some
+    records are beyond it and some are not.
 
     >>> curve = fit_stripes([1.0, 1.5, 2.0], [54, 54, 54], [2, 25, 43])
     >>> round(curve.theta, 7), round(curve.beta, 7)
@@ -177,8 +178,8 @@ def fit_stripes(x: Array, n: Array, z: Array) -> Curve:
 
 
 def fit_cells(x: Array, n: Array, z: Array) -> Curve:
-    """The curve of cells at any x, in any order: z of the weight n of each beyond the limit state. Raises UsageError for a share that
-    does not rise with x."""
+    """Return the curve of cells at any x, in any order: of the weight n of each cell z is beyond the limit state. Raises UsageError if the
+    share beyond it does not rise with x."""
     return _curve(stripes(x, n, z), np.max(n), "the share beyond the limit state does not rise with the levels; a fit")
 
 
@@ -190,7 +191,7 @@ def _curve(estimate: Estimate, n: float, flat: str = "") -> Curve:
 
 
 def fit_first(r: Array, limit: Array | float, weight: Array | None = None) -> Curve:
-    """The curve of first overturnings r, NaN for records that do not overturn up to `limit`. Raises UsageError for too few of them.
+    """Return the curve of first overturnings r, NaN for a record without overturning up to `limit`. Raises UsageError for too few records.
 
     >>> curve = fit_first([0.2, 0.3, 0.4, 0.5], 1.0)
     >>> round(curve.theta, 4), round(curve.beta, 4)
@@ -203,8 +204,8 @@ def fit_first(r: Array, limit: Array | float, weight: Array | None = None) -> Cu
 
 
 def fit_cloud(x: Array, theta_ratio: Array, limit: float, weight: Array | None = None) -> Curve:
-    """The curve of a regression of rotations as recorded on x, for |theta|/alpha beyond `limit`. Raises UsageError for too few of
-    them, or if they do not grow with x.
+    """Return the curve for |theta|/alpha > `limit` from a regression of unscaled rotations on x. Raises UsageError for too few rotations,
+    or if they do not grow with x.
 
     >>> curve = fit_cloud([1.0, 2.0, 3.0, 4.0], [0.1, 0.25, 0.3, 0.45], 0.5)
     >>> round(curve.theta, 4), round(curve.beta, 4)
@@ -229,7 +230,7 @@ def bootstrap(
     records: int, estimate: Callable[[Array], Estimate], how: Resampling, x: Array | None = None,
     rate: Callable[[Array, Array], Array] | None = None,
 ) -> Band | None:  # fmt: skip
-    """The band of an estimate over resampled records (see `interval`).
+    """Return the band of an estimate over resampled records (see `interval`).
 
     estimate: function from indices of records, (..., records), to curves; x: intensities for the band of the probability; rate: function
     from ln theta and beta to an annual rate. None if the samples do not vary.
@@ -238,7 +239,7 @@ def bootstrap(
 
 
 def interval(records: int, statistic: Callable[[Array], Array], how: Resampling) -> tuple[Array, Array]:
-    """The lower and upper ends of statistics over resampled records, (k,) each, bias-corrected and accelerated.
+    """Return the lower and upper ends of statistics over resampled records, (k,) each, bias-corrected and accelerated.
 
     Samples of few records vary too little, so the level is widened from the normal to Student's t, and by the root of n/(n - 1)
     (Hesterberg 2015, section 3.6). statistic: function from indices of records, (..., records), to numbers, (k, ...). NaN for a
@@ -263,7 +264,7 @@ def interval(records: int, statistic: Callable[[Array], Array], how: Resampling)
 
 
 def bootstrap_counts(levels: Array, n: Array, z: Array, how: Resampling, x: Array | None = None) -> Band | None:
-    """The band of counts without known records: the counts of each level are drawn independently."""
+    """Return the band of given counts, whose records are not known: the counts of each level are drawn independently."""
     random = np.random.default_rng(how.seed)
     whole = np.rint(np.asarray(n)).astype(np.int64)
     draws = random.binomial(whole, np.asarray(z, dtype=float) / n, size=(how.samples, np.size(n)))
@@ -273,7 +274,7 @@ def bootstrap_counts(levels: Array, n: Array, z: Array, how: Resampling, x: Arra
 
 
 def _drawn(estimate: Estimate, x: Array | None, rate: Callable[[Array, Array], Array] | None = None) -> Array:
-    """ln theta, beta, the annual rate if one is asked for, and ln(x/theta)/beta at each x, stacked."""
+    """Return ln theta, beta, the annual rate if `rate` is given, and ln(x/theta)/beta at each x, stacked."""
     centre, beta = estimate
     rates = [] if rate is None else [rate(centre, beta)]
     return np.stack([centre, beta, *rates, *((np.log(value) - centre) / beta for value in ([] if x is None else x))])

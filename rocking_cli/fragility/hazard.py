@@ -1,4 +1,4 @@
-"""Seismic hazard: how often a year the levels of a measure are exceeded, and how often a limit state is passed.
+"""Seismic hazard: how many times a year a site exceeds each level of a measure, and a structure passes a limit state.
 
 The annual rate of a limit state is the integral of P(x) over |dH(x)|, where P is the fragility and H the hazard curve. Between its
 points H is a straight line in log-log, H = H_i (x/x_i)^-k, so that a lognormal P gives a closed form on each of them (integration by
@@ -53,7 +53,7 @@ class Point(NamedTuple):
 
 
 def openquake_unit(measure: Measure) -> tuple[str, float]:
-    """The unit in which OpenQuake gives a measure, and its factor to SI."""
+    """Return the unit in which OpenQuake gives a measure, and its factor to SI."""
     return _OPENQUAKE.get(measure.name, ("g", DEFAULT_GRAVITY))
 
 
@@ -82,7 +82,7 @@ class HazardCurve:
             raise UsageError("hazard curve: expected positive rates that do not rise")
 
     def __call__(self, x: Array | float) -> Array:
-        """H [1/year] at levels x [SI], of their shape; outside the points that of the nearest one."""
+        """Return H [1/year] at levels x [SI], in the shape of x; outside the points the H of the nearest one."""
         with np.errstate(divide="ignore"):
             return np.asarray(np.exp(np.interp(np.log(x), np.log(self.x), np.log(self.rate))))
 
@@ -92,13 +92,13 @@ class HazardCurve:
         return -np.diff(np.log(self.rate)) / np.diff(np.log(self.x))
 
     def density(self, x: Array) -> Array:
-        """-dH/d(ln x) [1/year] at levels x [SI], on the right of a point; 0 outside the points."""
+        """Return -dH/d(ln x) [1/year] at levels x [SI], at a point that of the line to its right; 0 outside the points."""
         line = np.searchsorted(self.x, x, side="right") - 1
         inside = (line >= 0) & (line < self.slope.size)
         return np.where(inside, self.slope[np.clip(line, 0, self.slope.size - 1)] * self(x), 0.0)
 
     def rate_of(self, ln_theta: Array, beta: Array) -> Array:
-        """The annual rate [1/year] of lognormal fragilities, of the shape of ln theta and beta."""
+        """Return the annual rate [1/year] of lognormal fragilities, in the shape of ln theta and beta."""
         from scipy.special import log_ndtr, ndtr
 
         y, k = np.log(self.x), self.slope
@@ -113,8 +113,8 @@ class HazardCurve:
         return np.asarray(np.clip(ends[..., 0] - ends[..., -1] + np.nan_to_num(part).sum(-1), 0.0, self.rate[0] - self.rate[-1]))
 
     def of_intervals(self, intervals: Sequence[Sequence[tuple[float, float]]], highest: float = math.inf) -> Array:
-        """The annual rate [1/year] that each motion adds: the sum of H(x_from) - H(x_to) over its overturning intervals, (members,);
-        nothing is counted beyond `highest`."""
+        """Return the annual rate [1/year] that each motion adds: the sum of H(x_from) - H(x_to) over its overturning intervals, (members,).
+        Levels above `highest` add nothing."""
         return np.array([float(sum(self(min(a, highest)) - self(min(b, highest)) for a, b in found)) for found in intervals])
 
 
@@ -131,11 +131,11 @@ class Rate:
     first: float
 
     def probability(self, years: float) -> float:
-        """The probability of passing the limit state within some years."""
+        """Return the probability of passing the limit state within this number of years."""
         return -math.expm1(-self.annual * years)
 
     def record(self) -> dict[str, float | None]:
-        """The rate as columns of a row."""
+        """Return the rate as columns of a row."""
         period = 1.0 / self.annual if self.annual > 0.0 else None
         values = (self.annual, self.low, self.high, self.beyond, period, self.probability(50.0))
         return dict(zip(RATE_COLUMNS, values, strict=False))
@@ -152,7 +152,7 @@ class Rate:
 
 
 def annual_rate(theta: float, beta: float, hazard: HazardCurve) -> float:
-    """The annual rate [1/year] of a limit state: the integral of Phi(ln(x/theta)/beta) over |dH(x)|; theta in SI.
+    """Return the annual rate [1/year] of a limit state: the integral of Phi(ln(x/theta)/beta) over |dH(x)|; theta in SI.
 
     >>> round(annual_rate(0.43, 0.35, HazardCurve([1e-4, 1.0, 1e4], [5e5, 5e-5, 5e-15])), 8)
     0.00060472
@@ -163,10 +163,10 @@ def annual_rate(theta: float, beta: float, hazard: HazardCurve) -> float:
 
 
 def read_hazard(path: str | Path, im: str = "PGA", site: str | None = None) -> HazardCurve:
-    """The hazard curve of a file: a CSV of OpenQuake as it is written, or two columns, levels and annual rates or probabilities.
+    """Return the hazard curve of a file: a CSV as OpenQuake writes it, or two columns, levels and annual rates or probabilities.
 
-    im: the measure that the levels must have; site: `LON,LAT` of the row of OpenQuake's file, None for its only one. A probability p in t
-    years is the rate -ln(1 - p)/t. Leading levels whose probability is 1, and last ones whose rate is 0, are left out. Raises UsageError
+    im: the measure that the levels must have; site: `LON,LAT` of a row of OpenQuake's file, None if it has one row. A probability p in t
+    years is the rate -ln(1 - p)/t. First levels whose probability is 1, and last levels whose rate is 0, are left out. Raises UsageError
     for an unreadable file or another measure, DocumentError with file, line and column for its faults.
 
     >>> read_hazard('configs/hazard.csv').rate[:3].tolist()
@@ -202,7 +202,7 @@ def read_hazard(path: str | Path, im: str = "PGA", site: str | None = None) -> H
 
 
 def _demand_measure(place: str, found: str, wanted: Measure) -> None:
-    """Raise UsageError if levels are of another measure."""
+    """Raise UsageError if the levels of a file belong to another measure than `wanted`."""
     try:
         name = measure_of("Arias" if found == "IA" else found).name
     except UsageError:
@@ -219,7 +219,7 @@ def _number(place: str, text: str, dimension: str = "number") -> float:
 
 
 def _rate(place: str, text: str, years: float | None) -> float:
-    """The annual rate of a cell; years: those of a probability, None for a rate."""
+    """Return the annual rate that a cell states; years: the time of a probability, None for a rate."""
     value = _number(place, text)
     if value < 0.0 or (years is not None and value > 1.0):
         raise DocumentError(f"{place}: found {text!r}; expected {'a rate from 0' if years is None else 'a probability from 0 to 1'}")
@@ -229,7 +229,7 @@ def _rate(place: str, text: str, years: float | None) -> float:
 
 
 def _openquake(source: str, rows: Rows, measure: Measure, site: str | None) -> list[Point]:
-    """The points of one site in a file of OpenQuake."""
+    """Return the points of one site in a file of OpenQuake."""
     first, told = f"{source}, line {rows[0][0]}", " ".join(rows[0][1])
     imt, time = re.search(r"\bimt='([^']*)'", told), re.search(r"\binvestigation_time=([\d.eE+-]+)", told)
     if imt is None or time is None or len(rows) < 2 or not any(name.startswith("poe-") for name in rows[1][1]):
@@ -268,7 +268,7 @@ def _is_at(place: str, site: str, row: dict[str, str]) -> bool:
 
 
 def _two_columns(source: str, rows: Rows, measure: Measure) -> list[Point]:
-    """The points of a table with a heading: levels, and annual rates or probabilities."""
+    """Return the points of a table with a heading: levels, and annual rates or probabilities."""
     (line, names), body = rows[0], rows[1:]
     (im, unit), (kind, _) = (split_heading(name) for name in names) if len(names) == 2 else (("", ""), ("", ""))
     years = re.fullmatch(r"p_([\d.]+)_years?", kind)

@@ -45,7 +45,7 @@ class Measure:
     periods: tuple[float, ...] = ()  # of SA and AvgSA, in s
 
     def told(self, value: float) -> str:
-        """A value [SI] in words; accelerations are in g."""
+        """Return a value of the measure [SI] in words; accelerations are in g."""
         in_g = self.dimension == "acceleration"
         return f"{value / DEFAULT_GRAVITY:.4g} g" if in_g else f"{value:.4g} {self.unit}".rstrip()
 
@@ -71,7 +71,7 @@ MEASURES = {
 
 
 def measure_of(name: str) -> Measure:
-    """The measure of that name, one of MEASURES or SA(T), AvgSA(T1), AvgSA(T, T, ...) (see `periods_of`). Raises UsageError."""
+    """Return the measure of a name, one of MEASURES or SA(T), AvgSA(T1), AvgSA(T, T, ...) (see `periods_of`). Raises UsageError."""
     if (spectral := periods_of(name)) is not None:
         return Measure(spectral[0], "m/s2", "acceleration", lambda i, s: math.nan, periods=tuple(spectral[1].tolist()))
     found = next((m for key, m in MEASURES.items() if key.casefold() == name.strip().casefold()), None)
@@ -81,7 +81,7 @@ def measure_of(name: str) -> Measure:
 
 
 def compared(members: Sequence[Member], own: Measure) -> Collection[Measure]:
-    """The measures whose efficiency is compared: MEASURES, those of SPECTRAL if all members are records, and their own."""
+    """Return the measures whose efficiency is compared: MEASURES, those of SPECTRAL if all members are records, and `own`."""
     spectral = map(measure_of, SPECTRAL) if all(m.recording is not None for m in members) else ()
     return {m.name: m for m in (*MEASURES.values(), *spectral, own)}.values()
 
@@ -110,7 +110,7 @@ class Member:
         return self.recording.motion
 
     def measured(self, measure: Measure, structure: RockingParameters) -> float:
-        """The measure of the motion as it stands. Raises UsageError unless it is positive, and for SA or AvgSA of a pulse."""
+        """Return the measure of the unscaled motion. Raises UsageError unless it is positive, and for SA or AvgSA of a pulse."""
         if not measure.periods:
             value = measure.value(self.intensity, structure)
         elif self.recording is None:
@@ -123,8 +123,8 @@ class Member:
 
 
 def shaken_upwards(members: Sequence[Member], upwards: Upwards) -> tuple[Member, ...]:
-    """The same motions with a vertical motion added to each; the measures stay those of the horizontal one. Raises UsageError if one is a
-    record and the other a pulse."""
+    """Return the motions with a vertical motion added to each; the measures stay those of the horizontal motion. Raises UsageError if one
+    is a record and the other a pulse."""
     upwards(members[0].motion)  # the motions of records are computed later
     return tuple(
         replace(m, pulse=upwards(m.motion)) if m.recording is None else replace(m, recording=replace(m.recording, upwards=upwards))
@@ -133,7 +133,7 @@ def shaken_upwards(members: Sequence[Member], upwards: Upwards) -> tuple[Member,
 
 
 def members_of(recordings: Sequence[Recording]) -> tuple[Member, ...]:
-    """The set of these records, with equal weights."""
+    """Return the set of these records, with equal weights."""
     found = []
     for r in recordings:
         i, f = r.intensity, abs(r.factor)
@@ -143,7 +143,7 @@ def members_of(recordings: Sequence[Recording]) -> tuple[Member, ...]:
 
 
 def site_pulses(path: str | Path) -> tuple[Member, ...]:
-    """The pulses of a site: CSV with the columns a_g, one of f_g, T_g, omega_g, and optionally weight (default 1) and pulse (default sine).
+    """Read the pulses of a site: CSV with columns a_g, one of f_g, T_g, omega_g, optionally weight (default 1) and pulse (default sine).
 
     Cells are numbers in SI, or with a unit. Weights are scaled to a mean of 1. Raises UsageError for an unreadable file, DocumentError
     with file, line and column for its faults.
@@ -178,7 +178,7 @@ def site_pulses(path: str | Path) -> tuple[Member, ...]:
 
 
 def cell(path: str | Path, line: int, row: dict[str, str], column: str, dimension: str) -> float:
-    """The quantity in a cell of a table. Raises DocumentError with file, line and column."""
+    """Return the quantity that a cell of a table states. Raises DocumentError with file, line and column."""
     text = (row[column] or "").strip()
     try:
         return parse_quantity(text, dimension)
@@ -194,7 +194,7 @@ def _positive(path: str | Path, line: int, row: dict[str, str], column: str, dim
 
 
 def pulse_intensity(motion: Motion, a_g: float, omega: float) -> Intensity:
-    """The measures of a pulse of amplitude a_g [m/s2] and angular frequency omega [rad/s], by the trapezium rule over each piece."""
+    """Return the measures of a pulse of amplitude a_g [m/s2] and frequency omega [rad/s], by the trapezium rule on each piece."""
     from scipy.integrate import cumulative_trapezoid
 
     phases = [np.linspace(piece.start, piece.stop, _STEPS + 1) for piece in motion.pieces]

@@ -42,7 +42,7 @@ _POINTS = 61  # of a curve
 
 
 def word_of(limit: float | None) -> str:
-    """The printed text of a limit state."""
+    """Return the printed text of a limit state."""
     return "overturning" if limit is None else f"{limit:g}"
 
 
@@ -67,7 +67,7 @@ class Fit:
     no_damage: float = 0.0  # the level [SI] up to which the structure stays at rest, 0 if that is not known
 
     def record(self) -> dict[str, Any]:
-        """The fit as one row."""
+        """Return the fit as one row."""
         c, b = self.curve, self.band
         low, high, *beta = (None,) * 4 if b is None else (b.theta_low, b.theta_high, b.beta_low, b.beta_high)
         values = (c.theta, c.beta, low, high, *beta, round(c.n), c.theta, low, high)
@@ -77,7 +77,7 @@ class Fit:
         return row
 
     def points_of_curve(self) -> Iterator[dict[str, Any]]:
-        """The curve as rows, with the band, and the fraction at the levels."""
+        """Yield the curve as rows, with the band, and the fraction beyond the limit state at the levels."""
         probability = self.curve(self.x)
         hazard = hazard_points(self.hazard, self.x, probability, self.rate)
         for i, (x, more) in enumerate(zip(self.x.tolist(), hazard, strict=True)):
@@ -90,12 +90,12 @@ class Fit:
 
 
 def _with_more(levels: Array, first: float, last: float) -> Array:
-    """The levels, and others from first to last."""
+    """Return the levels together with _POINTS further ones from `first` to `last`, in rising order."""
     return np.union1d(np.geomspace(first, last, _POINTS), levels)
 
 
 def hazard_points(hazard: HazardCurve | None, x: Array, probability: Array, rate: Rate | None) -> list[dict[str, Any]]:
-    """The columns HAZARD_COLUMNS of points of a curve: H, the part dlambda/d(ln x) of the annual rate lambda, and lambda [1/year]."""
+    """Return the columns HAZARD_COLUMNS at points of a curve: H, dlambda/d(ln x) with the annual rate lambda, and lambda [1/year]."""
     if hazard is None or rate is None:
         return [{} for _ in x]
     inside = (x >= hazard.x[0]) & (x <= hazard.x[-1])
@@ -107,8 +107,8 @@ def hazard_points(hazard: HazardCurve | None, x: Array, probability: Array, rate
 class Study:
     """A structure under a set of motions.
 
-    exposure: at the levels; intervals: overturning intervals of the measure, if traced; recorded: under the unscaled motions; hazard: of
-    the site.
+    exposure: its responses at the levels; intervals: its overturning intervals of the measure, if traced; recorded: its responses to the
+    unscaled motions; hazard: the hazard curve of the site.
     """
 
     structure: RockingParameters
@@ -125,7 +125,7 @@ class Study:
         return float(self.motions.levels[-1])
 
     def own(self, measure: Measure) -> Array:
-        """A measure of each unscaled motion, (members,)."""
+        """Return a measure of each unscaled motion, (members,)."""
         return np.array([m.measured(measure, self.structure) for m in self.motions.members])
 
     @property
@@ -136,7 +136,7 @@ class Study:
         return 0.0 if lifted or self.motions.measure.name != "PGA" else s.gravity * min(s.uplift, s.linear_uplift)
 
     def fit(self, method: str, limit: float | None) -> Fit:
-        """The curve of a limit state by a method. Raises UsageError if the data do not support a fit."""
+        """Return the fit of a limit state by a method. Raises UsageError if there are too few data."""
         if (count := len(self.motions.members)) < fits.FEWEST:
             raise UsageError(f"{count} records; a fit needs {fits.FEWEST}")
         curve, estimate, points = {"stripes": self._stripes, "first": self._first, "cloud": self._cloud}[method](limit)
@@ -195,14 +195,14 @@ class Study:
         return Rate(float(of_each.sum() / w.sum()), low, high, float(self.hazard(highest)), highest, first)
 
     def exact_record(self) -> dict[str, Any]:
-        """The annual rate of overturning without a fit as one row. Raises UsageError without it."""
+        """Return the annual rate of overturning without a fit as one row. Raises UsageError if there is no such rate."""
         if (rate := self.rate_without_fit) is None:
             raise UsageError(f"{self.structure.name}: found no hazard curve or no traced intervals; expected both")
         row = {**dict.fromkeys(FRAGILITY_COLUMNS), **self._exact(), "n": len(self.motions.members), **rate.record()}
         return {**row, "rate_without_fit": rate.annual}
 
     def exact_rows(self) -> Iterator[dict[str, Any]]:
-        """The share of overturning motions as rows, one for each change."""
+        """Yield the exact share of overturning motions as rows, one for each change."""
         assert self.intervals is not None
         x, share = share_overturned(self.intervals, self.motions.weight)
         for at, part, more in zip(x, share, hazard_points(self.hazard, x, share, self.rate_without_fit), strict=True):
@@ -220,7 +220,7 @@ class Study:
         return sum(bool(found) and (len(found) > 1 or bool(np.isfinite(found[-1][1]))) for found in self.intervals)
 
     def efficiency(self) -> list[dict[str, Any]]:
-        """Rows: the dispersion over each measure, the smallest first; efficiency: the smallest over this one.
+        """Return rows with the dispersion for each measure, the smallest first; efficiency: the smallest dispersion over that of the row.
 
         The dispersion is that of the first overturnings if the intervals are traced, otherwise that of the cells at the levels: each motion
         at each level has its own value of another measure. Raises UsageError for too few overturnings.
@@ -247,7 +247,7 @@ class Study:
         ]
 
     def cells(self) -> Iterator[dict[str, Any]]:
-        """The cells as rows over two measures: PGA [m/s2] and PGV/PGA [s], which no factor of a motion changes."""
+        """Yield the cells as rows over PGA [m/s2] and PGV/PGA [s]; a factor of the motion does not change PGV/PGA."""
         measure, levels, pga = self.motions.measure, self.motions.levels, MEASURES["PGA"]
         for m, own, ratios, codes in zip(
             self.motions.members, self.own(measure), self.exposure.theta_ratio, self.exposure.outcome, strict=True
@@ -263,11 +263,11 @@ def fragility(
     limits: Sequence[float | None] = LIMITS, methods: Sequence[str] = ("stripes",), method: Method | None = None,
     how: Resampling | None = None, workers: int | None = None, hazard: HazardCurve | None = None,
 ) -> list[Fit]:  # fmt: skip
-    """The fragility curves of structures under records, as `rocking fragility` fits them.
+    """Return the fragility curves of structures under records, as `rocking fragility` fits them.
 
-    levels: of the measure im, in SI; limits: values of |theta|/alpha, None for overturning; methods: of `METHODS`; method: the equation of
-    motion, None for `governing_method`; how: of the bootstrap; hazard: for annual rates, of the same measure. A limit state that the data
-    do not support is left out. Raises UsageError for bad levels or another measure, and if no fit is left.
+    levels: those of the measure im, in SI; limits: values of |theta|/alpha, None for overturning; methods: some of `METHODS`; method: the
+    equation of motion, None for `governing_method`; how: options of the bootstrap; hazard: the hazard curve for annual rates, of the same
+    measure. A limit state with too few data is left out. Raises UsageError for bad levels or another measure, and if no fit is left.
 
     >>> fragility(load_structures('configs/block.yaml'), load_records('configs/motions/synthetic.at2'), [1.0, 2.0])
     Traceback (most recent call last):
@@ -307,7 +307,7 @@ def studies(
 
 
 def fitted(studies: Sequence[Study], limits: Iterable[float | None], methods: Iterable[str]) -> tuple[list[Fit], list[str]]:
-    """(the fits, a sentence for each fit that the data do not support)."""
+    """Return (the fits, a sentence on each fit for which there are too few data)."""
     found, refused = [], []
     for study, method, limit in product(studies, methods, limits):
         if (method == "first") != (limit is None) and method != "stripes":
@@ -320,7 +320,7 @@ def fitted(studies: Sequence[Study], limits: Iterable[float | None], methods: It
 
 
 def counted(path: str | Path, how: Resampling) -> list[Fit]:
-    """The curves of given counts: CSV with the columns im (a level), n and z.
+    """Return the curves of given counts: CSV with the columns im (a level), n (motions) and z (motions beyond the limit state).
 
     Raises UsageError if the data do not support a fit, DocumentError with file, line and column for faults of the file.
     """

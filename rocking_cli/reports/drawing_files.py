@@ -83,7 +83,7 @@ def draw(
 
 
 class OneAxes:
-    """The figure of some Axes, to which a drawing adds no others."""
+    """Stands for a figure that has only the Axes of the caller, so that a drawing function draws into them."""
 
     def __init__(self, axes: Axes) -> None:
         self._axes = axes
@@ -92,21 +92,21 @@ class OneAxes:
         return getattr(self._axes.figure, name)
 
     def set_size_inches(self, *_: float) -> None:
-        """The figure keeps its size."""
+        """Do nothing: the figure of the caller keeps its size."""
 
     def add_subplot(self, *_: Any, **__: Any) -> Axes:
-        """The Axes themselves."""
+        """Return the Axes."""
         return self._axes
 
     def subplots(self, down: int = 1, across: int = 1, **_: Any) -> np.ndarray:
-        """The Axes in an array. Raises UsageError for several panels."""
+        """Return the Axes in an array. Raises UsageError if the drawing needs several panels."""
         if down * across > 1:
             raise UsageError(f"found a drawing of {down * across} panels; expected one, or a file as target")
         return np.array([[self._axes]])
 
 
 def _rows(sources: Sequence[Path]) -> Rows:
-    """The rows of one CSV, or of several with their names. Raises UsageError if several are not all responses."""
+    """Return the rows of one CSV, or of several responses with the names of their files. Raises UsageError for several other CSVs."""
     if len(sources) == 1:
         return rows_of(str(sources[0]))
     found = [{SOURCE: source.stem, **row} for source in sources for row in rows_of(str(source))]

@@ -82,12 +82,12 @@ def page(
     recordings: Sequence[Recording] = (), vertical: str | None = None, demand: str, command: str, made: str, workers: int | None = None,
     title: str | None = None, summary: bool = False, by_capacity: bool = False,
 ) -> str:  # fmt: skip
-    """The page as HTML.
+    """Return the page as HTML.
 
-    verdicts: of `check`, for each structure and motion; pulse: a motion and the demand, a grid of one cell; recordings: the records
+    verdicts: those of `check`, for each structure and motion; pulse: a motion and the demand, a grid of one cell; recordings: the records
     of the demand; vertical: name or file of the vertical motion; demand: the strength of the shaking in words; title: None for the names
-    of the structures; summary: a first page with a sentence on each structure, and a list of contents, stand before the details;
-    by_capacity: the structures with the least capacity come first.
+    of the structures; summary: begin with a page that has a sentence on each structure and a list of contents; by_capacity: put the
+    structures with the least capacity first.
     """
     from jinja2 import Environment, StrictUndefined
 
@@ -156,7 +156,7 @@ def write_page(
 
 
 def _hashes(subjects: Sequence[Subject], recordings: Sequence[Recording], vertical: str | None) -> list[tuple[str, str]]:
-    """(name, SHA-256) of each input: of its file, or of the text of a document without a file."""
+    """Return (name, SHA-256) of each input: that of its file, or of the text of a document without a file."""
     texts: dict[str, str] = {}
     for s in subjects:
         texts[s.document.source] = texts.get(s.document.source, "") + s.document.text
@@ -171,7 +171,7 @@ def _hashes(subjects: Sequence[Subject], recordings: Sequence[Recording], vertic
 def _section(
     subject: Subject, mine: Sequence[Verdict], pulse: tuple[Motion, Grid] | None, recordings: Sequence[Recording], workers: int | None
 ) -> dict[str, Any]:
-    """The template's values for one structure; mine: its verdicts."""
+    """Return the values that the template needs for one structure; mine: its verdicts."""
     structure = subject.structure
     linear = all(v.model == LINEAR.model for v in mine)
     outcomes = np.array([(v.outcome, v.outcome_linear) for v in mine], dtype=np.uint8).reshape(-1, 2)
@@ -192,7 +192,7 @@ def _section(
 
 
 def _row(heads: Iterable[str], values: Iterable[str | float | None], v: Verdict) -> dict[str, Any]:
-    """The template's values for a row of a table of verdicts."""
+    """Return the values that the template needs for a row of a table of verdicts."""
     cells = []
     for head, x in zip(heads, values, strict=True):
         number = not isinstance(x, str)
@@ -202,7 +202,7 @@ def _row(heads: Iterable[str], values: Iterable[str | float | None], v: Verdict)
 
 
 def _image(plan: Plan) -> str:
-    """A figure as a data URL for the page."""
+    """Return a figure as a data URL for the page."""
     look = Look()
     with styled(look) as figure:
         plan(figure)
@@ -211,7 +211,7 @@ def _image(plan: Plan) -> str:
 
 
 def _drawing(subject: Subject) -> str | None:
-    """A drawing of the structure as a data URL; None if its kind has no geometry."""
+    """Return a drawing of the structure as a data URL; None if its kind has no geometry."""
     try:
         sketch = sketch_of(subject.document, subject.structure)
     except DocumentError:
@@ -222,7 +222,7 @@ def _drawing(subject: Subject) -> str | None:
 def _map(
     structure: RockingParameters, motion: Motion, demand: Grid, mine: Sequence[Verdict], workers: int | None
 ) -> tuple[str, np.ndarray]:
-    """(map around the demand as a data URL, `Difference` of each of its cells, empty for the linear equation)."""
+    """Return (the map around the demand as a data URL, the `Difference` of each cell of the map, empty for the linear equation)."""
     (omega,) = demand.frequency.values / (1.0 if demand.frequency.name == "omega_g" else 1.0 / structure.p)
     amplitude = mine[0].demand_a
     most = 2.0 * max([amplitude, *(v.first_overturning_a for v in mine if v.first_overturning_a is not None)])
@@ -252,7 +252,7 @@ def _map(
 
 
 def _agreement(codes: np.ndarray, cases: str) -> str:
-    """A sentence that compares the linear outcomes with the nonlinear ones; codes: `Difference` of each case; cases: what they are."""
+    """Return a sentence that compares the linear outcomes with the nonlinear ones; codes: `Difference` of each case; cases: their name."""
     judged = codes[codes != Difference.NOT_COMPUTED]
     wrong, unsafe = (int(np.count_nonzero(x)) for x in (judged > Difference.AGREES, judged == Difference.LINEAR_UNSAFE))
     missing = codes.size - judged.size
@@ -265,7 +265,7 @@ def _agreement(codes: np.ndarray, cases: str) -> str:
 
 
 def _fragility(structure: RockingParameters, recordings: Sequence[Recording], workers: int | None) -> dict[str, Any]:
-    """The template's values for fragility curves over PGA by stripes: figure, fitted parameters, remarks."""
+    """Return the values that the template needs for fragility curves over PGA by stripes: figure, fitted parameters, remarks."""
     if len(recordings) < FEWEST:
         return {"figure": None, "fits": [], "remarks": [f"{len(recordings)} records; a fit needs {FEWEST}."]}
     measure, members = MEASURES["PGA"], members_of(recordings)
@@ -290,7 +290,7 @@ def _fragility(structure: RockingParameters, recordings: Sequence[Recording], wo
 
 
 def _fitted(fit: Fit) -> dict[str, str]:
-    """The parameters of a fitted curve as texts."""
+    """Return the parameters of a fitted curve as texts."""
     c, b, g = fit.curve, fit.band, DEFAULT_GRAVITY
     return {
         "limit": fit.limit,

@@ -20,7 +20,7 @@ MOST_ACCELERATION = 10.0 * DEFAULT_GRAVITY  # several times the largest recorded
 
 
 def structure_remarks(structure: RockingParameters) -> Iterator[str]:
-    """Remarks on the size and restitution of a structure; the size is that of the block with equal p, R = 3 g/(4 p^2)."""
+    """Yield remarks on the size and restitution of a structure; the size is that of the block with equal p, R = 3 g/(4 p^2)."""
     if structure.dimensionless:
         return
     radius = 0.75 * (structure.gravity / structure.p) / structure.p  # p^2 may overflow
@@ -33,7 +33,7 @@ def structure_remarks(structure: RockingParameters) -> Iterator[str]:
 
 
 def span_remarks(text: str) -> Iterator[str]:
-    """Remarks on spans START:STOP:N in a text that state a unit for only one bound."""
+    """Yield remarks on spans START:STOP:N in a text that state a unit for only one bound."""
     for bounds in _SPAN.findall(text):
         start, stop = map(split_quantity, bounds)
         for one, other in ((start, stop), (stop, start)):
@@ -42,7 +42,7 @@ def span_remarks(text: str) -> Iterator[str]:
 
 
 def bare_remarks(text: str) -> Iterator[str]:
-    """Remarks with both readings, m/s2 and g, of each acceleration without a unit in a text: NAME=VALUE, or STOP of NAME=START:STOP:N."""
+    """Yield a remark on each acceleration without a unit in a text, as m/s2 and as g: NAME=VALUE, or STOP of NAME=START:STOP:N."""
     for name, written in _ACCELERATION.findall(text):
         stop = split_quantity(written.split(":")[1 if ":" in written else 0])
         if stop is not None and stop[0] and not stop[1] and abs(stop[0]) <= MOST_ACCELERATION:
@@ -51,7 +51,7 @@ def bare_remarks(text: str) -> Iterator[str]:
 
 
 def grid_remarks(grid: Grid) -> Iterator[str]:
-    """Remarks on the amplitudes of a grid."""
+    """Yield remarks on the amplitudes of a grid that are probably wrong."""
     highest = float(grid.amplitude.values[-1])
     if grid.amplitude.name == "a_g" and highest > MOST_ACCELERATION:
         yield f"a_g = {highest:.4g} m/s2 is {highest / DEFAULT_GRAVITY:.3g} g; a number without a unit is in m/s2"

@@ -17,8 +17,8 @@ Rows = list[dict[str, str]]
 
 
 def rows_of(source: str) -> Rows:
-    """All rows of a CSV file, or of JSON Lines without its summaries; `-` is standard input. Raises UsageError if it is neither, or has
-    no rows."""
+    """Return all rows of a CSV file, or of JSON Lines without summaries; `-` is standard input. Raises UsageError if the source is neither,
+    or has no rows."""
     try:
         name, raw = read_bytes(source)
         text = text_of(name, raw)
@@ -35,7 +35,7 @@ def rows_of(source: str) -> Rows:
 
 
 def _in_si(row: dict[str, str]) -> dict[str, str]:
-    """A row in SI units. The columns before `name` are the varied keys of a family, which keep their headings and units."""
+    """Return a row in SI units. The columns before `name` are the varied keys of a family; they keep their headings and units."""
     found = {}
     varied = "name" in row and "structure" not in row  # the table of check has both
     for heading, text in row.items():
@@ -49,12 +49,12 @@ def _in_si(row: dict[str, str]) -> dict[str, str]:
 
 
 def column(rows: Iterable[dict[str, str]], key: str) -> np.ndarray:
-    """A column as numbers, NaN for an empty cell. Raises ValueError."""
+    """Return a column as numbers, NaN for an empty cell. Raises ValueError."""
     return np.array([float(row[key]) if row[key] else np.nan for row in rows])
 
 
 def groups(rows: Rows, *keys: str) -> dict[tuple[str, ...], Rows]:
-    """The rows by their texts in the columns `keys` (without absent columns), in order."""
+    """Return the rows grouped by their texts in the columns `keys` (absent columns are ignored), in order."""
     found: dict[tuple[str, ...], Rows] = {}
     for row in rows:
         found.setdefault(tuple(row[key] for key in keys if key in row), []).append(row)

@@ -9,7 +9,7 @@ from ..spectra.results import Summary
 
 
 def summary_lines(summary: Summary, output: str) -> Iterator[str]:
-    """The sentences of the summary: size, run time, estimated error, outcomes, and work that was skipped."""
+    """Yield the sentences of the summary: size, run time, estimated error, outcomes, and work that was skipped."""
     s, w = summary, summary.work
     records = f" under {counted(s.records, 'record')}" if s.records else ""
     yield f"{output}: {counted(s.cells, 'cell')}, {counted(s.structures, 'structure')}{records}"

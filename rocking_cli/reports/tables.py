@@ -21,7 +21,7 @@ _FORMULA = ("=", "+", "-", "@")  # a spreadsheet reads a text that begins so as 
 
 
 def json_line(record: Record, encoding: str = "utf-8") -> str:
-    """One JSON object on one line; NaN and infinity become null.
+    """Return a record as a JSON object on one line; NaN and infinity become null.
 
     All non-ASCII characters are escaped if one of them is not printable or not in the encoding.
     """
@@ -31,7 +31,7 @@ def json_line(record: Record, encoding: str = "utf-8") -> str:
 
 
 def csv_lines(records: Iterable[Record], columns: Sequence[str] = ()) -> Iterator[str]:
-    """CSV lines: a header with the columns of the first row (or `columns` if there is no row), then the rows.
+    """Yield CSV lines: a header with the columns of the first row (or `columns` if there is no row), then the rows.
 
     A text that a spreadsheet reads as a formula gets a leading apostrophe.
     """
@@ -46,10 +46,11 @@ def csv_lines(records: Iterable[Record], columns: Sequence[str] = ()) -> Iterato
 
 
 def table_lines(records: Iterable[Record], digits: int = 4, width: int = WIDTH, chosen: Sequence[str] = ()) -> Iterator[str]:
-    """The lines of an aligned table, none longer than `width`; numbers have `digits` significant digits.
+    """Yield the lines of an aligned table, none longer than `width`; numbers have `digits` significant digits.
 
-    chosen: the names of the columns to show, without units; without any, all that are not empty. Up to three rows stand upright, a line
-    a quantity. Columns beyond the width stand in further tables, each with the first column. Raises UsageError for an unknown column.
+    chosen: the names of the columns to show, without units; if empty, all columns that have values. A table of up to three rows is turned,
+    with a line for each quantity. Columns beyond the width stand in further tables, each with the first column. Raises UsageError for an
+    unknown column.
     """
     rows = list(records)
     known = {key.partition(" [")[0]: key for row in rows for key in row if key != "kind"}
@@ -77,13 +78,13 @@ def table_lines(records: Iterable[Record], digits: int = 4, width: int = WIDTH, 
 
 
 def _aligned(column: Sequence[str], width: int, right: bool) -> list[str]:
-    """The cells of a column, at the right or left of it; a longer one is cut."""
+    """Return the cells of a column, aligned to its right or left; a cell longer than `width` is cut."""
     cut = [cell if len(cell) <= width else f"{cell[: width - 3]}..." for cell in column]
     return [cell.rjust(width) if right else cell.ljust(width) for cell in cut]
 
 
 def _upright(cells: Sequence[Sequence[str]], width: int) -> Iterator[str]:
-    """A line a quantity: its heading and its values; a value that is too long goes on below."""
+    """Yield a line for each quantity, its heading and values; a value that is too long continues on the next line."""
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     most = (width - widths[0]) // max(len(widths) - 1, 1) - 2 if sum(widths) + 2 * len(widths) - 2 > width else width
     widths[1:] = [min(w, most) for w in widths[1:]]
@@ -94,7 +95,7 @@ def _upright(cells: Sequence[Sequence[str]], width: int) -> Iterator[str]:
 
 
 def flat(record: Record) -> dict[str, Any]:
-    """The row with one column for each item of its lists and mappings, such as hinges_1_angle or sides_2_p."""
+    """Return the row with a column for each item of its lists and mappings, such as hinges_1_angle or sides_2_p."""
     out: dict[str, Any] = {}
     for key, value in record.items():
         items = value.items() if isinstance(value, Mapping) else enumerate(value, 1) if isinstance(value, list | tuple) else None
@@ -105,7 +106,7 @@ def flat(record: Record) -> dict[str, Any]:
 def lines(
     records: Iterable[Record], form: str, columns: Sequence[str] = (), *, encoding: str = "utf-8", units: Units | None = None, **table: Any
 ) -> Iterator[str]:
-    """The rows as lines of `json`, `csv` or `table`.
+    """Yield the rows as lines of `json`, `csv` or `table`.
 
     columns: the header of CSV without rows; encoding: of the output; units: for tables and CSV (None: SI), stated in the headings;
     table: arguments of `table_lines`.

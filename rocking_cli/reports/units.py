@@ -82,7 +82,7 @@ class Units:
         return headed(column, unit), factor
 
     def shown(self, records: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
-        """The rows in these units, by heading with unit."""
+        """Yield the rows in these units; the headings state the units."""
         heading = cache(self.heading)
         for record in records:
             out = {}
@@ -93,7 +93,7 @@ class Units:
 
 
 def dimension_of(column: str) -> str | None:
-    """The dimension of a column, also for a side (left_p), a list item (hinges_1_angle) or an equation (theta_linear); None if none."""
+    """Return the dimension of a column, also of a side (left_p), a list item (hinges_1_angle) or an equation (theta_linear), or None."""
     found = COLUMNS.get(column.partition("(")[0])  # SA(1) is SA at 1 s
     if found is None and (match := _OF_ONE.fullmatch(column)):
         return dimension_of(match[1] or match[2])
@@ -101,7 +101,7 @@ def dimension_of(column: str) -> str | None:
 
 
 def parse_units(text: str) -> Units:
-    """The units of a text such as `g,Hz,deg`. Raises UsageError for an unknown unit, or for two units of one dimension."""
+    """Return the units that a text such as `g,Hz,deg` states. Raises UsageError for an unknown unit, or for two units of one dimension."""
     chosen: dict[str, tuple[str, float]] = {}
     names: dict[str, str] = {}
     for name in (part.strip() for part in text.split(",")):
@@ -115,7 +115,7 @@ def parse_units(text: str) -> Units:
 
 
 def si_of(heading: str) -> tuple[str, float]:
-    """The column that a heading names, and the factor from its unit to SI; the heading itself and 1 if it names no unit. f_g [Hz] becomes
+    """Return the column that a heading names, and the factor from its unit to SI; the heading itself and 1 without a unit. f_g [Hz] becomes
     omega_g."""
     match = HEADING.fullmatch(heading)
     if match is None:

@@ -61,14 +61,14 @@ def verdict_plainly(v: Verdict) -> str:
 
 
 def capacity_left(v: Verdict) -> float:
-    """Capacity over demand, for sorting: below all others for an unknown outcome, infinite if nothing overturns the structure."""
+    """Return capacity over demand as a key for sorting: least for an unknown outcome, infinite if nothing overturns the structure."""
     if v.outcome == Outcome.FAILED:
         return -1.0
     return math.inf if v.capacity_demand is None else v.capacity_demand
 
 
 def worst_of(verdicts: Sequence[Verdict]) -> Verdict:
-    """The verdict that decides: an unknown outcome or a fall before any that stands, then the least capacity."""
+    """Return the worst verdict: an unknown outcome or a fall before any that stands, then the least capacity."""
     return min(verdicts, key=lambda v: (v.outcome.safe, capacity_left(v)))
 
 

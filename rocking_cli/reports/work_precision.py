@@ -1,4 +1,4 @@
-"""Error and run time of the engine and of SciPy's solvers for one scene; an independent method gives the reference."""
+"""Measures error and run time of the engine and of SciPy's solvers for one scene, against an independent reference."""
 
 import math
 import time

@@ -52,7 +52,7 @@ def collapse(responses: Sequence[TimeHistory], model: str) -> float:
 
 
 def comparison_records(responses: Sequence[TimeHistory], methods: Sequence[Method]) -> Iterator[dict[str, Any]]:
-    """Return a record for each structure: motion in units, peaks, and for two equations their difference and ratios of quarter periods."""
+    """Yield a record for each structure: motion in units, peaks, and for two equations their difference and ratios of quarter periods."""
     for r in responses:
         s = r.structure
         record: dict[str, Any] = {

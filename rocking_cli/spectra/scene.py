@@ -221,7 +221,7 @@ class PulseScene(Scene):
 
 
 def cut_into_units(scene: Scene, chunk: tuple[int, int]) -> Iterator[Unit]:
-    """Return the units of work of a scene, row by row; chunk: (rows, columns) of a unit."""
+    """Yield the units of work of a scene, row by row; chunk: (rows, columns) of a unit."""
     _, rows, columns = scene.shape
     for group in scene.sharing():
         for row in range(0, rows, chunk[0]):

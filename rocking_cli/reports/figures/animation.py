@@ -87,7 +87,8 @@ def animate(
 
 
 def shape_at(sketch: Sketch, angle: float, share: float) -> list[Outline]:
-    """The outlines of the bodies at theta = `angle` = `share` alpha: turned about an edge, or of a linkage between rest and alpha."""
+    """Return the outlines of the bodies at theta = `angle` = `share` alpha: a body turned about its edge, or a linkage interpolated between
+    rest and alpha."""
     if sketch.centre is not None:
         about = dict(sketch.pivots)["right" if angle > 0.0 else "left"]
         return [turned(outline, about, angle) for outline in sketch.bodies]

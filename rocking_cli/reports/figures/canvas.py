@@ -1,4 +1,4 @@
-"""The parts common to all figures: style, colours, labels, panels, legends and the output file.
+"""Functions that all figures share: style, colours, labels, panels, legends and the output file.
 
 The colours of Okabe and Ito are distinct for colour-blind readers; lines also differ in dash. No display is needed. matplotlib is
 the extra `plot`.
@@ -57,7 +57,7 @@ PLAIN = {"m/s2": "m/s²", "cm/s2": "cm/s²"}
 
 @dataclass(frozen=True)
 class Look:
-    """How a figure is written: its width [m], dots per inch, its title, a style file of matplotlib; None: as the figure has it."""
+    """The look of a figure file: width [m], dots per inch, title, a style file of matplotlib; None: the figure's own."""
 
     width: float | None = None
     dpi: float | None = None
@@ -76,14 +76,14 @@ class Look:
 
     @property
     def text(self) -> float:
-        """The size of texts in a figure of this width, over that in one of its own width."""
+        """The factor of the text size in a figure of this width; 1 for the figure's own width."""
         return 1.0 if self.width is None else min(1.0, max(_LEAST_TEXT, self.width / _INCH / WIDTH))
 
 
 @contextmanager
 def styled(look: Look, instead: str = "") -> Iterator[Figure]:
-    """An empty figure in the common style. instead: an alternative without matplotlib, for the error. Raises OutputError if matplotlib is
-    not installed, and UsageError if the style file cannot be read."""
+    """Context of an empty figure in the common style. instead: an alternative without matplotlib, for the error. Raises OutputError if
+    matplotlib is not installed, and UsageError if the style file cannot be read."""
     try:
         import matplotlib as mpl
         from matplotlib.figure import Figure
@@ -103,7 +103,7 @@ def styled(look: Look, instead: str = "") -> Iterator[Figure]:
 def canvas(
     target: str | Path, overwrite: bool = True, *, look: Look | None = None, tell: Callable[[str], None] | None = None, instead: str = ""
 ) -> Iterator[Figure]:
-    """A `styled` figure; it is written to `target` at the end. Without overwrite it replaces no file.
+    """Context of a `styled` figure, which writes it to `target` at its end. Without overwrite it replaces no file.
 
     tell: called with the characters that the font lacks, in a sentence. Raises OutputError if the figure cannot be written.
     """
@@ -118,7 +118,7 @@ def canvas(
 
 
 def drawn_as(figure: Figure, target: Path, look: Look) -> tuple[bytes, str]:
-    """(the figure in the format of `target`, the characters that its font lacks). Raises OutputError if it cannot be drawn."""
+    """Return (the bytes of the figure in the format of `target`, the characters that its font lacks). Raises OutputError."""
     look.finish(figure)
     form, drawn = target.suffix[1:].lower(), io.BytesIO()
     dpi = look.dpi or (_FINE if form in _UNDATED else figure.dpi)
@@ -133,52 +133,52 @@ def drawn_as(figure: Figure, target: Path, look: Look) -> tuple[bytes, str]:
 
 
 def literal(text: str) -> str:
-    """The text with its dollar signs escaped, so that matplotlib reads no formula in it."""
+    """Return the text with its dollar signs escaped, so that matplotlib reads no formula in it."""
     return text.replace("$", r"\$")
 
 
 def label(column: str, units: Units) -> str:
-    """The axis label of a column in these units, such as `$a_g$ [m/s²]`."""
+    """Return the axis label of a column in these units, such as `$a_g$ [m/s²]`."""
     name, unit, _ = units.column(column)
     return f"{SYMBOLS.get(name, name.replace('_', ' '))} [{PLAIN.get(unit, unit) or '-'}]"
 
 
 def valued(column: str, value: float, units: Units) -> str:
-    """A column and a value (in SI units) as text, such as `$f_g$ = 1.5 Hz`."""
+    """Return a column and its value (given in SI units) as text, such as `$f_g$ = 1.5 Hz`."""
     name, unit, factor = units.column(column)
     short = {"A": "$A$", "Omega": r"$\Omega$", "T": "$T$"}.get(name) or SYMBOLS.get(name, name)
     return f"{short} = {value / factor:.4g} {PLAIN.get(unit, unit)}".rstrip()
 
 
 def titled(name: str, eta: float) -> str:
-    """The name of a structure and its eta; only eta if the name states it, as that of a dimensionless oscillator."""
+    """Return the name of a structure and its eta; only eta if the name already states it, as for a dimensionless oscillator."""
     return rf"$\eta$ = {eta:.4g}" if name == f"eta={eta:g}" else rf"{literal(name)}, $\eta$ = {eta:.4g}"
 
 
 def heading(rows: Rows, *keys: str) -> str:
-    """The title of a figure: the texts that are the same in all rows, such as `Column, sine, 1 cycle, nonlinear equation`."""
+    """Return the title of a figure: the texts that are the same in all rows, such as `Column, sine, 1 cycle, nonlinear equation`."""
     texts = {key: rows[0][key] for key in keys if rows[0].get(key) and len(groups(rows, key)) == 1}
     return literal(", ".join(f"{text} equation{'s' * (' and ' in text)}" if key == "model" else text for key, text in texts.items()))
 
 
 def values(rows: Rows, name: str, units: Units) -> np.ndarray:
-    """A column of numbers in these units."""
+    """Return a column of numbers in these units."""
     return column(rows, name) / units.column(name)[2]
 
 
 def series(rows: Rows, *keys: str) -> Iterator[tuple[Rows, dict[str, Any]]]:
-    """(rows, arguments of `plot`) of each line: its name, which is the texts in the columns `keys`, its colour and dash."""
+    """Yield (rows, arguments of `plot`) for each line: its label, which is the texts in the columns `keys`, its colour and dash."""
     for i, (texts, some) in enumerate(groups(rows, *keys).items()):
         yield some, {**line_style(i), "label": literal(", ".join(texts))}
 
 
 def line_style(number: int) -> dict[str, Any]:
-    """Colour (of the style) and dash of line `number`, as arguments of `plot`."""
+    """Return the colour (of the style) and the dash of line `number`, as arguments of `plot`."""
     return {"color": f"C{number}", "ls": DASHES[number % len(DASHES)]}
 
 
 def panels(figure: Figure, count: int) -> list[Axes]:
-    """`count` axes in rows of three, each of the size PANEL if there are several. Raises UsageError for more than MOST_PANELS."""
+    """Return `count` axes in rows of three; if there are several, each has the size PANEL. Raises UsageError for more than MOST_PANELS."""
     if count > MOST_PANELS:
         raise UsageError(f"found {count} panels; expected up to {MOST_PANELS}")
     across = min(count, MOST_ACROSS)

@@ -1,4 +1,4 @@
-"""Figures of a check: capacity and demand, a bar for each structure; by a code the capacity curve a over d with its limit states."""
+"""Figures of a check: a bar of capacity and demand for each structure, or, by a code, its capacity curve a over d with limit states."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def draw_capacity_curves(
 
 
 def _curve(axes: Axes, check: CodeCheck) -> None:
-    """One check: d in mm, a in g; a cross marks the demand at each limit state."""
+    """Draw one check with d in mm and a in g; a cross marks the demand at each limit state."""
     d, a = _MM * check.curve.displacement, check.curve.multiplier * check.factor / DEFAULT_GRAVITY
     axes.plot(d, a, color="k", lw=1.8, label="capacity")
     asked = [(_MM * at.demand, (2.0 * np.pi / at.period) ** 2 * at.demand / DEFAULT_GRAVITY) for at in (check.slv, check.slc)]

@@ -14,7 +14,7 @@ _MARGIN = 11  # columns for the numbers at the left
 
 
 def text_map(file: SpectraFile, name: str | None, cut: str | None) -> list[str]:
-    """The outcome map of a structure (or record), or a slice, as lines of text: up to 80 characters and 23 lines."""
+    """Return the outcome map of a structure (or record), or a slice, as up to 23 lines of up to 80 characters."""
     (_, places), *both = file.frame.dimensions.items()
     if cut:
         return _slice_text(slice_of(file, cut))
@@ -33,7 +33,7 @@ def text_map(file: SpectraFile, name: str | None, cut: str | None) -> list[str]:
 
 
 def place_of(file: SpectraFile, name: str | None) -> int:
-    """The index of a structure or record on the first dimension, 0 without a name. Raises UsageError for an unknown name."""
+    """Return the index of a structure or record on the first dimension, 0 without a name. Raises UsageError for an unknown name."""
     word, names = next(iter(file.frame.dimensions.items()))
     if name is None:
         return 0
@@ -43,7 +43,7 @@ def place_of(file: SpectraFile, name: str | None) -> int:
 
 
 def _slice_text(found: Slice) -> list[str]:
-    """Bars of theta_max/alpha for as many structures as fit, each with at least two rows."""
+    """Return bars of theta_max/alpha as lines of text, for as many structures as fit with at least two rows each."""
     where = "" if found.where == "record" else f" at {found.where} = {found.value:.6g}"
     lines = [f"theta_max/alpha{where} over {found.along} {found.x[0]:.4g} to {found.x[-1]:.4g}; blank: fell"]
     room = HEIGHT - 2

@@ -55,7 +55,7 @@ def response(figure: Figure, rows: Rows, units: Units, align: bool = False) -> l
 
 
 def with_jumps(t: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The samples with one more point at each jump, which makes its line vertical at the later sample."""
+    """Return the samples with one more point at each jump, so that the line is vertical there, at the time of the later sample."""
     step = np.abs(np.diff(a, prepend=a[:1], append=a[-1:]))
     beside = np.maximum(step[:-2], step[2:]) if a.size > 1 else np.zeros(0)
     jumps = np.flatnonzero((step[1:-1] > _JUMP * beside) & (step[1:-1] > 0.05 * np.max(np.abs(a), initial=0.0))) + 1
@@ -183,7 +183,7 @@ def _abscissa(rows: Rows, varied: list[str], over: str | None) -> tuple[str, lis
 
 
 def _broken(some: Rows, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(x, y) of a line, with NaN where the mechanism changes or a member is missing."""
+    """Return (x, y) of a line, with NaN where the mechanism changes or a member is missing."""
     x = column(some, _X)
     order = np.argsort(x)
     x, y = x[order], y[order]
@@ -200,6 +200,6 @@ def _broken(some: Rows, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _valued(heading: str, value: str) -> str:
-    """A column heading and a value as text: `height = 8 m` from `height [m]` and 8."""
+    """Return a column heading and a value as text: `height = 8 m` from `height [m]` and 8."""
     key, _, unit = heading.partition(" [")
     return f"{key.removeprefix(VARIED).replace('_', ' ')} = {float(value):.4g} {unit.removesuffix(']')}".rstrip()

@@ -71,7 +71,7 @@ def _draw(axes: Axes, some: Rows, ends: tuple[str, str], x: np.ndarray, units: U
 
 
 def _joined(intervals: list[Interval], frequencies: list[float]) -> Iterator[list[tuple[float, float]]]:
-    """The quadrilaterals between overlapping intervals at neighbouring frequencies."""
+    """Yield the quadrilaterals between overlapping intervals at neighbouring frequencies."""
     at: dict[float, list[tuple[float, float]]] = {x: [] for x in frequencies}
     for x, low, high in intervals if frequencies else ():
         at[x].append((low, high))

@@ -1,4 +1,4 @@
-"""Fragility: curves over one measure, with the hazard of a site, lines of equal probability over two, and overturning spectra."""
+"""Figures of fragility: curves over one measure (with a hazard curve), lines of equal probability over two, overturning spectra."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -56,10 +56,10 @@ def fragility_curves(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
 
 
 def _with_hazard(axes: Axes, lines: Sequence[Rows], factor: float) -> None:
-    """Add the hazard curve of a site (right axis, logarithmic), and for each fitted curve its annual rate over ln x, over the largest of
-    all; that of the exact shares only where there is no fit.
+    """Add the hazard curve of a site (right axis, logarithmic), and for each fitted curve the part of its annual rate per ln x, divided by
+    the largest of all such values. Without a fit the curve of the exact shares is used.
 
-    lines: the rows of each fragility curve; factor: from the unit of the abscissa to SI.
+    lines: the rows of each fragility curve; factor: that from the unit of the abscissa to SI.
     """
     x, h = (np.concatenate([column(some, name) for some in lines]) for name in ("x", "hazard"))
     x, first = np.unique(x[np.isfinite(h)], return_index=True)

@@ -18,8 +18,8 @@ _ALIKE = 1e-6  # of alpha: those of both sides, which the rows have to their las
 
 
 def phase(figure: Figure, rows: Rows, units: Units, body: Document | None = None) -> list[Axes]:
-    """Draw the phase portrait of a response: theta_dot/(p alpha) over theta/alpha, and the separatrix of its equation, inside which a
-    body left to itself comes back.
+    """Draw the phase portrait of a response, theta_dot/(p alpha) over theta/alpha, with the separatrix of its equation. On still ground a
+    body inside the separatrix comes back by itself.
 
     body: the document of the structure; None: the block with the p and alpha of the response. Raises ValueError if the rows do not tell p
     and alpha.
@@ -57,7 +57,7 @@ def phase(figure: Figure, rows: Rows, units: Units, body: Document | None = None
 
 
 def scaled(rows: Rows, suffix: str = "") -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    """(theta, theta/alpha, alpha at each time, p) of a response with units. Raises ValueError if it does not rock."""
+    """Return (theta, theta/alpha, alpha at each time, p) of a response with units. Raises ValueError if it does not rock."""
     theta, ratio, tau, t = (column(rows, name) for name in (f"theta{suffix}", f"theta_ratio{suffix}", "tau", "t"))
     rocks = np.flatnonzero(ratio)
     if not rocks.size:
@@ -66,7 +66,7 @@ def scaled(rows: Rows, suffix: str = "") -> tuple[np.ndarray, np.ndarray, np.nda
 
 
 def block_of(alpha: float, p: float) -> Document:
-    """The block with this alpha and p, R = 3 g/(4 p^2)."""
+    """Return the block with this alpha and p; its half diagonal is R = 3 g/(4 p^2)."""
     size = 1.5 * DEFAULT_GRAVITY / p**2
     (document,) = parse_documents(f"{{kind: block, width: {size * math.sin(alpha)!r}, height: {size * math.cos(alpha)!r}}}")
     return document

@@ -43,7 +43,7 @@ class Slice:
 
 
 def slice_of(file: SpectraFile, cut: str) -> Slice:
-    """The cells nearest to `NAME=VALUE`; NAME is an axis of the file, or f_g, T_g or p. Raises UsageError."""
+    """Return the slice of the cells nearest to `NAME=VALUE`; NAME is an axis of the file, or f_g, T_g or p. Raises UsageError."""
     rows, columns = list(file.frame.dimensions.items())[1:]
     axes = {name: np.asarray(values) for name, values in (rows, columns) if not isinstance(values, list)}
     try:
@@ -85,7 +85,7 @@ def _accepted(name: str, values: np.ndarray) -> str:
 
 
 def of_record(file: SpectraFile, place: int) -> Slice:
-    """The responses of the structures to one record, from a file with the dimensions record, structure and amplitude."""
+    """Return the responses of the structures to one record as a slice, from a file with the dimensions record, structure and amplitude."""
     (_, records), (_, structures), (along, x) = file.frame.dimensions.items()
     block = file.block(place, slice(None))
     title = f"{literal(str(records[place]))}, {file.scene['model']} equation"
@@ -94,7 +94,7 @@ def of_record(file: SpectraFile, place: int) -> Slice:
 
 
 def plane(file: SpectraFile, place: int) -> tuple[tuple[str, np.ndarray], tuple[str, np.ndarray], dict[str, np.ndarray]]:
-    """((name, values) of the axis across, (name, values) of the axis up, arrays of cells (up, across)) of a structure or record."""
+    """Return ((name, values) of the horizontal axis, (name, values) of the vertical axis, arrays of cells) of a structure or record."""
     both = [(name, np.asarray(values)) for name, values in list(file.frame.dimensions.items())[1:]]
     block = file.block(place, slice(None))
     if file.frame.of_records:  # T and alpha
@@ -129,14 +129,14 @@ def spectrum_lines(axes: Axes, found: Slice, units: Units) -> None:
 
 
 def _spans(x: np.ndarray, where: np.ndarray) -> list[tuple[float, float]]:
-    """(start, width) of the intervals in which `where` is true; they end halfway to the neighbours."""
+    """Return (start, width) of the intervals in which `where` is true; an interval ends halfway to the next point outside."""
     edges = np.concatenate([x[:1], 0.5 * (x[1:] + x[:-1]), x[-1:]])
     steps = np.flatnonzero(np.diff(np.concatenate([[0], where.astype(int), [0]])))
     return [(float(edges[a]), float(edges[b] - edges[a])) for a, b in zip(steps[::2], steps[1::2], strict=True)]
 
 
 def record_quantiles(file: SpectraFile) -> np.ndarray:
-    """The quantiles SHARES of theta_max/alpha over the records, (shares, alpha, T); inf where too many overturn, NaN without cells."""
+    """Return the quantiles SHARES of theta_max/alpha over the records, (shares, alpha, T); inf if too many overturn, NaN without cells."""
     theta = file.array("theta_ratio")
     theta[falls(file.array("outcome"))] = np.inf
     ordered = np.sort(theta, axis=0)  # NaN (failed or not computed) is sorted to the end
