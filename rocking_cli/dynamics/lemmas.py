@@ -1,9 +1,9 @@
-"""The lemmas on which the march rests: statements about a rocking body between two instants, so that nothing has to be sampled.
+"""The lemmas that the march relies on: statements about a rocking body between two instants, so that the march need not sample it.
 
 # Setting
 
 On each side of a body y >= 0 is the displacement, in the unit in which the body at rest falls back with acceleration 1. Time is
-tau = p t, and a dot is a derivative by tau. The outward drive a is the ground acceleration over its value at uplift. The motion is
+tau = p t, and y' is a derivative by tau. The outward drive a is the ground acceleration over its value at uplift. The motion is
 
     y'' = f - 2 zeta y',    f = -l(y) + a m(y),    l(0) = m(0) = 1,    l/m > 1 below the ground,    zeta >= 0.
 
@@ -24,12 +24,12 @@ step        the time that one round of the march covers with one proof: a window
             moving outwards together with the subcritical window after it
 flow        the solution from a state under one closed form of the drive; an arc is the part of it that a lane follows
 peak        a turning point at which y' changes from positive to negative
-A, Omega    amplitude of the drive over the uplift's; circular frequency of the motion over p
+A, Omega    amplitude of the drive over its value at uplift; circular frequency of the motion over p
 e           the strongest inward drive to come (Lemma 6), or a bound that the lemma defines
 w           the weight over m g, 1 + zg''/g where the ground moves upwards too; otherwise 1
 
 **Varying weight.** Where w varies, f = -w l(y) + a m(y), and a body is followed while w > 0; after that it has lost contact. The *net
-drive* is c = a + 1 - w, on each side its own. A lemma says what changes with c in the place of a, if it is used there.
+drive* is c = a + 1 - w; each side has its own c. A lemma that is used there says what changes when c replaces a.
 
 **Events.** Uplift is the first instant with -A_right s > 1 or A_left s > 1, found on monotone segments. Lemmas 1 and 2 isolate impacts,
 Lemmas 3 and 4 isolate peaks: each is a root in a bracket that holds exactly one. Events at one instant are taken in the order impact,
@@ -62,7 +62,7 @@ Test `test_lemmas.py::test_lemma_3_a_drive_that_falls_and_then_rises_lets_the_bo
 
 # Lemma 4 (hidden turn)
 
-The convexity of Lemma 3 finds a pair of turns that hide between two ends at which y' has one sign.
+The convexity of Lemma 3 finds a pair of turns between two ends at which y' has the same sign.
 Proof. The slope of V tells on which side of a point its extremum lies, and the tangents of V prove that there is none.
 For Eqs. 2.3 and 3.4 f must grow with y. On stocky bodies under strong inward drives (a tan(alpha) tan(z) < -1) it may not, and a pair of
 turns within one window can be missed. This changes no outcome, only the height of a lower peak.
@@ -71,12 +71,12 @@ Test `test_lemmas.py::test_lemma_4_finds_a_pair_of_turns_that_hides_between_two_
 
 # Lemma 6 (certain overturning)
 
-Linear: with g the rate of the unstable mode, a body with z = y - 1 + g v > e, e the strongest inward drive to come, never returns.
+Linear: let g be the rate of the unstable mode and e the strongest inward drive to come. A body with z = y - 1 + g v > e never returns.
 Proof. z' = g (z + a) > 0 for all time.
 Eqs. 2.3 and 3.4, undamped: a body never returns if it moves outwards beyond the barrier of the constant inward drive e, or has the
 energy to pass this barrier.
 Proof. A weaker drive pushes back less, so the energy over that barrier does not fall.
-Damped, nonlinear: only beyond the equilibrium under e. theta = pi/2, or a collapsed linkage, is overturning whatever follows.
+Damped, nonlinear: only beyond the equilibrium under e. A body at theta = pi/2, or a collapsed linkage, has overturned.
 Varying weight: beyond the equilibrium of the constant inward drive e/w_-, w_- the least weight to come, and moving outwards: there l < 0
 and f >= w_- (-l - m e/w_-) >= 0. The bounds by energy are not used.
 Test `test_lemmas.py::test_lemma_6_no_drive_up_to_the_strongest_brings_back_what_is_lost`,
@@ -84,18 +84,18 @@ Test `test_lemmas.py::test_lemma_6_no_drive_up_to_the_strongest_brings_back_what
 
 # Lemma 7 (the sequence of impacts ends)
 
-A body bounces from side to side within a monotone segment, with a_- <= a <= a_+ until the end. The other side has the drive -d a, the
-time of an arc there is r times that here, its speed after an impact eta times the speed here; a cycle keeps q = eta back of the speed.
-The sequence of arcs lasts at most
+A body bounces from side to side within a monotone segment, with a_- <= a <= a_+ until the end. On the other
+side the drive is -d a, an arc lasts r times as long and begins with eta times the speed here; a cycle of two arcs keeps q = eta back of
+the speed. The sequence of arcs lasts at most
 
     2 v / (1 - q) [G/(1 - a_+ - e) + eta r H/(1 + d a_- - e)],
 
-e a bound of what y and damping add to the force.
+e a bound of the force that y and damping add.
 Proof. An arc ends with more speed than it began with only where the force grows, by at most the root of its last over its first value.
-Over a monotone drive these ratios telescope. Where a rises only arcs there gain, those here then by G^2 = (1 + d a_+)/(1 + d a_-); those
-there are shorter by G^2 and need no H. Where a falls it is the other way round. A sequence with an arc that could rise above the lane's
-peak so far is marched on.
-One side: the sequence lasts at most 2 v / (1 - eta) / (1 - a_+ - e), and any inward drive holds the body.
+Over a monotone drive these ratios telescope. Where a rises, only arcs on the other side gain: speeds on this side grow by at most G,
+G^2 = (1 + d a_+)/(1 + d a_-). There H = 1, as the force shortens the other arcs by G^2. Where a falls, the sides change places. The march
+follows a sequence in which an arc could rise above the lane's peak so far.
+A one-sided body: the sequence lasts at most 2 v / (1 - eta) / (1 - a_+ - e), and any inward drive holds the body.
 Varying weight: with c and d the net drives on the two sides, it lasts at most 2 v G/(1 - q) [1/(1 - c_+ - e) + eta r/(1 - d_+ - e)].
 Speeds gain on either side, by at most the root of the largest over the least force there; G is the product of both roots, and e holds w
 times what y adds.
@@ -144,7 +144,7 @@ Undamped linear oscillator. While a >= c, y(h) >= y + v sinh h + (y - 1 + c)(cos
 While a <= c the same expression is an upper bound. Where y > 0 and a >= c on a stretch of length T, y is nowhere above the higher of its
 ends by more than (1 - c) T^2/8.
 Proof. Green's function sinh is not negative, so y is monotone in the drive. y'' >= c - 1 gives the bound by the ends.
-The state at the end of a stretch is exact, whatever happens on the way.
+The state at the end of a stretch is exact if no impact comes on the way.
 Test `samples/test_records.py::test_records_against_an_integration_that_shares_no_code`.
 
 # Lemma 12 (Taylor step over samples)
@@ -176,14 +176,14 @@ phi = -x' [2/3/(1 - c^2) + y/(3 F W)], the sum
 
     Q = log W - 2/3 log(1 - c^2) + c' phi
 
-changes along a line only by terms that are small with the bounce. Let |c| <= e on the line, D = 1 - e and |df/dy| <= g while |a| <= 1.
+changes along a line only by terms that vanish with the bounce. Let |c| <= e on the line, D = 1 - e and |df/dy| <= g while |a| <= 1.
 As long as W <= 0.095 D^2/g, and so g y <= D/10, y <= 1.053 W/F, M <= 1.05 y and v^2 <= 2 W,
 
     |Q'| <= c'^2 (2 W)^(1/2) [4/3 e/(1 - e^2)^2 + 0.74/D^3] + 2 |c'| g W/D^3,   |phi| <= (2 W)^(1/2) [2/3/(1 - e^2) + 0.36/D^2].
 
 Where a line ends, Q changes by phi times the change of c'. An impact lowers Q while |c' phi| <= 1: log W falls by at least 2 (1 - eta), and
-c' phi changes by 1 - eta of itself. If all these changes, for W = W_0 exp(G) [(1 - c^2)/(1 - c_0^2)]^(2/3), sum up to no more than G, W is
-never beyond this value: it would have to reach it first.
+c' phi changes by 1 - eta of itself. If all these changes, for W = W_0 exp(G) [(1 - c^2)/(1 - c_0^2)]^(2/3), sum up to no more than G, W
+never exceeds this value: up to the instant at which W reaches it the bounds hold.
 Test `contacts/test_sequences.py::test_no_peak_is_above_the_ceiling`,
 `contacts/test_sequences.py::test_marching_on_under_a_record_finds_the_same_peak`.
 """

@@ -1,4 +1,4 @@
-"""The choice of equation, contact and reference for a structure; a new equation is one entry of EQUATIONS.
+"""Chooses equation, contact and reference solver for a structure; a new equation is one entry of EQUATIONS.
 
 Equations that few structures need are imported where they are used.
 """
@@ -31,10 +31,11 @@ Reference = Callable[["Motion", float, float, float], tuple["Outcome", float]]
 
 
 class EquationKind(NamedTuple):
-    """An equation of motion in the registry. model: the word of `--model` and of files; serves: True for a structure for which it holds;
-    build: the equation of a structure at a tolerance, raises ValueError; shares: numbers besides restitution and damping that structures
-    must have in common to share a dimensionless computation; rates: name of its form in `references.general_solver`; exact: it has no
-    tolerance; of_cells: the equation of plain cells of these alphas at a tolerance, None if there is none."""
+    """An equation of motion in the registry. model: the word of `--model` and of files; serves: returns True for a structure for which the
+    equation holds; build: returns the equation of a structure at a tolerance, raises ValueError; shares: returns the numbers, besides
+    restitution and damping, that structures must have in common to share a dimensionless computation; rates: name of its form in
+    `references.general_solver`; exact: True if it has no tolerance; of_cells: returns one equation for cells of plain bodies with these
+    alphas at a tolerance, None if there is none."""
 
     model: str
     serves: Callable[[RockingParameters], bool]
@@ -82,8 +83,8 @@ MODELS = tuple(dict.fromkeys(kind.model for kind in EQUATIONS))
 
 @dataclass(frozen=True)
 class Method:
-    """The model and the tolerance of theta/alpha, which an exact model does not use. Raises UsageError for an unknown model or a tolerance
-    out of range."""
+    """The model, and the tolerance of theta/alpha (an exact model ignores it). Raises UsageError for an unknown model or a tolerance out of
+    range."""
 
     model: str = MODELS[0]
     tolerance: float = TOLERANCE
@@ -107,7 +108,7 @@ class Method:
         return None if self.exact else self.tolerance
 
     def kind_of(self, structure: RockingParameters) -> EquationKind:
-        """The equation of the model for a structure. Raises UsageError if the model has none."""
+        """The equation of this model for a structure. Raises UsageError if the model has none."""
         for kind in EQUATIONS:
             if kind.model == self.model and kind.serves(structure):
                 return kind
@@ -123,7 +124,7 @@ class Method:
         return any(kind.model == self.model and kind.serves(structure) for kind in EQUATIONS)
 
     def system_of(self, structure: RockingParameters) -> System:
-        """A structure as the march takes it. Raises UsageError when the model does not hold for it."""
+        """Builds the system (equation and contact) of a structure for the march. Raises UsageError when the model does not hold for it."""
         build = self.kind_of(structure).build
         try:
             equation = build(structure, self.tolerance)
@@ -138,11 +139,11 @@ class Method:
             raise UsageError(f"{structure.name}: {error}") from None
 
     def mixes(self, structure: RockingParameters) -> bool:
-        """True for an undamped body with equal edges, whose cells can share one system with those of other such bodies."""
+        """True for an undamped body with equal edges: its cells can share one system with cells of other such bodies."""
         return self.kind_of(structure).of_cells is not None and structure.plain
 
     def system_of_cells(self, structures: Sequence[RockingParameters], counts: Sequence[int]) -> System:
-        """One system for `counts` cells of each of these structures, which have equal `shares` or mix. Raises UsageError as `system_of`."""
+        """One system for `counts` cells of each structure, whose `shares` are equal or which all mix. Raises UsageError as `system_of`."""
         one, of_cells = self.system_of(structures[0]), self.kind_of(structures[0]).of_cells
         if len({(*self.shares(s), self.body_of(s)) for s in structures}) == 1:
             return one
@@ -151,7 +152,7 @@ class Method:
         return one._replace(equation=equation, body=None, own=own)
 
     def body_of(self, structure: RockingParameters) -> Body | None:
-        """The body of a structure for its forces on the ground; None if its mass centre is not known."""
+        """The `Body` that gives a structure's forces on the ground; None if its mass centre is not known."""
         edges: list[Side | RockingParameters] = [*reversed(structure.sides)] or [structure]
         kappa = tuple(e.arm * e.p**2 / structure.gravity for e in edges if e.arm is not None)
         if len(kappa) < len(edges):
@@ -160,17 +161,17 @@ class Method:
         return Body(tuple(e.alpha for e in edges), kappa, self.exact, structure.damping, structure.one_sided, a_scale)
 
     def shares(self, structure: RockingParameters) -> tuple[Any, ...]:
-        """A key: structures with equal keys are one system, and with equal restitutions one dimensionless computation (sections 3.3, 4)."""
+        """Structures with equal keys have one system; with equal restitutions too, one dimensionless computation (sections 3.3, 4)."""
         return structure.one_sided, structure.sides, structure.damping, structure.restraints, self.kind_of(structure).shares(structure)
 
     def reference_of(self, structure: RockingParameters) -> Reference:
-        """(outcome, theta_ratio) of a cell (motion, A, Omega, eta) by the slower, independent path, `CHECKED_BY`."""
+        """A function (motion, A, Omega, eta) that gives (outcome, theta_ratio) by the slower, independent path, `CHECKED_BY`."""
         from .references.general_solver import solve_cell
 
         return partial(solve_cell, problem=self.problem_of(structure))
 
     def problem_of(self, structure: RockingParameters) -> Problem:
-        """A structure as the reference path takes it."""
+        """Builds the problem of a structure for the reference solver."""
         from .references import general_solver
 
         if structure.restraints:
@@ -198,7 +199,7 @@ def _known(structure: RockingParameters) -> bool:
 
 
 def model_in_words(method: Method, *structures: RockingParameters, model: str | None = None, dimensionless: bool = False) -> str:
-    """The line that names the model of a run, with the reason if it is linear by default. Parameters as of `governing_method`."""
+    """The line that names the model of a run; if the model is linear by default, it says why. Parameters as of `governing_method`."""
     line = f"model: {method.model}"
     if model is not None or method != LINEAR:
         return line
@@ -217,7 +218,7 @@ def contact_of(structure: RockingParameters, equation: Equation) -> Contact:
     left, right = structure.sides
     there = equation.on(np.array([1.0, -1.0]))
     turns, lifts = (np.broadcast_to(x, 2).tolist() for x in (there.rotation(np.ones(2)), there.uplift_amplitude))
-    unit = [side.alpha * side.p * turn for side, turn in zip((right, left), turns, strict=True)]  # of the speed y'
+    unit = [side.alpha * side.p * turn for side, turn in zip((right, left), turns, strict=True)]  # theta' of y' = 1
     onto_left, onto_right = exchange(*unit)
     drive = [(side.a_scale / side.alpha) / (structure.a_scale / structure.alpha) / x for side, x in zip((right, left), lifts, strict=True)]
     return Unequal(

@@ -1,4 +1,4 @@
-"""Outcomes of cells, each with its code, sentence and colour; which of them are overturned or safe."""
+"""Outcomes of cells, each with its code, sentence and colour, and tests for those that overturned, fall or are safe."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from typing import Any, Self
 import numpy as np
 
 LOST = "lost contact"  # the event
-FALLEN = 3.0  # |theta|/alpha from which a body counts as overturned when the ground falls away; the end of its history
+FALLEN = 3.0  # |theta|/alpha from which a body counts as overturned when the ground falls away, and at which its history ends
 
 
 class _Code(IntEnum):
-    """A code, its sentence, its colour in figures (empty where they show nothing), and its sign in maps of characters."""
+    """A code with its sentence, its colour in figures (empty if figures do not show it), and its sign in maps of characters."""
 
     sentence: str
     colour: str
@@ -31,8 +31,8 @@ class _Code(IntEnum):
 
 
 class Outcome(_Code):
-    """Outcome codes of the spectra file; their names in lower case are its flag meanings. Colours: Okabe and Ito's, which the
-    colour-blind tell apart."""
+    """Outcome codes of the spectra file; their names in lower case are its flag meanings. The colours are those of Okabe and Ito, which
+    colour-blind people can tell apart."""
 
     NOT_COMPUTED = 0, "not computed", "#DDDDDD", "?"
     NO_UPLIFT = 1, "no uplift", "#FFFFFF", " "
@@ -45,28 +45,28 @@ class Outcome(_Code):
 
     @property
     def mode(self) -> str:
-        """The word of an envelope's interval: `no_impact`, `after_impact`, `failed`."""
+        """The word for this outcome in an envelope's intervals: `no_impact`, `after_impact`, `failed`."""
         return self.flag.removeprefix("overturned_")
 
     @property
     def overturned(self) -> bool:
-        """True if the body fell; for a failed cell this is not known."""
+        """True if the body is known to have overturned; False for a failed cell."""
         return self in (Outcome.OVERTURNED_NO_IMPACT, Outcome.OVERTURNED_AFTER_IMPACT)
 
     @property
     def falls(self) -> bool:
-        """True if the body fell, or left the ground, after which it may not come back upright, or is left leaning."""
+        """True if the body overturned, lost contact (it may then not come back upright), or was left leaning."""
         return self.overturned or self in (Outcome.LOST_CONTACT, Outcome.LEANING)
 
     @property
     def safe(self) -> bool:
-        """True if the body is known to have stayed upright, with uplift or without."""
+        """True if the body is known to have stayed upright, whether it lifted off or not."""
         return self in (Outcome.NO_UPLIFT, Outcome.ROCKED)
 
 
 class Difference(_Code):
-    """The judgement of the linear equation on a cell that the nonlinear one decides: codes of the file's `difference`. It is unsafe if it
-    stands where the body falls (`Outcome.falls`)."""
+    """Comparison of the linear with the nonlinear outcome of a cell, which counts as right: codes of the file's `difference`. The linear
+    equation is unsafe if its body stands where the nonlinear one falls (`Outcome.falls`)."""
 
     NOT_COMPUTED = 0, "one of them failed"
     AGREES = 1, "linear agrees"
@@ -78,7 +78,7 @@ _OVERTURNED, _FALLS, _SAFE = np.array([(o.overturned, o.falls, o.safe) for o in 
 
 
 def difference(nonlinear: Any, linear: Any) -> Any:
-    """Codes of `Difference` of codes of `Outcome` by the two equations, arrays of one shape, uint8."""
+    """Codes of `Difference`, uint8, from the codes of `Outcome` under each equation; arrays of one shape."""
     known = (falls(nonlinear) | safe(nonlinear)) & (falls(linear) | safe(linear))
     verdict = np.where(falls(nonlinear) & safe(linear), Difference.LINEAR_UNSAFE, Difference.AGREES)
     verdict = np.where(safe(nonlinear) & falls(linear), Difference.LINEAR_FALSE_ALARM, verdict)
@@ -114,7 +114,7 @@ def safe(codes: Any) -> Any:
 
 @dataclass
 class Work:
-    """Numbers of cells, impacts and steps that were computed, and of those that a proof left out."""
+    """Numbers of cells, impacts and steps: how many were computed, and how many a proof made unnecessary."""
 
     cells: int = 0
     no_uplift: int = 0

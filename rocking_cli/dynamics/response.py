@@ -1,4 +1,4 @@
-"""The response of arrays of cells; ground forces and angular speeds with it."""
+"""The response of arrays of cells, on request with ground forces or the largest angular speed."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 Cells = tuple[Array, Array, Array]  # A, Omega and eta, of one shape
 
-_LIKELY = 2.0  # times the push that is proved beforehand: cells beyond it are watched while they march
+_LIKELY = 2.0  # cells whose push exceeds the one proved safe by this factor are watched while they march
 
 
 class Response(NamedTuple):
@@ -60,7 +60,7 @@ def response(
         from .tied.tied_march import tied_response
 
         return tied_response(system, motion, cells, shape, peaks)
-    prove = bool(cells[0].max(initial=0.0) > system.safe_amplitude(motion))  # by the peaks, that the body presses on the ground
+    prove = bool(cells[0].max(initial=0.0) > system.safe_amplitude(motion))  # the peaks may prove that Fz > 0
     run = _marched(system, motion, cells, _batch(system, motion, cells, peaks or prove), pool=pool)
     return _response(run, shape, peaks)
 
@@ -81,7 +81,7 @@ def _response(run: Run, shape: tuple[int, ...], peaks: bool = True) -> Response:
 
 
 def _batch(system: System, motion: Motion, cells: Cells, peaks: bool) -> Batch:
-    """Flat cells under a motion; under a record by the segments between its samples."""
+    """A batch of flat cells under a motion; under a record its segments are the intervals between samples."""
     sampled = motion.coarsest.samples is not None and motion.vertical is None
     return Batch.of(system, motion.coarsest.segments if sampled else system.segments(motion), *cells, peaks)
 
@@ -89,8 +89,8 @@ def _batch(system: System, motion: Motion, cells: Cells, peaks: bool) -> Batch:
 def _marched(
     system: System, motion: Motion, cells: Cells, batch: Batch, *observers: Observer, pool: int | None = None, jumps: bool = True
 ) -> Run:
-    """The finished run of a batch of these cells, with those that lost the ground. jumps: False if the observers have to see the arcs or
-    Taylor steps of every lane."""
+    """Run a batch of these cells to the end, and mark those that lost the ground; returns the run. jumps: False if the observers have to
+    see the arcs or Taylor steps of every lane."""
     march, pool = _march_of(system, [motion], pool, jumps)
     watched: Array | bool = False
     if system.body is not None:
@@ -108,13 +108,13 @@ def _marched(
 
 
 def _march_of(system: System, motions: Sequence[Motion], pool: int | None, jumps: bool) -> tuple[Callable[[Run, Array], None], int | None]:
-    """(the march of a run under these motions, the number of lanes that it advances together)."""
+    """(the function that marches a run under these motions, the number of lanes that it advances together)."""
     samples = [found for motion in motions if (found := motion.coarsest.samples) is not None]
     weighed = motions[0].vertical is not None
     if len(samples) < len(motions) or (weighed and not jumps):
         return by_windows, pool
     equal = all(motion.samples is not None for motion in motions)
-    if jumps and not weighed and equal and system.equation.bounded:  # linear, undamped, under equal steps: exact
+    if jumps and not weighed and equal and system.equation.bounded:  # linear, undamped, equal steps
         from .samples.exact import LANES, ExactStepper
 
         return lambda run, waiting: ExactStepper(run, samples).march(waiting), pool or LANES
@@ -127,8 +127,8 @@ def _march_of(system: System, motions: Sequence[Motion], pool: int | None, jumps
 def that_left_the_ground(
     system: System, motion: Motion, cells: Cells, doubtful: Array, theta_ratio: Array | None, fastest: Array | None = None
 ) -> Array:
-    """Indices of those `doubtful` cells, of bodies that rock and survive, that lose the ground. Cells are marched once more if neither
-    their amplitude nor their rotation and largest |d theta/d tau| [rad], where they are given, prove that they press on the ground."""
+    """Indices of those `doubtful` cells that lose the ground; their bodies rock and survive. A cell is marched once more if neither its
+    amplitude nor its rotation and largest |d theta/d tau| [rad], where they are given, prove Fz > 0."""
     if system.own:
         ends = np.cumsum([count for _, count in system.own])
         found = []
@@ -156,9 +156,9 @@ def that_left_the_ground(
 def response_with_demands(
     system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float, *, found: Response | None = None
 ) -> tuple[Response, dict[str, Array]]:
-    """`response`, and the ground forces by name: `friction`, the largest |Fx|/Fz [-], and `fz_min`, the least Fz over m g [-], to 1e-6.
-    Both are NaN where the body overturns. A second run of the bodies that stay upright computes them. found: the response, if it is known.
-    Raises ValueError for a system without a `body` of a_scale 1."""
+    """(`response`, ground forces by name): `friction`, the largest |Fx|/Fz [-], and `fz_min`, the least Fz over m g [-], to 1e-6. Both are
+    NaN where the body overturns. A second run of the bodies that stay upright computes them. found: the response, if it is known. Raises
+    ValueError for a system without a `body` of a_scale 1."""
     if system.devices is not None:
         raise UsageError("found ties or a tendon; expected a body without them, whose forces on the ground are known")
     if system.body is None or not system.body.moves_with_the_ground:
@@ -179,8 +179,8 @@ def response_with_demands(
 
 
 def response_with_speed(system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float) -> tuple[Response, Array]:
-    """`response`, and the largest |d theta/d tau|/alpha [-] under straight lines, tau = p t, NaN where theta_ratio is. If the edges differ,
-    alpha and p are those of A and Omega."""
+    """(`response`, the largest |d theta/d tau|/alpha [-] under straight lines, tau = p t), the second NaN where theta_ratio is NaN. If the
+    edges differ, alpha and p are those of A and Omega."""
     from .observers.peak_speed import PeakSpeed
 
     if system.devices is not None:
@@ -195,8 +195,8 @@ def response_with_speed(system: System, motion: Motion, amplitude: Array, omega:
 def response_under_records(
     system: System, records: Sequence[Motion], which: Array, amplitude: Array, omega: Array, eta: Array
 ) -> tuple[Response, Array]:
-    """`response_with_speed` of each cell under the record with its number in `which`, (cells,), but for bodies that lose the ground: every
-    record must be `chains`. The cells of all records share the pool."""
+    """As `response_with_speed`, for each cell under the record whose index is in `which`, (cells,); it does not test for lost contact.
+    `chains` must be True for every record. The cells of all records share the pool."""
     from .observers.peak_speed import PeakSpeed
 
     chain = Chain.of([record.coarsest.segments for record in records])
@@ -209,7 +209,7 @@ def response_under_records(
 
 
 def chains(system: System, motion: Motion) -> bool:
-    """True for a record at equal steps, without a vertical one, under which the cells of an undamped system may share a run with others."""
+    """True for a record at equal steps without a vertical one, if cells of the undamped system may share a run with other records."""
     return motion.vertical is None and motion.samples is not None and not system.equation.damping and system.devices is None
 
 
@@ -221,7 +221,7 @@ def upright(outcome: Array) -> Array:
 def linear_response(
     motion: Motion, amplitude: Array, omega: Array, eta: Array | float, *, peaks: bool = True, pool: int | None = None
 ) -> Response:
-    """The same for symmetric linear oscillators (Eqs. 2.4, 2.6, 3.6), exact.
+    """`response` of symmetric linear oscillators (Eqs. 2.4, 2.6, 3.6), exact.
 
     >>> linear_response(sine(), [1.0, 1.5, 4.0], 6.0, 0.9).theta_ratio.round(6)
     array([0.      , 0.167098, 0.669456])
@@ -234,7 +234,7 @@ def linear_response(
 def nonlinear_response(
     motion: Motion, amplitude: Array, omega: Array, eta: Array | float, alpha: float, *, tolerance: float = 1e-9, peaks: bool = True
 ) -> Response:
-    """The same for symmetric rigid bodies of one critical angle alpha [rad] (Eqs. 2.3, 2.6); tolerance: of theta/alpha.
+    """`response` of symmetric rigid bodies of one critical angle alpha [rad] (Eqs. 2.3, 2.6); tolerance: of theta/alpha.
 
     >>> nonlinear_response(sine(), [1.5, 4.0], 6.0, 0.9, alpha=0.25).theta_ratio.round(6)
     array([0.153431, 0.673775])

@@ -21,8 +21,8 @@ _SYMMETRIC = Symmetric()
 
 class System(NamedTuple):
     """An equation of motion on a contact, `Symmetric` unless given. scale: alpha/a_scale, the ground acceleration over g of A = 1 [-];
-    body: None if the forces on the ground are not known; own: the (system, number of cells) of each structure, in the order of the cells,
-    if there are several structures; devices: ties and a tendon, None without them."""
+    body: gives the forces on the ground, None if they are not known; own: (system, number of cells) of each structure, in the order of the
+    cells, if there are several structures; devices: ties and a tendon, None without them."""
 
     equation: Equation
     contact: Contact = _SYMMETRIC
@@ -33,7 +33,7 @@ class System(NamedTuple):
 
     @property
     def alike(self) -> bool:
-        """True if both sides are free and equal, so that a motion of the other sign has the mirrored response."""
+        """True if both sides are free and equal: a motion of the opposite sign then has the mirrored response."""
         return self.contact.alike and (self.devices is None or self.devices.alike)
 
     @property
@@ -53,7 +53,7 @@ class System(NamedTuple):
         return weighed(motion, float(share[0]), float(share[-1]))
 
     def safe_amplitude(self, motion: Motion) -> float:
-        """The amplitude A up to which Fz > 0 is proved unless the body overturns [-]; infinite if its forces are not known."""
+        """The amplitude A [-] up to which Fz > 0 is proved for a body that does not overturn; infinite if its forces are not known."""
         if self.own:
             return min(system.safe_amplitude(motion) for system, _ in self.own)
         if self.body is None or self.scale is None or not motion.peak:
@@ -64,7 +64,7 @@ class System(NamedTuple):
         return min(push / scale for push, scale in zip(pushes, scales, strict=True)) / (self.scale * motion.peak)
 
     def least_uplift(self, motion: Motion) -> float:
-        """The least amplitude A at which the body lifts off or the ground falls away [-]; infinite if there is none."""
+        """The least amplitude A [-] at which the body lifts off or the ground falls away; infinite if there is none."""
         one, segments = self.contact.cells(self.equation, np.ones(1), np.ones(1), np.zeros(1)), self.segments(motion)
         if self.devices is not None:
             one = one._replace(amplitude=one.amplitude / self.devices.held_at_first())

@@ -1,8 +1,8 @@
-"""The drive of a body on ground that moves sideways and upwards, so that its weight varies.
+"""The drive of a body on ground that moves sideways and vertically, so that its weight over m g, w, varies.
 
 With a the outward drive over its value at uplift and w = 1 + zg''/g the weight over m g, the force on a side is f = -w l(y) + a m(y). At
-the ground it is c - 1, c = a + 1 - w the *net drive*: on the right edge c = -A (s + r s_v), on the left A (s - r s_v), with s_v the
-vertical motion and r the zg''/g of A = 1 on the edge. So each edge has an effective motion; segments are monotone in both.
+the ground f = c - 1, with the *net drive* c = a + 1 - w: c = -A (s + r s_v) on the right edge, A (s - r s_v) on the left, where s_v is
+the vertical motion and r the zg''/g of A = 1 on the edge. So each edge has an effective motion; segments are monotone in both.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ from ..motions.segments import Segments, followed_by
 from .drive import drive_change
 from .lanes import Array
 
-_ALIKE = 1e-9  # of a piece: extremes this close are one
-_LONG = 1 << 16  # segments of a motion, which take 400 bytes each: of longer motions only the last is kept
+_ALIKE = 1e-9  # over the length of a piece: extremes this close count as one
+_LONG = 1 << 16  # segments, of 400 bytes each: of motions with more, the cache keeps only the last one
 
 
 @dataclass(frozen=True)
 class WeighedSegments(Segments):
-    """The horizontal motion on common segments, with `later_max` of the left and `later_min` of the right effective motion. vertical: s_v;
-    right, left: the effective motions; edges: these two, one after the other; inward: (later_max, later_min) of the horizontal motion;
-    share: r of the right edge and the left one."""
+    """The segments of the horizontal motion s, cut so that s_v and both effective motions are monotone too; here `later_max` is that of the
+    left effective motion, `later_min` that of the right. vertical: s_v; right, left: the effective motions; edges: right and left, one
+    after the other; inward: (later_max, later_min) of the horizontal motion; share: r of the right and of the left edge."""
 
     vertical: Segments
     right: Segments
@@ -49,24 +49,24 @@ class WeighedSegments(Segments):
         return self
 
     def offset(self, side: Array) -> Array:
-        """The index in `edges` of the first segment of this side."""
+        """Index in `edges` of the first segment of this side."""
         return np.where(side > 0.0, 0, len(self)).astype(np.int64)
 
     def sway(self, side: Array, amplitude: Array) -> Array:
-        """zg''/g of s_v = 1 for lanes of this side and amplitude."""
+        """The zg''/g of s_v = 1, for lanes of this side and amplitude."""
         right, left = self.share
         return (right if right == left else np.where(side > 0.0, right, left)) * amplitude
 
     def weight(self, side: Array, amplitude: Array, k: Array, u: Array) -> Array:
-        """w at phase u of segment k."""
+        """The weight over m g, w, at phase u of segment k."""
         return 1.0 + self.sway(side, amplitude) * _value(self.vertical, k, u)
 
     def net(self, side: Array, amplitude: Array, k: Array, u: Array) -> Array:
-        """c at phase u of segment k, on this side."""
+        """The net drive c at phase u of segment k, on this side."""
         return -side * amplitude * _value(self.edges, k + self.offset(side), u)
 
     def force_at_impact(self, side: Array, amplitude: Array, k: Array, u: Array, _b: Array) -> Array:
-        """c - 1 of this side."""
+        """The force on a body at the ground, c - 1, on this side."""
         return self.net(side, amplitude, k, u) - 1.0
 
     def least_weight(self, side: Array, amplitude: Array, k: Array) -> Array:
@@ -81,7 +81,7 @@ class WeighedSegments(Segments):
         return np.where(weight > 0.0, inward / weight, np.inf)
 
     def followed_by_rest(self, length: float) -> WeighedSegments:
-        """The same motion, then the ground at rest for a phase of this length [rad]."""
+        """The same motion, followed by still ground for a phase of this length [rad]."""
         parts = [super().followed_by_rest(length), *(x.followed_by_rest(length) for x in (self.vertical, self.right, self.left))]
         return _weighed(parts, (followed_by(self.inward[0], 0.0), followed_by(self.inward[1], 0.0)), self.share)
 
@@ -92,7 +92,7 @@ def _value(segments: Segments, k: Array, u: Array) -> Array:
 
 
 def weighed(motion: Motion, right: float, left: float) -> Segments:
-    """The segments of a motion with a vertical one for a body whose edges have these r."""
+    """The segments of a motion that has a vertical part, for a body whose edges have these values of r."""
     return (_last if len(motion.segments) > _LONG else _many)(motion, right, left)
 
 
@@ -122,7 +122,7 @@ def _apart(marks: list[float], length: float) -> list[float]:
 
 
 def _weighed(parts: Sequence[Segments], inward: tuple[Any, Any], share: tuple[float, float]) -> WeighedSegments:
-    """parts: of the horizontal, the vertical and the effective motions at the right and the left edge, on common cuts."""
+    """parts: segments of the horizontal, the vertical and the effective motions at the right and the left edge, on common cuts."""
     across = parts[0]
     vertical, right, left = (replace(part, length=across.length) for part in parts[1:])
     own = {f.name: getattr(across, f.name) for f in fields(Segments)}
@@ -132,7 +132,7 @@ def _weighed(parts: Sequence[Segments], inward: tuple[Any, Any], share: tuple[fl
 
 
 def _joined(a: Any, b: Any) -> Any:
-    """Two arrays over segments, one after the other; missing sinusoids are 0."""
+    """Two arrays over segments, one after the other; sinusoids that one of them lacks are 0."""
     if a.ndim == 2:
         rows = max(len(a), len(b))
         a, b = (np.pad(x, ((0, rows - len(x)), (0, 0))) for x in (a, b))

@@ -1,4 +1,4 @@
-"""An equation of second order by the modified midpoint rule, extrapolated to steps of no length (Gragg, Bulirsch and Stoer).
+"""Solves an equation of second order by the modified midpoint rule, extrapolated to step length 0 (Gragg, Bulirsch and Stoer).
 
 Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, II.9. SciPy's solvers take longer to import than a small sweep
 takes.
@@ -13,13 +13,13 @@ from typing import Any, NamedTuple
 
 Rate = Callable[[float, float, float], tuple[float, float]]  # (theta', w') of (time, theta, w)
 
-_PARTS = (2, 4, 6, 8, 10, 12, 14, 16)  # of a step, in one midpoint rule after the other
+_PARTS = (2, 4, 6, 8, 10, 12, 14, 16)  # numbers of parts of a step, in the successive midpoint rules
 _TOLERANCE = 1e-11  # difference of the last two extrapolations over the state; the error of the last one is (length/2)^2 times as large
-_LEAST = 1e-15  # difference that is always allowed: forces that hardly lift a body are differences of terms of order one
+_LEAST = 1e-15  # difference that is always accepted: a force that hardly lifts a body is a difference of terms of order one
 _PIECES = 5  # least number of steps of a stretch; signs are compared at the ends of steps
 _BOUNCES = 8.0  # first step from an impact over speed/force: four times as long as the bounce
-_SHORTEST = 1e-12  # least step over the stretch
-_HOP = 1e-6  # shorter hops from rest, over the stretch, count as none
+_SHORTEST = 1e-12  # least step, over the length of the stretch
+_HOP = 1e-6  # a motion from rest back to the ground that is shorter, over the stretch, is ignored
 _NEAR = 1e-9  # error of the time to a root
 _ROUNDS = 100  # limit of a search for a root; bisection alone takes 60
 
@@ -33,7 +33,7 @@ class Point(NamedTuple):
 
 
 class Path(NamedTuple):
-    """A stretch of time: its peaks, its last instant, True if the body struck the ground there, and the ends of all steps."""
+    """The motion on a stretch of time: its peaks, its last instant, True if the body struck the ground there, and the ends of all steps."""
 
     peaks: list[Point]
     end: Point
@@ -42,7 +42,7 @@ class Path(NamedTuple):
 
 
 def step(rate: Rate, start: Point, length: float) -> Point | None:
-    """The instant `length` later; None if the extrapolations do not agree: the step is too long."""
+    """The state `length` after `start`; None if the step is too long for the extrapolations to agree."""
     time, theta, w = start
     table: list[tuple[float, float]] = []  # the last row: the rule itself, then extrapolated once, twice, ...
     with suppress(ArithmeticError, ValueError):  # a midpoint has left the range of doubles, or of the equation
@@ -68,8 +68,8 @@ def step(rate: Rate, start: Point, length: float) -> Point | None:
 
 
 def path(rate: Rate, start: Point, stop: float, limit: float) -> Path:
-    """The path from an instant on or above the ground until `stop`, an impact, or an angle beyond `limit`. A step holds at most one peak,
-    or one dip, which may reach the ground although both ends of the step lie above it. Raises ArithmeticError when no step is short
+    """The path from an instant on or above the ground until `stop`, an impact, or an angle beyond `limit`. It finds at most one peak in a
+    step, or one dip, which may reach the ground although both ends of the step lie above it. Raises ArithmeticError when no step is short
     enough."""
     peaks: list[Point] = []
     stretch, passed = stop - start.time, 0.0
@@ -106,8 +106,8 @@ def path(rate: Rate, start: Point, stop: float, limit: float) -> Path:
 
 
 def _passes_zero(rate: Rate, start: Point, end: Point, which: int, sense: float = 1.0) -> Point:
-    """The instant between two at which theta (which = 1) or w (2) falls (sense = 1) or rises (-1) through zero, to 1e-9 of the time, by
-    Newton's method in a bracket. The caller improves it by the tangent."""
+    """The instant between `start` and `end` at which theta (which = 1) or w (2) falls (sense = 1) or rises (-1) through zero, to 1e-9 of
+    the time, by Newton's method in a bracket. One more tangent step of the caller improves it."""
     low, high = 0.0, end.time - start.time
     length, there = high, end
     for _ in range(_ROUNDS):
@@ -124,13 +124,13 @@ def _passes_zero(rate: Rate, start: Point, end: Point, which: int, sense: float 
 
 @dataclass(frozen=True)
 class Script:
-    """SciPy's `solve_ivp` with events, as a script would call it: `rocking accuracy` compares the engine with it."""
+    """SciPy's `solve_ivp` with events, as a user's script would call it. `rocking accuracy` compares the engine with it."""
 
     method: str
     tolerance: float
 
     def __call__(self, rate: Rate, start: Point, stop: float, limit: float) -> Path:
-        """The path as of `path`."""
+        """Returns the same as `path`."""
         from scipy.integrate import solve_ivp
 
         events: tuple[Any, ...] = (lambda t, state: state[0], lambda t, state: state[1], lambda t, state: state[0] - limit)

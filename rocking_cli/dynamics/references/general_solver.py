@@ -1,4 +1,4 @@
-"""Any equation and contact by a second, slower path, for checking: a Runge-Kutta method on the equation as the paper writes it.
+"""A second, slower solver for every equation and contact, as a check: a Runge-Kutta method on the equation as the paper writes it.
 
 It shares no series, table, window, closed form or energy argument with the engine. The state is (theta, w), w = sqrt(M) theta', which
 takes the velocity term out of Eq. 3.4; for a rigid body M = 1. A stretch is half a radian of the fastest motion, in five steps or
@@ -23,30 +23,30 @@ if TYPE_CHECKING:
     Edge = Side | RockingParameters  # with p, alpha and a_scale
 
 
-_MOST, _A_SEGMENT = 5_000, 50  # limit of stretches of a cell, and what each segment of the motion adds to it
+_MOST, _A_SEGMENT = 5_000, 50  # limit of the number of stretches of a cell: a constant, and an addition for each segment of the motion
 _SCRIPT_STRETCH = 10.0  # tau between two tests of overturning where the solver chooses its steps
 _AT_REST = 1e-11
 _NEAR, _PART = 0.1, 0.1  # the least force of a step is searched for if it may be below the first plus the second times its variation
 _STILL = Piece(0.0, math.inf)  # the ground after the shaking
-_ROUNDS = 32  # of the search; each leaves two thirds of the interval
+_ROUNDS = 32  # rounds of the search; each leaves two thirds of the interval
 
 
 class Arm(NamedTuple):
-    """An edge. alpha [rad]; rise: R p^2/g with the p of the path [-]: over m g, Fz = w + rise (cos(alpha - u))'', u = |theta|."""
+    """One edge. alpha [rad]; rise: R p^2/g with the p of the path [-]. Fz over m g is w + rise (cos(alpha - u))'', with u = |theta|."""
 
     alpha: float
     rise: float
 
     def fz(self, u: float, rate: float, bend: float, weight: float) -> float:
-        """Fz/(m g) at u [rad] with these derivatives by tau, under this weight over m g."""
+        """Fz/(m g) at u [rad]; rate, bend: u' and u'' by tau; weight: over m g."""
         z = self.alpha - u
         return weight + self.rise * (bend * math.sin(z) - rate * rate * math.cos(z))
 
 
 class Rates(NamedTuple):
-    """An equation of motion on one edge. alpha: critical angle [rad]; uplift: static lambda [-]; limit: theta [rad] from which the body has
-    overturned whatever comes; of: (theta', w') by tau, from theta, w, the inward ground acceleration [g] and the weight over m g; returns:
-    False if nothing is known of bodies beyond alpha that have lost contact."""
+    """An equation of motion on one edge. alpha: critical angle [rad]; uplift: static lambda [-]; limit: theta [rad] from which the body
+    counts as overturned; of: function of theta, w, the inward ground acceleration [g] and the weight over m g that returns (theta', w') by
+    tau; returns: False if a cell fails whose body loses contact beyond alpha, since its outcome is unknown."""
 
     alpha: float
     uplift: float
@@ -56,7 +56,7 @@ class Rates(NamedTuple):
 
 
 def linear_rates(structure: RockingParameters, edge: Edge) -> Rates:
-    """Eq. 2.4 or 3.6 of an edge: theta'' = theta - alpha - a_scale push - 2 zeta theta', by p of the edge."""
+    """The rates of Eq. 2.4 or 3.6 on an edge: theta'' = theta - alpha - a_scale push - 2 zeta theta', time by p of the edge."""
     pace, alpha, a_scale, damping = edge.p / structure.p, edge.alpha, edge.a_scale, structure.damping
 
     def rates(theta: float, w: float, push: float, weight: float) -> tuple[float, float]:
@@ -66,7 +66,7 @@ def linear_rates(structure: RockingParameters, edge: Edge) -> Rates:
 
 
 def rigid_body_rates(structure: RockingParameters, edge: Edge) -> Rates:
-    """Eq. 2.3 of an edge: theta'' = -sin(alpha - theta) - push cos(alpha - theta) - 2 zeta theta', by p of the edge."""
+    """The rates of Eq. 2.3 on an edge: theta'' = -sin(alpha - theta) - push cos(alpha - theta) - 2 zeta theta', time by p of the edge."""
     pace, alpha, damping = edge.p / structure.p, edge.alpha, structure.damping
 
     def rates(theta: float, w: float, push: float, weight: float) -> tuple[float, float]:
@@ -77,10 +77,10 @@ def rigid_body_rates(structure: RockingParameters, edge: Edge) -> Rates:
 
 
 def mechanism_rates(structure: RockingParameters, edge: Edge) -> Rates:
-    """Eq. 3.4: theta' = w/sqrt(M) and w' = -(L + push B)/sqrt(M) - 2 zeta w, over p^2/g, from the mechanism's own coefficients."""
+    """The rates of Eq. 3.4: theta' = w/sqrt(M), w' = -(L + push B)/sqrt(M) - 2 zeta w, over p^2/g, with the mechanism's coefficients."""
     from ...structures.mechanics.kinematics import linearise
 
-    assert structure.mechanism is not None  # asked only where there is one
+    assert structure.mechanism is not None  # called only for mechanisms
     mechanism, form, damping = structure.mechanism, linearise(structure.mechanism), structure.damping
 
     def rates(theta: float, w: float, push: float, weight: float) -> tuple[float, float]:
@@ -92,9 +92,9 @@ def mechanism_rates(structure: RockingParameters, edge: Edge) -> Rates:
 
 
 class Problem(NamedTuple):
-    """A structure as general solvers take it. edges: the equation of each side, +1 for theta > 0, and -1 unless the body rocks to the right
-    only; scale: ground acceleration of A = 1 [g]; eta: theta' after over before an impact on leaving each edge, empty for that of the cell;
-    arms: those of a rigid body, empty if its forces are not known."""
+    """A structure for a general solver. edges: the equation of each side, +1 for theta > 0, and -1 unless the body rocks to the right only;
+    scale: ground acceleration of A = 1 [g]; eta: theta' after over before an impact on leaving each edge, empty if the eta of the cell
+    holds; arms: the `Arm` of each edge of a rigid body, empty if its forces are not known."""
 
     edges: dict[int, Rates]
     scale: float
@@ -103,7 +103,7 @@ class Problem(NamedTuple):
 
 
 def problem_of(structure: RockingParameters, rates: Callable[[RockingParameters, Edge], Rates]) -> Problem:
-    """The problem of a structure with the rates of an equation."""
+    """Returns the problem of a structure; rates: function that gives the equation on an edge, such as `linear_rates`."""
     sides: dict[int, Edge] = dict(zip((-1, 1), structure.sides, strict=False))
     scale, own = structure.alpha / structure.a_scale, sides or dict.fromkeys((1,) if structure.one_sided else (1, -1), structure)
     arms = {i: Arm(e.alpha, e.arm * structure.p**2 / structure.gravity) for i, e in own.items() if e.arm is not None}
@@ -116,7 +116,7 @@ def problem_of(structure: RockingParameters, rates: Callable[[RockingParameters,
 def solve_cell(
     motion: Motion, amplitude: float, omega: float, eta: float, problem: Problem, solver: Callable[..., Path] = path
 ) -> tuple[Outcome, float]:
-    """(outcome, max |theta|/alpha, NaN where overturned) of one cell; FAILED if it takes too long, or no step is short enough."""
+    """(outcome, max |theta|/alpha, NaN where overturned) of one cell. FAILED if it takes too long, or if no step is short enough."""
     try:
         return _Body(motion, problem, float(amplitude), float(omega), eta, solver).run()
     except ArithmeticError:
@@ -124,7 +124,7 @@ def solve_cell(
 
 
 def value(piece: Piece, phase: float) -> float:
-    """s(phase) of a piece, in plain numbers."""
+    """s(phase) of a piece, computed with plain Python numbers."""
     total = piece.constant + piece.slope * (phase - piece.start)
     for h in piece.harmonics:
         total += h.amplitude * math.sin(h.frequency * phase + h.phase)
@@ -132,7 +132,7 @@ def value(piece: Piece, phase: float) -> float:
 
 
 def next_uplift(piece: Piece, phase: float, push: float) -> float | None:
-    """The first phase at which push s > 1, from `phase` to the end of the piece, by bisection between its extremes; None without one."""
+    """The first phase with push s > 1, from `phase` to the end of the piece, by bisection between extremes; None if there is none."""
     low = phase
     for mark in (phase, *(x for x in extremes(piece) if x > phase), piece.stop):  # s is monotone from one to the next
         high = mark
@@ -145,8 +145,8 @@ def next_uplift(piece: Piece, phase: float, push: float) -> float | None:
 
 
 def lets_go(rough: tuple[float, float, float], force: Callable[[float], float]) -> bool:
-    """True if a force falls to zero on a step, which holds at most one minimum. rough: the force at the start, about the middle and at the
-    end; force: function of the part of the step. The search is skipped if the parabola through the three stays well above zero."""
+    """True if a force falls to zero on a step that holds at most one minimum. rough: the force at the start, about the middle and at the
+    end; force: function of the share of the step. It skips the search if the parabola through the three values stays well above zero."""
     first, middle, last = rough
     if first <= 0.0 or last <= 0.0:
         return True
@@ -169,8 +169,8 @@ class _Body:
         self.time = self.theta = self.w = self.peak = 0.0
         self.side = 0
         self.here = problem.edges[1]  # the equation on the side of the body
-        self.bounced = self.let_go = False  # let_go: of the ground, on the way
-        self.up: Piece | None = None  # the vertical motion of now
+        self.bounced = self.let_go = False  # let_go: True if it has lost the ground on the way
+        self.up: Piece | None = None  # the present piece of the vertical motion
         vertical = motion.vertical
         self.least = 1.0 if vertical is None else 1.0 + self.drive * float(vertical.segments.later_min[0])  # weight over m g
 
@@ -200,7 +200,7 @@ class _Body:
         return 1.0 if self.up is None else 1.0 + self.drive * value(self.up, self.omega * time)
 
     def wait(self, piece: Piece, end: float) -> None:
-        """Let the body rest until its first uplift, or until the end of the piece."""
+        """Let the body rest until its first uplift or the end of the piece."""
         lifts = []
         for side, edge in self.problem.edges.items():  # with a vertical motion each edge has an effective motion of its own
             signal = piece if self.up is None else plus(piece, self.up.scaled(side * edge.uplift))
@@ -211,7 +211,7 @@ class _Body:
         self.here, self.theta, self.w = self.problem.edges[self.side or 1], 0.0, 0.0
 
     def move(self, piece: Piece, end: float) -> None:
-        """One stretch, or on to the impact in it."""
+        """Move the body over one stretch, or to the impact in it."""
         of, start, push = self.here.of, Point(self.time, self.theta, self.w), self.side * self.drive
 
         def rate(t: float, theta: float, w: float) -> tuple[float, float]:
@@ -238,7 +238,7 @@ class _Body:
             self.side, self.w = 0, 0.0
 
     def press(self, rate: Rate, steps: list[Point]) -> None:
-        """Note if the body lets go of the ground along these steps, where its forces are known; theta' is w of such a body."""
+        """Record in `let_go` if Fz falls to zero along these steps of a body whose forces are known; such a body has theta' = w."""
         arm = self.problem.arms.get(self.side)
         if arm is None or self.let_go:
             return
@@ -260,14 +260,14 @@ class _Body:
             self.let_go = self.let_go or lets_go((before[1], middle[1], after[1]), within)
 
     def lost(self) -> bool:
-        """True if the body moves outwards where no ground acceleration of the motion pushes inwards, and the ground never falls away."""
+        """True if the body moves outwards where the strongest inward ground acceleration does not pull it in, and w > 0 always."""
         return self.least > 0.0 < self.w and self.here.of(self.theta, self.w, self.drive * self.motion.peak, self.least)[1] > 0.0
 
     def overturned(self) -> Outcome:
         return Outcome.OVERTURNED_AFTER_IMPACT if self.bounced else Outcome.OVERTURNED_NO_IMPACT
 
     def still(self) -> tuple[Outcome, float]:
-        """After the shaking: on over still ground, until the outcome is certain."""
+        """After the shaking: march over still ground until the outcome is certain; returns (outcome, max |theta|/alpha)."""
         impacts, self.up = 0, None
         for _ in range(_MOST):
             if self.side == 0 or impacts > 2:

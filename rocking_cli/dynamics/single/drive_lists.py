@@ -1,4 +1,4 @@
-"""The drive of one body as lists of floats: a motion's segments, a block at a time, and what pushes the body along each."""
+"""The motion under one body as lists of floats: its segments, a block at a time, and the sinusoids and slope of each."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ _BLOCK = 1 << 15  # segments whose lists are held at once
 
 
 class Block(NamedTuple):
-    """Segments first ... first + len(length) - 1: s at their start, how much it rises, and their length [rad]; the same of the vertical
-    motion, empty where there is none."""
+    """Segments first ... first + len(length) - 1: s at their start, its rise, and their length [rad]; up, up_rise: the start and rise of
+    the vertical motion, empty without one."""
 
     first: int
     start: list[float]
@@ -25,19 +25,19 @@ class Block(NamedTuple):
 
 
 class Wave(NamedTuple):
-    """Sinusoids of a segment at its start: sine and cosine part and frequency of each; slope by the phase."""
+    """The closed form of a segment: (sine part at its start, cosine part there, frequency) of each sinusoid, and the slope by the phase."""
 
     parts: list[tuple[float, float, float]]
     slope: float
 
     @classmethod
     def of(cls, segments: Segments, k: int) -> Wave:
-        """Of segment k."""
+        """Returns the wave of segment k."""
         columns = (x[:, k].tolist() for x in (segments.sin, segments.cos, segments.frequency))
         return cls([row for row in zip(*columns, strict=True) if row[0] or row[1]], float(segments.slope[k]))
 
     def change(self, u: float) -> float:
-        """s less that at the segment's start, after a phase u."""
+        """s at phase u of the segment, less s at its start."""
         total = self.slope * u
         for sin, cos, w in self.parts:
             t = math.tan(0.5 * w * u)
@@ -45,7 +45,7 @@ class Wave(NamedTuple):
         return total
 
     def terms(self, u: float, length: float, order: int) -> list[float]:
-        """Terms 1 ... order of s in powers of the share of a stretch of this length, from u on; term 0 is left 0."""
+        """Terms 1 ... order of s from phase u on, in powers of the share of a stretch of this length [rad]; term 0 is left at 0."""
         found = [0.0] * (order + 1)
         found[1] = self.slope * length
         for sin, cos, w in self.parts:
@@ -62,7 +62,7 @@ class Wave(NamedTuple):
 
 
 class Reel:
-    """The segments of a motion for one body."""
+    """The segments of a motion, read block by block as lists of floats."""
 
     def __init__(self, segments: Segments) -> None:
         self.segments, self.straight, self.count = segments, segments.straight, len(segments)

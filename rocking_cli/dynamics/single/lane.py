@@ -14,18 +14,18 @@ from ..system import System
 from .drive_lists import Reel
 from .recurrence import Code, compiled
 
-_ORDER = 18  # of series under sinusoids
-_COMPOSED = 12  # at the most, of an equation whose terms cost their third power
+_ORDER = 18  # order of series under sinusoids
+_COMPOSED = 12  # largest order for an equation whose cost goes with the third power of the order
 _NO_CODE = Code(0, lambda *_: (), None)
-_SAMPLED = 1 << 12  # segments of which the longest says how many terms the series have
+_SAMPLED = 1 << 12  # the longest of the first so many segments gives the number of terms of the series
 
 
 class Face(NamedTuple):
     """A side that the body rocks on.
 
-    drive: outward drive of s = 1; lift, push: the most of l and m; fall: K of Lemma 12; keeps: speed after over speed before on leaving
-    the side, in units of both; cycle: of a bounce to here and back; unit: its y over that of the first side; top: y of the unstable
-    equilibrium; limit: y from which it lies on its side.
+    drive: outward drive of s = 1; lift, push: the largest l and m; fall: K of Lemma 12; keeps: speed after over speed before an impact on
+    leaving the side, each in the unit of its side; cycle: the same for a bounce until the body is back here; unit: y = 1 of this side in
+    the unit of the first side; top: y of the unstable equilibrium; limit: y from which the body lies on its side.
     """
 
     side: float
@@ -45,7 +45,7 @@ class Face(NamedTuple):
 
 
 class Lane:
-    """One body under one motion at one Omega, whatever the amplitude: its law as code, the motion as lists."""
+    """One body under one motion at one Omega, for any amplitude: its equation as compiled code, and the motion as lists."""
 
     def __init__(self, system: System, segments: Segments, omega: float, eta: float) -> None:
         self.omega, self.eta, self.shaken = np.array([omega]), np.array([eta]), len(segments)
@@ -77,7 +77,7 @@ class Lane:
         return faces
 
     def _face(self, cells: Cells, side: float) -> Face:
-        """A side under A = 1."""
+        """Returns the side under A = 1."""
         equation, seg, at = self.system.equation.on(np.array([side])), self.segments, np.array([side])
         row = cells.row(at)
         amplitude, omega, eta = (float(np.ravel(values[row, 0])[0]) for values in cells)
@@ -92,13 +92,13 @@ class Lane:
         return Face(side, -side * amplitude, omega, eta, sway, lift, push, 0.0, keeps, cycle, float(lanes.peak[0]), top, limit, _NO_CODE)
 
     def _strike(self, cells: Cells, side: float) -> tuple[float, float]:
-        """The side after an impact, and the part of the speed that is left."""
+        """(side after an impact on this side, share of the speed that is left)."""
         lanes = self.lanes(cells, side)
         self.system.contact.strike(cells, lanes, -np.ones(1), -np.ones(1))
         return float(lanes.side[0]), float(lanes.v[0])
 
     def _code(self, face: Face, drive: float) -> Code:
-        """The code of a side under this drive of s = 1, with as many terms as it needs."""
+        """The code of a side, with the number of terms that an outward drive of this size under s = 1 needs."""
         order = _ORDER
         if self.reel.straight:
             unit = np.array([min(self.longest / face.omega, LONGEST)])
@@ -109,7 +109,7 @@ class Lane:
         return self._codes[key]
 
     def lanes(self, cells: Cells, side: float) -> Lanes:
-        """A lane for each cell, on a side, at the motion's start."""
+        """Returns a lane for each cell on a side, at rest at the start of the motion."""
         at = np.arange(cells.amplitude.shape[1])
         sides, zero, count = np.full(at.size, side), np.zeros(at.size), np.zeros(at.size, dtype=np.int64)
         amplitude, omega, eta = (np.broadcast_to(values, cells.amplitude.shape)[cells.row(sides), at].astype(float) for values in cells)
@@ -117,7 +117,7 @@ class Lane:
                      count.copy())  # fmt: skip
 
     def tau(self, k: int, u: float) -> float:
-        """Time by the first side's p of a place in the motion."""
+        """Time [tau of the first side] from the start of the motion to phase u of segment k."""
         seg, last = self.segments, len(self.segments) - 1
         return (float(seg.start[min(k, last)]) + (u if k <= last else float(seg.length[last]))) / float(self.omega[0])
 

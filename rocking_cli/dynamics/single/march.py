@@ -1,10 +1,10 @@
 """The march of one body on floats, from event to event.
 
-A step goes no further than one segment of the motion, where the net drive c (`weight`; a where the weight is steady) is monotone, nor
-beyond c = 1, so that it lies in one window. Where c < 1 the sign of y at its end decides whether the ground was struck (Lemma 1);
-where c > 1 nothing is struck while y' >= 0 (Lemma 2). Where y' < 0 and c > 1, and to find the instant of an impact, the march goes from
-where it is by the time for which y + y' t - K t^2/2 stays positive (Lemma 12): so it comes to the first root from the left. Whole
-segments of straight lines on which that bound is positive throughout are taken by compiled code (`recurrence`).
+The drive here is the net drive c (`weight`), which is the outward drive a under a constant weight. A step ends at the latest where its
+segment ends, on which c is monotone, or where c = 1; so it lies in one window. Where c < 1, the sign of y at its end decides whether the
+body struck the ground (Lemma 1). Where c > 1, there is no impact while y' >= 0 (Lemma 2). Where y' < 0 and c > 1, and to find the time of
+an impact, the march goes on by the time for which y + y' t - K t^2/2 stays positive (Lemma 12), and so reaches the first root from the
+left. Compiled code (`recurrence`) takes whole segments of straight lines on which this bound stays positive.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from .lane import Face, Lane
 from .series_roots import first_root, only_root, turns, value
 from .state import Body, Ended, Listener
 
-_INSTANT = 1e-12  # of a step: what is only the rounding of where it begins or ends
-_ROOM = 0.9  # of the step that the last terms allow
+_INSTANT = 1e-12  # share of a step: a shorter part of it is rounding of its ends
+_ROOM = 0.9  # part of the step that the last terms allow, for the next trial
 
 
 def march(
@@ -29,14 +29,14 @@ def march(
 ) -> Ended:
     """The outcome of a body under A = amplitude, from rest or released to the right from theta/alpha = release.
 
-    peaks: True if the largest rotation is wanted; most: steps and impacts, after which the body has failed.
+    peaks: True if the largest rotation is wanted; most: number of steps and of impacts beyond which the outcome is FAILED.
     """
     cells = lane.system.contact.cells(lane.system.equation, np.array([amplitude]), lane.omega, lane.eta)
     return _March(lane, cells, lane.faces(amplitude), peaks, listener, most).run(release)
 
 
 class _March(Body):
-    """The steps of a body from event to event."""
+    """The march of one body from event to event."""
 
     def run(self, release: float) -> Ended:
         count = self.reel.count
@@ -60,7 +60,7 @@ class _March(Body):
         return self.end or self._finish(Outcome.FAILED)
 
     def _coast(self) -> bool:
-        """The straight segments that compiled code takes, and the impact that it comes to; True if it came to one or to the end."""
+        """March over straight segments by compiled code and take the impact it meets; True after an impact or at the end of the motion."""
         block, face = self.reel.at(self.k), self.face
         k, last = self.k - block.first, len(block.length)
         if face.code.coast is None or (block.length[k] - self.u) / face.omega > self.reach:
@@ -86,11 +86,11 @@ class _March(Body):
         self.listener.keep(self.lane.tau(first + k, u), reach, self.face.side, float(self.lane.omega[0]) / self.face.omega, h, terms)
 
     def _top(self, face: Face) -> float:
-        """y from which on a body that moves outwards may be lost."""
+        """The y beyond which the march tests whether a body that moves outwards can come back."""
         return face.top if self.listener is None else self.listener.fallen[0 if face.side > 0.0 else 1]
 
     def _step(self) -> None:
-        """One step in one window."""
+        """Take one step within one window."""
         face, k, u = self.face, self.k, self.u
         block = self.reel.at(k)
         length = block.length[k - block.first]
@@ -151,7 +151,7 @@ class _March(Body):
             self._doubt()
 
     def _window(self, face: Face, k: int, u: float, h: float, c0: float, c1: float) -> float:
-        """The share of a step until c, monotone, is 1."""
+        """The share of a step at which c, which is monotone, passes 1."""
         if self.reel.straight:
             return (1.0 - c0) / (c1 - c0)
         low, high, rises = 0.0, 1.0, c1 > c0
@@ -164,7 +164,7 @@ class _March(Body):
     def _terms(
         self, face: Face, k: int, u: float, h: float, start: tuple[float, float], stop: tuple[float, float]
     ) -> tuple[tuple[float, ...], float]:
-        """The terms over h, and the time for which they hold."""
+        """(Taylor terms of y over a step h, the time for which they hold)."""
         local, room, order, expand = None, math.inf, face.code.order, self.lane.laws[face.side].local
         if expand is not None:
             room, local = expand(self.y, order - 1)
@@ -190,12 +190,12 @@ class _March(Body):
         return terms, held
 
     def _peaks(self, terms: tuple[float, ...], h: float, reach: float, v: float) -> None:
-        """Turning points outwards until `reach`, where y' is v."""
+        """Find turning points where y' falls through 0, up to `reach`, at which y' is v."""
         if not self.watched:
             return
         unit = self.face.unit
         start, stop = terms[1], v * h
-        if not start > 0.0 >= stop:  # y' leaves the chord of its ends by at most h^2/8 of its bend, most of that from the first terms
+        if not start > 0.0 >= stop:  # y' leaves its chord by at most h^2/8 of its second derivative, most of it from the first terms
             bend = 1.5 * abs(terms[3]) + 6.0 * abs(terms[4]) + 15.0 * abs(terms[5]) + 30.0 * abs(terms[6])
             if min(abs(start), abs(stop)) >= bend:
                 return

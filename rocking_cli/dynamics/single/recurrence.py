@@ -23,8 +23,8 @@ _CODES: dict[tuple[Any, ...], CodeType] = {}
 
 
 class Code(NamedTuple):
-    """Compiled for one side of a body, series to Y_order. terms(y, v, h, drive ..., force): Y_0 ... Y_order; coast: the march over whole
-    straight segments (`lane`), None where the equation needs more than numbers at each step."""
+    """Compiled functions for one side of a body, with series up to Y_order. terms(y, v, h, drive ..., force): returns Y_0 ... Y_order;
+    coast: marches over whole straight segments (`lane`), None if the equation needs more than numbers at each step."""
 
     order: int
     terms: Terms
@@ -32,7 +32,7 @@ class Code(NamedTuple):
 
 
 def compiled(law: Law, order: int, zeta: float, straight: bool, weighed: bool) -> Code:
-    """The code of a law to terms of this order."""
+    """Compile the code of a law with terms up to this order."""
     space: dict[str, Any] = {"tan": math.tan, "exp": math.exp, "only_root": only_root, "value": value, **law.numbers, "drag": 2.0 * zeta}
     exec(_code(law, order, zeta != 0.0, straight, weighed), space)
     return Code(order, space["terms"], space.get("coast"))
@@ -46,7 +46,7 @@ def _code(law: Law, order: int, damped: bool, straight: bool, weighed: bool) -> 
 
 
 def _text(law: Law, order: int, damped: bool, straight: bool, weighed: bool) -> str:
-    """Two functions."""
+    """The source of the two functions `terms` and `coast`."""
     numbers = "".join(f", {name}={name}" for name in (*law.numbers, "drag", "tan", "exp"))
     given = ("a", "g", *(("w", "e") if weighed else ())) if straight else ("d", *(("w",) if weighed else ()))
     body = _lines(law, order, damped, straight, weighed)
@@ -81,7 +81,7 @@ def _lines(law: Law, order: int, damped: bool, straight: bool, weighed: bool) ->
 
 
 def _product(of: str, n: int, straight: bool, line: tuple[str, str], terms: str, constant: bool) -> str:
-    """Text of term n of the drive, or weight, times a function along the motion."""
+    """Source of term n of the product of the drive, or of the weight, with a function along the motion."""
     if constant:
         return line[n] if straight and n < 2 else "" if straight else f"{terms}[{n}]"
     if straight:
@@ -90,9 +90,9 @@ def _product(of: str, n: int, straight: bool, line: tuple[str, str], terms: str,
 
 
 def _coast(law: Law, order: int, damped: bool, weighed: bool, numbers: str) -> list[str]:
-    """The march from phase u of segment k over straight lines, to an impact or to a step that is not proved: the segment, the phase, y, y'
-    and True after an impact. A step is taken where its series holds, where Lemma 12 or the sign of y at its end (Lemma 1) tells if the
-    ground is struck, and where no turn outwards may be above `peak`; `keep` is told each step."""
+    """Source of a march from phase u of segment k over straight lines, to an impact or to a step that is not proved. It returns the
+    segment, the phase, y, y' and True after an impact. It takes a step if its series holds, if Lemma 12 or the sign of y at its end (Lemma
+    1) tells whether the body struck the ground, and if no turn outwards may be above `peak`; it calls `keep` for each step."""
     lists, lifts = (", W, E", "w") if weighed else ("", "1.0")
     head = f"k, u, last, y, v, force, S, R, L{lists}, m, pace, fall, top, peak, least, keep, sway=0.0, root=only_root, at=value{numbers}"
     lines = ["h = L[k]*pace", "a = m*S[k]", "g = m*R[k]"]

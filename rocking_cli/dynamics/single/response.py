@@ -1,4 +1,4 @@
-"""The response of cells one after the other, on floats: for a command that asks for one structure under one motion."""
+"""The response of cells, computed one after the other on floats, for commands that ask for one structure under one motion."""
 
 from __future__ import annotations
 
@@ -16,22 +16,21 @@ Array = np.ndarray
 _STEPS, _FOR_EACH = (
     20_000,
     10,
-)  # that a cell may take, and for each segment of the motion: one that bounces for longer is left to `response`
+)  # largest number of steps of a cell, and its growth with each segment of the motion: `response` takes cells that need more
 
 
 def response_alone(
     system: System, motion: Motion, amplitude: Array | float, omega: Array | float, eta: Array | float, *, peaks: bool = True
 ) -> Response:
-    """The same as `response`, for a system of one structure, with numbers that `response` takes.
+    """As `response`, for a system of one structure; its arguments are those of `response`.
 
-    Bodies that bounce for very long, and those of which neither the amplitude nor the rotation proves that they press on the ground,
-    are decided as `response` does.
+    `response` itself decides bodies that bounce for very long, and bodies for which neither amplitude nor rotation proves Fz > 0.
     """
     if system.devices is not None:
         return response(system, motion, np.asarray(amplitude), np.asarray(omega), eta, peaks=peaks)
     cells = tuple(np.asarray(x, dtype=float) for x in np.broadcast_arrays(amplitude, omega, eta))
     shape, (amplitude, omega, eta) = cells[0].shape, (x.ravel() for x in cells)
-    prove = bool(amplitude.max(initial=0.0) > system.safe_amplitude(motion))  # peaks may, that a body presses on the ground
+    prove = bool(amplitude.max(initial=0.0) > system.safe_amplitude(motion))  # the peaks may prove that Fz > 0
     segments = system.segments(motion.coarsest)
     most = _STEPS + _FOR_EACH * len(segments)
     lanes: dict[tuple[float, float], Lane] = {}

@@ -1,12 +1,12 @@
-"""The approximate falls of bodies at many amplitudes of a record: they tell a search where to look, and decide nothing.
+"""The approximate falls of bodies at many amplitudes of a record: a search uses them to decide where the march must look.
 
-A line of the record lasts up to `_STEP` of tau: over it the record is a straight line with the same integral and first moment; the rest
-of it, r, moves a body by the outward drive of s = 1 times W, where W'' = r and W is 0 at both ends, which is added where an impact is
-looked for. Each lane, a body at an amplitude, goes its own way: in a round every lane moves on to the end of its line or to an impact,
-with the Taylor terms of `recurrence` on arrays. So lanes of many bodies share the cost of a round, and no bit depends on the others.
-Bounces shorter than a part of a line are averaged. The boundaries between standing and falling lie beside those of the march: of 48 first
-falls at most 5e-6 of the amplitude where a line is one sample, 6e-5 where it covers several; 2.4e-4 was seen once. Bodies that are
-followed closely have lines of one sample: of 670 boundaries 647 lie within 5e-7.
+A line lasts up to `_STEP` of tau. It replaces the record by a straight line with the same integral and first moment. The difference r of
+the two moves a body by W times the outward drive of s = 1, where W'' = r and W is 0 at both ends; this is added in the search for an
+impact. A lane is a body at an amplitude. In a round each lane moves to the end of its line or to an impact, with the Taylor terms of
+`recurrence` on arrays. So lanes of many bodies share the cost of a round, and no bit depends on the others. Bounces shorter than a part of
+a line are averaged. The boundaries between standing and falling differ from those of the march: for 48 first falls by at most 5e-6 of the
+amplitude where a line is one sample, 6e-5 where it covers several; 2.4e-4 was seen once. Close scans have lines of one sample: of 670
+boundaries 647 lie within 5e-7.
 """
 
 from __future__ import annotations
@@ -30,26 +30,27 @@ Array = np.ndarray
 _STEP = 0.05  # [tau]
 _SLOW = 1e-7  # a body is at rest after an impact below this speed
 _MOST = 100  # rounds over lines, after which a lane is left to the march
-_ROUNDS = 8  # after so many, lanes at rest are lifted and lanes at the end leave
-_AHEAD = 64  # lines among which the next uplift is looked for at once
+_ROUNDS = 8  # after so many rounds, lanes at rest go to their next uplift and lanes at the end of the record finish
+_AHEAD = 64  # number of lines that one search for the next uplift covers
 
 
 class Closeness(NamedTuple):
-    """How closely bodies are followed. order: of the series of a step; short: times `_STEP`, bounces shorter than that are averaged; roots:
-    steps of Newton's method to an impact, beside one where a line is not the record itself."""
+    """How closely the scan follows bodies. order: of the series of a step; short: bounces shorter than this times `_STEP` are averaged;
+    roots: number of steps of Newton's method to an impact, plus one where a line differs from the record."""
 
     order: int
     short: float
     roots: int
 
 
-_LOOSE = Closeness(4, 0.1, 1)  # with bounces of 0.5 narrow falls are missed that march and scan find by chance
+_LOOSE = Closeness(4, 0.1, 1)  # if bounces shorter than 0.5 `_STEP` were averaged, more narrow falls would be missed
 _CLOSE = Closeness(6, 1e-3, 3)
 
 
 class Lines(NamedTuple):
-    """The lines of a record: s at the start of each, its rise, its length; (lines,). The rest r within each, of each of its samples: W and
-    W' at its start, r there, and how much r rises; (4, lines, samples), no samples if a line is the record itself."""
+    """The lines of a record: s at the start of each, its rise, its length; (lines,). rest: the difference r of record and line, for each
+    sample of a line: W and W' at its start, r there, and the rise of r; (4, lines, samples), without samples if the lines are the record
+    itself."""
 
     s: Array
     rise: Array
@@ -58,9 +59,8 @@ class Lines(NamedTuple):
 
 
 class Scan:
-    """One body under one record at one Omega. close: True to follow it sample by sample, so that most boundaries lie within 1e-6 of the
-    march's; kind: bodies of which it is the same can be followed together; known: the amplitudes A at which it was followed, and the
-    outcomes."""
+    """One body under one record at one Omega. close: True to follow it sample by sample, so that most boundaries lie within 1e-6 of those
+    of the march; kind: bodies with equal kinds can be followed together; known: (amplitudes A that were computed, their outcomes)."""
 
     def __init__(self, system: System, motion: Motion, omega: float, eta: float, close: bool = False) -> None:
         self.lane = lane = Lane(system, system.segments(motion.coarsest), omega, eta)
@@ -80,13 +80,13 @@ class Scan:
         return straight and motion.vertical is None and system.equation.law(1.0).local is None
 
     def outcomes(self, amplitude: Array) -> Array:
-        """The likely outcome at each amplitude A, codes of `Outcome` with ROCKED for every body that stands, (lanes,)."""
+        """The approximate outcome at each amplitude A, codes of `Outcome`, with ROCKED for every body that stands, (lanes,)."""
         follow([self], [amplitude])
         return self.known[1][np.searchsorted(self.known[0], amplitude)]
 
 
 def follow(scans: Sequence[Scan], amplitudes: Sequence[Array]) -> None:
-    """Follow each body at its amplitudes A, as far as that was not done before: together, whatever their motions."""
+    """Compute the outcomes of each body at those of its amplitudes A that are not known yet, for all bodies and motions together."""
     new = [np.setdiff1d(a, scan.known[0]) for scan, a in zip(scans, amplitudes, strict=True)]
     for kind in dict.fromkeys(scan.kind for scan in scans):
         alike = [i for i, scan in enumerate(scans) if scan.kind == kind and new[i].size]
@@ -101,9 +101,9 @@ def follow(scans: Sequence[Scan], amplitudes: Sequence[Array]) -> None:
 
 
 class _Pool:
-    """outcome, bounced: of every lane, as far as they are known. Lanes that still move: number; A; k, x: line and share of it; row: body
-    and side; y, y'; drive: outward drive of s = 1 times A; pace: tau over the phase; rested: line after the
-    one in which it came to rest, -1 of others."""
+    """The lanes of a scan. outcome, bounced: of every lane, as far as they are known. The other fields are those of lanes that still move:
+    number; amplitude A; k, x: line and share of it; row: body and side; y, v: y and y'; drive: outward drive of s = 1 times A; pace: tau
+    over the phase; rested: line after the one in which the lane came to rest, -1 for others."""
 
     _EACH = ("number", "amplitude", "k", "x", "row", "y", "v", "drive", "pace", "rested")
 
@@ -130,7 +130,7 @@ class _Pool:
         self.outcome, self.bounced = np.full(body.size, Outcome.ROCKED, dtype=np.uint8), np.zeros(body.size, dtype=bool)
 
     def _lay(self, every: list[Lines]) -> None:
-        """The lines of the bodies, one record after the other; after each record come lines without length, where lanes wait."""
+        """Store the lines of the records one after the other; after each record follow lines of length 0, in which lanes wait."""
         places: dict[bytes, tuple[int, int]] = {}
         parts, size = [], 0
         for lines in every:
@@ -158,7 +158,7 @@ class _Pool:
         self.sample = np.cumsum(self.count) - self.count
 
     def outcomes(self) -> Array:
-        """The outcome of each lane."""
+        """March all lanes; returns the outcome of each lane."""
         rounds, most = 0, _MOST * self.s.size
         while self.number.size and rounds < most:
             if rounds % _ROUNDS == 0:
@@ -169,7 +169,7 @@ class _Pool:
         return self.outcome
 
     def _falls(self, number: Array) -> None:
-        """Lanes that fall, as they struck the ground before or not."""
+        """Store the outcome of lanes that fall, with or without an impact before."""
         self.outcome[number] = np.where(self.bounced[number], Outcome.OVERTURNED_AFTER_IMPACT, Outcome.OVERTURNED_NO_IMPACT)
 
     def _keep(self, stay: Array) -> None:
@@ -178,7 +178,7 @@ class _Pool:
         self.own = {name: x[self.row] for name, x in self.differ.items()}
 
     def _wait(self) -> None:
-        """Lanes at rest are put where they lift off next; those that never do, and those at the end of their record, leave."""
+        """Move lanes at rest to their next uplift; remove lanes without one, and lanes at the end of their record."""
         waits = self.length[self.k] == 0.0
         over = waits & (self.rested < 0)
         self._end(np.flatnonzero(over))
@@ -212,7 +212,7 @@ class _Pool:
         self._keep(~over)
 
     def _round(self) -> None:
-        """Each lane to the end of its line, or to an impact."""
+        """Move each lane to the end of its line, or to an impact."""
         k, x, drive = self.k, self.x, self.drive
         left, s, rise = 1.0 - x, self.s[k], self.rise[k]
         lasts = self.length[k] * self.pace
@@ -229,7 +229,7 @@ class _Pool:
             self._keep(~gone)
 
     def _strike(self, at: Array, k: Array, x: Array, h: Array, lasts: Array, terms: list[Array]) -> None:
-        """The impacts of lanes `at`, whose step of h began at share x of line k."""
+        """Apply the impacts of the lanes `at`, whose step of h began at share x of line k."""
         before, row = self.drive[at], self.row[at]
         self.bounced[self.number[at]] = True
         x, v, w, dw = self._impact(terms, x, h, k, lasts, before)
@@ -289,7 +289,7 @@ class _Pool:
         return w, dw * pace + part * (at + 0.5 * bend)
 
     def _end(self, at: Array) -> None:
-        """The free motion of lanes that still rock at the end of their record."""
+        """Find the outcome of lanes that still rock at the end of their record, by their free motion."""
         for row in np.unique(self.row[at]).tolist():
             i, lane, side = at[self.row[at] == row], self.scans[row // self.sides].lane, row % self.sides
             contact, equation = lane.system.contact, lane.system.equation
@@ -301,7 +301,7 @@ class _Pool:
 
 
 def _lines(segments: Segments, step: float) -> Lines:
-    """The lines of a record, each of whole segments up to a step [rad] long in all, or of parts of a segment."""
+    """The lines of a record. Each line covers whole segments, up to `step` [rad] in all, or a part of a segment."""
     start, length = segments.s_start[:], segments.length[:]
     change = segments.s_end[:] - start
     count = max(1, int(step / length.max() * (1.0 + 1e-9)))
@@ -324,5 +324,5 @@ def _lines(segments: Segments, step: float) -> Lines:
 
 
 def _sums(gains: Array) -> Array:
-    """The sums of the gains before each sample of a line."""
+    """Cumulative sums of the gains before each sample of a line."""
     return np.cumsum(gains, axis=1) - gains

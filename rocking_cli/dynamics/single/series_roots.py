@@ -9,7 +9,7 @@ from typing import Any
 
 
 def value(terms: Sequence[Any], x: Any, h: float = 1.0) -> tuple[Any, Any]:
-    """y and y' at the share x of a step h; floats, or arrays."""
+    """(y, y') at the share x of a step h; floats or arrays."""
     y = v = 0.0
     for c in reversed(terms):
         v = v * x + y
@@ -18,7 +18,7 @@ def value(terms: Sequence[Any], x: Any, h: float = 1.0) -> tuple[Any, Any]:
 
 
 def only_root(terms: tuple[float, ...], h: float, fall: float, zeta: float) -> float:
-    """The one time within a step h at which y comes to 0, at whose end y <= 0; fall: K of Lemma 12, which bounds it from below."""
+    """The time of the only root of y within a step h, at whose end y <= 0; fall: K of Lemma 12, which bounds this time from below."""
     y, v, pull = max(terms[0], 0.0), terms[1] / h, -2.0 * terms[2] / (h * h)
     slow = v - zeta * h * abs(v)
     low, high = (slow + math.sqrt(slow * slow + 2.0 * fall * y)) / fall, h
@@ -39,7 +39,7 @@ def only_root(terms: tuple[float, ...], h: float, fall: float, zeta: float) -> f
 
 
 def first_root(terms: tuple[float, ...], h: float, fall: float, zeta: float) -> float | None:
-    """The first time within a step h at which y is 0, its start apart; None where there is none. fall: bound K of what pulls y back."""
+    """The first time within a step h, after its start, at which y is 0; None if there is none. fall: bound K of the inward force."""
     t, y, v = 0.0, max(terms[0], 0.0), terms[1] / h
     for _ in range(500):
         slow = v - zeta * (h - t) * abs(v)
@@ -58,7 +58,7 @@ def first_root(terms: tuple[float, ...], h: float, fall: float, zeta: float) -> 
 
 
 def turns(terms: tuple[float, ...], stop: float) -> list[float]:
-    """Shares of a step, up to `stop`, at which y' falls through 0: between the extremes of y', of which it has few."""
+    """Shares of a step, up to `stop`, at which y' falls through 0. It searches between the extremes of y', which are few."""
     rate = [n * c for n, c in enumerate(terms)][1:]
     marks = [0.0, stop]
     ends = [value(rate, 0.0), value(rate, stop)]
@@ -75,7 +75,7 @@ def turns(terms: tuple[float, ...], stop: float) -> list[float]:
 
 
 def _crossing(terms: list[float], low: float, high: float) -> float:
-    """Where a polynomial of different signs at both ends is 0: Newton's method in a bracket that only shrinks."""
+    """The root of a polynomial between two points at which its signs differ: Newton's method in a bracket that only shrinks."""
     falls = value(terms, low)[0] > value(terms, high)[0]
     x = 0.5 * (low + high)
     for _ in range(100):

@@ -17,14 +17,13 @@ from ..march.batch import FreeFall
 from ..outcome import Outcome
 from .lane import Face, Lane
 
-_STILL = 1e-100  # a speed whose square a double does not hold is none
+_STILL = 1e-100  # speed that counts as zero, since its square is below double precision
 Keep = Callable[[float, float, float, float, float, tuple[float, ...]], None]  # start [tau], reach [tau of the side], side, pace, h, terms
 Note = Callable[[float, str, float, float, float], None]  # tau, event, side, y, y'
 
 
 class Listener(NamedTuple):
-    """Functions that a march calls; it then follows bounces down to the speed `visible`, and a body that falls to y = fallen (right,
-    left)."""
+    """Functions that a march calls, and how far it then goes: bounces down to the speed `visible`, a fall to y = fallen (right, left)."""
 
     keep: Keep
     note: Note
@@ -34,8 +33,8 @@ class Listener(NamedTuple):
 
 
 class Ended(NamedTuple):
-    """The end of a march: outcome, max |theta|/alpha (NaN where it fell), impacts during the shaking; lost: tau at which the ground
-    falls away from it, where it does."""
+    """The end of a march: outcome, max |theta|/alpha (NaN where the body fell), impacts during the shaking; lost: tau at which the ground
+    falls away from the body, None if it does not."""
 
     outcome: Outcome
     theta_ratio: float
@@ -44,8 +43,8 @@ class Ended(NamedTuple):
 
 
 class Body:
-    """The state of a march: segment k and phase u in it, the face it is on, y and y' there, the force where it is known to more digits than
-    the drive tells, and the largest y so far in units of the first side."""
+    """The state of a march: segment k and phase u in it, the face (side) the body is on, y and y', the force if it is known to more digits
+    than the drive tells, and the largest y so far in the unit of the first side."""
 
     def __init__(self, lane: Lane, cells: Cells, faces: dict[float, Face], peaks: bool, listener: Listener | None, most: int) -> None:
         self.lane, self.cells, self.faces, self.listener, self.most = lane, cells, faces, listener, most
@@ -63,7 +62,7 @@ class Body:
         self.drop = FreeFall.of(lane.segments, cells, lane.shaken)
 
     def _lanes(self) -> Lanes:
-        """This body as a lane of one."""
+        """Returns this body as `Lanes` with one lane."""
         lanes = self.lane.lanes(self.cells, self.face.side)
         lanes.k[0], lanes.u[0], lanes.y[0], lanes.v[0] = self.k, self.u, self.y, self.v
         lanes.b[0] = self._net(self.face, self.k, self.u) - 1.0 if self.force is None else self.force
@@ -71,14 +70,14 @@ class Body:
         return lanes
 
     def _net(self, face: Face, k: int, u: float) -> float:
-        """c at a place of the motion; of still ground after its end 0."""
+        """The net drive c at phase u of segment k; 0 on the still ground after the motion."""
         if k >= self.reel.count:
             return 0.0
         s, up = self.reel.value(k, u)
         return face.drive * s - face.sway * up
 
     def _impact(self, v: float) -> None:
-        """Impact with velocity v <= 0, by the rule of the contact."""
+        """Apply an impact with velocity v <= 0 by the rule of the contact."""
         face = self.face
         self._note("impact", 0.0, v)
         if self.k < self.lane.shaken:
@@ -96,7 +95,7 @@ class Body:
                 self._uplift(lanes=lanes)
 
     def _bounces_too_often(self) -> bool:
-        """True if it needs more steps than it may take, within its segment."""
+        """True if the body would need more steps than allowed within this segment."""
         if self.k >= self.lane.shaken or self.lane.zeta or not self.contact.alike or self.segments.weighed is not None:
             return False
         lanes = self._lanes()
@@ -104,7 +103,7 @@ class Body:
         return bool(outlasts(self.segments, lanes, self.most)[0])
 
     def _may_rest(self, face: Face, fall: float) -> bool:
-        """True if Lemma 7 may prove that the sequence of impacts ends in rest within this segment: the part of it that needs no arrays."""
+        """The part of the test of Lemma 7 that needs no arrays: False if the lemma cannot prove that the bounces end in this segment."""
         v = self.v
         if fall <= 0.0 or v * v >= 0.05 * fall * fall or (self.listener is not None and v >= self.listener.visible):
             return False
@@ -121,7 +120,7 @@ class Body:
         return 3.0 * v * lasts * face.omega <= (1.0 - face.cycle) * (block.length[self.k - block.first] - self.u)
 
     def _uplift(self, first: bool = False, lanes: Lanes | None = None) -> None:
-        """From rest to the next uplift, if any."""
+        """Go from rest to the next uplift; end the march if there is none."""
         at = np.array([self.k]), np.array([self.u])
         lift: Uplift = self.contact.uplift(self.cells, self.segments, np.zeros(1, dtype=np.int64), *at)
         k, u = place(self.segments, lift.k, lift.u)
@@ -139,7 +138,7 @@ class Body:
             self._finish(Outcome.LOST_CONTACT if dropped else Outcome.NO_UPLIFT if first else Outcome.ROCKED)
 
     def _doubt(self) -> None:
-        """End the march of a body beyond the unstable equilibrium if nothing brings it back (Lemma 6)."""
+        """End the march of a body beyond the unstable equilibrium if no later drive can bring it back (Lemma 6)."""
         seg, face = self.segments, self.face
         side, k = np.array([face.side]), np.array([min(self.k, len(seg) - 1)])
         amplitude = np.array([abs(face.drive)])
@@ -152,7 +151,7 @@ class Body:
         return Outcome.OVERTURNED_AFTER_IMPACT if self.bounced else Outcome.OVERTURNED_NO_IMPACT
 
     def _settled(self) -> bool:
-        """True if a damped body on still ground passes neither the barrier nor its peak, with the energy that it has without damping."""
+        """True, and the march ends, if a damped body on still ground would even without damping pass neither the barrier nor its peak."""
         lanes, equation = self._lanes(), self.equation.on(np.array([self.face.side]))
         peak = equation.damped_peak(lanes.y, lanes.v)
         if np.isfinite(peak[0]):
@@ -167,9 +166,9 @@ class Body:
         return True
 
     def _free(self) -> None:
-        """On still ground, undamped: the free motion in closed form (Lemma 8)."""
+        """End the march on still ground: undamped by the closed form of the free motion (Lemma 8)."""
         if self.lane.zeta:
-            if not self._settled():  # asked here of a body that is listened to
+            if not self._settled():  # the march does not test this before if a listener is present
                 self._finish(Outcome.FAILED)
             return
         lanes = self._lanes()

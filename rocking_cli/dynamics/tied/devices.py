@@ -1,12 +1,12 @@
 """Ties and a tendon in the units of an equation: elongation, force, and the rotations at which a phase of them ends.
 
-A tie at the height h and the distance x behind the pivot has e = x (1 - cos theta) + h sin theta, and the lever h cos theta + x sin theta;
-a tendon at the distance b has e = 2 b sin(theta/2) and the lever b cos(theta/2). (A rupture at b sin theta, which some sources state, does
-not agree with that lever.) In the linear equation e = h theta and b theta, and the levers are h and b. The force is
+A tie at the height h and the distance x behind the pivot has the elongation e = x (1 - cos theta) + h sin theta and the lever
+h cos theta + x sin theta; a tendon at the distance b has e = 2 b sin(theta/2) and the lever b cos(theta/2). (Some sources let a tendon
+break at b sin theta, which contradicts this lever.) In the linear equation e = h theta or b theta, with the levers h and b. The force is
 
     F = 0 (slack, broken),  P0 + K (e - e_p) (elastic),  F_y (yielding),  e_p the permanent elongation
 
-Each device acts on one side; a tie of both sides is two devices. A tendon acts on both and breaks on both.
+A device acts on one side; a tie that acts on both sides is two devices. A tendon acts on both sides and breaks on both.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ ROWS = ("right", "left")  # sides as rows of arrays
 
 
 class Phase(NamedTuple):
-    """The present phases of the devices of lanes, on their side. low, high: y between which they last, (devices, lanes); fixed, rate:
-    force at e = 0 [N] and its growth [N/m], (devices, lanes); yields: True where one yields, (lanes,)."""
+    """The present phases of the devices, for lanes on their sides. low, high: the y at which each phase ends, (devices, lanes); fixed,
+    rate: force at e = 0 [N] and its growth with e [N/m], (devices, lanes); yields: True for lanes with a yielding device, (lanes,)."""
 
     low: Array
     high: Array
@@ -38,7 +38,7 @@ class Phase(NamedTuple):
     yields: Array
 
     def take(self, at: Array | slice) -> Phase:
-        """These lanes alone."""
+        """Returns the phases of these lanes."""
         return Phase(*(x[..., at] for x in self))
 
 
@@ -47,8 +47,8 @@ class Devices:
     """The restraints of a body on its sides, (sides, devices) arrays, right side first; names: of each device.
 
     height, behind: h and x [m], of a tendon b and 0; unit: rotation of y = 1 [rad], (sides, 1); moment: m g R times the unit [N m], (sides,
-    1); tendon: True for the tendon, (devices,); linear: True for the linear equation; body: of the free body for its forces on the ground,
-    None if they are not known; weight: m g [N], infinite if they are not known.
+    1); tendon: True for the tendon, (devices,); linear: True for the linear equation; body: gives the ground forces of the free body, None
+    if they are not known; weight: m g [N], infinite if the ground forces are not known.
     """
 
     stiffness: Array
@@ -93,11 +93,11 @@ class Devices:
         return cls(stiffness, prestress, force, ultimate, height, behind, unit, moment, tendon, names, linear, body, weight)
 
     def on(self, numbers: Array, row: Array) -> Array:
-        """Numbers of the devices on these sides, (devices, lanes), or (devices, 1) if the sides have the same devices."""
+        """The numbers of the devices on these sides, (devices, lanes); (devices, 1) if both sides have the same devices."""
         return numbers[:1].T if self.alike else numbers[row].T
 
     def elongation(self, row: Array, y: Array) -> Array:
-        """e [m] at y, (devices, lanes)."""
+        """The elongation e [m] of each device at y, (devices, lanes)."""
         theta, h, x = self.unit[row, 0] * y, self.on(self.height, row), self.on(self.behind, row)
         if self.linear:
             return h * theta
@@ -105,7 +105,7 @@ class Devices:
         return np.where(self.tendon[:, None], 2.0 * h * np.sin(0.5 * theta), of_tie) if self.tendon.any() else of_tie
 
     def level(self, row: Array, e: Array) -> Array:
-        """y of an elongation [m], infinite where no rotation reaches it, (devices, lanes)."""
+        """The y at which each device has the elongation e [m], (devices, lanes); infinite where no rotation reaches e."""
         h, x, unit = self.on(self.height, row), self.on(self.behind, row), self.unit[row, 0]
         if self.linear:
             return e / h / unit
@@ -123,17 +123,17 @@ class Devices:
         return np.where(stiffness > 0.0, pulls, -np.inf), np.where(stiffness > 0.0, yields, np.inf)
 
     def stretched(self, row: Array, elongation: Array) -> Array:
-        """The permanent elongation that a device keeps after this one, as it turns back while yielding [m]."""
+        """The permanent elongation [m] of a device that yields up to this elongation and then unloads."""
         with np.errstate(divide="ignore", invalid="ignore"):
             elastic = (self.on(self.force, row) - self.on(self.prestress, row)) / self.on(self.stiffness, row)
         return np.maximum(0.0, np.where(self.on(self.stiffness, row) > 0.0, elongation - elastic, 0.0))
 
     def backbone(self, row: Array, elongation: Array) -> Array:
-        """The largest force [N] of devices that have been stretched to these elongations."""
+        """The largest force [N] that devices have carried when stretched to these elongations."""
         return np.minimum(self.on(self.prestress, row) + self.on(self.stiffness, row) * elongation, self.on(self.force, row))
 
     def phase(self, row: Array, phase: Array, plastic: Array) -> Phase:
-        """The limits and the force of devices in these phases, (devices, lanes)."""
+        """The limits in y and the force law of devices in these phases, as `Phase`."""
         pulls, yields = self.thresholds(row, plastic)
         ultimate, stiffness = self.on(self.ultimate, row), self.on(self.stiffness, row)
         elastic, yielding = phase == ELASTIC, phase == YIELDING
@@ -144,12 +144,12 @@ class Devices:
         return Phase(self.level(row, low), self.level(row, high), fixed, np.where(elastic, stiffness, 0.0), yielding.any(axis=0))
 
     def at_ground(self, row: Array, phase: Array, plastic: Array) -> Array:
-        """The phases in which devices begin as a body leaves the ground on these sides."""
+        """The phase of each device when a body leaves the ground onto these sides."""
         pulls, _ = self.thresholds(row, plastic)
         return np.where(phase == BROKEN, BROKEN, np.where(pulls <= 0.0, ELASTIC, SLACK))
 
     def pull(self, row: Array, phase: Array, plastic: Array) -> Array:
-        """-y'' that the devices add on bodies at the ground, (lanes,)."""
+        """The restoring acceleration -y'' that the devices add to bodies at the ground, (lanes,)."""
         force = np.clip(self.on(self.prestress, row) - self.on(self.stiffness, row) * plastic, 0.0, None)
         force = np.where(phase == BROKEN, 0.0, force)
         return _added(force * self.on(self.height, row)) / self.moment[row, 0]
@@ -161,7 +161,8 @@ class Devices:
         return all(bool(np.all(x == x[0])) for x in numbers)
 
     def held_at_first(self) -> Array:
-        """The drive over that of the free body at which a body leaves the ground on to each of its sides, before any yield, (sides, 1)."""
+        """The drive at which the restrained body leaves the ground onto each side, over that of the free body, before any yield, (sides,
+        1)."""
         rows, none = np.arange(len(self.stiffness)), np.zeros((len(self.names), len(self.stiffness)))
         return np.asarray(1.0 + self.pull(rows, none, none)[:, None])
 
@@ -179,18 +180,18 @@ class Devices:
         return np.where(self.tendon[:, None], h * np.cos(0.5 * theta), of_tie) if self.tendon.any() else of_tie
 
     def pulled(self, row: Array, now: Phase, y: Array) -> Array:
-        """-y'' that the devices add at y, (lanes,)."""
+        """The restoring acceleration -y'' that the devices add at y, (lanes,)."""
         return _added((now.fixed + now.rate * self.elongation(row, y)) * self.lever(row, y)) / self.moment[row, 0]
 
     def work(self, row: Array, now: Phase, y: Array, to: Array) -> Array:
-        """The work that the devices take from y to another place, in the unit of y'^2, (lanes,)."""
+        """The work that the devices take from the body on its way from y to `to`, in the unit of y'^2, (lanes,)."""
         middle, turned = 0.5 * (y + to), self.unit[row, 0] * (to - y)
         path = turned if self.linear else np.where(self.tendon[:, None], 4.0 * np.sin(0.25 * turned), 2.0 * np.sin(0.5 * turned))
         force = now.fixed + 0.5 * now.rate * (self.elongation(row, y) + self.elongation(row, to))
         return _added(force * path * self.lever(row, middle)) / (self.moment[row, 0] * self.unit[row, 0])
 
     def bounds(self, row: Array, now: Phase, low: Array, high: Array) -> tuple[Array, Array]:
-        """Bounds of `pulled` between low and high, over which a force does not fall and a lever is concave, (lanes,) each."""
+        """(lower, upper) bound of `pulled` between low and high, (lanes,) each. In this range forces do not fall and levers are concave."""
         small, large = (now.fixed + now.rate * self.elongation(row, y) for y in (low, high))
         lever = np.minimum(self.lever(row, low), self.lever(row, high))
         least, most = np.where(lever > 0.0, small, large) * lever, large * np.hypot(self.on(self.height, row), self.on(self.behind, row))
@@ -218,7 +219,7 @@ class Devices:
 
 
 def tied_system(structure: RockingParameters, free: System, *, linear: bool) -> System:
-    """The system of a structure with its restraints, from that of the free body, which stays as it is if none of them ever pulls."""
+    """The system of a structure with its restraints, from `free`, the system of the body without them; `free` itself if none ever pulls."""
     sides = np.array([1.0, -1.0])
     unit = np.broadcast_to(free.equation.on(sides).rotation(np.ones(2)) * structure.alpha_on(sides), 2)
     devices = Devices.of(structure, unit, linear=linear, body=free.body)
@@ -237,7 +238,7 @@ def _of_tendon(held: Tendon, lever: float) -> tuple[float, ...]:
 
 
 def _added(rows: Array) -> Array:
-    """The sum over the devices, one after the other: no digit depends on a lane's neighbours."""
+    """The sum over the devices, in their order, so that no digit depends on a lane's neighbours."""
     total = rows[0].copy()
     for row in rows[1:]:
         total += row

@@ -30,8 +30,9 @@ _HALVINGS = 40
 
 
 class Step(NamedTuple):
-    """A step with one turn at most. arc: the motion from its start; h: its length [tau]; end: the state there; outward: 1, -1 or, of bodies
-    that do not move, 0, at its start; turn: where y' = 0, NaN without a turn; fastest, hardest: bounds of |y'| and |y''| along it."""
+    """A step with at most one turn. arc: the motion from its start; h: its length [tau]; end: the state at its end; outward: direction of
+    the motion at its start, 1 outwards, -1 inwards, 0 for bodies that do not move; turn: the time at which y' = 0, NaN without a turn;
+    fastest, hardest: bounds of |y'| and |y''| in the step."""
 
     arc: TaylorSeries
     h: Array
@@ -43,31 +44,31 @@ class Step(NamedTuple):
 
 
 class Law:
-    """An equation of tied bodies. alpha: of the right and the left side [rad], which the linear one does not use; damping: zeta [-];
-    tolerance: of y."""
+    """The equation of motion of tied bodies. alpha: of the right and the left side [rad], not used by the linear equation; damping: zeta
+    [-]; tolerance: of y."""
 
     def __init__(self, devices: Devices, alpha: Array, damping: float, tolerance: float) -> None:
         self.devices, self.damping, self.tolerance, self.order = devices, damping, tolerance, taylor.order_for(tolerance)
         self.sin, self.tan = np.sin(alpha), np.tan(alpha)
 
     def weight(self, row: Array, y: Array) -> Array:
-        """-y'' that the weight adds."""
+        """The restoring acceleration -y'' of the weight at y."""
         theta = self.sin[row] * y
         return 1.0 - y if self.devices.linear else np.cos(theta) - np.sin(theta) / self.tan[row]
 
     def force(self, row: Array, now: Phase, y: Array, a: Array) -> Array:
-        """y'' without damping, (lanes,)."""
+        """y'' under the outward drive a, without damping, (lanes,)."""
         theta = self.sin[row] * y
         push = a if self.devices.linear else a * (np.cos(theta) + self.tan[row] * np.sin(theta))
         return push - self.weight(row, y) - self.devices.pulled(row, now, y)
 
     def work(self, row: Array, now: Phase, y: Array, to: Array) -> Array:
-        """The fall of y'^2/2 on the way from y to another place, on still ground without damping."""
+        """By how much y'^2/2 falls on the way from y to `to`, on still ground without damping."""
         path = to - y if self.devices.linear else 2.0 / self.sin[row] * np.sin(0.5 * self.sin[row] * (to - y))
         return path * self.weight(row, 0.5 * (y + to)) + self.devices.work(row, now, y, to)
 
     def inward(self, row: Array, now: Phase, low: Array, high: Array) -> tuple[Array, Array]:
-        """Bounds of -y'' from low to high on still ground without damping: the weight's part falls with y, and forces grow with it."""
+        """Bounds of -y'' from low to high on still ground without damping: the part of the weight falls with y, and forces grow."""
         least, most = self.devices.bounds(row, now, low, high)
         return self.weight(row, high) + least, self.weight(row, low) + most
 
@@ -105,11 +106,11 @@ class Law:
         return TaylorSeries(terms, unit, np.minimum(short, 1.0) * unit, fastest, self.damping)
 
     def _drive(self, segments: Segments, lanes: Lanes) -> Array:
-        """The outward drive now."""
+        """The present outward drive of each lane."""
         return -lanes.side * lanes.amplitude * (segments.s_start[lanes.k] + segment_value(segments, lanes.k, lanes.u)[0])
 
     def _stiffest(self, row: Array, now: Phase) -> Array:
-        """A rate [1/tau] of the phase: the root of the stiffness of the restraints."""
+        """A rate [1/tau] of the phase: the square root of the stiffness of the restraints."""
         return np.sqrt(self.devices.linear_terms(row, now)[1])
 
     def _fill(self, terms: Array, lanes: Lanes, row: Array, now: Phase, drive: Array, unit: Array, factors: Array, exact: Array) -> None:
@@ -128,12 +129,12 @@ class Law:
             np.multiply(own, factor, out=terms[n + 2])
 
     def _linear(self, terms: Array, row: Array, now: Phase, drive: Array, unit2: Array) -> Callable[[int], Array]:
-        """A function that gives unit^2 times term n of y'', from n = 1 on."""
+        """Returns a function of n that gives unit^2 times term n of y'', from n = 1 on."""
         soft = unit2 * (1.0 - self.devices.linear_terms(row, now)[1])
         return lambda n: soft * terms[n] + drive[n] if n < len(drive) else soft * terms[n]
 
     def _nonlinear(self, terms: Array, row: Array, now: Phase, drive: Array, unit2: Array) -> Callable[[int], Array]:
-        """The same; it is called for n = 0, 1 ... in this order."""
+        """As `_linear`; the caller calls the function for n = 0, 1 ... in this order."""
         factor, sin, tan = unit2 * self.devices.circular_terms(row, now), self.sin[row], self.tan[row]
         factor[0] -= unit2
         factor[1] += unit2 / tan
@@ -172,7 +173,7 @@ class Law:
 
 
 def one_turn(arc: TaylorSeries, left: Array) -> Step:
-    """The step of lanes, at most for `left` [tau], up to the second turn of their series at the latest."""
+    """The longest step of lanes, at most `left` [tau], that ends before the second turn of their series."""
     h = np.minimum(arc.longest, left)
     end, bent = arc.at_with_chord_errors(h)
     kept, monotone = sense(arc, h, end, bent)
@@ -195,8 +196,8 @@ def one_turn(arc: TaylorSeries, left: Array) -> Step:
 
 
 def _bernstein(arc: TaylorSeries, h: Array) -> tuple[Array, Array, Array]:
-    """(shorter steps with one turn at most, the sense of y at their start, True where there is a turn): the signs of the Bernstein
-    coefficients of y' tell."""
+    """(shorter steps with at most one turn, direction of the motion at their start, True where there is a turn), from the signs of the
+    Bernstein coefficients of y'."""
     terms = np.zeros((max(len(arc.terms), taylor.MOST_TERMS + 1), h.size))  # as many as with any neighbours
     terms[: len(arc.terms)] = arc.terms
     n, share, lanes = np.arange(1.0, len(terms))[:, None], h / arc.unit, np.arange(h.size)
@@ -213,7 +214,7 @@ def _bernstein(arc: TaylorSeries, h: Array) -> tuple[Array, Array, Array]:
 
 
 def _changes(signs: Array) -> tuple[Array, Array]:
-    """(number of sign changes of each column, zeros apart, its first sign that is not 0)."""
+    """(number of sign changes in each column, without zeros; first sign in the column that is not 0)."""
     last = np.maximum.accumulate(np.where(signs != 0.0, np.arange(len(signs))[:, None], 0), axis=0)
     filled = np.take_along_axis(signs, last, axis=0)
     first = np.take_along_axis(signs, np.argmax(signs != 0.0, axis=0)[None], axis=0)[0]
@@ -221,7 +222,7 @@ def _changes(signs: Array) -> tuple[Array, Array]:
 
 
 def falls(arc: TaylorSeries, low: Array, high: Array) -> tuple[Array, Array]:
-    """(h, y' there) where series fall through zero, once between `low` and `high`."""
+    """(h, y' at h) where series fall through zero; there is one such h between `low` and `high`."""
     fall = np.sqrt(np.maximum(arc.v * arc.v - 2.0 * arc.b * arc.y, 0.0))
     guess = np.where(arc.v < 0.0, 2.0 * arc.y / (fall - arc.v), -(arc.v + fall) / arc.b)  # by the first three terms
     return impact_root(arc, low, high, np.where((guess > low) & (guess < high), guess, 0.5 * (low + high)))

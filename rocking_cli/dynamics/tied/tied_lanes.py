@@ -1,4 +1,4 @@
-"""What the march of tied bodies carries from event to event, tells a listener, and hands in."""
+"""Records of the march of tied bodies: its lanes, the ends of steps, a recorder of one body, and the results."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from ..lanes import Array, Lanes
 
 @dataclass
 class TiedLanes(Lanes):
-    """Lanes of tied bodies. phase, plastic, farthest: of each device, its permanent and its largest elongation [m], (sides, devices,
-    lanes); exact: True where y'' is exactly 0; bounced: True after an impact; turned: bits of the sides, 1 right and 2 left, on which the
-    body has turned back on still ground; rests: True where it comes to rest; lost: True if Fz <= 0 was met."""
+    """Lanes of tied bodies. phase, plastic, farthest: phase, permanent elongation [m] and largest elongation [m] of each device, (sides,
+    devices, lanes); exact: True where y'' is exactly 0; bounced: True after an impact; turned: bits of the sides, 1 right and 2 left, on
+    which the body has turned back on still ground; rests: True where it comes to rest; lost: True if Fz <= 0 has occurred."""
 
     phase: Array
     plastic: Array
@@ -26,8 +26,8 @@ class TiedLanes(Lanes):
 
 
 class Ends(NamedTuple):
-    """The ends of steps, (lanes,). up, down: True at the upper and at the lower end of a phase, which may be the ground; peaked: True if a
-    peak was met, at `top`; bottom: True at a turn outwards; still: True on still ground."""
+    """What happens at the ends of steps, (lanes,). up, down: True at the upper end, and at the lower end, of a phase; the lower end may be
+    the ground; peaked: True if there was a peak in the step, at y = `top`; bottom: True at a turn outwards; still: True on still ground."""
 
     up: Array
     down: Array
@@ -38,25 +38,25 @@ class Ends(NamedTuple):
 
 
 class Recorder(Protocol):
-    """It sees the march of one body, which it follows up to a phase `until` [rad], and each bounce down to the speed `visible`."""
+    """Records the march of one body, up to phase `until` [rad] of the motion and with each bounce down to the speed `visible`."""
 
     until: float
     visible: float
 
     def keep(self, lanes: Lanes, arc: TaylorSeries, reach: float) -> None:
-        """An arc of `reach` [tau] from the state of the lanes."""
+        """Record an arc that lasts `reach` [tau] from the state of the lanes."""
 
     def note(self, lanes: Lanes, event: str, y: float, v: float, device: str = "") -> None:
-        """An event at the place of the lanes."""
+        """Record an event at the present position of the lanes in the motion."""
 
     def rest(self, before: Lanes, after: Lanes, bounces: float) -> None:
-        """A rest, after bouncing for `bounces` [tau] from just after an impact on, to the next uplift."""
+        """Record a rest until the next uplift, after `bounces` [tau] of bouncing that follow an impact."""
 
 
 @dataclass(frozen=True)
 class Found:
-    """Results of cells. outcome, theta_ratio, impacts: as in `Response`; phase, plastic, farthest: of each device at the end, (sides,
-    devices, cells)."""
+    """Results of cells. outcome, theta_ratio, impacts: as in `Response`; phase, plastic, farthest: of each device at the end of the march,
+    (sides, devices, cells)."""
 
     outcome: Array
     theta_ratio: Array
