@@ -219,7 +219,7 @@ class Devices:
 
 
 def tied_system(structure: RockingParameters, free: System, *, linear: bool) -> System:
-    """The system of a structure with its restraints, from `free`, the system of the body without them; `free` itself if none ever pulls."""
+    """The system of a structure with its restraints, from `free`, the system without them; `free` itself if none of them ever pulls."""
     sides = np.array([1.0, -1.0])
     unit = np.broadcast_to(free.equation.on(sides).rotation(np.ones(2)) * structure.alpha_on(sides), 2)
     devices = Devices.of(structure, unit, linear=linear, body=free.body)
