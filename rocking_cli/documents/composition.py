@@ -33,7 +33,7 @@ class Place:
         return f"{self.source}:{self.line}:{self.column}" if self.line else self.source
 
     def below(self, lines: int) -> Place:
-        """The same place after `lines` more lines."""
+        """Return the place moved down by `lines` lines."""
         return replace(self, line=self.line + lines)
 
 
@@ -53,7 +53,7 @@ class Value:
         return "a list" if isinstance(self.content, list) else "a mapping"
 
     def plain(self) -> Any:
-        """The value as JSON holds it: a number in SI, with its unit or without, is a float; `true`, `false` and null are themselves."""
+        """Return the value as JSON has it: a number, with a unit or without, is a float in SI; `true`, `false` and null stay."""
         if isinstance(self.content, list):
             return [v.plain() for v in self.content]
         if isinstance(self.content, dict):
@@ -67,7 +67,7 @@ class Value:
 
 
 def text_of(source: str, raw: bytes) -> str:
-    """The text of a file's bytes. Raises DocumentError if it is not UTF-8."""
+    """Return the text of a file's bytes. Raises DocumentError if they are not UTF-8."""
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -76,18 +76,18 @@ def text_of(source: str, raw: bytes) -> str:
 
 
 def compose(text: str, source: str) -> list[tuple[yaml.Node, int]]:
-    """(root node, line offset) of each document of a text; the offset is added to the line numbers of the node. Raises DocumentError."""
+    """Return (root node, line offset) of each document of a text; add the offset to the line numbers of the node. Raises DocumentError."""
     return _compose_json(text, source) if text.lstrip().startswith("{") else _compose_yaml(text, source, 0)
 
 
 def _place_in(text: str, at: int, source: str) -> Place:
-    """The place of character `at` of a text."""
+    """Return the place of character number `at` of a text."""
     before = text[:at]
     return Place(source, before.count("\n") + 1, len(before) - before.rfind("\n"))
 
 
 class _Unlikely(yaml.MarkedYAMLError):
-    """Valid YAML that is too large for a structure document."""
+    """Raised for valid YAML that is too large for a structure document."""
 
 
 class _Composer(yaml.SafeLoader):
@@ -134,7 +134,7 @@ def _marked(error: yaml.MarkedYAMLError, source: str, first: int) -> Place:
 
 
 def _compose_json(text: str, source: str) -> list[tuple[yaml.Node, int]]:
-    """Nodes of JSON objects one after the other: JSON's grammar finds where each ends, YAML's composer gives the places in it."""
+    """Return the nodes of JSON objects one after the other: a JSON decoder finds the end of each, YAML's composer the places in it."""
     nodes: list[tuple[yaml.Node, int]] = []
     decoder, at = json.JSONDecoder(), _after_blanks(text, 0)
     first = text.count("\n", 0, at)

@@ -53,14 +53,14 @@ class Document:
         return value is not None and (value.quoted or value.content not in ("", "~", "null"))
 
     def fault(self, key: str | None, found: str, wanted: str) -> DocumentError:
-        """The error for a key (None: for the document), with its place, the value found and the values accepted."""
+        """Return the error for a key (None: for the document), with its place, the value found and the values accepted."""
         place = self.place
         if key is not None and key in self.keys:
             place = self.values[key].place if key in self.values else self.keys[key]
         return DocumentError(f"{place}: {key + ': ' if key else ''}found {found}; expected {wanted}")
 
     def missing(self, key: str, wanted: str) -> DocumentError:
-        """The error for a required key that is absent or misspelt."""
+        """Return the error for a required key that is absent or misspelt."""
         from difflib import get_close_matches
 
         for other in get_close_matches(key, [k for k in self.keys if k not in self.asked], n=1, cutoff=0.75):
@@ -93,11 +93,11 @@ class Document:
         return number
 
     def length(self, key: str) -> float:
-        """A positive length [m]."""
+        """Return the value of a key that must be a positive length [m]. Raises DocumentError."""
         return self.quantity(key, "length", least=SMALLEST_LENGTH, where=f"a positive length, from {SMALLEST_LENGTH:g} m")
 
     def choice(self, key: str, options: Sequence[str], default: str | None = None) -> str:
-        """One of the words `options`; `default` if the key is absent. Raises DocumentError."""
+        """Return the value of a key, one of the words `options`; `default` if the key is absent. Raises DocumentError."""
         if not self.has(key):
             if default is None:
                 raise self.missing(key, f"one of {', '.join(options)}")
@@ -108,7 +108,7 @@ class Document:
         return str(value.content)
 
     def flag(self, key: str) -> bool:
-        """The value of a key that is true or false; False if the key is absent. Raises DocumentError for another value."""
+        """Return the value of a key that is true or false; False if the key is absent. Raises DocumentError for another value."""
         if not self.has(key):
             return False
         value = self.values[key]
@@ -117,14 +117,14 @@ class Document:
         return value.content == "true"
 
     def integer(self, key: str, least: int, most: int) -> int:
-        """A whole number from `least` to `most`. Raises DocumentError."""
+        """Return the value of a key, a whole number from `least` to `most`. Raises DocumentError."""
         number = self.quantity(key, "number", least=least, most=most, where=f"a whole number from {least} to {most}")
         if number != int(number):
             raise self.fault(key, str(self.values[key]), f"a whole number from {least} to {most}")
         return int(number)
 
     def word(self, key: str, default: str) -> str:
-        """A text of printable characters, not empty; `default` if the key is absent. Raises DocumentError."""
+        """Return the value of a key, a text of printable characters that is not empty; `default` if absent. Raises DocumentError."""
         if not self.has(key):
             return default
         content = self.values[key].content
@@ -133,7 +133,7 @@ class Document:
         return content
 
     def pair(self, key: str, value: Value, dimension: str, name: str, wanted: str) -> tuple[float, float]:
-        """The SI values of a list of two quantities inside the value of `key`; `name` is that of the pair. Raises DocumentError."""
+        """Return the SI values of a list of two quantities inside the value of `key`; name: the name of the pair. Raises DocumentError."""
         if isinstance(value.content, list) and len(value.content) == 2:
             try:
                 first, second = (parse_quantity(v.content, dimension) for v in value.content if isinstance(v.content, str))
@@ -144,13 +144,13 @@ class Document:
         raise self.fault(key, f"a {name} that is not a pair of {dimension}s (line {value.place.line})", wanted)
 
     def part(self, key: str, value: Value, path: str = "") -> Document:
-        """A mapping inside the value of `key`, as a document. Raises DocumentError if `value` is not a mapping."""
+        """Return a mapping inside the value of `key` as a document. Raises DocumentError if `value` is not a mapping."""
         if not isinstance(value.content, dict):
             raise DocumentError(f"{value.place}: {key}: found {value}; expected a mapping of keys to values")
         return Document(self.source, value.place, value.content, {k: v.place for k, v in value.content.items()}, within=(self, path or key))
 
     def parts(self, key: str, wanted: str) -> list[Document]:
-        """The mappings of a non-empty list, each as a document; `finish` of this document finishes them. Raises DocumentError."""
+        """Return each mapping of a non-empty list as a document; `finish` of this document finishes them too. Raises DocumentError."""
         value = self.values[key] if self.has(key) else None
         if value is None:
             raise self.missing(key, wanted)
@@ -171,7 +171,7 @@ class Document:
                 raise DocumentError(f"{place}: unknown key {key!r}{meant}; known keys of this kind: {', '.join(known)}")
 
     def value_at(self, key: str) -> Value | None:
-        """The value of a key, or at a path such as `ties.0.yield`; None without it."""
+        """Return the value of a key, or the value at a path such as `ties.0.yield`; None without it."""
         head, *path = [key] if key in self.values else key.split(".")
         found = self.values.get(head)
         for name in path:
@@ -180,8 +180,8 @@ class Document:
         return found
 
     def with_value(self, key: str, text: str, source: str) -> Document:
-        """A copy of the document with the value of a key replaced or added, or that at a path such as `ties.0.yield`; `source` is the place
-        of the value in error messages. Raises DocumentError if there is no such place."""
+        """Return a copy of the document with the value of a key, or at a path such as `ties.0.yield`, replaced or added; source: the place
+        of the value in error messages. Raises DocumentError if the path does not exist."""
         head, *path = key.split(".")
         new, keys = Value(text, Place(source, 0, 0)), self.keys
         if path and head in self.values:
@@ -192,12 +192,12 @@ class Document:
 
 
 def _item(content: object, name: str) -> Value | None:
-    """The item of a list by its number; None without it."""
+    """Return the item of a list with this number (a text), None without it."""
     return content[int(name)] if isinstance(content, list) and name.isdigit() and int(name) < len(content) else None
 
 
 def _with_inner(value: Value, path: Sequence[str], new: Value) -> Value:
-    """A list or mapping with the value at a path in it replaced."""
+    """Return a copy of a list or mapping with the value at a path in it replaced."""
     name, *rest = path
     if isinstance(value.content, dict) and (not rest or name in value.content):
         return replace(value, content={**value.content, name: _with_inner(value.content[name], rest, new) if rest else new})
@@ -214,13 +214,13 @@ def _range_text(above: float, below: float, least: float, most: float) -> str:
 
 
 def read_documents(path: str | Path) -> list[Document]:
-    """All documents of a YAML, JSON or CSV file; `-` is standard input. Raises UsageError if the file cannot be read, and DocumentError if
+    """Read all documents of a YAML, JSON or CSV file; `-` is standard input. Raises UsageError if the file cannot be read, DocumentError if
     it holds no valid document."""
     return documents_of(*read_bytes(path))
 
 
 def documents_of(source: str, raw: bytes) -> list[Document]:
-    """All documents of a file's bytes. Raises DocumentError."""
+    """Return all documents in the bytes of a file. Raises DocumentError."""
     return parse_documents(text_of(source, raw), source)
 
 
@@ -239,7 +239,7 @@ def parse_documents(text: str, source: str = "<text>") -> list[Document]:
 
 
 def _rows(text: str, source: str) -> list[Document] | None:
-    """The documents of a CSV table, None for any other text. Raises DocumentError for a table without a column `kind`."""
+    """Return the documents of a CSV table, None for any other text. Raises DocumentError for a table without a column `kind`."""
     from .table import delimiter_of, demand_no_table, rows_of
 
     if delimiter := delimiter_of(text):
@@ -249,7 +249,7 @@ def _rows(text: str, source: str) -> list[Document] | None:
 
 
 def document_of(cells: Sequence[Cell], source: str, index: int = 0) -> Document:
-    """The document that states these keys and texts, such as the cells of a CSV row. Raises DocumentError."""
+    """Return the document with these keys and texts, such as the cells of a CSV row. Raises DocumentError."""
     values: dict[str, Value] = {}
     keys: dict[str, Place] = {}
     for key, text, place in cells:
@@ -320,7 +320,7 @@ def _value(node: yaml.Node, source: str, first: int, depth: int, count: list[int
 
 
 def _whole_characters(text: str, place: Place) -> str:
-    """The text with each pair of surrogates joined to one character. Raises DocumentError for a lone surrogate."""
+    """Return the text with each pair of surrogates joined to one character. Raises DocumentError for a lone surrogate."""
     if text.isascii() or not any("\ud800" <= c <= "\udfff" for c in text):
         return text
     try:

@@ -1,4 +1,4 @@
-"""The bytes of a file that a user names; `-` is standard input."""
+"""Reads the bytes of a file that a user names; `-` is standard input."""
 
 import os
 import select
@@ -14,7 +14,7 @@ _PATIENCE = 2.0  # s that a pipe may be without a writer
 
 
 def read_bytes(path: str | Path) -> tuple[str, bytes]:
-    """(source name, content) of a file. Raises UsageError if it cannot be read, and DocumentError if it is too large."""
+    """Return (source name, content) of a file. Raises UsageError if it cannot be read, and DocumentError if it is too large."""
     source = STDIN if str(path) == "-" else str(path)
     try:
         if source == STDIN:

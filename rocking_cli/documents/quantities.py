@@ -39,14 +39,14 @@ _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*\Z", re.DOTALL)
 
 
 def split_quantity(text: str) -> tuple[float, str] | None:
-    """(number, unit text) of a quantity, or None if the text does not begin with a decimal number. `1e-3` is a number and `010` is ten;
+    """Split a quantity into (number, unit text); None if the text does not begin with a decimal number. `1e-3` is a number, `010` is ten;
     `no`, `.inf` and `nan` are not numbers, `0x10` and `1:30` have no valid unit."""
     match = _QUANTITY.match(text)
     return None if match is None else (float(match[1]), match[2])
 
 
 def parse_quantity(text: str, dimension: str) -> float:
-    """The SI value of a finite quantity. Raises ValueError; its text states the values accepted."""
+    """Return the SI value of a finite quantity. Raises ValueError, whose text states the accepted values."""
     parts = split_quantity(text)
     if parts is None or (parts[1] and parts[1] not in UNITS[dimension]):
         raise ValueError(accepted(dimension))
@@ -60,23 +60,23 @@ def parse_quantity(text: str, dimension: str) -> float:
 
 
 def parse_whole(text: str) -> int | None:
-    """The whole number of a text of 1 to 18 plain digits, or None for any other text (`2e3`, `1_000`, `²`, `-1`)."""
+    """Return the whole number of a text of 1 to 18 plain digits, None for any other text (`2e3`, `1_000`, `²`, `-1`)."""
     text = text.strip()
     return int(text) if text.isascii() and text.isdecimal() and len(text) <= 18 else None
 
 
 def si_unit(dimension: str | None) -> str:
-    """The SI unit of a dimension, empty for a number."""
+    """Return the SI unit of a dimension, empty for a number without dimension."""
     return next(iter(UNITS.get(dimension or "number", {})), "")
 
 
 def headed(name: str, unit: str) -> str:
-    """The heading of a column: its name, and its unit in brackets if it has one."""
+    """Return the heading of a column: its name, and its unit in brackets if it has one."""
     return f"{name} [{unit}]" if unit else name
 
 
 def accepted(dimension: str) -> str:
-    """The accepted forms of a quantity of this dimension, in words."""
+    """Return the accepted forms of a quantity of this dimension, in words."""
     if dimension == "number":
         return "a number without a unit"
     units = UNITS[dimension]

@@ -36,7 +36,7 @@ class Cell(NamedTuple):
 
 
 def delimiter_of(text: str) -> str | None:
-    """The delimiter of a table of structures, or None for any other text. Its first line names a column `kind` and at least one more."""
+    """Return the delimiter of a table of structures, whose first line names a column `kind` and at least one more; None for other texts."""
     match = _FIRST_LINE.match(text)
     first = match[1] if match else ""
     for delimiter in _DELIMITERS if KIND in first else ():
@@ -50,7 +50,7 @@ def delimiter_of(text: str) -> str | None:
 
 
 def demand_no_table(text: str, source: str) -> None:
-    """Raise DocumentError for a text of two lines or more with the same columns, words in the first, none of which is `kind`."""
+    """Raise DocumentError for a table without a column `kind`: two lines or more of equal columns, with words in the first line."""
     first, _, rest = text.lstrip().partition("\n")
     for delimiter in _DELIMITERS if len(first) <= _LONGEST_HEADING and not _NO_HEADING.search(first) else ():
         names = first.split(delimiter)
@@ -62,7 +62,7 @@ def demand_no_table(text: str, source: str) -> None:
 
 
 def rows_of(text: str, source: str, delimiter: str) -> Iterator[list[Cell]]:
-    """The non-empty cells of each row that is not blank. Raises DocumentError."""
+    """Yield the non-empty cells of each row that is not blank. Raises DocumentError."""
     if len(text) > LONGEST:
         raise DocumentError(f"{source}: longer than {LONGEST >> 20} MiB, the limit of a table")
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, strict=True)
@@ -88,8 +88,8 @@ def rows_of(text: str, source: str, delimiter: str) -> Iterator[list[Cell]]:
 
 
 def named_rows(path: str | Path) -> tuple[list[str], list[tuple[int, dict[str, str]]]]:
-    """(column names, rows) of any CSV file; a row is (line number, cells by column). An empty file has no columns. Raises UsageError if the
-    file cannot be read, and DocumentError if it is not CSV."""
+    """Return (column names, rows) of any CSV file; a row is (line number, cells by column). An empty file has no columns. Raises UsageError
+    if the file cannot be read, and DocumentError if it is not CSV."""
     source, raw = read_bytes(path)
     reader = csv.DictReader(io.StringIO(text_of(source, raw), newline=""), strict=True)
     try:
@@ -99,7 +99,7 @@ def named_rows(path: str | Path) -> tuple[list[str], list[tuple[int, dict[str, s
 
 
 def split_heading(heading: str) -> tuple[str, str]:
-    """(name, unit) of the heading of a column; the unit, in brackets, may be absent."""
+    """Split the heading of a column into (name, unit); the unit, in brackets, may be absent."""
     match = _HEADING.fullmatch(heading)
     return (match["key"], match["unit"] or "") if match else (heading, "")
 
@@ -120,7 +120,7 @@ def _columns(row: list[str], source: str, line: int) -> list[tuple[str, str]]:
 
 
 def _with_unit(cell: str, unit: str) -> str:
-    """The cell with the unit of its column."""
+    """Return the cell with the unit of its column added."""
     parts = split_quantity(cell)
     bare = parts is not None and not parts[1]
     return f"{cell} {unit}" if bare and unit not in _BARE else _WORDS.get(cell, cell)

@@ -1,4 +1,4 @@
-"""Horizontal and vertical ground motion together: on the same pieces, with one time and one amplitude."""
+"""Horizontal and vertical ground motion in one motion: both have the same pieces, the same time and the same amplitude."""
 
 import hashlib
 from dataclasses import dataclass
@@ -13,8 +13,8 @@ from .polyline import Polyline
 
 
 def with_vertical(motion: Motion, vertical: Motion, scale: float = 1.0) -> Motion:
-    """A horizontal motion together with a vertical one times `scale`, which may be negative. Two records keep the ratio of their
-    amplitudes. Two pulses or motion documents share a_g and phase. Raises UsageError if only one of the two is a record."""
+    """Return a horizontal motion with a vertical one times `scale`, which may be negative. Two records keep the ratio of their amplitudes.
+    Two pulses or motion documents share a_g and phase. Raises UsageError if only one of the two motions is a record."""
     own, other = motion.acceleration, vertical.acceleration
     if (own is None) != (other is None):
         raise UsageError("only one of the horizontal and the vertical motion is a record; expected two records, or none")
@@ -33,7 +33,7 @@ class Upwards:
     scale: float = 1.0
 
     def __call__(self, motion: Motion) -> Motion:
-        """The horizontal motion `motion` together with this one, see `with_vertical`."""
+        """Return the horizontal motion `motion` with this vertical one, see `with_vertical`."""
         return with_vertical(motion, self.vertical, self.scale)
 
     def identity(self) -> list[Any]:
@@ -47,7 +47,7 @@ class Upwards:
 
 
 def combined(motion: Motion, factor: float) -> Motion:
-    """The horizontal motion plus `factor` times its vertical one, as one motion."""
+    """Return one motion, the sum of the horizontal motion and `factor` times its vertical one."""
     up = motion.vertical
     assert up is not None
     if isinstance(motion, Polyline) and isinstance(up, Polyline):

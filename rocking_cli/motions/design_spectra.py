@@ -1,7 +1,7 @@
-"""Elastic spectra as a code takes them: of a motion, of a file, and of a floor (Circolare 7/2019, section C7.2.3).
+"""Elastic spectra for the check by a code: that of a motion, of a file, and of a floor (Circolare 7/2019, section C7.2.3).
 
-A spectrum has `peak`, that of the acceleration [m/s2], `acceleration`, S_a [m/s2] at periods [s] of shape (n,), and `demand`, the
-displacement [m] that a code compares with that of a limit state.
+A spectrum has `peak`, the peak acceleration [m/s2], `acceleration`, S_a [m/s2] at periods [s] of shape (n,), and `demand`, the
+displacement [m] that the code compares with the displacement of a limit state.
 """
 
 import math
@@ -40,7 +40,7 @@ class MotionSpectrum:
 
     @classmethod
     def of(cls, motion: Motion, amplitude: float, omega: float) -> Self:
-        """The spectrum of a motion of this amplitude a_g [m/s2] and frequency [rad/s], without its vertical part."""
+        """Return the spectrum of a motion with this amplitude a_g [m/s2] and frequency omega [rad/s], without its vertical part."""
         if motion.samples is not None:
             dt, values = motion.samples.step / omega, motion.samples.values
         else:
@@ -55,11 +55,11 @@ class MotionSpectrum:
         return largest(self.record.acceleration)
 
     def acceleration(self, periods: Array, damping: float) -> Array:
-        """As `acceleration_spectrum`."""
+        """Return S_a [m/s2] as `acceleration_spectrum` does."""
         return acceleration_spectrum(self.record, periods, damping)
 
     def demand(self, period: float, damping: float) -> float:
-        """The largest S_d [m] of periods from 0.02 to 1 of this one."""
+        """Return the largest S_d [m] at periods from 0.02 `period` to `period`."""
         periods = period * np.geomspace(_SHORTEST, 1.0, _PERIODS)
         for _ in range(3):
             found = displacement_spectrum(self.record, periods, damping)
@@ -85,7 +85,7 @@ class SpectrumFile:
         return float(self.values[0])
 
     def acceleration(self, periods: Array, damping: float) -> Array:
-        """S_a at these periods. Raises UsageError beyond the last one."""
+        """Return S_a at these periods. Raises UsageError for periods beyond the last one of the file."""
         periods = np.asarray(periods)
         if np.max(periods) > self.periods[-1]:
             found = f"`spectrum` {self.name}: found periods up to {self.periods[-1]:g} s"
@@ -94,7 +94,7 @@ class SpectrumFile:
         return np.asarray(np.interp(periods, self.periods, self.values) * factor)
 
     def demand(self, period: float, damping: float) -> float:
-        """S_d [m] at the period."""
+        """Return S_d [m] at the period."""
         return float(self.acceleration(np.array([period]), damping)[0]) * (period / (2.0 * math.pi)) ** 2
 
 
@@ -120,7 +120,7 @@ class FloorSpectrum:
         return float(self.acceleration(np.zeros(1), DAMPING)[0])
 
     def acceleration(self, periods: Array, damping: float) -> Array:
-        """S_eZ (C7.2.5-10): the root of the sum of squares over the modes."""
+        """Return S_eZ (C7.2.5-10): the root of the sum of squares over the modes."""
         squares = np.zeros(np.shape(periods))
         for mode in self.modes:
             own = float(self.ground.acceleration(np.array([mode.period]), mode.damping)[0])
@@ -132,7 +132,7 @@ class FloorSpectrum:
         return np.sqrt(squares)
 
     def demand(self, period: float, damping: float) -> float:
-        """The displacement [m] at the period, at least that at b T_1 with the acceleration at T_1 (C8.7.1.12)."""
+        """Return the displacement [m] at the period, at least the one at b T_1 with the acceleration at T_1 (C8.7.1.12)."""
         first = max(mode.period for mode in self.modes)
         here, there = self.acceleration(np.array([period, first]), damping).tolist()
         least = there * (_B * first) ** 2 if period > _B * first else 0.0
@@ -152,7 +152,7 @@ def damping_factor(damping: float) -> float:
 
 
 def read_spectrum(path: str | Path) -> SpectrumFile:
-    """The spectrum of a CSV file with the columns T [s] and S_a (or Se), whose heading or cells state a unit; other columns are not read.
+    """Read the spectrum of a CSV file with columns T [s] and S_a (or Se), whose heading or cells state a unit; other columns are ignored.
 
     Raises UsageError if the file cannot be read, DocumentError with file, line and column for its faults.
 
@@ -199,7 +199,7 @@ def _fault(cell: Cell, wanted: str, lacks: str = "") -> DocumentError:
 
 
 def parse_floor(text: str) -> FloorMode:
-    """The mode of a text such as `T=0.4,xi=0.05,gamma_psi=1.3`. Raises UsageError."""
+    """Return the mode that a text such as `T=0.4,xi=0.05,gamma_psi=1.3` states. Raises UsageError."""
     parts = [part.partition("=") for part in text.split(",")]
     given = {key.strip(): value for key, _, value in parts}
     if len(parts) != 3 or given.keys() != _FLOOR_KEYS.keys():

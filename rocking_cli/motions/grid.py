@@ -97,14 +97,14 @@ class Grid:
         return self.frequency.values.size, self.amplitude.values.size
 
     def scaled(self, structure: RockingParameters) -> tuple[np.ndarray, np.ndarray]:
-        """(A, Omega) values of the axes for one structure. Raises UsageError beyond `MOST_OMEGA`."""
+        """Return the values (A, Omega) of the axes for one structure. Raises UsageError beyond `MOST_OMEGA`."""
         a = self.amplitude.values
         a = a if self.amplitude.name == "A" else structure.dimensionless_amplitude(a)
         return a, scaled_frequency(self.frequency, structure)
 
 
 def scaled_frequency(axis: Axis, structure: RockingParameters) -> np.ndarray:
-    """The Omega values of an axis Omega or omega_g for one structure. Raises UsageError beyond `MOST_OMEGA`."""
+    """Return the Omega values of an axis Omega or omega_g for one structure. Raises UsageError beyond `MOST_OMEGA`."""
     omega = axis.values if axis.name == "Omega" else axis.values / structure.p
     if (highest := float(np.max(omega))) > MOST_OMEGA:
         found = f"found Omega = omega_g/p = {highest:.3g}; expected a value up to {MOST_OMEGA:g}"
@@ -113,7 +113,7 @@ def scaled_frequency(axis: Axis, structure: RockingParameters) -> np.ndarray:
 
 
 def parse_axes(text: str, *, records: bool = False) -> dict[str, Axis]:
-    """Axes by name from a text such as `a_g=0.1g:1g:50,omega_g=1:20:40:log`; records: accept the axes of records instead. Raises
+    """Return the axes by name of a text such as `a_g=0.1g:1g:50,omega_g=1:20:40:log`; records: accept the axes of records instead. Raises
     UsageError."""
     axes: dict[str, Axis] = {}
     known = _RECORD_AXES if records else _PULSE_AXES
@@ -141,7 +141,7 @@ def parse_axes(text: str, *, records: bool = False) -> dict[str, Axis]:
 
 
 def written_axes(text: str) -> str:
-    """The names of the axes in the user's text, for messages; `parse_axes` gives the names in the file."""
+    """Return the names of the axes as the user wrote them, for messages; `parse_axes` gives the names in the file."""
     return " and ".join(part.partition("=")[0].strip() for part in text.split(","))
 
 
@@ -149,7 +149,7 @@ OWN_TIME = Axis("omega_g", np.array([1.0]))  # rad/s; then the phase of a record
 
 
 def as_recorded(acceleration: float) -> Grid:
-    """The grid of one cell for a motion in its own time with this peak acceleration [m/s2]."""
+    """Return the grid of one cell for a motion in its own time with this peak acceleration [m/s2]."""
     return Grid(Axis("a_g", np.array([acceleration])), OWN_TIME)
 
 
@@ -162,7 +162,8 @@ class HasMotion(Protocol):
 
 
 def demand_of(motion: Motion | HasMotion, shaking: Grid | None) -> tuple[Motion, Grid]:
-    """A motion, or that of a record, with its grid; without one a record as recorded. Raises UsageError for another one without a grid."""
+    """Return a motion, or the motion of a record, with its grid. A record without a grid has its own amplitude. Raises UsageError for
+    another motion without a grid."""
     found = motion if isinstance(motion, Motion) else motion.motion
     if shaking is None and found.acceleration is None:
         raise UsageError(f"{found.name}: no grid; expected one, such as parse_grid('a_g=0.3g,f_g=1'), which only a record does not need")
@@ -170,7 +171,7 @@ def demand_of(motion: Motion | HasMotion, shaking: Grid | None) -> tuple[Motion,
 
 
 def demand_in_words(shakes: Sequence[tuple[Motion, Grid]]) -> str:
-    """The amplitude and frequency of motions with a grid of one cell each, in words; accelerations in m/s2 and g."""
+    """Return a text on the amplitude and frequency of motions with a grid of one cell each; accelerations in m/s2 and g."""
     values = [float(grid.amplitude.values[0]) for _, grid in shakes]
     motion, grid = shakes[0]
     name, own_time = grid.amplitude.name, motion.acceleration is not None
@@ -189,8 +190,8 @@ def demand_in_words(shakes: Sequence[tuple[Motion, Grid]]) -> str:
 
 
 def parse_grid(text: str, structures: int = 1, *, own_time: bool = False) -> Grid:
-    """The grid of the option `--grid`: two axes, both with units or both dimensionless. Raises UsageError. structures: their number, for
-    the limit of cells; own_time: for a record, whose grid has only the axis A or a_g of its peak.
+    """Return the grid that a text states: two axes, both with units or both dimensionless. Raises UsageError. structures: their number, for
+    the limit of cells; own_time: True for a record, whose grid has only one axis, A or a_g of its peak.
 
     >>> parse_grid('a_g=0.1g:1g:50,f_g=0.5:5:40').shape  # frequencies, amplitudes
     (40, 50)
@@ -211,7 +212,7 @@ def parse_grid(text: str, structures: int = 1, *, own_time: bool = False) -> Gri
 
 
 def parse_angles(text: str) -> Axis:
-    """The axis of critical angles from a text such as `10,15,20deg` or START:STOP:N. Raises UsageError. A number without a unit takes the
+    """Return the axis of critical angles that `10,15,20deg` or START:STOP:N states. Raises UsageError. A number without a unit takes the
     next unit to its right."""
     if ":" in text:
         return Axis("alpha", parse_span("`alpha`", text, "angle"))
@@ -232,7 +233,7 @@ def parse_angles(text: str) -> Axis:
 
 
 def parse_span(key: str, span: str, dimension: str) -> np.ndarray:
-    """The values of START:STOP:N[:log] or of a single VALUE, in SI units, of any sign. Raises UsageError."""
+    """Return the values that START:STOP:N[:log] or a single VALUE states, in SI units, of any sign. Raises UsageError."""
     parts = span.split(":")
     if len(parts) not in (1, 3, 4) or (len(parts) == 4 and parts[3] != "log"):
         raise UsageError(f"{key}: found {span!r}; expected START:STOP:N[:log] or a single VALUE")

@@ -32,7 +32,7 @@ class Intensity:
 
 
 def intensity(record: Record) -> Intensity:
-    """The intensity measures of a record; velocity and displacement start at zero.
+    """Return the intensity measures of a record; velocity and displacement start at zero.
 
     >>> measured = intensity(read_record('configs/motions/synthetic.at2'))
     >>> round(measured.pga, 3), round(measured.pgv, 3)
@@ -60,12 +60,12 @@ def intensity(record: Record) -> Intensity:
 
 
 def _sums(gains: Array) -> Array:
-    """Sums up to each sample of what each interval adds."""
+    """Return the running sum, at each sample, of the contributions of the intervals."""
     return np.cumsum(np.concatenate([[0.0], gains]))
 
 
 def _largest_displacement(a: Array, v: Array, d: Array, dt: float) -> float:
-    """max |d| over samples and roots of v = v0 + a0 s + (a1 - a0)/dt s^2/2 inside an interval, solved without cancellation."""
+    """Return max |d| over samples and over the roots of v = v0 + a0 s + (a1 - a0)/dt s^2/2 inside intervals, without cancellation."""
     most = largest(d)
     # v has a root inside only if it changes its sign, or if the vertex of its parabola is inside.
     i = np.flatnonzero((v[:-1] * v[1:] <= 0.0) | (a[:-1] * a[1:] < 0.0))
@@ -82,7 +82,7 @@ def _largest_displacement(a: Array, v: Array, d: Array, dt: float) -> float:
 
 
 def _reached(a: Array, dt: float, energy: Array, part: float) -> float:
-    """Time [s] at which the integral of a^2, `energy` at the samples, reaches `part` of its final value; 0 if the record is zero."""
+    """Return the time [s] at which the integral of a^2 (`energy` at samples) reaches `part` of its final value; 0 for a zero record."""
     target = part * float(energy[-1])
     if not target > 0.0:
         return 0.0

@@ -40,7 +40,7 @@ class Piece:
     slope: float = 0.0
 
     def value(self, phase: np.ndarray | float) -> np.ndarray:
-        """s(phase) [-], shape of `phase`."""
+        """Return s(phase) [-], in the shape of `phase`."""
         phase = np.asarray(phase, dtype=float)
         total = self.constant + self.slope * (phase - self.start)
         for h in self.harmonics:
@@ -48,13 +48,13 @@ class Piece:
         return np.asarray(total)
 
     def scaled(self, factor: float) -> Piece:
-        """The piece times a factor."""
+        """Return the piece times a factor."""
         harmonics = tuple(replace(h, amplitude=factor * h.amplitude) for h in self.harmonics)
         return Piece(self.start, self.stop, harmonics, factor * self.constant, factor * self.slope)
 
 
 def plus(a: Piece, b: Piece) -> Piece:
-    """The sum of two pieces; sinusoids of equal frequency become one."""
+    """Return the sum of two pieces; sinusoids of equal frequency become one."""
     waves: dict[float, complex] = {}
     for h in (*a.harmonics, *b.harmonics):
         waves[h.frequency] = waves.get(h.frequency, 0.0) + h.amplitude * np.exp(1j * h.phase)
@@ -63,7 +63,7 @@ def plus(a: Piece, b: Piece) -> Piece:
 
 
 class Near(NamedTuple):
-    """s - s_start and its first two derivatives by phase, (lanes,)."""
+    """The change s - s_start on a segment, and its first two derivatives by phase, (lanes,)."""
 
     change: np.ndarray
     rate: np.ndarray
@@ -118,7 +118,7 @@ class Motion:
         return self.pieces[-1].stop
 
     def still_until(self, phase: float) -> Motion:
-        """The motion with the ground at rest after it up to a phase [rad]."""
+        """Return the motion followed by the ground at rest up to a phase [rad]."""
         up = None if self.vertical is None else self.vertical.still_until(phase)
         return self.on(np.append(self.marks, phase), up)
 
@@ -128,8 +128,8 @@ class Motion:
         return np.array([0.0, *(p.stop for p in self.pieces)])
 
     def on(self, marks: np.ndarray, vertical: Motion | None = None) -> Motion:
-        """The same motion with a piece between each two of these phases [rad], which include all its own marks; zero after its end.
-        vertical: a motion on the same pieces to add to it."""
+        """Return the same motion with a piece between each two of these phases [rad], which must include all its own marks; after its end s
+        is zero. vertical: a vertical motion on the same pieces to add."""
         pieces = []
         for start, stop in pairwise(marks.tolist()):
             middle = 0.5 * (start + stop)
@@ -138,13 +138,13 @@ class Motion:
         return Motion(self.name.removesuffix(upwards(vertical)) + upwards(vertical), tuple(pieces), vertical)
 
     def scaled(self, factor: float, name: str | None = None) -> Motion:
-        """The motion times a factor. A negative factor reverses the horizontal motion only; the vertical one takes |factor|. name: by
-        default that of the motion with the factor. Raises MotionError, see `checked_scale`."""
+        """Return the motion times a factor. A negative factor reverses the horizontal motion only; the vertical one is multiplied by
+        |factor|. name: by default the old name with the factor. Raises MotionError, see `checked_scale`."""
         told, up = self._scaled_name(factor)
         return Motion(name or told, tuple(p.scaled(factor) for p in self.pieces), up)
 
     def _scaled_name(self, factor: float) -> tuple[str, Motion | None]:
-        """The name and the vertical motion of the motion times a factor."""
+        """Return the name and the vertical motion of the motion times a factor."""
         own = f"{self.name.removesuffix(upwards(self.vertical))}, times {checked_scale(self.name, factor):g}"
         up = self.vertical if self.vertical is None or abs(factor) == 1.0 else self.vertical.scaled(abs(factor))
         return own + upwards(up), up
@@ -155,7 +155,7 @@ class Motion:
         return float(max(self.segments.later_max[0], -self.segments.later_min[0]))
 
     def value(self, phase: np.ndarray | float) -> np.ndarray:
-        """s [-] at phases [rad] of any shape; the value after a jump, zero outside the motion."""
+        """Return s [-] at phases [rad] of any shape; at a jump the value after it, outside the motion zero."""
         phase = np.asarray(phase, dtype=float)
         result = np.zeros_like(phase)
         for piece in self.pieces:
@@ -169,7 +169,7 @@ class Motion:
         return self.cut([extremes(piece) for piece in self.pieces])
 
     def cut(self, inner: Sequence[Sequence[float]]) -> Segments:
-        """The segments of the pieces; `inner`: for each piece the phases [rad] of the cuts inside it, which must include its extremes."""
+        """Return the segments of the pieces; inner: for each piece the phases [rad] of the cuts inside it, which include its extremes."""
         marks = [[piece.start, *within, piece.stop] for piece, within in zip(self.pieces, inner, strict=True)]
         index = np.repeat(np.arange(len(marks)), [len(m) - 1 for m in marks])
         start, stop = np.concatenate([m[:-1] for m in marks]), np.concatenate([m[1:] for m in marks])
@@ -202,7 +202,7 @@ class Motion:
 
 
 def extremes(piece: Piece) -> list[float]:
-    """Phases [rad] strictly inside the piece where s has an extreme, in order."""
+    """Return the phases [rad] strictly inside the piece at which s has an extreme, in order."""
     if not piece.harmonics:
         return []
     if len(piece.harmonics) == 1 and piece.slope == 0.0:
@@ -219,19 +219,19 @@ def extremes(piece: Piece) -> list[float]:
 
 
 def upwards(vertical: Motion | None) -> str:
-    """The end of the name of a motion with this vertical one."""
+    """Return the words that the name of a motion gets for this vertical motion."""
     return "" if vertical is None else f" with {vertical.name} upwards"
 
 
 def checked_scale(name: str, factor: float) -> float:
-    """The factor itself. Raises MotionError, with the motion's name, if it is zero, not finite or above LARGEST_SCALE."""
+    """Return the factor. Raises MotionError, with the motion's name, if the factor is zero, not finite or above LARGEST_SCALE."""
     if 0.0 < abs(factor) <= LARGEST_SCALE:
         return factor
     raise MotionError(f"motion {name!r}: a scale of {factor:g}; expected a number that is not zero, up to {LARGEST_SCALE:g}")
 
 
 def _quarters(h: Harmonic, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(quarter turns, rest [rad]) of the argument of a sinusoid; a rest within rounding is 0."""
+    """Split the argument of a sinusoid into (quarter turns, rest [rad]); a rest within rounding is 0."""
     argument = h.frequency * phase + h.phase
     quarter = np.rint(argument / (np.pi / 2))
     rest = argument - quarter * (np.pi / 2)
@@ -239,7 +239,7 @@ def _quarters(h: Harmonic, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _sin_cos(h: Harmonic, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """C times sin and cos of the argument, exact (0 or 1) at quarter turns, so that 10^4 cycles do not drift."""
+    """Return C sin and C cos of the argument; sin and cos are exact (0 or 1) at quarter turns, so that 10^4 cycles do not drift."""
     quarter, rest = _quarters(h, phase)
     turn = quarter.astype(np.int64) % 4
     sin, cos = np.sin(rest), np.cos(rest)
@@ -247,7 +247,7 @@ def _sin_cos(h: Harmonic, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _exact_value(piece: Piece, phase: np.ndarray) -> np.ndarray:
-    """s [-] of a piece at phases [rad], with exact sines at quarter turns."""
+    """Return s [-] of a piece at phases [rad], with exact sines at quarter turns."""
     total = piece.constant + piece.slope * (phase - piece.start)
     for h in piece.harmonics:
         total = total + _sin_cos(h, phase)[0]

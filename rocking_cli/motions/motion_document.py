@@ -23,7 +23,7 @@ _POINTS = "a list of two or more points [t/T_g, acceleration/a_g], in order of t
 
 
 def build_motion(document: Document) -> Motion:
-    """The motion of a document with `pieces` or `points`, and `name`. Raises DocumentError."""
+    """Return the motion of a document with `pieces` or `points`, and `name`. Raises DocumentError."""
     stem = "motion" if document.source.startswith("<") else Path(document.source).stem
     name = document.word("name", stem)
     if document.has("pieces") == document.has("points"):

@@ -68,7 +68,7 @@ class Polyline(Motion):
         return np.where(inside, self.constant[i] + self.slope[i] * (phase - self.start[i]), 0.0)
 
     def _at(self, phase: Array) -> Array:
-        """The index of the interval that holds each phase [rad], or of the nearest interval."""
+        """Return the index of the interval that holds each phase [rad], or of the nearest interval."""
         return np.asarray(np.clip(np.searchsorted(self.start, phase, side="right") - 1, 0, self.start.size - 1))
 
     def scaled(self, factor: float, name: str | None = None) -> Polyline:
@@ -93,7 +93,7 @@ class Polyline(Motion):
 
     @cached_property
     def samples(self) -> Samples | None:
-        """Step and samples; None if intervals are not equal within rounding, or lines not joined, here or in the vertical motion."""
+        """Step and samples; None if the intervals are unequal beyond rounding or the lines not joined, here or in the vertical motion."""
         if self.vertical is not None and self.vertical.samples is None:
             return None
         count, last, end = self.start.size, self.duration, self.segments.s_end
@@ -106,7 +106,7 @@ class Polyline(Motion):
 
     @cached_property
     def coarsest(self) -> Polyline:
-        """The same lines in the fewest equal intervals with a point at every kink; it undoes an interpolation between samples."""
+        """The same lines in the fewest equal intervals with a point at every kink, which removes interpolated samples."""
         if self.samples is None or self.vertical is not None:
             return self
         s = self.samples.values
@@ -124,8 +124,8 @@ class Polyline(Motion):
 
 
 def record_motion(record: Record, scale: float = 1.0, name: str = "") -> Polyline:
-    """The motion of a record in its own time, times `scale`: omega_g = 1 rad/s, max |s| = 1, `acceleration` = |scale| PGA [m/s2]. name: by
-    default the label of the record. Raises MotionError if the record is zero throughout, or for the scale."""
+    """Return the motion of a record in its own time, times `scale`: omega_g = 1 rad/s, max |s| = 1, `acceleration` = |scale| PGA [m/s2].
+    name: by default the label of the record. Raises MotionError if all samples are zero, or for the scale."""
     peak = largest(record.acceleration)
     if not peak > 0.0:
         raise MotionError(f"motion {record.label!r}: zero throughout; the motion must have a non-zero value")

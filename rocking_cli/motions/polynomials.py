@@ -29,7 +29,7 @@ class Table:
     terms: Array
 
     def near(self, k: Array, u: Array) -> Near:
-        """s - s_start and its derivatives at phase u [rad] from the start of segment k."""
+        """Return s - s_start and its derivatives at phase u [rad] from the start of segment k."""
         half = self.half[k]
         x = 0.5 * u / half
         patch = x.astype(np.int64)
@@ -55,7 +55,7 @@ class Table:
 
 
 def table_of(segments: Any) -> Table | None:
-    """The table of `Segments`; None if it is too large."""
+    """Return the table of `Segments`; None if the table would be too large."""
     size, w = np.hypot(segments.sin, segments.cos), segments.frequency  # (harmonics, K)
     peak = max(segments.later_max[0], -segments.later_min[0])
     counts, over = np.ones(segments.length.size, dtype=np.int64), float(np.prod(np.arange(2.0, DEGREE + 2.0)))

@@ -91,7 +91,7 @@ PULSES: dict[str, Callable[..., Motion]] = {
 
 
 def pulse(name: str, **parameters: Any) -> Motion:
-    """The pulse of that name; parameters: `cycles`, or `gamma` and `phase`. Raises MotionError if the pulse does not take one of them.
+    """Return the pulse of a name; parameters: `cycles`, or `gamma` and `phase`. Raises MotionError if the pulse does not take one of them.
 
     >>> pulse('mavroeidis-papageorgiou', gamma=2.0, phase=0.5).name
     'Mavroeidis-Papageorgiou, gamma 2, phase 0.5'

@@ -1,4 +1,4 @@
-"""Motions and records of files, scaled. The content of a file shows if it is a motion document or a record."""
+"""Reads and scales the motions and records of files. The content of a file shows if it is a motion document or a record."""
 
 import io
 import math
@@ -44,8 +44,8 @@ class MotionChoices(TypedDict, total=False):
 
 
 def read_motion(path: str | Path, **given: Unpack[MotionChoices]) -> Motion:
-    """The motion of a motion document or a record; path `-` is standard input; given: see `MotionChoices`. Raises UsageError if the file
-    cannot be read or an option does not apply, and DocumentError.
+    """Return the motion of a motion document or a record; path `-` is standard input; given: see `MotionChoices`. Raises UsageError if the
+    file cannot be read or an option does not apply, and DocumentError.
 
     >>> read_motion('configs/motions/two_pulses.yaml').name
     'Two pulses'
@@ -64,10 +64,10 @@ def read_motion(path: str | Path, **given: Unpack[MotionChoices]) -> Motion:
 def read_motions(
     paths: Sequence[str], *, unread: Callable[[str], None] | None = None, **given: Unpack[MotionChoices]
 ) -> Motion | tuple[Recording, ...]:
-    """The motion of a single motion document, or the records of files, directories and lists of files (see `record_files`).
-    unread: called with each file of a directory that cannot be read, an error if None; given: see `MotionChoices`, but component may be
-    `horizontal` or `all` too; None: each horizontal component of each file. Raises UsageError and DocumentError as `read_motion` does, and
-    UsageError without a record."""
+    """Return the motion of a single motion document, or the records of files, directories and lists of files (see `record_files`).
+    unread: called with each file of a directory that cannot be read; None: such a file is an error; given: see `MotionChoices`; component
+    may also be `horizontal`, `all`, or None for each horizontal component of each file. Raises UsageError and DocumentError as
+    `read_motion` does, and UsageError without a record."""
 
     tell = given.get("tell") or (lambda text: None)
     try:
@@ -92,7 +92,7 @@ def read_motions(
 def load_records(
     paths: str | Path | Sequence[str | Path], *, unread: Callable[[str], None] | None = None, **given: Unpack[MotionChoices]
 ) -> tuple[Recording, ...]:
-    """The records of a folder, of files, or of lists of files; arguments and errors as of `read_motions`, and UsageError for a document.
+    """Return the records of a folder, of files, or of lists of files; arguments and errors as `read_motions`; UsageError for a document.
 
     >>> (record,) = load_records('configs/motions/synthetic.at2', scale=0.5)
     >>> record.label, round(record.acceleration, 3)
@@ -105,22 +105,22 @@ def load_records(
 
 
 def holds_records(path: str) -> bool:
-    """True if a path is a record, a directory or a list of files, by its content; false for standard input."""
+    """True if a path is a record (by its content), a directory or a list of files; False for standard input."""
     if path == "-" or not os.path.exists(path):
         return False
     return os.path.isdir(path) or (os.path.isfile(path) and (is_record(path) or next(record_files([path]))[0] != path))
 
 
 def _recordings(records: list[Record], taken: Sequence[Record], given: MotionChoices) -> list[Recording]:
-    """The recordings of some records of a file, with the vertical component of the file if it has a factor."""
+    """Return the recordings of some records of a file, with the file's vertical component if the choices have a factor for it."""
     vertical = given.get("vertical")
     up = None if vertical is None else Upwards(record_motion(vertical_of(records)), vertical)
     return [Recording(record, upwards=up) for record in taken]
 
 
 def _scaled(recording: Recording, given: MotionChoices) -> Recording:
-    """The recording with its factor, after its remarks are told. Both `scale` and `scale_to` go only with a scale of -1, which reverses
-    the record. Raises UsageError."""
+    """Return the recording with its factor, after its remarks are told. With `scale_to` only scale = -1 is allowed, which reverses the
+    record. Raises UsageError."""
     record, scale, scale_to = recording.record, given.get("scale"), given.get("scale_to")
     if tell := given.get("tell"):
         for remark in record.remarks:
@@ -136,7 +136,7 @@ def _scaled(recording: Recording, given: MotionChoices) -> Recording:
 
 
 def _of_document(source: str, raw: bytes, given: MotionChoices) -> Motion:
-    """The motion of the bytes of a document, times `scale`. Raises DocumentError, and UsageError if a choice for records is given."""
+    """Return the motion of the bytes of a document, times `scale`. Raises DocumentError, and UsageError for a choice for records only."""
     documents = documents_of(source, raw)
     if len(documents) > 1:
         raise DocumentError(f"{documents[1].place}: a second document; a motion file holds one")
@@ -148,7 +148,7 @@ def _of_document(source: str, raw: bytes, given: MotionChoices) -> Motion:
 
 
 def factor_to(record: Record, text: str) -> float:
-    """The factor that scales a record to an intensity measure, such as PGA=0.35g. Raises UsageError."""
+    """Return the factor that scales a record to an intensity measure, such as PGA=0.35g. Raises UsageError."""
     name, equals, value = (x.strip() for x in text.partition("="))
     spectral = periods_of(name)
     measure = next((m for m in MEASURES if m.casefold() == name.casefold()), None) if spectral is None else spectral[0]
@@ -180,10 +180,10 @@ def read_set(
     paths: Sequence[str], take: Callable[[list[Record]], Sequence[Taken]], *, unit: str | None = None, dt: float | None = None,
     tell: Callable[[str], None], unread: Callable[[str], None] | None = None,
 ) -> Iterator[Taken]:  # fmt: skip
-    """The results of `take` on the records of each file; for the paths see `record_files`. unit, dt [s]: of plain numbers.
+    """Yield the results of `take` on the records of each file; for the paths see `record_files`. unit, dt [s]: those of plain numbers.
     tell: called for each file of a directory that is no record or lacks an acceleration or the component, and for each file without
-    results; unread: called for each file of a directory that cannot be read or taken, an error if None, as for a named file. Raises
-    UsageError, DocumentError and the errors of `take`."""
+    results; unread: called for each file of a directory that cannot be read or taken; None: such a file is an error, as a named file
+    always is. Raises UsageError, DocumentError and the errors of `take`."""
     demand_unit(unit)
     for path, named, held in record_files(paths):
         try:
@@ -207,9 +207,9 @@ def read_set(
 
 
 def record_files(paths: Sequence[str]) -> Iterator[tuple[str, bool, tuple[str, bytes] | None]]:
-    """The files of a set, each with True if it was named, and with its content if it is read already (standard input).
-    A directory gives its files in order of name, unnamed; a list file (a path on each line, from the folder of the list) the files that it
-    names; any other path itself. Raises UsageError."""
+    """Yield each file of a set with True if the user named it, and with its content if it is already read (standard input).
+    A directory gives its files in order of name, with False; a list file (a path on each line, relative to the folder of the list) the
+    files that it names; any other path itself. Raises UsageError."""
     for path in paths:
         if path != "-" and os.path.isdir(path):
             inside = sorted(os.path.join(path, name) for name in os.listdir(path) if not name.startswith("."))
@@ -228,7 +228,7 @@ def record_files(paths: Sequence[str]) -> Iterator[tuple[str, bool, tuple[str, b
 
 
 def _listed(file: BinaryIO, folder: str) -> list[str]:
-    """The files that a list names, one on each line, from a folder on; none if the first is not there, and so the file is not a list."""
+    """Return the files that a list names, one on each line, relative to a folder; none if the first does not exist, so it is no list."""
     head = file.read(HEAD)
     names = _names(head, folder)
     return _names(head + file.read(), folder) if b"\0" not in head and names and os.path.isfile(names[0]) else []

@@ -45,7 +45,7 @@ class Recording:
         return intensity(self.record)
 
     def times(self, factor: float) -> Self:
-        """The recording times a positive factor, which also scales its vertical motion."""
+        """Return the recording times a positive factor, which also scales its vertical motion."""
         up = None if self.upwards is None else replace(self.upwards, scale=self.upwards.scale * factor)
         return replace(self, factor=self.factor * factor, upwards=up)
 
@@ -67,7 +67,7 @@ def _motion(recording: Recording) -> Motion:
 
 
 def with_distinct_labels(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
-    """The same recordings with distinct labels: equal labels get a number."""
+    """Return the same recordings with distinct labels: equal labels get a number."""
     times, found = Counter(r.label for r in recordings), []
     taken = set(times)
     for r in recordings:

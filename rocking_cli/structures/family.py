@@ -32,8 +32,8 @@ class Member(NamedTuple):
 
 
 def parse_variation(text: str, count: int | None = None) -> Variation:
-    """The variation that `KEY=START:STOP:N` states. Bounds without a unit take the unit of the document; count: N of a text that states
-    none. Raises UsageError.
+    """Return the variation that `KEY=START:STOP:N` states. Bounds without a unit take the unit of the document; count: the N of a text
+    without N. Raises UsageError.
 
     >>> parse_variation('angle=150deg:160deg:3')
     Variation(key='angle', values=(150.0, 155.0, 160.0), unit='deg')
@@ -59,7 +59,7 @@ def parse_variation(text: str, count: int | None = None) -> Variation:
 
 
 def members(variations: Sequence[Variation]) -> int:
-    """The number of structures of a family. Raises UsageError if a key is varied twice or the number is too large."""
+    """Return the number of structures of a family. Raises UsageError if a key is varied twice or the number is too large."""
     if len({v.key for v in variations}) < len(variations):
         raise UsageError("`vary`: a key is varied twice")
     count = math.prod(len(v.values) for v in variations)
@@ -69,8 +69,8 @@ def members(variations: Sequence[Variation]) -> int:
 
 
 def family(document: Document, variations: Sequence[Variation | str]) -> Iterator[Member]:
-    """Every combination of the varied values; the last key varies fastest. A text among `variations` goes through `parse_variation`. Raises
-    DocumentError if a key is unknown, and UsageError if a key takes a text.
+    """Yield a member for each combination of the varied values; the last key varies fastest. A variation may be a text, see
+    `parse_variation`. Raises DocumentError if a key is unknown, and UsageError if a key takes a text.
 
     >>> (document,) = read_documents('configs/block.yaml')
     >>> [round(member.parameters.p, 4) for member in family(document, ['height=2:4:3'])]
@@ -104,7 +104,7 @@ def family(document: Document, variations: Sequence[Variation | str]) -> Iterato
 
 
 def _own_unit(document: Document, key: str) -> str:
-    """The unit that the document states for the value of a key; empty if it states none."""
+    """Return the unit that the document states for the value of a key; empty if it states none."""
     value = document.value_at(key)
     parts = split_quantity(value.content) if value is not None and isinstance(value.content, str) else None
     return parts[1] if parts else ""

@@ -14,7 +14,7 @@ _KIND = re.compile(r"([A-Za-z_][A-Za-z0-9_]+):(.*)", re.DOTALL)
 
 
 def inline_document(text: str) -> "Document | None":
-    """The document that `KIND:SIZES,KEY=VALUE,…` states, or None if the text is a file name or has another form.
+    """Return the document that `KIND:SIZES,KEY=VALUE,…` states, or None if the text is a file name or has another form.
     The sizes are the keys SIZES of the kind, with an x between them. A unit of length after the last size holds for the sizes that have
     none. Raises DocumentError."""
     match = _KIND.fullmatch(text)
@@ -56,7 +56,7 @@ def _in_one_unit(sizes: list[str]) -> list[str]:
 
 
 def _parts(text: str) -> list[str]:
-    """The parts of a text between commas, except commas inside brackets."""
+    """Split a text at its commas, except commas inside brackets."""
     parts, depth = [""], 0
     for character in text:
         depth += (character in "[{") - (character in "]}")

@@ -1,4 +1,4 @@
-"""Ties, a tendon and dampers of a rigid body: what a document states of them, and their statics.
+"""Ties, a tendon and dampers of a rigid body: their keys in a document, and their statics.
 
 A tie is anchored at the height h above the pivot and x behind it, and stays horizontal. At the rotation theta it has
 
@@ -43,7 +43,7 @@ class Tie:
     side: str = "both"
 
     def moment(self, theta: float) -> float:
-        """The moment about the pivot [N m] at a rotation [rad] that was reached without a return."""
+        """Return the moment about the pivot [N m] at a rotation [rad] of a body that has not turned back before."""
         u = self.behind * (1.0 - math.cos(theta)) + self.height * math.sin(theta)
         force = 0.0 if u >= self.ultimate else min(self.prestress + self.stiffness * u, self.yield_force)
         return force * (self.height * math.cos(theta) + self.behind * math.sin(theta))
@@ -58,7 +58,7 @@ class Tendon:
     rupture: float = math.inf
 
     def moment(self, theta: float, lever: float) -> float:
-        """The moment about a pivot at the distance `lever` [m] from the centre line [N m]."""
+        """Return the moment [N m] about a pivot at the distance `lever` [m] from the centre line."""
         force = self.prestress + 2.0 * self.stiffness * lever * math.sin(0.5 * theta)
         return force * lever * math.cos(0.5 * theta) if force < self.rupture else 0.0
 
@@ -81,20 +81,20 @@ class Restraints:
     stands: tuple[Stand, ...] = ()
 
     def record(self) -> dict[str, Any]:
-        """As a document states them, in SI units, with what a spectra file needs besides."""
+        """Return the restraints as a document states them, in SI units, with the further keys that a spectra file needs."""
         found: dict[str, Any] = {"ties": [_stated(tie) for tie in self.ties]} if self.ties else {}
         return found | ({"tendon": _stated(self.tendon)} if self.tendon else {}) | {"stands": [one._asdict() for one in self.stands]}
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> Restraints:
-        """The restraints of a record of parameters, its heights from the pivots. Raises KeyError or TypeError if it is not valid."""
+        """Return the restraints of a record of parameters, whose heights count from the pivots. Raises KeyError or TypeError."""
         ties = (Tie(**{"yield_force" if key == "yield" else key: x for key, x in one.items()}) for one in record.get("ties", ()))
         tendon = Tendon(**record["tendon"]) if "tendon" in record else None
         return cls(tuple(ties), tendon, tuple(Stand(**one) for one in record["stands"]))
 
     def statics(self, stand: Stand) -> dict[str, Any]:
-        """lambda, the stiffness after uplift over m g R (linear; -1 of the free body), and the equilibrium that replaces alpha: the first
-        rotation [rad] up to a right angle from which the body does not return, "none" if there is none."""
+        """Return lambda, the linear stiffness after uplift over m g R (-1 for the free body), and the equilibrium that replaces alpha: the
+        first rotation [rad], up to a right angle, from which the body does not return; "none" without one."""
         ties, tendon = [tie for tie in self.ties if stand.side in SIDES[tie.side]], self.tendon or Tendon(0.0)
         pull = sum(tie.prestress * tie.height for tie in ties) + tendon.prestress * stand.lever
         stiff = sum(tie.stiffness * tie.height**2 for tie in ties) + tendon.stiffness * stand.lever**2
@@ -113,7 +113,7 @@ class Restraints:
         return {"lambda": uplift, "stiffness": stiff / stand.moment - 1.0, "equilibrium": "none" if stays else high}
 
     def drawn(self, drawing: Sketch) -> Sketch:
-        """The drawing with the ties, from their anchors across the body and beyond, and the tendon."""
+        """Return the drawing with the tendon and the ties added; a tie goes from its anchor across the body and beyond it."""
         (_, (left, level)), (_, (right, _)) = drawing.pivots[0], drawing.pivots[-1]
         x, z = zip(*(point for body in drawing.bodies for point in body), strict=True)
         ends = {"left": (left, 1.0, max(x)), "right": (right, -1.0, min(x))}
@@ -135,7 +135,7 @@ def restrained(
     document: Document, body: RockingParameters, *, crown: float = math.inf, level: float = 0.0, inset: float = 0.0,
     width: float = math.inf, radius: float | None = None, share: float = 1.0,
 ) -> RockingParameters:  # fmt: skip
-    """The body with the ties, the tendon and the dampers of its document, and their statics in its details. Raises DocumentError.
+    """Return the body with the ties, the tendon and the dampers of its document, and their statics in its details. Raises DocumentError.
 
     crown, width: height and width of the body [m]; level: of its pivots above the ground [m]; inset: of its pivots [m]; radius: R of a
     body without an arm [m]; share: m g R over mass g R [-].
@@ -198,7 +198,7 @@ def _tendon(document: Document) -> Tendon:
 
 
 def _damping(document: Document, p: float, moment: float, levers: float) -> float:
-    """zeta = c levers p/(2 m g R) of two dashpots at the edges; levers: the sum of their squared distances from the pivot [m2]."""
+    """Return zeta = c levers p/(2 m g R) of two dashpots at the edges; levers: the sum of their squared distances from the pivot [m2]."""
     part = document.part("dampers", document.values["dampers"])
     if levers == math.inf:
         raise document.fault("dampers", "dampers of a body whose width is not known", "damping")
@@ -210,7 +210,7 @@ def _damping(document: Document, p: float, moment: float, levers: float) -> floa
 
 
 def _stiffness(part: Document) -> float:
-    """K [N/m], or E A/L of a rod. Raises DocumentError."""
+    """Return the stiffness K [N/m] that a document states, or E A/L of a rod. Raises DocumentError."""
     rod = {"length": "length", "area": "area", "modulus": "stress"}
     given = [key for key in rod if part.has(key)]
     if given and part.has("stiffness"):

@@ -16,13 +16,13 @@ ONE_SIDED_RESTITUTION = "a number above -1 and up to 0 (one_sided: it returns to
 
 
 def gravity_of(document: Document) -> float:
-    """The document's gravity [m/s2], 9.81 by default."""
+    """Return the document's gravity [m/s2], 9.81 by default."""
     return document.quantity("gravity", "acceleration", above=0.0, where="a positive acceleration", default=DEFAULT_GRAVITY)
 
 
 def restitution_of(document: Document, momentum: float, limit: str) -> tuple[float, str]:
-    """(eta, its source): the document's value, or `momentum`, the value from conservation of angular momentum. `limit` states for which
-    bodies the momentum model holds. Raises DocumentError if eta is not given and `momentum` is negative."""
+    """Return (eta, its source): the document's value, or `momentum`, the value from conservation of angular momentum. limit: a text on the
+    bodies for which the momentum model holds. Raises DocumentError if eta is not given and `momentum` is negative."""
     if _given(document):
         return abs(_stated(document, "a number from 0 to 1, or auto", least=0.0, most=1.0)), "given"
     if momentum < 0.0:
@@ -31,7 +31,7 @@ def restitution_of(document: Document, momentum: float, limit: str) -> tuple[flo
 
 
 def one_sided_restitution_of(document: Document, base: tuple[float, float], backing: float | None) -> tuple[float, str]:
-    """(e, its source) of a one-sided body, -1 < e <= 0: the document's value, or the product of three impacts.
+    """Return (e, its source) of a one-sided body, -1 < e <= 0: the document's value, or the product of three impacts.
     base: eta of the impact on the right edge and on the left edge; backing: the factor of the impact on the backing, None if the geometry
     does not define the point of impact. Raises DocumentError."""
     if _given(document):
@@ -52,7 +52,7 @@ def _given(document: Document) -> bool:
 
 
 def _stated(document: Document, wanted: str, *, above: float = -math.inf, least: float = -math.inf, most: float) -> float:
-    """The document's restitution, which must lie within the bounds. Raises DocumentError."""
+    """Return the document's restitution. Raises DocumentError if it is out of bounds; wanted: the bounds in words."""
     try:
         return document.quantity("restitution", "number", above=above, least=least, most=most)
     except DocumentError:  # its sentence lacks `auto`
@@ -60,17 +60,17 @@ def _stated(document: Document, wanted: str, *, above: float = -math.inf, least:
 
 
 def damping_of(document: Document) -> float:
-    """The document's viscous damping zeta [-], 0 by default."""
+    """Return the document's viscous damping zeta [-], 0 by default."""
     where = f"a number from 0 to below {MOST_DAMPING:g} (zeta)"
     return document.quantity("damping", "number", least=0.0, below=MOST_DAMPING, where=where, default=0.0)
 
 
 def friction_of(document: Document) -> float | None:
-    """The document's coefficient of friction [-], None if absent."""
+    """Return the document's coefficient of friction [-], None if absent."""
     where = "a positive number (a coefficient of friction)"
     return document.quantity("friction", "number", above=0.0, where=where) if document.has("friction") else None
 
 
 def mass_of(document: Document) -> float | None:
-    """The document's mass [kg], None if absent."""
+    """Return the document's mass [kg], None if absent."""
     return document.quantity("mass", "mass", above=0.0, where="a positive mass") if document.has("mass") else None

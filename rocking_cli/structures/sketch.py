@@ -29,8 +29,8 @@ class Sketch:
 def rocker(
     bodies: Iterable[Outline], left: Point, right: Point, centre: Point, *, inset: float = 0.0, lines: Lines = (), **more: Any
 ) -> Sketch:
-    """The sketch of one rigid body on two edges, also turned by alpha about the right pivot. `more`: other fields of the sketch. inset: how
-    far the pivots lie inside the edges [m]."""
+    """Return the sketch of a rigid body on two edges, at rest and turned by alpha about the right pivot. more: other fields of the sketch;
+    inset: the distance of the pivots inside the edges [m]."""
     bodies, edges = tuple(bodies), (left, right)
     if inset:
         left, right = (left[0] + inset, left[1]), (right[0] - inset, right[1])
@@ -41,25 +41,25 @@ def rocker(
 
 
 def redrawn(drawn: Sketch, inset: float) -> Sketch:
-    """The sketch of a rigid body, made by `rocker`, with its pivots inside the edges by a length [m]."""
+    """Return a sketch that `rocker` has made, with its pivots moved inside the edges by a length [m]."""
     assert drawn.centre is not None
     (_, left), (_, right) = drawn.pivots
     return rocker(drawn.bodies, left, right, drawn.centre, inset=inset, still=drawn.still, hollows=drawn.hollows, lines=drawn.lines)
 
 
 def rectangle(left: float, right: float, low: float, high: float) -> Outline:
-    """The four corners of a rectangle."""
+    """Return the four corners of a rectangle."""
     return ((left, low), (right, low), (right, high), (left, high))
 
 
 def turned(outline: Sequence[Point], about: Point, angle: float) -> Outline:
-    """An outline turned clockwise (towards +x) about a point by an angle [rad]."""
+    """Turn an outline clockwise (towards +x) about a point by an angle [rad]."""
     cos, sin = math.cos(angle), math.sin(angle)
     offsets = [(x - about[0], z - about[1]) for x, z in outline]
     return tuple((about[0] + cos * x + sin * z, about[1] + cos * z - sin * x) for x, z in offsets)
 
 
 def circle(centre: Point, radius: float) -> Outline:
-    """A circle as a polygon of 48 corners."""
+    """Return a circle as a polygon of 48 corners."""
     steps = (2.0 * math.pi * i / 48 for i in range(48))
     return tuple((centre[0] + radius * math.cos(s), centre[1] + radius * math.sin(s)) for s in steps)

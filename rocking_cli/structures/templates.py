@@ -7,7 +7,7 @@ from ..errors import UsageError
 
 
 def template(kind: str) -> str:
-    """The text of the example document of a kind. Raises UsageError if there is none.
+    """Return the text of the example document of a kind. Raises UsageError if there is none.
 
     >>> build_structure(parse_documents(template('block'))[0]).structure
     'block'
@@ -18,6 +18,6 @@ def template(kind: str) -> str:
 
 
 def shipped(name: str | Path) -> Path | None:
-    """The path of a file or folder in the shipped folder `configs`; None if there is none."""
+    """Return the path of a file or folder in the shipped folder `configs`; None if there is none."""
     places = (Path(str(folder)) / "configs" / name for folder in (files("rocking_cli"), Path(__file__).resolve().parents[2]))
     return next(filter(Path.exists, places), None)

@@ -75,8 +75,8 @@ def _module(word: str) -> Any:
 
 
 def _with_shared_keys(document: Document, built: RockingParameters) -> RockingParameters:
-    """The structure with the gravity and restitution that its document states and its kind has not read: p^2 is proportional to gravity.
-    They stay unread, and so are refused, for a structure with two sides or a mechanism, whose other numbers may depend on them."""
+    """Apply the gravity and restitution of the document if the kind has not read them; p^2 is proportional to gravity. For a structure with
+    two sides or a mechanism both stay unread, and so are refused, since its other numbers may depend on them."""
     if built.sides or built.mechanism is not None:
         return built
     unread = {"gravity", "restitution"} - document.asked
@@ -90,7 +90,7 @@ def _with_shared_keys(document: Document, built: RockingParameters) -> RockingPa
 
 
 def reports_of(word: str) -> Sequence[str]:
-    """The details that a kind reports; empty for an unknown kind and for a package that does not load."""
+    """Return the keys of the details that a kind reports; empty for an unknown kind and for a package that does not load."""
     try:
         return tuple(_module(word).REPORTS)
     except (Exception, SystemExit):
@@ -98,7 +98,7 @@ def reports_of(word: str) -> Sequence[str]:
 
 
 def sizes_of(word: str) -> Sequence[str]:
-    """The keys that the sizes of `KIND:AxB` state; empty for a kind without this form."""
+    """Return the keys whose values `KIND:AxB` states; empty for a kind without this form."""
     return tuple(getattr(_module(word), "SIZES", ())) if word in KINDS else ()
 
 

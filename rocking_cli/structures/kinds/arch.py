@@ -50,8 +50,8 @@ def build(document: Document, name: str) -> RockingParameters:
 
 
 def find_mechanism(document: Document) -> tuple[FourBar, float | None]:
-    """(mechanism, governing lambda). The mechanism has the document's hinges, or else the governing ones. Raises DocumentError if the arch
-    does not stand, the given hinges are not admissible, or no linkage of four hinges governs."""
+    """Return (mechanism, governing lambda). The mechanism has the hinges of the document, or else the governing ones. Raises DocumentError
+    if the arch does not stand, the given hinges are not admissible, or no linkage of four hinges governs."""
     ring = ring_of(document)
     voussoirs = document.integer("voussoirs", 4, MOST_VOUSSOIRS) if document.has("voussoirs") else None
     joints = None if voussoirs is None else np.linspace(0.0, ring.angle, voussoirs + 1)
@@ -71,8 +71,8 @@ def find_mechanism(document: Document) -> tuple[FourBar, float | None]:
 
 
 def ring_of(document: Document) -> Ring:
-    """The ring from radius and angle, or from span and rise: R = (span^2/4 + rise^2)/(2 rise), angle = 4 atan(2 rise/span). The key
-    `measured` states the line on which radius, span and rise are taken. Springings are radial. Raises DocumentError."""
+    """Return the ring from radius and angle, or from span and rise: R = (span^2/4 + rise^2)/(2 rise), angle = 4 atan(2 rise/span). The key
+    `measured` states the line to which radius, span and rise refer. Springings are radial. Raises DocumentError."""
     outward = MEASURED[document.choice("measured", list(MEASURED), "centre-line")]
     pairs = [pair for pair in PAIRS if any(document.has(key) for key in pair)] or [PAIRS[0]]
     if len(pairs) > 1 or not all(document.has(key) for key in pairs[0]):
@@ -92,7 +92,7 @@ def ring_of(document: Document) -> Ring:
 
 
 def _given(document: Document, ring: Ring, joints: np.ndarray | None) -> FourBar:
-    """The mechanism with the hinges that the document states. Raises DocumentError if it is not admissible."""
+    """Return the mechanism with the hinges that the document states. Raises DocumentError if it is not admissible."""
     value = document.values["hinges"]
     if not isinstance(value.content, list) or len(value.content) != 4:
         raise document.fault("hinges", str(value), _HINGES)
@@ -121,7 +121,7 @@ def _given(document: Document, ring: Ring, joints: np.ndarray | None) -> FourBar
 
 
 def _hinge(document: Document, value: Value, face: str) -> tuple[float, str]:
-    """(angle [rad], face) of one hinge; `face` if the document states the angle only. Raises DocumentError."""
+    """Return (angle [rad], face) of one hinge; the face is `face` if the document states only the angle. Raises DocumentError."""
     if isinstance(value.content, dict):
         part = document.part("hinges", value)
         found = part.quantity("angle", "angle"), part.choice("face", [INTRADOS, EXTRADOS])
@@ -134,7 +134,7 @@ def _hinge(document: Document, value: Value, face: str) -> tuple[float, str]:
 
 
 def sketch(document: Document, built: RockingParameters) -> Sketch:
-    """The voussoirs (or the links of a continuous arch), the numbered hinges, and the linkage at alpha."""
+    """Return a sketch with the voussoirs (or the links of a continuous arch), the numbered hinges, and the linkage at alpha."""
     mechanism = built.mechanism
     assert isinstance(mechanism, FourBar)
     ring, count = mechanism.ring, mechanism.voussoirs or 0

@@ -17,8 +17,8 @@ REPORTS = ("cap_ratio",)
 
 
 def body(document: Document) -> RigidBody:
-    """A frame. Raises DocumentError. Keys: columns: their number; width and height (or radius and alpha) of one column; cap_ratio: gamma.
-    The drawing shows up to six of the columns."""
+    """Return the body of a frame. Raises DocumentError. Keys: columns: their number; width and height (or radius and alpha) of one column;
+    cap_ratio: gamma. The drawing shows up to six columns."""
     count = document.integer("columns", 1, 1_000_000)
     where = "a number from 0, the mass of the beam over that of all columns"
     gamma = document.quantity("cap_ratio", "number", least=0.0, where=where)
@@ -26,7 +26,7 @@ def body(document: Document) -> RigidBody:
 
 
 def _frame(drawn: int, gamma: float, radius: float, alpha: float, inset: float = 0.0) -> RigidBody:
-    """The body of columns of this half diagonal, whose pivots lie inside the edges of base and head [m]; drawn: number of columns."""
+    """Return the body of a frame with columns of this half diagonal; inset: that of the pivots [m]; drawn: the number of drawn columns."""
     edge, height = radius * math.sin(alpha), 2.0 * radius * math.cos(alpha)
     drawing, again = _drawing(edge, height, inset, drawn), partial(_frame, drawn, gamma, radius, alpha)
     whole = 4.0 / 3.0  # I/(m R^2) of a column
@@ -43,7 +43,7 @@ def _frame(drawn: int, gamma: float, radius: float, alpha: float, inset: float =
 
 
 def _drawing(half: float, height: float, inset: float, count: int) -> Sketch:
-    """The columns and the beam, at rest and at alpha."""
+    """Return a sketch of the columns and the beam, at rest and at alpha."""
     foot, alpha = half - inset, math.atan2(half - inset, 0.5 * height)
     step = max(5.0 * half, 0.6 * height)
     axes = [step * (i - 0.5 * (count - 1)) for i in range(count)]

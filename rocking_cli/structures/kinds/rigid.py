@@ -13,7 +13,7 @@ REPORTS = ("direction",)
 
 
 def body(document: Document) -> RigidBody:
-    """The rigid body that a document of this kind describes. Raises DocumentError.
+    """Return the rigid body that a document of this kind describes. Raises DocumentError.
     Keys: left, right: horizontal distance from each edge to the mass centre; height of the mass centre above the edges; gyration: radius of
     gyration about the mass centre, or inertia about it and mass; mass is optional with gyration. The drawing shows the base, and the circle
     of the radius of gyration in place of an outline."""
@@ -31,7 +31,7 @@ def body(document: Document) -> RigidBody:
 
 
 def _gyration(document: Document) -> float:
-    """The radius of gyration about the mass centre [m]. Raises DocumentError."""
+    """Return the radius of gyration about the mass centre [m]. Raises DocumentError."""
     if not document.has("inertia"):
         return document.length("gyration")
     if document.has("gyration"):

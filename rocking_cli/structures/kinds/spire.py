@@ -39,7 +39,7 @@ class Cone(NamedTuple):
         return Moments(mass, 0.0, mass * h / 4.0, mass * (0.15 * r**2 + 0.1 * h**2))
 
     def above(self, edge: float, slope: float, both: bool = False) -> Moments:
-        """The moments of the part above the plane through (edge, 0) that rises by `slope` towards -x; both: and above its mirror image.
+        """Return moments of the part above the plane through (edge, 0) that rises by `slope` towards -x; both: also above its mirror image.
         A slice is a circle or ring cut by a chord and has closed forms. The integral over z is Gauss-Legendre in theta, with z = middle -
         half cos(theta), which removes the square roots at the ends of an interval."""
         nodes, weights = np.polynomial.legendre.leggauss(_NODES)
@@ -88,7 +88,7 @@ class Spire(NamedTuple):
     crack_height: float
 
     def rocking(self, both: bool = False) -> Moments:
-        """The moments of the part above the crack; both: and above its mirror image."""
+        """Return the moments of the part above the crack; both: only what also lies above the mirror image of the crack."""
         outer = self._part(Cone(self.base_radius, self.height, thin=self.thickness == 0.0), both)
         if self.thickness == 0.0:
             return outer

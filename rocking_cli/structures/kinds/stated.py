@@ -15,7 +15,8 @@ P_RANGE = f"a positive number, from {1.0 / LARGEST_P:g} to {LARGEST_P:g} rad/s"
 
 
 def build(document: Document, name: str) -> RockingParameters:
-    """The parameters that the document states; a_scale = alpha/lambda if one of these is absent (Eq. 3.9). Raises DocumentError."""
+    """Return the parameters that the document states; a_scale = alpha/lambda gives an absent lambda or a_scale (Eq. 3.9). Raises
+    DocumentError."""
     found = _free(document, name)
     if not (document.has("ties") | document.has("tendon")):
         return found
@@ -53,7 +54,7 @@ def _free(document: Document, name: str) -> RockingParameters:
 
 
 def _check_varied(document: Document, details: dict[str, Any]) -> None:
-    """Raise DocumentError unless `varied` holds numbers by key, and `varied_units` names of units by the same keys."""
+    """Raise DocumentError unless `varied` maps keys to numbers, and `varied_units` the same keys to names of units."""
     values, units = (details.get(key, {}) for key in VARIED)
     numbers = isinstance(values, dict) and all(isinstance(value, float) for value in values.values())
     names = isinstance(units, dict) and all(isinstance(unit, str) or unit is None for unit in units.values())
@@ -62,7 +63,7 @@ def _check_varied(document: Document, details: dict[str, Any]) -> None:
 
 
 def _numbers(document: Document, gravity: float, one_sided: bool = False) -> dict[str, Any]:
-    """p, alpha, eta, uplift, a_scale and arm of a body or of one of its sides. Raises DocumentError."""
+    """Read p, alpha, eta, uplift, a_scale and arm of a body or of one of its sides. Raises DocumentError."""
     p = document.quantity("p", "frequency parameter", least=1.0 / LARGEST_P, most=LARGEST_P, where=P_RANGE)
     alpha = document.quantity("alpha", "angle", above=0.0, below=math.pi, where="an angle between 0 and 180 deg")
     if one_sided:

@@ -27,8 +27,8 @@ _BESIDE = 1e-9  # relative distance of the points on either side of a break
 class CapacityCurve(NamedTuple):
     """The multiplier alpha [-] of the weights over the displacement d [m] of the equivalent oscillator.
 
-    displacement, multiplier: (n,), from rest to d0, where the weights alone have no capacity left; a tie that still holds there is not
-    counted on, which is safe. e_star: mass of the oscillator over that of the mechanism [-]; breaks: index of the last point before each
+    displacement, multiplier: (n,), from rest to d0, where the weights alone have no capacity left; a tie that still holds beyond d0 is
+    ignored, which is safe. e_star: mass of the oscillator over that of the mechanism [-]; breaks: the index of the last point before each
     break of a tie or a tendon.
     """
 
@@ -39,12 +39,12 @@ class CapacityCurve(NamedTuple):
 
     @property
     def vanishes(self) -> float:
-        """d0 [m]."""
+        """The displacement d0 [m] at which the weights alone have no capacity left."""
         return float(self.displacement[-1])
 
     def limit(self, share: float) -> tuple[float, float, bool]:
-        """(d [m], alpha [-], True if a break decides) at `share` of d0, or at the first break of a tie or a tendon before that leaves less
-        than half of the largest multiplier until then."""
+        """Return (d [m], multiplier [-], True if a break decides) at `share` of d0, or at the first earlier break of a tie or a tendon that
+        leaves less than half of the largest multiplier before it."""
         d = share * self.vanishes
         for i in self.breaks:
             before = float(self.displacement[i])
@@ -66,7 +66,7 @@ def demand_geometry(structures: Sequence[RockingParameters]) -> None:
 
 
 def capacity_curves(structure: RockingParameters) -> list[CapacityCurve]:
-    """The curve of each direction in which a structure can fall, one if both are alike. Raises UsageError if its geometry is not known.
+    """Return a curve for each direction in which a structure can fall, one if both are alike. Raises UsageError without its geometry.
 
     >>> (curve,) = capacity_curves(load_structures('block:0.5x2')[0])
     >>> curve.e_star, curve.vanishes, float(curve.multiplier[0])
@@ -85,8 +85,8 @@ def capacity_curves(structure: RockingParameters) -> list[CapacityCurve]:
 
 
 def _of_body(edge: Side | RockingParameters, side: str, structure: RockingParameters) -> CapacityCurve:
-    """The curve of a body that turns about one edge up to alpha: d = R (sin alpha - sin(alpha - theta)), and tan(alpha - theta) with the
-    moments of ties and of the tendon."""
+    """Return the curve of a body that turns about one edge up to alpha: d = R (sin alpha - sin(alpha - theta)); the multiplier is
+    tan(alpha - theta) plus the part of ties and of the tendon."""
     alpha, arm, held = edge.alpha, edge.arm or 0.0, structure.restraints or Restraints()
     lever, ties, tendon = arm * math.sin(alpha), [tie for tie in held.ties if side in SIDES[tie.side]], held.tendon or Tendon(0.0)
     breaks = sorted({x for x in (*map(_break, ties), _snap(tendon, lever)) if x < alpha})
@@ -99,20 +99,20 @@ def _of_body(edge: Side | RockingParameters, side: str, structure: RockingParame
 
 
 def _break(tie: Tie) -> float:
-    """The rotation [rad] at which a tie breaks, infinite if it does not: u = R_t (sin a - sin(a - theta)), a the angle of its anchor."""
+    """Return the rotation [rad] at which a tie breaks, or infinity: u = R_t (sin a - sin(a - theta)), a being the angle of its anchor."""
     reach, start = math.hypot(tie.behind, tie.height), math.atan2(tie.behind, tie.height)
     sine = math.sin(start) - tie.ultimate / reach
     return start - math.asin(sine) if sine >= -1.0 else math.inf
 
 
 def _snap(tendon: Tendon, lever: float) -> float:
-    """The rotation [rad] at which a tendon breaks, infinite if it does not: its elongation is 2 b sin(theta/2)."""
+    """Return the rotation [rad] at which a tendon breaks, or infinity; its elongation is 2 b sin(theta/2)."""
     sine = (tendon.rupture - tendon.prestress) / (2.0 * lever * tendon.stiffness) if tendon.stiffness else math.inf
     return 2.0 * math.asin(sine) if sine <= 1.0 else math.inf
 
 
 def _of_arch(mechanism: Any, alpha: float) -> CapacityCurve:
-    """The curve of a linkage up to its unstable equilibrium; its mass centre moves by the integral of push over the mass."""
+    """Return the curve of a linkage up to its unstable equilibrium; d of its mass centre is the integral of push over the mass."""
     phi = np.linspace(0.0, alpha, _POINTS)
     _, lift, push = mechanism.coefficients(phi)
     masses = np.array([link.mass for link in mechanism.links])

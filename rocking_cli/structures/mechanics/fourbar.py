@@ -27,13 +27,13 @@ class Ring(NamedTuple):
     angle: float
 
     def point(self, s: Any, face: str) -> tuple[Any, Any]:
-        """(x, z) [m] on a face at the angle s, from the centre of the ring."""
+        """Return (x, z) [m], from the centre of the ring, of the point on a face at the angle s."""
         rho = self.radius + (0.5 if face == EXTRADOS else -0.5) * self.thickness
         polar = 0.5 * np.pi + 0.5 * self.angle - s
         return rho * np.cos(polar), rho * np.sin(polar)
 
     def sector(self, start: Any, stop: Any) -> Moments:
-        """Moments of the sector between two angles, in closed form."""
+        """Return the moments of the sector between two angles, in closed form."""
         r, t = self.radius, self.thickness
         a, b = (0.5 * np.pi + 0.5 * self.angle - s for s in (start, stop))
         lever = r * r * t + t**3 / 12.0  # (r_o^3 - r_i^3) / 3
@@ -58,8 +58,8 @@ class Rates(NamedTuple):
 
 
 def rates(points: Any, links: Any) -> Rates:
-    """First-order kinematics of the linkage in any position, from AB + w2 BC + w3 CD = 0. points: (x, z) of A, B, C, D; links: (mass, first
-    moment of x, first moment of z) of the three links."""
+    """Return the first-order kinematics of the linkage in any position, from AB + w2 BC + w3 CD = 0. points: (x, z) of A, B, C, D; links:
+    (mass, first moment of x, first moment of z) of the three links."""
     (xa, za), (xb, zb), (xc, zc), (xd, zd) = points
     abx, abz, bcx, bcz, cdx, cdz = xb - xa, zb - za, xc - xb, zc - zb, xd - xc, zd - zc
     turn = bcx * cdz - bcz * cdx
@@ -87,11 +87,11 @@ class FourBar:
 
     @cached_property
     def links(self) -> list[Moments]:
-        """Moments of the three links at rest."""
+        """The moments of the three links at rest."""
         return [self.ring.sector(a, b) for a, b in zip(self.hinges[:-1], self.hinges[1:], strict=True)]
 
     def at_rest(self) -> Rates:
-        """Kinematics at rest."""
+        """The rates of the linkage at rest."""
         return rates(self.points, [m[:3] for m in self.links])
 
     @cached_property
@@ -102,7 +102,7 @@ class FourBar:
         return float(scan[np.argmin(fits) - 1]) if not fits.all() else float(scan[-1])
 
     def _angles(self, phi: Any) -> tuple[Any, Any]:
-        """Clockwise rotations [rad] of B-C and C-D at phi; NaN where the links do not meet."""
+        """Return the clockwise rotations [rad] of B-C and C-D at phi; NaN if the links cannot meet there."""
         a, b, c, d = self.points
         phi = np.asarray(phi, dtype=float)
         ab = b - a
@@ -121,14 +121,14 @@ class FourBar:
         return _turned((c - b), bcx, bcz), _turned(cd, cdx, cdz)
 
     def displaced(self, phi: float) -> list[Callable[[float, float], tuple[float, float]]]:
-        """For each link a function from the (x, z) of a point at rest to its (x, z) at phi [m]."""
+        """Return for each link a function from the (x, z) of a point at rest to its (x, z) at phi [m]."""
         a, b, _, d = self.points
         second, third = (float(turn) for turn in self._angles(phi))
         b_now = a + _rotate(b - a, np.array(phi))
         return [partial(_moved, a, a, phi), partial(_moved, b, b_now, second), partial(_moved, d, d, third)]
 
     def coefficients(self, phi: Any) -> Coefficients:
-        """M, V'/g and B of Eq. 3.4 at rotations phi [rad] of any size and shape."""
+        """Return M, V'/g and B of Eq. 3.4 at rotations phi [rad] of any size and shape."""
         shape = np.shape(phi)
         second, third = (turn.ravel() for turn in self._angles(phi))
         phi = np.ravel(np.asarray(phi, dtype=float))
@@ -169,17 +169,17 @@ class FourBar:
 
 
 def _rotate(vector: np.ndarray, angle: np.ndarray) -> np.ndarray:
-    """A vector turned clockwise by n angles [rad], shape (2, n)."""
+    """Turn a vector clockwise by n angles [rad]; shape (2, n)."""
     cos, sin = np.cos(angle), np.sin(angle)
     return np.array([cos * vector[0] + sin * vector[1], cos * vector[1] - sin * vector[0]])
 
 
 def _moved(before: np.ndarray, after: np.ndarray, turn: float, x: float, z: float) -> tuple[float, float]:
-    """(x, z) of a point of a link whose point `before` has moved to `after`."""
+    """Return (x, z) of a point of a link that has turned by `turn` and whose point `before` has moved to `after`."""
     now = after + _rotate(np.array([x, z]) - before, np.array(turn))
     return float(now[0]), float(now[1])
 
 
 def _turned(before: np.ndarray, x: Any, z: Any) -> Any:
-    """Clockwise angle from a vector to (x, z)."""
+    """Return the clockwise angle from the vector `before` to (x, z) [rad]."""
     return np.arctan2(before[1] * x - before[0] * z, before[0] * x + before[1] * z)

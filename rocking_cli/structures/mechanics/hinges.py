@@ -24,8 +24,8 @@ _STEP = 1e-30  # of the complex-step derivative, which subtracts nothing and so 
 
 
 def search_joints(ring: Ring, joints: np.ndarray) -> tuple[Hinges, float] | None:
-    """(hinges, lambda) of the governing mechanism with hinges on these joints [rad], or None if no mechanism is admissible. lambda <= 0:
-    the arch does not stand. Two hinges on one joint: it opens over its whole depth, which may govern short thick arches."""
+    """Return (hinges, lambda) of the governing mechanism with hinges on these joints [rad], None if no mechanism is admissible. If lambda
+    <= 0 the arch does not stand. A joint with two hinges opens over its whole depth, which may govern short thick arches."""
     count = joints.size
     inner, outer = np.array(ring.point(joints, FACES[0])), np.array(ring.point(joints, FACES[1]))
     upto = ring.sector(0.0, joints)
@@ -45,8 +45,8 @@ def search_joints(ring: Ring, joints: np.ndarray) -> tuple[Hinges, float] | None
 
 
 def search_continuous(ring: Ring) -> tuple[Hinges, float] | None:
-    """(hinges, lambda) of the governing mechanism of a continuous arch, with angles to 1e-10 rad. None if no mechanism is admissible, or if
-    two hinges converge, as in short thick arches, which have no least mechanism."""
+    """Return (hinges, lambda) of the governing mechanism of a continuous arch, angles to 1e-10 rad. None if no mechanism is admissible, or
+    if two hinges converge, as in short thick arches, where no mechanism has the least lambda."""
     start = search_joints(ring, np.linspace(0.0, ring.angle, _COARSE + 1))
     if start is None:
         return None
@@ -77,7 +77,7 @@ def search_continuous(ring: Ring) -> tuple[Hinges, float] | None:
 
 
 def _uplifts(ring: Ring, s: np.ndarray) -> np.ndarray:
-    """lambda [-] of mechanisms with hinge angles s, shape (count, 4); infinite for one that is not admissible."""
+    """Return lambda [-] of mechanisms with hinge angles s, shape (count, 4); infinity for a mechanism that is not admissible."""
     ordered = np.all(np.diff(s, axis=1) > 0.0, axis=1)
     with np.errstate(all="ignore"):
         found = _rates(ring, s.T)
@@ -117,7 +117,7 @@ def carried_through(ring: Ring, joints: np.ndarray, hinges: Sequence[float]) -> 
 
 
 def static_uplift(ring: Ring, joints: np.ndarray) -> float | None:
-    """lambda [-] by the static theorem for these joints [rad], by a linear program; None if no thrust carries the arch's own weight."""
+    """Return lambda [-] by the static theorem for these joints [rad], by a linear program; None if no thrust carries the arch's weight."""
     from scipy.optimize import linprog
 
     ring = Ring(1.0, ring.thickness / ring.radius, ring.angle)  # lambda does not depend on the scale, but the solver's tolerances do
@@ -128,15 +128,15 @@ def static_uplift(ring: Ring, joints: np.ndarray) -> float | None:
 
 
 def _thrust(ring: Ring, s: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Fx, Fz and the moment about the centre in the joints at s [rad], by the equilibrium of the arch up to there, shape (joints, 5). They
-    are linear in Fx, Fz and moment at the left springing, lambda, and 1."""
+    """Return Fx, Fz and the moment about the centre in the joints at s [rad], by the equilibrium of the arch up to each joint, as
+    coefficients, shape (joints, 5), of Fx, Fz and moment at the left springing, lambda, and 1."""
     unit, part = np.eye(5), ring.sector(np.zeros(s.size), s)
     mass, x, z = (np.asarray(moment)[:, None] for moment in part[:3])
     return unit[0] + mass * unit[3], unit[1] - mass * unit[4], unit[2] - z * unit[3] - x * unit[4]
 
 
 def _in_joints(ring: Ring, joints: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The normal force and its moment about the middle of each joint, linear as in `_thrust`."""
+    """Return the normal force and its moment about the middle of each joint, as coefficients like those of `_thrust`."""
     polar = (0.5 * np.pi + 0.5 * ring.angle - joints)[:, None]
     fx, fz, moment = _thrust(ring, joints)
     normal = np.sin(polar) * fx - np.cos(polar) * fz

@@ -51,7 +51,7 @@ class Linearised(NamedTuple):
 
 
 def linearise(mechanism: Mechanism) -> Linearised:
-    """The parameters of a mechanism. Raises StructureError if it does not stand or has no unstable equilibrium."""
+    """Return the parameters of a mechanism. Raises StructureError if it does not stand or has no unstable equilibrium."""
     at_rest = mechanism.coefficients(0.0)
     uplift = float(at_rest.lift / at_rest.push)
     if not uplift > 0.0:
@@ -67,7 +67,7 @@ def linearise(mechanism: Mechanism) -> Linearised:
 
 
 def _slope_of_lift(mechanism: Mechanism, alpha: float) -> float:
-    """V''(alpha)/g [kg m], or 0 if alpha is too close to the rotation at which the links lock."""
+    """Return V''(alpha)/g [kg m], or 0 if alpha is too close to the rotation at which the links lock."""
     step = 0.01 * min(alpha, mechanism.reach - alpha)  # V' is smooth between rest and the locked position
     if not step > 1e-9 * alpha:
         return 0.0
@@ -78,7 +78,7 @@ def _slope_of_lift(mechanism: Mechanism, alpha: float) -> float:
 
 
 def equilibrium(mechanism: Mechanism) -> float:
-    """alpha, the first rotation with V' = 0 [rad]. Raises StructureError if there is none within reach."""
+    """Return alpha, the first rotation with V' = 0 [rad]. Raises StructureError if there is none within the reach of the mechanism."""
     import numpy as np
 
     low, high = 0.0, mechanism.reach

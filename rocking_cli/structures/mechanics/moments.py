@@ -39,7 +39,7 @@ class Spin(NamedTuple):
     omega: Any
 
     def product(self, other: Spin, body: Moments) -> Any:
-        """int rho u.w dV over a body, u this field and w the other."""
+        """Return int rho u.w dV over a body, where u is this field and w the other one."""
         straight = self.x0 * other.x0 + self.z0 * other.z0
         along_x = self.z0 * other.omega + other.z0 * self.omega
         along_z = self.x0 * other.omega + other.x0 * self.omega
@@ -47,5 +47,5 @@ class Spin(NamedTuple):
 
 
 def spin_about(x: float, z: float, omega: float = 1.0) -> Spin:
-    """The velocity field of a rotation about the point (x, z)."""
+    """Return the velocity field of a rotation about the point (x, z)."""
     return Spin(-omega * z, omega * x, omega)

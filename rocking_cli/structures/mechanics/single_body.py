@@ -36,7 +36,7 @@ class Edge(NamedTuple):
     arm: float | None
 
     def side(self, name: str, eta: float) -> Side:
-        """The parameters on this edge with the restitution `eta`."""
+        """Return the parameters on this edge with the restitution `eta`."""
         return Side(name, self.p, self.alpha, self.uplift, 1.0, eta, self.arm)
 
 
@@ -95,7 +95,8 @@ class RigidBody:
         )
 
     def moved_in(self, document: Document) -> tuple[float, RigidBody]:
-        """The document's inset, how far the pivots lie inside the edges [m], 0 by default, and the body on them. Raises DocumentError."""
+        """Return the document's inset (the distance of the pivots inside the edges [m], default 0), and the body on these pivots. Raises
+        DocumentError."""
         where = f"a length from 0 to below {self.reach:g} m, beyond which the mass centre is not above the base"
         inset = document.quantity("inset", "length", least=0.0, below=self.reach, where=where, default=0.0)
         return inset, self.again(inset) if inset else self
@@ -111,7 +112,7 @@ class RigidBody:
 def equal_edges(
     radius: float, alpha: float, inertia: float, *, drawing: Sketch, eta: float | None = None, whole: bool = True, **more: Any
 ) -> RigidBody:
-    """A rigid body with equal edges: p^2 = M g R/I_P, lambda = tan alpha (Eq. 2.2), a_scale = 1 (Eq. 2.4).
+    """Return a rigid body with equal edges: p^2 = M g R/I_P, lambda = tan alpha (Eq. 2.2), a_scale = 1 (Eq. 2.4).
     radius: R, from the edge to the mass centre [m]; alpha [rad]; inertia: I_P/(M R^2) about the edge [-]; eta: from angular momentum, by
     default 1 - (M R^2/I_P)(1 - cos 2 alpha) (Eqs. 2.6, 3.3); whole: true if the same body rocks on both edges, so that its ground forces
     are known; more: the other fields of the body."""
@@ -179,7 +180,7 @@ def edges_of(body: Moments, half: float, gravity: float) -> tuple[Edge, Edge]:
 
 
 def _against_backing(body: Moments, half: float, top: Point | None) -> float | None:
-    """(I_G + m r_L.r_T)/(I_G + m r_T^2), the factor of the impact on the backing at T = `top`; None without `top`."""
+    """Return (I_G + m r_L.r_T)/(I_G + m r_T^2), the factor of the impact on the backing at T = `top`; None without `top`."""
     if top is None:
         return None
     x, z = body.x / body.mass, body.z / body.mass
@@ -188,9 +189,9 @@ def _against_backing(body: Moments, half: float, top: Point | None) -> float | N
 
 
 def worn(body: RockingParameters, share: float) -> tuple[float, RockingParameters] | None:
-    """(inset [m], parameters) of a rigid body whose pivots lie inside the edges by this share of the distance between them. A restitution
-    that is given, or that includes the impact on a backing, stays. None if the mass centre would be beyond an edge, and of a body with
-    ties or a tendon, whose levers change too."""
+    """Return (inset [m], parameters) of the body with its pivots inside the edges by this share of the distance between the edges. A given
+    restitution, and one that includes the impact on a backing, stays. None if the mass centre would lie beyond a pivot, and for a body
+    with ties or a tendon, whose levers change too."""
     if body.restraints:
         return None
     sides: tuple[Side | RockingParameters, ...] = body.sides or (body, body)

@@ -29,8 +29,8 @@ class Piece(NamedTuple):
 
 
 def frustum_moments(low: float, high: float, height: float) -> Moments:
-    """Moments of a solid frustum of a cone of unit density on z = 0; low, high: radii at its base and top [m]. int R^2, int R^2 z, int R^2
-    z^2 and int R^4 over z are polynomials in the two radii."""
+    """Return the moments of a solid frustum of a cone of unit density on z = 0; low, high: radii at its base and top [m]. The integrals
+    over z of R^2, R^2 z, R^2 z^2 and R^4 are polynomials in the two radii."""
     a, b = low, high
     area = math.pi * height * (a * a + a * b + b * b) / 3.0
     first = math.pi * height**2 * (a * a + 2.0 * a * b + 3.0 * b * b) / 12.0
@@ -54,7 +54,7 @@ def round_piece(document: Document) -> Piece:
 
 
 def offset_of(document: Document) -> float:
-    """The document's offset in x [m], 0 by default."""
+    """Return the document's offset in x [m], 0 by default."""
     return document.quantity("offset", "length", default=0.0)
 
 
@@ -88,7 +88,7 @@ class Bed(NamedTuple):
 
 
 def stacked(document: Document, key: str, word: str, pieces: Sequence[Piece], inset: float = 0.0) -> RigidBody:
-    """The body that rocks on the interface with the least margin, the lowest if several are equal.
+    """Return the body that rocks on the interface with the least margin, on the lowest one of equal margins.
     pieces: from below; key: of their list in the document; word: for one of them; inset: from the edges of every interface [m]. Raises
     DocumentError if a piece does not stand on the one below it, or the stack does not stand."""
     moments, beds = Moments(0.0, 0.0, 0.0, 0.0), list[Bed]()
