@@ -1,10 +1,10 @@
-"""Changes of the outcome along the amplitude, for many frequencies: a scan brackets the changes, and sections trace each one.
+"""Changes of the outcome along the amplitude A, for many frequencies: a scan brackets the changes, and sections trace each one.
 
-Theorems exclude amplitudes of the scan (`dynamics.lemmas`). Below, nothing overturns (Lemma 9); bodies that may lose contact without
-overturning are computed from a smaller amplitude on (`System.safe_amplitude`). Above, for the linear oscillator that the motion lifts on
-its first segment at any amplitude (Lemma 10): every amplitude above one that overturns without impact does so too, and where the first arc
-outlasts the shaking the outcome changes only where the energy at its end crosses a level, which bounds over stretches of amplitudes tell
-(`one_arc`).
+Lemmas (`dynamics.lemmas`) exclude amplitudes from the scan. Below a first amplitude nothing overturns (Lemma 9); bodies that may lose
+contact without overturning are computed from a smaller amplitude on (`System.safe_amplitude`). Lemma 10 holds for the linear oscillator
+that the motion lifts on its first segment at any amplitude: every amplitude above one that overturns without impact does so too. Where its
+first arc outlasts the shaking, the outcome changes only where the energy at the end of the shaking crosses a level; bounds over stretches
+of amplitudes find these places (`one_arc`).
 """
 
 from __future__ import annotations
@@ -30,18 +30,18 @@ if TYPE_CHECKING:
     from ..dynamics.single.scan import Scan
 
 Array = np.ndarray
-Steps = list[tuple[float, int]]  # amplitudes, rising, and the outcome from each on
+Steps = list[tuple[float, int]]  # (amplitude, outcome from there on), amplitudes rising
 
 FINE_STEP = 0.999e-4  # step of the finer scan around changes of the outcome or of the number of impacts, where narrow intervals gather
 _AROUND = 12  # points on either side of such a change that the finer scan includes
-_WORTH = 20_000  # number of amplitudes from which bounds over stretches are faster than single amplitudes
+_WORTH = 20_000  # from so many amplitudes on, bounds over stretches are faster than single amplitudes
 _BATCH = 1 << 20  # cells of the scan computed together
-_TOLD = 1e-6  # relative width to which an approximate scan tells changes
+_TOLD = 1e-6  # relative width to which an approximate scan finds changes
 _STRETCH = 80  # points computed together in a search for the first fall
 
 
 class Look(NamedTuple):
-    """Cells in the order of row and amplitude: outcomes, and numbers of impacts until the outcome was certain."""
+    """Computed cells in the order of row and amplitude: their outcomes, and their numbers of impacts until the outcome was certain."""
 
     row: Array
     amplitude: Array
@@ -83,12 +83,12 @@ class Search:
 
     @cached_property
     def harmless(self) -> float:
-        """A int |s| dphi/Omega from the first uplift on, up to which nothing overturns (Lemma 9)."""
+        """The largest A int |s| dphi/Omega from the first uplift on under which nothing overturns (Lemma 9)."""
         (amplitude, omega, eta), sides = self._cells(np.ones(1), np.ones(1)), np.array([1.0, -1.0])
         equation = self.system.equation.on(sides)
-        speed = np.sqrt(equation.barrier / equation.fall(np.zeros(2), np.ones(2))[1])  # at the ground, of a body that just overturns
+        speed = np.sqrt(equation.barrier / equation.fall(np.zeros(2), np.ones(2))[1])  # speed at the ground of a body that just overturns
         with np.errstate(divide="ignore"):
-            unit = np.array([1.0, np.clip(1.0, eta[-1, 0], 1.0 / eta[0, 0])])  # in which no impact raises the speed
+            unit = np.array([1.0, np.clip(1.0, eta[-1, 0], 1.0 / eta[0, 0])])  # unit of speed in which no impact raises it
         growth = unit * (amplitude / omega)[:, 0] * equation.bounds[1]
         return float((unit * speed).min() / growth.max())
 
@@ -115,8 +115,8 @@ class Search:
         return self._steps(begins, self._narrowed(omegas, brackets))
 
     def _led(self, omegas: Array, scans: list[Scan]) -> tuple[Array, Brackets]:
-        """As `rows`, under a record: the march is asked at the amplitudes of the scan grid, and on either side of every change that the
-        approximate scan of each row finds. A change that lies elsewhere is bisected."""
+        """As `_scan` and `_narrowed`, under a record. The march computes the amplitudes of the scan grid, and both sides of every change
+        that the approximate scan of a row finds; other changes are bisected."""
         from ..dynamics.single.response import response_alone
         from ..dynamics.single.scan import follow
 
@@ -162,7 +162,7 @@ class Search:
         return [float(found.high[(found.row == row) & ~safe(found.above)].min()) for row in rows]
 
     def first_falls(self, omegas: Array) -> list[Steps]:
-        """The rows up to the lowest unsafe amplitude of the scan, computed stretch by stretch."""
+        """As `rows`, but only up to the lowest unsafe amplitude of the scan, which is computed stretch by stretch."""
         scan = self.grid
         going, at, parts = np.arange(omegas.size), 0, []
         while going.size and at < scan.size:
@@ -179,7 +179,7 @@ class Search:
         return [row[:2] for row in rows]
 
     def _scan(self, omegas: Array) -> tuple[Array, Brackets]:
-        """(outcome of each row's first amplitude, the changes between neighbours)."""
+        """(outcome at the first amplitude of each row, brackets of the changes between neighbouring amplitudes)."""
         first, last, beyond = self._doubtful(omegas)
         starts = np.concatenate([[0], np.cumsum(last - first + 1)])
         begins, parts = np.empty(omegas.size, dtype=np.uint8), [beyond]
@@ -205,7 +205,7 @@ class Search:
         return Look(row, amplitude, label, impacts)
 
     def _changes(self, points: Look, mine: Array, omegas: Array) -> Brackets:
-        """The changes between scan points, with a finer scan around changes of the outcome or of the number of impacts."""
+        """Brackets of the changes between scan points. Around changes of the outcome or of the number of impacts it scans more finely."""
         width = np.diff(points.amplitude)
         turns = (points.label[1:] != points.label[:-1]) | (points.impacts[1:] != points.impacts[:-1])
         turns &= not self.ratio and self.motion.segments.pushes > FEW
@@ -237,7 +237,7 @@ class Search:
             return first, last, none
         # Above the first amplitude at which the first arc outlasts the shaking, only the energy at its end matters.
         clear, lasts = self._outcome_from(omegas, first, last, lambda label, impacts: (impacts == 0) & (label != Outcome.FAILED))
-        falls = np.isin(clear, over)  # without an impact at the last point, but not below
+        falls = np.isin(clear, over)  # rows that overturn without impact at the last point, but not below it
         top = np.column_stack([clear, last[clear] - 1])[falls & (lasts < last[clear])]
         row, point = np.concatenate([top, undecided(segments, scan, omegas, self.eta, clear, lasts, last[clear] - falls)]).T
         last[clear] = lasts
@@ -246,15 +246,15 @@ class Search:
         return first, last, Brackets(row, *ends, under, above).take(np.flatnonzero(under != above))
 
     def _quiet(self, omegas: Array) -> Array:
-        """The last scan point of each row that cannot overturn, since A int |s| dphi is `harmless`."""
+        """The last scan point of each row at which Lemma 9 excludes overturning, since A int |s| dphi/Omega is at most `harmless`."""
         scan, segments, most = self.grid, self.motion.segments, (1.0 - 1e-9) * self.harmless * omegas
-        if len(segments) > LONGEST_FINE:  # a record pushes for so long that this spares no look
+        if len(segments) > LONGEST_FINE:  # under a record the integral is so large that this excludes no amplitude
             return np.zeros(omegas.size, dtype=np.int64)
         from ..dynamics.drive import ImpulseAhead
 
         ahead = ImpulseAhead.of(segments)
         low, high = np.zeros(omegas.size, dtype=np.int64), np.full(omegas.size, scan.size)
-        while np.any(high - low > 1):  # a larger amplitude lifts earlier
+        while np.any(high - low > 1):  # bisection, since a larger amplitude lifts the body earlier
             middle, cell = (low + high) // 2, np.arange(omegas.size)
             amplitude = scan.amplitude(middle)
             lift = self.system.contact.uplift(self._cells(amplitude, omegas), segments, cell, 0 * cell, np.zeros(omegas.size))
@@ -263,8 +263,8 @@ class Search:
         return low
 
     def _outcome_from(self, omegas: Array, first: Array, last: Array, holds: Callable[[Array, Array], Array]) -> tuple[Array, Array]:
-        """(rows in which a condition on the outcome and the impacts of lifted bodies holds at the last scan point, the first scan point of
-        each at which it holds); if it holds at a point, it holds above."""
+        """(rows in which a condition on outcome and impacts of lifted bodies holds at the last scan point, first scan point of each at
+        which it holds). A condition that holds at a point must hold above it."""
 
         def there(points: Array, rows: Array) -> Array:
             amplitude = self.grid.amplitude(points)
@@ -280,12 +280,12 @@ class Search:
         return rows, high
 
     def _narrowed(self, omegas: Array, brackets: Brackets, *, lowest: bool = False) -> Brackets:
-        """The changes, traced to `digits`; lowest: only the lowest one of each bracket."""
+        """The changes in the brackets, traced to `digits`; lowest: True for only the lowest change of each bracket."""
         return narrowed(lambda amplitude, row: self.outcome(amplitude, omegas[row]), brackets, self.digits, self.parts, lowest)
 
 
 def _lifted(outcome: Array) -> Array:
-    """The outcomes, with ROCKED for bodies that are not lifted."""
+    """The outcomes, with ROCKED in place of NO_UPLIFT."""
     return np.where(outcome == Outcome.NO_UPLIFT, np.uint8(Outcome.ROCKED), outcome)
 
 
@@ -296,6 +296,6 @@ def _around(flags: Array) -> Array:
 
 
 def _lifts_at_once(motion: Motion) -> bool:
-    """True if the first segment has the strongest shaking, so that it lifts the body, to the same side, at any amplitude."""
+    """True if |s| is largest in the first segment: it then lifts the body, to the same side, at any amplitude that lifts it."""
     start, end = motion.segments.s_start[0], motion.segments.s_end[0]
     return abs(start) == motion.peak or (abs(end) == motion.peak and start * end >= 0.0)

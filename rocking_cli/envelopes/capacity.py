@@ -28,10 +28,10 @@ if TYPE_CHECKING:
 
 Array = np.ndarray
 
-RATIO = 5e-3  # ratio of neighbouring amplitudes minus 1 of an envelope beyond that: a cell costs as much as a thousand of a pulse
-_TRACED = 1e-6  # of the amplitude: boundaries under a record
-_STATED = 1e-4  # of the amplitude: narrower falls may be missed there
-_FIRST_WINDOW = 1.5  # range of A in one batch: so many cells cost about as much as one round
+RATIO = 5e-3  # ratio of neighbouring amplitudes, minus 1, of an envelope under a record: a cell costs as much as a thousand under a pulse
+_TRACED = 1e-6  # relative width to which boundaries under a record are traced
+_STATED = 1e-4  # relative width of falls that may be missed in the tenth below a fall
+_FIRST_WINDOW = 1.5  # range of A in the first batch, whose cells cost about as much as one round of the march
 _PARTS = 256  # parts of a bracket in one cut: there are few brackets, and a batch costs the same for any size
 
 
@@ -52,8 +52,8 @@ class Capacity:
 
 
 class Sought(NamedTuple):
-    """A capacity that is asked for: of a structure at Omega [-] against a demand of A = `amplitude` [-], searched up to `a_max` and twice
-    the demand."""
+    """A capacity to be computed: of a structure at Omega [-] against a demand of A = `amplitude` [-]; the search goes up to the larger of
+    `a_max` and twice the demand."""
 
     structure: RockingParameters
     motion: Motion
@@ -70,15 +70,15 @@ class Sought(NamedTuple):
         return self.method.system_of(self.structure).least_uplift(self.motion), top
 
     def falls(self) -> Falls:
-        """The search for narrow falls."""
+        """Set up the search for narrow falls."""
         from .lowest_fall import Falls
 
         digits = tracing_width(self.method, self.motion)
         return Falls.of(self.method.system_of(self.structure), self.motion, self.omega, self.structure.eta, digits)
 
     def capacity(self, narrow: Falls | None = None) -> Capacity:
-        """The capacity; narrow: one of `searches`. Intervals narrower than `narrowest` may be missed, but not around the demand. Changes
-        are traced as `tracing_width` says. Raises UsageError if the demand or `a_max` is above the limit of a scan."""
+        """Compute the capacity; narrow: one of `searches`. Intervals narrower than `narrowest` may be missed, but not around the demand.
+        Changes are traced to `tracing_width`. Raises UsageError if the demand or `a_max` is above the limit of a scan."""
         motion, amplitude, system = self.motion, self.amplitude, self.method.system_of(self.structure)
         lowest, top = self.ends()
         if not lowest < top:
@@ -108,7 +108,8 @@ class Sought(NamedTuple):
 
 
 def searches(sought: Sequence[Sought]) -> list[Falls | None]:
-    """The search of each that is under a record: what they will look at is scanned together. Raises UsageError as `Sought.ends`."""
+    """The search for narrow falls of each capacity under a record, else None; one scan first computes what they all need. Raises UsageError
+    as `Sought.ends`."""
     found: list[Falls | None] = []
     ahead = []
     for asked in sought:
@@ -125,12 +126,12 @@ def searches(sought: Sequence[Sought]) -> list[Falls | None]:
 
 
 def tracing_width(method: Method, motion: Motion) -> float:
-    """The relative width to which a boundary is traced: the last digits of an exact method or the tolerance, under a record 1e-6."""
+    """The relative width to which a boundary is traced: 4e-16 for an exact method, else the tolerance; under a record at least 1e-6."""
     return max(method.stated_tolerance or 4e-16, _TRACED if _long(motion) else 0.0)
 
 
 def narrowest(motion: Motion) -> str:
-    """The width of intervals that a search may miss, in words."""
+    """The width of intervals that a search may miss, as text."""
     return f"{100.0 * COARSE:g} % of the amplitude ({100.0 * _STATED:g} % in the tenth below a fall)" if _long(motion) else "0.001 in A"
 
 
@@ -139,7 +140,7 @@ def _long(motion: Motion) -> bool:
 
 
 def _windows(lowest: float, demand: float, top: float, at_once: bool) -> Iterator[tuple[float, float]]:
-    """Ranges of amplitudes to search in turn: up to the demand, then above it, with rising widths unless `at_once`."""
+    """Ranges of amplitudes to search one after the other: up to the demand, then above it, wider and wider unless `at_once`."""
     begin, width = lowest, _FIRST_WINDOW
     if demand > lowest * (1.0 + 1e-12):
         yield lowest, demand

@@ -19,7 +19,7 @@ _MOST_CHANGES = 500  # largest number of changes in a row; above it the outcome 
 
 @dataclass
 class Brackets(Arrays):
-    """Changes of the outcome: row, amplitude below and above each change, outcome at each of the two."""
+    """Brackets of changes of the outcome: row, amplitude below and above each change, outcome at the lower and at the upper amplitude."""
 
     row: Array
     low: Array
@@ -29,7 +29,7 @@ class Brackets(Arrays):
 
     @classmethod
     def between(cls, row: Array, amplitude: Array, label: Array, where: Array | bool = True) -> Self:
-        """The changes of the label between neighbouring points of a row; where: only those after these points."""
+        """The changes of the label between neighbouring points of a row; where: True for points after which changes count."""
         at = np.flatnonzero((label[1:] != label[:-1]) & (row[1:] == row[:-1]) & where)
         return cls(row[at], amplitude[at], amplitude[at + 1], label[at], label[at + 1])
 
@@ -66,7 +66,7 @@ def narrowed(outcome: Callable[[Array, Array], Array], brackets: Brackets, digit
 
 
 def _changes(labels: Array, row: Array) -> tuple[Array, Array]:
-    """(lane, index) of every change between neighbours; in a row with more than `_MOST_CHANGES` those of `_one_way`."""
+    """(lane, index) of every change between neighbours; in a row with more than `_MOST_CHANGES` only of the changes of `_one_way`."""
     lane, at = np.nonzero(labels[:, 1:] != labels[:, :-1])
     many = (np.bincount(row[lane], minlength=row.max() + 1) > _MOST_CHANGES)[row]
     if not many.any():

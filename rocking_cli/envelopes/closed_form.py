@@ -52,25 +52,25 @@ def no_impact_amplitude(omega: float, pulse: str = "sine") -> float:
 
 
 class _FirstSide:
-    """The motion on the side of the first uplift, tau = 0 at uplift; q sin is the particular solution. Of a float with `math`, of an
-    array of amplitudes with `numpy`."""
+    """The motion of the block on the side of the first uplift; tau = 0 at uplift, q sin is the particular solution. It takes a float with
+    `math`, or an array of amplitudes with `numpy`."""
 
     def __init__(self, amplitude: Any, omega: float, library: Any = math) -> None:
         a, w, self.library = amplitude, omega, library
         self.amplitude, self.omega = a, w
         self.psi: Any = math.asin(1.0 / a) if library is math else np.arcsin(1.0 / a)
         self.duration: Any = (2.0 * math.pi - self.psi) / w
-        self.below: Any = (math.pi - 2.0 * self.psi) / w  # the drive is below 1: from here the body cannot rise again
+        self.below: Any = (math.pi - 2.0 * self.psi) / w  # time from which the drive is below 1, so that the body cannot rise again
         self.big, self.s = w**2 / (1.0 + w**2), w * library.sqrt((a - 1.0) * (a + 1.0)) / (1.0 + w**2)
         self.q = a / (1.0 + w**2)
 
     def place(self, t: Any) -> Any:
-        """x at t."""
+        """The rotation x at tau = t."""
         m = self.library
         return 1.0 - self.big * m.cosh(t) + self.s * m.sinh(t) - self.q * m.sin(self.psi + self.omega * t)
 
     def speed(self, t: Any) -> Any:
-        """x' at t."""
+        """x' at tau = t."""
         m = self.library
         return -self.big * m.sinh(t) + self.s * m.cosh(t) - self.q * self.omega * m.cos(self.psi + self.omega * t)
 
@@ -83,11 +83,11 @@ class _FirstSide:
         return float(brentq(self.place, self.below, self.duration, xtol=1e-15, rtol=8.9e-16, maxiter=500))
 
     def energy_left(self) -> Any:
-        """1 + v_e^2 - (1 - x_e)^2 at the end of the pulse."""
+        """The energy 1 + v_e^2 - (1 - x_e)^2 at the end of the pulse."""
         return 1.0 + self.speed(self.duration) ** 2 - (1.0 - self.place(self.duration)) ** 2
 
     def margin_inside(self, at: Any, eta: float) -> Any:
-        """The unstable mode x - 1 + v at the end of the pulse, of a body that strikes before it: x'' = x - 1 - A sin(phase + Omega t)."""
+        """The unstable mode x - 1 + v at the end of the pulse after an impact at time `at`: x'' = x - 1 - A sin(phase + Omega t)."""
         m, w = self.library, self.omega
         rest, phase = self.duration - at, self.psi + w * at
         drive = self.amplitude * (w * m.cos(phase) + m.sin(phase) - w * m.exp(-rest)) / (1.0 + w**2)
@@ -103,11 +103,11 @@ def after_impact_margin(amplitude: float, omega: float, eta: float) -> float:
     at = first.impact()
     if at is None:
         return eta * math.sqrt(max(0.0, first.energy_left())) - 1.0
-    return -1.0 if math.isnan(at) else float(first.margin_inside(at, eta))  # an A this close to 1 does not overturn
+    return -1.0 if math.isnan(at) else float(first.margin_inside(at, eta))  # so close to A = 1 the body does not overturn
 
 
 def _overturns(amplitude: np.ndarray, omega: float, eta: float) -> np.ndarray:
-    """True where that margin is positive, (amplitudes,); impacts are bisected."""
+    """True where `after_impact_margin` is positive, (amplitudes,); impact times are bisected."""
     first = _FirstSide(amplitude, omega, np)
     low, high = first.below, first.duration
     for _ in range(50):
@@ -151,7 +151,7 @@ def after_impact_amplitudes(omega: float, eta: float) -> list[float]:
     if top <= 1.0:
         return []
     span = 1.0 + (top - 1.0) * np.linspace(1e-9, 1.0, _SCAN)
-    # The last one by the scalar way: without loss the margin is 0 there, and rounding decides.
+    # The scalar functions compute the last one: without loss at impacts the margin is 0 there, and rounding decides.
     signs = np.append(_overturns(span[:-1], omega, eta), after_impact_margin(float(span[-1]), omega, eta) > 0.0)
     roots = [
         float(brentq(after_impact_margin, a, b, args=(omega, eta), xtol=1e-15, rtol=8.9e-16, maxiter=500))

@@ -1,11 +1,11 @@
 """Overturning envelopes: for each frequency, every interval of amplitudes that overturns, traced by root finding.
 
-Between the interval that overturns after an impact and the one that overturns without lies a safe window, so a threshold
-is not enough. The outcome is computed at amplitudes 1e-3 apart, and closer just above uplift; every change between neighbours is traced
-to the last digits (`boundaries`). So no interval wider than 1e-3 is missed; a narrower one, safe or overturning, may be. Slow pulses
-(Omega below 1) have narrow intervals just above uplift, motions of several cycles at any amplitude that leads to many impacts. Under
-several cycles a finer scan, 1e-4 apart, covers the surroundings of every change of the outcome or of the number of impacts. Narrow
-intervals gather there, but this is no proof.
+A safe window separates the interval that overturns after an impact from the one that overturns without impact, so one threshold is not
+enough. The outcome is computed at amplitudes A that are 1e-3 apart, and closer just above uplift; every change between neighbours is traced
+to the last digits (`boundaries`). So no interval wider than 1e-3 is missed; narrower intervals, safe or overturning, may be missed. Slow
+pulses (Omega below 1) have narrow intervals just above uplift; motions of several cycles have them at any amplitude that leads to many
+impacts. Under several cycles a finer scan, 1e-4 apart, covers the surroundings of every change of the outcome or of the number of impacts.
+Narrow intervals gather there, but this is no proof.
 """
 
 from __future__ import annotations
@@ -32,16 +32,16 @@ HIGHEST = 100_000.0  # largest a_max; a larger scan takes too long
 SIGNS = {"+": (1.0,), "-": (-1.0,), "worse": (1.0, -1.0)}  # of the ground acceleration, for bodies with unequal sides
 NONE = "none"  # the mode of a body that no amplitude overturns
 BOTH = "both"  # each sign by itself
-NAMED = ("motion", "model")  # columns for programs; a table has them only where they differ
+NAMED = ("motion", "model")  # columns for programs; a printed table has them only if their values differ
 INTERVAL_COLUMNS = ("structure", "Omega", "A_from", "A_to", "mode", *NAMED)
 CURVE_COLUMNS = ("structure", "curve", "Omega", "A", *NAMED)
-_IN_STEPS = 20  # amplitudes of an exact equation that take as long as one of another equation
-_SMALL = 2_000_000  # amplitudes of an exact equation below which one process is faster
-_SHARE = 8_000_000  # amplitudes of an exact equation between reports of a process: some seconds
+_IN_STEPS = 20  # number of amplitudes of an exact equation that take as long as one amplitude of another equation
+_SMALL = 2_000_000  # with fewer amplitudes of an exact equation one process is faster
+_SHARE = 8_000_000  # amplitudes of an exact equation between two reports of a process, some seconds
 
 
 class Interval(NamedTuple):
-    """An interval of amplitudes that overturns at one Omega: from A_from to A_to (None: on beyond the limit)."""
+    """An interval of amplitudes that overturns at one Omega: from A_from to A_to (None: beyond the limit of the search)."""
 
     omega: float
     a_from: float
@@ -60,14 +60,13 @@ def trace_envelope(
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Interval]:
-    """Every overturning interval with A up to `a_max`, wider than 1e-3, for each Omega [-] of a structure.
+    """Every interval of amplitudes A up to `a_max` that overturns a structure, wider than 1e-3, for each Omega [-].
 
-    For a linear oscillator with a restitution alone use `dimensionless_oscillator(eta)`. Boundaries are
-    traced to the last digits of the model's outcome. Intervals that touch but differ in mode are listed apart. sign: of the
-    ground acceleration, for a body with unequal sides: "+", "-", or "worse", which lists the intervals of either; omegas: under a record
-    1/p alone, since it runs in its own time. workers:
-    processes, None for all cores if that saves time. Raises UsageError when a_max is not above the initiation or the model
-    does not hold for the structure, OutputError when a worker process dies.
+    `dimensionless_oscillator(eta)` is a structure of which only the restitution is known. Boundaries are traced to the last digits of the
+    model's outcome. Intervals that touch but differ in mode are listed apart. sign: of the ground acceleration, for a body with unequal
+    sides: "+", "-", or "worse", which lists the intervals of either sign; omegas: under a record only 1/p, since a record has its own time;
+    workers: number of processes, None for all cores if that saves time. Raises UsageError when a_max is not above the amplitude of the
+    first uplift or the model does not hold for the structure, OutputError when a worker process dies.
 
     >>> [(round(i.a_from, 6), i.a_to and round(i.a_to, 6)) for i in trace_envelope(dimensionless_oscillator(0.9), sine(), [3.0])]
     [(1.403565, 3.484663), (3.63115, None)]
@@ -81,7 +80,7 @@ def trace_envelope(
     work = amplitudes * (1 if method.exact else _IN_STEPS)
     if workers is None:
         workers = 1 if work < _SMALL else available_cpus()
-    # Neighbouring frequencies cost alike, so each share takes some from everywhere.
+    # Neighbouring frequencies cost about the same, so each share takes frequencies from the whole range.
     shares = int(min(omegas.size, max(workers, np.ceil(work / _SHARE))))
     found: list[list[Interval]] = [[] for _ in omegas]
     parts = [omegas[i::shares] for i in range(shares)]
@@ -94,7 +93,7 @@ def trace_envelope(
 
 
 def merged(searches: Sequence[Search], omegas: np.ndarray) -> list[Steps]:
-    """The outcomes at each Omega, at each amplitude the worst of the searches; empty without searches."""
+    """The outcomes of several searches at each Omega; each amplitude has the worst of their outcomes. Empty without searches."""
     rows: list[Steps] = [[] for _ in omegas]
     for search in searches:
         rows = [worse(one, other) if one else other for one, other in zip(rows, search.rows(omegas), strict=True)]
@@ -102,7 +101,7 @@ def merged(searches: Sequence[Search], omegas: np.ndarray) -> list[Steps]:
 
 
 def worse(one: Steps, other: Steps) -> Steps:
-    """The worse outcome of two motions at each amplitude: safe if both are safe, failed if one has failed and the other is safe."""
+    """The worse of two outcomes at each amplitude: safe if both are safe, failed if one has failed and the other is safe."""
     order = [o.value for o in sorted(Outcome, key=lambda o: (not o.safe, o.overturned, o))]
     merged: Steps = []
     for amplitude in sorted({a for a, _ in (*one, *other)}):
@@ -116,7 +115,7 @@ def worse(one: Steps, other: Steps) -> Steps:
 def _scan_of(
     motion: Motion, frequencies: int, structure: RockingParameters, method: Method, a_max: float, sign: str
 ) -> tuple[list[Search], float]:
-    """(a search for each sign of the motion, the largest number of amplitudes that they compute). Raises UsageError."""
+    """(a search for each sign of the motion, a bound of the number of amplitudes that they compute together). Raises UsageError."""
     if sign not in SIGNS:
         raise UsageError(f"`sign`: found {sign!r}; expected {', '.join(SIGNS)}")
     if motion.vertical is not None and structure.dimensionless:
@@ -143,7 +142,7 @@ def check_intervals(
 
 
 def in_turn(search: Callable[[Any], Any], shares: Sequence[Any], workers: int) -> Iterator[Any]:
-    """The results of a search for each share of the work, in order, from `workers` processes."""
+    """Runs a search on each share of the work in `workers` processes; yields the results in the order of the shares."""
     if workers == 1:
         yield from map(search, shares)
         return
@@ -209,7 +208,7 @@ def structure_intervals(
 
 
 def misjudged(linear: Sequence[Mapping[str, Any]], nonlinear: Sequence[Mapping[str, Any]], *, a_max: float) -> str:
-    """A sentence on the length in A, summed over the frequencies, over which the two equations give different outcomes.
+    """A sentence that states over which length in A, summed over the frequencies, the two equations give different outcomes.
 
     linear, nonlinear: the rows of `structure_intervals` up to a_max.
     """
@@ -229,7 +228,7 @@ def misjudged(linear: Sequence[Mapping[str, Any]], nonlinear: Sequence[Mapping[s
         alarms += float(width[said & ~true].sum())
     share = f"{100.0 * unsafe / falls:.3g} %" if falls else "none"
     overturn = f"the amplitudes that overturn up to A = {a_max:g}"
-    return f"the linear equation is unsafe over {share} of {overturn}, and falls over {alarms:.3g} in A that stand"
+    return f"the linear equation is unsafe over {share} of {overturn}, and falls over {alarms:.3g} in A where the body stands"
 
 
 def check_curves(structure: RockingParameters, motion: Motion, axis: Axis) -> None:

@@ -1,4 +1,4 @@
-"""The largest amplitude of a search; an acceleration gives another A for each structure."""
+"""The largest amplitude of a search. An acceleration as limit gives a different A for each structure."""
 
 from __future__ import annotations
 

@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 
 Array = np.ndarray
 
-_FINE = 6e-5  # ratio of neighbouring amplitudes minus 1 in the tenth below a known fall
-_FINEST, _NEAREST = 5e-6, 0.997  # under a pulse with narrow falls: step, and reach of the search below each fall
+_FINE = 6e-5  # ratio of neighbouring amplitudes, minus 1, in the tenth below a known fall
+_FINEST, _NEAREST = 5e-6, 0.997  # under a pulse with narrow falls: ratio minus 1, and start of the search over the fall
 _NEAR, _ABOVE = 0.9, 1.05  # times the lowest fall: start of the fine search, and end of the count of falls
-_TOGETHER = 32  # parts of a bracket where a march takes amplitudes together
+_TOGETHER = 32  # parts of a bracket in one cut, if the march computes amplitudes together
 _FEW = 20  # amplitudes up to which the march is as fast as a scan
-_BESIDE = 5  # amplitudes on either side of a fall that seems to be, at which the march looks for it
-_CHECKED = 5  # amplitudes that the march looks at, below a fall and around one that seems to be
+_BESIDE = 5  # number of amplitudes on either side of an approximate fall at which the march looks for it
+_CHECKED = 5  # number of amplitudes that the march computes, below a fall and around an approximate one
 _STRETCH = 100  # amplitudes of the first stretch of a search by the march
 
 
@@ -35,9 +35,9 @@ _STRETCH = 100  # amplitudes of the first stretch of a search by the march
 class Falls:
     """The search for the lowest amplitude at which one body falls, where falls may be narrow.
 
-    falls: true for each amplitude that falls, by the march; seems: the same for many amplitudes, where it may be approximate: it tells
-    where to look; digits: relative width of a traced boundary; scan: of all amplitudes together, None if there is none; parts: of a
-    bracket in one cut; seen: all amplitudes `COARSE` apart so far, with their falls.
+    falls: function that returns True for amplitudes at which the body falls, by the march; seems: the same for many amplitudes, perhaps
+    approximate, to tell where to look; digits: relative width of a traced boundary; scan: the approximate scan, None without one; parts:
+    of a bracket in one cut; seen: (amplitudes `COARSE` apart that were computed, True where the body seems to fall).
     """
 
     falls: Callable[[Array], Array]
@@ -71,7 +71,7 @@ class Falls:
         return cls(falls, seems, digits, scan, 2 if system.devices is None else _TOGETHER)
 
     def first(self, begin: float, end: float) -> float | None:
-        """The lowest amplitude between these that falls, None if there is none."""
+        """The lowest amplitude from `begin` to `end` at which the body falls, None if there is none."""
         low, stretch, found = begin, _STRETCH, None
         while found is None and low < end:
             high = end if self.scan else min(end, low * (1.0 + COARSE) ** stretch)
@@ -83,12 +83,12 @@ class Falls:
         return found
 
     def _missed(self, begin: float, end: float) -> float | None:
-        """A fall that the march finds at a few amplitudes between these."""
+        """The march computes a few amplitudes between these; returns the first at which the body falls, None without one."""
         checked = np.geomspace(begin, end, _CHECKED + 2)[1:-1]
         return next(iter(checked[self.falls(checked)].tolist()), None)
 
     def _coarse(self, low: float, high: float) -> tuple[Array, Array]:
-        """(amplitudes `COARSE` apart between these, true where the body seems to fall); each is looked at once."""
+        """(amplitudes `COARSE` apart between these, True where the body seems to fall); each amplitude is computed once."""
         amplitude = _ladder(low, high, COARSE)
         new = np.setdiff1d(amplitude, self.seen[0], assume_unique=True)
         if new.size:
@@ -97,8 +97,8 @@ class Falls:
         return amplitude, self.seen[1][np.searchsorted(self.seen[0], amplitude)]
 
     def lowest(self, begin: float, found: float, ratio: float = _FINE, near: float = _NEAR) -> float | None:
-        """The lowest fall from `begin` to `found`, where a body seems to fall, None if the march finds none. Amplitudes at a ratio are
-        looked at from near^2 times `found` on, then from `near` times each new fall on."""
+        """The lowest fall from `begin` to `found`, at which a body seems to fall; None if the march finds none. It searches amplitudes at
+        this ratio from near^2 times `found` on, then from `near` times each new fall on."""
         low, high, lowest = max(begin, near * near * found), found, None
         while low < high:
             amplitude = _ladder(low, high, ratio)
@@ -111,7 +111,7 @@ class Falls:
         return lowest
 
     def _confirmed(self, amplitude: Array, run: Array) -> float | None:
-        """The lower end of a fall at or near a run of these amplitudes, None if the march finds none there."""
+        """The lower end of a fall that the march finds at or near a run of these amplitudes, None if it finds none."""
         first = np.arange(max(0, run[0] - _BESIDE), run[0] + 1)
         fallen = first[self.falls(amplitude[first])]
         if not fallen.size:
@@ -126,15 +126,15 @@ class Falls:
         return self.narrowed(float(amplitude[below]), float(amplitude[at])) if at else float(amplitude[0])
 
     def lowest_narrow(self, begin: float, found: float) -> tuple[float, float]:
-        """(the lowest fall from `begin` on, `dust` of it), below a known fall; intervals 5e-6 of the amplitude wide are found if there
-        is dust."""
+        """(the lowest fall from `begin` to the known fall `found`, `dust` above it). If there is dust, it finds intervals 5e-6 of the
+        amplitude wide."""
         first = self.lowest(begin, found) or found
         self._coarse(first, _ABOVE * first)
         dust = self.dust(first)
         return (self.lowest(begin, first, _FINEST, _NEAREST) or first if dust else first), dust
 
     def narrowed(self, low: float, high: float) -> float:
-        """The amplitude, within `digits`, between standing at `low` and falling at `high`."""
+        """The boundary between `low`, at which the body stands, and `high`, at which it falls, within `digits`."""
         share = np.arange(1.0, self.parts)
         while high - low > self.digits * high and low < 0.5 * (low + high) < high:
             between = ((self.parts - share) * low + share * high) / self.parts
@@ -150,7 +150,7 @@ class Falls:
 
 
 def _ladder(low: float, high: float, ratio: float) -> Array:
-    """Amplitudes from `low` to `high` at this ratio, the same between any ends."""
+    """Amplitudes from `low` to `high` at this ratio; those inside do not depend on `low` and `high`."""
     powers = np.arange(np.ceil(np.log(low) / np.log1p(ratio)), np.log(high) / np.log1p(ratio))
     return np.unique(np.concatenate([[low, high], np.clip((1.0 + ratio) ** powers, low, high)]))
 
@@ -162,8 +162,7 @@ def _runs(flags: Array) -> list[Array]:
 
 
 def look_ahead(asked: Sequence[tuple[Falls, float, float, float]]) -> None:
-    """Scan together what searches between a least and a largest amplitude around a demand will look at: (search, least, demand, largest)
-    of each."""
+    """Scan together the amplitudes that several searches will need; asked: (search, least amplitude, demand, largest amplitude) of each."""
     from ..dynamics.single.scan import follow
 
     scanned = [(falls.scan, lowest, demand, top) for falls, lowest, demand, top in asked if falls.scan is not None]
@@ -174,6 +173,6 @@ def look_ahead(asked: Sequence[tuple[Falls, float, float, float]]) -> None:
 
 
 def _below(scan: Scan, begin: float, end: float) -> Array:
-    """The amplitudes below the lowest fall between these that a scan knows of, at which `Falls.lowest` will look."""
+    """The amplitudes that `Falls.lowest` will search below the lowest fall from `begin` to `end` that a scan knows."""
     fall = scan.known[0][~safe(scan.known[1]) & (begin <= scan.known[0]) & (scan.known[0] <= end)][:1]
     return _ladder(max(begin, _NEAR * _NEAR * fall[0]), fall[0], _FINE) if fall.size else fall

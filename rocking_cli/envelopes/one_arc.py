@@ -1,7 +1,7 @@
 """Bounds of the energy after the shaking, for amplitudes at which the first arc outlasts the shaking.
 
-For the undamped linear oscillator on equal edges and motions that lift it at once at any amplitude (Lemma 10 of `dynamics`). From uplift at
-psi on nothing strikes the body until the end T of the shaking, so both of its modes are known there:
+This holds for the undamped linear oscillator on equal edges, under motions whose first segment lifts it at any amplitude (Lemma 10 of
+`dynamics`). From uplift at psi to the end T of the shaking the body has no impact, so both of its modes are known at T:
 
     z = y - 1 + v = A Z - exp(T - psi),      Z = int exp(T - t) s dt from psi to T = dz/dA,      s outwards
     x = v + 1 - y = A X + exp(psi - T),      X = int exp(t - T) s dt from psi to T = dx/dA
@@ -24,7 +24,7 @@ from .scan_grid import ScanGrid
 
 Array = np.ndarray
 
-_ROUNDING = 1e-12  # relative to the terms of z and x; a sum over ten segments loses a hundredth of it
+_ROUNDING = 1e-12  # bound of rounding errors, relative to the terms of z and x; a sum over ten segments loses a hundredth of it
 
 
 class Modes(NamedTuple):
@@ -39,7 +39,7 @@ class Modes(NamedTuple):
 
 
 def modes_at_end(segments: Segments, amplitude: Array, omega: Array) -> Modes:
-    """The modes of bodies that lift off on the first segment and have no impact until the end; amplitude, omega: (lanes,)."""
+    """The modes at the end of bodies that lift off on the first segment and have no impact until then; amplitude, omega: (lanes,)."""
     first = first_uplift(segments, np.zeros(amplitude.size, dtype=np.int64), np.zeros(amplitude.size), amplitude, amplitude)
     z_slope, x_slope = np.zeros(amplitude.size), np.zeros(amplitude.size)
     end = segments.start[-1] + segments.length[-1]
@@ -69,8 +69,8 @@ def bounded_response(segments: Segments, k: Array, u: Array, omega: Array, sense
 
 
 def undecided(segments: Segments, grid: ScanGrid, omegas: Array, eta: float, row: Array, low: Array, high: Array) -> Array:
-    """(gaps, 2): row and lower scan point of the gaps between points `low` and `high` of rows in which the outcome of bodies that fall back
-    after the shaking may change."""
+    """(gaps, 2): row and lower scan point of the gaps, between points `low` and `high` of rows, in which the outcome of bodies that fall
+    back after the shaking may change."""
     found = [np.zeros((0, 2), dtype=np.int64)]
     at = np.flatnonzero(low < high)
     row, low, high = row[at], low[at], high[at]
@@ -106,12 +106,12 @@ def may_change(one: Modes, other: Modes, width: Array, eta: float) -> Array:
 
 
 def _convex(one: Array, other: Array, slope: Array, end_slope: Array, width: Array, noise: Array) -> tuple[Array, Array]:
-    """Bounds of a convex function from its values and slopes at both ends."""
+    """(lower, upper) bound of a convex function, from its values and slopes at both ends."""
     bottom = np.where(slope >= 0.0, one, np.where(end_slope <= 0.0, other, one + slope * width))
     return bottom - noise, np.maximum(one, other) + noise
 
 
 def _product(one: tuple[Array, Array], other: tuple[Array, Array]) -> tuple[Array, Array]:
-    """Bounds of a product from those of its factors."""
+    """(lower, upper) bound of a product, from the bounds of its factors."""
     corners = [a * b for a in one for b in other]
     return np.minimum.reduce(corners), np.maximum.reduce(corners)

@@ -10,8 +10,8 @@ import numpy as np
 Array = np.ndarray
 
 SCAN_STEP = 0.999e-3  # in A; no interval wider than 1e-3 is missed
-LONGEST_FINE = 200  # segments of a motion up to which the scan is as fine as an envelope's
-COARSE = 1e-3  # ratio of neighbouring amplitudes minus 1 of the search for the lowest fall beyond that
+LONGEST_FINE = 200  # under a motion with at most so many segments a capacity uses the scan of an envelope
+COARSE = 1e-3  # ratio of neighbouring amplitudes, minus 1, in the search for the lowest fall under longer motions
 
 
 @dataclass(frozen=True)
@@ -42,11 +42,11 @@ class ScanGrid:
         return cls(near, lowest + step * (even + 1), step, near.size + count - even)
 
     def amplitude(self, n: Array) -> Array:
-        """The amplitudes of scan points."""
+        """The amplitudes of scan points n."""
         return np.where(n < self.near.size, self.near[np.minimum(n, self.near.size - 1)], self.start + self.step * (n - self.near.size))
 
     def below(self, amplitude: Array) -> Array:
-        """The last scan point that is certainly not above each amplitude; the first point if there is none."""
+        """The last scan point that is surely not above each amplitude; the first point if there is none."""
         there = np.searchsorted(self.near, amplitude, side="right") - 1
         top = self.start + self.step * (self.size - self.near.size + 1)  # larger scan numbers overflow a whole number
         beyond = np.floor((np.minimum(amplitude, top) - self.start) / self.step).astype(np.int64) - 1 + self.near.size

@@ -19,10 +19,10 @@ from .capacity import Sought
 from .intervals import A_MAX, in_turn, trace_envelope
 from .limit import Limit, limit_of
 
-_RATIO = 1.04  # of neighbouring frequencies of the scan; narrower minima may be missed
-_WITHIN = 1.2  # times the least amplitude so far: the reach of the scan, above which no minimum is looked for
+_RATIO = 1.04  # ratio of neighbouring frequencies of the scan; narrower minima may be missed
+_WITHIN = 1.2  # upper end of the scan over the least amplitude so far; minima above it are not searched
 _BESIDE = 1e-4  # relative distance from an end of the range at which a lower amplitude shows that the end is no minimum
-_FINE = 1e-6  # of a frequency, to which a minimum is found
+_FINE = 1e-6  # relative width to which the frequency of a minimum is found
 
 
 def at_worst_frequency(
@@ -30,10 +30,10 @@ def at_worst_frequency(
 ) -> tuple[Grid, float]:
     """(the demand at the worst frequency between those of two demands of one amplitude, that frequency in Hz).
 
-    The first overturning amplitude is the least there, by a scan of the range and a search around each minimum of the scan; minima
-    narrower than 4 % of the frequency may be missed. If the body stands there under the demand, which is above that amplitude, and falls
-    at other frequencies of the scan, it is the worst of those; if no amplitude up to `a_max` overturns the body, that of the largest
-    rotation. Raises UsageError.
+    At the worst frequency the first overturning amplitude is least. A scan of the range and a search around each minimum of the scan find
+    it; minima narrower than 4 % of the frequency may be missed. If the demand is above this amplitude, and the body stands under it there
+    but falls at other frequencies of the scan, the result is the worst of those. If no amplitude up to `a_max` overturns the body, and it
+    stands under the demand, the result is the frequency of the largest rotation. Raises UsageError.
     """
     method = governing_method(structure, dimensionless=low.dimensionless)
     (amplitude, begin), (_, end) = ([float(x[0]) for x in grid.scaled(structure)] for grid in (low, high))
@@ -47,8 +47,8 @@ def at_worst_frequencies(
     structures: Sequence[RockingParameters], motion: Motion, low: Grid, high: Grid, a_max: float | Limit | None = A_MAX, *,
     workers: int | None = None, progress: Callable[[int, int], None] | None = None,
 ) -> list[tuple[Grid, float]]:  # fmt: skip
-    """`at_worst_frequency` of each structure. workers: processes that share the structures, None for all cores; progress: called with the
-    structures done and all of them. Raises UsageError, OutputError when a worker process dies."""
+    """`at_worst_frequency` of each structure. workers: number of processes, which share the structures, None for all cores; progress:
+    called with the number of structures that are done and the number of all. Raises UsageError, OutputError when a worker process dies."""
     search = partial(at_worst_frequency, motion=motion, low=low, high=high, a_max=a_max)
     found = []
     for one in in_turn(search, structures, min(workers or available_cpus(), len(structures))):

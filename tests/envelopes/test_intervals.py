@@ -121,7 +121,7 @@ def test_what_the_linear_equation_misjudges_is_the_width_of_the_difference():
 
     said = misjudged(rows((1.0, 2.0), (4.0, None)), rows((1.5, 3.0), (5.0, None)), a_max=8.0)
     assert said.startswith("the linear equation is unsafe over 22.2 % of the amplitudes")  # 1 of 1.5 + 3
-    assert said.endswith("falls over 1.5 in A that stand")
+    assert said.endswith("falls over 1.5 in A where the body stands")
 
 
 def test_a_body_that_leaves_the_ground_has_an_interval_of_its_own():

@@ -1,8 +1,8 @@
 """The march of tied bodies, many at once, from event to event.
 
 A step lies within one closed form of the motion and one phase of the restraints, and has one turn at most (`series`). If y passes an end
-of the phase before or after the turn, the step ends there: the bracket holds one root. So no engagement, yield, slack, rupture or impact
-is stepped over. A peak ends a step only where a restraint yields.
+of the phase before or after the turn, the step ends there: the bracket holds one root. So a step cannot miss an engagement, a yield, a
+slack, a rupture or an impact. A peak ends a step only if a restraint yields there.
 
 After the shaking the body goes on over still ground until its outcome is proved. Without damping its energy gives the end of each phase,
 the peak and the speed at the ground, where a bound of the restoring force proves that nothing comes before. The energy that a body needs
@@ -36,15 +36,15 @@ from .devices import BROKEN, ELASTIC, SLACK, YIELDING, Phase
 from .series import Law, Step, falls, one_turn
 from .tied_lanes import Ends, Found, Recorder, TiedLanes
 
-_STILL = 1e-20  # a speed is none below this: later it changes y by about as much, and any uplift by far less than the rounding of y
+_STILL = 1e-20  # a speed below this counts as zero: it changes y by about as much, and a later uplift by far less than rounding
 _TOGETHER = 8192  # lanes
-_NEWTON, _CLOSE = 4, 1e-13  # steps to a peak, and the last of them over y
-_INSTANTS = 33  # of a stretch, at which the forces on the ground are computed
+_NEWTON, _CLOSE = 4, 1e-13  # number of steps to a peak, and the largest last step over y
+_INSTANTS = 33  # number of instants of a step at which Fz is computed
 WORDS = {SLACK: "slack", ELASTIC: "engagement", YIELDING: "yield", BROKEN: "rupture"}
 
 
 def tied_response(system: System, motion: Motion, cells: tuple[Array, Array, Array], shape: tuple[int, ...], peaks: bool) -> Response:
-    """The `Response` of flat cells in a shape; peaks: False leaves theta_ratio NaN. Raises UsageError for a vertical motion."""
+    """The `Response` of flat cells, in this shape; theta_ratio is NaN if `peaks` is False. Raises UsageError for a vertical motion."""
     found = March(system, motion.coarsest, *cells).run()
     work = Work(cells=cells[0].size, impacts=int(found.impacts.sum()), steps=int(found.steps.sum()))
     ratio = found.theta_ratio if peaks else np.full(found.outcome.size, np.nan)
@@ -52,8 +52,8 @@ def tied_response(system: System, motion: Motion, cells: tuple[Array, Array, Arr
 
 
 class March:
-    """The march of cells (A, Omega, eta) of one tied body under a motion; recorder: of one cell. Raises UsageError for a motion
-    with a vertical part."""
+    """The march of cells (A, Omega, eta) of one tied body under a motion; recorder: records the march of a single cell. Raises UsageError
+    for a motion with a vertical part."""
 
     def __init__(self, system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array, recorder: Recorder | None = None):
         if motion.vertical is not None:
@@ -73,7 +73,7 @@ class March:
         self._told = False
         # theta^2 P h/(m g R sin(alpha)) over y, both in the unit in which the held body falls back with acceleration 1 and y < 1/2
         self.levers = 0.0 if self.devices.linear else 0.5 * float(np.max(self.devices.unit * self.devices.held_at_first())) ** 2
-        self.doubtful = 1.0  # y beyond which the march asks whether a body can come back
+        self.doubtful = 1.0  # y beyond which the march tests whether a body can come back
         if recorder is not None:
             self.doubtful = float(np.max(self.equation.on(sides).displacement(np.full(2, FALLEN))))
         self.most = MAX_STEPS + 40 * self.shaken
@@ -84,14 +84,14 @@ class March:
         )  # fmt: skip
 
     def _lever_ends(self) -> Array:
-        """y at which a tie has lost its lever, on the right and the left side: from there on the body counts as overturned."""
+        """The y at which a tie has lost its lever, for the right and the left side: the body counts as overturned from there on."""
         if self.devices.linear:
             return np.full(2, np.inf)
         turned = np.arctan2(self.devices.height, -np.minimum(self.devices.behind, 0.0)).min(axis=1)
         return np.resize(turned / self.devices.unit[:, 0], 2)
 
     def run(self, release: float = 0.0) -> Found:
-        """All cells, from rest or released to the right from theta/alpha = release."""
+        """March all cells to their ends, from rest or released to the right from theta/alpha = release; returns their results."""
         with np.errstate(all="ignore"):
             by_energy, aside = self.recorder is None and not self.equation.damping, []
             waiting = np.arange(self.found.outcome.size)
@@ -109,7 +109,7 @@ class March:
         return self.found
 
     def row(self, lanes: Lanes) -> Array:
-        """The rows of the sides that lanes are on."""
+        """The index in arrays of sides, 0 right and 1 left, of the side that each lane is on."""
         return np.zeros(lanes.side.size, dtype=np.int64) if self.one_sided else (lanes.side < 0.0).astype(np.int64)
 
     def _of(self, numbers: Array, row: Array) -> Array:
@@ -142,7 +142,7 @@ class March:
             self.recorder.note(lanes, event, float(y[0]), float(v[0]), device)
 
     def _from_rest(self, lanes: TiedLanes, at: Array, first: bool = False) -> TiedLanes:
-        """Put lanes that rest at their next uplift; those that never lift again are finished."""
+        """Move lanes that rest to their next uplift; finish those that never lift off again."""
         if not at.size:
             return lanes
         resting = lanes.take(at)
@@ -168,25 +168,25 @@ class March:
         return self._finish(lanes, at[ended], np.full(lanes.cell.size, Outcome.NO_UPLIFT if first else Outcome.ROCKED))
 
     def _held(self, lanes: TiedLanes) -> Array:
-        """The drive over that of the free body at which lanes at rest leave the ground to each of their sides, (sides, lanes)."""
+        """The drive at which lanes at rest leave the ground onto each side, over that of the free body, (sides, lanes)."""
         rows = range(len(self.devices.stiffness))
         count = lanes.cell.size
         return np.array([1.0 + self.devices.pull(np.full(count, i), lanes.phase[i], lanes.plastic[i]) for i in rows])
 
     def _leave(self, lanes: TiedLanes, at: Array) -> None:
-        """Put the devices of lanes that leave the ground into the phase in which they begin."""
+        """Set the devices of lanes that leave the ground to the phases in which they begin."""
         row = self.row(lanes)[at]
         phase, plastic = lanes.phase[row, :, at].T, lanes.plastic[row, :, at].T
         lanes.phase[row, :, at] = self.devices.at_ground(row, phase, plastic).T
 
     def _phase(self, lanes: TiedLanes) -> tuple[Array, Phase, Array, Array]:
-        """(row, phase of the devices, y of its lower and of its upper end) of lanes."""
+        """(row, phase of the devices, y at its lower end, y at its upper end) of each lane."""
         row = self.row(lanes)
         now = self.devices.phase(row, self._of(lanes.phase, row), self._of(lanes.plastic, row))
         return row, now, now.low.max(axis=0, initial=0.0), np.minimum(now.high.min(axis=0, initial=np.inf), self.limit[row])
 
     def _round(self, lanes: TiedLanes) -> TiedLanes:
-        """One step of every lane by its series, and what happens at its end."""
+        """Take one step of every lane by its series, and apply the events at its end; returns the lanes that go on."""
         lanes.steps += 1
         row, now, ground, high = self._phase(lanes)
         seg, k = self.segments, lanes.k
@@ -200,7 +200,7 @@ class March:
         up, down = (step.outward > 0.0) & (y >= high), (step.outward < 0.0) & (y <= ground)
         peaked = np.zeros(k.size, dtype=bool)
         peaked[turns] = (step.outward[turns] > 0.0) & ~up[turns]
-        through = peaked & ~now.yields & (self.recorder is None)  # a peak ends no phase of theirs
+        through = peaked & ~now.yields & (self.recorder is None)  # here a peak ends no phase
         reach[through], y[through], v[through] = step.h[through], step.end.y[through], step.end.v[through]
         down |= through & (y <= ground)
         at = np.flatnonzero(up | down)
@@ -225,8 +225,8 @@ class March:
         return self._events(lanes, row, now, high, Ends(up, down, peaked, turned & ~peaked & ~(up | down), top, k >= self.shaken))
 
     def _rest_of_motion(self, lanes: TiedLanes) -> TiedLanes:
-        """One step of every lane on still ground, undamped: to the end of its phase, to its peak or to the ground, by its energy, where its
-        restoring force is proved to keep its sign and Fz > 0; otherwise by its series."""
+        """Take one step of every lane on still ground, undamped. Where the restoring force is proved to keep its sign and Fz > 0, the
+        energy gives the end of the phase, the peak or the impact at the ground; elsewhere the series does."""
         lanes.steps += 1
         row, now, ground, high = self._phase(lanes)
         out, energy = lanes.v > 0.0, 0.5 * lanes.v**2
@@ -255,7 +255,7 @@ class March:
         return lanes.join(self._round(others)) if others.cell.size else lanes
 
     def _peak(self, y: Array, energy: Array, row: Array, now: Phase) -> Array:
-        """y at which lanes with this y'^2/2 turn back on still ground, by Newton's method; what it does not find is NaN."""
+        """The y at which lanes with this y'^2/2 turn back on still ground, by Newton's method; NaN where it does not converge."""
         start, none = y, np.zeros(y.size)
         back, soft = -self.law.force(row, now, y, none), 1.0 - self.devices.linear_terms(row, now)[1]
         y = y + 2.0 * energy / (back + np.sqrt(back * back - 2.0 * soft * energy))
@@ -264,7 +264,7 @@ class March:
         return np.where(np.abs(y - before) <= _CLOSE * y, y, np.nan)
 
     def _press(self, lanes: TiedLanes, row: Array, now: Phase, step: Step, reach: Array) -> None:
-        """Note the lanes with Fz <= 0 along their steps: where no bound excludes it, at `_INSTANTS` of each."""
+        """Mark lanes with Fz <= 0 in their steps. Where no bound excludes this, Fz is computed at `_INSTANTS` of the step."""
         body = self.devices.body
         if body is None:
             return
@@ -282,7 +282,7 @@ class March:
             self._note(lanes, LOST, lanes.y, lanes.v)
 
     def _events(self, lanes: TiedLanes, row: Array, now: Phase, high: Array, ends: Ends) -> TiedLanes:
-        """The events at the end of a step: a peak on the way; an upper or lower end of a phase, an impact, a turn."""
+        """Apply the events at step ends: a peak on the way, an end of a phase, an impact, a turn. Returns the lanes that go on."""
         fallen, hit = ends.up & (high >= self.limit[row]), ends.down & (lanes.y <= 0.0)
         self._stretch(lanes, np.flatnonzero(ends.peaked | ends.up), row, ends.top)
         peaked = np.flatnonzero(ends.peaked)
@@ -314,17 +314,17 @@ class March:
         return self._from_rest(lanes, np.flatnonzero(lanes.rests))
 
     def _time(self, lanes: Lanes) -> float:
-        """The phase [rad] of the motion at which the first lane is."""
+        """The phase [rad] of the motion at the position of the first lane."""
         return float(self.segments.start[lanes.k[0]] + lanes.u[0])
 
     def _stretch(self, lanes: TiedLanes, at: Array, row: Array, top: Array) -> None:
-        """Keep the elongation at `top` of devices that are not broken if it is their largest."""
+        """Raise the largest elongation of unbroken devices to that at y = `top`."""
         e, row = self.devices.elongation(row[at], top[at]), row[at]
         whole = lanes.phase[row, :, at].T != BROKEN
         lanes.farthest[row, :, at] = np.where(whole, np.maximum(lanes.farthest[row, :, at].T, e), lanes.farthest[row, :, at].T).T
 
     def _pass(self, lanes: TiedLanes, at: Array, row: Array, limits: Array, sign: float) -> None:
-        """Devices of the lanes `at`, which have come to the end of a phase, enter the next one."""
+        """Move devices of the lanes `at` that are at an upper (sign = 1) or lower (sign = -1) end of their phase to the next phase."""
         reached = sign * (lanes.y[at] - limits[:, at]) >= 0.0
         phase, plastic = (x[row[at], :, at].T for x in (lanes.phase, lanes.plastic))
         elastic, ultimate = phase == ELASTIC, self.devices.on(self.devices.ultimate, row[at])
@@ -339,14 +339,14 @@ class March:
         lanes.phase[row[at], :, at], lanes.plastic[row[at], :, at] = following.T, kept.T
         torn = at[breaks.any(axis=0)]
         lanes.turned[torn] = 0
-        for device in np.flatnonzero(self.devices.tendon):  # it breaks on both sides
+        for device in np.flatnonzero(self.devices.tendon):  # a tendon breaks on both sides
             lanes.phase[:, device, at[breaks[device]]] = BROKEN
         if self.recorder is not None:
             for device in np.flatnonzero(reached[:, 0]):
                 self._note(lanes, WORDS[int(following[device, 0])], lanes.y, lanes.v, self.devices.names[device])
 
     def _unload(self, lanes: TiedLanes, at: Array, row: Array) -> None:
-        """Unload the lanes `at`, whose speed has changed its sign: yielding devices become elastic and keep their permanent elongation."""
+        """Unload the lanes `at`, whose velocity has changed sign: yielding devices become elastic and keep their permanent elongation."""
         if not at.size:
             return
         phase, plastic = (x[row[at], :, at].T for x in (lanes.phase, lanes.plastic))
@@ -359,7 +359,7 @@ class March:
                 self._note(lanes, "unloading", lanes.y, lanes.v, self.devices.names[device])
 
     def _certain(self, lanes: TiedLanes, row: Array, now: Phase, high: Array) -> Array:
-        """True for lanes that no drive to come can turn back."""
+        """True for lanes that no later drive can turn back."""
         falls = np.zeros(lanes.cell.size, dtype=bool)
         at = np.flatnonzero((lanes.y > self.doubtful) & (lanes.v > 0.0) & (high >= self.limit[row]))
         if not at.size:
@@ -376,7 +376,7 @@ class March:
         return falls
 
     def _strike(self, lanes: TiedLanes, at: Array, row: Array) -> Array:
-        """Impacts of the lanes `at`; those that come to rest go on from their next uplift. True for lanes whose outcome is known."""
+        """Apply the impacts of the lanes `at`, and mark lanes that come to rest; True for lanes whose outcome is known."""
         self._note(lanes, "impact", lanes.y, lanes.v)
         struck = lanes.take(at)
         still = struck.k >= self.shaken
@@ -395,9 +395,9 @@ class March:
         return known
 
     def _bounces_out(self, lanes: TiedLanes) -> Array:
-        """True for lanes just after an impact whose bouncing ends in rest before any other event (Lemma 7). A restraint that neither
-        yields nor breaks gives back the work that it takes. Its moment is at least P h (1 - theta^2), P its force at the ground, if its
-        stiffness makes up for a lever that falls (x < 0, down to -0.4 h) and theta < 1: that is what the lemma's e has to cover."""
+        """True for lanes just after an impact whose bouncing ends in rest before any other event (Lemma 7). A restraint that neither yields
+        nor breaks gives back the work that it takes. Its moment is at least P h (1 - theta^2), P its force at the ground, if its stiffness
+        makes up for a lever that falls (x < 0, down to -0.4 h) and theta < 1. The lemma's e covers this loss of moment."""
         free, there = self._free(lanes)
         devices, lowest, falls = self.devices, np.full(lanes.cell.size, np.inf), np.zeros(lanes.cell.size, dtype=bool)
         for i, held in enumerate(self._held(lanes)):
@@ -412,8 +412,8 @@ class March:
         return ~falls & sequence_ends(self.segments, free, self.equation, there, self.levers)
 
     def _free(self, lanes: TiedLanes) -> tuple[TiedLanes, OtherSide | None]:
-        """(Lanes of a free body that the restraints hold at the ground as constant forces, its other side): in the unit of y in which the
-        body at rest falls back with acceleration 1."""
+        """(lanes, their other side) of a free body on which the restraints act as the constant forces that they have at the ground. The
+        unit of y is the one in which the body at rest falls back with acceleration 1."""
         every, row, there = self._held(lanes), self.row(lanes), self.contact.other_side(lanes)
         held = every[row, np.arange(row.size)]
         seg, k = self.segments, np.minimum(lanes.k, len(self.segments) - 1)
@@ -426,7 +426,7 @@ class March:
         return replace(lanes, amplitude=amplitude, v=lanes.v / held, b=b, peak=lanes.peak / held), there
 
     def _finish(self, lanes: TiedLanes, at: Array, outcome: Array) -> TiedLanes:
-        """Hand in the results of the lanes `at`, of the outcomes of all lanes; returns the others."""
+        """Store the results of the lanes `at`; outcome: of all lanes. Returns the other lanes."""
         if not at.size:
             return lanes
         cell, found, row = lanes.cell[at], self.found, self.row(lanes)[at]
