@@ -103,7 +103,7 @@ def _refuse_repetitions(context: click.Context, arguments: list[str]) -> None:
 
 
 def _no_such_option(error: click.NoSuchOption, arguments: list[str]) -> str:
-    """The sentence for an unknown option, with the long option that is probably meant."""
+    """Return the sentence for an unknown option, with the long option that is probably meant."""
     name = error.option_name
     if not name.startswith("--"):  # of -pulse click sees -p
         name = next((a.partition("=")[0] for a in arguments if a.startswith(name) and not a.startswith("--")), name)

@@ -71,7 +71,7 @@ class Ground:
         return shakes if self.motion is None or self.grid is None else [*shakes, (self.motion, self.grid)]
 
     def needed(self) -> list[tuple[Motion, Grid]]:
-        """The motions with their demands. Raises click.UsageError if the call states no motion."""
+        """Return the motions with their demands. Raises click.UsageError if the call states no motion."""
         if not self.shakes:
             raise no_shaking("--motion FILE")
         return self.shakes
@@ -124,7 +124,7 @@ class Motions(Reading, Source):
         return Ground(self._read(read, station)).with_upwards(upwards)
 
     def several(self, files: tuple[str, ...], one_upwards: bool = False) -> tuple[tuple[str, ...], Ground]:
-        """(the structure files, the motion or the set of records that the options describe); one_upwards: no vertical one for a set.
+        """Return (the structure files, the motion or set of records); one_upwards: refuse a vertical motion for a set.
 
         Records among the files belong to the set, so that a shell pattern after --motion works. Raises UsageError.
         """
@@ -147,8 +147,8 @@ class Motions(Reading, Source):
         return files, ground.with_upwards(upwards)
 
     def upwards(self) -> tuple[Upwards | None, float | None]:
-        """(the vertical motion of a pulse or a file, the factor of the vertical component of the same file); None without. Raises
-        UsageError."""
+        """Return (the vertical motion of a pulse or a file, the factor of the vertical component of the same file), None for each that
+        the options do not state. Raises UsageError."""
         return None, None
 
     def _read(self, read: Callable[..., Any], station: float | None) -> Any:

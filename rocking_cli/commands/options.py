@@ -207,12 +207,12 @@ def refuse_own_input(output: Path, recordings: Sequence[Recording] = ()) -> None
 
 
 def command_line() -> str:
-    """The call as a shell command."""
+    """Return the call as a shell command."""
     return printable(shlex.join(["rocking", *sys.argv[1:]]))
 
 
 def now() -> str:
-    """The time in UTC as the history of a file states it."""
+    """Return the time in UTC as the history of a file states it."""
     from datetime import UTC, datetime
 
     return datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")

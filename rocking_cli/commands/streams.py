@@ -13,7 +13,7 @@ from ..errors import OutputError
 
 
 def printable(text: str) -> str:
-    """The text with every control character and half character escaped."""
+    """Return the text with every control character and half character escaped."""
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)

@@ -71,7 +71,7 @@ class Document:
         self, key: str, dimension: str, *, above: float = -math.inf, below: float = math.inf, least: float = -math.inf,
         most: float = math.inf, where: str = "", default: float | None = None,
     ) -> float:  # fmt: skip
-        """The SI value of a key, or `default` if the key is absent; `where` states the range in words. Raises DocumentError if the value
+        """Return the SI value of a key, `default` if the key is absent; where: the range in words. Raises DocumentError if the value
         has a wrong unit or is out of range, or if the key is absent and has no default."""
         self.dimensions[key] = dimension
         if self.within:

@@ -141,7 +141,7 @@ class Rate:
         return dict(zip(RATE_COLUMNS, values, strict=False))
 
     def remarks(self, hazard: HazardCurve) -> list[str]:
-        """A sentence for each end of the levels beyond which a good part of the rate may be missed."""
+        """Return a sentence for each end of the levels beyond which a good part of the rate may be missed."""
         told, found = measure_of(hazard.im).told, []
         if self.beyond > _LITTLE * self.annual:
             found.append(f"{self.annual:.3g} a year up to {told(self.last)}; stronger motions, not counted, add {self.beyond:.3g} at most")

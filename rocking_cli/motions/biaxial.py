@@ -37,7 +37,7 @@ class Upwards:
         return with_vertical(motion, self.vertical, self.scale)
 
     def identity(self) -> list[Any]:
-        """The data on which a result depends: name, hash of the samples of a record, its amplitude [m/s2], scale."""
+        """Return the data on which a result depends: name, hash of the samples of a record, its amplitude [m/s2], scale."""
         lines, found = self.vertical, hashlib.sha256()
         if isinstance(lines, Polyline):
             for part in blocks(lines.start.size):  # one after the other, as in files of earlier versions

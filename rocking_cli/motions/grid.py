@@ -69,7 +69,7 @@ class Axis:
             raise UsageError(f"axis alpha: found {v[-1]:g} rad; expected angles below a right one")
 
     def stated(self) -> list[float | int]:
-        """[first value, last value, number, CRC-32] of the values, to compare two axes."""
+        """Return [first value, last value, number of values, CRC-32 of the values], to compare two axes."""
         v = self.values
         return [float(v[0]), float(v[-1]), v.size, zlib.crc32(v.tobytes())]
 

@@ -61,7 +61,7 @@ class Polyline(Motion):
         return float(self.stop[-1])
 
     def value(self, phase: Array | float) -> Array:
-        """s [-] at phases [rad] of any shape; the value after a jump, zero outside the motion."""
+        """Return s [-] at phases [rad] of any shape; at a jump the value after it, outside the motion zero."""
         phase = np.asarray(phase, dtype=float)
         i = self._at(phase)
         inside = (phase >= self.start[0]) & (phase < self.stop[-1])

@@ -37,7 +37,7 @@ def cosine(cycles: float = 1.0) -> Motion:
 
 
 def ricker(antisymmetric: bool = False) -> Motion:
-    """The symmetric Ricker wavelet (1 - x^2) exp(-x^2/2), x = (phi - phi_0)/sqrt(2), or its derivative x (x^2 - 3) exp(-x^2/2),
+    """Return the symmetric Ricker wavelet (1 - x^2) exp(-x^2/2), x = (phi - phi_0)/sqrt(2), or its derivative x (x^2 - 3) exp(-x^2/2),
     x = (phi - phi_0)/sqrt(3), over its largest value. omega_g is the predominant frequency; a sum of 23 sinusoids gives it to 1e-13."""
     unit, x2, harmonics = math.sqrt(3.0 if antisymmetric else 2.0), 3.0 - math.sqrt(6.0), []
     peak = math.sqrt(x2) * (3.0 - x2) * math.exp(-0.5 * x2)
@@ -51,7 +51,7 @@ def ricker(antisymmetric: bool = False) -> Motion:
 
 
 def mavroeidis_papageorgiou(gamma: float = 2.0, phase: float = 0.0) -> Motion:
-    """The near-fault pulse of Mavroeidis and Papageorgiou (2003), scaled to a peak acceleration of 1.
+    """Return the near-fault pulse of Mavroeidis and Papageorgiou (2003), scaled to a peak acceleration of 1.
 
     Its velocity is cos(phi' + phase) (1 + cos(phi'/gamma))/2 with phi' = phi - pi gamma. gamma >= 1 is the ratio of duration to
     period; phase is in rad. The acceleration is a sum of three sinusoids. Raises MotionError.

@@ -61,8 +61,8 @@ def acceleration_spectrum(record: Record, periods: Sequence[float] | Array, damp
 
 
 def periods_of(name: str) -> tuple[str, Array] | None:
-    """The name and the periods [s] of SA(T), or of AvgSA(T1) (ten from 0.2 to 1.5 T1; T1 = 1 s if not stated) or AvgSA(T, T, ...). None for
-    another measure. Raises UsageError for a period that is not positive."""
+    """Return the name and the periods [s] of SA(T), AvgSA(T1) (ten from 0.2 to 1.5 T1; T1 = 1 s if not stated) or AvgSA(T, T, ...); None
+    for another measure. Raises UsageError for a period that is not positive."""
     if (match := _NAME.fullmatch(name.strip())) is None:
         return None
     mean, text = match[1].casefold() != "sa", match[2] or ("1" if match[1].casefold() != "sa" else "")
@@ -77,13 +77,13 @@ def periods_of(name: str) -> tuple[str, Array] | None:
 
 
 def mean_acceleration(record: Record, periods: Array) -> float:
-    """The geometric mean of S_a [m/s2] over the periods, at 5 % damping; 0 for a record that is zero."""
+    """Return the geometric mean of S_a [m/s2] over the periods, at 5 % damping; 0 for a record that is zero."""
     found = acceleration_spectrum(record, periods)
     return float(np.exp(np.log(found).mean())) if np.all(found > 0.0) else 0.0
 
 
 def _largest(record: Record, finer: int, w: Array, damping: float) -> Array:
-    """max |u| [m] of oscillators w [rad/s], with the steps of the record cut into `finer` equal ones."""
+    """Return max |u| [m] of oscillators of frequency w [rad/s], with each step of the record cut into `finer` equal ones."""
     steps = finer * (record.npts - 1)
     a = np.interp(np.arange(steps + 1) / finer, np.arange(record.npts), record.acceleration)[:, None]
     h, s = record.dt / finer, w * complex(-damping, math.sqrt(1.0 - damping**2))

@@ -68,11 +68,11 @@ class Segments:
         return None
 
     def weight(self, _side: np.ndarray, _amplitude: np.ndarray, _k: np.ndarray, _u: np.ndarray) -> np.ndarray | float:
-        """The weight over m g at phase u of segment k, 1 under a motion without a vertical part."""
+        """Return the weight over m g at phase u of segment k, 1 under a motion without a vertical part."""
         return 1.0
 
     def force_at_impact(self, _side: np.ndarray, _amplitude: np.ndarray, _k: np.ndarray, _u: np.ndarray, b: np.ndarray) -> np.ndarray:
-        """The force on bodies at the ground; b: that force under a constant weight."""
+        """Return the force on bodies at theta = 0; b: the same force for a constant weight."""
         return b
 
     def ended(self, k: np.ndarray) -> np.ndarray:
@@ -80,11 +80,11 @@ class Segments:
         return k >= len(self)
 
     def hardest(self, side: np.ndarray, amplitude: np.ndarray, k: np.ndarray) -> np.ndarray:
-        """The strongest inward drive from segment k on, over the least weight to come; infinite where that is none."""
+        """Return the strongest inward drive from segment k on, over the least weight from there on; infinite if that is not positive."""
         return amplitude * np.where(side > 0.0, self.later_max[k], -self.later_min[k])
 
     def followed_by_rest(self, length: float) -> Segments:
-        """The same motion, then the ground at rest for a phase of this length [rad]."""
+        """Return the same motion, then the ground at rest for a phase of this length [rad]."""
         end = self.start[-1] + self.length[-1]
         lasts = {"start": end, "length": length, "frequency": 1.0, "joins": False}
         return Segments(**{f.name: followed_by(getattr(self, f.name), lasts.get(f.name, 0.0)) for f in fields(Segments)})
@@ -101,7 +101,7 @@ class Segments:
         return found[0], found[1], np.cumsum([0, *map(len, levels)])
 
     def next_beyond(self, k: np.ndarray, above: np.ndarray, below: np.ndarray) -> np.ndarray:
-        """The first segment from k on with s > above or -s > below; K if there is none; shape of k, (lanes,)."""
+        """Return the first segment from k on with s > above or -s > below; K if there is none; shape of k, (lanes,)."""
         high, low, start = self._blocks
         found = np.full(k.shape, len(self))
         lanes = np.flatnonzero(k < len(self))
@@ -121,7 +121,7 @@ class Segments:
         return found
 
     def extent(self, k: np.ndarray, to: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(largest s, least s) on segments k to `to` - 1; minus and plus infinity for no segment; shape of k, (lanes,)."""
+        """Return (largest s, least s) on segments k to `to` - 1; minus and plus infinity for no segment; shape of k, (lanes,)."""
         high, low = self._ends
         largest, least, lanes = np.full(k.shape, -np.inf), np.full(k.shape, np.inf), np.flatnonzero(k < to)
         lanes = lanes[np.argsort(k[lanes])]  # reduceat also reduces from the end of each range to the start of the next
@@ -205,7 +205,7 @@ class Chain(Segments):
 
     @classmethod
     def of(cls, motions: Sequence[Segments]) -> Chain:
-        """The chain of these motions."""
+        """Return the chain of these motions."""
         rested = [one.followed_by_rest(np.inf) for one in motions]
         columns = {f.name: np.concatenate([getattr(one, f.name) for one in rested], axis=-1) for f in fields(Segments)}
         return cls(**columns, first=np.cumsum([0, *map(len, rested[:-1])]))
@@ -220,7 +220,7 @@ class Chain(Segments):
         return np.asarray(k >= self._still.take(k))
 
     def next_beyond(self, k: np.ndarray, above: np.ndarray, below: np.ndarray) -> np.ndarray:
-        """The first one within the motion of segment k."""
+        """Return the first such segment within the motion of segment k, as `Segments.next_beyond` does."""
         found = super().next_beyond(k, above, below)
         return np.where(found < self._still.take(k), found, len(self))
 
@@ -233,7 +233,7 @@ class Samples(NamedTuple):
 
 
 def line_segments(start: np.ndarray, stop: np.ndarray, constant: np.ndarray, slope: np.ndarray) -> Segments:
-    """The segments of straight lines s = constant + slope (phase - start)."""
+    """Return the segments of straight lines s = constant + slope (phase - start)."""
     count, length = start.size, stop - start
     end = constant + slope * length
     none = np.zeros((0, count))
@@ -245,10 +245,10 @@ def line_segments(start: np.ndarray, stop: np.ndarray, constant: np.ndarray, slo
 
 
 def largest_from(values: np.ndarray) -> np.ndarray:
-    """The largest value from each index on, at least 0."""
+    """Return the largest value from each index on, at least 0."""
     return np.maximum(0.0, np.maximum.accumulate(values[::-1])[::-1])
 
 
 def followed_by(values: np.ndarray, last: float | bool) -> np.ndarray:
-    """The array with one more value at the end of its last axis."""
+    """Return the array with one more value at the end of its last axis."""
     return np.concatenate([values, np.full((*values.shape[:-1], 1), last, dtype=values.dtype)], axis=-1)

@@ -65,11 +65,11 @@ class Units:
     without: frozenset[str] = frozenset()
 
     def of(self, dimension: str) -> tuple[str, float]:
-        """(unit, factor to SI) of a dimension."""
+        """Return (unit, factor to SI) of a dimension."""
         return self.chosen.get(dimension, (SI[dimension], 1.0))
 
     def column(self, name: str) -> tuple[str, str, float]:
-        """(name, unit, factor to SI) of a column; the unit is empty and the factor 1 for a column without a dimension."""
+        """Return (name, unit, factor to SI) of a column; without a dimension the unit is empty and the factor 1."""
         dimension = None if name in self.without else dimension_of(name)
         if dimension is None:
             return name, "", 1.0
@@ -77,7 +77,7 @@ class Units:
         return (_FREQUENCY.get(name, name) if unit == "Hz" else name), unit, factor
 
     def heading(self, name: str) -> tuple[str, float]:
-        """(heading with unit, factor to SI) of a column."""
+        """Return (heading with unit, factor to SI) of a column."""
         column, unit, factor = self.column(name)
         return headed(column, unit), factor
 

@@ -22,8 +22,8 @@ _CYCLES = re.compile(r"(.+), ([\d.]+) cycles?")
 
 
 def demand_plainly(shakes: Sequence[tuple[Motion, Grid]], vertical: str | None = None) -> str:
-    """The demand in words, such as `one cycle of a sine of 0.3 g at 1 Hz`; shakes: motions with a grid of one cell each; vertical: name
-    of the vertical motion."""
+    """Return the demand in words, such as `one cycle of a sine of 0.3 g at 1 Hz`; shakes: motions with a grid of one cell each; vertical:
+    name of the vertical motion."""
     upwards = f", with the vertical motion {vertical}" if vertical else ""
     motion, grid = shakes[0]
     peaks = [abs(float(shake.amplitude.values[0])) for _, shake in shakes]
@@ -39,7 +39,7 @@ def demand_plainly(shakes: Sequence[tuple[Motion, Grid]], vertical: str | None =
 
 
 def verdict_plainly(v: Verdict) -> str:
-    """A verdict in a sentence or two."""
+    """Return a verdict in a sentence or two."""
     first = None if v.first_overturning_a is None else f"{v.first_overturning_a / DEFAULT_GRAVITY:.3g} g"
     if v.outcome == Outcome.FAILED:
         said = "Not known: the computation failed."
@@ -73,14 +73,14 @@ def worst_of(verdicts: Sequence[Verdict]) -> Verdict:
 
 
 def overview_row(verdicts: Sequence[Verdict]) -> tuple[str | float | None, ...]:
-    """The cells of OVERVIEW for one structure, from its verdicts under all motions."""
+    """Return the cells of OVERVIEW for one structure, from its verdicts under all motions."""
     v, falls = worst_of(verdicts), sum(one.falls for one in verdicts)
     said = verdict_plainly(v) + (f" It falls under {falls} of {len(verdicts)} motions." if falls and len(verdicts) > 1 else "")
     return v.structure, said, v.motion, v.capacity_demand, v.first_overturning_a, v.friction_needed
 
 
 def parameter_rows(s: RockingParameters) -> list[dict[str, str]]:
-    """The rows for p, alpha, eta, lambda and a_scale, of each edge if the edges differ, and for the damping if there is any."""
+    """Return the rows for p, alpha, eta, lambda and a_scale, of each edge if the edges differ, and for the damping if there is any."""
     known = dict(_RELATIONS.get(s.structure, {}))
     if s.eta_source != "momentum" or s.one_sided:
         known.pop("eta", None)

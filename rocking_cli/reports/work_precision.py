@@ -26,7 +26,7 @@ TIMED_CELLS = 50_000  # the engine computes about so many cells at once to measu
 
 
 def work_precision(scene: PulseScene, *, sample: int = 40, scipy: int = 10, seed: int = 0) -> Iterator[dict[str, Any]]:
-    """The accuracy of each method at each tolerance (None: exact) for the first structure of a scene, as rows.
+    """Yield the accuracy of each method at each tolerance (None: exact) for the first structure of a scene, as rows.
 
     time_per_cell [s]; error_max, error_99: maximum and 99th percentile of the error of theta/alpha over the cells with the right
     outcome; misjudged: number of the other cells. sample: number of cells for the error of the engine; scipy: number of cells for each
@@ -68,7 +68,7 @@ def accuracy(
     structure: RockingParameters, motion: Motion, grid: Grid, *, method: Method | None = None, sample: int = 40, scipy: int = 10,
     seed: int = 0,
 ) -> list[dict[str, Any]]:  # fmt: skip
-    """The rows of `work_precision` for a structure over a grid; method: None for `governing_method`. Raises UsageError.
+    """Return the rows of `work_precision` for a structure over a grid; method: None for `governing_method`. Raises UsageError.
 
     >>> rows = accuracy(dimensionless_oscillator(0.9), sine(), parse_grid('A=1:8:20,Omega=1:8:20'), sample=5, scipy=0)
     >>> rows[0]['method'], rows[0]['misjudged']

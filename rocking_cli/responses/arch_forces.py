@@ -69,7 +69,7 @@ class _Link(NamedTuple):
 
 
 def _turned(arm: Array) -> Array:
-    """A quarter turn clockwise, (..., 2): the velocity of an arm that turns by 1 rad/s towards +x."""
+    """Turn arms clockwise by a right angle, (..., 2): the velocity of an arm that turns by 1 rad/s towards +x."""
     return np.stack([arm[..., 1], -arm[..., 0]], axis=-1)
 
 
@@ -175,7 +175,7 @@ class ArchForces:
 
 
 def _rotated(vector: Array, angle: Array) -> Array:
-    """Vectors turned clockwise: (2,) or (points, 2) by (n,) angles, (n, 2) or (n, points, 2)."""
+    """Turn vectors, (2,) or (points, 2), clockwise by angles, (n,); the result is (n, 2) or (n, points, 2)."""
     vector = np.asarray(vector)
     cos, sin = (f(angle) if vector.ndim == 1 else f(angle)[:, None] for f in (np.cos, np.sin))
     return np.stack([cos * vector[..., 0] + sin * vector[..., 1], cos * vector[..., 1] - sin * vector[..., 0]], axis=-1)

@@ -207,7 +207,7 @@ def _judged(
         return None if least is None else float(structure.ground_acceleration(least))
 
     def limit(*a: float | None) -> float | None:
-        """The least of these amplitudes as an acceleration; if many narrow intervals overturn the body, rounded down to four digits."""
+        """Return the least of these amplitudes as an acceleration, rounded down to four digits if many narrow intervals overturn."""
         least = acceleration(*a)
         if least is None or not found.dust:
             return least

@@ -82,7 +82,7 @@ class CodeCheck:
         return found | {"e_star": self.curve.e_star, **limits}
 
     def accepted(self) -> dict[str, float]:
-        """The amplitude [m/s2] that each method accepts, by its column."""
+        """Return the amplitude [m/s2] that each method accepts, by its column."""
         return {"code_linear": self.linear, "code_slv": self.slv.amplitude, "code_slc": self.slc.amplitude}
 
     def promises(self, fall: float | None, beyond: float | None) -> list[str]:

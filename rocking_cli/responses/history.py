@@ -84,7 +84,7 @@ class History:
     devices: tuple[dict[str, Any], ...] = ()
 
     def at(self, tau: Array) -> tuple[Array, Array]:
-        """theta/alpha [-] and its derivative by tau [-] at times tau, arrays of one shape; zero at rest, NaN after the end."""
+        """Return theta/alpha [-] and its derivative by tau [-] at times tau, in the shape of tau; zero at rest, NaN after the end."""
         tau = np.asarray(tau, dtype=float)
         ratio, rate = np.zeros(tau.size), np.zeros(tau.size)
         for part in blocks(tau.size):

@@ -63,7 +63,7 @@ class Tracing:
             raise UsageError(f"`grid`: found {columns.name}; expected no axis, since the search varies the scale")
 
     def limit(self, structure: int) -> float:
-        """The largest A of the search for a structure."""
+        """Return the largest A of the search for a structure."""
         return limit_of(self.a_max, self.scene.structures[structure])
 
     @property

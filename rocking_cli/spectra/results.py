@@ -70,7 +70,7 @@ class Summary:
         return self.outcomes[Outcome.FAILED.flag]
 
     def record(self) -> dict[str, Any]:
-        """The fields as one flat mapping, for JSON and for the file's attributes."""
+        """Return the fields as one flat mapping, for JSON and for the file's attributes."""
         work = asdict(self.work)
         work.pop("cells")
         return {
@@ -111,7 +111,7 @@ class Spectrum:
         return self.beside.get("condition")
 
     def to_xarray(self) -> xarray.Dataset:
-        """An xarray Dataset with the names, dimensions and attributes of the file. Raises OutputError without xarray."""
+        """Return an xarray Dataset with the names, dimensions and attributes of the file. Raises OutputError without xarray."""
         try:
             import xarray as xr
         except ImportError:

@@ -88,7 +88,7 @@ class Scene(ABC):
 
     @abstractmethod
     def stated(self) -> dict[str, Any]:
-        """The input of the scene by name, without its method."""
+        """Return the input of the scene by name, without its method."""
 
     @abstractmethod
     def sharing(self) -> list[tuple[int, ...]]:
@@ -100,7 +100,7 @@ class Scene(ABC):
 
     @abstractmethod
     def frame(self) -> Frame:
-        """The places of the cells, as a spectra file has them."""
+        """Return the places of the cells, as a spectra file has them."""
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -113,7 +113,7 @@ class Scene(ABC):
         return Cell(band.structure, band.motion, band.amplitude.item(), band.omega.item())
 
     def identity(self) -> dict[str, Any]:
-        """The input of the result by name, as JSON values; two scenes of equal identity have equal spectra."""
+        """Return the input of the result by name, as JSON values; two scenes of equal identity have equal spectra."""
         from .work.machine import version
 
         stated = {"version": version(), **self.stated(), "model": self.method.model, "tolerance": self.method.stated_tolerance}

@@ -77,7 +77,7 @@ class SweepOptions:
             raise UsageError("`resume` does not go with `overwrite`")
 
     def processes(self, scene: Scene) -> int:
-        """The number of processes for a scene: `workers` if given, otherwise one for a small scene."""
+        """Return the number of processes for a scene: `workers` if given, otherwise one for a small scene."""
         return self.workers or (1 if scene.cells < SMALL_SWEEP else available_cpus())
 
     def chunk(self, scene: Scene) -> tuple[int, int]:
@@ -99,7 +99,7 @@ class SweepOptions:
         return found
 
     def variables_of(self, scene: Scene) -> tuple[str, ...]:
-        """The variables in the file of a scene, in the order of `VARIABLES`. Raises UsageError as `quantities_of`."""
+        """Return the variables in the file of a scene, in the order of `VARIABLES`. Raises UsageError as `quantities_of`."""
         of_quantities = {name for key in self.quantities_of(scene) for name in QUANTITIES[key]}
         wanted = {"theta_ratio", "outcome", *of_quantities} | ({"impacts"} if self.impacts else set())
         return tuple(name for name in VARIABLES if name in wanted)
@@ -208,7 +208,7 @@ def _packed(names: Sequence[str], chunk: tuple[int, int], block: Block) -> dict[
 
 
 def _units_of(scene: Scene, options: SweepOptions) -> list[Unit]:
-    """The units of work of a whole scene. Raises UsageError for a sweep that would take years, and for one of too many units."""
+    """Return the units of work of a whole scene. Raises UsageError for a sweep that would take years, and for one of too many units."""
     chunk = options.chunk(scene)
     rows, columns = (-(-n // size) for n, size in zip(scene.shape[1:], chunk, strict=True))
     count, cells = rows * columns * len(scene.sharing()), chunk[0] * chunk[1]

@@ -59,7 +59,7 @@ def condition_of(respond: Callable[[Array, Array, Array], Response], amplitude: 
 
 
 def default_check(scene: Scene) -> int:
-    """The default number of cells to compute again: large sweeps spend under 3 % of their time on them."""
+    """Return the default number of cells to compute again: large sweeps spend under 3 % of their time on them."""
     return 4 if not scene.method.exact else max(4, min(64, scene.cells // 250_000))
 
 
@@ -162,7 +162,7 @@ class Verification:
         self.answers: dict[Place, Answer] = {}
 
     def compared(self) -> Mapping[str, Any]:
-        """The result of the comparison, by the fields of `Summary`."""
+        """Return the result of the comparison, by the fields of `Summary`."""
         known = {place: answer for place, answer in self.answers.items() if answer.outcome != Outcome.FAILED}
         same = {place: answer for place, answer in known.items() if answer.outcome == self.seen[place][0]}
         apart = {place: abs(a.theta_ratio - self.seen[place][1]) for place, a in same.items() if np.isfinite(a.theta_ratio)}
@@ -215,7 +215,7 @@ def validity(scene: Scene, tolerance: float = 1e-6) -> Validity | None:
 
 
 def _differences(scene: PulseScene, nonlinear: Method, count: int) -> Array:
-    """`Difference` of up to `count` cells of one structure: half of them drawn, half with another outcome at the next amplitude."""
+    """Return the `Difference` of up to `count` cells of one structure: half drawn, half with another outcome at the next amplitude."""
     (structure,), drawn = scene.structures, sampled_cells(scene, _DRAWN, _SEED_OF_VALIDITY)[:, 1:]
     amplitude, omega = scene.grid.scaled(structure)
     beside = np.stack([drawn[:, 1], np.minimum(drawn[:, 1] + 1, amplitude.size - 1)])

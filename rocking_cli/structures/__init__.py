@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def build_structure(document: Document) -> RockingParameters:
-    """The rocking parameters of one document. Raises DocumentError, which names file, line, key and the values accepted.
+    """Return the rocking parameters of one document. Raises DocumentError, which names file, line, key and the values accepted.
 
     >>> round(build_structure(parse_documents('{kind: block, width: 0.5, height: 2}')[0]).p, 6)
     2.671671
@@ -52,7 +52,7 @@ def read_documents(path: str | Path) -> list[Document]:
 
 
 def load_structures(paths: str | Path | Iterable[str | Path]) -> list[RockingParameters]:
-    """The rocking parameters of every document of these paths, in order; `read_documents` lists the accepted forms of a path. Raises
+    """Return the rocking parameters of every document of these paths, in order; `read_documents` lists the accepted forms of a path. Raises
     UsageError if a file cannot be read, and DocumentError if a document is not valid.
 
     >>> [structure.name for structure in load_structures(['configs/block.yaml', 'configs/arch.yaml'])]
@@ -63,7 +63,7 @@ def load_structures(paths: str | Path | Iterable[str | Path]) -> list[RockingPar
 
 
 def with_distinct_names(structures: Iterable[RockingParameters]) -> list[RockingParameters]:
-    """The same structures with distinct names: a repeated name gets a number. Spectra files identify structures by name."""
+    """Return the same structures with distinct names: a repeated name gets a number. Spectra files identify structures by name."""
     taken: set[str] = set()
     named = []
     for structure in structures:

@@ -45,7 +45,7 @@ def inline_document(text: str) -> "Document | None":
 
 
 def _in_one_unit(sizes: list[str]) -> list[str]:
-    """The sizes; the unit of length of the last size holds for the sizes that have none, so 45x180cm is 45 cm by 180 cm."""
+    """Return the sizes; the unit of length of the last size holds for the sizes that have none, so 45x180cm is 45 cm by 180 cm."""
     from ..documents.quantities import UNITS, split_quantity
 
     parts = [split_quantity(size) for size in sizes]

@@ -56,17 +56,17 @@ class Side:
         _demand("eta", self.eta, 0.0 <= self.eta <= 1.0, "a number from 0 to 1")
 
     def record(self) -> dict[str, Any]:
-        """The parameters as `rocking params --json` prints them."""
+        """Return the parameters as `rocking params --json` prints them."""
         return {"side": self.side, **numbers_of(self), **({} if self.arm is None else {"arm": self.arm})}
 
 
 def numbers_of(of: Side | RockingParameters) -> dict[str, float]:
-    """The five parameters by their printed names."""
+    """Return the five parameters by their printed names."""
     return {key: getattr(of, name) for key, name in _FIELDS.items()}
 
 
 def fields_in(record: Mapping[str, Any]) -> dict[str, Any]:
-    """The five parameters of a record by the names of the fields."""
+    """Return the five parameters of a record by the names of the fields."""
     return {name: record[key] for key, name in _FIELDS.items()}
 
 
@@ -127,7 +127,7 @@ class RockingParameters:
 
     @classmethod
     def of_sides(cls, name: str, structure: str, left: Side, right: Side, **more: Any) -> RockingParameters:
-        """A body on two edges; without `sides` if their parameters are equal. `more`: the other fields."""
+        """Return a body on two edges; without `sides` if their parameters are equal. `more`: the other fields."""
         sides = () if numbers_of(left) == numbers_of(right) else (left, right)
         weaker = weaker_side((left, right))
         return cls(name, structure, **fields_in(numbers_of(weaker)), sides=sides, arm=weaker.arm, **more)
@@ -139,7 +139,7 @@ class RockingParameters:
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> RockingParameters:
-        """The parameters from the dictionary of `record()`. Raises KeyError, TypeError or ValueError if it is not valid."""
+        """Return the parameters from the dictionary of `record()`. Raises KeyError, TypeError or ValueError if it is not valid."""
         sides = tuple(Side(side["side"], arm=side.get("arm"), **fields_in(side)) for side in record.get("sides", ()))
         kind = record["structure_kind"] if "structure_kind" in record else record["structure"]  # files of earlier versions
         more = {key: record[key] for key in ("one_sided", "damping", "friction", "arm") if key in record}
@@ -157,15 +157,15 @@ class RockingParameters:
         return self.alpha / self.a_scale
 
     def lifting_at_lambda(self) -> RockingParameters:
-        """A rigid body with a_scale = alpha/lambda (Eq. 3.9) on every edge: its linear oscillator lifts at lambda, as the body does. A
-        structure whose a_scale is not 1 is returned unchanged."""
+        """Return the body with a_scale = alpha/lambda (Eq. 3.9) on every edge: its linear oscillator lifts at lambda, as the body does.
+        A structure whose a_scale is not 1 is returned unchanged."""
         if self.a_scale != 1.0:
             return self
         sides = tuple(replace(side, a_scale=side.alpha / side.uplift) for side in self.sides)
         return replace(self, a_scale=self.alpha / self.uplift, sides=sides)
 
     def with_restitution(self, eta: float) -> RockingParameters:
-        """The same body with another restitution on every edge. Raises StructureError if it is out of range."""
+        """Return the same body with another restitution on every edge. Raises StructureError if it is out of range."""
         return replace(self, eta=eta, eta_source="given", sides=tuple(replace(side, eta=eta) for side in self.sides))
 
     @property
@@ -174,7 +174,7 @@ class RockingParameters:
         return self.structure == DIMENSIONLESS
 
     def record(self) -> dict[str, Any]:
-        """The parameters as `rocking params --json` prints them: a document of kind `parameters`."""
+        """Return the parameters as `rocking params --json` prints them: a document of kind `parameters`."""
         kind = {"name": self.name, "kind": "parameters", "structure_kind": self.structure}
         more = {key: getattr(self, key) for key in ("one_sided", "damping", "friction", "arm") if getattr(self, key)}
         sides = {"sides": [side.record() for side in self.sides]} if self.sides else {}
@@ -182,29 +182,29 @@ class RockingParameters:
         return {**kind, **numbers_of(self), "eta_source": self.eta_source, "gravity": self.gravity, **sides, **more, **self.details}
 
     def alpha_on(self, side: Any) -> Any:
-        """alpha [rad] on the right edge (side = +1) or the left edge (side = -1), shape of `side`."""
+        """Return alpha [rad] on the right edge (side = +1) or the left edge (side = -1), in the shape of `side`."""
         if not self.sides:
             return self.alpha + 0.0 * side
         left, right = self.sides
         return left.alpha + (right.alpha - left.alpha) * (side > 0.0)
 
     def dimensionless_amplitude(self, a_g: Any) -> Any:
-        """A = a_scale a_g / (alpha g) for a ground acceleration a_g [m/s2]."""
+        """Return A = a_scale a_g / (alpha g) for a ground acceleration a_g [m/s2]."""
         return self.a_scale * a_g / (self.alpha * self.gravity)
 
     def ground_acceleration(self, amplitude: Any) -> Any:
-        """The ground acceleration a_g [m/s2] of a dimensionless amplitude A."""
+        """Return the ground acceleration a_g [m/s2] of a dimensionless amplitude A."""
         return amplitude * (self.alpha * self.gravity) / self.a_scale
 
 
 def weaker_side(sides: Sequence[Side]) -> Side:
-    """The side with the smaller lambda; the left side if both are equal."""
+    """Return the side with the smaller lambda; the left side if both are equal."""
     return min(sides, key=lambda side: side.uplift)
 
 
 def dimensionless_oscillator(eta: float) -> RockingParameters:
-    """The oscillator of a dimensionless spectrum. Its p, alpha, lambda, a_scale and gravity are 1, so a_g = A and omega_g = Omega. Raises
-    StructureError if eta is not in [0, 1].
+    """Return the oscillator of a dimensionless spectrum. Its p, alpha, lambda, a_scale and gravity are 1, so a_g = A and omega_g = Omega.
+    Raises StructureError if eta is not in [0, 1].
 
     >>> dimensionless_oscillator(0.9).eta
     0.9

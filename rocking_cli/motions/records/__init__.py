@@ -51,14 +51,14 @@ _UNCORRECTED = re.compile(
 
 @cache
 def _formats() -> tuple[Any, ...]:
-    """The formats of the modules of FORMATS, imported when the first file is read."""
+    """Return the formats of the modules of FORMATS, imported when the first file is read."""
     modules = (import_module(f"{__name__}.{name}") for name in FORMATS)
     return tuple(found for module in modules for found in getattr(module, "FORMATS", (module,)))
 
 
 @cache
 def _entries(_: tuple[str, ...]) -> tuple[EntryPoint, ...]:
-    """The entry points of formats, read once for each search path of modules."""
+    """Return the entry points of formats, read once for each search path of modules."""
     return tuple(installed(GROUP).values())
 
 
@@ -69,8 +69,8 @@ def _blamed(source: str, entry: EntryPoint | None) -> AbstractContextManager[Non
 
 
 def _format_of(source: str, head: str) -> tuple[Any, EntryPoint | None]:
-    """The format that recognises a file, and the entry point of the package that adds it; (None, None) for a file without records. Raises
-    DocumentError for a package that fails."""
+    """Return the format that recognises a file, and the entry point of the package that adds the format; (None, None) for a file without
+    records. Raises DocumentError for a package that fails."""
     for found in _formats():
         if found.recognise(head):
             return found, None
@@ -120,7 +120,7 @@ def records_of(source: str, raw: bytes, *, unit: str | None = None, dt: float | 
 
 
 def read_records(path: str | Path, *, unit: str | None = None, dt: float | None = None) -> list[Record]:
-    """The components of a record file. Raises UsageError and DocumentError."""
+    """Return the components of a record file. Raises UsageError and DocumentError."""
     source, raw = read_bytes(path)
     records = records_of(source, raw, unit=unit, dt=dt)
     if records is None:
@@ -129,7 +129,7 @@ def read_records(path: str | Path, *, unit: str | None = None, dt: float | None 
 
 
 def read_record(path: str | Path, *, component: str | None = None, unit: str | None = None, dt: float | None = None) -> Record:
-    """The one record of a file. Raises UsageError if it holds several and no component is asked for, and DocumentError.
+    """Return one record of a file. Raises UsageError if the file holds several and `component` names none, and DocumentError.
 
     >>> record = read_record('configs/motions/synthetic.at2')
     >>> record.npts, record.dt
@@ -139,7 +139,7 @@ def read_record(path: str | Path, *, component: str | None = None, unit: str | N
 
 
 def unknown(source: str, raw: bytes) -> str:
-    """The message for a file whose format `records_of` does not recognise."""
+    """Return the message for a file whose format `records_of` does not recognise."""
     first = raw[:200].decode("latin-1").strip().split("\n", 1)[0].strip()[:60]
     formats = f"{', '.join(f.NAME for f in _formats())} and plain columns of numbers"
     return f"{source}: no record format (it begins with {first!r}); expected {formats}"
@@ -158,7 +158,7 @@ def is_record(path: str) -> bool:
 
 
 def _distinct(series: list[Series]) -> list[Series]:
-    """The series with distinct components: equal names, and none among several, get their number in the file."""
+    """Return the series with distinct names of components: an equal or absent name among several becomes its number in the file."""
     names = [s.component for s in series]
     if names == [None]:
         return series
@@ -167,7 +167,7 @@ def _distinct(series: list[Series]) -> list[Series]:
 
 
 def _unpack(source: str, raw: bytes) -> bytes:
-    """The bytes of a file, unpacked if it is a gzip file. Raises DocumentError."""
+    """Return the bytes of a file, unpacked if it is a gzip file. Raises DocumentError."""
     if not raw.startswith(_PACKED):
         return raw
     try:

@@ -29,7 +29,7 @@ recognise = begins(rf".*{_FIRST.pattern}")
 
 
 def read(text: RecordText) -> list[Series]:
-    """The acceleration of every channel of the file. Raises DocumentError."""
+    """Return the acceleration of every channel of the file. Raises DocumentError."""
     found: list[Series] = []
     others = ""
     while (first := text.find(_FIRST)) is not None:
@@ -54,7 +54,7 @@ def read(text: RecordText) -> list[Series]:
 
 
 def _unit(text: RecordText, word: str, code: str | None) -> str:
-    """The unit of a block by its code, or by its word if it has none. Raises DocumentError if they contradict each other."""
+    """Return the unit of a block by its code, or by its word if it has none. Raises DocumentError if they contradict each other."""
     known = unit_of(word)
     unit = known if code is None else _UNITS.get(int(code))
     if unit is None:
@@ -65,7 +65,7 @@ def _unit(text: RecordText, word: str, code: str | None) -> str:
 
 
 def _header(text: RecordText, kind: str) -> np.ndarray:
-    """The integer or real values of the header. Raises DocumentError."""
+    """Return the integer or real values of the header. Raises DocumentError."""
     line = re.compile(rf"^\s*(\d+)\s*{kind}-header values follow on\s*\d+\s*lines.*?{FORTRAN}", re.IGNORECASE)
     said = text.like(line, f"100 {kind}-header values follow on 10 lines, Format= (10I8)")
     values = text.numbers(int(said[1]), Layout.of(said))
@@ -75,7 +75,7 @@ def _header(text: RecordText, kind: str) -> np.ndarray:
 
 
 def _step(text: RecordText, reals: np.ndarray, count: int, line: str) -> float:
-    """dt [s]. Raises DocumentError if the points, the step and the length do not agree."""
+    """Return the step dt [s]. Raises DocumentError if the number of points, the step and the length do not agree."""
     dt = text.step(f"{reals[_STEP_MS] if reals[_STEP_MS] != _NONE else 1e3 * reals[_RAW_STEP]:.12g}") / 1e3
     if reals[_LENGTH] > 0.0:
         text.agree(count, dt, f"{reals[_LENGTH]:.6g}")

@@ -23,7 +23,7 @@ recognise = begins(rf"(?!.*(?:GNS Science|\(format v))(?:{_SPECTRA.pattern}|.*{_
 
 
 def read(text: RecordText) -> list[Series]:
-    """The acceleration of every channel of the file. Raises DocumentError."""
+    """Return the acceleration of every channel of the file. Raises DocumentError."""
     if _SPECTRA.match(text.head):
         raise text.no_acceleration("spectra (volume 3); expected an accelerogram (volume 1 or 2)", 1)
     found: list[Series] = []
@@ -57,7 +57,7 @@ def read(text: RecordText) -> list[Series]:
 
 
 def _precise(dt: float, above: list[str]) -> float:
-    """The step of the real header if it is the text's with more digits, such as 1/128 s."""
+    """Return the step of the real header if it agrees with the step `dt` of the text and has more digits, such as 1/128 s."""
     row, columns = _STEP
     try:
         precise = float(above[-row][columns])

@@ -21,7 +21,7 @@ recognise = begins(_FIRST.pattern)
 
 
 def read(text: RecordText) -> list[Series]:
-    """The acceleration of every component. Raises DocumentError."""
+    """Return the acceleration of every component. Raises DocumentError."""
     found: list[Series] = []
     while (first := text.find(_SAID)) is not None:
         if not _FIRST.match(first[0]):

@@ -32,7 +32,7 @@ def _is_row(line: str) -> bool:
 
 
 def read(text: RecordText) -> list[Series]:
-    """The one component of the file. Raises DocumentError."""
+    """Return the one component of the file. Raises DocumentError."""
     at, first = text.at, text.line
     while (line := text.next_line()) is not None and not _is_row(line):
         if re.search(r"\bvel(?:oc\w*)?\b", line, re.IGNORECASE) and not re.search(r"\bacc", line, re.IGNORECASE):
@@ -63,7 +63,7 @@ def read(text: RecordText) -> list[Series]:
 
 
 def even_step(time: np.ndarray, text: RecordText, line: int, in_a_line: int = 1) -> float:
-    """The step of times that rise evenly; line: of the first time. Raises DocumentError if they do not."""
+    """Return the step of times that rise evenly; line: the line of the first time. Raises DocumentError if the times do not."""
     if time.size < 2:
         raise text.fault(f"found {time.size} values; expected at least two", line)
     step = float(f"{(time[-1] - time[0]) / (time.size - 1):.10g}")

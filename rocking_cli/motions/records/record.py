@@ -90,13 +90,13 @@ class Record:
 
 
 def unit_of(word: str) -> str | None:
-    """The unit of acceleration that a file writes as cm/sec/sec, CM/S^2 or gals; None for any other word, such as cm/sec."""
+    """Return the unit of acceleration that a file writes as cm/sec/sec, CM/S^2 or gals; None for any other word, such as cm/sec."""
     plain = word.strip(" .").lower().replace("sec", "s").replace("**", "").replace("^", "").replace("/s/s", "/s2").replace("gals", "gal")
     return plain if plain in WRITTEN_UNITS else None
 
 
 def record_of(series: Series, name: str, format_: str, source: str, sha256: str) -> Record:
-    """The record of a series in SI units. A remark says if the peak contradicts the header or the unit. Raises DocumentError."""
+    """Return the record of a series in SI units. A remark says if the peak contradicts the header or the unit. Raises DocumentError."""
     factor = UNITS["acceleration"][series.unit]
     with np.errstate(over="ignore"):  # the record refuses infinite values
         acceleration = series.samples * factor
@@ -122,7 +122,7 @@ def is_vertical(record: Record) -> bool:
 
 
 def pick(records: Sequence[Record], component: str | None) -> Record:
-    """The one record of a component, by its name or its number from 1; None for the only one there is. Raises UsageError."""
+    """Return the record of a component, given by its name or its number from 1; None: the only component. Raises UsageError."""
     found = list(records) if component is None else chosen(records, component)
     if len(found) == 1:
         return found[0]
@@ -130,7 +130,7 @@ def pick(records: Sequence[Record], component: str | None) -> Record:
 
 
 def chosen(records: Sequence[Record], component: str | None) -> list[Record]:
-    """The chosen records of a file: `horizontal` (which may be none), `all`, or one by its name or its number from 1; None: the
+    """Return the chosen records of a file: `horizontal` (which may be none), `all`, or one by its name or its number from 1; None: the
     horizontal ones of a station. Raises NoComponent for an unknown name, and UsageError for None if more than two are horizontal."""
     source, word = records[0].source, None if component is None else component.strip().casefold()
     if word == ALL:
@@ -150,7 +150,7 @@ def chosen(records: Sequence[Record], component: str | None) -> list[Record]:
 
 
 def vertical_of(records: Sequence[Record]) -> Record:
-    """The one vertical component of a file. Raises UsageError if it has none or several."""
+    """Return the one vertical component of a file. Raises UsageError if it has none or several."""
     found = [r for r in records if is_vertical(r)]
     if len(found) != 1:
         held = f"{len(found)} vertical components ({names_of(found)})" if found else f"no vertical component, only {names_of(records)}"
@@ -159,5 +159,5 @@ def vertical_of(records: Sequence[Record]) -> Record:
 
 
 def names_of(records: Sequence[Record]) -> str:
-    """The names of these components in their file."""
+    """Return the names of these components in their file."""
     return ", ".join(r.component or "one without a name" for r in records)

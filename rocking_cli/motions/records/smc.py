@@ -18,7 +18,7 @@ recognise = begins(_FIRST.pattern)
 
 
 def read(text: RecordText) -> list[Series]:
-    """The one component of the file. Raises DocumentError."""
+    """Return the one component of the file. Raises DocumentError."""
     lines = text.lines(_TEXT)
     if "ACCELEROGRAM" not in (stated(_FIRST, lines[:1], 2) or "").upper():
         raise text.no_acceleration(f"found {lines[0].strip()!r}; expected an accelerogram", 1)

@@ -25,12 +25,12 @@ FORTRAN = r"\(\s*(?:\d+P\s*,?\s*)?(?P<columns>\d*)\s*[FEGDI]\s*(?P<width>[1-9]\d
 
 
 def begins(pattern: str) -> Callable[[str], bool]:
-    """The function `recognise` of a format whose files begin with a pattern, in any case, after blank lines."""
+    """Return the function `recognise` of a format whose files begin with a pattern, in any case, after blank lines."""
     return lambda head: re.match(rf"\s*(?:{pattern})", head, re.IGNORECASE | re.MULTILINE) is not None
 
 
 def stated(pattern: re.Pattern[str], lines: Iterable[str], group: int = 1) -> str | None:
-    """A group of the first match of a pattern in the lines of a header; None if no line matches."""
+    """Return a group of the first match of a pattern in the lines of a header; None if no line matches."""
     return next((found[group] for line in lines if (found := pattern.search(line))), None)
 
 
@@ -50,12 +50,12 @@ class Layout(NamedTuple):
 
     @classmethod
     def of(cls, found: re.Match[str]) -> Self:
-        """The layout of a match of FORTRAN."""
+        """Return the layout of a match of FORTRAN."""
         return cls(max(1, int(found["columns"] or 1)), int(found["width"]))
 
 
 def fortran_layout(text: str) -> Layout | None:
-    """The layout of the first Fortran format in a text; None if there is none."""
+    """Return the layout of the first Fortran format in a text; None if there is none."""
     found = re.search(FORTRAN, text, re.IGNORECASE)
     return None if found is None else Layout.of(found)
 
@@ -77,23 +77,23 @@ class RecordText:
         self.at, self.line = 0, 1
 
     def fault(self, what: str, line: int | None = None) -> DocumentError:
-        """The error for a line (default: the last one read)."""
+        """Return the error for a line (default: the last one read)."""
         return DocumentError(f"{self.source}:{max(1, self.line - 1) if line is None else line}: {what}")
 
     def no_acceleration(self, what: str, line: int | None = None) -> NoAcceleration:
-        """The error for a valid file that holds something else."""
+        """Return the error for a valid file that holds something else."""
         return NoAcceleration(str(self.fault(what, line)))
 
     # Lines
 
     def next_line(self) -> str | None:
-        """The next line without its end, None after the last."""
+        """Return the next line without its end, None after the last."""
         if self.at >= len(self.raw):
             return None
         return self._take(1).decode("latin-1").rstrip()
 
     def lines(self, count: int) -> list[str]:
-        """The next `count` lines. Raises DocumentError if the file ends before."""
+        """Return the next `count` lines. Raises DocumentError if the file ends before."""
         found: list[str] = []
         for _ in range(count):
             if (line := self.next_line()) is None:
@@ -102,21 +102,21 @@ class RecordText:
         return found
 
     def find(self, pattern: re.Pattern[str]) -> re.Match[str] | None:
-        """The first match in the lines to come; reads up to the end of its line, or of the file if there is none (None)."""
+        """Return the first match in the next lines and read to the end of its line; without one return None and read the whole file."""
         while (line := self.next_line()) is not None:
             if (found := pattern.search(line)) is not None:
                 return found
         return None
 
     def like(self, pattern: re.Pattern[str], example: str) -> re.Match[str]:
-        """The match of the next line. Raises DocumentError if it does not match."""
+        """Return the match of the next line. Raises DocumentError, with `example`, if the line does not match."""
         line = self.next_line() or ""
         if (found := pattern.search(line)) is None:
             raise self.fault(f"found {line.strip()!r}; expected a line like {example}")
         return found
 
     def _take(self, lines: int) -> bytes:
-        """The bytes of the next lines, as many as there are."""
+        """Return the bytes of the next lines, as many as there are."""
         begin = end = self.at
         while lines and end < len(self.raw):
             end = self.raw.find(b"\n", end) + 1 or len(self.raw)
@@ -139,21 +139,21 @@ class RecordText:
         return found
 
     def value(self, keys: Keys, key: str, wanted: str = "") -> tuple[str, int]:
-        """The value of a key and its line; wanted: the values allowed, in words. Raises DocumentError if it has none."""
+        """Return the value of a key and its line; wanted: the values allowed, in words. Raises DocumentError if it has none."""
         text, line = keys.get(key.upper(), ("", 1))
         if not text:
             raise self.fault(f"no value of {key}" + (f"; expected {wanted}" if wanted else ""), line)
         return text, line
 
     def number(self, text: str, line: int | None = None) -> float:
-        """A number of the header. Raises DocumentError."""
+        """Return a number of the header. Raises DocumentError."""
         value = value_of(text.strip().encode("latin-1", "replace"))
         if value is None:
             raise self.fault(f"found {text.strip()!r} in the header; expected a number", line)
         return value
 
     def count(self, text: str, line: int | None = None, same: int | None = None) -> int:
-        """A number of values in the header; same: the number that stands in another place of it. Raises DocumentError."""
+        """Return a count of values in the header; same: the count in another place of the header. Raises DocumentError if they differ."""
         value = self.number(text, line)
         if value != int(value) or value < 0.0:
             raise self.fault(f"a number of values of {text.strip()}; expected a whole number", line)
@@ -162,18 +162,18 @@ class RecordText:
         return int(value)
 
     def step(self, text: str, line: int | None = None, name: str = "time step") -> float:
-        """A time step [s] in the header. Raises DocumentError if it is not positive."""
+        """Return a time step [s] in the header. Raises DocumentError if it is not positive."""
         value = self.number(text, line)
         if not value > 0.0:
             raise self.fault(f"a {name} of {text.strip()}; expected a positive number", line)
         return value
 
     def step_of_rate(self, text: str, line: int | None = None) -> float:
-        """The time step [s] of a sampling frequency [Hz] in the header. Raises DocumentError if it is not positive."""
+        """Return the time step [s] of a sampling frequency [Hz] in the header. Raises DocumentError if it is not positive."""
         return 1.0 / self.step(text, line, "sampling frequency")
 
     def unit(self, word: str, line: int | None = None, key: str = "") -> str:
-        """The unit of acceleration that a word of the header states, as `unit_of`. Raises DocumentError if it states another."""
+        """Return the unit of acceleration that a word of the header states, as `unit_of`. Raises DocumentError for any other word."""
         unit = unit_of(word)
         if unit is None:
             raise self.fault(f"{f'{key}: found' if key else 'found the unit'} {word!r}; expected {', '.join(WRITTEN_UNITS)}", line)
@@ -188,7 +188,7 @@ class RecordText:
     # Blocks of numbers
 
     def surplus(self, count: int) -> str:
-        """A remark if more numbers follow than the header declares."""
+        """Return a remark if more numbers follow than the header declares."""
         return f"more values than the {count} declared, which are left out" if self.more_numbers() else ""
 
     def more_numbers(self) -> bool:
@@ -228,7 +228,7 @@ class RecordText:
                     raise self.fault(f"found {shown(token)}; expected {count} numbers")
 
     def _rows(self, count: int, layout: Layout) -> Iterator[list[bytes]]:
-        """The numbers of each line as printed, `count` in all. Raises DocumentError at a line of fixed width that is not full."""
+        """Yield the numbers of each line as printed, `count` in all. Raises DocumentError at a line of fixed width that is not full."""
         done = 0
         while done < count:
             line, wanted, width = self._take(1), min(layout.columns, count - done), layout.width
@@ -267,14 +267,14 @@ class RecordText:
 
 
 def value_of(token: bytes) -> float | None:
-    """The finite number that a token states, which may have the exponent letter D; None if it states none."""
+    """Return the finite number that a token states, which may have the exponent letter D; None if it states none."""
     token = token.translate(_D_AS_E)
     value = float(token) if NUMBER.fullmatch(token) else np.nan
     return value if np.isfinite(value) else None
 
 
 def parsed(block: bytes) -> Array | None:
-    """The numbers between the blanks of a block; None if one of its words is not a finite number."""
+    """Return the numbers between the blanks of a block; None if one of its words is not a finite number."""
     try:
         values = np.array(block.translate(_D_AS_E).split(), dtype=bytes).astype(float)
     except ValueError:
@@ -283,7 +283,7 @@ def parsed(block: bytes) -> Array | None:
 
 
 def shown(token: bytes) -> str:
-    """A token that is not a number, in quotes and with the reason."""
+    """Return a token that is not a number, in quotes and with the reason."""
     if not token:
         return "blanks in place of a number"
     words = token.decode("latin-1")

@@ -25,7 +25,7 @@ recognise = begins(_FIRST.pattern)
 
 
 def read(text: RecordText) -> list[Series]:
-    """The acceleration of every channel. Raises DocumentError."""
+    """Return the acceleration of every channel. Raises DocumentError."""
     found: list[Series] = []
     while (first := text.find(_FIRST)) is not None:
         lines, numbers = text.lines(_TEXT - 1), text.lines(_NUMBERS)

@@ -87,7 +87,7 @@ class Layout:
         return ChunkGrid(self.frame.shape, (1, *self.chunk))
 
     def image(self) -> bytes:
-        """The bytes of the file without a chunk."""
+        """Return the bytes of the file without a chunk."""
         buffer, frame, cut = io.BytesIO(), self.frame, self.cut
         with h5py.File(buffer, "w", track_order=True) as file:
             root = {"Conventions": "CF-1.11", "title": "Rocking spectra", "source": f"rocking {__version__}"}

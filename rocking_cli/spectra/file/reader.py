@@ -102,7 +102,7 @@ class SpectraFile(ExitStack[None]):
         return Grid(Axis(amplitude, np.asarray(a)), Axis(frequency, np.asarray(omega)))
 
     def motion(self) -> Motion:
-        """The ground motion of a spectrum of a pulse. Raises UsageError for one of records."""
+        """Return the ground motion of a spectrum of a pulse. Raises UsageError for one of records."""
         if self.frame.of_records or "vertical" in self.scene:
             found = "spectra of records" if self.frame.of_records else "a vertical motion"
             raise UsageError(f"{self.path}: found {found}; expected the spectrum of a pulse, which is horizontal alone")

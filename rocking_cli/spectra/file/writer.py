@@ -270,8 +270,8 @@ class SpectraWriter:
 
 
 def difference(one: Any, other: Any, place: str = "") -> tuple[str, str, str] | None:
-    """(the place where two scenes first differ, the value there in each, as JSON of at most 60 characters); None if they are equal. The
-    place of a text that begins a list is that of the list; a list without lists or mappings is one value."""
+    """Return (the first place where two scenes differ, the value of each there, as JSON of at most 60 characters), None if they are equal.
+    A difference in the first text of a list counts as one of the list; a list without lists or mappings is one value."""
     if one == other:
         return None
     inner: Iterable[tuple[str, Any, Any]]

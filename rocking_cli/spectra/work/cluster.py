@@ -25,9 +25,9 @@ _PATIENCE = 4.0  # s between messages about a missing worker
 
 @contextmanager
 def cluster(job: Job, address: str, tell: Callable[[str], None] | None = None) -> Iterator[tuple[Run, int]]:
-    """A function from items to job.answer(item) of each, in their order, and the threads of the cluster whose scheduler is at `address`.
-    Items of a lost worker run anew. Without a worker the function reports that and waits. Raises UsageError for an invalid address,
-    OutputError without the extra `distributed`, without a scheduler there, or when an item fails for good."""
+    """Context of (a function from items to job.answer(item) of each, in their order, the number of threads of the cluster at `address`).
+    Items of a lost worker run again. Without a worker the function reports this and waits. Raises UsageError for an invalid address,
+    OutputError without the extra `distributed`, without a scheduler at the address, or if an item fails for good."""
     host, port = _host_and_port(address)
     try:
         from distributed import Client

@@ -19,7 +19,7 @@ _COMPUTES = ("dynamics", "motions", "spectra", "structures")  # packages whose c
 
 @cache
 def version() -> str:
-    """The version of this program and a digest of the code that computes spectra, which differs between states of one version."""
+    """Return the version of this program and a digest of the code that computes spectra, which differs between states of one version."""
     package, digest = Path(__file__).parents[2], hashlib.blake2b(digest_size=8)
     for path in sorted(path for folder in _COMPUTES for path in (package / folder).rglob("*.py")):
         code = path.read_bytes()
@@ -47,7 +47,7 @@ def machine() -> dict[str, Any]:
 
 
 def _version_of(package: str) -> str:
-    """The version of a package that states it in `version.py`: to import it, or to read its metadata, takes as long as a small sweep."""
+    """Return the version that a package states in `version.py`; its import, or its metadata, would take as long as a small sweep."""
     from importlib.util import find_spec
     from runpy import run_path
 
@@ -57,7 +57,7 @@ def _version_of(package: str) -> str:
 
 
 def described(machine: Mapping[str, Any]) -> str:
-    """A machine in one line."""
+    """Return a machine in one line."""
     return ", ".join(f"{key} {' '.join(value) if isinstance(value, list) else value}" for key, value in machine.items())
 
 

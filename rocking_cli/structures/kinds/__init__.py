@@ -40,7 +40,7 @@ KINDS = ("block", "point_mass", "spire", "arch", "frame", "prism", "drum", "rigi
 
 
 def build(document: Document, name: str) -> RockingParameters:
-    """The parameters of a document of any kind. Raises DocumentError and StructureError as the kind does, and DocumentError for an
+    """Return the parameters of a document of any kind. Raises DocumentError and StructureError as the kind does, and DocumentError for an
     unknown kind and for a package that does not load, raises another error, exits, or returns something else."""
     value = document.values.get("kind")
     found = {} if value is not None and isinstance(value.content, str) and value.content in KINDS else installed(GROUP)
@@ -64,7 +64,7 @@ def _built(kind: Any, document: Document, name: str) -> RockingParameters:
 
 
 def _module(word: str) -> Any:
-    """The module of a kind, of this package or of an installed one. Raises TypeError if it is not a module of a kind."""
+    """Return the module of a kind, of this package or of an installed one. Raises TypeError if it is not a module of a kind."""
     if word in KINDS:
         return import_module("." + {"parameters": "stated"}.get(word, word), __package__)
     kind = (entry := installed(GROUP)[word]).load()
@@ -103,7 +103,7 @@ def sizes_of(word: str) -> Sequence[str]:
 
 
 def sketch_of(document: Document, built: RockingParameters) -> Sketch:
-    """The sketch of a structure that was built from the document. Raises DocumentError if its kind has no geometry."""
+    """Return the sketch of a structure that was built from the document. Raises DocumentError if its kind has no geometry."""
     kind = _module(word := str(document.values["kind"].content))
     if hasattr(kind, "body"):
         drawing: Sketch = kind.body(document).moved_in(document)[1].drawing

@@ -30,7 +30,7 @@ _HINGES = "four angles from springing A, rising, or four of {angle, face} with f
 
 
 def build(document: Document, name: str) -> RockingParameters:
-    """The parameters of an arch. Raises DocumentError. Keys: thickness; radius and angle (inclusion), or span and rise; measured:
+    """Return the parameters of an arch. Raises DocumentError. Keys: thickness; radius and angle (inclusion), or span and rise; measured:
     centre-line (default), intrados or extrados; voussoirs (absent: a continuous arch); hinges (absent: the governing ones)."""
     if document.flag("one_sided"):
         raise document.fault("one_sided", "true", "false: an arch sways to both sides")

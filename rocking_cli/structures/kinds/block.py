@@ -8,5 +8,5 @@ SIZES = ("width", "height")
 
 
 def body(document: Document) -> RigidBody:
-    """A block from width and height, or from radius (half the diagonal) and alpha. Raises DocumentError."""
+    """Return a block from width and height, or from radius (half the diagonal) and alpha. Raises DocumentError."""
     return rectangle_body(*radius_and_alpha(document), limit="a block with alpha up to 54.7 deg (width/height up to 1.414)")

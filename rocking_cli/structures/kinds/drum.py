@@ -9,7 +9,7 @@ SIZES = ("radius", "height")
 
 
 def body(document: Document) -> RigidBody:
-    """A drum or a stack of drums. Raises DocumentError.
+    """Return a drum or a stack of drums. Raises DocumentError.
     Keys: radius and height (cylinder); base_radius, top_radius and height (frustum); or drums: a list of these, from below. offset [m,
     towards +x]: of the mass centre of a single drum from its axis, or of a drum of a stack from the line of the stack."""
     if document.has("drums"):

@@ -11,7 +11,7 @@ SIZES = ("width", "height")
 
 
 def body(document: Document) -> RigidBody:
-    """A mass on two struts from width (distance of the supports) and height, or from radius (length of a strut) and alpha. Raises
+    """Return a mass on two struts from width (distance of the supports) and height, or from radius (length of a strut) and alpha. Raises
     DocumentError."""
     radius, alpha = radius_and_alpha(document, 1.0)
     half, mass = radius * math.sin(alpha), (0.0, radius * math.cos(alpha))

@@ -30,7 +30,7 @@ def polygon_moments(corners: Sequence[Corner]) -> Moments:
 
 
 def body(document: Document) -> RigidBody:
-    """A prism from the key `corners`, [[x, z], ...] in order; its lowest corners are the base. Raises DocumentError."""
+    """Return a prism from the key `corners`, [[x, z], ...] in order; its lowest corners are the base. Raises DocumentError."""
     corners = _corners(document)
     tolerance = 1e-9 * max(math.dist(a, b) for a in corners for b in corners)
     lowest = min(z for _, z in corners)

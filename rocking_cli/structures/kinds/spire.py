@@ -30,7 +30,7 @@ class Cone(NamedTuple):
     thin: bool = False
 
     def whole(self) -> Moments:
-        """The moments of the whole cone."""
+        """Return the moments of the whole cone."""
         r, h = self.radius, self.height
         if self.thin:
             mass = math.pi * r * h
@@ -60,7 +60,7 @@ class Cone(NamedTuple):
         return total
 
     def _slice(self, radius: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(int dA, int x dA, int x^2 dA) over the part x >= R cos(angle) of a circle or ring of radius R."""
+        """Return (int dA, int x dA, int x^2 dA) over the part x >= R cos(angle) of a circle or ring of radius R."""
         sin, cos = np.sin(angle), np.cos(angle)
         if self.thin:
             return 2.0 * radius * angle, 2.0 * radius**2 * sin, radius**3 * (angle + sin * cos)
@@ -68,7 +68,7 @@ class Cone(NamedTuple):
         return chord, 2.0 / 3.0 * (radius * sin) ** 3, 0.25 * radius**4 * (angle - 0.25 * np.sin(4.0 * angle))
 
     def _intervals(self, edge: float, slope: float) -> list[tuple[float, float]]:
-        """The intervals of z between the base, the apex, and the points where the plane meets the faces and the axis."""
+        """Return the intervals of z between the base, the apex, and the points where the plane meets the faces and the axis."""
         marks = [0.0, self.height, slope * edge]
         for side in (1.0, -1.0):  # edge - z / slope = side R (1 - z / H)
             fall = 1.0 / slope - side * self.radius / self.height

@@ -10,7 +10,7 @@ _WANTED = "a list of pieces from below, each with height and width (and depth), 
 
 
 def body(document: Document) -> RigidBody:
-    """A stack from the key `pieces`, a list from below. Raises DocumentError.
+    """Return a stack from the key `pieces`, a list from below. Raises DocumentError.
     Keys of a piece: height; width (in the direction of rocking) and depth (default: the width), or radius, or base_radius and top_radius;
     offset of its axis towards +x; density, for all pieces or for none."""
     parts = document.parts("pieces", _WANTED)

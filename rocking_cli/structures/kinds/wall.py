@@ -10,7 +10,7 @@ SIZES = ("thickness", "height")
 
 
 def body(document: Document) -> RigidBody:
-    """A wall from thickness, height, and length; density and length give its mass. Raises DocumentError."""
+    """Return a wall from thickness, height, and length; density and length give its mass. Raises DocumentError."""
     thickness, height = document.length("thickness"), document.length("height")
     details = {"length": document.length("length")} if document.has("length") else {}
     if document.has("density"):

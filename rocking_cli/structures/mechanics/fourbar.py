@@ -91,7 +91,7 @@ class FourBar:
         return [self.ring.sector(a, b) for a, b in zip(self.hinges[:-1], self.hinges[1:], strict=True)]
 
     def at_rest(self) -> Rates:
-        """The rates of the linkage at rest."""
+        """Return the rates of the linkage at rest."""
         return rates(self.points, [m[:3] for m in self.links])
 
     @cached_property
@@ -147,7 +147,7 @@ class FourBar:
         return Coefficients(inertia.reshape(shape), at.lift.reshape(shape), at.push.reshape(shape))
 
     def fields(self) -> list[tuple[float, float, Spin]]:
-        """(start angle, stop angle, velocity field) of each link at rest, for phi' = 1 rad/s."""
+        """Return (start angle, stop angle, velocity field) of each link at rest, for phi' = 1 rad/s."""
         at, (a, b, _, d) = self.at_rest(), self.points
         w2, w3 = float(at.second), float(at.third)
         across, up = b[1] - a[1], -(b[0] - a[0])  # velocity of B

@@ -90,13 +90,13 @@ def _rates(ring: Ring, s: np.ndarray) -> Rates:
 
 
 def _gradient(ring: Ring, s: np.ndarray) -> np.ndarray:
-    """d lambda/ds [1/rad], shape (4,)."""
+    """Return the derivatives d lambda/ds [1/rad], shape (4,)."""
     moved = [_rates(ring, s + 1j * _STEP * unit) for unit in np.eye(4)]
     return np.array([(found.lift / found.push).imag / _STEP for found in moved])
 
 
 def _curvature(ring: Ring, s: np.ndarray) -> np.ndarray:
-    """The second derivatives of lambda, shape (4, 4)."""
+    """Return the second derivatives of lambda, shape (4, 4)."""
     step = 1e-5  # rad
     rows = [(_gradient(ring, s + step * unit) - _gradient(ring, s - step * unit)) / (2.0 * step) for unit in np.eye(4)]
     return 0.5 * (np.array(rows) + np.array(rows).T)

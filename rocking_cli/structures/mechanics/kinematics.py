@@ -34,8 +34,8 @@ class Mechanism(Protocol):
     def coefficients(self, phi: Any) -> Coefficients: ...  # M, V'/g and B at rotations phi [rad], of any shape
 
     def overlap(self) -> tuple[float, float]:
-        """(int rho u.w, int rho w.w), u before an impact and w after it; the first only over the parts that move in both fields. Their
-        ratio is eta from conservation of angular momentum."""
+        """Return (int rho u.w, int rho w.w); u: the velocity field before an impact, w: the one after it. The first integral is over the
+        parts that move in both fields. The ratio of the two is eta from conservation of angular momentum."""
         ...
 
 

@@ -14,20 +14,20 @@ class Moments(NamedTuple):
     polar: Any
 
     def plus(self, other: Moments) -> Moments:
-        """The moments of two bodies together."""
+        """Return the moments of two bodies together."""
         return Moments(*(a + b for a, b in zip(self, other, strict=True)))
 
     def minus(self, other: Moments) -> Moments:
-        """The moments of this body without another one that is cut out of it."""
+        """Return the moments of this body without another one that is cut out of it."""
         return Moments(*(a - b for a, b in zip(self, other, strict=True)))
 
     def shifted(self, x: float = 0.0, z: float = 0.0) -> Moments:
-        """The moments of the body moved by x and z [m]."""
+        """Return the moments of the body moved by x and z [m]."""
         polar = self.polar + x * (2.0 * self.x + x * self.mass) + z * (2.0 * self.z + z * self.mass)
         return Moments(self.mass, self.x + x * self.mass, self.z + z * self.mass, polar)
 
     def about(self, x: Any, z: Any) -> Any:
-        """The moment of inertia about the point (x, z) [kg m2]."""
+        """Return the moment of inertia about the point (x, z) [kg m2]."""
         return self.polar - 2.0 * (x * self.x + z * self.z) + (x * x + z * z) * self.mass
 
 

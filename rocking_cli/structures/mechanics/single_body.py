@@ -63,7 +63,7 @@ class RigidBody:
     leaning: Mapping[str, Any] = field(default_factory=dict)
 
     def parameters(self, document: Document, name: str) -> RockingParameters:
-        """The rocking parameters, with gravity, restitution, sides, mass and inset of the document. Raises DocumentError."""
+        """Return the rocking parameters, with gravity, restitution, sides, mass and inset of the document. Raises DocumentError."""
         (inset, body), gravity, mass = self.moved_in(document), gravity_of(document), mass_of(document)
         details = dict(body.details)
         if mass is not None:
@@ -132,8 +132,8 @@ def equal_edges(
 
 
 def rectangle_body(radius: float, alpha: float, **more: Any) -> RigidBody:
-    """A rectangle of half diagonal `radius` [m]: p^2 = 3g/(4R), eta = 1 - 3/2 sin^2 alpha; `more`: other fields of the body. One-sided, it
-    hits its backing at its top: e = (1 - 3/2 sin^2 alpha)^2 (1 - 3/2 cos^2 alpha)."""
+    """Return a rectangle of half diagonal `radius` [m]: p^2 = 3g/(4R), eta = 1 - 3/2 sin^2 alpha; more: other fields of the body. A
+    one-sided one hits its backing at its top: e = (1 - 3/2 sin^2 alpha)^2 (1 - 3/2 cos^2 alpha)."""
     half, z = radius * math.sin(alpha), radius * math.cos(alpha)
     drawing = rocker([rectangle(-half, half, 0.0, 2.0 * z)], (-half, 0.0), (half, 0.0), (0.0, z))
     backing = 1.0 - 1.5 * math.cos(alpha) ** 2
@@ -141,8 +141,8 @@ def rectangle_body(radius: float, alpha: float, **more: Any) -> RigidBody:
 
 
 def symmetric_body(moments: Moments, half: float, *, top: Point | None = None, **more: Any) -> RigidBody:
-    """A body on its right edge (half, 0) [m]; the body that rocks on the left edge is its mirror image. top: (x, z) [m] of the impact point
-    on a backing, None if the geometry does not define it; more: the other arguments of `equal_edges`."""
+    """Return a rigid body on the right edge (half, 0) [m]; on the left edge its mirror image rocks. top: (x, z) [m] of the impact point on
+    a backing, None if the geometry does not define it; more: the other arguments of `equal_edges`."""
     right, z = half - moments.x / moments.mass, moments.z / moments.mass
     radius = math.hypot(right, z)
     inertia, alpha = moments.about(half, 0.0) / (moments.mass * radius**2), math.atan2(right, z)
@@ -150,7 +150,7 @@ def symmetric_body(moments: Moments, half: float, *, top: Point | None = None, *
 
 
 def body_on_edges(moments: Moments, half: float, *, drawing: Sketch, top: Point | None = None, **more: Any) -> RigidBody:
-    """A body that rocks as a whole on the edges (-half, 0) and (half, 0) [m]; arguments as for `symmetric_body`."""
+    """Return a body that rocks as a whole on the edges (-half, 0) and (half, 0) [m]; arguments as for `symmetric_body`."""
     if abs(moments.x) <= 1e-13 * math.sqrt(moments.mass * moments.polar):  # the offset is rounding
         moments = moments._replace(x=0.0)
         return symmetric_body(moments, half, top=top, eta=edges_of(moments, half, 1.0)[1].eta, drawing=drawing, **more)
@@ -166,7 +166,7 @@ def body_on_edges(moments: Moments, half: float, *, drawing: Sketch, top: Point 
 
 
 def edges_of(body: Moments, half: float, gravity: float) -> tuple[Edge, Edge]:
-    """The parameters on the left edge (-half, 0) and the right edge (half, 0) [m]; the mass centre must be above the base."""
+    """Return the parameters on the left edge (-half, 0) and the right edge (half, 0) [m]; the mass centre must be above the base."""
     z = body.z / body.mass
     shared = spin_about(half, 0.0).product(spin_about(-half, 0.0), body)  # I_G + m (z^2 - l r)
 
@@ -210,8 +210,8 @@ def worn(body: RockingParameters, share: float) -> tuple[float, RockingParameter
 
 
 def radius_and_alpha(document: Document, centroid: float = 0.5) -> tuple[float, float]:
-    """(R [m], alpha [rad]) from radius and alpha, or from width and height. Raises DocumentError. The mass centre is at width/2 from the
-    edge and at `centroid` x height."""
+    """Return (R [m], alpha [rad]) from radius and alpha, or from width and height. Raises DocumentError. The mass centre is at width/2 from
+    the edge and at `centroid` x height."""
     sizes = [key for key in ("width", "height") if document.has(key)]
     polar = [key for key in ("radius", "alpha") if document.has(key)]
     if sizes and polar:

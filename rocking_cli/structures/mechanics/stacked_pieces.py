@@ -82,7 +82,7 @@ class Bed(NamedTuple):
         return self.body.shifted(-0.5 * (self.left + self.right))
 
     def numbers(self, gravity: float) -> dict[str, float | None]:
-        """The parameters on the weaker edge; eta is None if the body is too squat to rock on it."""
+        """Return the parameters on the weaker edge; eta is None if the body is too squat to rock on it."""
         edge = min(edges_of(self.centred, self.half, gravity), key=lambda edge: edge.uplift)
         return {"p": edge.p, "alpha": edge.alpha, "eta": edge.eta if edge.eta >= 0.0 else None, "lambda": edge.uplift}
 
