@@ -68,7 +68,7 @@ class Body(NamedTuple):
 
     @property
     def edges(self) -> tuple[Edge, ...]:
-        """The numbers of each edge."""
+        """The `Edge` of each edge of the base, right first."""
         pairs = zip(self.alpha, self.kappa, strict=True)
         return tuple(Edge(a, k, *((a, a) if self.linear else (float(np.sin(a)), float(np.tan(a))))) for a, k in pairs)
 
@@ -83,7 +83,7 @@ class Body(NamedTuple):
         return edge.alpha if self.linear else np.sin(edge.alpha)
 
     def lifting(self, edge: Edge, push: Array | float, weight: Array | float) -> Any:
-        """u'' of a body on the ground under this outward push [g] and weight over m g."""
+        """Returns u'' of a body on the ground under this outward push [g] and this weight over m g."""
         return (push if self.linear else push * np.cos(edge.alpha)) - weight * self.pull(edge)
 
     def fall(self, edge: Edge, u: Array) -> Array:
@@ -96,7 +96,7 @@ class Body(NamedTuple):
         return (edge.unit * v) ** 2 + self.fall(edge, edge.unit * y)
 
     def top(self, edge: Edge, square: Array) -> Array:
-        """The largest u on still ground of a body that leaves the ground with u'^2 = square, undamped."""
+        """Returns the largest u, on still ground, of a body that leaves the ground with u'^2 = square, undamped."""
         if self.linear:
             return edge.alpha - np.sqrt(np.maximum(edge.alpha**2 - square, 0.0))
         return edge.alpha - np.arccos(np.minimum(np.cos(edge.alpha) + 0.5 * square, 1.0))

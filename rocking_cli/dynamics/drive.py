@@ -165,7 +165,7 @@ class ImpulseAhead(NamedTuple):
         return cls(segments, zero, sign, turn, last, np.append(np.cumsum(whole[::-1])[::-1][1:], 0.0) + _ROUNDING * size)
 
     def after(self, k: Array, u: Array) -> Array:
-        """The integral from phase u of segment k on, 0 at the end of the motion; (lanes,)."""
+        """int |s| dphi from phase u of segment k on, (lanes,); 0 at the end of the motion."""
         found = np.zeros(k.shape)
         at = np.flatnonzero(k < len(self.segments))
         k, u = k[at], u[at]

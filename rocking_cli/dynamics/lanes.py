@@ -59,7 +59,7 @@ class Cells(NamedTuple):
     eta: Array
 
     def row(self, side: Array) -> Array | int:
-        """The row of a side, +1 or -1."""
+        """The index of the row for each side, +1 or -1."""
         return 0 if len(self.amplitude) == 1 else (side < 0.0).astype(np.int64)
 
 

@@ -45,7 +45,7 @@ class WeighedSegments(Segments):
 
     @property
     def weighed(self) -> WeighedSegments:
-        """The same object."""
+        """Returns this object; plain `Segments` return None."""
         return self
 
     def offset(self, side: Array) -> Array:
@@ -70,7 +70,7 @@ class WeighedSegments(Segments):
         return self.net(side, amplitude, k, u) - 1.0
 
     def least_weight(self, side: Array, amplitude: Array, k: Array) -> Array:
-        """The least w from segment k on."""
+        """The least weight over m g from segment k on."""
         sway, at = self.sway(side, amplitude), np.minimum(k, len(self) - 1)
         return 1.0 + np.minimum(sway * self.vertical.later_min[at], sway * self.vertical.later_max[at])
 

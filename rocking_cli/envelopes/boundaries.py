@@ -148,7 +148,7 @@ class Search:
         return rows
 
     def fall(self, omega: float) -> tuple[Brackets, int]:
-        """(the lowest change to an unsafe outcome in the scan at one Omega as row 0, if any; the outcome at `a_max`)."""
+        """(bracket of the lowest change to an unsafe outcome in the scan at one Omega, row 0, if any; outcome at `a_max`)."""
         begins, brackets = self._scan(np.array([omega]))
         start = Brackets(*(np.array([x]) for x in (0, self.lowest, self.lowest, Outcome.ROCKED, begins[0])))
         brackets = brackets.join(start)
@@ -197,7 +197,7 @@ class Search:
         return begins, Brackets.joined(parts)
 
     def _look(self, row: Array, amplitude: Array, omegas: Array) -> Look:
-        """The outcomes at these amplitudes, computed batch by batch."""
+        """Compute the outcomes at these amplitudes, batch by batch."""
         label, impacts = np.empty(row.size, dtype=np.uint8), np.empty(row.size, dtype=np.int32)
         for begin in range(0, row.size, _BATCH):
             batch = slice(begin, begin + _BATCH)
@@ -290,7 +290,7 @@ def _lifted(outcome: Array) -> Array:
 
 
 def _around(flags: Array) -> Array:
-    """True within _AROUND places of a flag that is set."""
+    """True at places that are at most _AROUND places from a True flag."""
     sums, at = np.concatenate([[0], np.cumsum(flags)]), np.arange(flags.size)
     return sums[np.minimum(at + _AROUND + 1, flags.size)] > sums[np.maximum(at - _AROUND, 0)]
 

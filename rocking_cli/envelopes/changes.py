@@ -35,7 +35,7 @@ class Brackets(Arrays):
 
 
 def narrowed(outcome: Callable[[Array, Array], Array], brackets: Brackets, digits: float, parts: int, lowest: bool) -> Brackets:
-    """The changes, narrowed to a relative width of `digits`.
+    """Narrows the brackets to a relative width of `digits`; returns the narrowed brackets.
 
     outcome: function from amplitudes and rows, of shapes that broadcast, to outcomes; parts: parts of a bracket in one cut. The first
     cut keeps every change that it uncovers, unless a row has too many; if `lowest`, it keeps the lowest change of each bracket. Later

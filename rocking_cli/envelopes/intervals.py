@@ -137,7 +137,7 @@ def _scan_of(
 def check_intervals(
     structure: RockingParameters, motion: Motion, axis: Axis, *, method: Method = LINEAR, a_max: float = A_MAX, sign: str = "worse"
 ) -> None:
-    """Raise the errors of `structure_intervals` before it begins."""
+    """Raises those errors of `structure_intervals` that are known before the search begins."""
     _scan_of(motion, _scaled(structure, axis).size, structure, method, a_max, "worse" if sign == BOTH else sign)
 
 
@@ -158,7 +158,7 @@ def _intervals(omega: float, steps: Steps) -> Iterator[Interval]:
 
 
 def frequency_axis(text: str | None) -> Axis:
-    """The single frequency axis of `--grid`: Omega, omega_g, f_g or T_g. Raises UsageError."""
+    """Parses the single frequency axis of `--grid`: Omega, omega_g, f_g or T_g. Raises UsageError."""
     if text is None:
         raise UsageError("no `grid`; expected one axis, Omega, omega_g, f_g or T_g")
     axes = parse_axes(text)
@@ -183,9 +183,9 @@ def structure_intervals(
     lowest: bool = False,
     **more: Any,
 ) -> Iterator[dict[str, Any]]:
-    """Rows of a structure's overturning intervals, with units if it has any. A frequency without overturning has one row of mode `NONE`.
+    """Yields rows of a structure's overturning intervals, with units if it has any; mode is `NONE` at a frequency without overturning.
 
-    sign "both" adds the sign, 1 or -1, to each row, None if the sides of the body are equal.
+    sign: as of `trace_envelope`, or "both", which adds the sign, 1 or -1, to each row, None if the sides of the body are equal.
 
     lowest: only the lowest interval of each frequency; more: arguments of `trace_envelope`. Raises as `trace_envelope`.
     """
@@ -232,7 +232,7 @@ def misjudged(linear: Sequence[Mapping[str, Any]], nonlinear: Sequence[Mapping[s
 
 
 def check_curves(structure: RockingParameters, motion: Motion, axis: Axis) -> None:
-    """Raise the errors of `structure_curves` before it begins."""
+    """Raises those errors of `structure_curves` that are known before it begins."""
     _scaled(structure, axis)
     _closed_form_of(motion)
     if not structure.plain:
@@ -251,7 +251,7 @@ def _closed_form_of(motion: Motion) -> str:
 
 
 def structure_curves(structure: RockingParameters, motion: Motion, axis: Axis) -> Iterator[dict[str, Any]]:
-    """Rows of the closed-form curves for a structure. Raises UsageError if there is no closed form."""
+    """Yields rows of the closed-form curves for a structure. Raises UsageError if there is no closed form."""
     from .closed_form import closed_form_curves
 
     for point in closed_form_curves(_scaled(structure, axis), structure.eta, _closed_form_of(motion)):

@@ -15,7 +15,7 @@ class Limit(NamedTuple):
     acceleration: bool = False
 
     def of(self, structure: RockingParameters) -> float:
-        """The limit as A of a structure. Raises UsageError for an acceleration if the structure has no units."""
+        """Returns the limit as A for a structure. Raises UsageError for an acceleration if the structure has no units."""
         if not self.acceleration:
             return self.value
         if structure.dimensionless:
@@ -24,5 +24,5 @@ class Limit(NamedTuple):
 
 
 def limit_of(a_max: float | Limit, structure: RockingParameters) -> float:
-    """The limit as A; a number is A already. Raises UsageError as `Limit.of`."""
+    """Returns the limit as A for a structure; a number is returned as it is. Raises UsageError as `Limit.of`."""
     return a_max.of(structure) if isinstance(a_max, Limit) else a_max

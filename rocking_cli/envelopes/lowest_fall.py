@@ -156,7 +156,7 @@ def _ladder(low: float, high: float, ratio: float) -> Array:
 
 
 def _runs(flags: Array) -> list[Array]:
-    """The indices of each run of flags that are set."""
+    """Splits the indices of True flags into runs of neighbours."""
     at = np.flatnonzero(flags)
     return np.split(at, np.flatnonzero(np.diff(at) > 1) + 1) if at.size else []
 

@@ -60,7 +60,7 @@ def modes_at_end(segments: Segments, amplitude: Array, omega: Array) -> Modes:
 
 
 def bounded_response(segments: Segments, k: Array, u: Array, omega: Array, sense: float) -> Array:
-    """The bounded g with g' - sense g = s on segment k, by tau: exp(-sense tau) g is an antiderivative of exp(-sense tau) s."""
+    """The bounded solution g of g' - sense g = s on segment k, by tau: exp(-sense tau) g is an antiderivative of exp(-sense tau) s."""
     _, sin, cos = segment_value(segments, k, u)
     w = segments.frequency.take(k, axis=1) * omega
     level = segments.s_start[k] - summed(segments.sin.take(k, axis=1))

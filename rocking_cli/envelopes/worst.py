@@ -61,7 +61,7 @@ def at_worst_frequencies(
 def _worst(
     structure: RockingParameters, motion: Motion, amplitude: float, ends: tuple[float, float], method: Method, a_max: float
 ) -> float:
-    """The worst Omega between two ends for a demand of A = `amplitude`."""
+    """Finds the worst Omega between two ends for a demand of A = `amplitude`."""
     from scipy.optimize import minimize_scalar
 
     system, (low, high) = method.system_of(structure), ends

@@ -37,8 +37,8 @@ class FreeMotion(NamedTuple):
 
 
 class Contact(ABC):
-    """How a body stands on the ground. The methods here hold for equal edges and for a single one. alike: True if both edges are free and
-    equal."""
+    """How a body stands on the ground. The methods of this class hold for two equal edges and for a single edge. alike: True if the body
+    has two free and equal edges."""
 
     alike = False
 
@@ -168,11 +168,11 @@ class OneSided(Contact):
         return Cells((amplitude / equation.uplift_amplitude)[None], omega[None], np.abs(eta)[None])
 
     def strongest(self, cells: Cells, segments: Segments, first: Array | int = 0) -> Array:
-        """-A min s: only a ground acceleration towards the backing lifts it."""
+        """See `Contact.strongest`; here -A min s, since only a ground acceleration towards the backing lifts the body."""
         return cells.amplitude[0] * -segments.later_min[first]
 
     def uplift(self, cells: Cells, segments: Segments, cell: Array, k: Array, u: Array) -> Uplift:
-        """The first instant with -A s > 1."""
+        """The first uplift of bodies that rest at (k, u): the first instant with -A s > 1."""
         amplitude = cells.amplitude[0, cell]
         return first_uplift(segments, k, u, amplitude, np.zeros_like(amplitude))
 

@@ -46,7 +46,7 @@ class Flow(Protocol):
     def fastest(self) -> Array: ...
 
     def take(self, lanes: Array) -> Self:
-        """The flow of the lanes of these indices."""
+        """Returns the flow of the lanes with these indices."""
 
     def at(self, h: Array) -> Point:
         """The state of each lane h >= 0 [tau] after the start; h: (lanes,)."""
@@ -90,7 +90,7 @@ class Law(NamedTuple):
 
 
 def convolution(a: str, b: str, n: int, first: int = 0) -> str:
-    """Text of the sum over i from `first` to n of a_i b_(n - i)."""
+    """Returns the source text of the sum over i from `first` to n of a_i b_(n - i)."""
     return " + ".join(f"{a}{i}*{b}{n - i}" for i in range(first, n + 1))
 
 
@@ -138,7 +138,7 @@ class Equation(ABC):
 
     @abstractmethod
     def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
-        """f at displacement y under the outward drive a and the weight w (`weight`)."""
+        """Returns the force f at displacement y, under the outward drive a and the weight over m g."""
 
     def rotation(self, y: Array) -> Array:
         """|theta|/alpha at displacement y, of any shape."""
@@ -149,7 +149,7 @@ class Equation(ABC):
         return v * self.per_y
 
     def displacement(self, rotation: Array) -> Array:
-        """y of |theta|/alpha."""
+        """The displacement y at which |theta|/alpha = rotation."""
         return rotation * self.per_rotation
 
     @abstractmethod

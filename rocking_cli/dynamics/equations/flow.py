@@ -50,7 +50,7 @@ class LinearFlow(Arrays):
 
     @property
     def fastest(self) -> Array:
-        """Rate of the fastest change, 1 + the fastest drive over p."""
+        """Rate [1/tau] of the fastest change: 1 + the fastest frequency of the drive."""
         return 1.0 + self.w.max(axis=0, initial=0.0)
 
     def at(self, h: Array) -> Point:

@@ -17,7 +17,7 @@ WEIGHED = 1e-12  # tolerance of the series under a varying weight, for which the
 
 
 class LinearEquation(Equation):
-    """y'' = y - 1 + a - 2 zeta y'; damping: zeta [-]. Raises ValueError when it is negative or not finite."""
+    """The linear oscillator, y'' = y - 1 + a - 2 zeta y'; damping: zeta [-]. Raises ValueError when it is negative or not finite."""
 
     gain = 1.0
     limit = np.inf
@@ -92,11 +92,11 @@ class LinearEquation(Equation):
         return terms
 
     def law(self, side: float) -> Law:
-        """F = 1 - y, G = 1."""
+        """The equation as text, with F = 1 - y and G = 1."""
         return Law("linear", ("F0 = 1.0 - y",), lambda n: (f"F{n} = -Y{n}",), {}, constant=True)
 
     def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
-        """w (y - 1) + a."""
+        """The force f = w (y - 1) + a."""
         return weight * (y - 1.0) + a
 
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
@@ -104,11 +104,11 @@ class LinearEquation(Equation):
         return y - 1.0 + v > 0.0, v * v + y * (2.0 - y)
 
     def peak(self, energy: Array) -> Array:
-        """1 - sqrt(1 - v^2) (Eq. 2.7), without cancellation where v is small; at most 1."""
+        """Largest y, 1 - sqrt(1 - v^2) (Eq. 2.7), computed without cancellation where v is small; at most 1."""
         return energy / (1.0 + np.sqrt(np.maximum(0.0, 1.0 - energy)))
 
     def damped_peak(self, y: Array, v: Array) -> Array:
-        """y where y' = 0, from the two modes of y - 1."""
+        """The y at which y' = 0, from the two modes of y - 1; NaN where there is none."""
         up, down = self.growth, -1.0 / self.growth
         rising = (v > 0.0) & (y - 1.0 + up * v < 0.0)
         grows, decays = (v - down * (y - 1.0)) / (up - down), (up * (y - 1.0) - v) / (up - down)

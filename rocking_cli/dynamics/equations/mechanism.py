@@ -111,7 +111,7 @@ class MechanismEquation(SeriesEquation):
         return _composed(self._near(y[0], len(y) - 2), y, 1.0)[0]
 
     def law(self, side: float) -> Law:
-        """Power series of F and G about each y, composed with the series of the motion."""
+        """The equation as text: power series of F and G about each y, composed with the series of the motion."""
 
         def term(n: int) -> tuple[str, ...]:
             powers = [f"P{j}_{n} = {' + '.join(f'Y{i}*P{j - 1}_{n - i}' for i in range(1, n - j + 2))}" for j in range(2, n + 1)]
@@ -162,7 +162,7 @@ class MechanismEquation(SeriesEquation):
         return local
 
     def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
-        """-w F/F0 + a G/G0."""
+        """The force f = -w F/F0 + a G/G0."""
         return a * self.table.value(self.table.push, y) - weight * self.table.value(self.table.lift, y)
 
     def rotation(self, y: Array) -> Array:
@@ -174,11 +174,11 @@ class MechanismEquation(SeriesEquation):
         return v * self.table.slope(self.table.turn, y)
 
     def displacement(self, rotation: Array) -> Array:
-        """y of phi/alpha."""
+        """The y at which phi/alpha = rotation."""
         return inverse(self.table, self.table.turn, rotation, self.limit)
 
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
-        """K = v^2/2 + int F/F0 dy is constant between impacts; the barrier is where phi = alpha."""
+        """See `Equation.fall`. The energy K = v^2/2 + int F/F0 dy is constant between impacts; the barrier is at phi = alpha."""
         energy = 0.5 * v * v + self.table.value(self.table.work, y)
         return falls_by_energy(v, energy, self.barrier, y > self.top), energy
 

@@ -71,7 +71,7 @@ class Patches:
 
     @cached_property
     def marks(self) -> Marks:
-        """F and G about marks from below the ground, where an arc may end, to beyond the last patch."""
+        """Series of F/F0 and G/G0 about marks, from below the ground, where an arc may end, to beyond the last patch."""
         low, high = (end + _BEYOND * width for end, width in zip(self.edges[[0, -1]], (-self.half[0], self.half[-1]), strict=True))
         y, step = np.linspace(low, high, _MARKS + 1, retstep=True)
         at, x = self.of(y)
@@ -81,7 +81,7 @@ class Patches:
         return Marks(float(low), float(step), np.ascontiguousarray(rows[:, :-1]), self.half[at], float(left))
 
     def value(self, coefficients: Array, y: Array) -> Array:
-        """A tabulated function at y."""
+        """The value at y of the tabulated function with these coefficients."""
         at, x = self.of(y)
         total = coefficients[_TERMS - 1].take(at)
         for row in coefficients[_TERMS - 2 :: -1]:
@@ -90,7 +90,7 @@ class Patches:
         return total
 
     def slope(self, coefficients: Array, y: Array) -> Array:
-        """The derivative of a tabulated function at y."""
+        """The derivative at y of the tabulated function with these coefficients."""
         at, x = self.of(y)
         total = (_TERMS - 1) * coefficients[_TERMS - 1].take(at)
         for n in range(_TERMS - 2, 0, -1):
@@ -140,7 +140,7 @@ def inverse(table: Patches, coefficients: Array, value: Array, high: float) -> A
 
 @lru_cache(maxsize=32)
 def tabulate(mechanism: Mechanism) -> Patches:
-    """The coefficients of Eq. 3.4 as functions of y, to rounding. Raises ValueError; see `MechanismEquation`."""
+    """Computes the coefficients of Eq. 3.4 as functions of y, to rounding. Raises ValueError as `MechanismEquation`."""
     form = linearise(mechanism)
     path = _Path(mechanism, form.alpha, form.stiffness)
     fits = _fit(path, 0.0, path.length, 0)

@@ -152,7 +152,7 @@ class RigidBodyEquation(SeriesEquation):
         return Law("rigid body", start, term, numbers)
 
     def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
-        """-w sin z / sin(alpha) + a cos z / cos(alpha)."""
+        """The force f = -w sin z / sin(alpha) + a cos z / cos(alpha)."""
         z = self.alpha - self.sin * y
         return a * np.cos(z) / self.cos - weight * (np.sin(z) / self.sin)
 

@@ -68,7 +68,7 @@ class SummedFlow(NamedTuple):
 
     @property
     def fastest(self) -> Array:
-        """1 + the fastest frequency, (lanes,)."""
+        """Rate [1/tau] of the fastest change: 1 + the fastest frequency of the drive, (lanes,)."""
         return 1.0 + self.top
 
     @property
@@ -103,7 +103,7 @@ class SummedFlow(NamedTuple):
         return found
 
     def _phases(self, h: Array) -> tuple[Array, Array]:
-        """sin(w h) and 1 - cos(w h)."""
+        """(sin(w h), 1 - cos(w h)) of each harmonic."""
         return turn(self.weights[2][:, None] * (self.top * h))
 
     def _turned(self, sin: Array, cosm: Array) -> tuple[Array, Array]:

@@ -74,7 +74,7 @@ class Batch(NamedTuple):
     def of(
         cls, system: System, segments: Segments, amplitude: Array, omega: Array, eta: Array, peaks: bool = True, first: Array | None = None
     ) -> Batch:
-        """Cells (A, Omega, eta), each (cells,), of a system under a motion. Raises ValueError when an eta does not fit the contact."""
+        """The batch of cells (A, Omega, eta), each (cells,), under a motion. Raises ValueError when an eta does not fit the contact."""
         equation, shaken = system.equation, len(segments)
         cells = system.contact.cells(equation, amplitude, omega, eta)
         if equation.damping and omega.size:

@@ -63,7 +63,7 @@ def impact_root(arc: Flow, low: Array, high: Array, guess: Array) -> tuple[Array
 
 
 def _householder(f: Point) -> Array:
-    """Step to the root of y from its value and three derivatives."""
+    """The step of Householder's method to the root of y, from y and three derivatives."""
     with np.errstate(all="ignore"):
         r = f.y / f.v
         e = f.b / f.v

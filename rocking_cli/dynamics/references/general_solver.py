@@ -196,7 +196,7 @@ class _Body:
         return (Outcome.LOST_CONTACT, math.nan) if outcome == Outcome.ROCKED and self.let_go else (outcome, peak)
 
     def weight(self, time: float) -> float:
-        """The weight over m g."""
+        """The weight over m g at this time."""
         return 1.0 if self.up is None else 1.0 + self.drive * value(self.up, self.omega * time)
 
     def wait(self, piece: Piece, end: float) -> None:

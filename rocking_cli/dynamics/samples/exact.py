@@ -52,7 +52,7 @@ def bounded_response(samples: Array, pace: Array) -> Array:
 
 
 def _mode(samples: Array, weights: Sequence[float], decays: Sequence[float]) -> Array:
-    """The integral of the record times one exponential mode of the linear equation, from each sample to the last one."""
+    """The integral, from each sample to the last one, of the record times one exponential mode of the linear equation."""
     near, far = weights
     total = np.append(-(near * samples[:-1] + far * samples[1:]), 0.0)
     for level, decay in enumerate(decays):

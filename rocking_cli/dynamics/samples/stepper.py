@@ -65,7 +65,7 @@ class SampleStepper(ABC, Generic[Pooled]):
         """Returns lanes with the additional fields that a subclass needs in the pool."""
 
     def can_jump(self, lanes: Pooled) -> Array:
-        """True for lanes that may try to jump."""
+        """True for lanes that are at a sample before the last one, from which a jump may be tried."""
         return (lanes.u == 0.0) & (lanes.k < self.last.take(lanes.cell))
 
     def order(self, lanes: Pooled, at: Array) -> Array:

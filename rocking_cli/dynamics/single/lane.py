@@ -67,7 +67,7 @@ class Lane:
         self._unit = {side: self._face(cells, side) for side in ((1.0,) if self._strike(cells, 1.0)[0] > 0.0 else (1.0, -1.0))}
 
     def faces(self, amplitude: float) -> dict[float, Face]:
-        """The sides under a motion of this amplitude."""
+        """Returns the sides, by their sign, under a motion of this amplitude A."""
         faces = {}
         for side, face in self._unit.items():
             drive, sway = amplitude * face.drive, amplitude * face.sway
@@ -122,5 +122,5 @@ class Lane:
         return (float(seg.start[min(k, last)]) + (u if k <= last else float(seg.length[last]))) / float(self.omega[0])
 
     def omega_of(self, side: float) -> float:
-        """omega_g over p of a side."""
+        """omega_g over the p of a side."""
         return self._unit.get(side, self._unit[1.0]).omega

@@ -67,8 +67,8 @@ class Devices:
 
     @classmethod
     def of(cls, structure: RockingParameters, unit: Array, *, linear: bool, body: Body | None) -> Self | None:
-        """The devices of a structure with restraints; None if none of them ever pulls. unit: rotation of y = 1 on the right and the left
-        side [rad]."""
+        """Build the devices of a structure with restraints; None if no restraint ever pulls. unit: rotation of y = 1 on the right and the
+        left side [rad]."""
         restraints, one_sided = structure.restraints, structure.one_sided
         assert restraints is not None
         stands = dict(zip(SIDES["both"], restraints.stands, strict=True))
@@ -167,12 +167,12 @@ class Devices:
         return np.asarray(1.0 + self.pull(rows, none, none)[:, None])
 
     def downwards(self, row: Array, now: Phase, y: Array) -> Array:
-        """The vertical force of a tendon over m g, (lanes,)."""
+        """The vertical force of a tendon on the body, over m g, (lanes,)."""
         force = np.where(self.tendon[:, None], now.fixed + now.rate * self.elongation(row, y), 0.0)
         return _added(force) * np.cos(0.5 * self.unit[row, 0] * y) / self.weight
 
     def lever(self, row: Array, y: Array) -> Array:
-        """de/dtheta at y [m], (devices, lanes)."""
+        """The lever de/dtheta of each device at y [m], (devices, lanes)."""
         h, theta = self.on(self.height, row), self.unit[row, 0] * y
         if self.linear:
             return h + 0.0 * theta

@@ -91,7 +91,7 @@ class Law:
         return taylor.series(terms, fastest, self.tolerance, self.damping)
 
     def _along_line(self, segments: Segments, lanes: Lanes, row: Array, now: Phase, exact: Array) -> TaylorSeries:
-        """The series under straight lines, of as many terms as their length takes."""
+        """The series of lanes under straight lines; the length of the line decides the number of terms."""
         fastest, drive = _TERMS_RATE + self._stiffest(row, now), self._drive(segments, lanes)
         unit = np.minimum((segments.length[lanes.k] - lanes.u) / lanes.omega, 2.0 * taylor.LONGEST * _TERMS_RATE / fastest)
         slope = -lanes.side * lanes.amplitude * segments.slope[lanes.k] * lanes.omega
