@@ -50,7 +50,7 @@ def sequence_ends(segments: Segments, lanes: Lanes, equation: Equation, there: O
     gap[slow] = np.minimum(*_forces(segments, lanes.take(slow), None if there is None else there.take(slow)))
     proved = (keeps > _HARDLY_LOSES) & (v < BELOW_ROUNDING) & (0.5 * v * v < LOWEST * gap)
     at = np.flatnonzero((gap > 0.0) & (v * v < 0.05 * gap * gap) & (keeps < 1.0))
-    room = segments.length[lanes.k[at]] - lanes.u[at]  # a trial is longer than 3 v / (1 - q) / (1 - a)
+    room = segments.length[lanes.k[at]] - lanes.u[at]  # `_ends` tries a duration longer than 3 v / (1 - q) / (1 - a)
     at = at[3.0 * v[at] * lanes.omega[at] < room * (1.0 - keeps[at]) * -lanes.b[at]]
     if at.size:
         proved[at] |= _ends(segments, lanes.take(at), equation, None if there is None else there.take(at), keeps[at], more)

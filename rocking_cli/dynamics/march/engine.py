@@ -169,7 +169,7 @@ class Run:
         return lanes
 
     def _rest(self, lanes: Landing) -> Landing:
-        """Take bodies whose bouncing is over to their next uplift, or finish them."""
+        """Take bodies whose sequence of impacts ends in rest to their next uplift, or finish them."""
         batch = self.batch
         ends = batch.contact.sequence_ends(batch.segments, lanes, batch.equation)
         resting = np.flatnonzero(ends | (lanes.v < STILL))

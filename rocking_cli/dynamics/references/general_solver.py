@@ -38,7 +38,7 @@ class Arm(NamedTuple):
     rise: float
 
     def fz(self, u: float, rate: float, bend: float, weight: float) -> float:
-        """Fz/(m g) at u [rad]; rate, bend: u' and u'' by tau; weight: over m g."""
+        """Fz/(m g) at u [rad]; rate, bend: the derivatives u' and u'' by tau; weight: over m g."""
         z = self.alpha - u
         return weight + self.rise * (bend * math.sin(z) - rate * rate * math.cos(z))
 

@@ -21,7 +21,7 @@ from ..observers.observer import TaylorSteps
 from .stepper import PooledLanes, SampleStepper, gains
 
 LANES = 32768  # lanes: the cost of a round depends on its calls more than on its lanes
-_STEPS, _NARROW = 4, 16  # steps in a row before waiting lanes get their round: if other blocks of lanes wait to jump, and if none does
+_STEPS, _NARROW = 4, 16  # Taylor steps in one call of `jump`: if several blocks of lanes wait for it, and if only one does
 _NEARLY = 0.9  # share of the limit of y: beyond it the march decides whether the body overturns
 
 
