@@ -49,7 +49,7 @@ def check(
     fail_on: str | None = option(
         "--fail-on",
         type=click.Choice(["overturning"]),
-        help="Exit code 5 if a structure overturns or loses contact, one with unequal sides in either direction.",
+        help="Exit code 5 if a structure overturns or loses contact; with unequal sides also in the opposite direction.",
     ),
     output: Path | None = options.output(help="Draw the capacities: .png, .svg or .pdf."),
     overwrite: bool = options.overwrite(),
@@ -58,8 +58,8 @@ def check(
     """Check which structures stand under a motion, and find the lowest amplitude that overturns each.
 
     One row for each structure and motion: the outcome and theta_max/alpha by the governing equation (nonlinear for a known geometry in
-    units: a_g, f_g, a record; linear on dimensionless axes, A, Omega, and for stated parameters); top_displacement, the largest one of
-    the top from its rest position (mm in the table); demand_a, the amplitude of the motion;
+    units: a_g, f_g, a record; linear on dimensionless axes, A, Omega, and for stated parameters); top_displacement, the largest
+    displacement of the top from its rest position (mm in the table); demand_a, the amplitude of the motion;
     uplift_a and first_overturning_a, the lowest amplitudes that lift and overturn the body; capacity_demand, first_overturning_a over
     demand_a: below 1 if the body overturns at the demand or below it, empty if no amplitude up to --a-max and twice the demand
     overturns; safe_to, the end of the safe interval around the demand; outcome_linear, the linear verdict; friction_needed and fz_min,

@@ -19,7 +19,7 @@ def compare(
     """Compare the responses of structures to one motion scaled to equal A and Omega.
 
     a_g and omega_g with units hold for the first structure. A line on standard error states the largest distance of the
-    dimensionless curves; for structures of equal restitution they collapse in the linear model (Fig. 8). --model both compares the
+    dimensionless curves. For structures of equal restitution the linear curves coincide (Fig. 8). --model both compares the
     equations (Fig. 7): peaks, and quarter periods of free rocking from 0.3, 0.6 and 0.9 alpha.
     """
     from ..responses import comparison

@@ -33,7 +33,7 @@ class Envelope:
     a_max: Limit = options.a_max()
     sign: str = option(
         "--sign", type=click.Choice(["worse", "+", "-", "both"]), default="worse", show_default=True,
-        help="Sign of the ground acceleration, for unequal sides: + or - alone, worse (overturns under either), or both apart.",
+        help="Sign of the ground acceleration, for unequal sides: +, -, worse (overturns with either), or both (rows for each).",
     )  # fmt: skip
     lowest: bool = option(
         "--lowest", "--first", is_flag=True, help="Print only the lowest overturning amplitude of each frequency (or record)."

@@ -52,7 +52,7 @@ class Model:
 
     model: str | None = option("--model", type=Registered(model_names), help=_RULE.format(both=""))
     tolerance: float = option(
-        "--tolerance", type=NUMBER, default=1e-9, show_default=True, help="Error of theta/alpha aimed at (nonlinear)."
+        "--tolerance", type=NUMBER, default=1e-9, show_default=True, help="Error of theta/alpha that the nonlinear equation aims at."
     )
 
     @property

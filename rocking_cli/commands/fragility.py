@@ -47,12 +47,12 @@ class Fits:
     limits: str = option("--limit", default="0.1,0.5,1,overturning", show_default=True, help="Limit states: |theta|/alpha beyond these.")
     methods: str = option("--method", default="stripes", show_default=True, help="One or more of stripes, first and cloud.")
     exact: bool = option(
-        "--exact", is_flag=True, help="Trace every interval that overturns: exact shares at every intensity, exact number of resurrections."
+        "--exact", is_flag=True, help="Trace every interval that overturns, for exact shares of overturning motions at every intensity."
     )
     efficiency: bool = option(
         "--efficiency",
         is_flag=True,
-        help="Print the dispersion over every measure instead; with --exact, that of traced first overturnings.",
+        help="Print the dispersion for every measure instead; with --exact, from the traced first overturnings.",
     )
     cells: bool = option("--cells", is_flag=True, help="Print every motion at every level over PGA and PGV/PGA instead, for rocking plot.")
     curve: bool = option("--curve", is_flag=True, help="Print points of the curves with their bands instead, for rocking plot.")
@@ -60,16 +60,16 @@ class Fits:
     hazard: str | None = option(
         "--hazard", type=InputPath(), metavar="FILE", help="Annual rates with this hazard curve: CSV of OpenQuake, or two columns."
     )
-    site: str | None = option("--site", metavar="LON,LAT", help="The site of the hazard curve, in a file with several.")
+    site: str | None = option("--site", metavar="LON,LAT", help="The site of the hazard curve, if the file has several.")
     standing: float | None = option(
         "--standing", type=quantity("number of years"), metavar="TIME",
-        help="The body has stood so long, such as 10000yr: the confidence with which this rejects the hazard curve.",
+        help="Time for which the body has stood, such as 10000yr: with which confidence it rejects the hazard curve.",
     )  # fmt: skip
     export: str | None = option(
         "--export", type=click.Choice(["openquake", "pelicun"]), help="Write -o for this program: NRML (.xml), or CSV and JSON (.csv)."
     )
     samples: int = option(
-        "--bootstrap", type=click.IntRange(0, 100_000), default=1000, show_default=True, help="Samples for bands; 0: none."
+        "--bootstrap", type=click.IntRange(0, 100_000), default=1000, show_default=True, help="Samples for the bands; 0: no bands."
     )
     seed: int = option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the bootstrap.")
     output: Path | None = options.output(help="The HDF5 file of all cells (records), or that of --export.")
@@ -87,8 +87,8 @@ def fragility(
 
     One row for each structure, limit state and method: median theta of the intensity measure, dispersion beta, the 95 % bands of both by
     bootstrap over the motions. stripes: maximum likelihood for the counts at the levels; first: maximum likelihood for the traced
-    intensities of first overturning, with motions that never overturn as censored; cloud: regression on the rotations under the motions
-    as recorded. Measures:
+    intensities of first overturning, where a motion that never overturns is censored; cloud: regression of the rotations under the
+    unscaled motions. Measures:
     PGA, PGV, PGD, Arias, CAV, SA(T) and AvgSA(T) of records, nPGA = PGA/(lambda g), nPGV = p PGV/(g tan alpha) and nPGD =
     p^2 PGD/(g tan alpha).
     """

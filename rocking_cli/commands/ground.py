@@ -182,7 +182,7 @@ class BothWays(Motions):
     vertical_scale: float | None = option(
         "--vertical-scale", type=NUMBER, metavar="FACTOR", help="Factor of the vertical motion (default 1)."
     )
-    vertical_component: str | None = option("--vertical-component", metavar="NAME", help="The component of a file that holds several.")
+    vertical_component: str | None = option("--vertical-component", metavar="NAME", help="Component of a vertical record.")
     vertical_unit: str | None = option("--vertical-unit", metavar="UNIT", help="Unit of a vertical record in plain columns of numbers.")
     vertical_dt: float | None = option("--vertical-dt", type=quantity("time"), metavar="TIME", help=DT)
 
@@ -227,8 +227,8 @@ class Shaking:
         "--a-g", metavar="VALUE", help="Amplitude of the ground acceleration, m/s2 or with g; a negative one reverses the motion."
     )
     omega_g: str | None = option("--omega-g", metavar="VALUE", help="Angular frequency of the motion, rad/s.")
-    f_g: str | None = option("--f-g", metavar="VALUE", help="Its frequency in Hz.")
-    T_g: str | None = option("--T-g", metavar="VALUE", help="Its period in s, the duration t_p of a rectangular pulse.")
+    f_g: str | None = option("--f-g", metavar="VALUE", help="Frequency of the motion in Hz.")
+    T_g: str | None = option("--T-g", metavar="VALUE", help="Period of the motion in s; for a rectangular pulse its duration t_p.")
     A: str | None = option("--A", metavar="VALUE", help="Dimensionless amplitude a_scale a_g/(alpha g).")
     Omega: str | None = option("--Omega", metavar="VALUE", help="Dimensionless frequency omega_g/p.")
 

@@ -25,7 +25,7 @@ _OF_THE_RUN = ("output", "overwrite", "resume", "shard", "scheduler", "workers",
 def info(
     files: tuple[str, ...] = argument(nargs=-1, type=InputPath(), required=True, metavar="FILE..."),
     verify: bool = option("--verify", is_flag=True, help="Check every chunk against its checksum."),
-    again: bool = option("--command", is_flag=True, help="Also eta, tolerance, counts and the command that makes the file again."),
+    again: bool = option("--command", is_flag=True, help="Also print eta, tolerance, counts and the command that makes the file again."),
     documents: bool = option("--documents", is_flag=True, help="Print the documents of the structures instead, as JSON Lines."),
 ) -> int:
     """Show the contents of spectra files: scene, completeness, run time, estimated error.

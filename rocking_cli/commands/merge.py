@@ -1,4 +1,4 @@
-"""`rocking merge`: the shards of a sweep, put together."""
+"""`rocking merge`: joins the shards of a sweep."""
 
 from pathlib import Path
 

@@ -16,21 +16,21 @@ def plot(
     files: tuple[Path, ...] = argument(nargs=-1, required=True, type=click.Path(path_type=Path), metavar="FILE..."),
     output: Path | None = options.output(help="The figure: .png, .svg or .pdf."),
     structure: str | None = option("--structure", metavar="NAME", help="Structure (or record) of the map (default: the first)."),
-    every: bool = option("--all", is_flag=True, help="A panel for every structure (or record) of a spectra file."),
+    every: bool = option("--all", is_flag=True, help="Draw a panel for every structure (or record) of a spectra file."),
     cut: str | None = option(
-        "--slice", metavar="AXIS=VALUE", help="Rocking spectra along the other axis instead, such as f_g=1.5 or a_g=0.3g."
+        "--slice", metavar="AXIS=VALUE", help="Draw a slice at this value of an axis instead of a map, such as f_g=1.5 or a_g=0.3g."
     ),
     over: str | None = option("--over", metavar="KEY[/KEY]", help="The axis of a family (default: the first key varied)."),
     log: str | None = option("--log", type=click.Choice(["x", "y", "xy"]), help="Logarithmic axes."),
-    phase: bool = option("--phase", is_flag=True, help="The phase portrait of a response, with the separatrix."),
+    phase: bool = option("--phase", is_flag=True, help="Draw the phase portrait of a response, with the separatrix."),
     align: bool = option("--align", is_flag=True, help="Count the time of each response from its largest rotation."),
     animate: Path | None = option(
-        "--animate", type=OutputPath(), metavar="OUT.gif", help="The body of a response in motion, in real time."
+        "--animate", type=OutputPath(), metavar="OUT.gif", help="Write the body of a response as an animation in real time."
     ),
     body: str | None = option(
         "--body", type=InputPath(), metavar="FILE", help="The structure of --animate and --phase (default: the block of its p, alpha)."
     ),
-    text: bool = option("--text", is_flag=True, help="A quick look in the terminal, without matplotlib."),
+    text: bool = option("--text", is_flag=True, help="Draw a spectra file as text in the terminal, without matplotlib."),
     looks: options.Looks = group(options.Looks),
     overwrite: bool = options.overwrite(),
 ) -> None:

@@ -15,7 +15,7 @@ def predict(
     files: tuple[str, ...] = options.files(),
     shaking: ground.Shaking = group(ground.Shaking),
     exact: bool = option(
-        "--exact", is_flag=True, help="Also beyond the range and restitutions of the spectrum, under its motion; nothing is interpolated."
+        "--exact", is_flag=True, help="Also compute structures beyond the range and restitutions of the spectrum; nothing is interpolated."
     ),
 ) -> None:
     """Predict theta_max, outcome and margin of structures under the motion of a spectrum of equal restitution.

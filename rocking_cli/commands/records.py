@@ -27,7 +27,7 @@ COLUMNS = (
 def records(
     files: tuple[str, ...] = options.files(),
     reading: ground.Reading = group(ground.Reading),
-    export_spectrum: bool = option("--export-spectrum", is_flag=True, help="The elastic response spectrum instead, a row a period."),
+    export_spectrum: bool = option("--export-spectrum", is_flag=True, help="Print the elastic response spectrum instead."),
     periods: str | None = option("--periods", metavar="START:STOP:N[:log]", help="Periods of the spectrum (default 0.02:5:100:log s)."),
     damping: float | None = option(
         "--damping", type=NUMBER, metavar="RATIO", help="Damping ratio of the spectrum, such as 0.05 for 5 % (the default)."

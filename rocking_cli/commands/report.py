@@ -16,7 +16,7 @@ def report(
     asked: ground.Demand = group(ground.Demand),
     output: Path = options.output(required=True, help="The page: .html."),
     title: str | None = option("--title", metavar="TEXT", help="Title of the page (default: the names of the structures)."),
-    summary: bool = option("--summary", is_flag=True, help="A first page in words: a sentence on each structure; the details follow."),
+    summary: bool = option("--summary", is_flag=True, help="Begin with a page in words: a sentence on each structure; the details follow."),
     sort: str | None = options.sort(),
     workers: int | None = options.workers(),
     overwrite: bool = options.overwrite(),

@@ -31,10 +31,10 @@ def response(
     dt: float | None = option(
         "--dt", type=quantity("time"), metavar="TIME", help="Time between two rows (default: the samples of a record, 500 rows of a pulse)."
     ),
-    steps: bool = option("--steps", is_flag=True, help="Rows at the solver's own steps instead."),
-    events: bool = option("--events", is_flag=True, help="Uplifts, impacts, peaks, rest and overturning instead of the time history."),
-    forces: bool = option("--forces", is_flag=True, help="Also the forces on the ground, or on the joints of an arch, over m g."),
-    dimensionless: bool = option("--dimensionless", is_flag=True, help="theta/alpha against p t; --dt in p t too."),
+    steps: bool = option("--steps", is_flag=True, help="Print a row at each step of the solver instead."),
+    events: bool = option("--events", is_flag=True, help="Print uplifts, impacts, peaks, rest and overturning instead."),
+    forces: bool = option("--forces", is_flag=True, help="Also print the forces on the ground, or on the joints of an arch, over m g."),
+    dimensionless: bool = option("--dimensionless", is_flag=True, help="Print theta/alpha over p t; --dt is in p t too."),
 ) -> None:
     """Time history of one structure: t [s], theta [rad], theta_dot [rad/s], ground_acceleration [m/s2].
 

@@ -19,10 +19,10 @@ def solve(
         "--vary", required=True, metavar="KEY=START:STOP[:N]", help="The key and its range, scanned at N values (default 17)."
     ),
     margin: float = option(
-        "--margin", type=click.FloatRange(0.0, 100.0, min_open=True), default=1.0, show_default=True, help="Capacity over demand."
+        "--margin", type=click.FloatRange(0.0, 100.0, min_open=True), default=1.0, show_default=True, help="Required capacity over demand."
     ),
     share: float = option(
-        "--share", type=click.FloatRange(0.0, 1.0, min_open=True), default=1.0, show_default=True, help="Share of the motions of a set."
+        "--share", type=click.FloatRange(0.0, 1.0, min_open=True), default=1.0, show_default=True, help="Share of motions to stand under."
     ),
     asked: ground.Demand = group(ground.Demand),
     workers: int | None = options.workers(),
