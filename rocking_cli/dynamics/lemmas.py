@@ -93,16 +93,17 @@ the speed. The sequence of arcs lasts at most
 e a bound of the force that y and damping add.
 Proof. An arc ends with more speed than it began with only where the force grows, by at most the root of its last over its first value.
 Over a monotone drive these ratios telescope. Where a rises, only arcs on the other side gain: speeds on this side grow by at most G,
-G^2 = (1 + d a_+)/(1 + d a_-). There H = 1, as the force shortens the other arcs by G^2. Where a falls, the sides change places. The march
-follows a sequence in which an arc could rise above the lane's peak so far.
+G^2 = (1 + d a_+)/(1 + d a_-). Then H = 1, as the force shortens the arcs there by G^2. Where a falls, G = 1 and
+H^2 = (1 - a_-)/(1 - a_+). The march follows a sequence in which an arc could rise above the lane's peak so far.
 A one-sided body: the sequence lasts at most 2 v / (1 - eta) / (1 - a_+ - e), and any inward drive holds the body.
 Varying weight: with c and d the net drives on the two sides, it lasts at most 2 v G/(1 - q) [1/(1 - c_+ - e) + eta r/(1 - d_+ - e)].
 Speeds gain on either side, by at most the root of the largest over the least force there; G is the product of both roots, and e holds w
 times what y adds.
 
 No later uplift. Undamped linear oscillator, equal sides: let |a| <= e < 1 from an impact on, and V the total variation of a to come,
-jumps and the last one included. The body then bounces to the end of the shaking below its peak, as v^2 exp(4/3 V/(1 - e)) bounds every
-v^2. Proof. Over an arc v^2 changes by int 2 y' a = -int 2 y da. While v^2 <= 3/4 (1 - e)^2 no arc rises above 2/3 v^2/(1 - e), since
+with all its jumps. Then B = v^2 exp(4/3 V/(1 - e)) bounds every later v^2, if B <= 3/4 (1 - e)^2. If also B <= 3/2 (1 - e) times the
+peak so far, the body bounces below this peak to the end of the shaking.
+Proof. Over an arc v^2 changes by int 2 y' a = -int 2 y da. While v^2 <= 3/4 (1 - e)^2 no arc rises above 2/3 v^2/(1 - e), since
 y'' <= y - 1 + e. So an arc multiplies v^2 by at most 1 + 4/3 dV/(1 - e), and an impact lowers it.
 Test `test_lemmas.py::test_lemma_7_a_summed_sequence_ends_before_anything_else_happens`,
 `contacts/test_sequences.py::test_marching_on_finds_the_same_peak`.
