@@ -99,7 +99,7 @@ def check(
         directed = worst_azimuths(structures, shaken.recordings, azimuths, workers=workers, progress=searched)
         beside, demands = {demand[0].name: {"azimuth": angle} for angle, demand in directed}, [demand for _, demand in directed]
         shakes = [(motion, grid) for _, motion, grid in demands]
-        note(f"azimuth: the worst of {azimuths.size} as recorded; at another one the capacity may be less")
+        note(f"azimuth: the worst of {azimuths.size} for the demand; at another azimuth the capacity may be less")
         if both := [s.name for s in structures if has_direction(s)]:
             note(f"both signs of each azimuth, because the sides differ: {', '.join(both)}")
     if ends:

@@ -17,7 +17,7 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
         yield "the linear equation is not safe under records; `model` nonlinear decides"
     yield f"run time: {s.run_time:.3g} s, {1e6 * s.time_per_cell:.3g} us a cell, {counted(s.workers, 'worker')}"
     if s.resumed_cells:
-        yield f"resumed: {s.resumed_cells} cells were there before; times, checks and what was left out are those of this run"
+        yield f"resumed: {s.resumed_cells} cells were there before; times, checks and skipped work are those of this run"
     if s.elsewhere:
         yield f"computed on machines that differ: {s.elsewhere}; the last digits of cells may differ from those of one machine"
     if s.checked_cells:
@@ -31,7 +31,7 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
     else:
         yield "estimated error: not checked"
     if s.compared:
-        yield f"the nonlinear equation ends {s.otherwise} of {s.compared} checked cells otherwise"
+        yield f"{s.otherwise} of {s.compared} checked cells have another outcome by the nonlinear equation"
     if s.validity is not None:
         of = f"{s.validity.differ} of {s.validity.sampled} sampled cells differ, {s.validity.unsafe} unsafe"
         yield f"nonlinear: {of}{'; `model` both compares every cell' if s.validity.differ else ''}"
@@ -41,9 +41,9 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
         yield f"the linear equation is unsafe in {unsafe} of the {fell}, and falls in {alarms} that stand"
     yield "outcomes: " + ", ".join(f"{n} {flag}" for flag, n in s.outcomes.items() if n)
     if s.weighed or s.outcomes[Outcome.LOST_CONTACT.flag]:
-        yield "lost contact: where g + z_g'' <= 0, or Fz <= 0 under a rigid body that rocks; of other mechanisms that is not looked for"
+        yield "lost contact: g + z_g'' <= 0, or Fz <= 0 under a rigid body that rocks; the Fz of other mechanisms is not computed"
     yield (
-        f"left out: {w.no_uplift} cells below uplift not integrated, {w.free_phase} free phases and "
-        f"{w.certain_overturning} certain overturnings closed, {w.rests_skipped} rests skipped, "
-        f"{w.chatters_closed} chatters summed, {s.shared_cells} cells shared between structures"
+        f"skipped: {w.no_uplift} cells below uplift, {w.free_phase} free motions after the shaking, "
+        f"{w.certain_overturning} certain overturnings, {w.rests_skipped} rests, the last part of "
+        f"{w.chatters_closed} sequences of impacts, {s.shared_cells} cells shared between structures"
     )
