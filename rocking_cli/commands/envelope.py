@@ -59,9 +59,9 @@ def envelope(
     """Trace every interval of amplitude that overturns, for each frequency.
 
     A_to is empty if the interval continues beyond --a-max. A frequency without overturning has mode none and neither end. Every
-    interval wider than 1e-3 in A is found. A narrower one, overturning or safe, may be missed: at low Omega just above uplift, and
-    after many impacts (several cycles) anywhere. If a motion has more than two pushes, a scan ten times as fine around every change
-    finds most intervals wider than 1e-4, without proof. Structures with units also have omega_g [rad/s], a_from and a_to [m/s2].
+    interval wider than 1e-3 in A is found. A narrower interval, overturning or safe, may be missed: at low Omega just above uplift,
+    and after many impacts (several cycles) anywhere. If the ground acceleration changes its sign more than once, a scan ten times as
+    fine around every change finds most intervals wider than 1e-4, without proof. Rows in units have omega_g [rad/s], a_from, a_to [m/s2].
 
     Records have no frequency. The search varies their scale, for each structure, or with --alpha and --grid T=… for blocks of
     these critical angles and sizes T = 2 pi/p in s. A row states A, the peak a [m/s2] and the factor of the original record. The

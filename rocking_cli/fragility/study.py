@@ -222,8 +222,8 @@ class Study:
     def efficiency(self) -> list[dict[str, Any]]:
         """Return rows with the dispersion for each measure, the smallest first; efficiency: the smallest dispersion over that of the row.
 
-        The dispersion is that of the first overturnings if the intervals are traced, otherwise that of the cells at the levels: each motion
-        at each level has its own value of another measure. Raises UsageError for too few overturnings.
+        If the intervals are traced, the dispersion comes from the first overturnings, otherwise from the cells at the levels: a cell has a
+        value of each measure. Raises UsageError for too few overturnings.
         """
         found: list[tuple[str, Curve]] = []
         (gone, known), motions, weight = self.exposure.beyond(None), self.motions, self.motions.weight

@@ -27,7 +27,7 @@ _RECORDED = (
 
 @dataclass(frozen=True)
 class Summary:
-    """Counts, times and checks of a sweep; times, checks and counters are those of this run.
+    """Counts, times and checks of a sweep; for a resumed sweep the times, checks and counters of the last run only.
     run_time [s]; estimated_error: largest difference of theta/alpha from another path on the checked cells; sensitive_cells: checked cells
     that were chosen for their sensitivity; misjudged: checked cells whose outcome differs; beyond_tolerance: those where theta/alpha
     differs by more than the tolerance times the condition; shared_cells: cells taken from another structure of equal restitution;

@@ -127,8 +127,8 @@ class RecordText:
     # Values of the header
 
     def keys(self, pattern: re.Pattern[str], end: re.Pattern[str] | None = None) -> Keys:
-        """Each key (first group, in capitals) with its value (second group) and its line, up to a line that matches
-        `end`, which stands under "", or by default up to a line that begins with a number. Raises DocumentError if there is none."""
+        """Return each key (first group, in capitals) with its value (second group) and its line, up to a line that matches
+        `end`, whose key is "", or by default up to a line that begins with a number. Raises DocumentError without such a line."""
         found: Keys = {}
         while end is not None or not self.more_numbers():
             (line,) = self.lines(1)

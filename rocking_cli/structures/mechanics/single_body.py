@@ -43,11 +43,11 @@ class Edge(NamedTuple):
 @dataclass(frozen=True, kw_only=True)
 class RigidBody:
     """A rigid body as its kind reads it from a document.
-    edges: (left edge, right edge) under a gravity [m/s2]; reach: the least horizontal distance from an edge to the mass centre [m]; again:
-    the body with its pivots inside the edges by a length [m]; limit: states for which bodies the momentum model holds; drawing: its
-    geometry; radius: R of two equal edges [m]; top: (x, z) [m] from the middle of the base of the impact point on a backing, and backing:
-    the factor of this impact, None if the geometry does not define them; crown: height [m], None for that of the drawing; share: m g R of
-    the parts over mass g R [-]; details: as in `RockingParameters`, leaning: those of a body whose edges may differ."""
+    edges: returns (left edge, right edge) for a gravity [m/s2]; reach: the least horizontal distance from an edge to the mass centre [m];
+    again: returns the body with its pivots inside the edges by a length [m]; limit: the bodies for which the momentum model holds;
+    drawing: its geometry; radius: R of two equal edges [m]; top: (x, z) [m] of the impact point on a backing, from the middle of the base;
+    backing: the factor of this impact; top and backing are None if the geometry does not define them; crown: height [m], None for that of
+    the drawing; share: m g R of the parts over mass g R [-]; details: see `RockingParameters`; leaning: details for unequal edges."""
 
     edges: Callable[[float], tuple[Edge, Edge]]
     reach: float
