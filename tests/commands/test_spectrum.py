@@ -28,7 +28,7 @@ def test_summary_and_file(rocking, tmp_path):
     assert record["cells"] == 2400
     assert record["estimated_error"] < 1e-12
     assert "us a cell" in done.stderr
-    assert "left out" in done.stderr
+    assert "skipped: " in done.stderr
     with h5py.File(tmp_path / "s.h5") as f:
         assert f["structure"].asstr()[...].tolist() == ["Column", "Spire"]
         assert re.match(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ: rocking spectrum configs/block.yaml", f.attrs["history"])
