@@ -90,7 +90,7 @@ bench: $(STAMPS)/dev ## Speed and error of every scene
 	.venv/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
 	.venv/bin/python tests/bench/bench.py
 	.venv/bin/python tests/bench/waiting.py
-	.venv/bin/python tests/support/shown_commands.py
+	PYTHONPATH=tests .venv/bin/python tests/support/shown_commands.py
 	.venv/bin/python tests/bench/left_out.py
 	.venv/bin/python tests/bench/database.py
 

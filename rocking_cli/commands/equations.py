@@ -57,7 +57,7 @@ class Model:
 
     @property
     def models(self) -> tuple[str | None, ...]:
-        """The equations that are asked for, (None,) for that of the rule."""
+        """The requested equations; (None,) lets `governing_method` choose one."""
         return (self.model,)
 
     def methods(self, structures: Sequence[RockingParameters], dimensionless: bool = False) -> list[Method]:
@@ -84,7 +84,7 @@ class Models(Model):
 
     @property
     def models(self) -> tuple[str | None, ...]:
-        """The equations that are asked for, (None,) for that of the rule."""
+        """The requested equations; (None,) lets `governing_method` choose one."""
         from ..dynamics.method import MODELS
 
         return MODELS if self.model == "both" else (self.model,)

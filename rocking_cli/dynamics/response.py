@@ -162,7 +162,7 @@ def response_with_demands(
     if system.devices is not None:
         raise UsageError("found ties or a tendon; expected a body without them, whose forces on the ground are known")
     if system.body is None or not system.body.moves_with_the_ground:
-        raise ValueError("ground forces need a system with a body, whose a_scale is 1")
+        raise ValueError("ground forces need a rigid body: those of a mechanism, or of parameters without a body, are not known")
     from .observers.ground_forces import GroundForces
 
     found = response(system, motion, amplitude, omega, eta) if found is None else found

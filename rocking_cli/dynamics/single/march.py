@@ -60,7 +60,7 @@ class _March(Body):
         return self.end or self._finish(Outcome.FAILED)
 
     def _coast(self) -> bool:
-        """March over straight segments by compiled code and take the impact it meets; True after an impact or at the end of the motion."""
+        """March over straight lines by compiled code, up to an impact, which is applied; False where it leaves a step to its caller."""
         block, face = self.reel.at(self.k), self.face
         k, last = self.k - block.first, len(block.length)
         if face.code.coast is None or (block.length[k] - self.u) / face.omega > self.reach:

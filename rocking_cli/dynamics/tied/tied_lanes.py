@@ -26,8 +26,8 @@ class TiedLanes(Lanes):
 
 
 class Ends(NamedTuple):
-    """What happens at the ends of steps, (lanes,). up, down: True at the upper end, and at the lower end, of a phase; the lower end may be
-    the ground; peaked: True if there was a peak in the step, at y = `top`; bottom: True at a turn outwards; still: True on still ground."""
+    """What happens at the ends of steps, (lanes,). up, down: y has come to the upper or the lower end of the phase of the restraints (the
+    ground is a lower end); peaked: y had a peak, `top`, in the step; bottom: the body turns outwards again; still: the shaking is over."""
 
     up: Array
     down: Array

@@ -318,7 +318,7 @@ class March:
         return float(self.segments.start[lanes.k[0]] + lanes.u[0])
 
     def _stretch(self, lanes: TiedLanes, at: Array, row: Array, top: Array) -> None:
-        """Raise the largest elongation of unbroken devices to that at y = `top`."""
+        """Note the elongation of unbroken devices at y = `top` where it is their largest so far."""
         e, row = self.devices.elongation(row[at], top[at]), row[at]
         whole = lanes.phase[row, :, at].T != BROKEN
         lanes.farthest[row, :, at] = np.where(whole, np.maximum(lanes.farthest[row, :, at].T, e), lanes.farthest[row, :, at].T).T

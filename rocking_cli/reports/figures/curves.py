@@ -109,7 +109,7 @@ def family(figure: Figure, rows: Rows, units: Units, over: str | None = None) ->
     head = list(rows[0])
     varied = head[: head.index("name")] if "name" in head else []
     if not varied:
-        raise UsageError("a family is drawn over the keys that were varied; this CSV holds no column of one")
+        raise UsageError("a family is drawn over the keys that were varied; this CSV has no column of a varied key")
     xlabel, others = _abscissa(rows, varied, over)
     keys = ["p", "alpha", "eta", "lambda", *(["a_scale"] if np.any(column(rows, "a_scale") != 1.0) else [])]
     figure.set_size_inches(10.5 if len(keys) > 4 else 7.2, 5.2)
