@@ -222,7 +222,7 @@ class Run:
                 observer.free(upright)
         self.finish(lanes, at, outcome, peak)
         if closing.counts:
-            vars(self.work)[closing.counts] += at.size
+            setattr(self.work, closing.counts, getattr(self.work, closing.counts) + at.size)
         return at
 
     def overturn(self, lanes: Lanes, at: Array) -> None:

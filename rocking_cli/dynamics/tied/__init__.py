@@ -2,10 +2,11 @@
 
     devices     the restraints in the units of an equation: forces, thresholds, the coefficients of a phase
     series      the Taylor series of a phase, steps with one turn at most, and the work of a phase
+    bounces     how strongly a body is held at the ground, and which bounces end in rest (Lemma 7)
     tied_lanes  the records of the march: lanes, ends of steps, results
     tied_march  from event to event: engagement, yield, unloading, slack, rupture, impact, rest, overturning
 
 While no restraint changes its phase (slack, elastic, yielding, broken), the body follows one smooth equation, and its restoring moment has
 a closed form. A phase ends at a rotation that is known beforehand, or at a turn. A step has one turn at most, so the signs at its ends and
-at the turn decide whether it meets the rotation. Of the lemmas for the free body only Lemma 7 is used (`tied_march`).
+at the turn decide whether it meets the rotation. Of the lemmas for the free body only Lemma 7 is used (`bounces`).
 """

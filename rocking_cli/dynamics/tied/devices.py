@@ -92,6 +92,17 @@ class Devices:
         stiffness, prestress, force, ultimate, height, behind = numbers
         return cls(stiffness, prestress, force, ultimate, height, behind, unit, moment, tendon, names, linear, body, weight)
 
+    def row(self, side: Array) -> Array:
+        """The index in arrays of sides, 0 right and 1 left, of sides +1 and -1."""
+        return np.zeros(side.size, dtype=np.int64) if len(self.stiffness) == 1 else (side < 0.0).astype(np.int64)
+
+    def lever_ends(self) -> Array:
+        """The y at which a tie has lost its lever, for the right and the left side: the body counts as overturned from there on."""
+        if self.linear:
+            return np.full(2, np.inf)
+        turned = np.arctan2(self.height, -np.minimum(self.behind, 0.0)).min(axis=1)
+        return np.resize(turned / self.unit[:, 0], 2)
+
     def on(self, numbers: Array, row: Array) -> Array:
         """The numbers of the devices on these sides, (devices, lanes); (devices, 1) if both sides have the same devices."""
         return numbers[:1].T if self.alike else numbers[row].T

@@ -17,21 +17,19 @@ begins the count anew. So
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from ...errors import UsageError
 from ...motions.motion import Motion
 from ..contacts.contact import OneSided
-from ..contacts.sequences import OtherSide, sequence_ends, sequence_time
-from ..drive import place, segment_value
+from ..drive import place
 from ..equations.rigid_body import RigidBodyEquation
 from ..lanes import Array, Cells, Lanes
 from ..march.batch import MAX_STEPS
 from ..outcome import FALLEN, LOST, Outcome, Work
 from ..response import Response
 from ..system import System
+from .bounces import Bounces
 from .devices import BROKEN, ELASTIC, SLACK, YIELDING, Phase
 from .series import Law, Step, falls, one_turn
 from .tied_lanes import Ends, Found, Recorder, TiedLanes
@@ -69,10 +67,9 @@ class March:
         if isinstance(self.equation, RigidBodyEquation):
             alpha = self.equation.on(sides).alpha
         self.law = Law(self.devices, np.broadcast_to(alpha, 2), self.equation.damping, self.equation.tolerance)
-        self.limit = np.minimum(np.broadcast_to(self.equation.on(sides).limit, 2), self._lever_ends())
+        self.limit = np.minimum(np.broadcast_to(self.equation.on(sides).limit, 2), self.devices.lever_ends())
         self._told = False
-        # theta^2 P h/(m g R sin(alpha)) over y, both in the unit in which the held body falls back with acceleration 1 and y < 1/2
-        self.levers = 0.0 if self.devices.linear else 0.5 * float(np.max(self.devices.unit * self.devices.held_at_first())) ** 2
+        self.bounces = Bounces(self.devices, self.contact, self.equation, self.segments)
         self.doubtful = 1.0  # y beyond which the march tests whether a body can come back
         if recorder is not None:
             self.doubtful = float(np.max(self.equation.on(sides).displacement(np.full(2, FALLEN))))
@@ -82,13 +79,6 @@ class March:
             np.zeros(size, dtype=np.uint8), np.full(size, np.nan), np.zeros(size, dtype=np.int32), np.zeros(size, dtype=np.int64),
             np.zeros(shape, dtype=np.int64), np.zeros(shape), np.zeros(shape),
         )  # fmt: skip
-
-    def _lever_ends(self) -> Array:
-        """The y at which a tie has lost its lever, for the right and the left side: the body counts as overturned from there on."""
-        if self.devices.linear:
-            return np.full(2, np.inf)
-        turned = np.arctan2(self.devices.height, -np.minimum(self.devices.behind, 0.0)).min(axis=1)
-        return np.resize(turned / self.devices.unit[:, 0], 2)
 
     def run(self, release: float = 0.0) -> Found:
         """March all cells to their ends, from rest or released to the right from theta/alpha = release; returns their results."""
@@ -108,10 +98,6 @@ class March:
                 lanes = self._rest_of_motion(lanes)
         return self.found
 
-    def row(self, lanes: Lanes) -> Array:
-        """The index in arrays of sides, 0 right and 1 left, of the side that each lane is on."""
-        return np.zeros(lanes.side.size, dtype=np.int64) if self.one_sided else (lanes.side < 0.0).astype(np.int64)
-
     def _of(self, numbers: Array, row: Array) -> Array:
         return numbers[row, :, np.arange(row.size)].T
 
@@ -127,7 +113,7 @@ class March:
         if release:
             lanes.y[:] = self.equation.on(np.ones(cell.size)).displacement(np.full(cell.size, release))
             lanes.peak[:] = lanes.y
-            row = self.row(lanes)
+            row = self.devices.row(lanes.side)
             e = self.devices.elongation(row, lanes.y)
             lanes.plastic[0], lanes.farthest[0] = self.devices.stretched(row, e), e
             pulls, _ = self.devices.thresholds(row, lanes.plastic[0])
@@ -146,8 +132,8 @@ class March:
         if not at.size:
             return lanes
         resting = lanes.take(at)
-        held = self._held(resting)
-        bounces = 0.0 if self.recorder is None or first else float(sequence_time(*self._free(resting))[0])
+        held = self.bounces.held(resting)
+        bounces = 0.0 if self.recorder is None or first else float(self.bounces.time(resting)[0])
         drive = np.broadcast_to(self.cells.amplitude[:, resting.cell], (len(self.cells.amplitude), at.size))
         effective = Cells(np.array([drive[0] / held[0], drive[-1] / held[-1]]), self.cells.omega, self.cells.eta)
         again = self.contact.uplift(effective, self.segments, np.arange(at.size), resting.k, resting.u)
@@ -167,21 +153,15 @@ class March:
         lanes.rests[at] = False
         return self._finish(lanes, at[ended], np.full(lanes.cell.size, Outcome.NO_UPLIFT if first else Outcome.ROCKED))
 
-    def _held(self, lanes: TiedLanes) -> Array:
-        """The drive at which lanes at rest leave the ground onto each side, over that of the free body, (sides, lanes)."""
-        rows = range(len(self.devices.stiffness))
-        count = lanes.cell.size
-        return np.array([1.0 + self.devices.pull(np.full(count, i), lanes.phase[i], lanes.plastic[i]) for i in rows])
-
     def _leave(self, lanes: TiedLanes, at: Array) -> None:
         """Set the devices of lanes that leave the ground to the phases in which they begin."""
-        row = self.row(lanes)[at]
+        row = self.devices.row(lanes.side)[at]
         phase, plastic = lanes.phase[row, :, at].T, lanes.plastic[row, :, at].T
         lanes.phase[row, :, at] = self.devices.at_ground(row, phase, plastic).T
 
     def _phase(self, lanes: TiedLanes) -> tuple[Array, Phase, Array, Array]:
         """(row, phase of the devices, y at its lower end, y at its upper end) of each lane."""
-        row = self.row(lanes)
+        row = self.devices.row(lanes.side)
         now = self.devices.phase(row, self._of(lanes.phase, row), self._of(lanes.plastic, row))
         return row, now, now.low.max(axis=0, initial=0.0), np.minimum(now.high.min(axis=0, initial=np.inf), self.limit[row])
 
@@ -391,45 +371,14 @@ class March:
             getattr(lanes, name)[at] = getattr(struck, name)
         self._leave(lanes, at)
         stops, seen = struck.v < _STILL, 0.0 if self.recorder is None else self.recorder.visible
-        lanes.rests[at] = stops | (((seen == 0.0) | (struck.v < seen)) & self._bounces_out(lanes.take(at)))
+        lanes.rests[at] = stops | (((seen == 0.0) | (struck.v < seen)) & self.bounces.end(lanes.take(at)))
         return known
-
-    def _bounces_out(self, lanes: TiedLanes) -> Array:
-        """True for lanes just after an impact whose bouncing ends in rest before any other event (Lemma 7). A restraint that neither yields
-        nor breaks gives back the work that it takes. Its moment is at least P h (1 - theta^2), P its force at the ground, if its stiffness
-        makes up for a lever that falls (x < 0, down to -0.4 h) and theta < 1. The lemma's e covers this loss of moment."""
-        free, there = self._free(lanes)
-        devices, lowest, falls = self.devices, np.full(lanes.cell.size, np.inf), np.zeros(lanes.cell.size, dtype=bool)
-        for i, held in enumerate(self._held(lanes)):
-            row, whole = np.full(held.size, i), lanes.phase[i] != BROKEN
-            limit = np.minimum(devices.thresholds(row, lanes.plastic[i])[1], devices.on(devices.ultimate, row))
-            level = np.where(whole, devices.level(row, limit), np.inf).min(axis=0)
-            lowest = np.minimum(lowest, level / held)
-            h, x = devices.on(devices.height, row), devices.on(devices.behind, row)
-            soft = devices.on(devices.prestress, row) * x + devices.on(devices.stiffness, row) * h * h < 0.0
-            falls |= (whole & (soft | (x < -0.4 * h))).any(axis=0)
-        free.peak[:] = np.minimum(free.peak, lowest)
-        return ~falls & sequence_ends(self.segments, free, self.equation, there, self.levers)
-
-    def _free(self, lanes: TiedLanes) -> tuple[TiedLanes, OtherSide | None]:
-        """(lanes, their other side) of a free body on which the restraints act as the constant forces that they have at the ground. The
-        unit of y is the one in which the body at rest falls back with acceleration 1."""
-        every, row, there = self._held(lanes), self.row(lanes), self.contact.other_side(lanes)
-        held = every[row, np.arange(row.size)]
-        seg, k = self.segments, np.minimum(lanes.k, len(self.segments) - 1)
-        amplitude = lanes.amplitude / held
-        b = -lanes.side * amplitude * (seg.s_start[k] + segment_value(seg, k, lanes.u)[0]) - 1.0
-        if there is not None:
-            over = every[1 - row, np.arange(row.size)] / held
-            drive, time, rotation = (np.broadcast_to(x, held.shape) for x in (there.drive, there.time, there.rotation))
-            there = OtherSide(drive / over, time, there.eta / over, there.back * over, rotation * over)
-        return replace(lanes, amplitude=amplitude, v=lanes.v / held, b=b, peak=lanes.peak / held), there
 
     def _finish(self, lanes: TiedLanes, at: Array, outcome: Array) -> TiedLanes:
         """Store the results of the lanes `at`; outcome: of all lanes. Returns the other lanes."""
         if not at.size:
             return lanes
-        cell, found, row = lanes.cell[at], self.found, self.row(lanes)[at]
+        cell, found, row = lanes.cell[at], self.found, self.devices.row(lanes.side)[at]
         found.outcome[cell], found.impacts[cell], found.steps[cell] = outcome[at], lanes.impacts[at], lanes.steps[at]
         known = np.isin(outcome[at], (Outcome.NO_UPLIFT, Outcome.ROCKED, Outcome.LEANING))
         ratio = self.equation.on(lanes.side[at]).rotation(lanes.peak[at])

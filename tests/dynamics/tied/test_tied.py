@@ -12,6 +12,7 @@ from support.documents import built
 
 from rocking_cli import Method, Outcome, UsageError, check, parse_grid, pulse, response, sine, time_history
 from rocking_cli.dynamics.method import LINEAR
+from rocking_cli.dynamics.tied.bounces import Bounces
 from rocking_cli.dynamics.tied.devices import BROKEN
 from rocking_cli.dynamics.tied.tied_march import March
 from rocking_cli.motions import Motion, Piece
@@ -261,7 +262,7 @@ def test_bouncing_that_is_summed_ends_as_it_does_impact_by_impact(monkeypatch):
     system = Method("nonlinear").system_of(body)
     cells = system.least_uplift(sine()) * np.array([1.02, 1.3, 1.8]), np.array([3.0, 5.0, 8.0])
     summed = response(system, sine(), *cells, 0.7)
-    monkeypatch.setattr(March, "_bounces_out", lambda self, lanes: np.zeros(lanes.cell.size, dtype=bool))
+    monkeypatch.setattr(Bounces, "end", lambda self, lanes: np.zeros(lanes.cell.size, dtype=bool))
     marched = response(system, sine(), *cells, 0.7)
     assert marched.work.steps > 5 * summed.work.steps
     np.testing.assert_array_equal(marched.outcome, summed.outcome)
@@ -274,7 +275,7 @@ def test_bouncing_that_makes_the_tie_of_the_other_side_yield_is_not_summed(monke
     system = Method("nonlinear", 1e-11).system_of(body)
     cells = system.least_uplift(sine()) * np.array([1.29, 1.42]), np.array([6.3, 9.1]), np.full(2, 0.7)
     summed = March(system, sine(), *cells).run()
-    monkeypatch.setattr(March, "_bounces_out", lambda self, lanes: np.zeros(lanes.cell.size, dtype=bool))
+    monkeypatch.setattr(Bounces, "end", lambda self, lanes: np.zeros(lanes.cell.size, dtype=bool))
     marched = March(system, sine(), *cells).run()
     assert (summed.plastic[1] > 0.0).all()
     np.testing.assert_allclose(summed.plastic, marched.plastic, rtol=1e-9)

@@ -28,10 +28,10 @@ from rocking_cli.spectra.sweep import SweepOptions
 from rocking_cli.spectra.work import machine
 
 GRID = parse_grid("A=0.5:12:40,Omega=0.5:12:30")
-ONE = [dimensionless_oscillator(0.9)]
+ONE, SINE = [dimensionless_oscillator(0.9)], sine()
 
 
-def sweep(path, structures=ONE, motion=sine(), grid=GRID, **options):  # noqa: B008
+def sweep(path, structures=ONE, motion=SINE, grid=GRID, **options):
     """Six chunks of 200 cells."""
     return write_spectrum(structures, motion, grid, path, workers=1, chunk_cells=200, **options)
 
@@ -72,7 +72,7 @@ def names(folder):
 
 
 def layout():
-    return Layout(PulseScene(tuple(ONE), GRID, sine()).frame(), (5, 40), ("theta_ratio", "outcome"), {}, {"shard": "1/1"})
+    return Layout(PulseScene(tuple(ONE), GRID, SINE).frame(), (5, 40), ("theta_ratio", "outcome"), {}, {"shard": "1/1"})
 
 
 def test_killed_sweeps_go_on_to_the_same_file(tmp_path):
@@ -215,7 +215,7 @@ def test_a_folder_that_vanishes_is_a_sentence(tmp_path):
 
 def test_xarray_sees_dimensions_coordinates_units_and_flags(output):
     text = "kind: block\nname: Säule\nwidth: 0.5\nheight: 2"
-    write_spectrum([built(text)], sine(), parse_grid("a_g=0.1g:1g:12,omega_g=1:20:9"), output, documents=text)
+    write_spectrum([built(text)], SINE, parse_grid("a_g=0.1g:1g:12,omega_g=1:20:9"), output, documents=text)
     with xarray.open_dataset(output, engine="h5netcdf") as d:
         assert d.theta_ratio.dims == ("structure", "omega_g", "a_g")
         assert d.sizes["omega_g"] == 9
