@@ -65,6 +65,7 @@ from .reports.figures.drawing import draw_structures as draw_structures
 from .reports.page import report as report
 from .reports.units import Units as Units
 from .reports.work_precision import accuracy as accuracy
+from .responses.arcs import History as History
 from .responses.check import Progress as Progress
 from .responses.check import Verdict as Verdict
 from .responses.check import check as check
@@ -72,7 +73,6 @@ from .responses.code_check import CodeCheck as CodeCheck
 from .responses.code_check import code_check as code_check
 from .responses.code_check import first_beyond as first_beyond
 from .responses.comparison import compare as compare
-from .responses.history import History as History
 from .responses.history import history as history
 from .responses.solving import Boundary as Boundary
 from .responses.solving import boundaries as boundaries

@@ -38,8 +38,8 @@ def test_types_are_shipped(pytestconfig):
 
 
 def test_the_page_of_help_lists_every_name():
-    told = set(re.findall(r"\w+", page("python")))
-    assert sorted(PUBLIC.keys() - told - {"__version__"}) == []
+    named = set(re.findall(r"\w+", page("python")))
+    assert sorted(PUBLIC.keys() - named - {"__version__"}) == []
     assert sorted(COMMANDS.keys() - set(re.findall(r"rocking (\w+) +\w", page("python"))) - {"help"}) == []
 
 
@@ -47,8 +47,8 @@ def test_the_page_of_help_lists_every_name():
 def test_types_in_signatures_are_public(name):
     """Annotations are texts, or types where a module does not import those of `__future__`."""
     types = [one if isinstance(one, str) else inspect.formatannotation(one) for one in inspect.get_annotations(PUBLIC[name]).values()]
-    told = {word for one in types for word in re.findall(r"(?<!\w)[A-Za-z]\w*(?![\w.])", one.replace("<class ", ""))}
-    assert sorted(told - PUBLIC.keys() - set(dir(builtins)) - ELSEWHERE) == []
+    named = {word for one in types for word in re.findall(r"(?<!\w)[A-Za-z]\w*(?![\w.])", one.replace("<class ", ""))}
+    assert sorted(named - PUBLIC.keys() - set(dir(builtins)) - ELSEWHERE) == []
 
 
 def test_a_function_stands_before_the_subpackage_of_its_name():
@@ -102,8 +102,8 @@ def test_the_examples_of_a_function_run(name, tmp_path, monkeypatch, pytestconfi
 
 @pytest.mark.parametrize("name", sorted(set(PUBLIC) - {"__version__"}))
 def test_exceptions_that_a_docstring_names_are_public(name):
-    told = re.findall(r"\b[A-Z]\w*Error\b|\bInterrupted\b", inspect.getdoc(PUBLIC[name]) or "")
-    assert [error for error in told if error not in PUBLIC and not hasattr(builtins, error)] == []
+    named = re.findall(r"\b[A-Z]\w*Error\b|\bInterrupted\b", inspect.getdoc(PUBLIC[name]) or "")
+    assert [error for error in named if error not in PUBLIC and not hasattr(builtins, error)] == []
 
 
 def test_structures_motion_and_grid_stand_in_this_order():
@@ -143,3 +143,22 @@ def test_without_xarray_one_sentence_says_so(monkeypatch):
         found.to_xarray()
     with pytest.raises(UsageError):
         parse_grid("A=2")
+
+
+def test_old_names_stay_for_this_version():
+    for name in ("Verdict", "CodeCheck", "Boundary", "Fit", "Rate", "RockingParameters", "Summary"):
+        assert PUBLIC[name].record is PUBLIC[name].row
+    assert rocking_cli.TimeHistory.records is rocking_cli.TimeHistory.rows
+    block = load_structures("configs/block.yaml")[0]
+    assert rocking_cli.RockingParameters.from_record(block.record()) == block
+    verdict = rocking_cli.check(block, sine(), parse_grid("a_g=0.35g,f_g=1.5"), a_max=None)
+    assert (verdict.name, verdict.friction, verdict.dust) == (verdict.structure, verdict.friction_needed, verdict.share_of_falls)
+    found = spectrum([block], sine(), parse_grid("A=1:3:3,Omega=2:4:2"), quantities=["condition"], workers=1)
+    assert found.beside is found.quantities
+    row, work = found.summary.row(), found.summary.work
+    assert (row["chatters_closed"], work.chatters_closed) == (work.sequences_closed, work.sequences_closed)
+    assert (found.summary.otherwise, found.summary.elsewhere) == (found.summary.differing, found.summary.machine_differences)
+    merged = rocking_cli.Merged(3, 4, "numpy")
+    assert (merged.there, merged.whole, merged.elsewhere) == (3, 4, "numpy")
+    site = rocking_cli.SpectrumFile("site", np.array([0.0, 1.0]), np.array([2.0, 1.0]))
+    assert (sine().peak, site.peak) == (sine().largest, site.pga)

@@ -125,7 +125,7 @@ def main(arguments: list[str] | None = None) -> Any:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # others wait for work that never comes, at full speed, from NumPy's import on
     gc.set_threshold(_COLLECTED)
     listen()
-    with streams.guarded(), progress.told():
+    with streams.guarded(), progress.reporting():
         try:
             return sys.exit(cli.main(arguments, prog_name="rocking", standalone_mode=False) or 0)
         except click.exceptions.NoArgsIsHelpError as error:

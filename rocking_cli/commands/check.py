@@ -12,14 +12,14 @@ import click
 from . import ground, options
 from .command import command, group, option, partly, refuse
 from .parameter_types import NUMBER, InputPath
-from .printing import emit, is_quiet, note, printed, units_of
+from .printing import emit, form, is_quiet, note, printed, units_of
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
-    from ..envelopes.limit import Limit
+    from ..envelopes.amplitudes import Limit
     from ..responses.check import Demand, Verdict
 
-INSET = 0.05  # of the width, whose effect on the capacity is told
+INSET = 0.05  # of the width, whose effect on the capacity is stated
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,8 @@ def check(
     """
     from ..dynamics.outcome import Outcome
     from ..envelopes.capacity import narrowest
-    from ..responses.check import CHECK_COLUMNS, OLD_COLUMNS, has_direction, outcome_alone, verdicts
+    from ..reports.wording import opposite_in_words
+    from ..responses.check import CHECK_COLUMNS, OLD_COLUMNS, TIED_COLUMNS, has_direction, outcome_alone, verdicts
 
     files, motions = asked.several(files)
     ends = [end.of(motions) for end in asked.ends()]
@@ -91,13 +92,13 @@ def check(
         return 0
     shakes = shaken.needed()
     demands = [(structure, *shake) for shake in shakes for structure in structures]
-    beside: dict[str, dict[str, float]] = {}  # a further column by structure
+    extra: dict[str, dict[str, float]] = {}  # a further column by structure
     if azimuths is not None:
         from ..responses.azimuth import worst_azimuths
 
         searched = ProgressLine("azimuths", "stages")
         directed = worst_azimuths(structures, shaken.recordings, azimuths, workers=workers, progress=searched)
-        beside, demands = {demand[0].name: {"azimuth": angle} for angle, demand in directed}, [demand for _, demand in directed]
+        extra, demands = {demand[0].name: {"azimuth": angle} for angle, demand in directed}, [demand for _, demand in directed]
         shakes = [(motion, grid) for _, motion, grid in demands]
         note(f"azimuth: the worst of {azimuths.size} for the demand; at another azimuth the capacity may be less")
         if both := [s.name for s in structures if has_direction(s)]:
@@ -110,21 +111,24 @@ def check(
         worst = at_worst_frequencies(structures, motion, low, high, a_max, workers=workers, progress=searched)
         demands = [(structure, motion, grid) for structure, (grid, _) in zip(structures, worst, strict=True)]
         shakes = [(motion, low), (motion, high)]
-        beside = {one.name: {"worst_f_g": frequency} for one, (_, frequency) in zip(structures, worst, strict=True)}
+        extra = {one.name: {"worst_f_g": frequency} for one, (_, frequency) in zip(structures, worst, strict=True)}
     if by_code:
         demands = by_code.dynamic(demands)
-    told: list[Verdict] = []
+    judged: list[Verdict] = []
     limit = None if verdict_only else a_max
     found: Iterable[Verdict] = verdicts(demands, a_max=limit, workers=workers, progress=ProgressLine("check", "stages"))
     if sort:
         found = sorted(found, key=lambda verdict: float("inf") if (c := verdict.capacity_demand) is None else c)
 
+    tied = TIED_COLUMNS if form() == "csv" and any(s.restraints for s in structures) else ()  # the first structure may have none
+
     def rows() -> Iterator[dict[str, Any]]:
         for verdict in found:
-            told.append(verdict)
-            head = {"structure": verdict.structure, "motion": verdict.motion, **beside.get(verdict.structure, {})}
+            judged.append(verdict)
+            head = {"structure": verdict.structure, "motion": verdict.motion, **extra.get(verdict.structure, {})}
             added = by_code.columns(verdict, not verdict_only) if by_code else {}
-            yield {**head, **verdict.record(), **added}
+            row = {**head, **verdict.row(), **added}
+            yield row | {key: row.get(key) for key in tied}
         yield from by_code.others() if by_code else ()
 
     in_g = _in_g(asked.a_g or asked.scale_to or ("g" if asked.motion else ""))
@@ -134,25 +138,23 @@ def check(
     elif output is not None:
         from ..reports.figures.capacities import draw_capacities
 
-        draw_capacities(told, output, in_g=in_g, overwrite=overwrite, tell=note)
+        draw_capacities(judged, output, in_g=in_g, overwrite=overwrite, tell=note)
     ground.note_demand(shakes)
     ground.note_governing(structures, shakes[0][1].dimensionless)
-    note(*_remarks(told), *(by_code.said() if by_code else ()))
+    note(*_remarks(judged), *(by_code.said() if by_code else ()))
     sided = [(s, motion.scaled(-1.0), grid) for s, motion, grid in demands if azimuths is None and has_direction(s)]
     if sided and ends:  # the worst frequency of the opposite direction is another one
         worst = at_worst_frequencies([s for s, _, _ in sided], sided[0][1], low, high, a_max, workers=workers, progress=searched)
         sided = [(s, motion, grid) for (s, motion, _), (grid, _) in zip(sided, worst, strict=True)]
     opposite = [(demand[0].name, outcome_alone(*demand)) for demand in sided]
     if opposite:
-        fallen = dict.fromkeys(name for name, outcome in opposite if outcome.falls)
-        names, does = ", ".join(fallen or dict.fromkeys(name for name, _ in opposite)), "overturns" if fallen else "does not overturn"
-        note(f"the opposite direction (--scale -1), which may differ for unequal sides: {does} {names}")
-    if not (verdict_only or is_quiet()) and (remark := _of_an_inset(told, demands, a_max)):
+        note(opposite_in_words(opposite))
+    if not (verdict_only or is_quiet()) and (remark := _of_an_inset(judged, demands, a_max)):
         note(remark)
     width = " or ".join(dict.fromkeys(narrowest(shake) for shake, _ in shakes))
     if not verdict_only:
         note(f"intervals narrower than {width} may be missed, except around the demand")
-    outcomes = [*(v.outcome for v in told), *(outcome for _, outcome in opposite)]
+    outcomes = [*(v.outcome for v in judged), *(outcome for _, outcome in opposite)]
     partly(Outcome.FAILED in outcomes)
     return 5 if fail_on and any(outcome.falls for outcome in outcomes) else 0
 
@@ -165,15 +167,15 @@ def _in_g(asked: str) -> bool:
     return asked.rstrip().endswith("g")
 
 
-def _of_an_inset(told: list[Verdict], demands: Sequence[Demand], a_max: Limit) -> str | None:
+def _of_an_inset(judged: list[Verdict], demands: Sequence[Demand], a_max: Limit) -> str | None:
     """Return a line on the structure of least capacity: how much of it is lost if the pivots lie inside the edges; None if no structure
     has both a capacity and a geometry."""
-    from ..envelopes.limit import limit_of
+    from ..envelopes.amplitudes import limit_of
     from ..responses.check import first_overturning
     from ..structures.mechanics.single_body import worn
 
     asked = {(structure.name, motion.name): (structure, motion, grid) for structure, motion, grid in demands}
-    for verdict in sorted((v for v in told if v.first_overturning_a), key=lambda v: v.capacity_demand or 0.0):
+    for verdict in sorted((v for v in judged if v.first_overturning_a), key=lambda v: v.capacity_demand or 0.0):
         structure, motion, grid = asked[verdict.structure, verdict.motion]
         if "inset" in structure.details or (found := worn(structure, INSET)) is None:
             continue
@@ -198,7 +200,7 @@ def _remarks(verdicts: list[Verdict]) -> list[str]:
 
     falls = named(v for v in verdicts if v.outcome.overturned)
     lines = [f"{len(falls)} of {len(verdicts)} overturn{': ' if falls else ''}{', '.join(falls)}"] * bool(verdicts)
-    told: list[tuple[str, Callable[[Verdict], Any]]] = [
+    conditions: list[tuple[str, Callable[[Verdict], Any]]] = [
         ("lose contact with the ground, and their later motion is not known", lambda v: v.outcome == Outcome.LOST_CONTACT),
         ("come to rest leaning, held by their ties, which counts as a fall", lambda v: v.outcome == Outcome.LEANING),
         (
@@ -213,7 +215,7 @@ def _remarks(verdicts: list[Verdict]) -> list[str]:
         ("would slide, because their friction is below friction_needed", lambda v: v.slides),
         ("stand by the linear equation, which is wrong", lambda v: v.falls and v.outcome_linear.safe),
     ]
-    for words, holds in told:
+    for words, holds in conditions:
         if names := named(filter(holds, verdicts)):
             lines.append(f"{words}: {', '.join(names)}")
     for v in verdicts:
@@ -221,7 +223,7 @@ def _remarks(verdicts: list[Verdict]) -> list[str]:
             from ..responses.tied_history import remarks
 
             lines += [f"{named([v])[0]}: {line}" for line in remarks(v.devices, v.first_overturning_a, v.first_overturning_a_free)]
-        if v.dust:
-            share = f"{100.0 * v.dust:.2g} % of the amplitudes within 5 % of it"
+        if v.share_of_falls:
+            share = f"{100.0 * v.share_of_falls:.2g} % of the amplitudes within 5 % of it"
             lines.append(f"{named([v])[0]}: above first_overturning {share} overturn, and narrower intervals may begin below")
     return lines

@@ -11,7 +11,7 @@ from ..reports.figures.capacities import draw_capacity_curves
 from ..responses.check import Demand, Verdict
 from ..responses.code_check import SLC, SLV, CodeCheck, code_check, first_beyond
 from ..structures import RockingParameters
-from ..structures.mechanics.capacity_curve import demand_geometry
+from ..structures.mechanics.capacity_curve import require_geometry
 from .printing import emit, note
 
 
@@ -28,23 +28,23 @@ class CodeRows:
         self.given: dict[str, Any] = {"site": site, "floor": [parse_floor(text) for text in floor], "confidence": 1.0 if fc is None else fc}
         self.checks: dict[tuple[str, str], tuple[CodeCheck, Demand, bool]] = {}
         self.lines: list[str] = []
-        self.told: dict[str, list[Verdict]] = {}
+        self.verdicts: dict[str, list[Verdict]] = {}
 
     def alone(
         self, structures: Sequence[RockingParameters], varied: Mapping[str, Mapping[str, Any]], output: Path | None, overwrite: bool
     ) -> None:
         """Print a row for each structure under the spectrum of a file; the call has no motion."""
-        demand_geometry(structures)
+        require_geometry(structures)
         found = [code_check(structure, **self.given) for structure in structures]
         self._remark(found)
-        emit(({**_head(one), **one.record()} for one in found), table_units="g,mm,deg", varied=varied)
+        emit(({**_head(one), **one.row()} for one in found), table_units="g,mm,deg", varied=varied)
         if output is not None:
             draw_capacity_curves(found, output, overwrite=overwrite, tell=note)
         note(*self.lines)
 
     def dynamic(self, demands: Sequence[Demand]) -> list[Demand]:
         """Check every demand by the code, and return the demands on bodies that an equation of motion describes."""
-        demand_geometry([structure for structure, _, _ in demands])
+        require_geometry([structure for structure, _, _ in demands])
         for structure, motion, grid in demands:
             try:
                 governing_method(structure, dimensionless=grid.dimensionless).system_of(structure)
@@ -60,23 +60,23 @@ class CodeRows:
     def columns(self, verdict: Verdict, searched: bool) -> dict[str, Any]:
         """Return the columns of the code for the row of a verdict; searched: search for theta_04_a too."""
         check, demand, _ = self.checks[verdict.structure, verdict.motion]
-        self.told.setdefault(verdict.structure, []).append(verdict)
+        self.verdicts.setdefault(verdict.structure, []).append(verdict)
         beyond = first_beyond(*demand, most=verdict.first_overturning_a) if searched else None
         several = f"{verdict.structure} under {verdict.motion}: " if len(self.checks) > 1 else ""
         self.lines += [several + line for line in check.promises(verdict.first_overturning_a, beyond)]
-        return check.record(beyond)
+        return check.row(beyond)
 
     def others(self) -> Iterator[dict[str, Any]]:
         """Yield a row for each body that no equation of motion describes."""
         for check, (_, motion, _), moves in self.checks.values():
             if not moves:
-                yield {**_head(check), "motion": motion.name, **check.record()}
+                yield {**_head(check), "motion": motion.name, **check.row()}
 
     def said(self) -> list[str]:
         """Return the lines to print. Under several records they state the mean theta_ratio of each body without ties (C8.7.1.2.1.9); d/d0
         of such a body is at most theta/alpha."""
         found = []
-        for name, verdicts in self.told.items():
+        for name, verdicts in self.verdicts.items():
             structure = next(s for _, (s, _, _), _ in self.checks.values() if s.name == name)
             if len(verdicts) < 2 or self.given["floor"] or structure.mechanism or structure.restraints or structure.sides:
                 continue
@@ -86,8 +86,8 @@ class CodeRows:
                 " and ".join(key for key, state in (("SLV", SLV), ("SLC", SLC)) if not falls and mean <= state.share)
                 or "neither SLV nor SLC"
             )
-            told = f"{falls} pass alpha" if falls else f"none passes alpha, the mean of theta_ratio is {mean:.3g}"
-            found.append(f"{name}: dynamics (C8.7.1.2.1.9), {len(verdicts)} motions: {told}: {met} met")
+            result = f"{falls} pass alpha" if falls else f"none passes alpha, the mean of theta_ratio is {mean:.3g}"
+            found.append(f"{name}: dynamics (C8.7.1.2.1.9), {len(verdicts)} motions: {result}: {met} met")
         return [*self.lines, *found]
 
     def draw(self, output: Path, overwrite: bool) -> None:
@@ -101,8 +101,8 @@ class CodeRows:
         self.lines.insert(0, f"code: Circolare 7/2019 C8.7.1, FC = {self.given['confidence']:g}, spectrum of {on}{where}")
         if where:
             self.lines.append("the dynamics are those under the motion of the ground, not of the floor")
-        if told := dict.fromkeys(check.structure for check in checks if check.slv.broken):
-            self.lines.append(f"a tie or a tendon breaks before 0.4 d0, and decides d_slv: {', '.join(told)}")
+        if broken := dict.fromkeys(check.structure for check in checks if check.slv.broken):
+            self.lines.append(f"a tie or a tendon breaks before 0.4 d0, and decides d_slv: {', '.join(broken)}")
 
 
 def _head(check: CodeCheck) -> dict[str, Any]:

@@ -35,7 +35,7 @@ def compare(
             raise click.UsageError(f"--eta: {error}") from None
     methods = model.methods(structures, shaken.grid.dimensionless)
     responses = comparison.compare(structures, shaken.motion, shaken.grid, methods)
-    emit((comparison.curve_records if curves else comparison.comparison_records)(responses, methods))
+    emit((comparison.curve_rows if curves else comparison.comparison_rows)(responses, methods))
     note(*model.in_words(methods, structures, shaken.grid.dimensionless))
     for method in methods:
         if len(structures) > 1:

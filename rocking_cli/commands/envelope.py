@@ -17,7 +17,7 @@ from .progress import ProgressLine
 
 if TYPE_CHECKING:
     from ..dynamics.method import Method
-    from ..envelopes.limit import Limit
+    from ..envelopes.amplitudes import Limit
     from ..motions import Motion
     from ..motions.grid import Axis
     from ..structures import RockingParameters
@@ -87,15 +87,15 @@ def envelope(
         emit(rows, CURVE_COLUMNS, unseen=NAMED, varied=varied)
         return
     methods = model.methods(structures, axis.name == "Omega")
-    told = model.in_words(methods, structures, axis.name == "Omega")
-    _of_pulse(structures, motion, axis, methods, wanted, told, varied)
+    lines = model.in_words(methods, structures, axis.name == "Omega")
+    _of_pulse(structures, motion, axis, methods, wanted, lines, varied)
 
 
 def _of_pulse(
-    structures: Sequence[RockingParameters], motion: Motion, axis: Axis, methods: Sequence[Method], wanted: Envelope, told: list[str],
+    structures: Sequence[RockingParameters], motion: Motion, axis: Axis, methods: Sequence[Method], wanted: Envelope, lines: list[str],
     varied: dict[str, dict[str, float]],
 ) -> None:  # fmt: skip
-    """Print the intervals of each structure by each equation under a pulse; told: the lines to print after them."""
+    """Print the intervals of each structure by each equation under a pulse; lines: the lines to print after them."""
     from ..envelopes.intervals import INTERVAL_COLUMNS, NAMED, NARROWEST, NONE, check_intervals, misjudged, structure_intervals
 
     for structure in structures:  # all of them, before the first row is printed
@@ -121,18 +121,20 @@ def _of_pulse(
                     yield row
                 if none:
                     by = f", {method.model}" if both else ""
-                    told.append(f"{structure.name}{by}: no overturning up to A = {most:g} at {len(none)} of {axis.values.size} frequencies")
+                    lines.append(
+                        f"{structure.name}{by}: no overturning up to A = {most:g} at {len(none)} of {axis.values.size} frequencies"
+                    )
                 compared.append(found)
             if both and not wanted.lowest:
-                told.append(f"{structure.name}: {misjudged(*compared, a_max=most)}")
+                lines.append(f"{structure.name}: {misjudged(*compared, a_max=most)}")
 
     emit(rows(), INTERVAL_COLUMNS, unseen=NAMED[: 1 if both else 2], varied=varied)
-    _closing(told, f"{NARROWEST:g} in A", failed)
+    _closing(lines, f"{NARROWEST:g} in A", failed)
 
 
-def _closing(told: list[str], narrowest: str, failed: int) -> None:
+def _closing(lines: list[str], narrowest: str, failed: int) -> None:
     """Print what the search may have missed and how many intervals failed."""
-    note(*told, f"intervals narrower than {narrowest}, safe or overturning, may be missed")
+    note(*lines, f"intervals narrower than {narrowest}, safe or overturning, may be missed")
     if failed:
         note(f"{counted(failed, 'interval')} could not be decided (mode failed)")
         partly()
@@ -145,7 +147,7 @@ def _of_records(
     from ..dynamics.method import model_in_words
     from ..envelopes.capacity import RATIO
     from ..envelopes.intervals import NAMED, NONE
-    from ..spectra.record_envelope import Tracing, overturning_spectrum, tracing_records
+    from ..spectra.record_envelope import Tracing, overturning_spectrum, tracing_rows
     from ..spectra.record_scene import scene_of_words
 
     refuse("does not go with records", "closed_form")
@@ -161,7 +163,7 @@ def _of_records(
     modes: Counter[str] = Counter()
 
     def rows() -> Iterator[dict[str, Any]]:
-        for row in tracing_records(tracing, sign=wanted.sign, workers=wanted.workers, progress=ProgressLine("envelope", "searches")):
+        for row in tracing_rows(tracing, sign=wanted.sign, workers=wanted.workers, progress=ProgressLine("envelope", "searches")):
             modes[row["mode"]] += 1
             yield row
 
@@ -170,7 +172,7 @@ def _of_records(
     else:
         places = ("record", "alpha", "T") if scene.over_angles else ("record", "structure")
         emit(rows(), (*places, "A_from", *([] if tracing.first else ["A_to"]), "mode", "model"), unseen=NAMED, varied=varied)
-    told = [model_in_words(scene.method, *structures, model=model.models[0])]
+    lines = [model_in_words(scene.method, *structures, model=model.models[0])]
     if modes[NONE]:
-        told.append(f"no overturning up to {tracing.most} in {modes[NONE]} searches")
-    _closing(told, f"{100.0 * RATIO:g} % of the amplitude", modes["failed"])
+        lines.append(f"no overturning up to {tracing.most} in {modes[NONE]} searches")
+    _closing(lines, f"{100.0 * RATIO:g} % of the amplitude", modes["failed"])

@@ -195,26 +195,27 @@ def _emit(fits: Sequence[Fit], exact: Sequence[Study], wanted: Fits) -> None:
         emit(rows, CURVE_COLUMNS + (HAZARD_COLUMNS if wanted.hazard is not None else ()), without=("x",))
         return
     asked, shown = units_of(), form()
-    told = asked or (parse_units("g") if shown is None and _IN_G.search(wanted.levels or "") else Units())
-    records, rows = [], [fit.record() for fit in fits]
+    shown_units = asked or (parse_units("g") if shown is None and _IN_G.search(wanted.levels or "") else Units())
+    shown_rows, rows = [], [fit.row() for fit in fits]
     if wanted.hazard is not None:
-        rows += [study.exact_record() for study in exact]
-    for record in rows:
+        rows += [study.exact_row() for study in exact]
+    for row in rows:
         if wanted.standing is not None:
-            falls = record["limit_state"] == "overturning"
-            record |= {"rejected": -math.expm1(-record["annual_rate"] * wanted.standing) if falls else None}
+            falls = row["limit_state"] == "overturning"
+            row |= {"rejected": -math.expm1(-row["annual_rate"] * wanted.standing) if falls else None}
         if shown != "json":
-            dimension = dimension_of(record["im"].lower())
-            unit, factor = ("", 1.0) if dimension is None else told.of(dimension)
-            record |= {k: x / factor for k, x in record.items() if k.startswith(("median", "theta")) and x is not None}
+            dimension = dimension_of(row["im"].lower())
+            unit, factor = ("", 1.0) if dimension is None else shown_units.of(dimension)
+            row |= {k: x / factor for k, x in row.items() if k.startswith(("median", "theta")) and x is not None}
             if shown is None or asked is not None:
-                record["im"] = headed(record["im"], unit)
+                row["im"] = headed(row["im"], unit)
             if shown is None:  # theta is the median under its old name, for programs
-                record = {k: x for k, x in record.items() if not k.startswith("theta")}
+                row = {k: x for k, x in row.items() if not k.startswith("theta")}
             else:
-                record = {headed(k, unit) if k.startswith("median") else k: x for k, x in record.items()}
-        records.append(record)
-    emit(records, FRAGILITY_COLUMNS + (RATE_COLUMNS if wanted.hazard is not None else ()), without=("theta",))
+                row = {headed(k, unit) if k.startswith("median") else k: x for k, x in row.items()}
+        shown_rows.append(row)
+    columns = FRAGILITY_COLUMNS + (RATE_COLUMNS if wanted.hazard is not None else ())  # the rows have units in their headings
+    emit(shown_rows, () if shown_rows else columns, without=("theta",))
 
 
 def _each(flag: str, text: str, read: Callable[[str], Any], expected: str = "") -> list[Any]:

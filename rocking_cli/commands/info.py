@@ -36,7 +36,7 @@ def info(
     from ..spectra.work.machine import described
 
     damaged: list[str] = []
-    records: list[dict[str, Any]] = []
+    rows: list[dict[str, Any]] = []
     for path in files:
         with SpectraFile(path) as file:
             if documents:
@@ -45,25 +45,25 @@ def info(
             attributes, dimensions = file.attributes, file.frame.dimensions
             names = {f"{name}s": _names(values) for name, values in dimensions.items() if isinstance(values, list)}
             axes = {k: f"{v[0]:g} to {v[-1]:g}, {len(v)}" for k, v in dimensions.items() if not isinstance(v, list)}
-            record = {"file": path, **names, "model": file.scene["model"], "motion": attributes["motion"], **axes}
-            record |= {"chunks": f"{int(file.done.sum())} of {file.done.size}", "complete": "yes" if file.complete else "no"}
-            record |= {key: attributes.get(key) for key in ("run_time", "estimated_error", "checked_cells", "source")}
-            record |= {"sealed": "yes" if file.digest else "no", "digest": file.digest}
-            record["computed_on"] = "; ".join(described(m) for m in file.machines) or None
+            row = {"file": path, **names, "model": file.scene["model"], "motion": attributes["motion"], **axes}
+            row |= {"chunks": f"{int(file.done.sum())} of {file.done.size}", "complete": "yes" if file.complete else "no"}
+            row |= {key: attributes.get(key) for key in ("run_time", "estimated_error", "checked_cells", "source")}
+            row |= {"sealed": "yes" if file.digest else "no", "digest": file.digest}
+            row["computed_on"] = "; ".join(described(m) for m in file.machines) or None
             if verify:
                 bad = file.damaged_chunks()
-                record["damaged_chunks"] = len(bad)
+                row["damaged_chunks"] = len(bad)
                 damaged += [f"{path}: chunk {i} is damaged" for i in bad]
             if again:
                 counts = {key.removeprefix("cells_"): int(n) for key, n in attributes.items() if key.startswith("cells_")}
                 etas = [f"{one['eta']:.6g}" for one in file.scene.get("structures", ())]
-                record |= {"eta": _names(etas) or None, "tolerance": attributes.get("tolerance")}
-                record |= {"cells": ", ".join(f"{n} {name}" for name, n in counts.items() if n), "command": _command(path, file)}
-            records.append(record)
+                row |= {"eta": _names(etas) or None, "tolerance": attributes.get("tolerance")}
+                row |= {"cells": ", ".join(f"{n} {name}" for name, n in counts.items() if n), "command": _command(path, file)}
+            rows.append(row)
     if documents:
         return 0
-    emit([{**record, "command": None} for record in records] if form() is None else records)
-    commands = [record["command"] for record in records] if again else []
+    emit([{**row, "command": None} for row in rows] if form() is None else rows)
+    commands = [row["command"] for row in rows] if again else []
     for line in filter(None, commands if form() is None else []):
         parts = wrap(line, 96, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
         streams.put(*(f"{part} \\" for part in parts[:-1]), parts[-1])

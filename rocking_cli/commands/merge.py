@@ -24,10 +24,10 @@ def merge(
     from ..spectra.file.merging import merge as put_together
 
     merged = put_together(files, output, overwrite=overwrite, strict=strict)
-    note(f"{output}: {merged.there} of {merged.whole} chunks")
-    if merged.elsewhere:
-        note(f"computed on machines that differ: {merged.elsewhere}; the last digits of cells may differ")
+    note(f"{output}: {merged.chunks} of {merged.all_chunks} chunks")
+    if merged.machine_differences:
+        note(f"computed on machines that differ: {merged.machine_differences}; the last digits of cells may differ")
     if merged.missing:
         shown = ", ".join(merged.missing[:MOST]) + (f" and {len(merged.missing) - MOST} more" if len(merged.missing) > MOST else "")
         warn(f"missing or not complete: shard {shown}")
-    partly(merged.there < merged.whole)
+    partly(merged.chunks < merged.all_chunks)

@@ -14,7 +14,7 @@ from click.shell_completion import CompletionItem
 from ..errors import UsageError
 
 if TYPE_CHECKING:
-    from ..envelopes.limit import Limit
+    from ..envelopes.amplitudes import Limit
 
 
 class OutputPath(click.Path):
@@ -100,7 +100,7 @@ NUMBER = quantity("number")
 def limit(text: str) -> Limit:
     """Return the amplitude of a text: `20` is A, `1g` and `5 m/s2` are accelerations. Raises ValueError."""
     from ..documents.quantities import parse_quantity
-    from ..envelopes.limit import Limit
+    from ..envelopes.amplitudes import Limit
 
     for dimension in ("number", "acceleration"):
         with suppress(ValueError):

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from . import equations, options
@@ -12,7 +13,6 @@ from .progress import ProgressLine
 if TYPE_CHECKING:
     from ..structures import RockingParameters
 
-SIDES_COLUMNS = [f"{side}_{key}" for side in ("left", "right") for key in ("p", "alpha", "lambda", "a_scale", "eta", "arm")]
 SHARED = {"one_sided": False, "damping": 0.0, "friction": None, "arm": None}  # keys that some members have, and what stands for none
 
 
@@ -39,17 +39,13 @@ def params(
     shown = form()
     early: list[RockingParameters] = []
 
-    def records() -> Iterator[dict[str, Any]]:
+    def printed() -> Iterator[dict[str, Any]]:
         if not variations:
             built = equations.lifting(with_distinct_names([build_structure(document) for document in documents]), linear_uplift)
             options.remark_on(built)
             early.extend(s for s in built if shown is None and s.restraints is None and s.uplift > 1.01 * s.linear_uplift)
-            plain = [structure.record() for structure in built]
-            rows = [row for record in plain for row in _rows(record, shown)]
-            if shown == "csv":
-                rows = [flat(row) for row in rows]
-            every = dict.fromkeys(key for row in rows for key in row)
-            yield from rows if shown != "csv" else ({key: row.get(key) for key in every} for row in rows)
+            for structure in built:
+                yield from _rows(structure.row(), shown)
             return
         progress = ProgressLine("params", "structures")
         for i, document in enumerate(documents):
@@ -59,47 +55,46 @@ def params(
                     options.note_no_solution(member)
                 else:
                     (structure,) = equations.lifting([member.parameters], linear_uplift)
-                    yield from _rows(structure.record(), shown, member.shown)
+                    yield from _rows(structure.row(), shown, member.shown)
 
-    emit(records())
+    if shown == "csv":  # a later row may have more columns than the first
+        rows = [flat(row) for row in printed()]
+        every = dict.fromkeys(chain.from_iterable(rows))
+        emit([every | row for row in rows])
+    else:
+        emit(printed())
     for s in early:
         lifts = f"lifts it at alpha/a_scale = {s.linear_uplift:.4g} g, the body at lambda = {s.uplift:.4g} g"
         note(f"{s.name}: the linear equation {lifts}")
 
 
-def _rows(record: dict[str, Any], form: str | None, varied: dict[str, float] | None = None) -> Iterator[dict[str, Any]]:
-    """Yield the rows of a record: for JSON the record, for CSV one with the columns of the whole family, for a table one for each side or
+def _rows(row: dict[str, Any], form: str | None, varied: dict[str, float] | None = None) -> Iterator[dict[str, Any]]:
+    """Yield the rows of a structure: for JSON its row, for CSV one with the columns of its sides, for a table one for each side or
     interface."""
-    from ..structures.kinds import reports_of
     from ..structures.parameters import VARIED
 
     if form == "json":
-        yield record
+        yield row
         return
     if varied is not None:
-        record = {key: value for key, value in record.items() if key not in VARIED}
-    sides = record.pop("sides", [])
+        row = {key: value for key, value in row.items() if key not in VARIED}
+    sides = row.pop("sides", [])
     if form == "csv":
         columns = {f"{side['side']}_{key}": value for side in sides for key, value in side.items() if key != "side"}
-        if varied is not None:  # the header is written with the first member; later members may have more keys
-            columns = {column: columns.get(column) for column in SIDES_COLUMNS}
-            more = {key: record.get(key) for key in reports_of(record["structure_kind"])}
-            shared = {key: record.get(key, absent) for key, absent in SHARED.items()}
-            record = {**record, **shared, **more}
-        record = {**record, **columns}
+        row = {**row, **({key: row.get(key, absent) for key, absent in SHARED.items()} if varied else {}), **columns}
     below = [{"name": f"  {side.pop('side')} edge", **side} for side in sides]
     if form is None:
-        below += [{"name": f"  on {one.pop('on')}", **one} for one in record.pop("interfaces", [])]
-        below += [{"name": f"  restrained, {one['side']}", **one} for one in record.pop("restrained", [])]
-        record = {key: value for key, value in record.items() if key not in ("ties", "tendon", "stands")}
-        if "hinges" in record:
-            record["hinges [deg]"] = ", ".join(f"{math.degrees(hinge['angle']):.6g}" for hinge in record.pop("hinges"))
+        below += [{"name": f"  on {one.pop('on')}", **one} for one in row.pop("interfaces", [])]
+        below += [{"name": f"  restrained, {one['side']}", **one} for one in row.pop("restrained", [])]
+        row = {key: value for key, value in row.items() if key not in ("ties", "tendon", "stands")}
+        if "hinges" in row:
+            row["hinges [deg]"] = ", ".join(f"{math.degrees(hinge['angle']):.6g}" for hinge in row.pop("hinges"))
     # alpha of a block is both a varied key and a parameter
-    yield {**{_apart(heading, record): value for heading, value in (varied or {}).items()}, **record}
+    yield {**{_apart(heading, row): value for heading, value in (varied or {}).items()}, **row}
     if form is None:
         yield from below
 
 
-def _apart(heading: str, record: dict[str, Any]) -> str:
+def _apart(heading: str, row: dict[str, Any]) -> str:
     key, bracket, unit = heading.partition(" [")
-    return f"{key}_varied{bracket}{unit}" if key in record else heading
+    return f"{key}_varied{bracket}{unit}" if key in row or key in SHARED else heading

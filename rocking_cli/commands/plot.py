@@ -81,6 +81,6 @@ def plot(
     options.check_target(output, overwrite)
     drawn: dict[str, Any] = {"structure": structure, "cut": cut, "every": every}  # of a spectra file
     drawn |= {"over": over, "portrait": phase, "body": document, "align": align}  # of rows
-    told = draw(files, output, log=log or "", units=units_of(), look=look, overwrite=overwrite, tell=note, **drawn)
-    if isinstance(told, str):
-        note(told)
+    remark = draw(files, output, log=log or "", units=units_of(), look=look, overwrite=overwrite, tell=note, **drawn)
+    if isinstance(remark, str):
+        note(remark)

@@ -29,7 +29,7 @@ def predict(
     """
     from ..dynamics.outcome import Outcome
     from ..spectra.file.reader import SpectraFile
-    from ..spectra.prediction import predict as beside_spectrum
+    from ..spectra.prediction import predict as read_off
     from ..spectra.prediction import predict_exactly
 
     structures = options.structures_of(files)
@@ -37,12 +37,9 @@ def predict(
     if grid is None:
         raise ground.no_shaking("--A and --Omega")
     with SpectraFile(spectrum) as file:
-        if exact:
-            records = [predict_exactly(s, file.motion(), grid) for s in structures]
-        else:
-            records = [beside_spectrum(s, file, grid) for s in structures]
-    emit(records)
+        rows = [predict_exactly(s, file.motion(), grid) for s in structures] if exact else [read_off(s, file, grid) for s in structures]
+    emit(rows)
     note("model: linear, as the spectrum's")
-    if failed := sum(r["outcome"] == Outcome.FAILED.flag for r in records):
+    if failed := sum(r["outcome"] == Outcome.FAILED.flag for r in rows):
         note(f"{counted(failed, 'structure')} could not be decided (outcome failed)")
         partly()

@@ -17,13 +17,13 @@ _current: ProgressLine | None = None
 
 
 def _follow(line: ProgressLine | None) -> None:
-    """Let `told` report this line; None: no line."""
+    """Let `reporting` report this line; None: no line."""
     global _current
     _current = line
 
 
 @contextmanager
-def told() -> Iterator[None]:
+def reporting() -> Iterator[None]:
     """Context of a call: prints the progress on standard error after ten seconds and then every half a minute, except with --quiet or while
     a terminal shows a `ProgressLine`. It uses a system timer, if there is one, because a thread would endanger a fork."""
     _follow(None)
@@ -50,7 +50,7 @@ def told() -> Iterator[None]:
 class ProgressLine:
     """A line with the units done and in total, and the time left.
 
-    The line is not shown with --quiet, if standard error is no terminal, or if rows appear on the terminal one by one; then `told`
+    The line is not shown with --quiet, if standard error is no terminal, or if rows appear on the terminal one by one; then `reporting`
     prints lines instead. Any other output first ends this line.
     """
 

@@ -67,7 +67,7 @@ def response(
     methods = model.methods(structures, bare)
     found = time_history(structures[0], shaken.motion if shaken.grid else None, shaken.grid, methods, release=release, duration=duration)
     shown = {"dimensionless": dimensionless, "forces": forces}
-    rows = found.events(**shown) if events else found.records(dt=dt, steps=steps, **shown)
+    rows = found.events(**shown) if events else found.rows(dt=dt, steps=steps, **shown)
     closing = found.summaries(**shown) if events and form() == "json" else ()
     emit(chain(rows, closing), ("model", "event") if events else (), unseen=() if events else NAMED)
     if shaken.grid is not None:

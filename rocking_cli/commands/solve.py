@@ -46,14 +46,14 @@ def solve(
     remarks: list[str] = []
     for document in documents:
         given: dict[str, Any] = {"margin": margin, "share": share, "workers": workers, "progress": ProgressLine("solve", "values")}
-        found, told = boundaries(document, varied, shakes, **given)
+        found, lines = boundaries(document, varied, shakes, **given)
         for one in found:
-            row = one.record()
+            row = one.row()
             name, key, value = (row.pop(column) for column in ("structure", "key", "value"))
             at = {"key": key, "value": value} if form() else {heading: f"{x:.6g}" for heading, x in one.shown.items()}
             rows.append({"structure": name, **at, **row})
-        remarks += [f"{document.source}: {line}" if len(documents) > 1 else line for line in told]
-        partly(any(line.startswith("no ") for line in told))
+        remarks += [f"{document.source}: {line}" if len(documents) > 1 else line for line in lines]
+        partly(any(line.startswith("no ") for line in lines))
     emit(rows, ("structure", "key", "value", "side", "capacity_demand"))
     ground.note_demand(shakes)
     note(*remarks)

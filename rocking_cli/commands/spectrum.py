@@ -31,7 +31,7 @@ def spectrum(
     ),
     no_validity: bool = option("--no-validity", is_flag=True, help="Do not compare cells of a linear sweep with the nonlinear equation."),
     chunk_cells: int | None = option("--chunk", type=click.IntRange(1), metavar="CELLS", help="Cells in one unit of work."),
-    check: int | None = option("--check", type=click.IntRange(0, 10_000), metavar="N", help="Cells to verify by the independent path."),
+    check: int | None = option("--check", type=click.IntRange(0, 10_000), metavar="N", help="Cells to verify by an independent solver."),
     strict: bool = options.strict(),
     json_: bool = option("--json", is_flag=True, help="The closing summary as a JSON record on standard output."),
     sizeless: equations.Sizeless = group(equations.Sizeless),
@@ -92,8 +92,8 @@ def spectrum(
         **sweep.writing(texts),
     )
     summary = write_scene(scene, output, settings)
-    told = model.in_words([scene.method], structures, grid is not None and grid.dimensionless)
-    note(*told, *summary_lines(summary, str(output)))
+    lines = model.in_words([scene.method], structures, grid is not None and grid.dimensionless)
+    note(*lines, *summary_lines(summary, str(output)))
     if json_:
-        emit([{"output": str(output), **summary.record()}], form="json")
+        emit([{"output": str(output), **summary.row()}], form="json")
     partly(summary.failed)

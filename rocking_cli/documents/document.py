@@ -240,11 +240,11 @@ def parse_documents(text: str, source: str = "<text>") -> list[Document]:
 
 def _rows(text: str, source: str) -> list[Document] | None:
     """Return the documents of a CSV table, None for any other text. Raises DocumentError for a table without a column `kind`."""
-    from .table import delimiter_of, demand_no_table, rows_of
+    from .table import delimiter_of, require_no_table, rows_of
 
     if delimiter := delimiter_of(text):
         return [document_of(cells, source, i) for i, cells in enumerate(rows_of(text, source, delimiter))]
-    demand_no_table(text, source)
+    require_no_table(text, source)
     return None
 
 

@@ -49,7 +49,7 @@ def delimiter_of(text: str) -> str | None:
     return None
 
 
-def demand_no_table(text: str, source: str) -> None:
+def require_no_table(text: str, source: str) -> None:
     """Raise DocumentError for a table without a column `kind`: two lines or more of equal columns, with words in the first line."""
     first, _, rest = text.lstrip().partition("\n")
     for delimiter in _DELIMITERS if len(first) <= _LONGEST_HEADING and not _NO_HEADING.search(first) else ():

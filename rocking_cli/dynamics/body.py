@@ -30,7 +30,7 @@ _PUSHES = np.geomspace(1e-2, 1e2, 256)  # pushes [g] for which the proof is trie
 _TURNS, _STEPS = 2.0, 64  # largest rotation over alpha for which pushes are tabulated, and the number of steps up to it
 FAR = 100.0  # rotation [rad] beyond which no forces are computed: the body has left the ground
 _LOWEST = -0.5 * np.pi  # least z for which the bound is computed
-_TRIALS = 4  # iterations for the time that a sequence of impacts lasts
+_ITERATIONS = 4  # iterations for the time that a sequence of impacts lasts
 
 
 class Edge(NamedTuple):
@@ -46,8 +46,8 @@ class Edge(NamedTuple):
 class Body(NamedTuple):
     """A rigid body. alpha [rad], kappa = m R^2/I [-], a_scale [-] (1 unless given): one value for each edge, right and left, or a single
     value if the edges are alike; linear: True for the linear equation; damping: zeta [-]; one_sided: True if the body stands on its right
-    edge only. A push is a_scale times the ground acceleration; under a push the linear equation and Fz are those of a_scale 1. Fx needs the
-    ground acceleration itself (`moves_with_the_ground`)."""
+    edge only. A push [g] is a_scale times the ground acceleration over g, outward if it lifts the body on its edge. Under a push the linear
+    equation and Fz are those of a_scale 1; Fx needs the ground acceleration itself (`moves_with_the_ground`)."""
 
     alpha: tuple[float, ...]
     kappa: tuple[float, ...]
@@ -91,7 +91,7 @@ class Body(NamedTuple):
         z = edge.alpha - u
         return edge.alpha**2 - z * z if self.linear else 2.0 * (np.cos(z) - np.cos(edge.alpha))
 
-    def square_at_ground(self, edge: Edge, y: Array, v: Array) -> Array:
+    def squared_speed_at_ground(self, edge: Edge, y: Array, v: Array) -> Array:
         """Returns u'^2 at the next impact of bodies that are now at y, v [units of the edge], on still ground, undamped."""
         return (edge.unit * v) ** 2 + self.fall(edge, edge.unit * y)
 
@@ -102,8 +102,8 @@ class Body(NamedTuple):
         return edge.alpha - np.arccos(np.minimum(np.cos(edge.alpha) + 0.5 * square, 1.0))
 
     def pressed(self, edge: Edge, push: Array, turn: Array, sway: Array | float = 0.0, fastest: Array | float = np.inf) -> Array:
-        """True where Fz > 0 is proved for every push up to `push` [g] of either sign, |theta| up to `turn` [rad], u' up to `fastest` [rad],
-        and weights over m g from 1 - sway to 1 + sway."""
+        """True where contact (Fz > 0) is proved for every push up to `push` [g] of either sign, |theta| up to `turn` [rad], u' up to
+        `fastest` [rad], and weights over m g from 1 - sway to 1 + sway."""
         light, heavy, alpha = 1.0 - sway, 1.0 + sway, edge.alpha
         lowest = alpha - turn
         kept = (light > 0.0) & (lowest >= _LOWEST)
@@ -127,7 +127,8 @@ class Body(NamedTuple):
 
 @lru_cache(maxsize=256)
 def safe_push(body: Body, edge: int, ratio: float) -> float:
-    """The largest push [g] on an edge for which Fz > 0 is proved if the body does not overturn; ratio: largest |w - 1| over the push."""
+    """The largest push [g], of either sign, under which a body that does not overturn is proved to keep contact (Fz > 0). edge: 0 right,
+    1 left; ratio: largest |w - 1| over the push."""
     sway = ratio * _PUSHES
     with np.errstate(all="ignore"):
         slope = np.where(sway < 1.0, _PUSHES / (1.0 - sway), np.inf)  # without overturning u stays below the equilibrium
@@ -138,7 +139,7 @@ def safe_push(body: Body, edge: int, ratio: float) -> float:
 
 @lru_cache(maxsize=256)
 def safe_pushes(body: Body, edge: int, ratio: float) -> tuple[float, Array]:
-    """(step [rad], pushes as of `safe_push` for rotations up to 0, 1, 2 ... steps and, as the last one, for any rotation)."""
+    """(step [rad], largest pushes [g] that keep contact, as of `safe_push`: for rotations up to 0, 1, 2 ... steps, the last for any)."""
     least = safe_push(body, edge, ratio)
     turns = np.linspace(0.0, _TURNS * body.alpha[edge], _STEPS)
     pushes = max(least, float(_PUSHES[0])) * np.geomspace(1.0, 1e2, _STEPS)
@@ -175,15 +176,15 @@ class Ground:
         rise, rise_slope = value_and_slope(weighed.vertical, lanes.k, phase)
         return Shaking(outward * push, outward * lanes.omega * push_slope, 1.0 + sway * rise, sway * lanes.omega * rise_slope)
 
-    def bouncing_lasts(self, lanes: Lanes, contact: Contact) -> Array:
+    def sequence_time(self, lanes: Lanes, contact: Contact) -> Array:
         """The time [tau] until lanes just after an impact stop bouncing, for the drive halfway there; at most to the end of the segment."""
         here = self.body.on(lanes.side)
-        room, trial = (self.segments.length[lanes.k] - lanes.u) / lanes.omega, lanes.take(np.arange(lanes.cell.size))
+        room, later = (self.segments.length[lanes.k] - lanes.u) / lanes.omega, lanes.take(np.arange(lanes.cell.size))
         lasts = np.zeros(lanes.cell.size)
-        for _ in range(_TRIALS):
+        for _ in range(_ITERATIONS):
             now = self.shaking(lanes, 0.5 * lasts)
-            trial.b = self.body.lifting(here, now.push, now.weight) / here.unit
-            lasts = np.clip(contact.sequence_time(trial, now.weight), 0.0, room)
+            later.b = self.body.lifting(here, now.push, now.weight) / here.unit
+            lasts = np.clip(contact.sequence_time(later, now.weight), 0.0, room)
         return lasts
 
 

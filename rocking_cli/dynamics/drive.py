@@ -10,13 +10,12 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from ..motions.motion import Near
 from ..motions.segments import Segments
 from .lanes import Array, Lanes
 
 _SHORT = 3e-6  # a step relative to every scale of the drive: after a step of Halley's method this short the error is below rounding
 _ROUNDING = 1e-13  # rounding error over the terms that an integral over a segment is summed from
-_SURELY = 1.0 - 1e-9
+_SAFE_SHARE = 1.0 - 1e-9
 _LEAST_SQUARE = 1e-300  # for R^2 - x^2, which rounding may make 0 or less at an extremum of the sinusoid
 
 
@@ -76,16 +75,16 @@ def segment_value(segments: Segments, k: Array, u: Array) -> tuple[Array, Array,
 
 def drive_change(segments: Segments, k: Array, u: Array) -> Array:
     """s - s(segment start) at phase u of segment k, without the sine and cosine parts."""
-    return segment_value(segments, k, u)[0] if segments.table is None else segments.table.near(k, u).change
+    return segment_value(segments, k, u)[0] if segments.table is None else segments.table.change_at(k, u)[0]
 
 
-def _near(segments: Segments, k: Array, u: Array) -> Near:
-    """The drive and its derivatives at phase u of segment k."""
+def _change_at(segments: Segments, k: Array, u: Array) -> tuple[Array, Array, Array]:
+    """s - s(segment start) and its first two derivatives by phase, at phase u of segment k."""
     if segments.table is not None:
-        return segments.table.near(k, u)
+        return segments.table.change_at(k, u)
     change, sin, cos = segment_value(segments, k, u)
     w = segments.frequency.take(k, axis=1)
-    return Near(change, summed(w * cos) + segments.slope[k], -summed(w * w * sin))
+    return change, summed(w * cos) + segments.slope[k], -summed(w * w * sin)
 
 
 def _bracketed_crossing(segments: Segments, k: Array, level: Array, length: Array) -> Array:
@@ -102,14 +101,14 @@ def _bracketed_crossing(segments: Segments, k: Array, level: Array, length: Arra
         if not lanes.size:
             break
         there = u[lanes]
-        near = _near(segments, k[lanes], there)
-        gap = start[lanes] + near.change - level[lanes]
+        change, rate, second_derivative = _change_at(segments, k[lanes], there)
+        gap = start[lanes] + change - level[lanes]
         before = sense[lanes] * gap < 0.0
         low[lanes], high[lanes] = np.where(before, there, low[lanes]), np.where(before, high[lanes], there)
         with np.errstate(all="ignore"):
-            step = -gap / (near.rate - 0.5 * gap * near.bend / near.rate)
+            step = -gap / (rate - 0.5 * gap * second_derivative / rate)
             target = there + step
-            short = np.abs(step) <= _SHORT * np.minimum(there, np.abs(near.rate / near.bend))
+            short = np.abs(step) <= _SHORT * np.minimum(there, np.abs(rate / second_derivative))
         inside = (target >= low[lanes]) & (target <= high[lanes])
         following = np.where(gap == 0.0, there, np.where(inside, target, 0.5 * (low[lanes] + high[lanes])))
         u[lanes] = following
@@ -140,7 +139,7 @@ def phase_between(segments: Segments, k: Array, u: Array, to_k: Array, to_u: Arr
     return phase
 
 
-class ImpulseAhead(NamedTuple):
+class RemainingImpulse(NamedTuple):
     """int |s| dphi to the end of a motion of sinusoids, which bounds overturning (Lemma 9); arrays over segments. zero: the phase at which
     s changes its sign in a segment, 0 if it does not; sign: the sign of s after `zero`; turn, last: an antiderivative of s at `zero` and at
     the end of the segment; later: the integral after the segment, with room for rounding."""
@@ -177,7 +176,7 @@ class ImpulseAhead(NamedTuple):
 
     def cannot_overturn(self, lanes: Lanes) -> Array:
         """True for lanes at y = 0 that the rest of the motion cannot overturn: |v| + A int |s| dphi/Omega < 1 (Lemma 9)."""
-        return lanes.amplitude * self.after(lanes.k, lanes.u) < _SURELY * (1.0 - np.abs(lanes.v)) * lanes.omega
+        return lanes.amplitude * self.after(lanes.k, lanes.u) < _SAFE_SHARE * (1.0 - np.abs(lanes.v)) * lanes.omega
 
 
 def _antiderivative(segments: Segments, k: Array, u: Array) -> Array:

@@ -1,4 +1,4 @@
-"""`Lanes` holds the state of many rocking bodies as arrays of one length; `Cells` holds the drive of each cell on each side."""
+"""`Lanes` holds the state of many rocking bodies, a lane each, as arrays of one length; `Cells` the drive of each cell on each side."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ Extended = TypeVar("Extended", bound="Arrays")
 
 @dataclass
 class Arrays:
-    """Base of records of lanes. A field is an array with the lanes on its last axis, another such record, or one value for all lanes."""
+    """Base of groups of lanes. A field is an array with the lanes on its last axis, another such group, or one value for all lanes."""
 
     def take(self, at: Array | slice) -> Self:
-        """Returns a record with these lanes only: copies if `at` holds indices, views if it is a slice."""
+        """Returns these lanes only: copies if `at` holds indices, views if it is a slice."""
         return type(self)(*[_taken(getattr(self, name), at) for name in self.__dataclass_fields__])
 
     def put(self, places: Array, others: Self) -> None:
-        """Write the lanes of another record into these places."""
+        """Replace the lanes at these indices by the lanes `others`, in place."""
         for name in self.__dataclass_fields__:
             getattr(self, name)[places] = getattr(others, name)
 
     def extended(self, kind: type[Extended], **more: Array) -> Extended:
-        """Returns these lanes as a record of a subclass, which takes the values of its additional fields from the arguments."""
+        """Returns these lanes as a subclass, which takes the values of its additional fields from the arguments."""
         return kind(**vars(self), **more)
 
     @classmethod
@@ -35,7 +35,7 @@ class Arrays:
         return cls(*[_joined([getattr(part, name) for part in parts]) for name in cls.__dataclass_fields__])
 
     def join(self, other: Self) -> Self:
-        """These lanes followed by those of another record."""
+        """These lanes followed by other lanes."""
         return self.joined([self, other])
 
 
@@ -66,9 +66,9 @@ class Cells(NamedTuple):
 @dataclass
 class Lanes(Arrays):
     """The state of rocking bodies, one body a lane. The side is stored, never inferred from a sign. cell: index of the cell; amplitude,
-    omega, eta: as `Cells` has them for the present side; k, u: segment of the motion and phase in it; side: +1 or -1; y, v: displacement in
-    the unit of the side, and dy/dtau with the tau of the side; b: the force y'' + 2 zeta y'; peak: largest y at a turning point so far, in
-    the unit of the present side; impacts, steps: how many the lane has had so far."""
+    omega, eta: as `Cells` has them for the present side; k, u: segment of the motion and phase since its start [rad]; side: +1 on the right
+    edge (theta > 0), -1 on the left; y, v: displacement in the unit of the side, and dy/dtau with the tau = p t of the side; b: the force
+    y'' + 2 zeta y'; peak: largest y at a turning point so far, in the unit of the present side; impacts, steps: their numbers so far."""
 
     cell: Array
     amplitude: Array

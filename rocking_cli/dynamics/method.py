@@ -15,7 +15,7 @@ import numpy as np
 from ..errors import UsageError, did_you_mean
 from ..structures.parameters import RockingParameters, Side
 from .body import Body
-from .contacts.contact import Contact, OneSided, Symmetric, Unequal, exchange
+from .contacts.contact import Contact, OneSided, Symmetric, Unequal, reciprocal_ratios
 from .equations.equation import Equation
 from .equations.taylor import order_for
 from .system import System
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from .references.general_solver import Problem
 
 TOLERANCE = 1e-9
-CHECKED_BY = "a Runge-Kutta method"
+CHECKED_BY = "a Runge-Kutta method"  # the slower solver of `reference_of`
 Reference = Callable[["Motion", float, float, float], tuple["Outcome", float]]
 
 
@@ -132,9 +132,10 @@ class Method:
             system = System(equation, contact_of(structure, equation), scale, self.body_of(structure))
             if structure.restraints is None:
                 return system
-            from .tied.devices import tied_system
+            from .tied.devices import Devices
 
-            return tied_system(structure, system, linear=self.exact)
+            devices = Devices.of(structure, equation, linear=self.exact, body=system.body)
+            return system if devices is None else system._replace(devices=devices, body=None)
         except ValueError as error:
             raise UsageError(f"{structure.name}: {error}") from None
 
@@ -165,7 +166,7 @@ class Method:
         return structure.one_sided, structure.sides, structure.damping, structure.restraints, self.kind_of(structure).shares(structure)
 
     def reference_of(self, structure: RockingParameters) -> Reference:
-        """A function (motion, A, Omega, eta) that gives (outcome, theta_ratio) by the slower, independent path, `CHECKED_BY`."""
+        """A function (motion, A, Omega, eta) that gives (outcome, theta_ratio) by a slower solver, which shares no code with the march."""
         from .references.general_solver import solve_cell
 
         return partial(solve_cell, problem=self.problem_of(structure))
@@ -219,7 +220,7 @@ def contact_of(structure: RockingParameters, equation: Equation) -> Contact:
     there = equation.on(np.array([1.0, -1.0]))
     turns, lifts = (np.broadcast_to(x, 2).tolist() for x in (there.rotation(np.ones(2)), there.uplift_amplitude))
     unit = [side.alpha * side.p * turn for side, turn in zip((right, left), turns, strict=True)]  # theta' of y' = 1
-    onto_left, onto_right = exchange(*unit)
+    onto_left, onto_right = reciprocal_ratios(*unit)
     drive = [(side.a_scale / side.alpha) / (structure.a_scale / structure.alpha) / x for side, x in zip((right, left), lifts, strict=True)]
     return Unequal(
         drive=(drive[0], drive[1]),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from enum import IntEnum
+from operator import attrgetter
 from typing import Any, Self
 
 import numpy as np
@@ -121,9 +122,11 @@ class Work:
     certain_overturning: int = 0
     free_phase: int = 0
     rests_skipped: int = 0
-    chatters_closed: int = 0
+    sequences_closed: int = 0
     impacts: int = 0
     steps: int = 0
+
+    chatters_closed = property(attrgetter("sequences_closed"))  # the old name
 
     def __add__(self, other: Work) -> Work:
         return Work(**{f.name: getattr(self, f.name) + getattr(other, f.name) for f in fields(self)})

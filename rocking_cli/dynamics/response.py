@@ -19,10 +19,11 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from .observers.observer import Observer
+    from .tied.tied_lanes import Found
 
 Cells = tuple[Array, Array, Array]  # A, Omega and eta, of one shape
 
-_LIKELY = 2.0  # cells whose push exceeds the one proved safe by this factor are watched while they march
+_LIKELY = 2.0  # cells whose push is so many times the one that is proved to keep contact are watched while they march
 
 
 class Response(NamedTuple):
@@ -57,9 +58,9 @@ def response(
     if not (np.all(np.isfinite(cells[1])) and np.all(cells[1] > 0.0)):
         raise ValueError("omega must be positive and finite")
     if system.devices is not None:
-        from .tied.tied_march import tied_response
+        from .tied.tied_march import March
 
-        return tied_response(system, motion, cells, shape, peaks)
+        return _response(March(system, motion.coarsest, *cells).run(), shape, peaks)
     prove = bool(cells[0].max(initial=0.0) > system.safe_amplitude(motion))  # the peaks may prove that Fz > 0
     run = _marched(system, motion, cells, _batch(system, motion, cells, peaks or prove), pool=pool)
     return _response(run, shape, peaks)
@@ -75,7 +76,7 @@ def _of(cells: Cells, at: Array | slice) -> Cells:
     return cells[0][at], cells[1][at], cells[2][at]
 
 
-def _response(run: Run, shape: tuple[int, ...], peaks: bool = True) -> Response:
+def _response(run: Run | Found, shape: tuple[int, ...], peaks: bool = True) -> Response:
     theta_ratio = run.theta_ratio if peaks else np.full(run.outcome.size, np.nan)
     return Response(theta_ratio.reshape(shape), run.outcome.reshape(shape), run.impacts.reshape(shape), run.work)
 
@@ -87,11 +88,11 @@ def _batch(system: System, motion: Motion, cells: Cells, peaks: bool) -> Batch:
 
 
 def _marched(
-    system: System, motion: Motion, cells: Cells, batch: Batch, *observers: Observer, pool: int | None = None, jumps: bool = True
+    system: System, motion: Motion, cells: Cells, batch: Batch, *observers: Observer, pool: int | None = None, propagation: bool = True
 ) -> Run:
-    """Run a batch of these cells to the end, and mark those that lost the ground; returns the run. jumps: False if the observers have to
-    see the arcs or Taylor steps of every lane."""
-    march, pool = _march_of(system, [motion], pool, jumps)
+    """Run a batch of these cells to the end, and mark those that lost the ground; returns the run. propagation: False if the observers have
+    to see the arcs or Taylor steps of every lane."""
+    march, pool = _march_of(system, [motion], pool, propagation)
     watched: Array | bool = False
     if system.body is not None:
         from .observers.contact_loss import ContactLoss
@@ -102,19 +103,21 @@ def _marched(
     run = Run(batch, pool, observers)
     run.all(march)
     doubtful = (run.outcome == Outcome.ROCKED) & ~np.asarray(watched)
-    gone = that_left_the_ground(system, motion, cells, doubtful, run.theta_ratio if batch.peaks else None)
-    run.outcome[gone], run.theta_ratio[gone] = Outcome.LOST_CONTACT, np.nan
+    lost = cells_that_lose_contact(system, motion, cells, doubtful, run.theta_ratio if batch.peaks else None)
+    run.outcome[lost], run.theta_ratio[lost] = Outcome.LOST_CONTACT, np.nan
     return run
 
 
-def _march_of(system: System, motions: Sequence[Motion], pool: int | None, jumps: bool) -> tuple[Callable[[Run, Array], None], int | None]:
+def _march_of(
+    system: System, motions: Sequence[Motion], pool: int | None, propagation: bool
+) -> tuple[Callable[[Run, Array], None], int | None]:
     """(the function that marches a run under these motions, the number of lanes that it advances together)."""
     samples = [found for motion in motions if (found := motion.coarsest.samples) is not None]
     weighed = motions[0].vertical is not None
-    if len(samples) < len(motions) or (weighed and not jumps):
+    if len(samples) < len(motions) or (weighed and not propagation):
         return by_windows, pool
     equal = all(motion.samples is not None for motion in motions)
-    if jumps and not weighed and equal and system.equation.bounded:  # linear, undamped, equal steps
+    if propagation and not weighed and equal and system.equation.bounded:  # linear, undamped, equal steps
         from .samples.exact import LANES, ExactStepper
 
         return lambda run, waiting: ExactStepper(run, samples).march(waiting), pool or LANES
@@ -124,7 +127,7 @@ def _march_of(system: System, motions: Sequence[Motion], pool: int | None, jumps
     return lambda run, waiting: stepper(run, samples).march(waiting), pool or LANES
 
 
-def that_left_the_ground(
+def cells_that_lose_contact(
     system: System, motion: Motion, cells: Cells, doubtful: Array, theta_ratio: Array | None, fastest: Array | None = None
 ) -> Array:
     """Indices of those `doubtful` cells that lose the ground; their bodies rock and survive. A cell is marched once more if neither its
@@ -135,7 +138,7 @@ def that_left_the_ground(
         for (own, count), end in zip(system.own, ends, strict=True):
             some = slice(end - count, end)
             turned = None if theta_ratio is None else theta_ratio[some]
-            found.append(end - count + that_left_the_ground(own, motion, _of(cells, some), doubtful[some], turned))
+            found.append(end - count + cells_that_lose_contact(own, motion, _of(cells, some), doubtful[some], turned))
         return np.concatenate(found)
     if system.body is None or not np.any(doubtful & (cells[0] > system.safe_amplitude(motion))):
         return np.zeros(0, dtype=np.int64)
@@ -153,7 +156,7 @@ def that_left_the_ground(
     return at[again.outcome == Outcome.LOST_CONTACT]
 
 
-def response_with_demands(
+def response_with_ground_forces(
     system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float, *, found: Response | None = None
 ) -> tuple[Response, dict[str, Array]]:
     """(`response`, ground forces by name): `friction`, the largest |Fx|/Fz [-], and `fz_min`, the least Fz over m g [-], to 1e-6. Both are
@@ -171,7 +174,7 @@ def response_with_demands(
     cells = _of(cells, at)
     batch = _batch(system, motion, cells, peaks=False)
     forces = GroundForces(system.body, batch)
-    run = _marched(system._replace(body=None), motion, cells, batch, forces, jumps=False)
+    run = _marched(system._replace(body=None), motion, cells, batch, forces, propagation=False)
     asked = {name: np.full(found.outcome.size, np.nan) for name in ("friction", "fz_min")}
     for values, known in zip(asked.values(), forces.result(run.outcome), strict=True):
         values[at] = np.where(upright(run.outcome), known, np.nan)
@@ -188,7 +191,7 @@ def response_with_speed(system: System, motion: Motion, amplitude: Array, omega:
     shape, cells = _flat(amplitude, omega, eta)
     batch = _batch(system, motion, cells, peaks=True)
     speed = PeakSpeed(batch)
-    run = _marched(system, motion, cells, batch, speed, jumps=motion.vertical is None)
+    run = _marched(system, motion, cells, batch, speed, propagation=motion.vertical is None)
     return _response(run, shape), np.where(safe(run.outcome), speed.speed.largest, np.nan).reshape(shape)
 
 

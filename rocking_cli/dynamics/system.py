@@ -56,12 +56,12 @@ class System(NamedTuple):
         """The amplitude A [-] up to which Fz > 0 is proved for a body that does not overturn; infinite if its forces are not known."""
         if self.own:
             return min(system.safe_amplitude(motion) for system, _ in self.own)
-        if self.body is None or self.scale is None or not motion.peak:
+        if self.body is None or self.scale is None or not motion.largest:
             return math.inf
-        sway = 0.0 if motion.vertical is None else motion.vertical.peak / motion.peak
+        sway = 0.0 if motion.vertical is None else motion.vertical.largest / motion.largest
         scales = self.body.a_scale or (1.0,) * len(self.body.alpha)
         pushes = [safe_push(self.body, i, sway / scale) for i, scale in enumerate(scales)]
-        return min(push / scale for push, scale in zip(pushes, scales, strict=True)) / (self.scale * motion.peak)
+        return min(push / scale for push, scale in zip(pushes, scales, strict=True)) / (self.scale * motion.largest)
 
     def least_uplift(self, motion: Motion) -> float:
         """The least amplitude A [-] at which the body lifts off or the ground falls away; infinite if there is none."""

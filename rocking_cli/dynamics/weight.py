@@ -74,7 +74,7 @@ class WeighedSegments(Segments):
         sway, at = self.sway(side, amplitude), np.minimum(k, len(self) - 1)
         return 1.0 + np.minimum(sway * self.vertical.later_min[at], sway * self.vertical.later_max[at])
 
-    def hardest(self, side: Array, amplitude: Array, k: Array) -> Array:
+    def strongest_inward(self, side: Array, amplitude: Array, k: Array) -> Array:
         """The strongest inward drive over the least w, from segment k on; infinite where the least w is not positive."""
         weight = self.least_weight(side, amplitude, k)
         inward = amplitude * np.where(side > 0.0, self.inward[0][k], -self.inward[1][k])

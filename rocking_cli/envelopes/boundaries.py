@@ -17,14 +17,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..dynamics.lanes import Cells
-from ..dynamics.march.closings import FEW
+from ..dynamics.march.closings import FEW_SIGN_CHANGES
 from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import response
 from ..dynamics.system import System
 from ..motions import Motion
+from .amplitudes import LONGEST_FINE, ScanGrid
 from .changes import SECTIONS, Brackets, narrowed
 from .one_arc import undecided
-from .scan_grid import LONGEST_FINE, ScanGrid
 
 if TYPE_CHECKING:
     from ..dynamics.single.scan import Scan
@@ -34,13 +34,13 @@ Steps = list[tuple[float, int]]  # (amplitude, outcome from there on), amplitude
 
 FINE_STEP = 0.999e-4  # step of the finer scan around changes of the outcome or of the number of impacts, where narrow intervals gather
 _AROUND = 12  # points on either side of such a change that the finer scan includes
-_WORTH = 20_000  # from so many amplitudes on, bounds over stretches are faster than single amplitudes
+_LEAST_FOR_BOUNDS = 20_000  # from so many amplitudes on, bounds over stretches are faster than single amplitudes
 _BATCH = 1 << 20  # cells of the scan computed together
-_TOLD = 1e-6  # relative width to which an approximate scan finds changes
+_SCAN_WIDTH = 1e-6  # relative width to which an approximate scan finds changes
 _STRETCH = 80  # points computed together in a search for the first fall
 
 
-class Look(NamedTuple):
+class ScanPoints(NamedTuple):
     """Computed cells in the order of row and amplitude: their outcomes, and their numbers of impacts until the outcome was certain."""
 
     row: Array
@@ -54,7 +54,7 @@ class Search:
     """The outcomes of a model with one restitution under one motion, up to an amplitude.
 
     a_min: first amplitude of the search, unless uplift is above it; ratio: ratio of neighbouring amplitudes of the scan minus 1, in
-    place of SCAN_STEP and of the finer scan; digits: relative width of traced changes; parts: parts of a bracket in one cut.
+    place of SCAN_STEP and of the finer scan; digits: relative width to which changes are traced; parts: parts of a bracket in one cut.
     """
 
     system: System
@@ -82,7 +82,7 @@ class Search:
         return ScanGrid.between(self.lowest, self.a_max, uplift=self.uplift, ratio=self.ratio)
 
     @cached_property
-    def harmless(self) -> float:
+    def safe_impulse(self) -> float:
         """The largest A int |s| dphi/Omega from the first uplift on under which nothing overturns (Lemma 9)."""
         (amplitude, omega, eta), sides = self._cells(np.ones(1), np.ones(1)), np.array([1.0, -1.0])
         equation = self.system.equation.on(sides)
@@ -96,7 +96,7 @@ class Search:
         return self.system.contact.cells(self.system.equation, amplitude, omega, np.full(omega.shape, self.eta))
 
     def outcome(self, amplitude: Array, omega: Array) -> Array:
-        """Codes of `Outcome`, with ROCKED for every safe amplitude."""
+        """Compute the response at these amplitudes: codes of `Outcome`, with ROCKED in place of NO_UPLIFT."""
         return self._respond(amplitude, omega)[0]
 
     def _respond(self, amplitude: Array, omega: Array) -> tuple[Array, Array]:
@@ -105,40 +105,42 @@ class Search:
         return _lifted(found.outcome), found.impacts
 
     def rows(self, omegas: Array) -> list[Steps]:
-        """For each Omega the outcome at `lowest` and every change above it, traced to `digits`; intervals narrower than the step of
-        the scan may be missed."""
+        """For each Omega the outcome at the amplitude `lowest` and at every change above it. Changes are traced to the relative width
+        `digits`; intervals narrower than the step of the scan may be missed."""
         from ..dynamics.single.scan import Scan
 
-        if self.ratio and self.digits >= _TOLD and Scan.serves(self.system, self.motion):
-            return self._steps(*self._led(omegas, [Scan(self.system, self.motion, w, self.eta, close=True) for w in omegas.tolist()]))
+        if self.ratio and self.digits >= _SCAN_WIDTH and Scan.supports(self.system, self.motion):
+            return self._steps(
+                *self._scanned_first(omegas, [Scan(self.system, self.motion, w, self.eta, fine=True) for w in omegas.tolist()])
+            )
         begins, brackets = self._scan(omegas)
         return self._steps(begins, self._narrowed(omegas, brackets))
 
-    def _led(self, omegas: Array, scans: list[Scan]) -> tuple[Array, Brackets]:
+    def _scanned_first(self, omegas: Array, scans: list[Scan]) -> tuple[Array, Brackets]:
         """As `_scan` and `_narrowed`, under a record. The march computes the amplitudes of the scan grid, and both sides of every change
         that the approximate scan of a row finds; other changes are bisected."""
-        from ..dynamics.single.response import response_alone
+        from ..dynamics.single.one_by_one import response_alone
         from ..dynamics.single.scan import follow
 
-        def likely(amplitude: Array, row: Array) -> Array:
+        def by_scan(amplitude: Array, row: Array) -> Array:
             amplitude, row = np.broadcast_arrays(amplitude, row)
-            mine, label = [row == i for i in every], np.empty(row.shape, dtype=np.uint8)
-            follow(scans, [amplitude[some] for some in mine])
-            for scan, some in zip(scans, mine, strict=True):
+            masks, label = [row == i for i in all_rows], np.empty(row.shape, dtype=np.uint8)
+            follow(scans, [amplitude[some] for some in masks])
+            for scan, some in zip(scans, masks, strict=True):
                 label[some] = scan.outcomes(amplitude[some])
             return label
 
-        def alone(amplitude: Array, row: Array) -> Array:
+        def by_march(amplitude: Array, row: Array) -> Array:
             return _lifted(response_alone(self.system, self.motion, amplitude, omegas[row], self.eta, peaks=False).outcome)
 
-        every, grid = np.arange(omegas.size), self.grid.amplitude(np.arange(self.grid.size))
-        row, amplitude = np.repeat(every, grid.size), np.tile(grid, omegas.size)
-        told = narrowed(likely, Brackets.between(row, amplitude, likely(amplitude, row)), self.digits, self.parts, False)
-        row, amplitude = np.concatenate([row, told.row, told.row]), np.concatenate([amplitude, told.low, told.high])
+        all_rows, grid = np.arange(omegas.size), self.grid.amplitude(np.arange(self.grid.size))
+        row, amplitude = np.repeat(all_rows, grid.size), np.tile(grid, omegas.size)
+        scanned = narrowed(by_scan, Brackets.between(row, amplitude, by_scan(amplitude, row)), self.digits, self.parts, False)
+        row, amplitude = np.concatenate([row, scanned.row, scanned.row]), np.concatenate([amplitude, scanned.low, scanned.high])
         order = np.lexsort((amplitude, row))
-        row, amplitude, label, _ = self._look(row[order], amplitude[order], omegas)
-        found = narrowed(alone, Brackets.between(row, amplitude, label), self.digits, 2, False)
-        return label[np.searchsorted(row, every)], found
+        row, amplitude, label, _ = self._compute(row[order], amplitude[order], omegas)
+        found = narrowed(by_march, Brackets.between(row, amplitude, label), self.digits, 2, False)
+        return label[np.searchsorted(row, all_rows)], found
 
     def _steps(self, begins: Array, found: Brackets) -> list[Steps]:
         rows = [[(self.lowest, label)] for label in begins.tolist()]
@@ -180,7 +182,7 @@ class Search:
 
     def _scan(self, omegas: Array) -> tuple[Array, Brackets]:
         """(outcome at the first amplitude of each row, brackets of the changes between neighbouring amplitudes)."""
-        first, last, beyond = self._doubtful(omegas)
+        first, last, beyond = self._points_to_compute(omegas)
         starts = np.concatenate([[0], np.cumsum(last - first + 1)])
         begins, parts = np.empty(omegas.size, dtype=np.uint8), [beyond]
         for begin in range(0, int(starts[-1]), _BATCH):
@@ -189,37 +191,37 @@ class Search:
             top, bottom = np.searchsorted(starts, [a, b - 1], side="right")
             row = np.repeat(np.arange(top - 1, bottom), np.diff(np.clip(starts[top - 1 : bottom + 1], a, b)))
             place = np.arange(a, b)
-            points = self._look(row, self.grid.amplitude(place - starts[row] + first[row]), omegas)
+            points = self._compute(row, self.grid.amplitude(place - starts[row] + first[row]), omegas)
             new = np.flatnonzero(place == starts[row])
             begins[row[new]] = points.label[new]
-            mine = (place[:-1] >= begin - 1) & (place[:-1] < end - 1) & (row[1:] == row[:-1])
-            parts.append(self._changes(points, mine, omegas))
+            counted = (place[:-1] >= begin - 1) & (place[:-1] < end - 1) & (row[1:] == row[:-1])
+            parts.append(self._changes(points, counted, omegas))
         return begins, Brackets.joined(parts)
 
-    def _look(self, row: Array, amplitude: Array, omegas: Array) -> Look:
+    def _compute(self, row: Array, amplitude: Array, omegas: Array) -> ScanPoints:
         """Compute the outcomes at these amplitudes, batch by batch."""
         label, impacts = np.empty(row.size, dtype=np.uint8), np.empty(row.size, dtype=np.int32)
         for begin in range(0, row.size, _BATCH):
             batch = slice(begin, begin + _BATCH)
             label[batch], impacts[batch] = self._respond(amplitude[batch], omegas[row[batch]])
-        return Look(row, amplitude, label, impacts)
+        return ScanPoints(row, amplitude, label, impacts)
 
-    def _changes(self, points: Look, mine: Array, omegas: Array) -> Brackets:
+    def _changes(self, points: ScanPoints, counted: Array, omegas: Array) -> Brackets:
         """Brackets of the changes between scan points. Around changes of the outcome or of the number of impacts it scans more finely."""
         width = np.diff(points.amplitude)
-        turns = (points.label[1:] != points.label[:-1]) | (points.impacts[1:] != points.impacts[:-1])
-        turns &= not self.ratio and self.motion.segments.pushes > FEW
-        gap = np.flatnonzero(mine & _around(turns) & (width > FINE_STEP))
+        changed = (points.label[1:] != points.label[:-1]) | (points.impacts[1:] != points.impacts[:-1])
+        changed &= not self.ratio and self.motion.segments.sign_changes > FEW_SIGN_CHANGES
+        gap = np.flatnonzero(counted & _around(changed) & (width > FINE_STEP))
         cuts = np.ceil(width[gap] / FINE_STEP).astype(np.int64) - 1
         share = (np.arange(cuts.sum()) - np.repeat(np.cumsum(cuts) - cuts, cuts) + 1.0) / np.repeat(cuts + 1, cuts)
         gap = np.repeat(gap, cuts)
-        inner = self._look(points.row[gap], points.amplitude[gap] + share * width[gap], omegas)
+        inner = self._compute(points.row[gap], points.amplitude[gap] + share * width[gap], omegas)
         place = np.concatenate([np.arange(points.row.size), gap + share])
         order = np.argsort(place, kind="stable")
         row, amplitude, label = (np.concatenate([x, y])[order] for x, y in zip(points[:3], inner[:3], strict=True))
-        return Brackets.between(row, amplitude, label, mine[place[order[:-1]].astype(np.int64)])
+        return Brackets.between(row, amplitude, label, counted[place[order[:-1]].astype(np.int64)])
 
-    def _doubtful(self, omegas: Array) -> tuple[Array, Array, Brackets]:
+    def _points_to_compute(self, omegas: Array) -> tuple[Array, Array, Brackets]:
         """(first and last scan point to compute, brackets of the changes above the last one); there is no change below the first."""
         scan, segments = self.grid, self.motion.segments
         none = Brackets(*(np.zeros(0, dtype=kind) for kind in (np.int64, float, float, np.uint8, np.uint8)))
@@ -227,13 +229,13 @@ class Search:
         if self.system.devices is not None or self.motion.vertical is not None:
             return first, last, none
         safe_to = self.system.safe_amplitude(self.motion)
-        first = np.minimum(self._quiet(omegas), scan.below(np.full(omegas.size, safe_to)))
+        first = np.minimum(self._last_safe_point(omegas), scan.below(np.full(omegas.size, safe_to)))
         if not (self.system.bounded and self.system.alike and _lifts_at_once(self.motion)):
             return first, last, none
         over, falls = self._outcome_from(omegas, first, last, lambda label, _: label == Outcome.OVERTURNED_NO_IMPACT)
         last[over] = falls
         # The energy does not decide for bodies that lose contact.
-        if self.a_max > safe_to or segments.pushes > FEW or int((last - first).sum()) < _WORTH:
+        if self.a_max > safe_to or segments.sign_changes > FEW_SIGN_CHANGES or int((last - first).sum()) < _LEAST_FOR_BOUNDS:
             return first, last, none
         # Above the first amplitude at which the first arc outlasts the shaking, only the energy at its end matters.
         clear, lasts = self._outcome_from(omegas, first, last, lambda label, impacts: (impacts == 0) & (label != Outcome.FAILED))
@@ -245,20 +247,20 @@ class Search:
         under, above = (self.outcome(amplitude, omegas[row]) for amplitude in ends)
         return first, last, Brackets(row, *ends, under, above).take(np.flatnonzero(under != above))
 
-    def _quiet(self, omegas: Array) -> Array:
-        """The last scan point of each row at which Lemma 9 excludes overturning, since A int |s| dphi/Omega is at most `harmless`."""
-        scan, segments, most = self.grid, self.motion.segments, (1.0 - 1e-9) * self.harmless * omegas
+    def _last_safe_point(self, omegas: Array) -> Array:
+        """The last scan point of each row at which Lemma 9 excludes overturning, since A int |s| dphi/Omega is at most `safe_impulse`."""
+        scan, segments, most = self.grid, self.motion.segments, (1.0 - 1e-9) * self.safe_impulse * omegas
         if len(segments) > LONGEST_FINE:  # under a record the integral is so large that this excludes no amplitude
             return np.zeros(omegas.size, dtype=np.int64)
-        from ..dynamics.drive import ImpulseAhead
+        from ..dynamics.drive import RemainingImpulse
 
-        ahead = ImpulseAhead.of(segments)
+        remaining = RemainingImpulse.of(segments)
         low, high = np.zeros(omegas.size, dtype=np.int64), np.full(omegas.size, scan.size)
         while np.any(high - low > 1):  # bisection, since a larger amplitude lifts the body earlier
             middle, cell = (low + high) // 2, np.arange(omegas.size)
             amplitude = scan.amplitude(middle)
             lift = self.system.contact.uplift(self._cells(amplitude, omegas), segments, cell, 0 * cell, np.zeros(omegas.size))
-            holds = amplitude * ahead.after(lift.k, lift.u) <= most
+            holds = amplitude * remaining.after(lift.k, lift.u) <= most
             low, high = np.where(holds, middle, low), np.where(holds, high, middle)
         return low
 
@@ -266,21 +268,21 @@ class Search:
         """(rows in which a condition on outcome and impacts of lifted bodies holds at the last scan point, first scan point of each at
         which it holds). A condition that holds at a point must hold above it."""
 
-        def there(points: Array, rows: Array) -> Array:
+        def holds_at(points: Array, rows: Array) -> Array:
             amplitude = self.grid.amplitude(points)
             return holds(*self._respond(amplitude, omegas[rows])) & (amplitude > self.uplift * (1.0 + 1e-9))
 
-        rows = np.flatnonzero(there(last, np.arange(omegas.size)))
+        rows = np.flatnonzero(holds_at(last, np.arange(omegas.size)))
         first, high, row = first[rows], last[rows], np.arange(rows.size)
         low = first - 1
         while np.any(high - low > 1):
             points = np.maximum(low[:, None] + (high - low)[:, None] * np.arange(1, SECTIONS + 1) // SECTIONS, first[:, None])
-            step = there(points, rows[:, None]).argmax(axis=1)
+            step = holds_at(points, rows[:, None]).argmax(axis=1)
             high, low = points[row, step], np.where(step > 0, points[row, step - 1], low)
         return rows, high
 
     def _narrowed(self, omegas: Array, brackets: Brackets, *, lowest: bool = False) -> Brackets:
-        """The changes in the brackets, traced to `digits`; lowest: True for only the lowest change of each bracket."""
+        """The changes in the brackets, traced to the relative width `digits`; lowest: True for only the lowest change of each bracket."""
         return narrowed(lambda amplitude, row: self.outcome(amplitude, omegas[row]), brackets, self.digits, self.parts, lowest)
 
 
@@ -298,4 +300,4 @@ def _around(flags: Array) -> Array:
 def _lifts_at_once(motion: Motion) -> bool:
     """True if |s| is largest in the first segment: it then lifts the body, to the same side, at any amplitude that lifts it."""
     start, end = motion.segments.s_start[0], motion.segments.s_end[0]
-    return abs(start) == motion.peak or (abs(end) == motion.peak and start * end >= 0.0)
+    return abs(start) == motion.largest or (abs(end) == motion.largest and start * end >= 0.0)

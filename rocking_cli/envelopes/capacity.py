@@ -12,19 +12,19 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..dynamics.march.closings import FEW
+from ..dynamics.march.closings import FEW_SIGN_CHANGES
 from ..dynamics.method import Method
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
+from .amplitudes import COARSE, LONGEST_FINE
 from .boundaries import Search
 from .changes import Brackets
 from .intervals import HIGHEST
-from .scan_grid import COARSE, LONGEST_FINE
 
 if TYPE_CHECKING:
-    from .lowest_fall import Falls
+    from .lowest_fall import FallSearch
 
 Array = np.ndarray
 
@@ -39,19 +39,19 @@ _PARTS = 256  # parts of a bracket in one cut: there are few brackets, and a bat
 class Capacity:
     """The capacity of a body against a demand; amplitudes A [-].
 
-    first: the lowest amplitude that overturns, None if there is none; safe_to: the end of the safe interval around the demand, None if
-    the body falls under the demand or no larger amplitude overturns it; uplift: the lowest amplitude that lifts the body, None if there
-    is none. dust: under a record or a pulse of several cycles, the share of amplitudes up to 5 % above `first` that fall, if they form
-    more than one interval, otherwise 0.
+    first: the lowest amplitude that overturns, None if there is none; safe_to: the end of the safe interval around the demand, None if the
+    body falls under the demand or no larger amplitude overturns it; uplift: the lowest amplitude that lifts the body, None if there is
+    none. share_of_falls: under a record or a pulse of several cycles, the share of amplitudes up to 5 % above `first` that fall, if they
+    form more than one interval, otherwise 0.
     """
 
     first: float | None
     safe_to: float | None
     uplift: float | None
-    dust: float = 0.0
+    share_of_falls: float = 0.0
 
 
-class Sought(NamedTuple):
+class CapacitySearch(NamedTuple):
     """A capacity to be computed: of a structure at Omega [-] against a demand of A = `amplitude` [-]; the search goes up to the larger of
     `a_max` and twice the demand."""
 
@@ -69,27 +69,27 @@ class Sought(NamedTuple):
             raise UsageError(f"{self.structure.name}: found a search up to A = {top:.6g}; expected up to {HIGHEST:g}")
         return self.method.system_of(self.structure).least_uplift(self.motion), top
 
-    def falls(self) -> Falls:
+    def fall_search(self) -> FallSearch:
         """Set up the search for narrow falls."""
-        from .lowest_fall import Falls
+        from .lowest_fall import FallSearch
 
         digits = tracing_width(self.method, self.motion)
-        return Falls.of(self.method.system_of(self.structure), self.motion, self.omega, self.structure.eta, digits)
+        return FallSearch.of(self.method.system_of(self.structure), self.motion, self.omega, self.structure.eta, digits)
 
-    def capacity(self, narrow: Falls | None = None) -> Capacity:
-        """Compute the capacity; narrow: one of `searches`. Intervals narrower than `narrowest` may be missed, but not around the demand.
-        Changes are traced to `tracing_width`. Raises UsageError if the demand or `a_max` is above the limit of a scan."""
+    def capacity(self, fall_search: FallSearch | None = None) -> Capacity:
+        """Compute the capacity; fall_search: one of `fall_searches`. Intervals narrower than `narrowest` may be missed, but not around the
+        demand. Changes are traced to `tracing_width`. Raises UsageError if the demand or `a_max` is above the limit of a scan."""
         motion, amplitude, system = self.motion, self.amplitude, self.method.system_of(self.structure)
         lowest, top = self.ends()
         if not lowest < top:
             return Capacity(None, None, lowest if np.isfinite(lowest) else None)
-        narrow = narrow or searches([self])[0]
-        if narrow is not None:
-            stands = amplitude <= lowest or not narrow.falls(np.array([amplitude]))[0]
-            below = narrow.first(lowest, min(amplitude, top)) if lowest < amplitude else None
-            above = narrow.first(max(lowest, amplitude), top) if stands else None
-            first = below or (above if stands else narrow.lowest(lowest, amplitude))
-            return Capacity(first, above, lowest, 0.0 if first is None else narrow.dust(first))
+        fall_search = fall_search or fall_searches([self])[0]
+        if fall_search is not None:
+            stands = amplitude <= lowest or not fall_search.falls(np.array([amplitude]))[0]
+            below = fall_search.first(lowest, min(amplitude, top)) if lowest < amplitude else None
+            above = fall_search.first(max(lowest, amplitude), top) if stands else None
+            first = below or (above if stands else fall_search.lowest(lowest, amplitude))
+            return Capacity(first, above, lowest, 0.0 if first is None else fall_search.share_of_falls(first))
         search = Search(system, motion, self.structure.eta, top, digits=tracing_width(self.method, motion), parts=_PARTS)
         brackets: list[Brackets] = []  # one window after the other, until the outcome at the demand and the next fall above it are known
         above_demand = False
@@ -100,28 +100,28 @@ class Sought(NamedTuple):
             if above_demand or (end <= amplitude and not Outcome(last).safe):
                 break
         found = search.first_falls_in(self.omega, Brackets.joined(brackets)) if brackets else []
-        first, dust = min(found, default=None), 0.0
-        if first is not None and motion.segments.pushes > FEW:
-            first, dust = self.falls().lowest_narrow(lowest, first)
+        first, share_of_falls = min(found, default=None), 0.0
+        if first is not None and motion.segments.sign_changes > FEW_SIGN_CHANGES:
+            first, share_of_falls = self.fall_search().lowest_and_share(lowest, first)
         safe_to = found[-1] if above_demand else None
-        return Capacity(first, safe_to if first is None or safe_to is None or first < amplitude else first, lowest, dust)
+        return Capacity(first, safe_to if first is None or safe_to is None or first < amplitude else first, lowest, share_of_falls)
 
 
-def searches(sought: Sequence[Sought]) -> list[Falls | None]:
+def fall_searches(searches: Sequence[CapacitySearch]) -> list[FallSearch | None]:
     """The search for narrow falls of each capacity under a record, else None; one scan first computes what they all need. Raises UsageError
-    as `Sought.ends`."""
-    found: list[Falls | None] = []
-    ahead = []
-    for asked in sought:
-        lowest, top = asked.ends()
-        narrow = asked.falls() if _long(asked.motion) and lowest < top else None
-        found.append(narrow)
-        if narrow is not None:
-            ahead.append((narrow, lowest, float(np.clip(asked.amplitude, lowest, top)), top))
-    if ahead:
-        from .lowest_fall import look_ahead
+    as `CapacitySearch.ends`."""
+    found: list[FallSearch | None] = []
+    scanned = []
+    for one in searches:
+        lowest, top = one.ends()
+        fall_search = one.fall_search() if _long(one.motion) and lowest < top else None
+        found.append(fall_search)
+        if fall_search is not None:
+            scanned.append((fall_search, lowest, float(np.clip(one.amplitude, lowest, top)), top))
+    if scanned:
+        from .lowest_fall import scan_together
 
-        look_ahead(ahead)
+        scan_together(scanned)
     return found
 
 
@@ -140,7 +140,8 @@ def _long(motion: Motion) -> bool:
 
 
 def _windows(lowest: float, demand: float, top: float, at_once: bool) -> Iterator[tuple[float, float]]:
-    """Ranges of amplitudes to search one after the other: up to the demand, then above it, wider and wider unless `at_once`."""
+    """Ranges of amplitudes to search one after the other: one up to the demand, then wider and wider ones above it, or a single one with
+    `at_once`."""
     begin, width = lowest, _FIRST_WINDOW
     if demand > lowest * (1.0 + 1e-12):
         yield lowest, demand

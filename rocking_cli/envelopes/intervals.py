@@ -23,8 +23,8 @@ from ..motions import Motion, pulse
 from ..motions.grid import Axis, HasMotion, parse_axes, scaled_frequency, written_axes
 from ..processes import available_cpus, processes, refuse_endless
 from ..structures.parameters import RockingParameters
+from .amplitudes import SCAN_STEP
 from .boundaries import Search, Steps
-from .scan_grid import SCAN_STEP
 
 A_MAX = 20.0
 NARROWEST = 1e-3  # no interval of this width in A is missed

@@ -11,10 +11,10 @@ import numpy as np
 
 from ..dynamics.outcome import safe
 from ..dynamics.response import response
-from ..dynamics.single.response import response_alone
+from ..dynamics.single.one_by_one import response_alone
 from ..dynamics.system import System
 from ..motions import Motion
-from .scan_grid import COARSE, LONGEST_FINE
+from .amplitudes import COARSE, LONGEST_FINE
 
 if TYPE_CHECKING:
     from ..dynamics.single.scan import Scan
@@ -24,28 +24,29 @@ Array = np.ndarray
 _FINE = 6e-5  # ratio of neighbouring amplitudes, minus 1, in the tenth below a known fall
 _FINEST, _NEAREST = 5e-6, 0.997  # under a pulse with narrow falls: ratio minus 1, and start of the search over the fall
 _NEAR, _ABOVE = 0.9, 1.05  # times the lowest fall: start of the fine search, and end of the count of falls
-_TOGETHER = 32  # parts of a bracket in one cut, if the march computes amplitudes together
+_TOGETHER = 64  # parts of a bracket in one cut, if the march computes all amplitudes together
 _FEW = 20  # amplitudes up to which the march is as fast as a scan
-_BESIDE = 5  # number of amplitudes on either side of an approximate fall at which the march looks for it
+_NEIGHBOURS = 5  # number of amplitudes on either side of an approximate fall at which the march looks for it
 _CHECKED = 5  # number of amplitudes that the march computes, below a fall and around an approximate one
 _STRETCH = 100  # amplitudes of the first stretch of a search by the march
 
 
 @dataclass
-class Falls:
+class FallSearch:
     """The search for the lowest amplitude at which one body falls, where falls may be narrow.
 
-    falls: function that returns True for amplitudes at which the body falls, by the march; seems: the same for many amplitudes, perhaps
-    approximate, to tell where to look; digits: relative width of a traced boundary; scan: the approximate scan, None without one; parts:
-    of a bracket in one cut; seen: (amplitudes `COARSE` apart that were computed, True where the body seems to fall).
+    falls: function that returns True for amplitudes at which the body falls, by the march; approximate_falls: the same for many amplitudes,
+    perhaps approximate, to tell where to look; digits: relative width of a traced boundary; scan: the approximate scan, None without one;
+    by_march: True if `approximate_falls` is the march (bodies with restraints); computed: (amplitudes `COARSE` apart that were computed,
+    True where the body seems to fall).
     """
 
     falls: Callable[[Array], Array]
-    seems: Callable[[Array], Array]
+    approximate_falls: Callable[[Array], Array]
     digits: float
     scan: Scan | None = None
-    parts: int = 2
-    seen: tuple[Array, Array] = field(default_factory=lambda: (np.zeros(0), np.zeros(0, dtype=bool)))
+    by_march: bool = False
+    computed: tuple[Array, Array] = field(default_factory=lambda: (np.zeros(0), np.zeros(0, dtype=bool)))
 
     @classmethod
     def of(cls, system: System, motion: Motion, omega: float, eta: float, digits: float) -> Self:
@@ -54,31 +55,31 @@ class Falls:
         def falls(amplitude: Array) -> Array:
             return ~safe(response_alone(system, motion, amplitude, omega, eta, peaks=False).outcome)
 
-        def seems(amplitude: Array) -> Array:
+        def approximate_falls(amplitude: Array) -> Array:
             if scan is not None and amplitude.size <= _FEW:
                 return falls(amplitude)
             fallen = np.zeros(amplitude.size, dtype=bool) if scan is None else ~safe(scan.outcomes(amplitude))
             doubtful = np.flatnonzero(~fallen & (amplitude > (0.0 if scan is None else system.safe_amplitude(motion))))
-            judge = response_alone if scan is not None and doubtful.size <= _FEW else response
-            fallen[doubtful] = ~safe(judge(system, motion, amplitude[doubtful], np.asarray(omega), eta, peaks=False).outcome)
+            compute = response_alone if scan is not None and doubtful.size <= _FEW else response
+            fallen[doubtful] = ~safe(compute(system, motion, amplitude[doubtful], np.asarray(omega), eta, peaks=False).outcome)
             return fallen
 
         scan = None
         if len(motion.segments) > LONGEST_FINE:
             from ..dynamics.single.scan import Scan
 
-            scan = Scan(system, motion, omega, eta) if Scan.serves(system, motion) else None
-        return cls(falls, seems, digits, scan, 2 if system.devices is None else _TOGETHER)
+            scan = Scan(system, motion, omega, eta) if Scan.supports(system, motion) else None
+        return cls(falls, approximate_falls, digits, scan, system.devices is not None)
 
     def first(self, begin: float, end: float) -> float | None:
         """The lowest amplitude from `begin` to `end` at which the body falls, None if there is none."""
         low, stretch, found = begin, _STRETCH, None
         while found is None and low < end:
             high = end if self.scan else min(end, low * (1.0 + COARSE) ** stretch)
-            amplitude, seems = self._coarse(low, high)
-            found = next(filter(None, (self.lowest(begin, fall) for fall in amplitude[seems].tolist())), None)
+            amplitude, falling = self._coarse(low, high)
+            found = next(filter(None, (self.lowest(begin, fall) for fall in amplitude[falling].tolist())), None)
             low, stretch = high, 2 * stretch
-        while (missed := self._missed(begin, found or end)) is not None:
+        while not self.by_march and (missed := self._missed(begin, found or end)) is not None:
             found = self.lowest(begin, missed)
         return found
 
@@ -89,22 +90,22 @@ class Falls:
 
     def _coarse(self, low: float, high: float) -> tuple[Array, Array]:
         """(amplitudes `COARSE` apart between these, True where the body seems to fall); each amplitude is computed once."""
-        amplitude = _ladder(low, high, COARSE)
-        new = np.setdiff1d(amplitude, self.seen[0], assume_unique=True)
+        amplitude = _scan_amplitudes(low, high, COARSE)
+        new = np.setdiff1d(amplitude, self.computed[0], assume_unique=True)
         if new.size:
-            every, order = np.unique(np.append(self.seen[0], new), return_index=True)
-            self.seen = every, np.append(self.seen[1], self.seems(new))[order]
-        return amplitude, self.seen[1][np.searchsorted(self.seen[0], amplitude)]
+            every, order = np.unique(np.append(self.computed[0], new), return_index=True)
+            self.computed = every, np.append(self.computed[1], self.approximate_falls(new))[order]
+        return amplitude, self.computed[1][np.searchsorted(self.computed[0], amplitude)]
 
     def lowest(self, begin: float, found: float, ratio: float = _FINE, near: float = _NEAR) -> float | None:
         """The lowest fall from `begin` to `found`, at which a body seems to fall; None if the march finds none. It searches amplitudes at
         this ratio from near^2 times `found` on, then from `near` times each new fall on."""
         low, high, lowest = max(begin, near * near * found), found, None
         while low < high:
-            amplitude = _ladder(low, high, ratio)
-            seems = self.seems(amplitude)
-            seems[-1] |= lowest is None
-            new = next(filter(None, (self._confirmed(amplitude, run) for run in _runs(seems))), None)
+            amplitude = _scan_amplitudes(low, high, ratio)
+            falling = self.approximate_falls(amplitude)
+            falling[-1] |= lowest is None
+            new = next(filter(None, (self._confirmed(amplitude, run) for run in _runs(falling))), None)
             if new is None:
                 break
             lowest, low, high = new, max(begin, near * new), low
@@ -112,10 +113,13 @@ class Falls:
 
     def _confirmed(self, amplitude: Array, run: Array) -> float | None:
         """The lower end of a fall that the march finds at or near a run of these amplitudes, None if it finds none."""
-        first = np.arange(max(0, run[0] - _BESIDE), run[0] + 1)
+        if self.by_march:
+            at = int(run[0])
+            return self.narrowed(float(amplitude[at - 1]), float(amplitude[at])) if at else float(amplitude[0])
+        first = np.arange(max(0, run[0] - _NEIGHBOURS), run[0] + 1)
         fallen = first[self.falls(amplitude[first])]
         if not fallen.size:
-            rest = np.arange(run[0] + 1, min(amplitude.size, run[-1] + _BESIDE + 1))
+            rest = np.arange(run[0] + 1, min(amplitude.size, run[-1] + _NEIGHBOURS + 1))
             rest = rest[:: max(1, rest.size // _CHECKED)]
             fallen = rest[self.falls(amplitude[rest])]
         if not fallen.size:
@@ -125,31 +129,32 @@ class Falls:
             at, step = below, 2 * step
         return self.narrowed(float(amplitude[below]), float(amplitude[at])) if at else float(amplitude[0])
 
-    def lowest_narrow(self, begin: float, found: float) -> tuple[float, float]:
-        """(the lowest fall from `begin` to the known fall `found`, `dust` above it). If there is dust, it finds intervals 5e-6 of the
-        amplitude wide."""
+    def lowest_and_share(self, begin: float, found: float) -> tuple[float, float]:
+        """(the lowest fall from `begin` to the known fall `found`, `share_of_falls` above it). If this share is not 0, it finds
+        intervals 5e-6 of the amplitude wide."""
         first = self.lowest(begin, found) or found
         self._coarse(first, _ABOVE * first)
-        dust = self.dust(first)
-        return (self.lowest(begin, first, _FINEST, _NEAREST) or first if dust else first), dust
+        share_of_falls = self.share_of_falls(first)
+        return (self.lowest(begin, first, _FINEST, _NEAREST) or first if share_of_falls else first), share_of_falls
 
     def narrowed(self, low: float, high: float) -> float:
-        """The boundary between `low`, at which the body stands, and `high`, at which it falls, within `digits`."""
-        share = np.arange(1.0, self.parts)
+        """The boundary between `low`, at which the body stands, and `high`, at which it falls, to the relative width `digits`."""
+        parts = _TOGETHER if self.by_march else 2
+        share = np.arange(1.0, parts)
         while high - low > self.digits * high and low < 0.5 * (low + high) < high:
-            between = ((self.parts - share) * low + share * high) / self.parts
+            between = ((parts - share) * low + share * high) / parts
             ends, first = [low, *between.tolist(), high], int(np.argmax(np.append(self.falls(between), True)))
             low, high = ends[first], ends[first + 1]
         return high
 
-    def dust(self, first: float) -> float:
+    def share_of_falls(self, first: float) -> float:
         """The share of falls among amplitudes `COARSE` apart up to 5 % above the first fall; 0 if the falls are one interval."""
-        falls = self.seen[1][(first < self.seen[0]) & (self.seen[0] < _ABOVE * first)].tolist()
+        falls = self.computed[1][(first < self.computed[0]) & (self.computed[0] < _ABOVE * first)].tolist()
         single = sum(one != other for one, other in pairwise([True, *falls])) <= 1
         return 0.0 if single else 0.5 * sum(falls) / len(falls)
 
 
-def _ladder(low: float, high: float, ratio: float) -> Array:
+def _scan_amplitudes(low: float, high: float, ratio: float) -> Array:
     """Amplitudes from `low` to `high` at this ratio; those inside do not depend on `low` and `high`."""
     powers = np.arange(np.ceil(np.log(low) / np.log1p(ratio)), np.log(high) / np.log1p(ratio))
     return np.unique(np.concatenate([[low, high], np.clip((1.0 + ratio) ** powers, low, high)]))
@@ -161,18 +166,18 @@ def _runs(flags: Array) -> list[Array]:
     return np.split(at, np.flatnonzero(np.diff(at) > 1) + 1) if at.size else []
 
 
-def look_ahead(asked: Sequence[tuple[Falls, float, float, float]]) -> None:
+def scan_together(asked: Sequence[tuple[FallSearch, float, float, float]]) -> None:
     """Scan together the amplitudes that several searches will need; asked: (search, least amplitude, demand, largest amplitude) of each."""
     from ..dynamics.single.scan import follow
 
     scanned = [(falls.scan, lowest, demand, top) for falls, lowest, demand, top in asked if falls.scan is not None]
     scans = [scan for scan, *_ in scanned]
-    follow(scans, [np.append(_ladder(lowest, top, COARSE), demand) for _, lowest, demand, top in scanned])
+    follow(scans, [np.append(_scan_amplitudes(lowest, top, COARSE), demand) for _, lowest, demand, top in scanned])
     fine = [[_below(scan, lowest, demand), _below(scan, demand, top)] for scan, lowest, demand, top in scanned]
     follow(scans, [np.unique(np.concatenate(parts)) for parts in fine])
 
 
 def _below(scan: Scan, begin: float, end: float) -> Array:
-    """The amplitudes that `Falls.lowest` will search below the lowest fall from `begin` to `end` that a scan knows."""
+    """The amplitudes that `FallSearch.lowest` will search below the lowest fall from `begin` to `end` that a scan knows."""
     fall = scan.known[0][~safe(scan.known[1]) & (begin <= scan.known[0]) & (scan.known[0] <= end)][:1]
-    return _ladder(max(begin, _NEAR * _NEAR * fall[0]), fall[0], _FINE) if fall.size else fall
+    return _scan_amplitudes(max(begin, _NEAR * _NEAR * fall[0]), fall[0], _FINE) if fall.size else fall

@@ -20,7 +20,7 @@ import numpy as np
 from ..dynamics.contacts.contact import first_uplift
 from ..dynamics.drive import segment_value, summed
 from ..motions.segments import Segments
-from .scan_grid import ScanGrid
+from .amplitudes import ScanGrid
 
 Array = np.ndarray
 

@@ -15,13 +15,13 @@ from ..motions import Motion
 from ..motions.grid import Axis, Grid
 from ..processes import available_cpus
 from ..structures.parameters import RockingParameters
-from .capacity import Sought
+from .amplitudes import Limit, limit_of
+from .capacity import CapacitySearch
 from .intervals import A_MAX, in_turn, trace_envelope
-from .limit import Limit, limit_of
 
 _RATIO = 1.04  # ratio of neighbouring frequencies of the scan; narrower minima may be missed
 _WITHIN = 1.2  # upper end of the scan over the least amplitude so far; minima above it are not searched
-_BESIDE = 1e-4  # relative distance from an end of the range at which a lower amplitude shows that the end is no minimum
+_INSIDE = 1e-4  # relative distance from an end of the range at which a lower amplitude shows that the end is no minimum
 _FINE = 1e-6  # relative width to which the frequency of a minimum is found
 
 
@@ -69,7 +69,7 @@ def _worst(
     least = system.least_uplift(motion)
 
     def first(omega: float, most: float) -> float:
-        found = Sought(structure, motion, least, omega, method, most).capacity().first if least < most else None
+        found = CapacitySearch(structure, motion, least, omega, method, most).capacity().first if least < most else None
         return math.inf if found is None else found
 
     worst = (math.inf, low)
@@ -85,7 +85,7 @@ def _worst(
         if not firsts[omega] <= min(firsts[before], firsts[after], most):
             continue
         worst = min(worst, (firsts[omega], omega))
-        inside = omega * (1.0 + _BESIDE) if omega == low else omega * (1.0 - _BESIDE)
+        inside = omega * (1.0 + _INSIDE) if omega == low else omega * (1.0 - _INSIDE)
         if omega in (low, high) and first(inside, most) >= firsts[omega]:
             continue
         found = minimize_scalar(

@@ -85,7 +85,8 @@ def export_fragility(
 
 
 def write(states: Sequence[State], target: Path, form: str, measure: Measure, overwrite: bool) -> list[str]:
-    """Write fits or shares as `export_fragility` does, after `check_export`."""
+    """Write fits, or exact shares of overturning motions (`Share`), for another program; the caller has called `check_export`. Return a
+    sentence on each difference between the file and the curves."""
     if not states:
         raise UsageError("found no fragility curve to export")
     grouped: dict[str, dict[str, State]] = {}
@@ -97,21 +98,21 @@ def write(states: Sequence[State], target: Path, form: str, measure: Measure, ov
     common = [limit for limit in every if all(limit in found for found in grouped.values())]
     if not common:
         raise UsageError(f"found no limit state that all of {', '.join(grouped)} have")
-    told = [f"{limit}: not all structures have this limit state; left out of {target}" for limit in every if limit not in common]
+    remarks = [f"{limit}: not all structures have this limit state; left out of {target}" for limit in every if limit not in common]
     shares = [state for state in states if isinstance(state, Share)]
     if shares:
-        told.append(f"{target}: holds the {_SHARE}")
+        remarks.append(f"{target}: holds the {_SHARE}")
     kept = [[found[limit] for limit in common] for found in grouped.values()]
     if form == "openquake":
         files = {target: _nrml(kept, measure)}
     else:
         files = dict(zip((target, target.with_suffix(".json")), _pelicun(kept, measure), strict=True))
         if any(share.p[-1] < 1.0 for share in shares):
-            told.append(f"{target}: a share below 1 at its last rise is set to 1 at 1.001 times that level, as pelicun needs")
+            remarks.append(f"{target}: a share below 1 at its last rise is set to 1 at 1.001 times that level, as pelicun needs")
     for path, text in files.items():
         with published(path, overwrite) as file:
             file.write(text.encode())
-    return told
+    return remarks
 
 
 def check_export(target: Path, form: str, measure: Measure, overwrite: bool) -> None:
@@ -154,9 +155,9 @@ def _nrml(structures: Sequence[Sequence[State]], measure: Measure) -> str:
     imt = re.sub(r"\((.*)\)", lambda found: f"({float(found[1])})", "IA" if measure.name == "Arias" else measure.name)
     root = ET.Element("nrml", xmlns=_NRML)
     model = ET.SubElement(root, "fragilityModel", id="rocking", assetCategory="contents", lossCategory="contents")
-    told = "; ".join(f"{name}: {_of_limit(state.limit)}" for name, state in zip(limits, states, strict=True))
+    description = "; ".join(f"{name}: {_of_limit(state.limit)}" for name, state in zip(limits, states, strict=True))
     share = f" ({_SHARE})" if isinstance(states[0], Share) else ""
-    ET.SubElement(model, "description").text = f"Rocking structures{share}. {told}"
+    ET.SubElement(model, "description").text = f"Rocking structures{share}. {description}"
     ET.SubElement(model, "limitStates").text = " ".join(limits)
     for name, states in zip(_names(some[0].structure for some in structures), structures, strict=True):
         function = ET.SubElement(model, "fragilityFunction", id=name)
@@ -190,7 +191,7 @@ def _pelicun(structures: Sequence[Sequence[State]], measure: Measure) -> tuple[s
     period = "" if measure.name in _DEMANDS else f"|{measure.periods[0]:.2f}"
     demand, unit = _DEMANDS.get(measure.name, (f"Spectral Acceleration{period}", "g"))
     scale, table = openquake_unit(measure)[1], io.StringIO()
-    told: dict[str, object] = {
+    model: dict[str, object] = {
         "_GeneralInformation": {"ShortName": "Rocking structures", "Description": "Fragility curves of rocking structures"}
     }
     head = ["ID", "Incomplete", "Demand-Type", "Demand-Unit", "Demand-Offset", "Demand-Directional"]
@@ -210,10 +211,10 @@ def _pelicun(structures: Sequence[Sequence[State]], measure: Measure) -> tuple[s
                 row += ["lognormal", _number(state.curve.theta / scale), _number(state.curve.beta), ""]
         writer.writerow(row)
         share = f", the {_SHARE}" if isinstance(states[0], Share) else ""
-        told[name] = {
+        model[name] = {
             "Description": f"{states[0].structure}{share}",
             "SuggestedComponentBlockSize": "1 EA",
             "RoundUpToIntegerQuantity": "True",
             "LimitStates": {f"LS{i}": {f"DS{i}": {"Description": _of_limit(state.limit)}} for i, state in enumerate(states, 1)},
         }
-    return table.getvalue(), json.dumps(told, indent=2) + "\n"
+    return table.getvalue(), json.dumps(model, indent=2) + "\n"

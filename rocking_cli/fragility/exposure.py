@@ -14,10 +14,10 @@ import numpy as np
 from ..dynamics.method import Method
 from ..dynamics.outcome import Outcome, falls
 from ..dynamics.response import response
+from ..envelopes.amplitudes import LONGEST_FINE
 from ..envelopes.boundaries import Search
 from ..envelopes.capacity import RATIO, tracing_width
 from ..envelopes.intervals import in_turn
-from ..envelopes.scan_grid import LONGEST_FINE
 from ..errors import UsageError
 from ..motions.grid import Axis
 from ..processes import available_cpus
@@ -84,7 +84,7 @@ class MotionSet:
 
     def unit(self, structure: RockingParameters, member: Member) -> float:
         """Return the A at which the measure of a motion is 1."""
-        own = float(structure.dimensionless_amplitude(member.acceleration)) / member.motion.peak
+        own = float(structure.dimensionless_amplitude(member.acceleration)) / member.motion.largest
         return own * self.factor(structure, member)
 
 
@@ -145,7 +145,7 @@ def _under_each(structure: RockingParameters, motions: MotionSet, amplitudes: Se
 
 def as_recorded(structure: RockingParameters, motions: MotionSet) -> Exposure:
     """Return the exposure of a structure to each unscaled motion, as if at one level."""
-    own = [structure.dimensionless_amplitude(np.array([m.acceleration / m.motion.peak])) for m in motions.members]
+    own = [structure.dimensionless_amplitude(np.array([m.acceleration / m.motion.largest])) for m in motions.members]
     return _under_each(structure, motions, own)
 
 

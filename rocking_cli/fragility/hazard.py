@@ -48,7 +48,7 @@ class Point(NamedTuple):
     place: str
     text: str
     level: float
-    told: str
+    rate_text: str
     rate: float
 
 
@@ -134,19 +134,23 @@ class Rate:
         """Return the probability of passing the limit state within this number of years."""
         return -math.expm1(-self.annual * years)
 
-    def record(self) -> dict[str, float | None]:
+    def row(self) -> dict[str, float | None]:
         """Return the rate as columns of a row."""
         period = 1.0 / self.annual if self.annual > 0.0 else None
         values = (self.annual, self.low, self.high, self.beyond, period, self.probability(50.0))
         return dict(zip(RATE_COLUMNS, values, strict=False))
 
+    record = row  # the old name
+
     def remarks(self, hazard: HazardCurve) -> list[str]:
         """Return a sentence for each end of the levels beyond which a good part of the rate may be missed."""
-        told, found = measure_of(hazard.im).told, []
+        in_words, found = measure_of(hazard.im).in_words, []
         if self.beyond > _LITTLE * self.annual:
-            found.append(f"{self.annual:.3g} a year up to {told(self.last)}; stronger motions, not counted, add {self.beyond:.3g} at most")
+            found.append(
+                f"{self.annual:.3g} a year up to {in_words(self.last)}; stronger motions, not counted, add {self.beyond:.3g} at most"
+            )
         if self.first > _COMMON:
-            place = f"{told(float(hazard.x[0]))}, where the hazard curve begins"
+            place = f"{in_words(float(hazard.x[0]))}, where the hazard curve begins"
             found.append(f"the probability is {self.first:.2g} at {place}; weaker motions, not counted, add to the rate")
         return found
 
@@ -192,7 +196,7 @@ def read_hazard(path: str | Path, im: str = "PGA", site: str | None = None) -> H
             found = f"{now.text}{f' after {before.text}' if before.text else ''}"
             raise DocumentError(f"{now.place}: found the level {found}; expected positive, rising levels")
         if now.rate > before.rate:
-            found = f"{now.told} above {before.told} of the level before"
+            found = f"{now.rate_text} above {before.rate_text} of the level before"
             raise DocumentError(f"{now.place}: found {found}; expected a hazard curve that does not rise")
     kept = [(point.level, point.rate) for point in points if 0.0 < point.rate < math.inf]
     if len(kept) < 2:
@@ -201,7 +205,7 @@ def read_hazard(path: str | Path, im: str = "PGA", site: str | None = None) -> H
     return HazardCurve(x, rates, measure.name)
 
 
-def _demand_measure(place: str, found: str, wanted: Measure) -> None:
+def _require_measure(place: str, found: str, wanted: Measure) -> None:
     """Raise UsageError if the levels of a file belong to another measure than `wanted`."""
     try:
         name = measure_of("Arias" if found == "IA" else found).name
@@ -230,11 +234,11 @@ def _rate(place: str, text: str, years: float | None) -> float:
 
 def _openquake(source: str, rows: Rows, measure: Measure, site: str | None) -> list[Point]:
     """Return the points of one site in a file of OpenQuake."""
-    first, told = f"{source}, line {rows[0][0]}", " ".join(rows[0][1])
-    imt, time = re.search(r"\bimt='([^']*)'", told), re.search(r"\binvestigation_time=([\d.eE+-]+)", told)
+    first, first_row = f"{source}, line {rows[0][0]}", " ".join(rows[0][1])
+    imt, time = re.search(r"\bimt='([^']*)'", first_row), re.search(r"\binvestigation_time=([\d.eE+-]+)", first_row)
     if imt is None or time is None or len(rows) < 2 or not any(name.startswith("poe-") for name in rows[1][1]):
         raise DocumentError(f"{first}: found no hazard curve of OpenQuake; expected imt=, investigation_time= and columns poe-")
-    _demand_measure(first, imt[1], measure)
+    _require_measure(first, imt[1], measure)
     years = _number(first, time[1])
     if not years > 0.0:
         raise DocumentError(f"{first}: found investigation_time={time[1]}; expected a positive number of years")
@@ -274,7 +278,7 @@ def _two_columns(source: str, rows: Rows, measure: Measure) -> list[Point]:
     years = re.fullmatch(r"p_([\d.]+)_years?", kind)
     if kind != "annual_rate" and years is None:
         raise DocumentError(f"{source}, line {line}: found the columns {', '.join(names)}; expected {_TABLE}")
-    _demand_measure(f"{source}, line {line}", im, measure)
+    _require_measure(f"{source}, line {line}", im, measure)
     time = None if years is None else _number(f"{source}, line {line}", years[1])
     if time == 0.0:
         raise DocumentError(f"{source}, line {line}: found {kind}; expected a positive number of years")

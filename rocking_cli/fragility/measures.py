@@ -44,7 +44,7 @@ class Measure:
     of_structure: bool = False
     periods: tuple[float, ...] = ()  # of SA and AvgSA, in s
 
-    def told(self, value: float) -> str:
+    def in_words(self, value: float) -> str:
         """Return a value of the measure [SI] in words; accelerations are in g."""
         in_g = self.dimension == "acceleration"
         return f"{value / DEFAULT_GRAVITY:.4g} g" if in_g else f"{value:.4g} {self.unit}".rstrip()
@@ -88,10 +88,8 @@ def compared(members: Sequence[Member], own: Measure) -> Collection[Measure]:
 
 @dataclass(frozen=True, eq=False)
 class Member:
-    """A motion of a set: its amplitude a_g [m/s2], its phase per time omega [rad/s], its measures, and its weight.
-
-    recording: the record, if it is one; its motion is computed on request.
-    """
+    """A motion of a set: a pulse or a record (`recording`), whose motion is computed on request. acceleration: peak [m/s2]; omega: circular
+    frequency [rad/s], 1 for a record; intensity: its measures, PGA and others; weight: in means over the set."""
 
     label: str
     acceleration: float
@@ -170,7 +168,7 @@ def site_pulses(path: str | Path) -> tuple[Member, ...]:
             raise DocumentError(f"{path}, line {line}: {error}") from None
         weight = _positive(path, line, row, "weight", "number") if "weight" in columns else 1.0
         label = f"{motion.name}, {a_g:.4g} m/s2, {omega / (2.0 * math.pi):.4g} Hz"
-        found.append(Member(label, a_g * motion.peak, omega, pulse_intensity(motion, a_g, omega), weight, pulse=motion))
+        found.append(Member(label, a_g * motion.largest, omega, pulse_intensity(motion, a_g, omega), weight, pulse=motion))
     if not found:
         raise DocumentError(f"{path}: holds no pulse")
     mean = sum(m.weight for m in found) / len(found)

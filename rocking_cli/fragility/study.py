@@ -66,15 +66,17 @@ class Fit:
     rate_without_fit: Rate | None = None
     no_damage: float = 0.0  # the level [SI] up to which the structure stays at rest, 0 if that is not known
 
-    def record(self) -> dict[str, Any]:
+    def row(self) -> dict[str, Any]:
         """Return the fit as one row."""
         c, b = self.curve, self.band
         low, high, *beta = (None,) * 4 if b is None else (b.theta_low, b.theta_high, b.beta_low, b.beta_high)
         values = (c.theta, c.beta, low, high, *beta, round(c.n), c.theta, low, high)
         row = {**self._names(), **dict(zip(FRAGILITY_COLUMNS[4:], values, strict=True))}
         if self.rate is not None:
-            row |= {**self.rate.record(), "rate_without_fit": self.rate_without_fit and self.rate_without_fit.annual}
+            row |= {**self.rate.row(), "rate_without_fit": self.rate_without_fit and self.rate_without_fit.annual}
         return row
+
+    record = row  # the old name
 
     def points_of_curve(self) -> Iterator[dict[str, Any]]:
         """Yield the curve as rows, with the band, and the fraction beyond the limit state at the levels."""
@@ -194,11 +196,12 @@ class Study:
         first = float(w @ [any(a < self.hazard.x[0] < b for a, b in found) for found in self.intervals] / w.sum())
         return Rate(float(of_each.sum() / w.sum()), low, high, float(self.hazard(highest)), highest, first)
 
-    def exact_record(self) -> dict[str, Any]:
+    def exact_row(self) -> dict[str, Any]:
         """Return the annual rate of overturning without a fit as one row. Raises UsageError if there is no such rate."""
         if (rate := self.rate_without_fit) is None:
-            raise UsageError(f"{self.structure.name}: found no hazard curve or no traced intervals; expected both")
-        row = {**dict.fromkeys(FRAGILITY_COLUMNS), **self._exact(), "n": len(self.motions.members), **rate.record()}
+            missing = "hazard curve" if self.hazard is None else "traced overturning intervals"
+            raise UsageError(f"{self.structure.name}: found no {missing}; expected a hazard curve and traced overturning intervals")
+        row = {**dict.fromkeys(FRAGILITY_COLUMNS), **self._exact(), "n": len(self.motions.members), **rate.row()}
         return {**row, "rate_without_fit": rate.annual}
 
     def exact_rows(self) -> Iterator[dict[str, Any]]:

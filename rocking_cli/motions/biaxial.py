@@ -21,8 +21,8 @@ def with_vertical(motion: Motion, vertical: Motion, scale: float = 1.0) -> Motio
     factor = checked_scale(vertical.name, scale) * (1.0 if own is None or other is None else other / own)
     marks = np.sort(np.concatenate([motion.marks, vertical.marks]))
     marks = marks[np.diff(marks, prepend=-np.inf) > 1e-12 * marks[-1]]
-    told = vertical.name if scale == 1.0 else f"{vertical.name}, times {scale:g}"
-    return motion.on(marks, vertical.on(marks).scaled(factor, told))
+    name = vertical.name if scale == 1.0 else f"{vertical.name}, times {scale:g}"
+    return motion.on(marks, vertical.on(marks).scaled(factor, name))
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +37,7 @@ class Upwards:
         return with_vertical(motion, self.vertical, self.scale)
 
     def identity(self) -> list[Any]:
-        """Return the data on which a result depends: name, hash of the samples of a record, its amplitude [m/s2], scale."""
+        """Return what a result takes from this vertical motion: name, hash of its samples, amplitude of a record [m/s2], factor `scale`."""
         lines, found = self.vertical, hashlib.sha256()
         if isinstance(lines, Polyline):
             for part in blocks(lines.start.size):  # one after the other, as in files of earlier versions

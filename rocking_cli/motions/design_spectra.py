@@ -1,6 +1,6 @@
 """Elastic spectra for the check by a code: that of a motion, of a file, and of a floor (Circolare 7/2019, section C7.2.3).
 
-A spectrum has `peak`, the peak acceleration [m/s2], `acceleration`, S_a [m/s2] at periods [s] of shape (n,), and `demand`, the
+A spectrum has `pga`, the peak acceleration [m/s2], `acceleration`, S_a [m/s2] at periods [s] of shape (n,), and `demand`, the
 displacement [m] that the code compares with the displacement of a limit state.
 """
 
@@ -50,7 +50,7 @@ class MotionSpectrum:
         return cls(Record(motion.name, "motion", None, dt, amplitude * values, None, "m/s2", motion.name, ""))
 
     @property
-    def peak(self) -> float:
+    def pga(self) -> float:
         """The peak ground acceleration."""
         return largest(self.record.acceleration)
 
@@ -80,9 +80,14 @@ class SpectrumFile:
     values: Array
 
     @property
-    def peak(self) -> float:
+    def pga(self) -> float:
         """S_a at the first period."""
         return float(self.values[0])
+
+    @property
+    def peak(self) -> float:
+        """`pga` under its old name."""
+        return self.pga
 
     def acceleration(self, periods: Array, damping: float) -> Array:
         """Return S_a at these periods. Raises UsageError for periods beyond the last one of the file."""
@@ -115,7 +120,7 @@ class FloorSpectrum:
     modes: Sequence[FloorMode]
 
     @property
-    def peak(self) -> float:
+    def pga(self) -> float:
         """The peak acceleration of the floor."""
         return float(self.acceleration(np.zeros(1), DAMPING)[0])
 
@@ -158,7 +163,7 @@ def read_spectrum(path: str | Path) -> SpectrumFile:
 
     >>> from pathlib import Path
     >>> _ = Path('site.csv').write_text('T,S_a [g]\\n0,0.2\\n0.5,0.5\\n4,0.1')
-    >>> round(read_spectrum('site.csv').peak, 3)
+    >>> round(read_spectrum('site.csv').pga, 3)
     1.962
     """
     source, raw = read_bytes(path)

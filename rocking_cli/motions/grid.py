@@ -189,9 +189,9 @@ def demand_in_words(shakes: Sequence[tuple[Motion, Grid]]) -> str:
     return f"{text}{f', {motions} motions' if motions > 1 else ''}"
 
 
-def parse_grid(text: str, structures: int = 1, *, own_time: bool = False) -> Grid:
-    """Return the grid that a text states: two axes, both with units or both dimensionless. Raises UsageError. structures: their number, for
-    the limit of cells; own_time: True for a record, whose grid has only one axis, A or a_g of its peak.
+def parse_grid(text: str, *, own_time: bool = False) -> Grid:
+    """Return the grid that a text states: two axes, both with units or both dimensionless. Raises UsageError. own_time: True for a record,
+    whose grid has only one axis, A or a_g of its peak.
 
     >>> parse_grid('a_g=0.1g:1g:50,f_g=0.5:5:40').shape  # frequencies, amplitudes
     (40, 50)
@@ -204,7 +204,7 @@ def parse_grid(text: str, structures: int = 1, *, own_time: bool = False) -> Gri
     for amplitude, frequency in _PAIRS[: 3 if own_time else 2]:
         if axes.keys() == {amplitude, frequency}:
             grid = Grid(axes[amplitude], axes[frequency])
-            if (cells := math.prod(grid.shape) * max(1, structures)) <= MAX_CELLS:
+            if (cells := math.prod(grid.shape)) <= MAX_CELLS:
                 return grid
             found = f"{cells:.3g} cells ({9e-9 * cells:.3g} GB)"
             raise UsageError(f"`grid`: {found} are more than the limit of {MAX_CELLS:.0e} in one file; split the grid")

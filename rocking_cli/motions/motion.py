@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 
@@ -60,14 +59,6 @@ def plus(a: Piece, b: Piece) -> Piece:
         waves[h.frequency] = waves.get(h.frequency, 0.0) + h.amplitude * np.exp(1j * h.phase)
     harmonics = tuple(Harmonic(float(abs(c)), w, float(np.angle(c))) for w, c in waves.items())
     return Piece(a.start, a.stop, harmonics, a.constant + b.constant, a.slope + b.slope)
-
-
-class Near(NamedTuple):
-    """The change s - s_start on a segment, and its first two derivatives by phase, (lanes,)."""
-
-    change: np.ndarray
-    rate: np.ndarray
-    bend: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,8 +131,8 @@ class Motion:
     def scaled(self, factor: float, name: str | None = None) -> Motion:
         """Return the motion times a factor. A negative factor reverses the horizontal motion only; the vertical one is multiplied by
         |factor|. name: by default the old name with the factor. Raises MotionError, see `checked_scale`."""
-        told, up = self._scaled_name(factor)
-        return Motion(name or told, tuple(p.scaled(factor) for p in self.pieces), up)
+        scaled_name, up = self._scaled_name(factor)
+        return Motion(name or scaled_name, tuple(p.scaled(factor) for p in self.pieces), up)
 
     def _scaled_name(self, factor: float) -> tuple[str, Motion | None]:
         """Return the name and the vertical motion of the motion times a factor."""
@@ -150,9 +141,14 @@ class Motion:
         return own + upwards(up), up
 
     @property
-    def peak(self) -> float:
+    def largest(self) -> float:
         """max |s| over the motion."""
         return float(max(self.segments.later_max[0], -self.segments.later_min[0]))
+
+    @property
+    def peak(self) -> float:
+        """`largest` under its old name."""
+        return self.largest
 
     def value(self, phase: np.ndarray | float) -> np.ndarray:
         """Return s [-] at phases [rad] of any shape; at a jump the value after it, outside the motion zero."""
@@ -211,9 +207,10 @@ def extremes(piece: Piece) -> list[float]:
         last = np.floor((h.frequency * piece.stop + h.phase) / np.pi - 0.5)
         found = (((np.arange(first, last + 1) + 0.5) * np.pi - h.phase) / h.frequency).tolist()
     else:
-        from .turning_points import isolated_extremes
+        from .sinusoids import isolated_extremes
 
-        found = isolated_extremes(piece).tolist()
+        waves = np.array([(h.amplitude, h.frequency, h.phase) for h in piece.harmonics])
+        found = isolated_extremes(piece.start, piece.stop, piece.slope, waves).tolist()
     margin = 1e-12 * (piece.stop - piece.start)
     return [float(x) for x in found if piece.start + margin < x < piece.stop - margin]
 

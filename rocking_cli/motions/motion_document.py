@@ -34,7 +34,7 @@ def build_motion(document: Document) -> Motion:
     except MotionError as error:
         raise DocumentError(f"{document.place}: {error}") from None
     document.finish()
-    if not motion.peak > 0.0:
+    if not motion.largest > 0.0:
         raise document.fault(None, "a motion that is zero throughout", "a motion with a non-zero value")
     return motion
 

@@ -7,17 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import MotionError
 from .blocks import largest
-from .motion import Motion, Piece, checked_scale, upwards
+from .motion import Motion, Piece, upwards
 from .segments import Samples, Segments, line_segments
-
-if TYPE_CHECKING:
-    from .records import Record
 
 Array = np.ndarray
 
@@ -73,8 +69,8 @@ class Polyline(Motion):
 
     def scaled(self, factor: float, name: str | None = None) -> Polyline:
         """See `Motion.scaled`."""
-        told, up = self._scaled_name(factor)
-        return Polyline(name or told, self.start, self.stop, factor * self.constant, factor * self.slope, vertical=up)
+        scaled_name, up = self._scaled_name(factor)
+        return Polyline(name or scaled_name, self.start, self.stop, factor * self.constant, factor * self.slope, vertical=up)
 
     @property
     def marks(self) -> Array:
@@ -110,26 +106,14 @@ class Polyline(Motion):
         if self.samples is None or self.vertical is not None:
             return self
         s = self.samples.values
-        bends = np.flatnonzero(np.abs(s[2:] - 2.0 * s[1:-1] + s[:-2]) > _STRAIGHT * largest(s))
-        every = int(np.gcd.reduce(np.append(bends + 1, self.start.size)))
-        if every == 1:
+        kinks = np.flatnonzero(np.abs(s[2:] - 2.0 * s[1:-1] + s[:-2]) > _STRAIGHT * largest(s))
+        spacing = int(np.gcd.reduce(np.append(kinks + 1, self.start.size)))
+        if spacing == 1:
             return self
-        start, stop = self.start[::every], self.stop[every - 1 :: every]
-        return Polyline(self.name, start, stop, s[:-1:every], np.diff(s[::every]) / (stop - start), self.acceleration)
+        start, stop = self.start[::spacing], self.stop[spacing - 1 :: spacing]
+        return Polyline(self.name, start, stop, s[:-1:spacing], np.diff(s[::spacing]) / (stop - start), self.acceleration)
 
     @cached_property
     def segments(self) -> Segments:
         """The monotone segments of the motion, one for each interval."""
         return line_segments(self.start, self.stop, self.constant, self.slope)
-
-
-def record_motion(record: Record, scale: float = 1.0, name: str = "") -> Polyline:
-    """Return the motion of a record in its own time, times `scale`: omega_g = 1 rad/s, max |s| = 1, `acceleration` = |scale| PGA [m/s2].
-    name: by default the label of the record. Raises MotionError if all samples are zero, or for the scale."""
-    peak = largest(record.acceleration)
-    if not peak > 0.0:
-        raise MotionError(f"motion {record.label!r}: zero throughout; the motion must have a non-zero value")
-    factor = float(np.copysign(1.0, checked_scale(record.label, scale))) / peak
-    s = factor * record.acceleration
-    time = record.dt * np.arange(record.npts)
-    return Polyline(name or record.label, time[:-1], time[1:], s[:-1], np.diff(s) / np.diff(time), abs(scale) * peak)

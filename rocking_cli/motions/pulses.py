@@ -40,10 +40,10 @@ def ricker(antisymmetric: bool = False) -> Motion:
     """Return the symmetric Ricker wavelet (1 - x^2) exp(-x^2/2), x = (phi - phi_0)/sqrt(2), or its derivative x (x^2 - 3) exp(-x^2/2),
     x = (phi - phi_0)/sqrt(3), over its largest value. omega_g is the predominant frequency; a sum of 23 sinusoids gives it to 1e-13."""
     unit, x2, harmonics = math.sqrt(3.0 if antisymmetric else 2.0), 3.0 - math.sqrt(6.0), []
-    peak = math.sqrt(x2) * (3.0 - x2) * math.exp(-0.5 * x2)
+    largest = math.sqrt(x2) * (3.0 - x2) * math.exp(-0.5 * x2)
     for n in range(1, int(_TAIL * _TAIL / np.pi) + 1):  # the Fourier series on |x| <= _TAIL
         k = n * np.pi / _TAIL
-        factor, quarter = (-k / peak, 0.0) if antisymmetric else (1.0, 0.5 * np.pi)
+        factor, quarter = (-k / largest, 0.0) if antisymmetric else (1.0, 0.5 * np.pi)
         amplitude = math.sqrt(TURN) / _TAIL * k * k * math.exp(-0.5 * k * k) * factor
         harmonics.append(Harmonic(amplitude, k / unit, quarter - (n % 2) * np.pi))
     name = "antisymmetric Ricker" if antisymmetric else "symmetric Ricker"
@@ -62,12 +62,12 @@ def mavroeidis_papageorgiou(gamma: float = 2.0, phase: float = 0.0) -> Motion:
         raise MotionError(f"mavroeidis-papageorgiou pulse: phase is {phase:g}; expected an angle in rad")
     parts = [(0.5, 1.0), (0.25 * (1.0 + 1.0 / gamma), 1.0 + 1.0 / gamma), (0.25 * (1.0 - 1.0 / gamma), 1.0 - 1.0 / gamma)]
 
-    def pieces(peak: float) -> tuple[Piece, ...]:
-        turned = [Harmonic(-c / peak, w, math.remainder(phase - w * np.pi * gamma, TURN)) for c, w in parts if c > 0.0]
+    def pieces(largest: float) -> tuple[Piece, ...]:
+        turned = [Harmonic(-c / largest, w, math.remainder(phase - w * np.pi * gamma, TURN)) for c, w in parts if c > 0.0]
         return (Piece(0.0, TURN * gamma, tuple(turned)),)
 
     name = f"Mavroeidis-Papageorgiou, gamma {gamma:g}, phase {phase:g}"
-    return Motion(name, pieces(Motion(name, pieces(1.0)).peak))
+    return Motion(name, pieces(Motion(name, pieces(1.0)).largest))
 
 
 def _trigonometric(name: str, cycles: float, phase: float) -> Motion:

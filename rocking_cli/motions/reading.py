@@ -16,10 +16,9 @@ from .biaxial import Upwards
 from .intensity import intensity
 from .motion import Motion
 from .motion_document import build_motion
-from .polyline import record_motion
 from .recording import Recording, with_distinct_labels
-from .records import Record, demand_unit, is_record, pick, records_of, unknown
-from .records.record import chosen, names_of, vertical_of
+from .records import Record, is_record, pick, records_of, require_unit, unknown
+from .records.record import chosen, names_of, record_motion, vertical_of
 from .records.text import HEAD
 from .response_spectra import mean_acceleration, periods_of
 
@@ -112,7 +111,8 @@ def holds_records(path: str) -> bool:
 
 
 def _recordings(records: list[Record], taken: Sequence[Record], given: MotionChoices) -> list[Recording]:
-    """Return the recordings of some records of a file, with the file's vertical component if the choices have a factor for it."""
+    """Return recordings of the records `taken`; if a factor of the vertical motion is given, each has the vertical one of `records`, which
+    are all records of the file."""
     vertical = given.get("vertical")
     up = None if vertical is None else Upwards(record_motion(vertical_of(records)), vertical)
     return [Recording(record, upwards=up) for record in taken]
@@ -184,7 +184,7 @@ def read_set(
     tell: called for each file of a directory that is no record or lacks an acceleration or the component, and for each file without
     results; unread: called for each file of a directory that cannot be read or taken; None: such a file is an error, as a named file
     always is. Raises UsageError, DocumentError and the errors of `take`."""
-    demand_unit(unit)
+    require_unit(unit)
     for path, named, held in record_files(paths):
         try:
             source, raw = held or read_bytes(path)
@@ -207,9 +207,9 @@ def read_set(
 
 
 def record_files(paths: Sequence[str]) -> Iterator[tuple[str, bool, tuple[str, bytes] | None]]:
-    """Yield each file of a set with True if the user named it, and with its content if it is already read (standard input).
-    A directory gives its files in order of name, with False; a list file (a path on each line, relative to the folder of the list) the
-    files that it names; any other path itself. Raises UsageError."""
+    """Yield (path, True if the user or a list names it, (source, content) if it is read already: standard input) of each file of a set.
+    A directory gives its files in order of name, with False. A list file has a path on each line, relative to the folder of the list, and
+    gives these files. Any other path is the file itself. Raises UsageError."""
     for path in paths:
         if path != "-" and os.path.isdir(path):
             inside = sorted(os.path.join(path, name) for name in os.listdir(path) if not name.startswith("."))

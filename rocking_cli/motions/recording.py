@@ -13,8 +13,7 @@ from .biaxial import Upwards
 from .blocks import largest
 from .intensity import Intensity, intensity
 from .motion import Motion, checked_scale
-from .polyline import record_motion
-from .records import Record
+from .records.record import Record, record_motion
 
 
 @dataclass(frozen=True, eq=False)

@@ -72,8 +72,8 @@ def periods_of(name: str) -> tuple[str, Array] | None:
         raise UsageError(f"{name}: found {text!r} for a period; expected {error}") from None
     if not np.all(periods > 0.0) or (periods.size > 1 and not mean):
         raise UsageError(f"{name}: expected {'positive periods' if mean else 'one positive period'} in s, as in SA(1.0) or AvgSA(0.5,1)")
-    told = f"{'AvgSA' if mean else 'SA'}({','.join(f'{x:g}' for x in periods)})"
-    return told, periods[0] * _MEAN if mean and periods.size == 1 else periods
+    name = f"{'AvgSA' if mean else 'SA'}({','.join(f'{x:g}' for x in periods)})"
+    return name, periods[0] * _MEAN if mean and periods.size == 1 else periods
 
 
 def mean_acceleration(record: Record, periods: Array) -> float:
@@ -100,10 +100,10 @@ def _largest(record: Record, finer: int, w: Array, damping: float) -> Array:
     t = h * v[k, i] / (v[k, i] - v[k + 1, i])
     for _ in range(4):  # Newton's method for u' = 0
         there = np.exp(oscillator * t) * z[k, i] - a0 * _gain(oscillator, t) - slope * t * _rise(oscillator, t)
-        place, speed = there.imag / oscillator.imag, there.real - damping * wi * there.imag / oscillator.imag
-        bend = -2.0 * damping * wi * speed - wi**2 * place - a0 - slope * t
-        t = np.clip(t - speed / np.where(bend == 0.0, np.inf, bend), 0.0, h)
-    np.maximum.at(most, i, np.abs(place))
+        displacement, speed = there.imag / oscillator.imag, there.real - damping * wi * there.imag / oscillator.imag
+        acceleration = -2.0 * damping * wi * speed - wi**2 * displacement - a0 - slope * t
+        t = np.clip(t - speed / np.where(acceleration == 0.0, np.inf, acceleration), 0.0, h)
+    np.maximum.at(most, i, np.abs(displacement))
     turn = np.mod(-np.angle(z[-1] * s), math.pi) / s.imag  # the first after the record
     return np.maximum(most, np.abs((z[-1] * np.exp(s * turn)).imag) / s.imag)
 

@@ -12,7 +12,7 @@ import numpy as np
 from .blocks import largest
 
 if TYPE_CHECKING:
-    from .polynomials import Table
+    from .sinusoids import Table
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class Segments:
         """True where the motion is over at the start of segment k."""
         return k >= len(self)
 
-    def hardest(self, side: np.ndarray, amplitude: np.ndarray, k: np.ndarray) -> np.ndarray:
+    def strongest_inward(self, side: np.ndarray, amplitude: np.ndarray, k: np.ndarray) -> np.ndarray:
         """Return the strongest inward drive from segment k on, over the least weight from there on; infinite if that is not positive."""
         return amplitude * np.where(side > 0.0, self.later_max[k], -self.later_min[k])
 
@@ -101,7 +101,7 @@ class Segments:
         return found[0], found[1], np.cumsum([0, *map(len, levels)])
 
     def next_beyond(self, k: np.ndarray, above: np.ndarray, below: np.ndarray) -> np.ndarray:
-        """Return the first segment from k on with s > above or -s > below; K if there is none; shape of k, (lanes,)."""
+        """Return the first segment from k on with s > above or -s > below; K if there is none; shape of k."""
         high, low, start = self._blocks
         found = np.full(k.shape, len(self))
         lanes = np.flatnonzero(k < len(self))
@@ -121,7 +121,7 @@ class Segments:
         return found
 
     def extent(self, k: np.ndarray, to: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return (largest s, least s) on segments k to `to` - 1; minus and plus infinity for no segment; shape of k, (lanes,)."""
+        """Return (largest s, least s) on segments k to `to` - 1; minus and plus infinity for no segment; shape of k."""
         high, low = self._ends
         largest, least, lanes = np.full(k.shape, -np.inf), np.full(k.shape, np.inf), np.flatnonzero(k < to)
         lanes = lanes[np.argsort(k[lanes])]  # reduceat also reduces from the end of each range to the start of the next
@@ -162,7 +162,7 @@ class Segments:
         """The segments as polynomials; None if the motion has at most one sinusoid and no slope, or if the table is too large."""
         if self.harmonics == 0 or (self.harmonics == 1 and not self.sloped):
             return None
-        from .polynomials import table_of
+        from .sinusoids import table_of
 
         return table_of(self)
 
@@ -184,11 +184,11 @@ class Segments:
         return max(largest(self.s_start), largest(self.s_end))
 
     @cached_property
-    def pushes(self) -> int:
-        """The number of intervals in which s has one sign."""
+    def sign_changes(self) -> int:
+        """The number of sign changes of s."""
         signs = np.sign(np.column_stack([self.s_start, self.s_end]).ravel())
         signs = signs[signs != 0.0]
-        return 1 + int(np.count_nonzero(signs[1:] != signs[:-1]))
+        return int(np.count_nonzero(signs[1:] != signs[:-1]))
 
     @cached_property
     def steepest(self) -> tuple[float, float]:

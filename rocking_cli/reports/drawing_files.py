@@ -51,7 +51,7 @@ def draw(
     'slice at Omega = 5, the nearest of the file'
     """
     sources = [Path(x) for x in ([source] if isinstance(source, str | Path) else source)]
-    source, shown, told = sources[0], Units({**FIGURE_UNITS.chosen, **(units.chosen if units else {})}), None
+    source, shown, remark = sources[0], Units({**FIGURE_UNITS.chosen, **(units.chosen if units else {})}), None
     instead = "; `text` needs nothing" if is_spectra_file(source) else ""
     place: Any
     if isinstance(target, str | Path):
@@ -66,7 +66,7 @@ def draw(
                     axes = [figure.add_subplot()]
                     spectrum_lines(axes[0], found, shown)
                     name, unit, factor = shown.column(found.where)
-                    told = f"slice at {name} = {found.value / factor:.6g} {unit}".rstrip() + ", the nearest of the file"
+                    remark = f"slice at {name} = {found.value / factor:.6g} {unit}".rstrip() + ", the nearest of the file"
                 else:
                     axes = _places(figure, file, structure, every, shown)
         else:
@@ -79,7 +79,7 @@ def draw(
                 one.set_xscale("log")
             if "y" in log:
                 one.set_yscale("log")
-    return told if isinstance(target, str | Path) else target
+    return remark if isinstance(target, str | Path) else target
 
 
 class OneAxes:

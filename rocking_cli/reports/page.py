@@ -35,7 +35,7 @@ from ..motions.grid import Axis, Grid, HasMotion, demand_in_words, demand_of
 from ..motions.recording import Recording
 from ..motions.records import Record
 from ..publishing import published
-from ..responses.check import Progress, Verdict, tally, verdicts
+from ..responses.check import Progress, Verdict, has_direction, outcome_alone, tally, verdicts
 from ..spectra.file.reader import SpectraFile
 from ..spectra.sweep import SweepOptions, write_spectrum
 from ..structures import RockingParameters, build_structure, with_distinct_names
@@ -45,7 +45,7 @@ from .figures.capacities import capacities
 from .figures.drawing import structure_axes
 from .figures.fragility_curves import fragility_curves
 from .figures.maps import outcome_map
-from .wording import OVERVIEW, capacity_left, demand_plainly, overview_row, parameter_rows, worst_of
+from .wording import OVERVIEW, capacity_left, demand_plainly, opposite_in_words, overview_row, parameter_rows, worst_of
 
 SIDE = 80  # values on each axis of a map
 LEVELS = 16  # PGA levels of a fragility curve
@@ -68,7 +68,7 @@ class Subject:
     structure: RockingParameters
 
 
-def _demand_extra() -> None:
+def _require_extra() -> None:
     """Raise OutputError if a package of the extra `report` is not installed."""
     for package in ("jinja2", "matplotlib"):
         try:
@@ -80,14 +80,14 @@ def _demand_extra() -> None:
 def page(
     subjects: Sequence[Subject], verdicts: Sequence[Verdict], *, pulse: tuple[Motion, Grid] | None = None,
     recordings: Sequence[Recording] = (), vertical: str | None = None, demand: str, command: str, made: str, workers: int | None = None,
-    title: str | None = None, summary: bool = False, by_capacity: bool = False,
+    title: str | None = None, summary: bool = False, by_capacity: bool = False, opposite: str = "",
 ) -> str:  # fmt: skip
     """Return the page as HTML.
 
     verdicts: those of `check`, for each structure and motion; pulse: a motion and the demand, a grid of one cell; recordings: the records
     of the demand; vertical: name or file of the vertical motion; demand: the strength of the shaking in words; title: None for the names
     of the structures; summary: begin with a page that has a sentence on each structure and a list of contents; by_capacity: put the
-    structures with the least capacity first.
+    structures with the least capacity first; opposite: a remark on the opposite direction.
     """
     from jinja2 import Environment, StrictUndefined
 
@@ -102,6 +102,7 @@ def page(
     of = {s.structure.name: [v for v in verdicts if v.structure == s.structure.name] for s in subjects}
     return template.render(
         title=title or f"Rocking of {', '.join(s.structure.name for s in subjects)}",
+        opposite=opposite,
         lead=f"{tally(verdicts)}, under {demand}." if summary else f"{tally(verdicts)}, under {motions}: {demand}.",
         overview=[_row(OVERVIEW, overview_row(mine), worst_of(mine)) for mine in of.values()] if summary else [],
         verdicts=[_row(HEADS, attrgetter(*HEADS.values())(v), v) for v in verdicts],
@@ -143,13 +144,16 @@ def write_page(
 ) -> list[Verdict]:  # fmt: skip
     """Check the structures under motions with their demands, write the page and return the verdicts; given: more arguments of `page`.
     Raises OutputError if jinja2 or matplotlib is not installed."""
-    _demand_extra()
-    found = list(verdicts([(one.structure, *shake) for shake in shakes for one in subjects], workers=workers, progress=progress))
+    _require_extra()
+    demands = [(one.structure, *shake) for shake in shakes for one in subjects]
+    found = list(verdicts(demands, workers=workers, progress=progress))
+    sided = [(s.name, outcome_alone(s, motion.scaled(-1.0), grid)) for s, motion, grid in demands if has_direction(s)]
     demand = demand_plainly(shakes, vertical) if summary else demand_in_words(shakes)
     pulse = None if recordings else shakes[0]
     text = page(
-        subjects, found, pulse=pulse, recordings=recordings, vertical=vertical, demand=demand, workers=workers, summary=summary, **given
-    )
+        subjects, found, pulse=pulse, recordings=recordings, vertical=vertical, demand=demand, workers=workers, summary=summary,
+        opposite=opposite_in_words(sided) if sided else "", **given,
+    )  # fmt: skip
     with published(Path(target), overwrite) as file:
         file.write(text.encode())
     return found
@@ -229,7 +233,7 @@ def _map(
     most = min(most, 8.0 * amplitude)
     grid = Grid(Axis("a_g", most * np.arange(1, SIDE + 1) / SIDE), Axis("omega_g", omega * np.geomspace(0.25, 4.0, SIDE)))
     method = governing_method(structure, dimensionless=demand.dimensionless)
-    beside = () if method.exact else ("linear",)
+    quantities = () if method.exact else ("linear",)
 
     def plan(figure: Figure) -> None:
         figure.set_size_inches(8.4, 4.0)  # with the legend beside the map
@@ -246,7 +250,7 @@ def _map(
 
     with TemporaryDirectory() as folder:
         path = Path(folder) / "map.h5"
-        write_spectrum([structure], motion, grid, path, method=method, quantities=beside, check=0, workers=workers, overwrite=True)
+        write_spectrum([structure], motion, grid, path, method=method, quantities=quantities, check=0, workers=workers, overwrite=True)
         with SpectraFile(path) as file:
             return _image(plan), np.zeros(0) if method == LINEAR else file.block(0, slice(None))["difference"]
 

@@ -18,8 +18,8 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
     yield f"run time: {s.run_time:.3g} s, {1e6 * s.time_per_cell:.3g} us a cell, {counted(s.workers, 'worker')}"
     if s.resumed_cells:
         yield f"resumed: {s.resumed_cells} cells were there before; times, checks and skipped work are those of this run"
-    if s.elsewhere:
-        yield f"computed on machines that differ: {s.elsewhere}; the last digits of cells may differ from those of one machine"
+    if s.machine_differences:
+        yield f"computed on machines that differ: {s.machine_differences}; the last digits of cells may differ from those of one machine"
     if s.checked_cells:
         agree = "every outcome equal" if not s.misjudged else f"{s.misjudged} OUTCOMES DIFFER"
         sensitive = f" ({s.sensitive_cells} for their sensitivity)" if s.sensitive_cells else ""
@@ -31,7 +31,7 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
     else:
         yield "estimated error: not checked"
     if s.compared:
-        yield f"{s.otherwise} of {s.compared} checked cells have another outcome by the nonlinear equation"
+        yield f"{s.differing} of {s.compared} checked cells have another outcome by the nonlinear equation"
     if s.validity is not None:
         of = f"{s.validity.differ} of {s.validity.sampled} sampled cells differ, {s.validity.unsafe} unsafe"
         yield f"nonlinear: {of}{'; `model` both compares every cell' if s.validity.differ else ''}"
@@ -45,5 +45,5 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
     yield (
         f"skipped: {w.no_uplift} cells below uplift, {w.free_phase} free motions after the shaking, "
         f"{w.certain_overturning} certain overturnings, {w.rests_skipped} rests, the last part of "
-        f"{w.chatters_closed} sequences of impacts, {s.shared_cells} cells shared between structures"
+        f"{w.sequences_closed} sequences of impacts, {s.shared_cells} cells shared between structures"
     )

@@ -13,55 +13,55 @@ from unicodedata import normalize
 from ..errors import UsageError, did_you_mean
 from .units import Units
 
-Record = Mapping[str, Any]
+Row = Mapping[str, Any]
 
 WIDTH = 100  # of a table, if no terminal says otherwise
 _UPRIGHT = 3  # rows at most
 _FORMULA = ("=", "+", "-", "@")  # a spreadsheet reads a text that begins so as a formula, after blanks and in full width too
 
 
-def json_line(record: Record, encoding: str = "utf-8") -> str:
-    """Return a record as a JSON object on one line; NaN and infinity become null.
+def json_line(row: Row, encoding: str = "utf-8") -> str:
+    """Return a row as a JSON object on one line; NaN and infinity become null.
 
     All non-ASCII characters are escaped if one of them is not printable or not in the encoding.
     """
-    line = json.dumps(_plain(record), ensure_ascii=False, allow_nan=False)
+    line = json.dumps(_plain(row), ensure_ascii=False, allow_nan=False)
     fits = line.encode(encoding, "ignore").decode(encoding, "ignore") == line
-    return line if fits and line.isprintable() else json.dumps(_plain(record), allow_nan=False)
+    return line if fits and line.isprintable() else json.dumps(_plain(row), allow_nan=False)
 
 
-def csv_lines(records: Iterable[Record], columns: Sequence[str] = ()) -> Iterator[str]:
+def csv_lines(rows: Iterable[Row], columns: Sequence[str] = ()) -> Iterator[str]:
     """Yield CSV lines: a header with the columns of the first row (or `columns` if there is no row), then the rows.
 
     A text that a spreadsheet reads as a formula gets a leading apostrophe.
     """
     header: list[str] | None = None
-    for record in records:
+    for row in rows:
         if header is None:
-            header = list(record)
+            header = list(row)
             yield _csv_row(header)
-        yield _csv_row([_csv_cell(record.get(c)) for c in header])
+        yield _csv_row([_csv_cell(row.get(c)) for c in header])
     if header is None and columns:
         yield _csv_row(list(columns))
 
 
-def table_lines(records: Iterable[Record], digits: int = 4, width: int = WIDTH, chosen: Sequence[str] = ()) -> Iterator[str]:
+def table_lines(rows: Iterable[Row], digits: int = 4, width: int = WIDTH, chosen: Sequence[str] = ()) -> Iterator[str]:
     """Yield the lines of an aligned table, none longer than `width`; numbers have `digits` significant digits.
 
     chosen: the names of the columns to show, without units; if empty, all columns that have values. A table of up to three rows is turned,
     with a line for each quantity. Columns beyond the width stand in further tables, each with the first column. Raises UsageError for an
     unknown column.
     """
-    rows = list(records)
-    known = {key.partition(" [")[0]: key for row in rows for key in row if key != "kind"}
-    if unknown := [name for name in chosen if rows and name not in known]:
+    body = list(rows)
+    known = {key.partition(" [")[0]: key for row in body for key in row if key != "kind"}
+    if unknown := [name for name in chosen if body and name not in known]:
         raise UsageError(f"`columns`: found {unknown[0]!r}{did_you_mean(unknown[0], known)}; expected names among {', '.join(known)}")
-    keys = [known[name] for name in chosen if rows] or [k for k in known.values() if any(row.get(k) not in (None, "", []) for row in rows)]
-    cells = [[key, *(_text(row.get(key), digits) for row in rows)] for key in keys]
-    if len(rows) <= _UPRIGHT:
+    keys = [known[name] for name in chosen if body] or [k for k in known.values() if any(row.get(k) not in (None, "", []) for row in body)]
+    cells = [[key, *(_text(row.get(key), digits) for row in body)] for key in keys]
+    if len(body) <= _UPRIGHT:
         yield from _upright(cells, width)
         return
-    numeric = [all(isinstance(row.get(key), int | float | None) for row in rows) for key in keys]
+    numeric = [all(isinstance(row.get(key), int | float | None) for row in body) for key in keys]
     widths = [min(max(map(len, cells[0])), width // 2)]
     widths += [min(max(map(len, column)), width - widths[0] - 2) for column in cells[1:]]
     begin = 1
@@ -94,17 +94,17 @@ def _upright(cells: Sequence[Sequence[str]], width: int) -> Iterator[str]:
             yield "  ".join(x.ljust(w) for x, w in zip(line, widths, strict=True)).rstrip()
 
 
-def flat(record: Record) -> dict[str, Any]:
+def flat(row: Row) -> dict[str, Any]:
     """Return the row with a column for each item of its lists and mappings, such as hinges_1_angle or sides_2_p."""
     out: dict[str, Any] = {}
-    for key, value in record.items():
+    for key, value in row.items():
         items = value.items() if isinstance(value, Mapping) else enumerate(value, 1) if isinstance(value, list | tuple) else None
         out |= {key: value} if items is None else flat({f"{key}_{name}": item for name, item in items})
     return out
 
 
 def lines(
-    records: Iterable[Record], form: str, columns: Sequence[str] = (), *, encoding: str = "utf-8", units: Units | None = None, **table: Any
+    rows: Iterable[Row], form: str, columns: Sequence[str] = (), *, encoding: str = "utf-8", units: Units | None = None, **table: Any
 ) -> Iterator[str]:
     """Yield the rows as lines of `json`, `csv` or `table`.
 
@@ -112,11 +112,11 @@ def lines(
     table: arguments of `table_lines`.
     """
     if form == "json":
-        return (json_line(r, encoding) for r in records)
+        return (json_line(r, encoding) for r in rows)
     units = units or Units()
     if form == "csv":
-        return csv_lines(units.shown(map(flat, records)), [headed for headed, _ in map(units.heading, columns)])
-    return table_lines(units.shown(records), **table)
+        return csv_lines(units.shown(map(flat, rows)), [headed for headed, _ in map(units.heading, columns)])
+    return table_lines(units.shown(rows), **table)
 
 
 def _plain(value: Any) -> Any:

@@ -79,6 +79,16 @@ def overview_row(verdicts: Sequence[Verdict]) -> tuple[str | float | None, ...]:
     return v.structure, said, v.motion, v.capacity_demand, v.first_overturning_a, v.friction_needed
 
 
+def opposite_in_words(outcomes: Sequence[tuple[str, Outcome]]) -> str:
+    """Return a remark on the worst outcomes in the opposite direction; outcomes: name and outcome of each body that may differ there."""
+    names: dict[str, dict[str, None]] = {}
+    for name, outcome in outcomes:
+        said = "overturns" if outcome.falls else "does not overturn" if outcome.safe else "is not known for"
+        names.setdefault(said, {})[name] = None
+    worst = next(said for said in ("overturns", "is not known for", "does not overturn") if said in names)
+    return f"the opposite direction (`scale` -1), which may differ for unequal sides: {worst} {', '.join(names[worst])}"
+
+
 def parameter_rows(s: RockingParameters) -> list[dict[str, str]]:
     """Return the rows for p, alpha, eta, lambda and a_scale, of each edge if the edges differ, and for the damping if there is any."""
     known = dict(_RELATIONS.get(s.structure, {}))

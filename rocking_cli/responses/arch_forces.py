@@ -29,10 +29,10 @@ class State(NamedTuple):
 
 
 class LinkForces(NamedTuple):
-    """hinges: (n, 4, 2) forces (x, z) on A, B, C, D; bend: phi'' [rad/s2]; per unit density and width."""
+    """hinges: (n, 4, 2) forces (x, z) on A, B, C, D; acceleration: phi'' [rad/s2]; per unit density and width."""
 
     hinges: Array
-    bend: Array
+    acceleration: Array
 
 
 class Resultants(NamedTuple):
@@ -44,13 +44,13 @@ class Resultants(NamedTuple):
 
 
 class _Link(NamedTuple):
-    """A link in motion: angle turned, angular velocity, angular acceleration = turn phi'' + spun; its first hinge at rest and now, with
-    that hinge's acceleration = (gain phi'' + drift)."""
+    """A link in motion: angle turned, angular velocity, angular acceleration = turn phi'' + turn_drift; its first hinge at rest and now,
+    with that hinge's acceleration = (gain phi'' + drift)."""
 
     angle: Array
     speed: Array
     turn: Array
-    spun: Array
+    turn_drift: Array
     rest: Array
     now: Array
     gain: Array
@@ -64,7 +64,7 @@ class _Link(NamedTuple):
         across = _turned(arm)
         speed2 = (self.speed**2)[:, None, None]
         gain = self.gain[:, None] + self.turn[:, None, None] * across
-        drift = self.drift[:, None] + self.spun[:, None, None] * across - speed2 * arm
+        drift = self.drift[:, None] + self.turn_drift[:, None, None] * across - speed2 * arm
         return self.now[:, None] + arm, gain, drift
 
 
@@ -127,14 +127,14 @@ class ArchForces:
                 system[:, row + 2, 2 * end + 1] += -sign * arm[:, 0]
             central = body.about(body.x / body.mass, body.z / body.mass)
             system[:, row + 2, 8] = -central * link.turn
-            load[:, row + 2] = central * link.spun
+            load[:, row + 2] = central * link.turn_drift
         found = np.linalg.solve(system, load[..., None])[..., 0]
         return LinkForces(found[:, :8].reshape(n, 4, 2), found[:, 8])
 
     def resultants(self, state: State, joints: Array) -> Resultants:
         """Return the resultants in these states on the joints at these angles from springing A [rad], (joints,)."""
         ring, marks = self.mechanism.ring, self.mechanism.hinges
-        links, (forces, bend) = self._links(state), self.hinges(state)
+        links, (forces, acceleration) = self._links(state), self.hinges(state)
         n = state.phi.size
         shape = (n, joints.size)
         push, moment, normal = np.zeros((*shape, 2)), np.zeros(shape), np.zeros((*shape, 2))
@@ -152,14 +152,14 @@ class ArchForces:
             part = ring.sector(start, joints[mine])  # from the hinge to the joint; negative backwards
             safe = np.where(part.mass == 0.0, 1.0, part.mass)
             at, gain, drift = link.place(part.x / safe, part.z / safe)
-            inertia = part.mass[:, None] * (gain * bend[:, None, None] + drift - pull)
+            inertia = part.mass[:, None] * (gain * acceleration[:, None, None] + drift - pull)
             force = forces[:, hinge, None] - inertia
             centre = 0.5 * (np.array(ring.point(joints[mine], "intrados")) + np.array(ring.point(joints[mine], "extrados")))
             place = link.place(centre[0], centre[1])[0]
             end = self._hinges_now(links)[hinge][:, None] - place
             arm = at - place
             central = part.about(part.x / safe, part.z / safe)
-            spin = link.turn * bend + link.spun
+            spin = link.turn * acceleration + link.turn_drift
             torque = end[..., 1] * forces[:, hinge, None, 0] - end[..., 0] * forces[:, hinge, None, 1]
             torque -= arm[..., 1] * inertia[..., 0] - arm[..., 0] * inertia[..., 1] + central * spin[:, None]
             push[:, mine], moment[:, mine] = force, torque

@@ -15,9 +15,9 @@ from ..motions.blocks import blocks
 from ..structures.mechanics.fourbar import FourBar
 from ..structures.parameters import RockingParameters
 from .arch_forces import ArchForces, Resultants, State
+from .arcs import Event, History
 from .chebyshev import extent
 from .ground_history import Ground
-from .history import Event, History
 
 Array = np.ndarray
 
@@ -112,7 +112,7 @@ class ArchHistory:
         return np.hypot(*self.forces.hinges(state).hinges.T).T / self.forces.weight
 
     @cached_property
-    def demands(self) -> dict[str, Worst]:
+    def extremes(self) -> dict[str, Worst]:
         """The extreme of each quantity in time; empty if the arch never moved. 25 instants of each arc choose the joint or hinge.
 
         thrust_min: least N over the arch's weight; friction: largest |T|/N; eccentricity: largest |M|/(N t/2) away from the hinges;
@@ -124,8 +124,8 @@ class ArchHistory:
             start, stop = float(starts[arc]), float(stops[arc])
             state = self.state(np.full(_INSTANTS.size, arc), start + (stop - start) * _INSTANTS)
             joints = self.forces.resultants(state, self.joints)
-            seen = {"hinge_force": self._at_hinges(state), **{name: self._over_joints(name, joints) for name in _QUANTITIES}}
-            for name, values in seen.items():
+            values_of = {"hinge_force": self._at_hinges(state), **{name: self._over_joints(name, joints) for name in _QUANTITIES}}
+            for name, values in values_of.items():
                 at = int(values.max(axis=0).argmax())
 
                 def value(tau: Array, arc: int = arc, name: str = name, at: int = at) -> Array:
@@ -143,17 +143,18 @@ class ArchHistory:
         return worst
 
     def summary(self, when: str, time: float) -> dict[str, Any]:
-        """Return the extremes as a record; `when`: suffix of the columns of times, `time`: the factor from tau to their unit."""
-        found, record = self.demands, dict[str, Any]()
+        """Return the extremes as a row; `when`: suffix of the columns of times, `time`: the factor from tau to their unit."""
+        found, row = self.extremes, dict[str, Any]()
         for name in ("friction", "thrust_min", "eccentricity", "hinge_force"):
             value, place, tau = found.get(name) or (None, None, None)
-            record[name] = value if value is None or np.isfinite(value) else None
-            record[f"{name}_{'hinge' if name == 'hinge_force' else 'joint'}"] = place
-            record[f"{name}_{when}"] = None if tau is None else tau * time
-        record["opens"] = bool(found) and found["eccentricity"].value > 1.0 + 1e-9
+            row[name] = value if value is None or np.isfinite(value) else None
+            row[f"{name}_{'hinge' if name == 'hinge_force' else 'joint'}"] = place
+            row[f"{name}_{when}"] = None if tau is None else tau * time
+        row["friction_needed"] = row["friction"]  # `friction` stays for this version
+        row["opens"] = bool(found) and found["eccentricity"].value > 1.0 + 1e-9
         if self.structure.friction is not None:
-            record["slides"] = bool(found) and found["friction"].value > self.structure.friction
-        return record
+            row["slides"] = bool(found) and found["friction"].value > self.structure.friction
+        return row
 
     def event(self, event: Event, _: float) -> dict[str, float | None]:
         """Return the columns just after an event."""
@@ -161,9 +162,9 @@ class ArchHistory:
 
     def words(self) -> str:
         """Return a sentence on the extreme forces."""
-        if not self.demands:
+        if not self.extremes:
             return "the arch never moved"
-        thrust, friction, eccentricity, hinge = (self.demands[k] for k in ("thrust_min", "friction", "eccentricity", "hinge_force"))
+        thrust, friction, eccentricity, hinge = (self.extremes[k] for k in ("thrust_min", "friction", "eccentricity", "hinge_force"))
         text = f"least N {thrust.value:.4g} of the weight on joint {thrust.joint}"
         text += f", largest |T|/N {friction.value:.4g} on joint {friction.joint}"
         text += f", largest |M|/(N t/2) {eccentricity.value:.4g} on joint {eccentricity.joint}"

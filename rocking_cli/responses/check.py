@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain, repeat
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,11 +15,10 @@ import numpy as np
 from ..dynamics.method import LINEAR, Method, governing_method
 from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import Response
-from ..dynamics.single.response import response_alone
-from ..envelopes.capacity import Capacity, Sought, searches
+from ..dynamics.single.one_by_one import response_alone
+from ..envelopes.amplitudes import LONGEST_FINE, Limit, limit_of
+from ..envelopes.capacity import Capacity, CapacitySearch, fall_searches
 from ..envelopes.intervals import A_MAX
-from ..envelopes.limit import Limit, limit_of
-from ..envelopes.scan_grid import LONGEST_FINE
 from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Grid, HasMotion, demand_of
@@ -27,13 +27,13 @@ from ..structures.parameters import RockingParameters
 from .time_history import time_history
 
 if TYPE_CHECKING:
-    from ..envelopes.lowest_fall import Falls
+    from ..envelopes.lowest_fall import FallSearch
 
 Demand = tuple[RockingParameters, Motion, Grid]
 Progress = Callable[[int, int], None]
 
 _STAGES = 3  # of a verdict
-_BESIDE = np.array([0.0, *(sign * 10.0**-n for n in (12, 9, 6) for sign in (-1.0, 1.0))])  # relative changes of a demand
+_SHIFTS = np.array([0.0, *(sign * 10.0**-n for n in (12, 9, 6) for sign in (-1.0, 1.0))])  # relative changes of a demand
 _SAME = 0.01  # of theta/alpha: rotations under them that differ by less are one
 _TOGETHER = 10  # demands that share a scan
 _WORTH = 3  # demands for each process that is started, at least
@@ -42,21 +42,22 @@ CHECK_COLUMNS = (
     "structure", "motion", "model", "outcome", "theta_ratio", "top_displacement", "demand_a", "uplift_a", "first_overturning_a",
     "capacity_demand", "safe_to", "outcome_linear", "friction_needed", "fz_min", *OLD_COLUMNS,
 )  # fmt: skip
+TIED_COLUMNS = ("first_overturning_a_free", "tie_force", "tie_elongation", "permanent", "tie_state")
 
 
 @dataclass(frozen=True)
 class Verdict:
     """The verdict on a structure under a motion by its governing equation; accelerations are amplitudes a_g of the motion [m/s2].
 
-    demand_a: the demand; uplift_a, first_overturning_a: the lowest that lift and overturn the body, None if none does;
-    safe_to: upper end of the interval around the demand in which the body stands, None if it falls or no larger one overturns it;
-    theta_ratio: max |theta|/alpha, None if it falls; outcome_linear: by the linear equation; friction_needed, fz_min: the friction
-    that the motion needs (impacts apart), and the least vertical force over the weight, of a rigid body whose mass centre is
-    known; friction_needed is also None if the body loses contact; unsettled: true if changes of the demand by 1e-12 to 1e-6 of it
-    change the outcome, or theta_ratio by 0.01; dust: if many narrow intervals overturn the body, the share of overturning amplitudes
-    within 5 % above the first one; slides: true if friction_needed exceeds the friction of the document; top_displacement: the largest
-    displacement of the top [m], None without a geometry or if the body falls; first_overturning_a_free: first_overturning_a of the
-    body without its ties and tendon; devices: a row for each tie and tendon, see `History.devices`.
+    demand_a: the demand; uplift_a, first_overturning_a: the lowest that lift and overturn the body, None if none does; safe_to: upper end
+    of the interval around the demand in which the body stands, None if it falls or no larger one overturns it; theta_ratio: max
+    |theta|/alpha, None if it falls; outcome_linear: by the linear equation; friction_needed, fz_min: the friction that the motion needs
+    (impacts apart), and the least vertical force over the weight, of a rigid body whose mass centre is known; friction_needed is also None
+    if the body loses contact; unsettled: true if changes of the demand by 1e-12 to 1e-6 of it change the outcome, or theta_ratio by 0.01;
+    share_of_falls: if many narrow intervals overturn the body, the share of overturning amplitudes within 5 % above the first one; slides:
+    true if friction_needed exceeds the friction of the document; top_displacement: the largest displacement of the top [m], None without a
+    geometry or if the body falls; first_overturning_a_free: first_overturning_a of the body without its ties and tendon; devices: a row for
+    each tie and tendon, see `History.devices`.
     """
 
     structure: str
@@ -72,21 +73,15 @@ class Verdict:
     friction_needed: float | None = None
     fz_min: float | None = None
     unsettled: bool = False
-    dust: float = 0.0
+    share_of_falls: float = 0.0
     slides: bool = False
     top_displacement: float | None = None
     first_overturning_a_free: float | None = None
     devices: tuple[dict[str, Any], ...] = ()
 
-    @property
-    def name(self) -> str:
-        """`structure` under its old name."""
-        return self.structure
-
-    @property
-    def friction(self) -> float | None:
-        """`friction_needed` under its old name."""
-        return self.friction_needed
+    name = property(attrgetter("structure"))  # the old name
+    dust = property(attrgetter("share_of_falls"))  # the old name
+    friction = property(attrgetter("friction_needed"))  # the old name
 
     @property
     def sentence(self) -> str:
@@ -103,7 +98,7 @@ class Verdict:
         """True if the body overturned, lost contact or rests leaning."""
         return self.outcome.falls
 
-    def record(self) -> dict[str, Any]:
+    def row(self) -> dict[str, Any]:
         """Return the verdict as `rocking check --json` prints it."""
         own = {
             **vars(self),
@@ -119,6 +114,8 @@ class Verdict:
         from .tied_history import columns_of
 
         return found | {"first_overturning_a_free": self.first_overturning_a_free} | columns_of(self.devices)
+
+    record = row  # the old name
 
 
 def check(
@@ -150,7 +147,7 @@ def has_direction(structure: RockingParameters) -> bool:
 
 def outcome_alone(structure: RockingParameters, motion: Motion, shaking: Grid) -> Outcome:
     """Return only the outcome of the verdict of `check`."""
-    _, _, amplitude, omega, method, _ = _sought(structure, motion, shaking, 0.0)
+    _, _, amplitude, omega, method, _ = _capacity_search(structure, motion, shaking, 0.0)
     outcome = Outcome(int(_respond(method, structure, motion, np.array([amplitude]), omega).outcome[0]))
     if outcome != Outcome.ROCKED or amplitude <= method.system_of(structure).safe_amplitude(motion):
         return outcome
@@ -159,48 +156,53 @@ def outcome_alone(structure: RockingParameters, motion: Motion, shaking: Grid) -
 
 def first_overturning(structure: RockingParameters, motion: Motion, shaking: Grid, a_max: float, near: float) -> float | None:
     """Return the lowest amplitude that overturns a body [m/s2], None without one; near: a guess of it [m/s2], which saves time."""
-    asked = _sought(structure, motion, shaking, a_max)
+    asked = _capacity_search(structure, motion, shaking, a_max)
     near = min(float(structure.dimensionless_amplitude(near)), max(asked.amplitude, 0.5 * a_max))
     found = asked._replace(amplitude=near, a_max=max(a_max, 2.0 * asked.amplitude)).capacity().first
     return None if found is None else float(structure.ground_acceleration(found))
 
 
-def _sought(structure: RockingParameters, motion: Motion, shaking: Grid, a_max: float) -> Sought:
+def _capacity_search(structure: RockingParameters, motion: Motion, shaking: Grid, a_max: float) -> CapacitySearch:
     """Return the search for the overturning amplitudes of a demand. Raises UsageError as `check` does."""
     if structure.dimensionless:
         raise UsageError("a restitution alone has no units: give a structure document")
     amplitude, omega = (float(x[0]) for x in shaking.scaled(structure))
     if not amplitude > 0.0:
         raise UsageError("the amplitude is 0; expected a positive one")
-    return Sought(structure, motion, amplitude, omega, governing_method(structure, dimensionless=shaking.dimensionless), a_max)
+    return CapacitySearch(structure, motion, amplitude, omega, governing_method(structure, dimensionless=shaking.dimensionless), a_max)
 
 
 def _judged(
-    structure: RockingParameters, motion: Motion, shaking: Grid, a_max: float | None, narrow: Falls | None, progress: Progress | None
+    structure: RockingParameters,
+    motion: Motion,
+    shaking: Grid,
+    a_max: float | None,
+    fall_search: FallSearch | None,
+    progress: Progress | None,
 ) -> Verdict:
-    """Return the verdict of `check`; narrow: the search for overturning amplitudes, if one has begun."""
-    sought = _sought(structure, motion, shaking, a_max or 0.0)
-    _, _, amplitude, omega, method, _ = sought
+    """Return the verdict of `check`; fall_search: the search for overturning amplitudes, if one has begun."""
+    search = _capacity_search(structure, motion, shaking, a_max or 0.0)
+    _, _, amplitude, omega, method, _ = search
     done = progress or _no_progress
-    beside = amplitude * (1.0 + _BESIDE)
-    governs = _respond(method, structure, motion, beside, omega)
+    shifted = amplitude * (1.0 + _SHIFTS)
+    governs = _respond(method, structure, motion, shifted, omega)
     outcome, rotation = Outcome(int(governs.outcome[0])), float(governs.theta_ratio[0])
     stands, falls = safe(governs.outcome), ~safe(governs.outcome) & (governs.outcome != Outcome.FAILED)
-    linear = _respond(LINEAR, structure, motion, beside[:1], omega)
+    linear = _respond(LINEAR, structure, motion, shifted[:1], omega)
     done(1, _STAGES)
     if a_max is None:
         least = method.system_of(structure).least_uplift(motion)
         found = Capacity(None, None, least if math.isfinite(least) else None)
     else:
-        found = sought.capacity(narrow)
+        found = search.capacity(fall_search)
     free = None
     if structure.restraints and a_max is not None:
-        free = sought._replace(structure=replace(structure, restraints=None)).capacity().first
+        free = search._replace(structure=replace(structure, restraints=None)).capacity().first
     done(2, _STAGES)
     asked = _of_history(method, structure, motion, shaking)
     done(_STAGES, _STAGES)
     lifted_off = outcome == Outcome.ROCKED and _lifts_off(asked)
-    near = beside[falls] if stands[0] and a_max is not None else beside[:0]
+    near = shifted[falls] if stands[0] and a_max is not None else shifted[:0]
 
     def acceleration(*a: float | None) -> float | None:
         least = min((x for x in a if x is not None), default=None)
@@ -209,7 +211,7 @@ def _judged(
     def limit(*a: float | None) -> float | None:
         """Return the least of these amplitudes as an acceleration, rounded down to four digits if many narrow intervals overturn."""
         least = acceleration(*a)
-        if least is None or not found.dust:
+        if least is None or not found.share_of_falls:
             return least
         unit = 10.0 ** (math.floor(math.log10(least)) - 3)
         return math.floor(least / unit) * unit
@@ -226,7 +228,7 @@ def _judged(
         safe_to=limit(found.safe_to, *near[near > amplitude]),
         outcome_linear=Outcome(int(linear.outcome[0])),
         unsettled=bool(stands.any() and (falls.any() or np.ptp(governs.theta_ratio[stands]) > _SAME)),
-        dust=found.dust,
+        share_of_falls=found.share_of_falls,
         first_overturning_a_free=acceleration(free),
         slides=structure.friction is not None and (asked.get("friction_needed") or 0.0) > structure.friction,
         **asked,
@@ -281,9 +283,9 @@ def _after(progress: Progress, before: int, checks: int, stage: int, stages: int
 def _each(a_max: float | Limit | None, demands: Sequence[Demand], progress: Sequence[Progress | None]) -> Iterator[Verdict]:
     """Yield the verdicts on several demands; their searches share their scans."""
     most = [None if a_max is None else limit_of(a_max, structure) for structure, _, _ in demands]
-    found = searches([_sought(*demand, a) for demand, a in zip(demands, most, strict=True) if a is not None])
-    for demand, a, narrow, done in zip(demands, most, found or repeat(None), progress, strict=False):
-        yield _judged(*demand, a, narrow, done)
+    found = fall_searches([_capacity_search(*demand, a) for demand, a in zip(demands, most, strict=True) if a is not None])
+    for demand, a, fall_search, done in zip(demands, most, found or repeat(None), progress, strict=False):
+        yield _judged(*demand, a, fall_search, done)
 
 
 def _all(a_max: float | Limit | None, demands: Sequence[Demand]) -> list[Verdict]:

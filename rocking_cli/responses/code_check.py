@@ -15,7 +15,7 @@ import numpy as np
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..dynamics.method import governing_method
 from ..dynamics.outcome import safe
-from ..dynamics.single.response import response_alone
+from ..dynamics.single.one_by_one import response_alone
 from ..errors import UsageError
 from ..motions import Motion
 from ..motions.design_spectra import FloorMode, FloorSpectrum, MotionSpectrum, Spectrum, SpectrumFile
@@ -73,13 +73,15 @@ class CodeCheck:
     spectrum: Spectrum
     on_floor: bool
 
-    def record(self, beyond: float | None = None) -> dict[str, Any]:
+    def row(self, beyond: float | None = None) -> dict[str, Any]:
         """Return the columns that `rocking check --code` adds; beyond: the amplitude [m/s2] of `first_beyond`."""
         found: dict[str, Any] = {}
         for key, a in {**self.accepted(), "theta_04_a": beyond}.items():
             found |= {key: a, f"{key.removesuffix('_a')}_ratio": None if a is None else a / self.demand_a}
         limits = {"d_slv": self.slv.displacement, "t_slv": self.slv.period, "d_slc": self.slc.displacement, "t_slc": self.slc.period}
         return found | {"e_star": self.curve.e_star, **limits}
+
+    record = row  # the old name
 
     def accepted(self) -> dict[str, float]:
         """Return the amplitude [m/s2] that each method accepts, by its column."""
@@ -88,14 +90,14 @@ class CodeCheck:
     def promises(self, fall: float | None, beyond: float | None) -> list[str]:
         """Return a sentence on each method that accepts more than `fall`, the amplitude that overturns the body, and on SLV if it accepts
         more than `beyond`, that of `first_beyond` [m/s2]; no sentence on a floor spectrum, since the dynamics are those on the ground."""
-        told = []
+        lines = []
         for key, a in {} if self.on_floor else self.accepted().items():
             method = f"the {METHODS[key]} method accepts {a / DEFAULT_GRAVITY:.3f} g"
             if fall is not None and a > fall:
-                told.append(f"{method}, the body overturns at {fall / DEFAULT_GRAVITY:.3f} g")
+                lines.append(f"{method}, the body overturns at {fall / DEFAULT_GRAVITY:.3f} g")
             elif key == "code_slv" and beyond is not None and a > beyond:
-                told.append(f"{method}, theta exceeds {ROTATION:g} alpha at {beyond / DEFAULT_GRAVITY:.3f} g")
-        return told
+                lines.append(f"{method}, theta exceeds {ROTATION:g} alpha at {beyond / DEFAULT_GRAVITY:.3f} g")
+        return lines
 
 
 def code_check(
@@ -122,7 +124,7 @@ def code_check(
         raise UsageError(f"`fc`: found {confidence:g}; expected a confidence factor from 1, such as 1.35")
     demand: Spectrum
     if site is not None:
-        demand, name, amplitude = site, site.name, site.peak
+        demand, name, amplitude = site, site.name, site.pga
     elif motion is not None:
         motion, shaking = demand_of(motion, shaking)
         a, omega = (float(x[0]) for x in shaking.scaled(structure))
@@ -136,7 +138,7 @@ def code_check(
     found = []
     for curve in capacity_curves(structure):
         factor = structure.gravity / (curve.e_star * confidence)
-        uplift = amplitude * factor * float(curve.multiplier[0]) / demand.peak
+        uplift = amplitude * factor * float(curve.multiplier[0]) / demand.pga
         slv, slc = (_reached(curve, factor, state, demand, amplitude, uplift) for state in (SLV, SLC))
         found.append(CodeCheck(structure.name, name, amplitude, factor, Q * uplift, slv, slc, curve, demand, bool(floor)))
     weakest = min(found, key=lambda one: one.slv.amplitude)

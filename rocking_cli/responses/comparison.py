@@ -51,11 +51,11 @@ def collapse(responses: Sequence[TimeHistory], model: str) -> float:
     return max((float(np.abs(other - first).max()) for other in others), default=0.0)
 
 
-def comparison_records(responses: Sequence[TimeHistory], methods: Sequence[Method]) -> Iterator[dict[str, Any]]:
-    """Yield a record for each structure: motion in units, peaks, and for two equations their difference and ratios of quarter periods."""
+def comparison_rows(responses: Sequence[TimeHistory], methods: Sequence[Method]) -> Iterator[dict[str, Any]]:
+    """Yield a row for each structure: motion in units, peaks, and for two equations their difference and ratios of quarter periods."""
     for r in responses:
         s = r.structure
-        record: dict[str, Any] = {
+        row: dict[str, Any] = {
             "structure": s.name, "eta": s.eta, "A": r.amplitude, "Omega": r.omega,
             "a_g": s.ground_acceleration(r.amplitude), "omega_g": r.omega * s.p,
         }  # fmt: skip
@@ -66,21 +66,21 @@ def comparison_records(responses: Sequence[TimeHistory], methods: Sequence[Metho
             peak = found.peak
             ratio = None if peak is None else abs(peak.theta_ratio)
             ratios += [] if ratio is None else [ratio]
-            record |= {
+            row |= {
                 f"outcome{suffix}": found.outcome.flag,
                 f"theta_max{suffix}": None if peak is None else float(s.alpha_on(peak.side)) * abs(peak.theta_ratio),
                 f"theta_ratio{suffix}": ratio,
                 f"t_max{suffix}": None if peak is None else peak.tau / s.p,
             }
         if len(methods) > 1:
-            record["peak_difference"] = ratios[1] / ratios[0] - 1.0 if len(ratios) == 2 else None
+            row["peak_difference"] = ratios[1] / ratios[0] - 1.0 if len(ratios) == 2 else None
             for release in RELEASES:
                 linear, nonlinear = (quarter_period(m.system_of(s), release) for m in methods)
-                record[f"quarter_period_ratio_{release:g}"] = nonlinear / linear
-        yield record
+                row[f"quarter_period_ratio_{release:g}"] = nonlinear / linear
+        yield row
 
 
-def curve_records(responses: Sequence[TimeHistory], methods: Sequence[Method]) -> Iterator[dict[str, Any]]:
+def curve_rows(responses: Sequence[TimeHistory], methods: Sequence[Method]) -> Iterator[dict[str, Any]]:
     """Yield the points of all curves: structure, model, t [s], theta [rad], tau, theta/alpha, ground acceleration [m/s2], motion."""
     for r in responses:
         tau = np.union1d(r.times(None, False), np.linspace(0.0, r.motion.duration / r.omega, _SHAKEN))

@@ -26,9 +26,9 @@ from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..motions.blocks import blocks
 from ..structures.parameters import RockingParameters
+from .arcs import LATE, Event, History
 from .chebyshev import Extent, extent, first_below
 from .ground_history import Ground
-from .history import LATE, Event, History
 
 Array = np.ndarray
 
@@ -60,7 +60,7 @@ class Impulses(NamedTuple):
         return abs(self.jx) / self.jz if self.jz > 0.0 else math.inf
 
 
-class Demand(NamedTuple):
+class RequiredFriction(NamedTuple):
     """A required coefficient of friction [-] and its time [tau]."""
 
     friction: float
@@ -68,31 +68,31 @@ class Demand(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Demands:
+class GroundForceExtremes:
     """The friction and the vertical force that a response needs from the ground.
 
-    resting: the largest demand while the body is at rest; lifting: the demand just after the first uplift (Shenton's boundary, if the
+    resting: the largest friction while the body is at rest; lifting: the friction just after the first uplift (Shenton's boundary, if the
     ground acceleration jumps there); rocking: the largest while the body rocks; impact: the largest of the impulses; each None without
-    such a time. fz_min: least Fz over m g [-]; fz_min_tau: its time. A demand is infinite if Fz <= 0.
+    such a time. fz_min: least Fz over m g [-]; fz_min_tau: its time. A friction is infinite if Fz <= 0.
     """
 
-    resting: Demand | None
-    lifting: Demand | None
-    rocking: Demand | None
-    impact: Demand | None
+    resting: RequiredFriction | None
+    lifting: RequiredFriction | None
+    rocking: RequiredFriction | None
+    impact: RequiredFriction | None
     fz_min: float
     fz_min_tau: float
 
     @property
-    def friction(self) -> Demand:
-        """The largest demand of the forces, impulses apart."""
-        return max((d for d in (self.resting, self.rocking) if d is not None), key=lambda d: d.friction, default=Demand(0.0, 0.0))
+    def friction(self) -> RequiredFriction:
+        """The largest friction that the forces need, impulses apart."""
+        return max((d for d in (self.resting, self.rocking) if d is not None), key=lambda d: d.friction, default=RequiredFriction(0.0, 0.0))
 
     def slides(self, friction: float) -> str | None:
         """Return when a base with this coefficient of friction slides first: "before rocking" (at rest, or at the first uplift),
         "rocking" or "impact"; None if it never slides."""
-        for word, demand in (("before rocking", self.resting), ("before rocking", self.lifting), ("rocking", self.rocking)):
-            if demand is not None and demand.friction > friction:
+        for word, required in (("before rocking", self.resting), ("before rocking", self.lifting), ("rocking", self.rocking)):
+            if required is not None and required.friction > friction:
                 return word
         return "impact" if self.impact is not None and self.impact.friction > friction else None
 
@@ -102,7 +102,7 @@ def kappa(p: float, arm: float, gravity: float) -> float:
     return arm * p * p / gravity
 
 
-def body_forces(kappa: Any, alpha: Any, side: Any, u: Array, rate: Array, bend: Array, ground: Array, vertical: Array) -> Forces:
+def body_forces(kappa: Any, alpha: Any, side: Any, u: Array, rate: Array, acceleration: Array, ground: Array, vertical: Array) -> Forces:
     """Return the forces over m g on one side, +1 or -1.
 
     u = |theta| [rad], its first and second derivative by tau = p t of the side, and the ground acceleration xg''/g and zg''/g [-],
@@ -114,8 +114,8 @@ def body_forces(kappa: Any, alpha: Any, side: Any, u: Array, rate: Array, bend: 
     """
     sin, cos = np.sin(alpha - u), np.cos(alpha - u)
     return Forces(
-        ground + kappa * side * (bend * cos + rate * rate * sin),
-        1.0 + vertical + kappa * (bend * sin - rate * rate * cos),
+        ground + kappa * side * (acceleration * cos + rate * rate * sin),
+        1.0 + vertical + kappa * (acceleration * sin - rate * rate * cos),
     )
 
 
@@ -196,8 +196,8 @@ class ForceHistory:
         equation = self.found.equation.on(side)  # of which the rotation is linear in y
         right, left = self.edges
         alpha, kappa = (np.where(side > 0.0, *pair) for pair in ((right.alpha, left.alpha), (right.kappa, left.kappa)))
-        u, rate, bend = (alpha * equation.rotation(x) for x in (point.y, point.v, point.b))
-        return body_forces(kappa, alpha, side, u, rate, bend, *self.ground.during(0.5 * (arcs.start[arc] + arcs.stop[arc]), tau))
+        u, rate, acceleration = (alpha * equation.rotation(x) for x in (point.y, point.v, point.b))
+        return body_forces(kappa, alpha, side, u, rate, acceleration, *self.ground.during(0.5 * (arcs.start[arc] + arcs.stop[arc]), tau))
 
     def _on(self, arc: int, of: Callable[[Forces], Array]) -> tuple[Callable[[Array], Array], float, float]:
         """Return (f(tau), start, stop) of one arc, where f is the function `of` of the forces at tau."""
@@ -231,7 +231,7 @@ class ForceHistory:
             a, b = float(begins[i]), float(ends[i])
             yield a, next((x for x in still if a <= x <= b), b) if i else a, b
 
-    def _lying(self, low: float, high: float) -> Iterator[tuple[float, Forces]]:
+    def _low_bounces(self, low: float, high: float) -> Iterator[tuple[float, Forces]]:
         """Yield (tau, forces) of bounces too low to be seen, with zero speed, on each edge at both ends of the interval [low, high]. One of
         these instants has the extremes. Nothing for an empty interval."""
         if not high > low * (1.0 + 1e-12):
@@ -240,23 +240,23 @@ class ForceHistory:
         for side in (1.0,) if self.structure.one_sided else (1.0, -1.0):
             edge, equation = self.edge(side), self.found.equation.on(np.full(2, side))
             drive = -side * across / (edge.alpha * equation.uplift_amplitude)
-            bend = edge.alpha * equation.rotation(equation.force(np.zeros(2), drive, 1.0 + up))
-            found = body_forces(edge.kappa, edge.alpha, side, np.zeros(2), np.zeros(2), bend, across, up)
+            acceleration = edge.alpha * equation.rotation(equation.force(np.zeros(2), drive, 1.0 + up))
+            found = body_forces(edge.kappa, edge.alpha, side, np.zeros(2), np.zeros(2), acceleration, across, up)
             yield from ((tau, Forces(float(fx), float(fz))) for tau, fx, fz in zip((low, high), *found, strict=True))
 
     @cached_property
-    def demands(self) -> Demands:
-        """The demands of the response; those at rest leave out the forces between a one-sided body and its backing."""
-        resting: list[Demand] = []
-        rocking: list[Demand] = []
+    def extremes(self) -> GroundForceExtremes:
+        """The extremes of the response; those at rest leave out the forces between a one-sided body and its backing."""
+        resting: list[RequiredFriction] = []
+        rocking: list[RequiredFriction] = []
         least = (1.0, 0.0)  # Fz/(m g), tau
         for bounces, rests, lifts in self.rests():
             for weight, ratio in self.ground.extents(rests, lifts) if lifts > rests else ():
                 least = min(least, (weight.least, weight.at_least))
-                resting += self._leaning(ratio) if weight.least > 0.0 else [Demand(math.inf, weight.at_least)]
-            for tau, forces in self._lying(bounces, rests):
+                resting += self._required_at_rest(ratio) if weight.least > 0.0 else [RequiredFriction(math.inf, weight.at_least)]
+            for tau, forces in self._low_bounces(bounces, rests):
                 least = min(least, (forces.fz, tau))
-                rocking.append(Demand(forces.friction, tau))
+                rocking.append(RequiredFriction(forces.friction, tau))
         arcs, lows, highs = self._bounds
         for i in np.argsort(lows, kind="stable").tolist():
             if lows[i] > max(least[0], 0.0):
@@ -264,30 +264,30 @@ class ForceHistory:
             low, at_low, *_ = extent(*self._on(int(arcs[i]), lambda forces: forces.fz))
             least = min(least, (low, at_low))
             if low <= 0.0:
-                rocking.append(Demand(math.inf, at_low))
-        most = max((demand.friction for demand in rocking), default=0.0)
+                rocking.append(RequiredFriction(math.inf, at_low))
+        most = max((required.friction for required in rocking), default=0.0)
         for i in np.argsort(-highs, kind="stable").tolist():
             if highs[i] < most or math.isinf(most):
                 break
             ratio = extent(*self._on(int(arcs[i]), lambda forces: forces.fx / forces.fz))
-            rocking.append(max(Demand(-ratio.least, ratio.at_least), Demand(ratio.largest, ratio.at_largest)))
+            rocking.append(max(RequiredFriction(-ratio.least, ratio.at_least), RequiredFriction(ratio.largest, ratio.at_largest)))
             most = max(most, rocking[-1].friction)
         lifting = [self._after(event) for event in self.found.events if event.event == "uplift"][:1]
         if self.found.outcome == Outcome.LOST_CONTACT:  # from a jump on there may be no weight, and none before it shows that
             least = min(least, (0.0, self.found.end))
-            (rocking if lifting else resting).append(Demand(math.inf, self.found.end))
-        impacts = [Demand(j.friction, e.tau) for e in self.found.events if e.event == "impact" and (j := self.impulses(e))]
+            (rocking if lifting else resting).append(RequiredFriction(math.inf, self.found.end))
+        impacts = [RequiredFriction(j.friction, e.tau) for e in self.found.events if e.event == "impact" and (j := self.impulses(e))]
         worst = [max(group, default=None) for group in (resting, lifting, rocking, impacts)]
-        return Demands(worst[0], worst[1], worst[2], worst[3], *least)
+        return GroundForceExtremes(worst[0], worst[1], worst[2], worst[3], *least)
 
     @cached_property
     def lost(self) -> float | None:
         """The first instant tau with Fz <= 0; None if Fz > 0 at all times."""
-        if self.demands.fz_min > 0.0:
+        if self.extremes.fz_min > 0.0:
             return None
-        found = [self.demands.fz_min_tau] + [self.found.end] * (self.found.outcome == Outcome.LOST_CONTACT)
+        found = [self.extremes.fz_min_tau] + [self.found.end] * (self.found.outcome == Outcome.LOST_CONTACT)
         for bounces, rests, _ in self.rests():
-            found += [tau for tau, (_, fz) in self._lying(bounces, rests) if fz <= 0.0]
+            found += [tau for tau, (_, fz) in self._low_bounces(bounces, rests) if fz <= 0.0]
         arcs, lows, _ = self._bounds
         for arc in arcs[lows <= 0.0].tolist():
             pressed, low, high = self._on(arc, lambda forces: 1.0 + forces.fz)  # around 1 its series ends where Fz has a root
@@ -295,20 +295,20 @@ class ForceHistory:
                 found.append(first)
         return min(found)
 
-    def _leaning(self, ratio: Extent) -> list[Demand]:
-        """Return the largest demand of each sign on a body at rest; ratio: the extent of the horizontal force over the weight."""
-        demands = [Demand(max(0.0, -ratio.least), ratio.at_least)]
+    def _required_at_rest(self, ratio: Extent) -> list[RequiredFriction]:
+        """Return the largest friction for each sign on a body at rest; ratio: the extent of the horizontal force over the weight."""
+        found = [RequiredFriction(max(0.0, -ratio.least), ratio.at_least)]
         if not self.structure.one_sided:
-            demands.append(Demand(max(0.0, ratio.largest), ratio.at_largest))
-        return demands
+            found.append(RequiredFriction(max(0.0, ratio.largest), ratio.at_largest))
+        return found
 
-    def _after(self, uplift: Event) -> Demand:
-        """Return the demand just after an uplift."""
+    def _after(self, uplift: Event) -> RequiredFriction:
+        """Return the friction just after an uplift."""
         arc = np.flatnonzero(self.found.arcs.stop > uplift.tau)[:1]
         if not arc.size:  # the ground falls away in the same instant
-            return Demand(math.inf, uplift.tau)
+            return RequiredFriction(math.inf, uplift.tau)
         fx, fz = (float(x[0]) for x in self.along(arc, self.found.arcs.start[arc]))
-        return Demand(Forces(fx, fz).friction, uplift.tau)
+        return RequiredFriction(Forces(fx, fz).friction, uplift.tau)
 
     def event(self, event: Event, time: float) -> dict[str, float | None]:
         """Return the forces before and after an event as columns, with the impulses of an impact [s, or in tau if `time` is 1]."""
@@ -320,31 +320,31 @@ class ForceHistory:
         }  # fmt: skip
 
     def summary(self, when: str, time: float) -> dict[str, Any]:
-        """Return the demands as a record; `when`: suffix of the columns of times, `time`: the factor from tau to their unit."""
-        asked, stated = self.demands, self.structure.friction
-        friction = asked.friction.friction if math.isfinite(asked.friction.friction) else None
+        """Return the extremes as a row; `when`: suffix of the columns of times, `time`: the factor from tau to their unit."""
+        extremes, stated = self.extremes, self.structure.friction
+        friction = extremes.friction.friction if math.isfinite(extremes.friction.friction) else None
         return {
             "friction_needed": friction,
             "friction": friction,  # for this version
-            f"friction_{when}": asked.friction.tau * time,
-            "friction_impact": None if asked.impact is None or not math.isfinite(asked.impact.friction) else asked.impact.friction,
-            "fz_min": asked.fz_min,
-            f"fz_min_{when}": asked.fz_min_tau * time,
-            **({} if stated is None else {"slides": asked.slides(stated)}),
+            f"friction_{when}": extremes.friction.tau * time,
+            "friction_impact": None if extremes.impact is None or not math.isfinite(extremes.impact.friction) else extremes.impact.friction,
+            "fz_min": extremes.fz_min,
+            f"fz_min_{when}": extremes.fz_min_tau * time,
+            **({} if stated is None else {"slides": extremes.slides(stated)}),
         }
 
     def words(self) -> str:
-        """Return a sentence on the demands."""
-        asked, s = self.demands, self.structure
-        friction, tau = asked.friction
-        text = f"least Fz {asked.fz_min:.6g} m g at {asked.fz_min_tau / s.p:.4g} s"
+        """Return a sentence on the extremes."""
+        extremes, s = self.extremes, self.structure
+        friction, tau = extremes.friction
+        text = f"least Fz {extremes.fz_min:.6g} m g at {extremes.fz_min_tau / s.p:.4g} s"
         if not math.isfinite(friction):
             return f"{text}, so no friction holds the base"
         text += f", required friction {friction:.6g} at {tau / s.p:.4g} s"
-        if asked.impact is not None:
-            text += f" ({asked.impact.friction:.6g} in impacts)"
+        if extremes.impact is not None:
+            text += f" ({extremes.impact.friction:.6g} in impacts)"
         if s.friction is None:
             return text
         when = {None: "does not slide", "impact": "would slide at an impact", "rocking": "would slide while rocking"}
-        words = when.get(asked.slides(s.friction), "would slide before it rocks")
+        words = when.get(extremes.slides(s.friction), "would slide before it rocks")
         return f"{text}: with the friction {s.friction:g} of the document the base {words}"

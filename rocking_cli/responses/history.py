@@ -5,16 +5,10 @@ followed in time. After the motion the ground is at rest.
 """
 
 import math
-from array import array
-from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..dynamics.drive import drive_change
-from ..dynamics.equations.equation import Equation, Point
-from ..dynamics.equations.taylor import TaylorSeries
 from ..dynamics.lanes import Lanes
 from ..dynamics.march.batch import MAX_STEPS
 from ..dynamics.outcome import FALLEN, LOST, Outcome
@@ -22,111 +16,14 @@ from ..dynamics.single.lane import Lane
 from ..dynamics.single.march import march
 from ..dynamics.single.state import Listener
 from ..dynamics.system import System
-from ..motions.blocks import blocks
 from ..motions.motion import Motion, Piece
 from ..motions.segments import Segments
+from .arcs import INVISIBLE, Arcs, Event, History, Writer
 
 Array = np.ndarray
 
-INVISIBLE = 1e-4  # speed of a bounce, y' by tau: its height is below 1e-8
-_SUMMED, _UNSEEN = 1e-3, 1000  # part of that speed at which the rest of a bouncing is summed, and bounces until then at most
+_SUMMED, _UNSEEN = 1e-3, 1000  # part of the speed INVISIBLE at which the rest of a bouncing is summed, and bounces until then at most
 LONGEST = 1e9  # tau: beyond, doubles do not tell the times of an arc apart
-_KNOWN = (Outcome.ROCKED, Outcome.LEANING)  # outcomes with a largest rotation
-LATE = 1.0 + 1e-14  # of a time: what still belongs to the arc that ends there
-
-
-class Arcs(NamedTuple):
-    """All arcs in the order of time, arrays (arcs,). An arc is the motion on one side between two times tau, given by one series, a lane of
-    `flow`. pace: tau of the side over tau of the history."""
-
-    start: Array
-    stop: Array
-    side: Array
-    flow: TaylorSeries
-    pace: Array
-
-    def at(self, tau: Array) -> tuple[Array, Array]:
-        """Return (the indices of the times that lie on an arc, the index of the arc of each)."""
-        arc = np.searchsorted(self.start, tau, side="right") - 1
-        inside = np.flatnonzero((arc >= 0) & (tau <= self.stop.take(arc) * LATE)) if self.start.size else np.zeros(0, dtype=np.int64)
-        return inside, arc[inside]
-
-    def points(self, arc: Array, tau: Array) -> Point:
-        """Return y and its derivatives at times tau; arc: the index of the arc of each time."""
-        return self.flow.take(arc).at((tau - self.start[arc]) * self.pace[arc])
-
-
-class Event(NamedTuple):
-    """An event at a time tau: release, uplift, impact, peak, rest, overturning, lost contact, or an event of a tie or tendon.
-
-    theta/alpha and its rate by tau (before an impact), with alpha of the side on which the body is and tau = p t of the edge that lifts
-    first; side: +1 or -1; device: the tie or tendon, "" without one."""
-
-    tau: float
-    event: str
-    theta_ratio: float
-    rate: float
-    side: float
-    device: str = ""
-
-
-@dataclass(frozen=True)
-class History:
-    """A response in time: arcs, events, the time tau at which they end; the outcome and the largest |theta|/alpha of the whole motion,
-    which may come later (NaN if the body overturned); devices: a row for each tie and tendon (`tied_history`)."""
-
-    equation: Equation
-    arcs: Arcs
-    events: tuple[Event, ...]
-    end: float
-    outcome: Outcome
-    highest: float
-    devices: tuple[dict[str, Any], ...] = ()
-
-    def at(self, tau: Array) -> tuple[Array, Array]:
-        """Return theta/alpha [-] and its derivative by tau [-] at times tau, in the shape of tau; zero at rest, NaN after the end."""
-        tau = np.asarray(tau, dtype=float)
-        ratio, rate = np.zeros(tau.size), np.zeros(tau.size)
-        for part in blocks(tau.size):
-            here = tau.ravel()[part]
-            inside, arc = self.arcs.at(here)
-            if inside.size:
-                side, pace = self.arcs.side[arc], self.arcs.pace[arc]
-                point = self.arcs.points(arc, here[inside])
-                equation = self.equation.on(side)
-                ratio[part][inside] = side * equation.rotation(point.y)
-                rate[part][inside] = side * equation.rotation_rate(point.y, point.v) * pace
-        over = tau.ravel() > self.end
-        ratio[over] = rate[over] = np.nan
-        return (ratio + 0.0).reshape(tau.shape), (rate + 0.0).reshape(tau.shape)  # no -0
-
-    def sides(self, tau: Array) -> Array:
-        """Return the side, +1 or -1, on which the body is at times tau; +1 at rest."""
-        side: Array = np.ones(np.size(tau))
-        inside, arc = self.arcs.at(np.ravel(tau))
-        side[inside] = self.arcs.side[arc]
-        return side.reshape(np.shape(tau))
-
-    def steps(self) -> Array:
-        """Return the times tau of the ends of all arcs and of the events."""
-        return np.unique(np.concatenate([[0.0, self.end], self.arcs.start, self.arcs.stop, [e.tau for e in self.events]]))
-
-    @property
-    def theta_ratio(self) -> float | None:
-        """max |theta|/alpha [-]: 0 if the body never lifted, None if it overturned, lost contact or has no outcome."""
-        if self.outcome == Outcome.NO_UPLIFT:
-            return 0.0
-        if self.outcome not in _KNOWN:
-            return None
-        return self.highest if self.peak is None else max(self.highest, abs(self.peak.theta_ratio))
-
-    @cached_property
-    def peak(self) -> Event | None:
-        """The event of the largest |theta|/alpha up to the end; None if the body never lifted, or overturned."""
-        if self.outcome not in _KNOWN:
-            return None
-        found = [e for e in self.events if e.event in ("peak", "release")]
-        return max(found, key=lambda e: abs(e.theta_ratio)) if found else None
 
 
 def history(
@@ -156,18 +53,17 @@ def history(
 
         return tied_history(system, motion, amplitude, omega, eta, release, duration)
     segments = system.segments(motion.coarsest.still_until(1.001 * duration * omega))
-    return _Writer(system, segments, omega, eta).record(amplitude, release, duration)
+    return _MarchWriter(system, segments, omega, eta).record(amplitude, release, duration)
 
 
-class _Writer:
-    """Writes down the arcs and events of the march of one body; times are tau of the history, which is the phase over omega."""
+class _MarchWriter(Writer):
+    """Writes down the march of one body on floats."""
 
     def __init__(self, system: System, segments: Segments, omega: float, eta: float) -> None:
-        self.system, self.equation, self.omega = system, system.equation, omega
+        super().__init__(system.equation, omega)
+        self.system = system
         self.lane = Lane(system, segments, omega, eta)
         self.segments = self.lane.segments
-        self.numbers, self.terms, self.lengths = array("d"), array("d"), array("l")
-        self.events = list[Event]()
 
     def _fallen(self, side: float) -> float:
         """Return the y at which a body counts as fallen: theta/alpha = `FALLEN`, or the rotation at which it lies on the ground."""
@@ -175,21 +71,16 @@ class _Writer:
         return min(float(np.min(equation.limit)), float(equation.displacement(np.array([FALLEN]))[0]))
 
     def record(self, amplitude: float, release: float, duration: float) -> History:
-        listener = Listener(self._keep, self._note, self._rest, INVISIBLE, (self._fallen(1.0), self._fallen(-1.0)))
+        listener = Listener(self.add_arc, self._note, self._rest, INVISIBLE, (self._fallen(1.0), self._fallen(-1.0)))
         self.cells = self.system.contact.cells(self.equation, np.array([amplitude]), self.lane.omega, self.lane.eta)
         with np.errstate(all="ignore"):
             ended = march(self.lane, amplitude, listener=listener, release=release, most=MAX_STEPS + 40 * len(self.segments))
-            arcs = self._arcs()
+            arcs = self.arcs()
             if ended.outcome.overturned:
                 self._overturn(arcs)
             if ended.outcome == Outcome.LOST_CONTACT and ended.lost is not None:
                 self._lose(arcs, ended.lost)
-        end = min([duration, *(e.tau for e in self.events if e.event in ("overturning", LOST))])
-        events = tuple(e for e in self.events if e.tau <= end)
-        kept = int(np.searchsorted(arcs.start, end, side="right"))
-        flow = arcs.flow.take(np.arange(kept))
-        arcs = Arcs(arcs.start[:kept], np.minimum(arcs.stop[:kept], end), arcs.side[:kept], flow, arcs.pace[:kept])
-        return History(self.equation, arcs, events, end, self._became(ended.outcome), ended.theta_ratio)
+        return self.history(arcs, duration, self._became(ended.outcome), ended.theta_ratio)
 
     def _became(self, outcome: Outcome) -> Outcome:
         words = [e.event for e in self.events]
@@ -199,25 +90,8 @@ class _Writer:
             return Outcome.ROCKED if words else Outcome.NO_UPLIFT
         return outcome
 
-    def _arcs(self) -> Arcs:
-        """Return the arcs that were kept; each series gets as many terms as the longest one."""
-        start, reach, side, pace, unit = np.array(self.numbers).reshape(-1, 5).T
-        lengths, most = np.array(self.lengths, dtype=np.int64), max(self.lengths, default=5)
-        terms = np.zeros((start.size, most))
-        terms[np.arange(most) < lengths[:, None]] = self.terms
-        flow = TaylorSeries(np.ascontiguousarray(terms.T), unit, unit, np.ones(unit.size), self.lane.zeta)
-        return Arcs(start, start + reach / pace, side, flow, pace)
-
-    def _keep(self, start: float, reach: float, side: float, pace: float, h: float, terms: tuple[float, ...]) -> None:
-        self.numbers.extend((start, reach, side, pace, h))
-        self.terms.extend(terms)
-        self.lengths.append(len(terms))
-
     def _note(self, tau: float, event: str, side: float, y: float, v: float) -> None:
-        tau = max(tau, self.events[-1].tau if self.events else 0.0)  # in order, whatever the last digit
-        equation, pace = self.equation.on(np.array([side])), self.omega / self.lane.omega_of(side)
-        rotation, rate = equation.rotation(np.array([y])), equation.rotation_rate(np.array([y]), np.array([v]))
-        self.events.append(Event(tau, event, float(side * rotation[0]) + 0.0, float(side * rate[0]) * pace + 0.0, float(side)))  # no -0
+        self.add_event(tau, event, side, y, v, self.omega / self.lane.omega_of(side))
 
     def _overturn(self, arcs: Arcs) -> None:
         """Note the overturning at the last time at which the body passes y of `_fallen`, which may be many arcs before the march is certain
@@ -247,7 +121,7 @@ class _Writer:
 
     def _rest(self, before: Lanes, after: Lanes) -> None:
         """Note the rest at the end of the bounces, and the uplift after it."""
-        rest, lifts = self._bounced(before), after.k[0] < len(self.segments)
+        rest, lifts = self._end_of_bounces(before), after.k[0] < len(self.segments)
         if not lifts or self._tau(after) > rest:
             self._note(rest, "rest", 1.0, 0.0, 0.0)
         if lifts:
@@ -256,7 +130,7 @@ class _Writer:
     def _tau(self, lanes: Lanes) -> float:
         return self.lane.tau(int(lanes.k[0]), float(lanes.u[0]))
 
-    def _bounced(self, lanes: Lanes) -> float:
+    def _end_of_bounces(self, lanes: Lanes) -> float:
         """Return the tau at which bounces too low to be seen come to rest: each bounce under a force linear in time, the last ones by the
         sum of a series."""
         lanes, contact = lanes.take(np.zeros(1, dtype=np.int64)), self.system.contact
@@ -266,17 +140,17 @@ class _Writer:
                 break
             h, change = -2.0 * lanes.v / lanes.b, np.zeros(1)
             for _ in range(3):
-                change = self._lying(lanes, h) - lanes.b
+                change = self._force_at_ground(lanes, h) - lanes.b
                 h = -2.0 * lanes.v / (lanes.b + change / 3.0)
             fall, force = lanes.v + h * (lanes.b + 0.5 * change), lanes.b + change
             lanes.u += lanes.omega * h
             contact.strike(self.cells, lanes, fall, force)
-            lanes.b = self._lying(lanes, np.zeros(1))
+            lanes.b = self._force_at_ground(lanes, np.zeros(1))
         weight = self.segments.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u)
         rest = contact.sequence_time(lanes, weight) * lanes.omega / self.omega
         return self._tau(lanes) + float(rest[0])
 
-    def _lying(self, lanes: Lanes, h: Array) -> Array:
+    def _force_at_ground(self, lanes: Lanes, h: Array) -> Array:
         """Return the force on a body at theta = 0 after a time h [tau of its side]."""
         seg, u = self.segments, lanes.u + lanes.omega * h
         k = np.minimum(lanes.k, len(seg) - 1)  # the ground is still at the end

@@ -9,7 +9,7 @@ from typing import Any
 
 from ..documents.document import Document
 from ..dynamics.outcome import Outcome
-from ..envelopes.limit import Limit
+from ..envelopes.amplitudes import Limit
 from ..motions import Motion
 from ..motions.grid import Grid
 from ..structures.family import Variation, family
@@ -35,9 +35,11 @@ class Boundary:
     capacity_demand: float
     shown: dict[str, float]
 
-    def record(self) -> dict[str, Any]:
+    def row(self) -> dict[str, Any]:
         """Return the boundary as `rocking solve --json` prints it."""
         return {key: value for key, value in asdict(self).items() if key != "shown"}
+
+    record = row  # the old name
 
 
 def boundaries(

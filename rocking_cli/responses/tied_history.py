@@ -8,51 +8,44 @@ import numpy as np
 
 from ..dynamics.equations.taylor import TaylorSeries
 from ..dynamics.lanes import Lanes
-from ..dynamics.outcome import LOST, Outcome
+from ..dynamics.outcome import Outcome
 from ..dynamics.system import System
 from ..dynamics.tied.devices import BROKEN, YIELDING
 from ..dynamics.tied.tied_march import March
 from ..motions.motion import Motion
-from .history import INVISIBLE, Arcs, Event, History
-
-Array = np.ndarray
+from .arcs import INVISIBLE, History, Writer
 
 STATES = ("elastic", "yielded", "broken")  # of ties and tendons
 
 
-class _Recorder:
-    """Records the arcs and events of one body; until: the phase [rad] up to which it is followed; omega: Omega of the history."""
+class _Recorder(Writer):
+    """Writes down the march of one body with ties or a tendon, up to the phase `until` [rad]; march: the one that it listens to."""
 
     visible = INVISIBLE
+    march: March
 
     def __init__(self, system: System, until: float, omega: float) -> None:
-        self.system, self.until, self.omega = system, until, omega
-        self.march: March | None = None
-        self.arcs: list[tuple[float, float, float, float, float, Array]] = []
-        self.events: list[Event] = []
+        super().__init__(system.equation, omega)
+        self.until = until
 
     def tau(self, lanes: Lanes) -> float:
         """Return the time of the first lane, as tau of the history."""
-        assert self.march is not None
         segments, k = self.march.segments, min(int(lanes.k[0]), len(self.march.segments) - 1)
         return (float(segments.start[k]) + float(lanes.u[0])) / self.omega
 
     def keep(self, lanes: Lanes, arc: TaylorSeries, reach: float) -> None:
         """Keep an arc of the first lane that begins now and lasts `reach` [tau of the side]."""
         pace = self.omega / float(lanes.omega[0])
-        self.arcs.append((self.tau(lanes), reach, float(lanes.side[0]), pace, float(arc.unit[0]), arc.terms[:, 0].copy()))
+        self.add_arc(self.tau(lanes), reach, float(lanes.side[0]), pace, float(arc.unit[0]), arc.terms[:, 0].tolist())
 
     def note(self, lanes: Lanes, event: str, y: float, v: float, device: str = "", later: float = 0.0) -> None:
         """Keep an event of the first lane, at the time of the lane plus `later` [tau]."""
-        tau, side = max(self.tau(lanes) + later, self.events[-1].tau if self.events else 0.0), float(lanes.side[0])
-        equation, pace = self.system.equation.on(lanes.side[:1]), self.omega / float(lanes.omega[0])
-        ratio, rate = equation.rotation(np.array([y])), equation.rotation_rate(np.array([y]), np.array([v]))
-        self.events.append(Event(tau, event, float(side * ratio[0]) + 0.0, float(side * rate[0]) * pace + 0.0, side, device))
+        self.add_event(self.tau(lanes) + later, event, float(lanes.side[0]), y, v, self.omega / float(lanes.omega[0]), device)
 
     def rest(self, before: Lanes, after: Lanes, bounces: float) -> None:
         """Keep a rest, which begins after bounces of a duration `bounces` [tau of the side], and the uplift after the rest."""
         lasts = bounces * float(before.omega[0]) / self.omega
-        lifts = after.k[0] < len(self.march.segments) if self.march else False
+        lifts = after.k[0] < len(self.march.segments)
         if not lifts or self.tau(after) > self.tau(before) + lasts:
             self.note(before, "rest", 0.0, 0.0, later=lasts)
         if lifts:
@@ -64,18 +57,8 @@ def tied_history(system: System, motion: Motion, amplitude: float, omega: float,
     recorder = _Recorder(system, duration * omega, omega)
     recorder.march = march = March(system, motion.coarsest, np.array([amplitude]), np.array([omega]), np.array([eta]), recorder)
     found = march.run(release)
-    outcome, events = Outcome(int(found.outcome[0])), recorder.events
-    end = min([duration, *(e.tau for e in events if e.event in ("overturning", LOST))])
-    kept = [arc for arc in recorder.arcs if arc[0] <= end]
-    numbers = np.array([arc[:5] for arc in kept]).reshape(-1, 5).T
-    start, reach, side, pace, unit = numbers
-    terms = np.zeros((max((arc[5].size for arc in kept), default=5), len(kept)))
-    for i, arc in enumerate(kept):
-        terms[: arc[5].size, i] = arc[5]
-    flow = TaylorSeries(terms, unit, unit, np.ones(unit.size), system.equation.damping)
-    arcs = Arcs(start, np.minimum(start + reach / pace, end), side, flow, pace)
-    shown = tuple(e for e in events if e.tau <= end)
-    return History(system.equation, arcs, shown, end, outcome, float(found.theta_ratio[0]), tuple(device_rows(system, march)))
+    outcome, rows = Outcome(int(found.outcome[0])), tuple(device_rows(system, march))
+    return recorder.history(recorder.arcs(), duration, outcome, float(found.theta_ratio[0]), rows)
 
 
 def device_rows(system: System, march: March) -> list[dict[str, Any]]:
@@ -86,7 +69,7 @@ def device_rows(system: System, march: March) -> list[dict[str, Any]]:
     assert devices is not None
     rows = np.arange(len(devices.stiffness))
     force = devices.backbone(rows, found.farthest[:, :, 0].T).T
-    told = []
+    table = []
     for i, name in enumerate(devices.names):
         on = [row for row in rows if devices.stiffness[row, i] or devices.prestress[row, i]]
         largest, limit = float(max(force[row, i] for row in on)), float(devices.force[on[0], i])
@@ -98,8 +81,8 @@ def device_rows(system: System, march: March) -> list[dict[str, Any]]:
             "permanent": float(max(found.plastic[row, i, 0] for row in on)),
             "state": STATES[max(_rank(int(found.phase[row, i, 0]), float(found.plastic[row, i, 0])) for row in on)],
         }
-        told.append({**row, "words": _in_words(row)})
-    return told
+        table.append({**row, "words": _in_words(row)})
+    return table
 
 
 def _rank(phase: int, plastic: float) -> int:

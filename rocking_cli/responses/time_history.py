@@ -1,4 +1,4 @@
-"""Responses in time as records, with units or as theta/alpha over p t, by the linear and the nonlinear equation."""
+"""Responses in time as rows, with units or as theta/alpha over p t, by the linear and the nonlinear equation."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ from ..errors import UsageError
 from ..motions import Motion, Piece
 from ..motions.grid import Grid, HasMotion, demand_of
 from ..structures.parameters import RockingParameters
+from .arcs import Event, History
 from .force_history import ForceHistory, edges_of
 from .ground_history import Ground
-from .history import Event, History, history
+from .history import history
 
 if TYPE_CHECKING:
     from .arch_history import ArchHistory
@@ -34,7 +35,7 @@ STILL = Motion("free rocking", (Piece(0.0, 1.0),))
 class TimeHistory:
     """The response of one structure to one motion: A, Omega, and a history for each equation of motion, at least to the end of the shaking.
 
-    shown: the tau up to which records, events and figures go.
+    shown: the tau up to which rows, events and figures go.
     """
 
     structure: RockingParameters
@@ -134,10 +135,10 @@ class TimeHistory:
             ratio, rate = found.at(at)
             yield Event(lost, LOST, float(ratio[0]), float(rate[0]), float(found.sides(at)[0]))
 
-    def records(
+    def rows(
         self, *, dt: float | None = None, steps: bool = False, dimensionless: bool = False, forces: bool = False
     ) -> Iterator[dict[str, Any]]:
-        """Yield a record for each time; dt in s, or in tau with `dimensionless`; forces: add the forces over m g. Columns have the name of
+        """Yield a row for each time; dt in s, or in tau with `dimensionless`; forces: add the forces over m g. Columns have the name of
         the model if there are two. Columns with units come first, then tau and theta/alpha, last those of `NAMED`."""
         s = self.structure
         time = 1.0 if dimensionless else 1.0 / s.p
@@ -160,8 +161,10 @@ class TimeHistory:
         for row in zip(*columns.values(), strict=True):
             yield {k: None if math.isnan(x) else float(x) for k, x in zip(keys, row, strict=True)} | named
 
+    records = rows  # the old name
+
     def events(self, *, dimensionless: bool = False, forces: bool = False) -> Iterator[dict[str, Any]]:
-        """Yield a record for each event; a loss of contact is the last one. The rate at an impact is the rate before it.
+        """Yield a row for each event; a loss of contact is the last one. The rate at an impact is the rate before it.
 
         forces: add the forces over m g before and after the event, and the impulses of an impact over m g [s].
         """
@@ -174,25 +177,25 @@ class TimeHistory:
                     alpha = float(s.alpha_on(m.side))
                     row = {"t": m.tau / s.p, "theta": alpha * m.theta_ratio, "theta_dot": alpha * s.p * m.rate}
                 time = 1.0 if dimensionless else 1.0 / s.p
-                pushes = self.forces[model].event(m, time) if forces else {}
-                yield {"model": model, "event": m.event, **row, **({"device": m.device or None} if found.devices else {}), **pushes}
+                force_columns = self.forces[model].event(m, time) if forces else {}
+                yield {"model": model, "event": m.event, **row, **({"device": m.device or None} if found.devices else {}), **force_columns}
 
     def summaries(self, *, dimensionless: bool = False, forces: bool = False) -> Iterator[dict[str, Any]]:
-        """Yield a record for each model with theta_ratio (None if the structure overturned) and outcome.
+        """Yield a row for each model with theta_ratio (None if the structure overturned) and outcome.
 
         forces: add the required friction and its time, the friction that impacts need, the least Fz over m g and its time; if the
         document states a friction, also when the base slides (None if it does not).
         """
         s, when, time = self.structure, "tau" if dimensionless else "t", 1.0 if dimensionless else 1.0 / self.structure.p
         for model, found in self.histories.items():
-            demanded = self.forces[model].summary(when, time) if forces else {}
+            summary = self.forces[model].summary(when, time) if forces else {}
             if self.amplitude and not dimensionless:
-                demanded["demand_a"] = float(s.ground_acceleration(self.amplitude))
+                summary["demand_a"] = float(s.ground_acceleration(self.amplitude))
             if not dimensionless:
-                demanded["top_displacement"] = self.top_displacement(model)
+                summary["top_displacement"] = self.top_displacement(model)
             if found.devices:
-                demanded["devices"] = [{key: x for key, x in one.items() if key != "words"} for one in found.devices]
-            yield {"model": model, "event": "summary", **demanded, "theta_ratio": found.theta_ratio, "outcome": self.outcome(model).flag}
+                summary["devices"] = [{key: x for key, x in one.items() if key != "words"} for one in found.devices]
+            yield {"model": model, "event": "summary", **summary, "theta_ratio": found.theta_ratio, "outcome": self.outcome(model).flag}
 
     def summary(self, *, forces: bool = False) -> Iterator[str]:
         """Yield a sentence on the outcome for each model."""

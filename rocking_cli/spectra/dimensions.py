@@ -90,11 +90,11 @@ ABOUT: dict[str, About] = {
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """The places of a file's cells. dimensions: the values on each of the three dimensions, in their order; beside: further lists by name,
+    """Where a file's cells are. dimensions: the values on each of the three dimensions, in their order; extra: further lists by name,
     each with its dimension; units: the units of the varied keys of a family, which are not in ABOUT."""
 
     dimensions: Mapping[str, Values]
-    beside: Mapping[str, tuple[str, Values]]
+    extra: Mapping[str, tuple[str, Values]]
     units: Mapping[str, str] = field(default_factory=dict)
 
     def about(self, name: str) -> About:
@@ -104,12 +104,12 @@ class Frame:
     @property
     def lists(self) -> dict[str, tuple[str, Values]]:
         """All lists by name, those of the dimensions first, each with its dimension."""
-        return {**{name: (name, values) for name, values in self.dimensions.items()}, **self.beside}
+        return {**{name: (name, values) for name, values in self.dimensions.items()}, **self.extra}
 
     @property
     def labels(self) -> tuple[str, ...]:
         """The further lists that distinguish places, for the CF attribute `coordinates`."""
-        return tuple(self.beside) if self.of_records else tuple(self.units)
+        return tuple(self.extra) if self.of_records else tuple(self.units)
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -128,7 +128,7 @@ def _lists(table: Mapping[str, About], dimension: str, of: Sequence[Any]) -> dic
     return {name: (dimension, some if table[name].dtype is None else np.array(some, table[name].dtype)) for name, some in values.items()}
 
 
-def beside_structures(structures: Sequence[RockingParameters]) -> dict[str, tuple[str, Values]]:
+def structure_lists(structures: Sequence[RockingParameters]) -> dict[str, tuple[str, Values]]:
     """Return the lists along the structures: their parameters, the parameters of each edge if the edges differ, and varied keys."""
     found = _lists(PARAMETERS | (EDGE_PARAMETERS if any(s.sides for s in structures) else {}), "structure", structures)
     for name in varied_units(structures):
@@ -142,7 +142,7 @@ def varied_units(structures: Sequence[RockingParameters]) -> dict[str, str]:
     return {f"{VARIED}{key}": unit or "1" for s in structures for key, unit in s.details.get("varied_units", {}).items()}
 
 
-def beside_records(recordings: Sequence[Recording]) -> dict[str, tuple[str, Values]]:
+def record_lists(recordings: Sequence[Recording]) -> dict[str, tuple[str, Values]]:
     """Return the lists along the records."""
     return _lists(RECORDED, "record", recordings)
 

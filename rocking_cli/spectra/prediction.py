@@ -50,11 +50,11 @@ def predict(structure: RockingParameters, spectrum: SpectraFile | str | Path, sh
         raise UsageError(
             f"{structure.name}: A = {amplitude:.6g}, Omega = {omega:.6g} is outside the spectrum ({held}); `exact` computes it"
         )
-    record = predict_exactly(structure, spectrum.motion(), shaking)
+    row = predict_exactly(structure, spectrum.motion(), shaking)
     read_off = _interpolated(spectrum, nearest, amplitude, omega)
-    theta_ratio = record["theta_ratio"]
+    theta_ratio = row["theta_ratio"]
     error = None if read_off is None or theta_ratio is None else abs(read_off - theta_ratio)
-    return {**record, "theta_ratio_interpolated": read_off, "interpolation_error": error}
+    return {**row, "theta_ratio_interpolated": read_off, "interpolation_error": error}
 
 
 def predict_exactly(structure: RockingParameters, motion: Motion, shaking: Grid) -> dict[str, Any]:
@@ -67,7 +67,7 @@ def predict_exactly(structure: RockingParameters, motion: Motion, shaking: Grid)
     if 2.0 * amplitude > HIGHEST:
         raise UsageError(f"{structure.name}: found A = {amplitude:.6g}; expected up to {HIGHEST / 2.0:g}")
     found = response(LINEAR.system_of(structure), motion, np.array([amplitude]), np.array([omega]), structure.eta)
-    falls = trace_envelope(structure, motion, [omega], a_max=max(A_MAX, 2.0 * amplitude, 2.0 / motion.peak), sign="+")  # as it is
+    falls = trace_envelope(structure, motion, [omega], a_max=max(A_MAX, 2.0 * amplitude, 2.0 / motion.largest), sign="+")  # as it is
     ends = [edge for i in falls for edge in (i.a_from, i.a_to) if edge is not None]
     edges = [edge for edge in ends if ends.count(edge) == 1]  # between two overturning modes there is no boundary
     nearest = min(edges, key=lambda edge: abs(edge - amplitude), default=None) if amplitude > 0.0 else None

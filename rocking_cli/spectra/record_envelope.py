@@ -15,10 +15,10 @@ import numpy as np
 
 from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import Outcome
+from ..envelopes.amplitudes import Limit, limit_of
 from ..envelopes.boundaries import Search, Steps
 from ..envelopes.capacity import RATIO, tracing_width
 from ..envelopes.intervals import A_MAX, BOTH, HIGHEST, NONE, SIGNS, frequency_axis, in_turn, structure_intervals, worse
-from ..envelopes.limit import Limit, limit_of
 from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Axis
@@ -92,7 +92,7 @@ class Tracing:
         return found
 
 
-def tracing_records(
+def tracing_rows(
     tracing: Tracing, *, sign: str = "worse", workers: int | None = None, progress: Callable[[int, int], None] | None = None
 ) -> Iterator[dict[str, Any]]:
     """Rows of the overturning intervals, in the order of records and structures.
@@ -108,7 +108,7 @@ def tracing_records(
         tasks = list(_tasks(tracing, sign, workers))
     for n, (task, found) in enumerate(zip(tasks, in_turn(tracing, tasks, min(workers, len(tasks))), strict=True), 1):
         for column, steps in zip(task.omegas, found, strict=True):
-            yield from _told(scene, task, column, steps, tracing.first, sign == BOTH)
+            yield from _rows(scene, task, column, steps, tracing.first, sign == BOTH)
         if progress:
             progress(n, len(tasks))
 
@@ -134,7 +134,7 @@ def envelope(
     if axis is not None:
         raise UsageError("a record runs in its own time; expected no axis of frequencies")
     recording = motion if isinstance(motion, Recording) else Recording(motion)
-    return list(tracing_records(Tracing(structures_scene([structure], [recording], method=method), a_max), sign=sign, workers=workers))
+    return list(tracing_rows(Tracing(structures_scene([structure], [recording], method=method), a_max), sign=sign, workers=workers))
 
 
 def _tasks(tracing: Tracing, sign: str, shares: int) -> Iterator[Task]:
@@ -147,7 +147,7 @@ def _tasks(tracing: Tracing, sign: str, shares: int) -> Iterator[Task]:
                     yield Task(record, i, tuple(part.tolist()), one)
 
 
-def _told(scene: RecordScene, task: Task, column: int, steps: Steps, first: bool, signed: bool) -> Iterator[dict[str, Any]]:
+def _rows(scene: RecordScene, task: Task, column: int, steps: Steps, first: bool, signed: bool) -> Iterator[dict[str, Any]]:
     """Yield the intervals of one search as rows."""
     recording, structure = scene.recordings[task.record], scene.structures[task.structure]
     if scene.over_angles:
@@ -159,17 +159,17 @@ def _told(scene: RecordScene, task: Task, column: int, steps: Steps, first: bool
     own = float(structure.dimensionless_amplitude(recording.acceleration))
     ends = [*(a for a, _ in steps), None][1:] if steps else []
     falls = [({"from": a, "to": end}, Outcome(label)) for (a, label), end in zip(steps, ends, strict=True) if not Outcome(label).safe]
-    told: list[tuple[dict[str, float | None], str]] = [(dict(bounds), outcome.mode) for bounds, outcome in falls]
+    intervals: list[tuple[dict[str, float | None], str]] = [(dict(bounds), outcome.mode) for bounds, outcome in falls]
     if first:
-        told = [({"from": told[0][0]["from"]}, told[0][1])] if told else [({"from": None}, NONE)]
-    for bounds, mode in told:
+        intervals = [({"from": intervals[0][0]["from"]}, intervals[0][1])] if intervals else [({"from": None}, NONE)]
+    for bounds, mode in intervals:
         row: dict[str, Any] = {**of, **{f"A_{key}": a for key, a in bounds.items()}, "mode": mode}
         row |= {f"a_{key}": None if a is None else float(structure.ground_acceleration(a)) for key, a in bounds.items()}
         yield row | {f"scale_{key}": None if a is None else a / own for key, a in bounds.items()} | {"model": scene.method.model}
 
 
 def overturning_spectrum(scene: RecordScene, records: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
-    """Yield the rows of an overturning spectrum, one for each size or structure, from the rows of `tracing_records` with `first`.
+    """Yield the rows of an overturning spectrum, one for each size or structure, from the rows of `tracing_rows` with `first`.
     structure, or alpha [rad] and T [s]; p [rad/s]; pga_ratio_16, _50, _84: quantiles of the first overturning PGA/(lambda g) over the
     records [%], None if too few of them overturn the body; overturned, records: their numbers."""
     found: dict[tuple[Any, ...], list[float]] = {}

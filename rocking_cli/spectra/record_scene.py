@@ -21,7 +21,7 @@ from ..errors import StructureError, UsageError
 from ..motions.grid import MAX_CELLS, Axis, parse_angles, parse_axes, written_axes
 from ..motions.recording import Recording
 from ..structures.parameters import RockingParameters
-from .dimensions import Frame, beside_records, beside_structures, varied_units
+from .dimensions import Frame, record_lists, structure_lists, varied_units
 from .scene import Array, Band, Cell, Scene, Unit
 
 COLUMNS = ("scale", "A", "a_g", "T")
@@ -100,8 +100,8 @@ class RecordScene(Scene):
         with np.errstate(all="ignore"):
             if name == "T":
                 return np.array([structure.dimensionless_amplitude(acceleration)]), values / (2.0 * np.pi)
-            peak = values * acceleration if name == "scale" else values
-            return peak if name == "A" else structure.dimensionless_amplitude(peak), np.array([1.0 / structure.p])
+            amplitude = values * acceleration if name == "scale" else values
+            return amplitude if name == "A" else structure.dimensionless_amplitude(amplitude), np.array([1.0 / structure.p])
 
     def sharing(self) -> list[tuple[int, ...]]:
         return [(i,) for i in range(len(self.recordings))]
@@ -135,20 +135,20 @@ class RecordScene(Scene):
             alphas = Axis("alpha", np.array([s.alpha for s in self.structures]))
             rows: dict[str, Any] = {"axis alpha": alphas.stated(), "eta": [s.eta for s in self.structures]}
         else:
-            rows = {"structures": [s.record() for s in self.structures]}
+            rows = {"structures": [s.row() for s in self.structures]}
         return {"records": [r.identity() for r in self.recordings], **rows, f"axis {self.columns.name}": self.columns.stated()}
 
     def frame(self) -> Frame:
         records, columns = [r.label for r in self.recordings], {self.columns.name: self.columns.values}
-        beside = beside_records(self.recordings)
+        extra = record_lists(self.recordings)
         if not self.over_angles:
             names = [s.name for s in self.structures]
-            of_each = {**beside_structures(self.structures), **beside}
+            of_each = {**structure_lists(self.structures), **extra}
             return Frame({"record": records, "structure": names, **columns}, of_each, varied_units(self.structures))
         alpha, eta = (np.array([getattr(s, key) for s in self.structures]) for key in ("alpha", "eta"))
         sizes = 2.0 * np.pi / self.columns.values
         angles = {"eta": ("alpha", eta), "tan_alpha": ("alpha", np.tan(alpha)), "p": ("T", sizes)}
-        return Frame({"record": records, "alpha": alpha, **columns}, {**angles, **beside})
+        return Frame({"record": records, "alpha": alpha, **columns}, {**angles, **extra})
 
 
 def structures_scene(
@@ -156,7 +156,7 @@ def structures_scene(
 ) -> RecordScene:
     """Return the scene of structures under records at the values of an axis `scale`, `A` or `a_g`. Raises UsageError."""
     if columns.name == "T":
-        raise UsageError("axis T: structures have a size of their own; expected scale, A or a_g")
+        raise UsageError("found axis T (the size 2 pi/p) with structures, which have their own size; expected scale, A or a_g")
     return RecordScene(tuple(structures), tuple(recordings), columns, method)
 
 
@@ -188,7 +188,7 @@ def scene_of_words(
         found["alpha"] = parse_angles(alphas)
     if "alpha" in found or "T" in found:
         if structures:
-            raise UsageError("structures have angles and a size of their own; expected scale, A or a_g with them, alpha and T without them")
+            raise UsageError("found alpha or T with structures, which have their own; expected scale, A or a_g, or no structures")
         if set(found) != {"alpha", "T"}:
             named = [written_axes(axes or ""), "" if alphas is None else "alpha"]
             raise UsageError(f"found {' and '.join(filter(None, named))}; expected `alpha` and `grid` T=START:STOP:N together")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,14 +28,14 @@ _RECORDED = (
 
 @dataclass(frozen=True)
 class Summary:
-    """Counts, times and checks of a sweep; for a resumed sweep the times, checks and counters of the last run only.
-    run_time [s]; estimated_error: largest difference of theta/alpha from another path on the checked cells; sensitive_cells: checked cells
-    that were chosen for their sensitivity; misjudged: checked cells whose outcome differs; beyond_tolerance: those where theta/alpha
-    differs by more than the tolerance times the condition; shared_cells: cells taken from another structure of equal restitution;
-    resumed_cells: cells from an earlier run; elsewhere: the differences of its machine; records: their number, 0 for a pulse; compared:
-    checked cells of a linear sweep of records that were also computed by the nonlinear equation; otherwise: those of them that differ in
-    overturning; differences: cells by `Difference`, if both equations were computed; validity: of a linear sweep, if requested; weighed:
-    True if the ground also moved vertically."""
+    """Counts, times and checks of a sweep; for a resumed sweep the times, checks and counters of the last run only. run_time [s];
+    estimated_error: largest difference of theta/alpha from the reference on the checked cells; sensitive_cells: checked cells that were
+    chosen for their sensitivity; misjudged: checked cells whose outcome differs; beyond_tolerance: those where theta/alpha differs by more
+    than the tolerance times the condition; shared_cells: cells taken from another structure of equal restitution; resumed_cells: cells from
+    an earlier run; machine_differences: what its machine does differently; records: their number, 0 for a pulse; compared: checked cells of
+    a linear sweep of records that were also computed by the nonlinear equation; differing: those of them that differ in overturning;
+    differences: cells by `Difference`, if both equations were computed; validity: of a linear sweep, if requested; weighed: True if the
+    ground also moved vertically."""
 
     structures: int
     cells: int
@@ -49,11 +50,11 @@ class Summary:
     estimated_error: float
     misjudged: int
     resumed_cells: int = 0
-    elsewhere: str = ""
+    machine_differences: str = ""
     model: str = LINEAR.model
     records: int = 0
     compared: int = 0
-    otherwise: int = 0
+    differing: int = 0
     differences: Mapping[str, int] = field(default_factory=dict)
     validity: Validity | None = None
     weighed: bool = False
@@ -69,7 +70,7 @@ class Summary:
         """Cells that could not be decided."""
         return self.outcomes[Outcome.FAILED.flag]
 
-    def record(self) -> dict[str, Any]:
+    def row(self) -> dict[str, Any]:
         """Return the fields as one flat mapping, for JSON and for the file's attributes."""
         work = asdict(self.work)
         work.pop("cells")
@@ -77,15 +78,25 @@ class Summary:
             **{name: getattr(self, name) for name in _RECORDED if name != "records" or self.records},
             "misjudged_cells": self.misjudged,
             "beyond_tolerance": self.beyond_tolerance,
-            **({"compared_cells": self.compared, "otherwise_cells": self.otherwise} if self.compared else {}),
+            **(
+                {"compared_cells": self.compared, "differing_cells": self.differing, "otherwise_cells": self.differing}
+                if self.compared
+                else {}
+            ),
             **{f"cells_{k}": v for k, v in self.outcomes.items()},
             **({} if self.validity is None else {f"nonlinear_{k}": v for k, v in asdict(self.validity).items()}),
             **{f"cells_{k}": v for k, v in self.differences.items() if k.startswith("linear")},
             "shared_cells": self.shared_cells,
             "resumed_cells": self.resumed_cells,
-            **({"elsewhere": self.elsewhere} if self.elsewhere else {}),
+            **(dict.fromkeys(("machine_differences", "elsewhere"), self.machine_differences) if self.machine_differences else {}),
             **work,
+            "chatters_closed": self.work.sequences_closed,  # the old name
         }
+
+    record = row  # the old name
+
+    otherwise = property(attrgetter("differing"))  # the old name
+    elsewhere = property(attrgetter("machine_differences"))  # the old name
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,17 +109,19 @@ class Spectrum:
     outcome: np.ndarray
     impacts: np.ndarray
     summary: Summary
-    beside: Mapping[str, np.ndarray] = field(default_factory=dict)
+    quantities: Mapping[str, np.ndarray] = field(default_factory=dict)
+
+    beside = property(attrgetter("quantities"))  # the old name
 
     @property
     def velocity_ratio(self) -> np.ndarray | None:
         """max |d theta/dt|/p [rad], in spectra of records over alpha and T and on request, otherwise None."""
-        return self.beside.get("velocity_ratio")
+        return self.quantities.get("velocity_ratio")
 
     @property
     def condition(self) -> np.ndarray | None:
         """The condition of each cell, None unless requested."""
-        return self.beside.get("condition")
+        return self.quantities.get("condition")
 
     def to_xarray(self) -> xarray.Dataset:
         """Return an xarray Dataset with the names, dimensions and attributes of the file. Raises OutputError without xarray."""
@@ -123,7 +136,7 @@ class Spectrum:
         }
         data = {
             name: xr.Variable(tuple(frame.dimensions), values, {k: v for k, v in VARIABLES[name].attributes.items() if k != "_FillValue"})
-            for name, values in {**cells, **self.beside}.items()
+            for name, values in {**cells, **self.quantities}.items()
         }
         found = xr.Dataset({**data, **along})
         return found.set_coords(list(along)) if frame.of_records else found

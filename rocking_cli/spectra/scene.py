@@ -1,7 +1,7 @@
-"""The cells of a sweep, cut into units of work. A unit is one chunk of the file.
+"""A scene is all that a sweep computes: structures, motions, grid and equation. It is cut into units of work, one chunk of the file each.
 
-Every result has three dimensions, such as (structure, frequency, amplitude) under one pulse; units cut the first into single places.
-Spectra of records are other scenes (`record_scene`).
+Every result has three dimensions, such as (structure, frequency, amplitude) under one pulse; a place is an index on a dimension. Units cut
+the first into single places. Spectra of records are other scenes (`record_scene`).
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Grid
 from ..structures.parameters import RockingParameters
-from .dimensions import Frame, beside_structures, varied_units
+from .dimensions import Frame, structure_lists, varied_units
 
 Array = np.ndarray
 
 
 @dataclass(frozen=True)
 class Unit:
-    """One unit of work: the places of the first dimension that it serves, and the first cell of its block of the other two."""
+    """One unit of work: a block of the last two dimensions, computed once for all `places` on the first; row, column: its first cell."""
 
     places: tuple[int, ...]
     row: int
@@ -36,7 +36,7 @@ class Unit:
 
 class Band(NamedTuple):
     """Rows of a unit with one structure under one motion: A and Omega broadcast to the shape (rows, columns); sharers: the structures at
-    all places of the unit, whose rotations are the same."""
+    all places of the unit; they have the rotations of `structure`, which are computed once."""
 
     structure: RockingParameters
     motion: Motion
@@ -65,7 +65,7 @@ class Cell(NamedTuple):
 
 
 class Scene(ABC):
-    """The cells of a sweep: the interface of every kind of scene."""
+    """All that a sweep computes: the interface of every kind of scene."""
 
     structures: tuple[RockingParameters, ...]
     method: Method
@@ -74,7 +74,7 @@ class Scene(ABC):
     @property
     @abstractmethod
     def shape(self) -> tuple[int, int, int]:
-        """Places on each of the three dimensions."""
+        """The number of places on each of the three dimensions."""
 
     @property
     @abstractmethod
@@ -92,7 +92,7 @@ class Scene(ABC):
 
     @abstractmethod
     def sharing(self) -> list[tuple[int, ...]]:
-        """Groups of places of the first dimension that share one computation."""
+        """Groups of places of the first dimension that are computed together, once."""
 
     @abstractmethod
     def bands(self, unit: Unit, size: tuple[int, int]) -> Iterator[Band]:
@@ -100,7 +100,7 @@ class Scene(ABC):
 
     @abstractmethod
     def frame(self) -> Frame:
-        """Return the places of the cells, as a spectra file has them."""
+        """Return the values at all places, as a spectra file has them."""
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -201,11 +201,11 @@ class PulseScene(Scene):
     def frame(self) -> Frame:
         axes = {axis.name: axis.values for axis in (self.grid.frequency, self.grid.amplitude)}
         names = [s.name for s in self.structures]
-        return Frame({"structure": names, **axes}, beside_structures(self.structures), varied_units(self.structures))
+        return Frame({"structure": names, **axes}, structure_lists(self.structures), varied_units(self.structures))
 
     def stated(self) -> dict[str, Any]:
         return {
-            "structures": [s.record() for s in self.structures],
+            "structures": [s.row() for s in self.structures],
             **{f"axis {axis.name}": axis.stated() for axis in (self.grid.frequency, self.grid.amplitude)},
             "motion": [self.motion.name, list(map(asdict, self.motion.pieces))],
             **({} if self.motion.vertical is None else {"vertical": list(map(asdict, self.motion.vertical.pieces))}),

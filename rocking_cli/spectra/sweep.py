@@ -93,7 +93,7 @@ class SweepOptions:
         if "velocity_ratio" in found and not scene.of_records:
             raise UsageError("quantity velocity_ratio: found the sweep of a pulse; expected a sweep of records")
         if "friction" in found or "fz_min" in found:
-            _demand_bodies(scene)
+            _require_bodies(scene)
         if "linear" in found and scene.method.exact:
             raise UsageError("quantity linear: compares with the nonlinear equation; `model` must be nonlinear")
         return found
@@ -105,7 +105,7 @@ class SweepOptions:
         return tuple(name for name in VARIABLES if name in wanted)
 
 
-def _demand_bodies(scene: Scene) -> None:
+def _require_bodies(scene: Scene) -> None:
     """Raise UsageError if friction or fz_min is not defined for a structure, or structures share rotations but not forces."""
     bodies = [scene.method.body_of(s) for s in scene.structures]
     for s, body in zip(scene.structures, bodies, strict=True):
@@ -139,7 +139,7 @@ def _pulse_scene(structures: Sequence[RockingParameters], motion: Motion, grid: 
 
 
 def spectrum_of(scene: Scene, options: SweepOptions | None = None) -> Spectrum:
-    """Return the spectrum of a scene, in memory. Raises UsageError."""
+    """Return the spectrum of a scene (structures, motion, grid, equation), in memory. Raises UsageError."""
     options = replace(options or SweepOptions(), impacts=True)
     arrays = {name: np.full(scene.shape, VARIABLES[name].fill, VARIABLES[name].dtype) for name in options.variables_of(scene)}
 
@@ -195,8 +195,10 @@ def write_scene(scene: Scene, path: str | Path, options: SweepOptions | None = N
             if not kept:
                 raise Interrupted("interrupted before the first chunk was done; nothing is kept") from None
             raise Interrupted(f"interrupted; {kept} of {writer.cut.size} chunks are kept in {writer.part}; `resume` goes on") from None
-        summary = replace(summary, elsewhere=writer.elsewhere, validity=validity(scene) if options.sample_validity else None)
-        writer.finish(summary.record())
+        summary = replace(
+            summary, machine_differences=writer.machine_differences, validity=validity(scene) if options.sample_validity else None
+        )
+        writer.finish(summary.row())
     return summary
 
 

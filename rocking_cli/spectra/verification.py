@@ -24,7 +24,7 @@ Place = tuple[int, int, int]  # (structure, row, column) of a cell
 _SEED = 20120924
 _CANDIDATES = 128  # candidates for the most sensitive cells
 _LONGEST, _LONGEST_RECORD = 1000, 10_000  # segments beyond which the search takes as long as a sweep, so that all cells are drawn
-_EXACT = 1e-10  # tolerance for an exact method, for the rounding of two paths
+_EXACT = 1e-10  # tolerance for an exact method, for the rounding of two solvers
 STEP = 1e-7  # relative change of each input; the linear equation leaves the differences 8 digits
 _ETA = 2
 _TOLERANCES = 100.0  # of a method with a tolerance, the least change of input, so that its own error stays below the difference
@@ -49,8 +49,8 @@ def condition_of(respond: Callable[[Array, Array, Array], Response], amplitude: 
         ends = np.stack([values * (1.0 - step), values * (1.0 + step)])
         if i == _ETA:
             np.clip(ends, -1.0, 1.0, out=ends)
-        beside = [ends if j == i else np.stack([x, x]) for j, x in enumerate(cells)]
-        found = respond(*beside)
+        shifted = [ends if j == i else np.stack([x, x]) for j, x in enumerate(cells)]
+        found = respond(*shifted)
         still = safe(found.outcome).all(axis=0)
         width = np.abs(ends[1] - ends[0])
         rate = np.abs(found.theta_ratio[1] - found.theta_ratio[0]) * np.abs(values) / np.where(width == 0.0, np.inf, width)
@@ -85,7 +85,7 @@ def sampled_cells(scene: Scene, check: int, seed: int = _SEED) -> Array:
         cell = scene.cell(*at)
         if id(cell.structure) not in lifts:
             lifts[id(cell.structure)] = float(np.min(scene.method.system_of(cell.structure).equation.uplift_amplitude))
-        return cell.amplitude * cell.motion.peak > lifts[id(cell.structure)]
+        return cell.amplitude * cell.motion.largest > lifts[id(cell.structure)]
 
     drawn = _drawn(seed, 20 * check, (len(owners), rows, columns)).tolist()
     once = dict.fromkeys((owners[i], row, column) for i, row, column in drawn)  # a small grid is drawn several times
@@ -111,8 +111,8 @@ def sensitive_cells(scene: Scene, count: int) -> Array:
     cells = [scene.cell(*at) for at in drawn.tolist()]
     structure, motion = cells[0].structure, cells[0].motion
     step = max(STEP, _TOLERANCES * (scene.method.stated_tolerance or 0.0))
-    beside = np.array([cell.amplitude for cell in cells]) * np.array([[1.0 - step], [1.0 + step]])
-    found = response(scene.method.system_of(structure), motion, beside, np.array([cell.omega for cell in cells]), structure.eta)
+    shifted = np.array([cell.amplitude for cell in cells]) * np.array([[1.0 - step], [1.0 + step]])
+    found = response(scene.method.system_of(structure), motion, shifted, np.array([cell.omega for cell in cells]), structure.eta)
     change = np.abs(found.theta_ratio[1] - found.theta_ratio[0])
     change[(found.outcome != Outcome.ROCKED).any(axis=0)] = -1.0
     order = np.argsort(-change, kind="stable")[:count]
@@ -173,7 +173,7 @@ class Verification:
             "checked_cells": len(known),
             "sensitive_cells": sum(self.sensitive[place] for place in known),
             "compared": len(judged),
-            "otherwise": sum(one.overturned != other.overturned for one, other in judged),
+            "differing": sum(one.overturned != other.overturned for one, other in judged),
             "beyond_tolerance": sum(self._unexplained(place, far) for place, far in apart.items()),
         }
 
@@ -218,9 +218,9 @@ def _differences(scene: PulseScene, nonlinear: Method, count: int) -> Array:
     """Return the `Difference` of up to `count` cells of one structure: half drawn, half with another outcome at the next amplitude."""
     (structure,), drawn = scene.structures, sampled_cells(scene, _DRAWN, _SEED_OF_VALIDITY)[:, 1:]
     amplitude, omega = scene.grid.scaled(structure)
-    beside = np.stack([drawn[:, 1], np.minimum(drawn[:, 1] + 1, amplitude.size - 1)])
+    neighbours = np.stack([drawn[:, 1], np.minimum(drawn[:, 1] + 1, amplitude.size - 1)])
     respond = partial(response, motion=scene.motion, eta=structure.eta, peaks=False)
-    linear = respond(scene.method.system_of(structure), amplitude=amplitude[beside], omega=omega[drawn[:, 0]]).outcome
+    linear = respond(scene.method.system_of(structure), amplitude=amplitude[neighbours], omega=omega[drawn[:, 0]]).outcome
     changes = falls(linear[0]) != falls(linear[1])
     near = np.flatnonzero(changes)[: count // 2]
     at = np.append(near, np.setdiff1d(np.arange(len(drawn)), near)[: count - near.size])

@@ -21,18 +21,18 @@ _FIELDS = {"p": "p", "alpha": "alpha", "eta": "eta", "lambda": "uplift", "a_scal
 LEAST_ALPHA = 1e-30  # rad; a fallen body has theta/alpha = 1/alpha, so a smaller alpha costs too many steps
 
 
-def _demand(label: str, value: float, holds: bool, wanted: str) -> None:
+def _require(label: str, value: float, holds: bool, wanted: str) -> None:
     if not (math.isfinite(value) and holds):
         raise StructureError(f"{label} is {value:g}; expected {wanted}")
 
 
 def _check_numbers(of: Side | RockingParameters) -> None:
     for label, x in (("p", of.p), ("alpha", of.alpha), ("lambda", of.uplift), ("a_scale", of.a_scale)):
-        _demand(label, x, x > 0.0, "a positive finite number")
+        _require(label, x, x > 0.0, "a positive finite number")
     if of.alpha < LEAST_ALPHA:
-        raise StructureError(f"alpha is {of.alpha:g} rad; expected an angle from {LEAST_ALPHA:g} rad")
+        raise StructureError(f"alpha is {of.alpha:g} rad; expected {LEAST_ALPHA:g} rad or more")
     if of.arm is not None:
-        _demand("arm", of.arm, of.arm > 0.0, "a positive finite length")
+        _require("arm", of.arm, of.arm > 0.0, "a positive finite length")
 
 
 @dataclass(frozen=True)
@@ -53,9 +53,9 @@ class Side:
         if self.side not in ("left", "right"):
             raise StructureError(f"side is {self.side!r}; expected left or right")
         _check_numbers(self)
-        _demand("eta", self.eta, 0.0 <= self.eta <= 1.0, "a number from 0 to 1")
+        _require("eta", self.eta, 0.0 <= self.eta <= 1.0, "a number from 0 to 1")
 
-    def record(self) -> dict[str, Any]:
+    def row(self) -> dict[str, Any]:
         """Return the parameters as `rocking params --json` prints them."""
         return {"side": self.side, **numbers_of(self), **({} if self.arm is None else {"arm": self.arm})}
 
@@ -65,9 +65,9 @@ def numbers_of(of: Side | RockingParameters) -> dict[str, float]:
     return {key: getattr(of, name) for key, name in _FIELDS.items()}
 
 
-def fields_in(record: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the five parameters of a record by the names of the fields."""
-    return {name: record[key] for key, name in _FIELDS.items()}
+def fields_in(row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the five parameters of a row by the names of the fields."""
+    return {name: row[key] for key, name in _FIELDS.items()}
 
 
 @dataclass(frozen=True)
@@ -109,12 +109,12 @@ class RockingParameters:
     def __post_init__(self) -> None:
         _check_numbers(self)
         if self.one_sided:
-            _demand("eta", self.eta, -1.0 < self.eta <= 0.0, "a number above -1 and up to 0 for a one-sided body")
+            _require("eta", self.eta, -1.0 < self.eta <= 0.0, "a number above -1 and up to 0 for a one-sided body")
         else:
-            _demand("eta", self.eta, 0.0 <= self.eta <= 1.0, "a number from 0 to 1")
-        _demand("damping", self.damping, 0.0 <= self.damping < MOST_DAMPING, f"a number from 0 to below {MOST_DAMPING:g}")
+            _require("eta", self.eta, 0.0 <= self.eta <= 1.0, "a number from 0 to 1")
+        _require("damping", self.damping, 0.0 <= self.damping < MOST_DAMPING, f"a number from 0 to below {MOST_DAMPING:g}")
         if self.friction is not None:
-            _demand("friction", self.friction, self.friction > 0.0, "a positive finite number")
+            _require("friction", self.friction, self.friction > 0.0, "a positive finite number")
         if not self.sides:
             return
         if [side.side for side in self.sides] != ["left", "right"]:
@@ -138,18 +138,20 @@ class RockingParameters:
         return not (self.sides or self.one_sided or self.damping or self.restraints)
 
     @classmethod
-    def from_record(cls, record: Mapping[str, Any]) -> RockingParameters:
-        """Return the parameters from the dictionary of `record()`. Raises KeyError, TypeError or ValueError if it is not valid."""
-        sides = tuple(Side(side["side"], arm=side.get("arm"), **fields_in(side)) for side in record.get("sides", ()))
-        kind = record["structure_kind"] if "structure_kind" in record else record["structure"]  # files of earlier versions
-        more = {key: record[key] for key in ("one_sided", "damping", "friction", "arm") if key in record}
-        more |= {"eta_source": record["eta_source"], "gravity": record["gravity"]}
-        if "ties" in record or "tendon" in record:
+    def from_row(cls, row: Mapping[str, Any]) -> RockingParameters:
+        """Return the parameters from the dictionary of `row()`. Raises KeyError, TypeError or ValueError if it is not valid."""
+        sides = tuple(Side(side["side"], arm=side.get("arm"), **fields_in(side)) for side in row.get("sides", ()))
+        kind = row["structure_kind"] if "structure_kind" in row else row["structure"]  # files of earlier versions
+        more = {key: row[key] for key in ("one_sided", "damping", "friction", "arm") if key in row}
+        more |= {"eta_source": row["eta_source"], "gravity": row["gravity"]}
+        if "ties" in row or "tendon" in row:
             from .restraints import Restraints
 
-            more["restraints"] = Restraints.from_record(record)
-        details = {key: record[key] for key in (*VARIED, "restrained") if key in record}
-        return cls(record["name"], kind, **fields_in(record), sides=sides, details=details, **more)
+            more["restraints"] = Restraints.from_row(row)
+        details = {key: row[key] for key in (*VARIED, "restrained") if key in row}
+        return cls(row["name"], kind, **fields_in(row), sides=sides, details=details, **more)
+
+    from_record = from_row  # the old name
 
     @property
     def linear_uplift(self) -> float:
@@ -173,13 +175,15 @@ class RockingParameters:
         """True for the oscillator of a dimensionless spectrum, which has no units."""
         return self.structure == DIMENSIONLESS
 
-    def record(self) -> dict[str, Any]:
+    def row(self) -> dict[str, Any]:
         """Return the parameters as `rocking params --json` prints them: a document of kind `parameters`."""
         kind = {"name": self.name, "kind": "parameters", "structure_kind": self.structure}
         more = {key: getattr(self, key) for key in ("one_sided", "damping", "friction", "arm") if getattr(self, key)}
-        sides = {"sides": [side.record() for side in self.sides]} if self.sides else {}
-        more |= self.restraints.record() if self.restraints else {}
+        sides = {"sides": [side.row() for side in self.sides]} if self.sides else {}
+        more |= self.restraints.row() if self.restraints else {}
         return {**kind, **numbers_of(self), "eta_source": self.eta_source, "gravity": self.gravity, **sides, **more, **self.details}
+
+    record = row  # the old name
 
     def alpha_on(self, side: Any) -> Any:
         """Return alpha [rad] on the right edge (side = +1) or the left edge (side = -1), in the shape of `side`."""

@@ -14,7 +14,7 @@ import numpy as np
 import scenes
 
 from rocking_cli import Axis, Method
-from rocking_cli.spectra.record_envelope import Tracing, tracing_records
+from rocking_cli.spectra.record_envelope import Tracing, tracing_rows
 from rocking_cli.spectra.record_scene import angles_scene
 from rocking_cli.spectra.sweep import SweepOptions, write_scene
 
@@ -52,7 +52,7 @@ def envelopes(method: Method) -> None:
     scene = angles_scene(Axis("alpha", np.array([0.2])), Axis("T", np.linspace(0.8, 8.0, 40)), [synthetic(0)], 0.9, method)
     for first in (True, False):
         began = time.perf_counter()
-        rows = list(tracing_records(Tracing(scene, 20.0, first), workers=WORKERS))
+        rows = list(tracing_rows(Tracing(scene, 20.0, first), workers=WORKERS))
         what = "first overturning" if first else f"all {len(rows)} intervals"
         print(f"{method.model}: 40 sizes under a record of {SAMPLES} samples, {what}: {time.perf_counter() - began:.1f} s")
 

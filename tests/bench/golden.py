@@ -338,8 +338,8 @@ def difference(key: str, was: np.ndarray | None, now: np.ndarray | None) -> tupl
     gone = np.count_nonzero(np.isnan(was) != np.isnan(now))
     apart = np.where(was == now, 0.0, np.abs(was - now) / np.maximum(1.0, np.abs(was)))
     largest, changed = float(np.nanmax(apart, initial=0.0)), np.count_nonzero(np.nan_to_num(apart)) + gone
-    told = f"{key}: {changed} of {was.size} cells differ, largest difference {largest:.1e}"
-    return key in FORCES and not gone and largest <= TOLERANCE, told + (f", {gone} became or were NaN" if gone else "")
+    report = f"{key}: {changed} of {was.size} cells differ, largest difference {largest:.1e}"
+    return key in FORCES and not gone and largest <= TOLERANCE, report + (f", {gone} became or were NaN" if gone else "")
 
 
 def compare(path: Path, words: list[str]) -> int:
@@ -352,12 +352,12 @@ def compare(path: Path, words: list[str]) -> int:
     for scene in [name for name in {**was, **now} if name in now or not words]:
         before, after = was.get(scene, {}), now.get(scene, {})
         found = {key: difference(key, before.get(key), after.get(key)) for key in {**before, **after}}
-        told = [words for _, words in found.values() if words]
-        if told:
+        report = [words for _, words in found.values() if words]
+        if report:
             allowed = all(fine for fine, _ in found.values())
             bad += not allowed
             verdicts = ", a verdict changed" if any(found[key][1] for key in VERDICTS if key in found) else ""
-            print(f"{'' if allowed else 'DIFFERS  '}{scene}: {'; '.join(told)}{verdicts}")
+            print(f"{'' if allowed else 'DIFFERS  '}{scene}: {'; '.join(report)}{verdicts}")
     print(f"{len(now)} scenes, {bad} differ by more than is allowed")
     return bad
 

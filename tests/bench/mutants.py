@@ -99,13 +99,13 @@ def changed(change: Change) -> tuple[str, str]:
     place.put(alternatives(place.node)[alternative])
     after = ast.unparse(ast.fix_missing_locations(place.statement)).splitlines()
     lines = [(x.strip(), y.strip()) for x, y in zip(before, after, strict=True) if x != y]
-    told = "  ->  ".join(" ".join(side) for side in zip(*lines, strict=True))
-    return ast.unparse(tree), f"{path.relative_to(ROOT)}:{place.statement.lineno}: {told}"
+    report = "  ->  ".join(" ".join(side) for side in zip(*lines, strict=True))
+    return ast.unparse(tree), f"{path.relative_to(ROOT)}:{place.statement.lineno}: {report}"
 
 
 def lets_through(change: Change, tests: list[str]) -> str | None:
     """What was changed, if no test fails with it; the tests of the file's own room come first."""
-    text, told = changed(change)
+    text, report = changed(change)
     own = ROOT / "tests" / change[0].parent.relative_to(ROOM)
     with tempfile.TemporaryDirectory() as folder:
         shutil.copytree(ROOM, Path(folder) / "rocking_cli", ignore=shutil.ignore_patterns("__pycache__"))
@@ -119,7 +119,7 @@ def lets_through(change: Change, tests: list[str]) -> str | None:
             done = subprocess.run(call, cwd=folder, env=environment, capture_output=True, timeout=LONGEST, check=False)
         except subprocess.TimeoutExpired:
             return None
-    return None if done.returncode else told
+    return None if done.returncode else report
 
 
 def main() -> None:
@@ -136,10 +136,10 @@ def main() -> None:
     survivors, tests = 0, options.tests or TESTS
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         for number, done in enumerate(as_completed([pool.submit(lets_through, change, tests) for change in sample]), start=1):
-            told = done.result()
-            survivors += told is not None
-            if told is not None:
-                print(told, flush=True)
+            report = done.result()
+            survivors += report is not None
+            if report is not None:
+                print(report, flush=True)
             print(f"{number} of {len(sample)} run, {survivors} survived", file=sys.stderr, flush=True)
     print(f"{len(sample)} of {len(every)} possible mutants: {len(sample) - survivors} killed, {survivors} survived")
 

@@ -31,10 +31,10 @@ def pelicun(path, levels):
     data = file_io.load_data(path, None, orientation=1, reindex=False, log=Assessment({"PrintLog": False}).log)
     assert _is_for_ds_model(data)
     with open(path[:-4] + ".json", encoding="utf-8") as file:
-        told = json.load(file)
+        model = json.load(file)
     found = {}
     for name, row in data.iterrows():
-        for limit in told[name]["LimitStates"]:
+        for limit in model[name]["LimitStates"]:
             family, first, second = row[limit, "Family"], row[limit, "Theta_0"], row[limit].get("Theta_1")
             if family == "multilinear_CDF":
                 theta = np.column_stack([np.array(part.split(","), dtype=float) for part in first.split("|")])

@@ -32,7 +32,8 @@ def shares(path: str) -> list[tuple[float, list[float], float, float]]:
 def table(path: str) -> str:
     """The lines of the table, in per cent."""
     heads = [f"{low:g}-{high:g}" for low, high in BANDS]
-    lines = ["  b/h   unsafe, of the cells that fall, Omega =            all   false alarms", "       " + "".join(f"{h:>8}" for h in heads)]
+    head = "  b/h   linear unsafe, % of falls, Omega =                 all   false alarms, %"
+    lines = [head, "       " + "".join(f"{h:>8}" for h in heads)]
     for slenderness, bands, every, alarms in shares(path):
         cells = "".join(f"{'-' if math.isnan(x) else f'{100.0 * x:.1f}':>8}" for x in bands)
         lines.append(f"  {slenderness:4.2f} {cells} {100.0 * every:10.1f} {100.0 * alarms:12.1f}")

@@ -4,21 +4,12 @@ import pytest
 
 BLOCK = ("check", "block:0.5x2")
 SHAKING = ("--a-g", "0.3g", "--T-g", "0.8")
-SITE = "T [s],S_a [g]\n0,0.2\n0.15,0.5\n0.5,0.5\n2,0.12\n5,0.03\n"
-TIED = """
-kind: wall
-name: Tied
-thickness: 0.6
-height: 6
-one_sided: true
-mass: 7200
-ties: [{height: 5.5, stiffness: 2e6, ultimate: 30 mm, yield: 20 kN}]
-"""
+TIED = "wall:0.6x6,name=Tied,one_sided=true,mass=7200,ties=[{height: 5.5, stiffness: 2e6, ultimate: 30 mm, yield: 20 kN}]"
 
 
 @pytest.fixture
 def site(tmp_path):
-    (tmp_path / "site.csv").write_text(SITE)
+    (tmp_path / "site.csv").write_text("T [s],S_a [g]\n0,0.2\n0.15,0.5\n0.5,0.5\n2,0.12\n5,0.03\n")
     return "site.csv"
 
 
@@ -58,10 +49,8 @@ def test_a_floor_is_told_and_a_figure_is_drawn(rocking, site, tmp_path):
     assert (tmp_path / "curve.svg").stat().st_size > 5000
 
 
-def test_a_tied_body_has_its_rows_of_the_code(rocking, site, tmp_path):
-    (tmp_path / "tied.yaml").write_text(TIED)
-    done = rocking("check", "tied.yaml", "block:0.6x6", *SHAKING, "--code", "ntc2018", "--json", "--verdict-only")
-    assert done.returncode == 0, done.stderr
+def test_a_tied_body_has_its_rows_of_the_code(rocking):
+    done = rocking("check", TIED, "block:0.6x6", *SHAKING, "--code", "ntc2018", "--json", "--verdict-only")
     rows = {row["structure"]: row for row in done.records}
     assert rows["Tied"]["d_slv"] < 0.05 < rows["block:0.6x6"]["d_slv"] == pytest.approx(0.12, rel=1e-6)
     assert rows["Tied"]["code_slv"] > 0.0
@@ -78,42 +67,6 @@ def test_a_tied_body_has_its_rows_of_the_code(rocking, site, tmp_path):
 def test_several_records_are_judged_by_their_mean(rocking, tmp_path, peaks, said):
     for n, peak in enumerate(peaks):
         (tmp_path / f"r{n}.csv").write_text("".join(f"{0.1 * i:.1f},{peak * x}\n" for i, x in enumerate((0, 1, 1, 0, -1, -1, 0))))
-    done = rocking(
-        "check", "block:0.5x2", "--motion", "r0.csv", "r1.csv", "--unit", "m/s2", "--code", "ntc2018", "--verdict-only", "--json"
-    )
+    done = rocking(*BLOCK, "--motion", "r0.csv", "r1.csv", "--unit", "m/s2", "--code", "ntc2018", "--verdict-only", "--json")
     mean = sum(row["theta_ratio"] or 0.0 for row in done.records) / 2
     assert f"block:0.5x2: dynamics (C8.7.1.2.1.9), 2 motions: {said.format(mean)}" in done.stderr.splitlines()
-
-
-@pytest.mark.parametrize(
-    ("code", "arguments", "said"),
-    [
-        (2, ("configs/parameters.yaml", *SHAKING), "without the place of one mass centre; expected the geometry of a rigid body"),
-        (
-            2,
-            ("block:0.5x2", "configs/frame.yaml", "configs/parameters.yaml", *SHAKING),
-            "found Temple front (kind frame), Measured arch (kind parameters) without the place of one mass centre",
-        ),
-        (2, ("block:0.5x2",), "no shaking"),
-        (2, ("block:0.5x2", *SHAKING, "--fc", "0.5"), "--fc: found 0.5; expected a confidence factor from 1"),
-        (2, ("block:0.5x2", *SHAKING, "--floor", "T=1"), "--floor: found 'T=1'; expected T=TIME,xi=RATIO,gamma_psi=NUMBER"),
-        (
-            2,
-            ("block:0.5x2", *SHAKING, "--floor", "T=1,xi=5%,gamma_psi=1"),
-            "--floor: xi: found '5%'; expected a number without a unit, such as",
-        ),
-        (2, ("block:5x60", "--spectrum", "site.csv"), "--spectrum site: found periods up to 5 s; expected up to"),
-        (2, ("block:0.5x2", "--spectrum", "none.csv"), "none.csv: cannot be read"),
-        (2, ("block:0.5x2", "--spectrum", "site.csv", "--fail-on", "overturning"), "--fail-on needs a motion"),
-        (3, ("block:0.5x2", "--spectrum", "two.csv"), "two.csv:2:3: found both S_a and Se; expected one of them"),
-        (3, ("block:0.5x2", "--spectrum", "bad.csv"), "bad.csv:3:1: T: found '0'; expected periods that rise"),
-    ],
-)
-def test_what_cannot_be_checked_is_refused(refused, site, tmp_path, code, arguments, said):
-    (tmp_path / "bad.csv").write_text("T,S_a [g]\n0,1\n0,2\n")
-    (tmp_path / "two.csv").write_text("T,S_a [g],Se [g]\n0,1,2\n1,2,3\n")
-    assert said in refused(code, "check", *arguments, "--code", "ntc2018")
-
-
-def test_its_options_go_with_it(refused):
-    assert "--fc goes with --code" in refused(2, *BLOCK, *SHAKING, "--fc", "1.2")

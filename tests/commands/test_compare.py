@@ -15,10 +15,3 @@ def test_comparison_collapses_and_tells_the_models_apart(rocking):
     ratios = [arch[f"quarter_period_ratio_{x}"] for x in (0.3, 0.6, 0.9)]
     assert ratios == pytest.approx([1.0737, 1.0622, 1.0441], abs=2e-4)
     assert arch["peak_difference"] == pytest.approx(arch["theta_ratio_nonlinear"] / arch["theta_ratio_linear"] - 1)
-
-
-def test_curves_of_a_comparison(rocking):
-    done = rocking("compare", "configs/block.yaml", "configs/spire.yaml", "--A", "2", "--Omega", "4", "--curves", "--csv")
-    found = done.rows
-    assert list(found[0]) == ["structure", "model", "t", "theta", "tau", "theta_ratio", "ground_acceleration", "motion"]
-    assert {r["structure"] for r in found} == {"Column", "Spire"}

@@ -14,20 +14,6 @@ def test_reference_row(rocking):
     assert rows[1]["A_to"] is None
 
 
-def test_csv_has_the_documented_columns(rocking):
-    lines = rocking("envelope", "--eta", "0.9", "--grid", "Omega=4:5:2", "--csv").stdout.splitlines()
-    assert lines[0] == "structure,Omega,A_from,A_to,mode,motion,model"
-    assert lines[2].split(",")[3] == ""
-
-
-def test_a_structure_has_units(rocking):
-    done = rocking("envelope", "configs/block.yaml", "--grid", "f_g=1:2:2", "--json")
-    row = json.loads(done.stdout.splitlines()[0])
-    assert row["structure"] == "Column"
-    assert row["omega_g"] == pytest.approx(6.283185307)
-    assert row["a_from"] == pytest.approx(row["A_from"] * 0.24497866 * 9.81, rel=1e-7, abs=0)
-
-
 def test_closed_form_curves(rocking):
     done = rocking("envelope", "--eta", "0.9", "--grid", "Omega=5", "--closed-form", "--json")
     rows = {r["curve"]: r["A"] for r in done.records}
@@ -79,11 +65,3 @@ def test_both_equations_are_traced_and_their_difference_told(rocking):
         alone = rocking(*call, "--model", model).records
         assert [r for r in rows if r["model"] == model] == alone
     assert "Column: the linear equation is unsafe over " in both.stderr
-
-
-def test_a_varied_value_is_a_column(rocking):
-    call = ("envelope", "--grid", "f_g=1", "--lowest", "--a-max", "3", "--json", "-q")
-    rows = rocking(*call, "configs/block.yaml", "--vary", "height=1.5:2:2").records
-    assert [(row.pop("varied_height"), row.pop("structure")) for row in rows] == [(1.5, "Column height=1.5m"), (2.0, "Column height=2m")]
-    alone = rocking(*call, "configs/block.yaml").records[0]
-    assert rows[1] == {key: value for key, value in alone.items() if key != "structure"}

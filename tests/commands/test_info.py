@@ -3,17 +3,10 @@
 from dataclasses import replace
 
 import pytest
-from support.documents import SMALL_SCENE, same_file
+from support.documents import same_file
 from support.shown_commands import shell
 
 from rocking_cli import dimensionless_oscillator, parse_grid, sine, write_spectrum
-
-
-def test_a_complete_file_is_told_and_verified(rocking):
-    rocking("spectrum", *SMALL_SCENE, "-o", "s.h5")
-    (record,) = rocking("info", "s.h5", "--verify", "--json").records
-    assert record["complete"] == "yes"
-    assert record["damaged_chunks"] == 0
 
 
 @pytest.mark.parametrize(

@@ -15,5 +15,5 @@ def test_it_prints_a_commented_document_that_is_valid(rocking, kind):
 
 
 def test_its_help_names_all_kinds(rocking):
-    told = " ".join(rocking("init", "--help").stdout.split())
-    assert all(kind in told for kind in KINDS)
+    text = " ".join(rocking("init", "--help").stdout.split())
+    assert all(kind in text for kind in KINDS)

@@ -1,15 +1,6 @@
 """`rocking merge` at the shell."""
 
-from support.documents import SMALL_SCENE, same_file
-
-
-def test_shards_come_together(rocking, tmp_path):
-    assert rocking("spectrum", *SMALL_SCENE, "-o", "whole.h5").returncode == 0
-    for i in (1, 2, 3):
-        assert rocking("spectrum", *SMALL_SCENE, "--shard", f"{i}/3", "-o", f"{i}.h5").returncode == 0
-    assert rocking("merge", "1.h5", "3.h5", "-o", "some.h5").returncode == 4
-    assert rocking("merge", "1.h5", "2.h5", "3.h5", "-o", "all.h5").returncode == 0
-    same_file(tmp_path / "all.h5", tmp_path / "whole.h5")
+from support.documents import SMALL_SCENE
 
 
 def test_shards_of_another_scene_are_refused(rocking, refused):

@@ -1,15 +1,6 @@
-"""`rocking plot` at the shell: the formats it writes and what it refuses. What figures show is tested with the reports."""
+"""`rocking plot` at the shell; what figures show is tested with the reports."""
 
 import sys
-
-import pytest
-
-
-@pytest.mark.parametrize(("name", "begins"), [("map.png", b"\x89PNG"), ("map.svg", b"<?xml"), ("map.pdf", b"%PDF")])
-def test_a_figure_is_written_in_the_format_of_its_name(rocking, spectrum_file, tmp_path, name, begins):
-    done = rocking("plot", str(spectrum_file), "--slice", "Omega=5", "-o", name)
-    assert done.returncode == 0, done.stderr
-    assert (tmp_path / name).read_bytes().startswith(begins)
 
 
 def test_a_figure_in_characters_goes_to_standard_output(rocking, spectrum_file):

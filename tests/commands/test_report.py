@@ -12,14 +12,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rocking_cli import Outcome, Verdict, build_structure, check, cosine, parse_documents, parse_grid, pulse, sine
+from rocking_cli import Outcome, Recording, Verdict, build_structure, check, cosine, parse_documents, parse_grid, pulse, sine
 from rocking_cli.fragility.exposure import Exposure
 from rocking_cli.fragility.measures import members_of, shaken_upwards
 from rocking_cli.motions.biaxial import Upwards
 from rocking_cli.motions.reading import read_motions
-from rocking_cli.motions.recording import Recording
 from rocking_cli.reports.page import Subject, page
-from rocking_cli.reports.wording import OVERVIEW, demand_plainly, overview_row, verdict_plainly
+from rocking_cli.reports.wording import OVERVIEW, demand_plainly, opposite_in_words, overview_row, verdict_plainly
 
 HOSTILE = """<script>document.title = "taken"</script>'"&amp; $x$ {{ 7 * 7 }}"""
 DEMAND = parse_grid("a_g=0.6g,f_g=1.2")
@@ -176,6 +175,21 @@ def test_a_first_page_in_words_comes_before_the_details(rocking, tmp_path):
     assert [row[0] for row in rows] == ["S1", "S0"]
     assert [row[1].split(":")[0] for row in rows] == ["Falls", "Stands"]
     assert re.findall(r'<a href="#s\d">(.*?)</a>', shown) == ["S1", "S0"] == re.findall(r'<h2 id="s\d">(.*?)</h2>', shown)
+
+
+@pytest.mark.parametrize("more", [(), ("--summary",)])
+def test_the_page_says_what_check_says_of_the_opposite_direction(rocking, tmp_path, more):
+    call = ("block:0.5x2,one_sided=true", "block:0.5x2", "--a-g=-0.6g", "--f-g", "1")
+    assert rocking("report", *call, "-o", "r.html", *more).returncode == 0
+    said = "opposite direction (--scale -1), which may differ for unequal sides: overturns block:0.5x2 one_sided=true"
+    assert f"<p>The {said}.</p>" in (tmp_path / "r.html").read_text(encoding="utf-8")
+    assert f"the {said}\n" in rocking("check", *call, "--verdict-only").stderr
+
+
+def test_the_worst_outcomes_in_the_opposite_direction_are_told():
+    found = [("A", Outcome.ROCKED), ("B", Outcome.FAILED), ("C", Outcome.LEANING), ("C", Outcome.OVERTURNED_NO_IMPACT)]
+    ends = [opposite_in_words(found[:n]).partition(" sides: ")[2] for n in (1, 2, 4)]
+    assert ends == ["does not overturn A", "is not known for B", "overturns C"]
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from support.references import lanes
 
 from rocking_cli import LinearEquation, Outcome, System, cosine, linear_response, pulse, sine
-from rocking_cli.dynamics.drive import ImpulseAhead
+from rocking_cli.dynamics.drive import RemainingImpulse
 from rocking_cli.dynamics.march import closings
 from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
@@ -23,7 +23,7 @@ def test_it_is_the_integral_of_the_size_of_the_drive(motion):
     segments, random = motion.segments, np.random.default_rng(5)
     k = random.integers(0, len(segments), 6)
     u = random.uniform(0.0, 1.0, 6) * segments.length[k]
-    found = ImpulseAhead.of(segments).after(np.append(k, len(segments)), np.append(u, 0.0))
+    found = RemainingImpulse.of(segments).after(np.append(k, len(segments)), np.append(u, 0.0))
     assert found[-1] == 0.0
     zeros = [zero(motion, a, a + b) for a, b in zip(segments.start, segments.length, strict=True)]
     for phase, there in zip(segments.start[k] + u, found, strict=False):
@@ -44,7 +44,7 @@ def landed(motion, cells, seed, share):
     k = random.integers(0, len(segments), cells)
     u = random.uniform(0.0, 1.0, cells) * segments.length[k]
     amplitude, omega = random.uniform(0.2, 9.0, cells), random.uniform(0.3, 60.0, cells)
-    v = share * (1.0 - amplitude * ImpulseAhead.of(segments).after(k, u) / omega)
+    v = share * (1.0 - amplitude * RemainingImpulse.of(segments).after(k, u) / omega)
     at = np.flatnonzero(v > 0.0)
     k, u, amplitude, omega, v = (x[at] for x in (k, u, amplitude, omega, v))
     side, eta = random.choice([-1.0, 1.0], at.size), random.uniform(0.5, 1.0, at.size)
@@ -56,7 +56,7 @@ def landed(motion, cells, seed, share):
 @pytest.mark.parametrize("motion", [*FEW_PUSHES, sine(3), pulse("ricker-symmetric")], ids=lambda m: m.name)
 def test_lemma_9_nothing_to_come_overturns_what_is_below_the_bound(motion):
     run, landing = landed(motion, 600, 6, 0.999)
-    assert np.all(ImpulseAhead.of(motion.segments).cannot_overturn(landing))
+    assert np.all(RemainingImpulse.of(motion.segments).cannot_overturn(landing))
     with np.errstate(all="ignore"):
         while landing.cell.size:
             landing = run.round(landing)
@@ -65,7 +65,7 @@ def test_lemma_9_nothing_to_come_overturns_what_is_below_the_bound(motion):
 
 def test_just_above_the_bound_short_pulses_overturn():
     run, landing = landed(sine(0.5), 1000, 7, 1.001)
-    assert not np.any(ImpulseAhead.of(sine(0.5).segments).cannot_overturn(landing))
+    assert not np.any(RemainingImpulse.of(sine(0.5).segments).cannot_overturn(landing))
     quick = landing.omega > 50.0
     with np.errstate(all="ignore"):
         while landing.cell.size:
@@ -79,7 +79,7 @@ def test_where_only_outcomes_are_wanted_they_are_the_same(motion, monkeypatch):
     amplitude, omega = 1.0 + 10.0 ** random.uniform(-2.0, 0.5, 300), random.uniform(0.5, 8.0, 300)
     eta = random.choice([0.0, 0.3, 0.9], 300)
     sooner = linear_response(motion, amplitude, omega, eta, peaks=False)
-    monkeypatch.setattr(closings, "FEW", 0)
+    monkeypatch.setattr(closings, "FEW_SIGN_CHANGES", -1)
     followed = linear_response(motion, amplitude, omega, eta, peaks=False)
     np.testing.assert_array_equal(sooner.outcome, followed.outcome)
     assert np.all(sooner.impacts <= followed.impacts)

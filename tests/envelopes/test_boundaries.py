@@ -26,8 +26,8 @@ from rocking_cli import (
 from rocking_cli.dynamics.contacts.contact import OneSided, Unequal
 from rocking_cli.dynamics.outcome import safe
 from rocking_cli.envelopes import boundaries, changes
+from rocking_cli.envelopes.amplitudes import ScanGrid
 from rocking_cli.envelopes.boundaries import Search
-from rocking_cli.envelopes.scan_grid import ScanGrid
 
 MOTIONS = [sine(), sine(0.5), sine(2), cosine(1.5), pulse("rectangular"), pulse("rectangular-impulse"), pulse("ricker-symmetric")]
 
@@ -51,7 +51,7 @@ def test_nothing_overturns_where_the_scan_does_not_look_below(motion, name):
     """And half a sine that is short overturns some bodies at half as much again."""
     (system, eta), omegas = BODIES[name], np.geomspace(0.5, 60.0, 60)
     search = Search(system, motion.scaled(-1.0) if name == "one side" else motion, eta, 60.0)
-    bound = search.grid.amplitude(search._quiet(omegas))
+    bound = search.grid.amplitude(search._last_safe_point(omegas))
     below = search.outcome(bound * np.linspace(0.7, 1.0, 8)[:, None], omegas)
     assert np.all(below == Outcome.ROCKED)
     if motion.name == sine(0.5).name:
@@ -89,10 +89,10 @@ class Plain(LinearEquation):
         self.bounded = False
 
 
-class Patient(Search):
+class Exhaustive(Search):
     """A search that looks at every small amplitude."""
 
-    harmless = 0.0
+    safe_impulse = 0.0
 
 
 def same_changes(spared, every):
@@ -118,9 +118,9 @@ def drawn(number):
     ],
 )
 def test_what_the_scan_leaves_out_changes_nothing(motion, eta, omegas, least, monkeypatch):
-    monkeypatch.setattr(boundaries, "_WORTH", 0)
+    monkeypatch.setattr(boundaries, "_LEAST_FOR_BOUNDS", 0)
     spared = Search(System(LinearEquation()), motion, eta, 16.0).rows(omegas)
-    every = Patient(System(Plain()), motion, eta, 16.0).rows(omegas)
+    every = Exhaustive(System(Plain()), motion, eta, 16.0).rows(omegas)
     same_changes(spared, every)
     assert sum(len(row) - 1 for row in spared) >= least
 
@@ -128,7 +128,7 @@ def test_what_the_scan_leaves_out_changes_nothing(motion, eta, omegas, least, mo
 @pytest.mark.parametrize("name", ["unlike edges", "one side"])
 def test_what_the_scan_leaves_out_below_changes_nothing(name):
     (system, eta), omegas = BODIES[name], np.array([4.0, 9.0])
-    spared, every = (kind(system, sine(1.5), eta, 2.5).rows(omegas) for kind in (Search, Patient))
+    spared, every = (kind(system, sine(1.5), eta, 2.5).rows(omegas) for kind in (Search, Exhaustive))
     assert spared == every
 
 
@@ -172,9 +172,9 @@ def test_no_interval_wider_than_1e_4_is_missed_under_several_cycles(motion, eta,
     assert missed == []
 
 
-def test_a_closer_look_is_for_motions_that_push_more_than_twice():
-    for motion, lobes in ((sine(0.5), 1), (sine(), 2), (cosine(1), 3), (sine(1.5), 3), (sine(5), 10), (pulse("rectangular-impulse"), 2)):
-        assert motion.segments.pushes == lobes
+def test_a_finer_scan_is_for_motions_that_change_their_sign_more_than_once():
+    for motion, count in ((sine(0.5), 0), (sine(), 1), (cosine(1), 2), (sine(1.5), 2), (sine(5), 9), (pulse("rectangular-impulse"), 1)):
+        assert motion.segments.sign_changes == count
 
 
 def test_amplitudes_beyond_any_whole_number_lie_above_the_last_point():

@@ -30,8 +30,8 @@ BOTH = [fit(limit="0.5", theta=0.4 * G), fit(), fit("Other", "0.5"), fit("Other"
 
 def test_openquake_takes_mean_and_standard_deviation_of_the_level(tmp_path):
     """theta 0.43, beta 0.35 are a mean of 0.457161 and a standard deviation of 0.165034 (mean = theta exp(beta^2/2))."""
-    told = export_fragility(BOTH, tmp_path / "f.xml")
-    assert told == [f"0.1: not all structures have this limit state; left out of {tmp_path / 'f.xml'}"]
+    remarks = export_fragility(BOTH, tmp_path / "f.xml")
+    assert remarks == [f"0.1: not all structures have this limit state; left out of {tmp_path / 'f.xml'}"]
     model = ET.parse(tmp_path / "f.xml").getroot()[0]
     assert model.tag == f"{NRML}fragilityModel"
     assert model.attrib == {"id": "rocking", "assetCategory": "contents", "lossCategory": "contents"}
@@ -57,17 +57,16 @@ def test_pelicun_takes_median_and_dispersion(tmp_path):
     assert (row["Demand-Type"], row["Demand-Unit"], row["LS2-Family"]) == ("Peak Ground Acceleration", "g", "lognormal")
     assert (float(row["LS1-Theta_0"]), float(row["LS2-Theta_0"])) == (pytest.approx(0.4), pytest.approx(0.43))
     assert (float(row["LS2-Theta_1"]), row["LS2-DamageStateWeights"]) == (0.35, "")
-    told = json.loads((tmp_path / "f.json").read_text())
-    assert told["Column_2_m"]["LimitStates"]["LS2"]["DS2"]["Description"] == "overturning"
+    model = json.loads((tmp_path / "f.json").read_text())
+    assert model["Column_2_m"]["LimitStates"]["LS2"]["DS2"]["Description"] == "overturning"
 
 
-EXACT = ("--pulses", "configs/motions/site_pulses.csv", "--levels", "0.2g:0.7g:6", "--bootstrap", "0", "--limit", "overturning", "--exact")
+STATED, PULSES = "parameters:p=2.67,alpha=0.245,eta=0.9,lambda=0.25", "configs/motions/site_pulses.csv"
+EXACT = ("fragility", STATED, "--pulses", PULSES, "--levels", "0.2g:0.7g:6", "--bootstrap", "0", "--limit", "overturning", "--exact")
 
 
 def test_exact_shares_are_points_that_do_not_fall(rocking, tmp_path):
-    (tmp_path / "s.yaml").write_text("{kind: parameters, name: Stated, p: 2.67, alpha: 0.245, eta: 0.9, lambda: 0.25}")
-    done = rocking("fragility", "s.yaml", *EXACT, "--export", "openquake", "-o", "e.xml")
-    assert done.returncode == 0, done.stderr
+    done = rocking(*EXACT, "--export", "openquake", "-o", "e.xml")
     assert "e.xml: holds the running maximum of the exact share" in done.stderr
     imls, poes = ET.parse(tmp_path / "e.xml").getroot()[0][2]
     x, p = (np.array(node.text.split(), dtype=float) for node in (imls, poes))
@@ -75,13 +74,12 @@ def test_exact_shares_are_points_that_do_not_fall(rocking, tmp_path):
     assert np.all(np.diff(p) > 0.0)
     assert p[0] == 0.0
     assert float(imls.get("noDamageLimit")) <= x[0]
-    done = rocking("fragility", "s.yaml", *EXACT, "--curve", "--csv")
-    steps = [(float(r["x"]), float(r["fraction"])) for r in csv.DictReader(done.stdout.splitlines()) if r["method"] == "exact"]
+    steps = [(float(r["x"]), float(r["fraction"])) for r in rocking(*EXACT, "--curve", "--csv").rows if r["method"] == "exact"]
     for level in np.linspace(0.2, 0.69, 50):
         most = max((share for edge, share in steps if edge <= level * G), default=0.0)
         assert float(np.interp(level, x, p)) >= most - 1e-9  # on the safe side
     assert max(share for _, share in steps) == pytest.approx(p[-1])
-    assert rocking("fragility", "s.yaml", *EXACT, "--export", "pelicun", "-o", "e.csv").returncode == 0
+    assert rocking(*EXACT, "--export", "pelicun", "-o", "e.csv").returncode == 0
     (row,) = csv.DictReader((tmp_path / "e.csv").read_text().splitlines())
     levels, shares = (np.array(part.split(","), dtype=float) for part in row["LS1-Theta_0"].split("|"))
     assert row["LS1-Family"] == "multilinear_CDF"
@@ -102,20 +100,19 @@ def test_other_measures_have_the_units_of_the_programs(tmp_path):
 
 
 def test_what_a_program_does_not_know_is_refused(tmp_path):
-    for form, im in (("openquake", "nPGV"), ("openquake", "AvgSA(0.5,1)"), ("pelicun", "Arias"), ("pelicun", "AvgSA(1)")):
-        with pytest.raises(UsageError, match=f"expected a measure that {form} knows"):
-            export_fragility([fit()], tmp_path / ("f.xml" if form == "openquake" else "f.csv"), form, im=im)
-    with pytest.raises(UsageError, match="found two curves; expected one"):
-        export_fragility([fit(), fit()], tmp_path / "f.xml")
-    with pytest.raises(UsageError, match="found no limit state that all"):
-        export_fragility([fit(), fit("Other", "0.5")], tmp_path / "f.xml")
-    with pytest.raises(UsageError, match="found 'hazus'"):
-        export_fragility([fit()], tmp_path / "f.xml", "hazus")
+    (tmp_path / "f.json").write_text("{}")
+    for fits, form, im, words in (
+        *(([fit()], "openquake", im, "expected a measure that openquake knows") for im in ("nPGV", "AvgSA(0.5,1)")),
+        *(([fit()], "pelicun", im, "expected a measure that pelicun knows") for im in ("Arias", "AvgSA(1)")),
+        ([fit(), fit()], "openquake", "PGA", "found two curves; expected one"),
+        ([fit(), fit("Other", "0.5")], "openquake", "PGA", "found no limit state that all"),
+        ([fit()], "hazus", "PGA", "found 'hazus'"),
+        ([fit()], "pelicun", "PGA", "exists"),
+    ):
+        with pytest.raises(UsageError, match=words):
+            export_fragility(fits, tmp_path / ("f.csv" if form == "pelicun" else "f.xml"), form, im=im)
     with pytest.raises(UsageError, match=r"ends in \.xml"):
         export_fragility([fit()], tmp_path / "f.csv")
-    (tmp_path / "f.json").write_text("{}")
-    with pytest.raises(UsageError, match="exists"):
-        export_fragility([fit()], tmp_path / "f.csv", "pelicun")
     assert [path.name for path in tmp_path.iterdir()] == ["f.json"]
 
 

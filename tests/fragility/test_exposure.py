@@ -6,44 +6,28 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.documents import built
+from support.synthetic_records import pulsed, recorded
 
-from rocking_cli import (
-    Outcome,
-    RockingParameters,
-    UsageError,
-    build_structure,
-    cosine,
-    parse_documents,
-    pulse,
-    response,
-    sine,
-    trace_envelope,
-)
+from rocking_cli import Outcome, Resampling, RockingParameters, UsageError, cosine, pulse, response, sine, trace_envelope
 from rocking_cli.dynamics.method import LINEAR, Method
 from rocking_cli.fragility.exposure import Exposure, MotionSet, as_recorded, exposures, first_of, share_overturned, traced
-from rocking_cli.fragility.fits import Resampling
-from rocking_cli.fragility.measures import MEASURES, Member, members_of, pulse_intensity, shaken_upwards
+from rocking_cli.fragility.measures import MEASURES, members_of, shaken_upwards
 from rocking_cli.fragility.study import Study
 from rocking_cli.motions.biaxial import Upwards, with_vertical
-from rocking_cli.motions.polyline import record_motion
-from rocking_cli.motions.recording import Recording
-from rocking_cli.motions.records import Record
 from rocking_cli.spectra.sweep import SweepOptions
 
-BLOCK = build_structure(parse_documents("kind: block\nwidth: 0.5\nheight: 2\nrestitution: 0.9")[0])
-PULSES = [Member(f"{f} Hz", 2.0, 2 * np.pi * f, pulse_intensity(sine(), 2.0, 2 * np.pi * f), pulse=sine()) for f in (0.8, 1.2, 1.9)]
+BLOCK = built("kind: block\nwidth: 0.5\nheight: 2\nrestitution: 0.9")
+PULSES = [pulsed(sine(), 2.0, 2 * np.pi * f) for f in (0.8, 1.2, 1.9)]
 
 
 def record(seed):
-    random = np.random.default_rng(seed)
-    t = 0.01 * np.arange(210)
-    a = np.sin(np.pi * t / t[-1]) * sum(
-        random.uniform(0.3, 1.0) * np.sin(2 * np.pi * f * t + random.uniform(0, 6)) for f in (0.7, 1.3, 2.9)
-    )
-    return Record(f"R{seed}", "plain", None, 0.01, a, None, "m/s2", f"R{seed}.txt", "0" * 64)
+    random, t = np.random.default_rng(seed), 0.01 * np.arange(210)
+    waves = (random.uniform(0.3, 1.0) * np.sin(2 * np.pi * f * t + random.uniform(0, 6)) for f in (0.7, 1.3, 2.9))
+    return recorded(np.sin(np.pi * t / t[-1]) * sum(waves), 0.01, f"R{seed}")
 
 
-RECORDS = members_of([Recording(record(n)) for n in range(3)])
+RECORDS = members_of([record(n) for n in range(3)])
 
 
 def test_intervals_of_pulses_are_those_of_the_envelope():
@@ -92,7 +76,7 @@ def test_a_file_of_cells_is_read_again_and_another_scene_refused(tmp_path):
         exposures([BLOCK], replace(motions, members=PULSES), tmp_path / "pulses.h5")
 
 
-UPWARDS = {"records": Upwards(record_motion(record(7)), 0.6), "pulses": Upwards(cosine(), -0.4)}
+UPWARDS = {"records": Upwards(record(7).motion, 0.6), "pulses": Upwards(cosine(), -0.4)}
 
 
 @pytest.mark.parametrize("up", [None, UPWARDS["records"], UPWARDS["pulses"]], ids=["level", "vertical record", "vertical pulse"])
@@ -131,8 +115,7 @@ def test_shares_step_where_intervals_begin_and_end():
 
 def test_what_leaves_the_ground_passes_every_limit():
     body = RockingParameters("m", "point_mass", 2.0, 1.0, 0.9, float(np.tan(1.0)), 1.0, arm=9.81 / 4.0)
-    member = Member("push", 1.0, 16.0, pulse_intensity(pulse("rectangular"), 1.0, 16.0), pulse=pulse("rectangular"))
-    motions = MotionSet([member], MEASURES["PGA"], body.ground_acceleration(np.array([0.5, 1.6])), LINEAR)
+    motions = MotionSet([pulsed(pulse("rectangular"), 1.0, 16.0)], MEASURES["PGA"], body.ground_acceleration(np.array([0.5, 1.6])), LINEAR)
     (found,) = exposures([body], motions)
     assert found.outcome.tolist() == [[Outcome.NO_UPLIFT, Outcome.LOST_CONTACT]]
     assert [found.beyond(limit)[0].tolist() for limit in (None, 0.1)] == [[[False, True]]] * 2

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 from scipy.stats import binom, norm
+from support.refusals import refuses
 
 from rocking_cli import UsageError
 from rocking_cli.fragility.fits import (
@@ -103,21 +104,16 @@ def test_counts_that_part_at_one_level_have_no_dispersion():
     assert first_overturning(np.full(6, 2.0), 3.0)[1] == LEAST
 
 
-@pytest.mark.parametrize(
-    ("call", "words"),
-    [
-        (lambda: fit_stripes(LEVELS[::-1], np.full(8, 40), COUNTS), "levels: expected two or more, positive and rising"),
-        (lambda: fit_stripes(LEVELS[:4], np.full(4, 40), COUNTS[:4]), "1 level with some records beyond"),
-        (lambda: fit_stripes(LEVELS, np.full(8, 10), COUNTS), "z from 0 to n"),
-        (lambda: fit_stripes(LEVELS, np.full(8, 40), COUNTS[::-1]), "does not rise with the levels"),
-        (lambda: fit_first(np.array([1.0, 2.0, 3.0, np.nan]), 4.0), "3 of 4 records overturn"),
-        (lambda: fit_cloud(np.ones(5), np.array([0.1, 0.2, 0.3, np.nan, 0.0]), 0.5), "3 of 5 records rock the body"),
-        (lambda: fit_cloud(np.array([4.0, 3.0, 2.0, 1.0]), np.array([0.1, 0.2, 0.3, 0.4]), 0.5), "does not grow"),
-    ],
-)
-def test_what_the_data_do_not_bear_is_refused(call, words):
-    with pytest.raises(UsageError, match=words):
-        call()
+REFUSED = [
+    (lambda: fit_stripes(LEVELS[::-1], np.full(8, 40), COUNTS), "levels: expected two or more, positive and rising"),
+    (lambda: fit_stripes(LEVELS[:4], np.full(4, 40), COUNTS[:4]), "1 level with some records beyond"),
+    (lambda: fit_stripes(LEVELS, np.full(8, 10), COUNTS), "z from 0 to n"),
+    (lambda: fit_stripes(LEVELS, np.full(8, 40), COUNTS[::-1]), "does not rise with the levels"),
+    (lambda: fit_first(np.array([1.0, 2.0, 3.0, np.nan]), 4.0), "3 of 4 records overturn"),
+    (lambda: fit_cloud(np.ones(5), np.array([0.1, 0.2, 0.3, np.nan, 0.0]), 0.5), "3 of 5 records rock the body"),
+    (lambda: fit_cloud(np.array([4.0, 3.0, 2.0, 1.0]), np.array([0.1, 0.2, 0.3, 0.4]), 0.5), "does not grow"),
+]
+test_what_the_data_do_not_bear_is_refused = refuses(lambda call: call(), UsageError, REFUSED)
 
 
 def test_bands_follow_from_their_seed_and_hold_the_estimate():

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support.documents import built
 from support.record_layouts import wave
+from support.refusals import refuses
+from support.synthetic_records import pulsed, recorded
 
-from rocking_cli import DocumentError, UsageError, build_structure, parse_documents, pulse, sine
-from rocking_cli.fragility.measures import MEASURES, Member, compared, measure_of, members_of, pulse_intensity, site_pulses
-from rocking_cli.motions.recording import Recording
-from rocking_cli.motions.records import Record
+from rocking_cli import DocumentError, UsageError, pulse, sine
+from rocking_cli.fragility.measures import MEASURES, compared, measure_of, members_of, pulse_intensity, site_pulses
 from rocking_cli.motions.response_spectra import mean_acceleration
 
-BLOCK = build_structure(parse_documents("kind: block\nwidth: 0.5\nheight: 2")[0])
+BLOCK = built("kind: block\nwidth: 0.5\nheight: 2")
+RECORDING = recorded(wave(300, 3.0), 0.02, factor=-2.0)
 
 
 def test_the_measures_of_pulses_are_their_closed_forms():
@@ -25,7 +27,7 @@ def test_the_measures_of_pulses_are_their_closed_forms():
 
 
 def test_measures_of_a_structure_are_dimensionless():
-    member = Member("p", 3.0, 8.0, pulse_intensity(sine(), 3.0, 8.0), pulse=sine())
+    member = pulsed(sine(), 3.0, 8.0)
     values = {name: member.measured(m, BLOCK) for name, m in MEASURES.items()}
     g, tan = 9.81, 0.25
     assert values["nPGA"] == pytest.approx(3.0 / (tan * g), rel=1e-12)
@@ -42,46 +44,36 @@ def test_site_pulses_have_units_weights_and_shapes(tmp_path):
     assert (one.motion.name, two.motion.name) == ("sine, 1 cycle", "rectangular")
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("a_g,f\n1,2\n", "line 1: unknown column 'f'; expected a_g"),
-        ("a_g,f_g,T_g\n1,2,3\n", "expected a_g and one of f_g, T_g, omega_g"),
-        ("a_g,f_g\n1,2\n0.3 m,2\n", "line 3: a_g: found '0.3 m'; expected an acceleration"),
-        ("a_g,f_g\n1,-2\n", "line 2: f_g: found '-2'; expected a positive number"),
-        ("a_g,f_g,weight\n1,2,\n", "line 2: weight: found ''"),
-        ("a_g,f_g,pulse\n1,2,sinus\n", "line 2: unknown pulse 'sinus'; expected"),
-        ("a_g,f_g\n", "holds no pulse"),
-        ("", "line 1: found the columns none; expected a_g"),
-    ],
-)
-def test_wrong_tables_are_refused_with_their_place(tmp_path, text, words):
-    (tmp_path / "p.csv").write_text(text)
-    with pytest.raises(DocumentError, match=words):
-        site_pulses(tmp_path / "p.csv")
+REFUSED = [
+    ("a_g,f\n1,2\n", "line 1: unknown column 'f'; expected a_g"),
+    ("a_g,f_g,T_g\n1,2,3\n", "expected a_g and one of f_g, T_g, omega_g"),
+    ("a_g,f_g\n1,2\n0.3 m,2\n", "line 3: a_g: found '0.3 m'; expected an acceleration"),
+    ("a_g,f_g\n1,-2\n", "line 2: f_g: found '-2'; expected a positive number"),
+    ("a_g,f_g,weight\n1,2,\n", "line 2: weight: found ''"),
+    ("a_g,f_g,pulse\n1,2,sinus\n", "line 2: unknown pulse 'sinus'; expected"),
+    ("a_g,f_g\n", "holds no pulse"),
+    ("", "line 1: found the columns none; expected a_g"),
+]
+test_wrong_tables_are_refused_with_their_place = refuses(site_pulses, DocumentError, REFUSED, file="p.csv")
 
 
 def test_unknown_measures_and_those_that_a_motion_lacks_are_refused():
     with pytest.raises(UsageError, match=r"`im`: found 'PGX'; expected PGA, PGV"):
         measure_of("PGX")
-    still = Member("still", 1.0, 1.0, pulse_intensity(sine(), 0.0, 1.0), pulse=sine())
-    with pytest.raises(UsageError, match="still: its PGV is 0"):
-        still.measured(MEASURES["PGV"], BLOCK)
+    with pytest.raises(UsageError, match="sine, 1 cycle: its PGV is 0"):
+        pulsed(sine(), 0.0, 1.0).measured(MEASURES["PGV"], BLOCK)
 
 
 def test_spectral_measures_are_of_records_only():
-    record = Record("r", "text", None, 0.02, wave(300, 3.0), None, "m/s2", "r", "")
-    (member,) = members_of([Recording(record, -2.0)])
+    (member,) = members_of([RECORDING])
     measure = measure_of("avgsa(0.5,1)")
     assert (measure.name, measure.dimension, measure.power) == ("AvgSA(0.5,1)", "acceleration", 1.0)
-    assert member.measured(measure, BLOCK) == pytest.approx(2.0 * mean_acceleration(record, np.array([0.5, 1.0])), rel=1e-14)
-    pulse_member = Member("p", 1.0, 1.0, pulse_intensity(pulse("sine"), 1.0, 1.0), pulse=pulse("sine"))
+    assert member.measured(measure, BLOCK) == pytest.approx(2.0 * mean_acceleration(RECORDING.record, np.array([0.5, 1.0])), rel=1e-14)
     with pytest.raises(UsageError, match=r"found AvgSA\(0.5,1\) of a pulse; expected a record"):
-        pulse_member.measured(measure, BLOCK)
+        pulsed(sine(), 1.0, 1.0).measured(measure, BLOCK)
 
 
 def test_the_efficiency_of_spectral_measures_is_compared_under_records():
-    record = Record("r", "text", None, 0.02, wave(300, 3.0), None, "m/s2", "r", "")
-    names = [m.name for m in compared(members_of([Recording(record)]), measure_of("SA(0.3)"))]
+    names = [m.name for m in compared(members_of([RECORDING]), measure_of("SA(0.3)"))]
     assert names == [*MEASURES, "SA(0.5)", "SA(1)", "SA(2)", "AvgSA(1)", "SA(0.3)"]
-    assert [m.name for m in compared([Member("p", 1.0, 1.0, pulse_intensity(sine(), 1.0, 1.0))], MEASURES["PGA"])] == [*MEASURES]
+    assert [m.name for m in compared([pulsed(sine(), 1.0, 1.0)], MEASURES["PGA"])] == [*MEASURES]

@@ -1,18 +1,19 @@
 """Motions: values, monotone segments and their turning points, segments of many sinusoids as polynomials, and what is refused."""
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.refusals import refuses
 
-from rocking_cli import cosine, pulse, sine
+from rocking_cli import MotionError, cosine, pulse, sine
 from rocking_cli.dynamics.drive import crossing, segment_value
-from rocking_cli.errors import MotionError
-from rocking_cli.motions import Harmonic, Motion, Piece, polynomials
+from rocking_cli.motions import Harmonic, Motion, Piece, sinusoids
+from rocking_cli.motions.motion import extremes
 from rocking_cli.motions.polyline import Polyline
-from rocking_cli.motions.turning_points import isolated_extremes
 
 
 def test_sine_and_cosine_are_cut_at_their_extremes_without_rounding():
@@ -50,26 +51,18 @@ def test_value_is_zero_outside():
     assert cosine(1).value(np.array([-0.1, 0.0, 1.0, 6.2, 6.3])).tolist() == [0.0, 1.0, math.cos(1.0), math.cos(6.2), 0.0]
 
 
-@pytest.mark.parametrize("cycles", [0, -1, 0.3, math.nan, math.inf])
-def test_cycles_must_be_half_cycles(cycles):
-    with pytest.raises(MotionError, match="positive multiple"):
-        sine(cycles)
-
-
-@pytest.mark.parametrize(
-    ("pieces", "words"),
-    [
-        ((), "no pieces"),
-        ((Piece(0, 1), Piece(0.5, 2)), "gap or overlap"),
-        ((Piece(0, 1), Piece(1.5, 2)), "gap or overlap"),
-        ((Piece(0, 0),), "empty"),
-        ((Piece(0, math.nan),), "not finite"),
-        ((Piece(0, 1, (Harmonic(1, 0),)),), "not positive"),
-    ],
+test_cycles_must_be_half_cycles = refuses(
+    sine, MotionError, [(cycles, "positive multiple") for cycles in (0, -1, 0.3, 1e9, math.nan, math.inf)]
 )
-def test_bad_pieces_are_refused(pieces, words):
-    with pytest.raises(MotionError, match=words):
-        Motion("bad", pieces)
+REFUSED = [
+    ((), "no pieces"),
+    ((Piece(0, 1), Piece(0.5, 2)), "gap or overlap"),
+    ((Piece(0, 1), Piece(1.5, 2)), "gap or overlap"),
+    ((Piece(0, 0),), "empty"),
+    ((Piece(0, math.nan),), "not finite"),
+    ((Piece(0, 1, (Harmonic(1, 0),)),), "not positive"),
+]
+test_bad_pieces_are_refused = refuses(partial(Motion, "bad"), MotionError, REFUSED)
 
 
 def test_the_extent_of_segments_is_that_of_each():
@@ -91,7 +84,7 @@ AT = 2.0 + 1e-3 * math.sqrt(2)
 def test_two_extremes_close_together_are_both_found(apart):
     """s' = cos(phi - c) - cos(d/2) is positive for |phi - c| < d/2 only."""
     piece = Piece(0.0, 6.0, (Harmonic(1.0, 1.0, -AT),), 0.0, -math.cos(apart / 2))
-    found = isolated_extremes(piece)
+    found = extremes(piece)
     # A rate of rounding 1e-16 over its slope d/2 there; the cosine rounds its own roots by 1e-16 / d too.
     assert found == pytest.approx([AT - apart / 2, AT + apart / 2], abs=1e-15 / apart + 1e-15)
     segments = Motion("two", (piece,)).segments
@@ -104,13 +97,13 @@ def test_two_extremes_close_together_are_both_found(apart):
 def test_a_double_extreme_is_none(at):
     """s' = 1 - cos(phi - c) touches zero: s rises throughout."""
     piece = Piece(0.0, 6.0, (Harmonic(-1.0, 1.0, -at),), 0.0, 1.0)
-    assert isolated_extremes(piece).size == 0
+    assert extremes(piece) == []
 
 
 def test_a_triple_extreme_is_one():
     """s' = sin^3(phi - c) = (3 sin - sin 3)/4 crosses zero with no slope, known to the cube root of its rounding."""
     piece = Piece(0.0, 4.0, (Harmonic(-0.75, 1.0, math.pi / 2 - AT), Harmonic(1.0 / 12.0, 3.0, math.pi / 2 - 3.0 * AT)))
-    assert isolated_extremes(piece) == pytest.approx([AT], abs=1e-5)
+    assert extremes(piece) == pytest.approx([AT], abs=1e-5)
 
 
 @given(
@@ -136,7 +129,7 @@ def test_every_root_of_the_rate_is_found(amplitudes, phases, slope):
     apart = np.abs(roots[close, None] - roots[None, close])[~np.eye(int(close.sum()), dtype=bool)]
     if (close.sum() != circle.size) or (apart < 1e-3).any() or (circle < 1e-6).any() or (circle > 2.0 * math.pi - 1e-6).any():
         return  # what a companion matrix cannot tell
-    assert isolated_extremes(piece) == pytest.approx(circle, abs=1e-9)
+    assert extremes(piece) == pytest.approx(circle, abs=1e-9)
 
 
 @pytest.mark.parametrize(("name", "extremes"), [("ricker-antisymmetric", 4), ("mavroeidis-papageorgiou", 6)])
@@ -156,12 +149,12 @@ def test_polynomials_are_the_sums_of_sinusoids_and_their_derivatives(motion):
     u = random.uniform(0.0, 1.0, k.size) * segments.length[k]
     u[:100] = 0.0
     u[100:200] = segments.length[k[100:200]]
-    near = segments.table.near(k, u)
+    near, rate, second_derivative = segments.table.change_at(k, u)
     change, sin, cos = segment_value(segments, k, u)
     w = segments.frequency[:, k]
-    assert np.abs(near.change - change).max() < 2e-15
-    assert np.abs(near.rate - (w * cos).sum(axis=0) - segments.slope[k]).max() < 1e-14
-    assert np.abs(near.bend + (w * w * sin).sum(axis=0)).max() < 5e-13
+    assert np.abs(near - change).max() < 2e-15
+    assert np.abs(rate - (w * cos).sum(axis=0) - segments.slope[k]).max() < 1e-14
+    assert np.abs(second_derivative + (w * w * sin).sum(axis=0)).max() < 5e-13
 
 
 @pytest.mark.parametrize("motion", MOTIONS, ids=lambda m: m.name)
@@ -178,13 +171,8 @@ def test_crossings_are_where_the_drive_has_the_level(motion):
     assert np.array_equal(u[:50], [crossing(segments, k[i : i + 1], level[i : i + 1])[0] for i in range(50)])  # each by itself
 
 
-def test_what_has_a_closed_form_has_no_table():
-    assert sine(3).segments.table is None
-    assert Motion("line", (Piece(0.0, 1.0, slope=1.0),)).segments.table is None
-
-
 def test_a_motion_of_too_many_patches_is_summed_term_by_term(monkeypatch):
-    monkeypatch.setattr(polynomials, "_MOST_PATCHES", 5)
+    monkeypatch.setattr(sinusoids, "_MOST_PATCHES", 5)
     segments = Motion(TWO_TONES.name, TWO_TONES.pieces).segments
     assert segments.table is None
     k = np.full(5, 1)

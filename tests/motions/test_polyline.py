@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from support.record_layouts import plain_record as record
 from support.record_layouts import wave
+from support.refusals import refuses
 
-from rocking_cli.dynamics.response import linear_response
-from rocking_cli.errors import MotionError
+from rocking_cli import MotionError, linear_response
 from rocking_cli.motions import Motion, Piece, sine
-from rocking_cli.motions.polyline import Polyline, record_motion
+from rocking_cli.motions.polyline import Polyline
+from rocking_cli.motions.records.record import record_motion
 
 
 def polyline(count=60):
@@ -25,7 +26,7 @@ def test_the_same_to_the_last_bit_as_its_pieces():
         "p", tuple(Piece(a, b, (), c, s) for a, b, c, s in zip(lines.start, lines.stop, lines.constant, lines.slope, strict=True))
     )
     assert lines.pieces == pieces.pieces
-    assert (lines.duration, lines.peak) == (pieces.duration, pieces.peak)
+    assert (lines.duration, lines.largest) == (pieces.duration, pieces.largest)
     phase = np.linspace(-1.0, lines.duration + 1.0, 1000)
     np.testing.assert_array_equal(lines.value(phase), pieces.value(phase))
     for field in dataclasses.fields(lines.segments):
@@ -45,29 +46,23 @@ def test_a_record_runs_in_its_own_time_and_amplitude():
         motion = record_motion(record(samples, 0.01), scale)
         t = np.linspace(0.0, 2.989, 1001)
         assert motion.acceleration == pytest.approx(abs(scale) * 4.2, rel=1e-14, abs=0)
-        assert motion.peak == pytest.approx(1.0, rel=1e-14, abs=0)
+        assert motion.largest == pytest.approx(1.0, rel=1e-14, abs=0)
         wanted = scale * np.interp(t, 0.01 * np.arange(300), samples)
         np.testing.assert_allclose(motion.acceleration * motion.value(t), wanted, rtol=1e-11, atol=1e-13)
     assert record_motion(record(samples, 0.01)).name == "r N"
     assert polyline().acceleration is None
 
 
-@pytest.mark.parametrize(
-    ("samples", "scale", "words"),
-    [([0.0, 0.0], 1.0, "zero throughout"), ([0.0, 1.0], 0.0, "a scale of 0"), ([0.0, 1.0], np.nan, "a scale of nan")],
+test_what_cannot_shake_is_refused = refuses(
+    lambda given: record_motion(record(given[0], 0.01), given[1]),
+    MotionError,
+    [(([0.0, 0.0], 1.0), "zero throughout"), (([0.0, 1.0], 0.0), "a scale of 0"), (([0.0, 1.0], np.nan), "a scale of nan")],
 )
-def test_what_cannot_shake_is_refused(samples, scale, words):
-    with pytest.raises(MotionError, match=words):
-        record_motion(record(samples, 0.01), scale)
-
-
-@pytest.mark.parametrize(
-    ("start", "stop", "slope", "words"),
-    [([], [], [], "no pieces"), ([0.0, 1.0], [1.0, 1.0], [0.0, 0.0], "is empty"), ([0.0, 1.0], [1.0, np.nan], [0.0, 0.0], "not finite")],
+test_bad_lines_are_refused = refuses(
+    lambda ends: Polyline("bad", *np.array(ends), *np.zeros((2, len(ends[0])))),
+    MotionError,
+    [(([], []), "no pieces"), (([0.0, 1.0], [1.0, 1.0]), "is empty"), (([0.0, 1.0], [1.0, np.nan]), "not finite")],
 )
-def test_bad_lines_are_refused(start, stop, slope, words):
-    with pytest.raises(MotionError, match=words):
-        Polyline("bad", np.array(start), np.array(stop), np.zeros(len(start)), np.array(slope))
 
 
 def test_a_pulse_sampled_finely_converges_to_the_pulse_at_second_order():

@@ -8,6 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from support.record_layouts import plain_record as record
 from support.record_layouts import wave
+from support.refusals import refuses
 
 from rocking_cli.errors import UsageError
 from rocking_cli.motions.response_spectra import acceleration_spectrum, displacement_spectrum, mean_acceleration, periods_of
@@ -60,19 +61,20 @@ def test_measures_have_names_and_periods():
         ("sa(1.0)", "SA(1)", [1.0]), ("AvgSA(0.5, 1, 2 s)", "AvgSA(0.5,1,2)", [0.5, 1.0, 2.0]),
         ("AvgSA", "AvgSA(1)", np.linspace(0.2, 1.5, 10)), ("avgsa(2)", "AvgSA(2)", np.linspace(0.4, 3.0, 10)),
     ):  # fmt: skip
-        told, found = periods_of(text)
-        assert (told, found.tolist()) == (name, pytest.approx(periods))
+        measure, found = periods_of(text)
+        assert (measure, found.tolist()) == (name, pytest.approx(periods))
     shaken, periods = record(SAMPLES, 0.02), np.array([0.5, 1.0, 2.0])
     assert mean_acceleration(shaken, periods) == pytest.approx(np.prod(acceleration_spectrum(shaken, periods)) ** (1 / 3), rel=1e-12)
 
 
-@pytest.mark.parametrize("text", ["SA", "SA()", "SA(0)", "SA(-1)", "SA(1,2)", "SA(x)", "AvgSA(0)", "AvgSA(1 m)"])
-def test_what_is_no_period_is_refused(text):
-    with pytest.raises(UsageError, match="expected"):
-        periods_of(text)
+NONE = ("SA", "SA()", "SA(0)", "SA(-1)", "SA(1,2)", "SA(x)", "AvgSA(0)", "AvgSA(1 m)")
+test_what_is_no_period_is_refused = refuses(periods_of, UsageError, [(text, "expected") for text in NONE])
 
 
-@pytest.mark.parametrize(("periods", "damping"), [([0.0], 0.05), ([], 0.05), ([math.nan], 0.05), ([1.0], 1.0), ([1.0], -0.1)])
-def test_bad_periods_and_damping_are_refused(periods, damping):
-    with pytest.raises(UsageError, match=r"`periods`|`damping`"):
-        displacement_spectrum(record(SAMPLES, 0.02), np.array(periods), damping)
+def spectrum_at(given):
+    return displacement_spectrum(record(SAMPLES, 0.02), np.array(given[0]), given[1])
+
+
+BAD = [((times, 0.05), "`periods`: expected one or more positive times") for times in ([0.0], [], [math.nan])]
+BAD += [(([1.0], ratio), "`damping`: found .*; expected a number from 0 to below 1") for ratio in (1.0, -0.1)]
+test_bad_periods_and_damping_are_refused = refuses(spectrum_at, UsageError, BAD)

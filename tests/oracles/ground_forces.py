@@ -1,5 +1,5 @@
-"""What a body asks of the ground, from an integration by DOP853 that shares no code: forces by the equation of motion along its dense
-output, extremes by Brent's method between samples.
+"""What a body asks of the ground, from an integration that shares no code: forces by the equation of motion along its steps, extremes by
+Brent's method between samples.
 
     Fx/m = xg + s R (u'' cos z + u'^2 sin z),   Fz/m = g + zg + R (u'' sin z - u'^2 cos z),   z = alpha - u
 """
@@ -10,9 +10,7 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-from oracles.collocation import Body
-from oracles.vertical_motion import Answer, Shaking, acceleration, swing
-from scipy.integrate import OdeSolution
+from oracles.collocation import Answer, Body, Shaking, Step, integrate
 from scipy.optimize import minimize_scalar
 
 from rocking_cli import RockingParameters
@@ -49,64 +47,52 @@ class Asked(NamedTuple):
     fz_min: float
 
 
-def asked(body: Body, arms: tuple[float, float], shaking: Shaking) -> Asked:
-    """Of a body at rest; arms: from the right edge and the left one to its mass centre [m]."""
-    friction, fz_min = [0.0], [1.0]
+def asked(body: Body, arm: float, shaking: Shaking) -> Asked:
+    """Of a body at rest; arm: from its edges to its mass centre [m]."""
+    least = {"fz": 1.0, "grip": 0.0}  # Fz/(m g) and -|Fx|/Fz
 
-    def take(fz: Callable[[float], float], fx: Callable[[float], float], low: float, high: float, count: int) -> None:
-        for start, stop in pairwise([low, *(m for m in (*shaking.marks, shaking.end) if low < m < high), high]):
+    def take(forces: Callable[[Any], tuple[Any, Any]], low: float, high: float, count: int) -> None:
+        """Keep the extremes of forces (Fx, Fz), over m, between two instants."""
+        for start, stop in pairwise([low, *(m for m in shaking.marks if low < m < high), high]):
             inset = 1e-11 * (stop - start)
-            least = extreme(fz, start + inset, stop - inset, count)
-            fz_min.append(least)
-            if least <= 0.0:
-                friction.append(math.inf)
-                continue
-            friction.append(-extreme(lambda t: -fx(t) / fz(t), start + inset, stop - inset, count))
-            friction.append(-extreme(lambda t: fx(t) / fz(t), start + inset, stop - inset, count))
+            ends = start + inset, stop - inset, count
+            least["fz"] = extreme(lambda t: forces(t)[1] / body.gravity, *ends, least["fz"])
+            if least["fz"] > 0.0:
+                least["grip"] = extreme(lambda t: -abs(forces(t)[0]) / forces(t)[1], *ends, least["grip"])
 
-    def seen(side: int, path: OdeSolution) -> None:
-        edge, arm = body.edge(side), arms[0 if side > 0 else 1]
+    def seen(side: int, step: Step) -> None:
+        edge = body.edge(side)
 
-        def forces(t: float) -> tuple[float, float]:
-            still = t >= shaking.end
-            across, up = (0.0, 0.0) if still else (shaking.across(t), shaking.up(t))
-            u, v = path(t)
-            bend, z = acceleration(body, side, u, v, across, up), edge.alpha - u
-            fx = across + side * arm * (bend * math.cos(z) + v * v * math.sin(z))
-            return fx, body.gravity + up + arm * (bend * math.sin(z) - v * v * math.cos(z))
+        def forces(t: Any) -> tuple[Any, Any]:
+            across, up = shaking.at(t)
+            u, v = step(t)
+            angular, z = body.acceleration(side, u, v, across, up), edge.alpha - u
+            fx = across + side * arm * (angular * np.cos(z) + v * v * np.sin(z))
+            return fx, body.gravity + up + arm * (angular * np.sin(z) - v * v * np.cos(z))
 
-        low, high = path.t_min, path.t_max
-        if high > low:
-            take(
-                lambda t: forces(t)[1] / body.gravity,
-                lambda t: forces(t)[0] / body.gravity,
-                low,
-                high,
-                12 + int(30.0 * edge.p * (high - low)),
-            )
+        take(forces, step.t, step.t + step.h, 12 + int(30.0 * edge.p * step.h))
+
+    def forces_at_rest(t: Any) -> tuple[Any, Any]:
+        across, up = shaking.at(t)
+        return np.minimum(0.0, across) if body.left is None else across, body.gravity + up
 
     def rested(low: float, high: float) -> None:
         if high > low:
-            one = body.left is None
+            take(forces_at_rest, low, high, 120)
 
-            def pushed(t: float) -> float:
-                return min(0.0, shaking.across(t)) if one else shaking.across(t)
-
-            take(lambda t: 1.0 + shaking.up(t) / body.gravity, lambda t: pushed(t) / body.gravity, low, high, 120)
-
-    answer = swing(body, shaking, seen, rested, STILL)
-    return Asked(answer, max(friction), min(fz_min))
+    answer = integrate(body, shaking, seen=seen, rested=rested, still_impacts=STILL)
+    return Asked(answer, -least["grip"] if least["fz"] > 0.0 else math.inf, least["fz"])
 
 
-def extreme(function: Callable[[float], float], low: float, high: float, count: int) -> float:
-    """The least value of a function, met between samples."""
+def extreme(function: Callable[[Any], Any], low: float, high: float, count: int, least: float) -> float:
+    """The least value of a function, met between samples, or `least` where that is lower."""
     times = np.linspace(low, high, count)
-    values = np.array([function(float(t)) for t in times])
-    least = float(values.min())
+    values = function(times)
+    least = min(least, float(values.min()))
     for i in range(count):
         left, right = max(i - 1, 0), min(i + 1, count - 1)
         rise = max(values[left], values[right]) - values[i]
-        if values[i] <= min(values[left], values[right]) and values[i] < least + 0.3 * rise + 1e-9:
+        if rise > 0.0 and values[i] <= min(values[left], values[right]) and values[i] < least + 0.3 * rise + 1e-9:
             found = minimize_scalar(function, bounds=(times[left], times[right]), method="bounded",
                                     options={"xatol": 1e-9 * (times[right] - times[left])})  # fmt: skip
             least = min(least, float(found.fun))

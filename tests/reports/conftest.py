@@ -17,14 +17,14 @@ def figures(monkeypatch):
 
 @pytest.fixture
 def drawn(figures, tmp_path):
-    """A function that draws a file, or the text of a CSV, and returns the figure; its attribute `told` is what `draw` returned."""
+    """A function that draws a file, or the text of a CSV, and returns the figure; its attribute `remark` is what `draw` returned."""
 
     def run(source, **options):
         if isinstance(source, str):
             (tmp_path / "text.csv").write_text(source)
             source = tmp_path / "text.csv"
-        told = draw(source, tmp_path / "figure.png", **options)
-        figures[-1].told = told
+        remark = draw(source, tmp_path / "figure.png", **options)
+        figures[-1].remark = remark
         return figures[-1]
 
     return run

@@ -3,8 +3,7 @@
 import pytest
 from support.documents import built
 
-from rocking_cli import RockingParameters
-from rocking_cli.motions.grid import parse_grid
+from rocking_cli import RockingParameters, parse_grid
 from rocking_cli.reports.plausibility import grid_remarks, span_remarks, structure_remarks
 
 

@@ -5,6 +5,7 @@ import json
 import math
 
 import pytest
+from support.refusals import refuses
 
 from rocking_cli import UsageError
 from rocking_cli.reports.tables import lines
@@ -54,14 +55,9 @@ def test_the_dimension_of_a_side_an_item_and_a_model_is_that_of_the_column():
     assert si_of("base_radius [cm]") == ("base_radius [cm]", 1.0)
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("furlong", "`units`: found 'furlong'; expected g, "),
-        ("g,", "`units`: found ''"),
-        ("g,gal", "found g and gal; expected one unit of acceleration"),
-    ],
-)
-def test_units_that_cannot_be_used(text, words):
-    with pytest.raises(UsageError, match=words):
-        parse_units(text)
+REFUSED = [
+    ("furlong", "`units`: found 'furlong'; expected g, "),
+    ("g,", "`units`: found ''"),
+    ("g,gal", "found g and gal; expected one unit of acceleration"),
+]
+test_units_that_cannot_be_used = refuses(parse_units, UsageError, REFUSED)

@@ -2,17 +2,17 @@
 
 import numpy as np
 import pytest
+from support.documents import built
 
-from rocking_cli import build_structure, parse_documents
 from rocking_cli.responses.arch_forces import ArchForces, State
 
 G = 9.81
-SEVEN = "kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\nvoussoirs: 7\n"
 WHOLE = "kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\n"
+SEVEN = f"{WHOLE}voussoirs: 7"
 
 
 def arch(text):
-    structure = build_structure(parse_documents(text)[0])
+    structure = built(text)
     return structure, ArchForces(structure.mechanism, G)
 
 
@@ -26,7 +26,7 @@ def test_at_incipient_motion_no_joint_is_beyond_its_face(text, sections):
     """The static theorem: under lambda a thrust line lies within the arch and touches its faces at the hinges."""
     structure, forces = arch(text)
     moving = at_rest(-structure.uplift * G)
-    assert forces.hinges(moving).bend == pytest.approx([0.0], abs=1e-12)
+    assert forces.hinges(moving).acceleration == pytest.approx([0.0], abs=1e-12)
     joints = np.linspace(0.0, forces.mechanism.ring.angle, sections + 1)
     found = forces.resultants(moving, joints)
     assert found.thrust.min() > 0.0
@@ -51,18 +51,18 @@ def test_the_angular_acceleration_is_that_of_the_equation_of_motion():
         for i, w in enumerate((4 / 5, -1 / 5, 4 / 105, -1 / 280), 1)
     )
     wanted = -(c.push * state.across + c.lift * (G + state.up) + 0.5 * slope * state.rate**2) / c.inertia
-    assert forces.hinges(state).bend == pytest.approx(wanted, rel=1e-9)
+    assert forces.hinges(state).acceleration == pytest.approx(wanted, rel=1e-9)
 
 
 def test_the_springings_give_the_links_their_momentum():
     """H_A - H_D and the weight, against second differences of the mass centres on the way of that instant."""
     structure, forces = arch(WHOLE)
     state, m = swaying(structure), structure.mechanism
-    hinges, bend = forces.hinges(state)
+    hinges, acceleration = forces.hinges(state)
     h = 2e-3
 
     def first_moments(t):
-        phi = state.phi + state.rate * t + 0.5 * bend * t * t
+        phi = state.phi + state.rate * t + 0.5 * acceleration * t * t
         angles = (phi, *m._angles(phi))
         start, total = np.tile(m.points[0], (phi.size, 1)), np.zeros((phi.size, 2))
         for i, (angle, body) in enumerate(zip(angles, m.links, strict=True)):

@@ -1,16 +1,14 @@
 """Forces at the hinges of an arch along its response, against the momenta of its links as another hand places them."""
 
-from functools import partial
-
 import numpy as np
 import pytest
 from oracles.arch_linkage import SECOND, Linkage, carried, places
-from oracles.vertical_motion import Shaking
+from oracles.collocation import Edge, integrate
+from support.bodies import shaking_of
 
-from rocking_cli import Method, build_structure, cosine, load_structures, parse_documents, parse_grid, response, sine
+from rocking_cli import Method, cosine, load_structures, parse_grid, response, sine, time_history
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.responses.arch_history import HINGE_COLUMNS
-from rocking_cli.responses.time_history import time_history
 
 (ARCH,) = load_structures(["configs/arch.yaml"])
 EXACT = Method("nonlinear", 1e-13)
@@ -45,13 +43,13 @@ def test_each_link_moves_as_the_forces_at_its_hinges_say(swaying, side):
     phis = {i: abs(float(history.at(np.array([tau + i * h]))[0][0])) * ARCH.alpha for i in range(-4, 5)}
     points, own = ARCH.mechanism.points, masses(ARCH)
     motion = {i: carried(points, own, phi) for i, phi in phis.items()}
-    bend = sum(w * (motion[i] + motion[-i] if i else motion[0]) for i, w in SECOND.items()) / h**2 * p * p
+    acceleration = sum(w * (motion[i] + motion[-i] if i else motion[0]) for i, w in SECOND.items()) / h**2 * p * p
     across, up = forces.ground.at(np.array([tau]))
     ground = np.array([side * float(across[0]), 1.0 + float(up[0])]) * g
     now = places(points, phis[0])
     for i, (m, x, z, polar) in enumerate(own):
-        centre, turn = motion[0][i, :2], bend[i, 2]
-        assert hinges[i] - hinges[i + 1] == pytest.approx(m * (bend[i, :2] + ground), abs=1e-6 * weight)
+        centre, turn = motion[0][i, :2], acceleration[i, 2]
+        assert hinges[i] - hinges[i + 1] == pytest.approx(m * (acceleration[i, :2] + ground), abs=1e-6 * weight)
         (ax, az), (bx, bz) = now[i] - centre, now[i + 1] - centre
         moment = az * hinges[i, 0] - ax * hinges[i, 1] - bz * hinges[i + 1, 0] + bx * hinges[i + 1, 1]
         assert moment == pytest.approx((polar - (x * x + z * z) / m) * turn, abs=1e-6 * weight * ARCH.mechanism.ring.radius)
@@ -62,7 +60,7 @@ def test_the_largest_force_at_a_hinge_is_an_extreme_of_the_history(swaying):
     tau = np.linspace(0.0, swaying.end, 400)
     columns = forces.columns(tau)
     sizes = np.array([np.hypot(columns[f"hinge{n}_fx"], columns[f"hinge{n}_fz"]) for n in (1, 2, 3, 4)])
-    worst = forces.demands["hinge_force"]
+    worst = forces.extremes["hinge_force"]
     assert np.nanmax(sizes) <= worst.value * (1.0 + 1e-12)
     assert np.nanmax(sizes) == pytest.approx(worst.value, rel=2e-2)
     assert columns["hinge1_fx"] - columns["hinge4_fx"] == pytest.approx(columns["fx_ratio"], abs=1e-12, nan_ok=True)
@@ -80,17 +78,14 @@ def test_the_mirrored_motion_has_the_mirrored_forces():
 
 def against_the_linkage(cells, seed):
     """Largest difference of theta/alpha under horizontal and vertical motion; what overturns must overturn both ways."""
-    text = "kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\n"
-    arch = build_structure(parse_documents(text)[0])
-    linkage = Linkage(arch.mechanism.points, masses(arch), 2.5 * arch.alpha, arch.gravity, arch.eta)
+    (arch,) = load_structures("arch:10x1.5x157.5deg")
+    edge = Edge(arch.p, arch.alpha, arch.eta)
+    linkage = Linkage(arch.mechanism.points, masses(arch), 2.5 * arch.alpha, arch.gravity, edge)
     random, worst, stood = np.random.default_rng(seed), 0.0, 0
     for _ in range(cells):
         motion = with_vertical(sine(1), cosine(2), float(random.uniform(-0.5, 0.5)))
         amplitude, omega = random.uniform(1.2, 2.5), random.uniform(2.0, 6.0)
-        a_g, omega_g = float(arch.ground_acceleration(amplitude)), omega * arch.p
-        across, up = (partial(lambda m, t, a, w: a * float(m.value(w * t)), m, a=a_g, w=omega_g) for m in (motion, motion.vertical))
-        marks = tuple(piece.stop / omega_g for piece in motion.pieces)
-        wanted = linkage.swing(Shaking(across, up, marks[-1], marks)) / arch.alpha
+        wanted = integrate(linkage, shaking_of(arch, motion, amplitude, omega)).rotation
         found = float(response(Method("nonlinear", 1e-12).system_of(arch), motion, amplitude, omega, arch.eta).theta_ratio)
         assert np.isnan(found) == np.isnan(wanted)
         if not np.isnan(found):

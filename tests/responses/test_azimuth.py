@@ -1,28 +1,24 @@
 """The worst direction of two components: a motion in one direction, and every direction checked by itself."""
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
 from support.documents import built
 from support.record_layouts import wave
+from support.synthetic_records import recorded
 
-from rocking_cli.errors import UsageError
+from rocking_cli import UsageError, check
 from rocking_cli.motions.grid import as_recorded
-from rocking_cli.motions.polyline import record_motion
-from rocking_cli.motions.recording import Recording
-from rocking_cli.motions.records import Record
+from rocking_cli.motions.records.record import record_motion
 from rocking_cli.responses.azimuth import at_azimuth, worst_azimuths
-from rocking_cli.responses.check import check
 
 BODY = built("{kind: block, name: A, width: 0.5, height: 2}")
 ONE_SIDED = built("{kind: block, name: A, width: 0.5, height: 2, one_sided: true}")  # the name of the other one
 SAMPLES = wave(120, 3.4)
 AZIMUTHS = np.radians(np.arange(0.0, 180.0, 30.0))
-
-
-def component(samples, dt=0.05, factor=1.0):
-    return Recording(Record("r", "text", None, dt, np.array(samples, dtype=float), None, "m/s2", "r", "0"), factor)
+component = partial(recorded, dt=0.05)
 
 
 def test_two_components_in_a_direction():
@@ -32,7 +28,8 @@ def test_two_components_in_a_direction():
     wanted[:80] -= 2.0 * math.sin(math.radians(30.0)) * SAMPLES[:80]
     np.testing.assert_allclose(found.record.acceleration, wanted, rtol=1e-14, atol=1e-15)
     assert (found.factor, found.label) == (1.5, "r 30 deg")
-    for wrong, words in ((pair[:1], "found 1 horizontal component; expected two"), ([pair[0], component(SAMPLES, 0.02)], "expected equal")):
+    other_step = [pair[0], component(SAMPLES, dt=0.02)]
+    for wrong, words in ((pair[:1], "found 1 horizontal component; expected two"), (other_step, "expected equal")):
         with pytest.raises(UsageError, match=words):
             at_azimuth(wrong, 0.0)
 

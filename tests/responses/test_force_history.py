@@ -1,6 +1,5 @@
 """Forces of a rigid body on the ground, against closed forms, the balance of momentum, and an integration of another kind."""
 
-import dataclasses
 import math
 from itertools import pairwise
 
@@ -9,16 +8,12 @@ import pytest
 from oracles.ground_forces import shenton
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
+from support.documents import built
+from support.synthetic_records import shaken
 
-from rocking_cli import build_structure, cosine, parse_documents, parse_grid, pulse, sine
-from rocking_cli.dynamics.method import Method
-from rocking_cli.errors import UsageError
+from rocking_cli import Method, Motion, UsageError, cosine, parse_grid, pulse, read_record, sine, time_history
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.grid import as_recorded
-from rocking_cli.motions.polyline import record_motion
-from rocking_cli.motions.records import read_record
-from rocking_cli.responses.ground_history import Ground
-from rocking_cli.responses.time_history import time_history
 
 BLOCK = "kind: block\nwidth: 0.6\nheight: 3\n"
 STATUE = "kind: rigid\nleft: 0.6\nright: 0.4\nheight: 2.0\ngyration: 0.9\n"
@@ -26,7 +21,7 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(20)
 
 
 def answer(text, motion=None, grid=None, model="nonlinear", **more):
-    body = build_structure(parse_documents(text)[0])
+    body = built(text)
     found = time_history(body, motion, None if grid is None else parse_grid(grid), [Method(model, 1e-12)], **more)
     return body, found, found.forces[model]
 
@@ -37,12 +32,12 @@ def test_free_release_has_the_extremes_of_its_energy(alpha, least, friction):
     body, found, _ = answer(f"kind: block\nradius: 2\nalpha: {alpha}", release=0.9)
     impact = next(e.tau for e in found.histories["nonlinear"].events if e.event == "impact")
     first_swing = time_history(body, None, None, [Method("nonlinear", 1e-12)], release=0.9, duration=impact * (1 - 1e-15) / body.p)
-    asked = first_swing.forces["nonlinear"].demands
+    asked = first_swing.forces["nonlinear"].extremes
 
     def at(u):
-        square, bend = 2 * (math.cos(0.1 * alpha) - math.cos(alpha - u)), -math.sin(alpha - u)
-        fx = 0.75 * (bend * math.cos(alpha - u) + square * math.sin(alpha - u))
-        return fx, 1.0 + 0.75 * (bend * math.sin(alpha - u) - square * math.cos(alpha - u))
+        square, acceleration = 2 * (math.cos(0.1 * alpha) - math.cos(alpha - u)), -math.sin(alpha - u)
+        fx = 0.75 * (acceleration * math.cos(alpha - u) + square * math.sin(alpha - u))
+        return fx, 1.0 + 0.75 * (acceleration * math.sin(alpha - u) - square * math.cos(alpha - u))
 
     lowest = minimize_scalar(lambda u: at(u)[1], bounds=(0, 0.9 * alpha), method="bounded", options={"xatol": 1e-12})
     worst = minimize_scalar(lambda u: -abs(at(u)[0]) / at(u)[1], bounds=(0, 0.9 * alpha), method="bounded", options={"xatol": 1e-12})
@@ -55,19 +50,19 @@ def test_free_release_has_the_extremes_of_its_energy(alpha, least, friction):
 @pytest.mark.parametrize("a", [0.21, 0.3, 0.8])
 def test_a_jump_beyond_uplift_asks_for_shentons_friction(a):
     _, _, forces = answer(BLOCK, pulse("rectangular"), f"a_g={a}g,T_g=0.2")
-    assert forces.demands.lifting.friction == pytest.approx(shenton(a, 5.0), rel=1e-12)
-    assert forces.demands.slides(shenton(a, 5.0) * (1 - 1e-9)) == "before rocking"
-    assert forces.demands.resting is None or forces.demands.resting.friction <= 0.2
+    assert forces.extremes.lifting.friction == pytest.approx(shenton(a, 5.0), rel=1e-12)
+    assert forces.extremes.slides(shenton(a, 5.0) * (1 - 1e-9)) == "before rocking"
+    assert forces.extremes.resting is None or forces.extremes.resting.friction <= 0.2
 
 
 def test_a_smooth_drive_asks_for_tan_alpha_when_it_lifts():
     assert shenton(0.2, 5.0) == pytest.approx(0.2, rel=1e-14)
     _, _, forces = answer(BLOCK, sine(1), "a_g=0.4g,f_g=2")
-    assert forces.demands.resting.friction == pytest.approx(0.2, rel=1e-12)
-    assert forces.demands.lifting.friction == pytest.approx(0.2, rel=1e-12)
+    assert forces.extremes.resting.friction == pytest.approx(0.2, rel=1e-12)
+    assert forces.extremes.lifting.friction == pytest.approx(0.2, rel=1e-12)
     _, found, still = answer(BLOCK, sine(1), "a_g=0.1g,f_g=2", model="linear")
-    assert still.demands.friction.friction == pytest.approx(0.1, rel=1e-14)
-    assert (still.demands.fz_min, still.demands.rocking, still.demands.impact) == (1.0, None, None)
+    assert still.extremes.friction.friction == pytest.approx(0.1, rel=1e-14)
+    assert (still.extremes.fz_min, still.extremes.rocking, still.extremes.impact) == (1.0, None, None)
     assert next(found.summaries(forces=True))["theta_ratio"] == 0.0
 
 
@@ -136,7 +131,7 @@ def test_extremes_are_no_samples():
     """The demand and the least Fz lie beyond every one of 20,000 samples, by no more than those are apart."""
     _, found, forces = answer(BLOCK, sine(1), "a_g=0.45g,f_g=2.5")
     at = forces.at(np.linspace(0.0, found.end, 20_001))
-    asked = forces.demands
+    asked = forces.extremes
     assert 0.0 <= np.nanmin(at.fz) - asked.fz_min < 1e-5
     assert 0.0 <= asked.friction.friction - np.nanmax(np.abs(at.fx) / at.fz) < 1e-3
 
@@ -145,14 +140,14 @@ def test_an_impact_of_a_block_asks_for_less_than_its_slenderness():
     """(1 - eta)/((1 + eta) tan(alpha)), eta = 1 - 3/2 sin^2(alpha)."""
     structure, _, forces = answer(BLOCK, release=0.5)
     ratio = (1 - structure.eta) / (1 + structure.eta) / 0.2
-    assert forces.demands.impact.friction == pytest.approx(ratio, rel=1e-12)
-    assert forces.demands.slides(0.5 * ratio) == "rocking"
+    assert forces.extremes.impact.friction == pytest.approx(ratio, rel=1e-12)
+    assert forces.extremes.slides(0.5 * ratio) == "rocking"
 
 
 def test_a_backing_bears_what_nobody_knows():
     _, _, forces = answer(BLOCK + "one_sided: true\n", sine(1).scaled(-1), "a_g=0.4g,f_g=2")
-    assert forces.demands.impact is None
-    assert forces.demands.rocking.friction > 0.0
+    assert forces.extremes.impact is None
+    assert forces.extremes.rocking.friction > 0.0
 
 
 @pytest.mark.parametrize(
@@ -164,19 +159,15 @@ def test_what_is_not_one_rigid_body_has_no_forces(text):
 
 
 @pytest.mark.parametrize("scale", [0.3, 0.52])  # at rest throughout, rocking and at rest again
-def test_what_lines_ask_of_a_body_at_rest_is_what_each_of_them_asks(scale, monkeypatch):
+def test_what_lines_ask_of_a_body_at_rest_is_what_each_of_them_asks(scale):
     record = read_record("configs/motions/synthetic.at2")
     peak = int(np.abs(record.acceleration).argmax())
-    motion = record_motion(dataclasses.replace(record, acceleration=record.acceleration[peak - 100 : peak + 200].copy()), scale)
-    body = build_structure(parse_documents(BLOCK)[0])
-
-    def demands():
-        return time_history(body, motion, as_recorded(motion.acceleration), [Method("linear")]).forces["linear"].demands
-
-    found = demands()
+    lines = shaken(scale * record.acceleration[peak - 100 : peak + 200], record.dt)
+    shaking, pieces = as_recorded(lines.acceleration), Motion(lines.name, lines.pieces)
+    histories = [time_history(built(BLOCK), motion, shaking, [Method("linear")]) for motion in (lines, pieces)]
+    found, wanted = (one.forces["linear"].extremes for one in histories)
+    assert found == wanted
     assert (found.rocking is not None) == (scale > 0.4)
-    monkeypatch.setattr(Ground, "lines", lambda self, low, high: None)
-    assert demands() == found
 
 
 def test_contact_is_lost_at_the_first_instant_without_force_though_a_free_fall_is_ahead():
@@ -192,15 +183,17 @@ def test_contact_is_lost_at_the_first_instant_without_force_though_a_free_fall_i
     lifts = max(e.tau for e in history.events if e.event in ("uplift", "impact") and e.tau < last["tau"])
     u, rate = (abs(float(x[0])) * body.alpha for x in history.at(np.array([lifts + 1e-9])))
 
-    def bend(t, u):
+    def acceleration(t, u):
         z = body.alpha - u
         return -math.sin(z) * (1.0 + up * math.sin(omega * t)) - side * a * math.cos(omega * t) * math.cos(z)
 
     def fz(t, y):
         z = body.alpha - y[0]
-        return 1.0 + up * math.sin(omega * t) + 0.75 * (bend(t, y[0]) * math.sin(z) - y[1] * y[1] * math.cos(z))
+        return 1.0 + up * math.sin(omega * t) + 0.75 * (acceleration(t, y[0]) * math.sin(z) - y[1] * y[1] * math.cos(z))
 
     fz.terminal = True
-    solved = solve_ivp(lambda t, y: (y[1], bend(t, y[0])), (lifts + 1e-9, history.end), (u, rate), events=fz, rtol=1e-12, atol=1e-14)
+    solved = solve_ivp(
+        lambda t, y: (y[1], acceleration(t, y[0])), (lifts + 1e-9, history.end), (u, rate), events=fz, rtol=1e-12, atol=1e-14
+    )
     assert solved.t_events[0][0] == pytest.approx(last["tau"], abs=1e-8)
     assert last["tau"] < history.end - 1e-2

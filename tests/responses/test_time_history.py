@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from support.documents import built
 
-from rocking_cli import Outcome, build_structure, check, cosine, parse_documents, parse_grid, pulse, sine
+from rocking_cli import Outcome, check, cosine, parse_grid, pulse, sine, time_history
 from rocking_cli.dynamics.method import LINEAR, Method
 from rocking_cli.motions.biaxial import with_vertical
-from rocking_cli.responses.time_history import time_history
 
 STATUE = "kind: rigid\nleft: {left}\nright: {right}\nheight: 1.0\ngyration: 0.6\n"
 
@@ -19,7 +18,7 @@ STATUE = "kind: rigid\nleft: {left}\nright: {right}\nheight: 1.0\ngyration: 0.6\
 )
 def test_each_edge_keeps_its_own_time_in_free_rocking(left, right, release):
     """On an edge x = 1 - cosh p t + v sinh p t: back at p t = 2 artanh v, by way of the crest 1 - sqrt(1 - v^2)."""
-    body = build_structure(parse_documents(STATUE.format(left=left, right=right))[0])
+    body = built(STATUE.format(left=left, right=right))
     found = time_history(body, None, None, [LINEAR], release=release, duration=60.0)
     edges = {side.side: side for side in body.sides}
     here, there, sign = edges["right"], edges["left"], 1.0
@@ -50,13 +49,13 @@ def test_each_edge_keeps_its_own_time_in_free_rocking(left, right, release):
 
 def test_a_body_that_needs_pulling_down_is_not_called_safe():
     """Its rotation stays below alpha while Fz falls to 0, which only its forces show; with a little less of the motion it keeps contact."""
-    body, shaking = build_structure(parse_documents("kind: block\nwidth: 2\nheight: 3\n")[0]), parse_grid("A=1.7,Omega=5")
+    body, shaking = built("kind: block\nwidth: 2\nheight: 3\n"), parse_grid("A=1.7,Omega=5")
     for scale, outcome in ((0.85, Outcome.ROCKED), (1.0, Outcome.LOST_CONTACT)):
         motion = with_vertical(sine(), cosine(3), scale)
         found = time_history(body, motion, shaking, [Method("nonlinear")])
         (said,) = found.summaries()
         assert found.histories["nonlinear"].outcome == Outcome.ROCKED
-        assert (found.forces["nonlinear"].demands.fz_min <= 0.0) == (outcome == Outcome.LOST_CONTACT)
+        assert (found.forces["nonlinear"].extremes.fz_min <= 0.0) == (outcome == Outcome.LOST_CONTACT)
         assert said["outcome"] == outcome.flag
         assert outcome.sentence in next(found.summary())
         assert check(body, motion, shaking, a_max=None).outcome == outcome
@@ -64,7 +63,7 @@ def test_a_body_that_needs_pulling_down_is_not_called_safe():
 
 def test_ground_that_falls_away_as_it_lifts_the_body_leaves_no_force():
     """From the first instant the weight is 1 - 1.03 A alpha < 0, with the push to the side that lifts the body."""
-    body = build_structure(parse_documents("kind: block\nwidth: 2\nheight: 3\n")[0])
+    body = built("kind: block\nwidth: 2\nheight: 3\n")
     motion = with_vertical(pulse("rectangular-impulse"), pulse("rectangular-impulse"), -1.03)
     for omega in (5.0, 7.5):
         (said,) = time_history(body, motion, parse_grid(f"A=1.9,Omega={omega}"), [LINEAR]).summaries(forces=True)
@@ -75,7 +74,7 @@ def test_ground_that_falls_away_as_it_lifts_the_body_leaves_no_force():
 @pytest.mark.parametrize(("a_g", "falls"), [(0.34, False), (0.5, True)])
 def test_what_becomes_of_a_body_does_not_depend_on_how_much_of_it_is_shown(model, a_g, falls):
     """Cut within the shaking, at its end, on the way to the highest crest after it: what is shown ends there, the verdict stays."""
-    body, shaking, method = build_structure(parse_documents("kind: block\nwidth: 1\nheight: 4\n")[0]), f"a_g={a_g}g,f_g=1", Method(model)
+    body, shaking, method = built("kind: block\nwidth: 1\nheight: 4\n"), f"a_g={a_g}g,f_g=1", Method(model)
     long = time_history(body, sine(), parse_grid(shaking), [method])
     (whole,) = long.summaries(forces=True)
     assert Outcome[whole["outcome"].upper()].overturned == falls

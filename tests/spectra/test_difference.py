@@ -4,14 +4,11 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from rocking_cli import UsageError, build_structure, parse_documents, parse_grid, sine, spectrum, write_spectrum
-from rocking_cli.dynamics.method import Method
+from rocking_cli import Method, SpectraFile, Units, UsageError, build_structure, parse_documents, parse_grid, sine, spectrum, write_spectrum
 from rocking_cli.dynamics.outcome import Difference, Outcome, difference
 from rocking_cli.reports.figures.maps import outcome_map
 from rocking_cli.reports.summary import summary_lines
-from rocking_cli.reports.units import Units
 from rocking_cli.spectra.dimensions import QUANTITIES
-from rocking_cli.spectra.file.reader import SpectraFile
 
 STOCKY = build_structure(parse_documents("kind: block\nname: Stocky\nwidth: 1\nheight: 2")[0])
 GRID = parse_grid("A=0.8:6:14,Omega=1:6:12")
@@ -33,7 +30,7 @@ def test_each_equation_is_as_by_itself(both):
         np.testing.assert_array_equal(file.array(f"outcome{suffix}"), alone.outcome)
         np.testing.assert_array_equal(file.array(f"theta_ratio{suffix}"), alone.theta_ratio)
     inside = spectrum([STOCKY], sine(), GRID, method=NONLINEAR, quantities=["linear"], check=0)
-    np.testing.assert_array_equal(inside.beside["difference"], file.array("difference"))
+    np.testing.assert_array_equal(inside.quantities["difference"], file.array("difference"))
 
 
 def test_cells_that_linear_misjudges_are_marked_and_counted(both):
@@ -45,7 +42,7 @@ def test_cells_that_linear_misjudges_are_marked_and_counted(both):
     assert summary.differences == counts
     assert counts["linear_unsafe"] > 0
     assert counts["linear_false_alarm"] > 0
-    record = summary.record()
+    record = summary.row()
     assert (record["cells_linear_unsafe"], record["cells_linear_false_alarm"]) == (counts["linear_unsafe"], counts["linear_false_alarm"])
     cells = list(file.cells())
     assert {c["difference"] for c in cells} == {flag for flag, n in counts.items() if n}
@@ -59,8 +56,8 @@ def test_every_quantity_asked_for_at_once_is_read_as_it_was_computed(tmp_path):
     write_spectrum([STOCKY], sine(), grid, path, method=NONLINEAR, quantities=wanted, impacts=True, workers=1, check=0)
     inside = spectrum([STOCKY], sine(), grid, method=NONLINEAR, quantities=wanted, check=0)
     with SpectraFile(path) as file:
-        assert set(file.names) == {"theta_ratio", "outcome", "impacts", *inside.beside}
-        for name, values in inside.beside.items():
+        assert set(file.names) == {"theta_ratio", "outcome", "impacts", *inside.quantities}
+        for name, values in inside.quantities.items():
             np.testing.assert_array_equal(file.array(name), values)
 
 

@@ -2,23 +2,12 @@
 
 import numpy as np
 import pytest
+from support.documents import built
 
-from rocking_cli import (
-    Outcome,
-    UsageError,
-    build_structure,
-    closed_form_curves,
-    dimensionless_oscillator,
-    linear_response,
-    overturned,
-    parse_documents,
-    parse_grid,
-    pulse,
-    safe,
-    sine,
-    trace_envelope,
-    write_spectrum,
-)
+from rocking_cli import closed_form_curves, dimensionless_oscillator, linear_response, parse_grid, trace_envelope, write_spectrum
+from rocking_cli.dynamics.outcome import Outcome, overturned, safe
+from rocking_cli.errors import UsageError
+from rocking_cli.motions import pulse, sine
 from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.spectra.prediction import predict, predict_exactly
 
@@ -100,8 +89,7 @@ def test_a_cell_that_the_spectrum_knows_is_interpolated_exactly(three_cycles):
 
 def test_a_body_of_unequal_edges_is_judged_under_the_motion_as_it_is():
     """Its capacity is that of the sign it is shaken with, which the outcome is of too, not of the worse one."""
-    (document,) = parse_documents("kind: prism\ncorners: [[0, 0], [1.2, 0], [0.9, 5], [0.2, 5]]")
-    body = build_structure(document)
+    body = built("kind: prism\ncorners: [[0, 0], [1.2, 0], [0.9, 5], [0.2, 5]]")
     for motion in (sine(), sine().scaled(-1.0)):
         traced = trace_envelope(body, motion, [3.0], sign="+", workers=1)
         for amplitude in (1.3, 2.6):

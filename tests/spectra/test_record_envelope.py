@@ -11,34 +11,28 @@ from support.documents import built
 from support.record_layouts import rows, wave
 from support.synthetic_records import noise, recorded, shaken
 
-from rocking_cli import Axis, LinearEquation, System, UsageError
+from rocking_cli import Axis, LinearEquation, Recording, System, Units, UsageError
 from rocking_cli.dynamics.references.general_solver import solve_cell
 from rocking_cli.dynamics.single.scan import Scan
 from rocking_cli.envelopes.boundaries import Search
 from rocking_cli.envelopes.capacity import RATIO
-from rocking_cli.motions.recording import Recording
 from rocking_cli.reports.figures.fragility_curves import overturning_spectra
-from rocking_cli.reports.units import Units
-from rocking_cli.spectra.record_envelope import NONE, Tracing, overturning_spectrum, tracing_records
+from rocking_cli.spectra.record_envelope import NONE, Tracing, overturning_spectrum, tracing_rows
 from rocking_cli.spectra.record_scene import angles_scene, structures_scene
 
 BLOCK = built("kind: block\nwidth: 0.12 m\nheight: 0.5 m")
+TWO = [recorded(wave(24, 3.0), 0.1, "a"), recorded(-0.5 * wave(24)[::-1], 0.1, "b")]
 A_MAX = 3.0
 
 
-@pytest.fixture(scope="module")
-def records() -> list[Recording]:
-    return [recorded(wave(24, 3.0), 0.1, "a"), recorded(-0.5 * wave(24)[::-1], 0.1, "b")]
-
-
-def test_ends_of_intervals_by_another_method(records):
+def test_ends_of_intervals_by_another_method():
     """On both sides of the first ends a Runge-Kutta method says what the row says; the rows are in all units the same."""
-    scene = structures_scene([BLOCK], records)
-    found = list(tracing_records(Tracing(scene, 5.0), workers=1))
+    scene = structures_scene([BLOCK], TWO)
+    found = list(tracing_rows(Tracing(scene, 5.0), workers=1))
     assert {row["record"] for row in found} == {"a", "b"}
     problem, omega = scene.method.problem_of(BLOCK), 1.0 / BLOCK.p
     for row in (*found[:2], *found[-2:]):
-        recording = records["ab".index(row["record"])]
+        recording = TWO["ab".index(row["record"])]
         for key, inside in (("from", 1e-7), ("to", -1e-7)):
             end = row[f"A_{key}"]
             if end is None:
@@ -54,17 +48,17 @@ def test_a_scan_that_leads_the_march_changes_no_interval(monkeypatch):
     omegas = np.array([0.3, 0.5])
     search = Search(System(LinearEquation()), motion, 0.9, 4.0, ratio=RATIO, digits=1e-6, parts=128)
     led = search.rows(omegas)
-    monkeypatch.setattr(Scan, "serves", lambda *_: False)
+    monkeypatch.setattr(Scan, "supports", lambda *_: False)
     assert led == search.rows(omegas)
     assert sum(map(len, led)) > 9
 
 
-def test_the_first_is_the_first_of_all(records):
-    scene = angles_scene(Axis("alpha", np.radians([8.0])), Axis("T", np.array([0.9, 40.0])), records[:1], 0.9)
+def test_the_first_is_the_first_of_all():
+    scene = angles_scene(Axis("alpha", np.radians([8.0])), Axis("T", np.array([0.9, 40.0])), TWO[:1], 0.9)
     every: dict[tuple[float, float], float] = {}
-    for row in tracing_records(Tracing(scene, A_MAX), workers=2):
+    for row in tracing_rows(Tracing(scene, A_MAX), workers=2):
         every.setdefault((row["alpha"], row["T"]), row["A_from"])
-    first = list(tracing_records(Tracing(scene, A_MAX, first=True), workers=1))
+    first = list(tracing_rows(Tracing(scene, A_MAX, first=True), workers=1))
     assert [(row["alpha"], row["T"]) for row in first] == [(s.alpha, t) for s in scene.structures for t in (0.9, 40.0)]
     for row in first:
         assert "A_to" not in row
@@ -74,28 +68,28 @@ def test_the_first_is_the_first_of_all(records):
     assert {row["mode"] for row in first} >= {NONE, "after_impact"}
 
 
-def test_signs_of_unequal_sides(records):
+def test_signs_of_unequal_sides():
     body = built("kind: rigid\nleft: 0.06 m\nright: 0.04 m\nheight: 0.2 m\ngyration: 0.12 m")
-    tracing = Tracing(structures_scene([body], records[:1]), 3.0, first=True)
-    by_sign = {row["sign"]: row["A_from"] for row in tracing_records(tracing, sign="both", workers=1)}
-    turned = structures_scene([body], [Recording(records[0].record, -1.0)])
-    (other,) = tracing_records(Tracing(turned, 3.0, first=True), sign="+", workers=1)
-    (worse,) = tracing_records(tracing, workers=1)
+    tracing = Tracing(structures_scene([body], TWO[:1]), 3.0, first=True)
+    by_sign = {row["sign"]: row["A_from"] for row in tracing_rows(tracing, sign="both", workers=1)}
+    turned = structures_scene([body], [Recording(TWO[0].record, -1.0)])
+    (other,) = tracing_rows(Tracing(turned, 3.0, first=True), sign="+", workers=1)
+    (worse,) = tracing_rows(tracing, workers=1)
     assert other["A_from"] == pytest.approx(by_sign[-1], rel=1e-14)
     assert worse["A_from"] == min(by_sign.values())
 
 
-def test_a_body_that_the_limit_does_not_lift(records):
-    (row,) = tracing_records(Tracing(structures_scene([BLOCK], records[:1]), 0.5, first=True), workers=1)
+def test_a_body_that_the_limit_does_not_lift():
+    (row,) = tracing_rows(Tracing(structures_scene([BLOCK], TWO[:1]), 0.5, first=True), workers=1)
     assert (row["A_from"], row["mode"]) == (None, NONE)
-    assert not list(tracing_records(Tracing(structures_scene([BLOCK], records[:1]), 0.5), workers=1))
+    assert not list(tracing_rows(Tracing(structures_scene([BLOCK], TWO[:1]), 0.5), workers=1))
 
 
-def test_a_limit_that_is_none_is_refused(records):
+def test_a_limit_that_is_none_is_refused():
     with pytest.raises(UsageError, match="a-max: found inf"):
-        Tracing(structures_scene([BLOCK], records), math.inf)
+        Tracing(structures_scene([BLOCK], TWO), math.inf)
     with pytest.raises(UsageError, match="the search varies the scale"):
-        Tracing(structures_scene([BLOCK], records, Axis("A", np.array([1.0, 2.0]))))
+        Tracing(structures_scene([BLOCK], TWO, Axis("A", np.array([1.0, 2.0]))))
 
 
 def test_the_command(rocking, refused, tmp_path):
@@ -135,7 +129,7 @@ def test_a_block_is_the_same_by_its_angle_and_by_its_size():
         angles_scene(Axis("alpha", np.array([alpha])), Axis("T", np.array([1.0])), RECORDS[:2], 0.9),
         structures_scene([block], RECORDS[:2]),
     )
-    one, other = (next(overturning_spectrum(scene, tracing_records(Tracing(scene, 8.0, True), workers=1))) for scene in scenes)
+    one, other = (next(overturning_spectrum(scene, tracing_rows(Tracing(scene, 8.0, True), workers=1))) for scene in scenes)
     for key in ("p", "pga_ratio_16", "pga_ratio_50", "overturned", "records"):
         assert one[key] == pytest.approx(other[key], rel=1e-9)
     assert one["overturned"] == 2

@@ -11,15 +11,13 @@ import pytest
 import xarray
 from support.documents import built, same_file
 from support.record_layouts import wave
+from support.refusals import refuses
 from support.synthetic_records import recorded
 
-from rocking_cli import Axis, Method, UsageError, dimensionless_oscillator, overturned, response
+from rocking_cli import Axis, Method, SpectraFile, UsageError, dimensionless_oscillator, intensity, merge, overturned, response
 from rocking_cli.dynamics.response import response_with_speed
-from rocking_cli.motions.intensity import intensity
-from rocking_cli.motions.recording import Recording, with_distinct_labels
+from rocking_cli.motions.recording import Recording
 from rocking_cli.reports.summary import summary_lines
-from rocking_cli.spectra.file.merging import merge
-from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.spectra.file.writer import difference
 from rocking_cli.spectra.record_scene import angles_scene, block_of, scene_of_words, structures_scene
 from rocking_cli.spectra.scene import cut_into_units
@@ -35,9 +33,7 @@ def recording(name: str, count: int, peak: float, factor: float = 1.0) -> Record
     return recorded(wave(count, peak), 0.02, name, factor)
 
 
-@pytest.fixture(scope="module")
-def records() -> tuple[Recording, ...]:
-    return recording("a", 70, 3.0), recording("b", 50, -4.0, -1.5)
+RECORDS = recording("a", 70, 3.0), recording("b", 50, -4.0, -1.5)
 
 
 def alone(structure, motion, acceleration, method):
@@ -47,9 +43,9 @@ def alone(structure, motion, acceleration, method):
 
 
 @pytest.mark.parametrize("name", ["scale", "a_g", "A"])
-def test_columns_scale_each_record_under_each_structure(records, name):
+def test_columns_scale_each_record_under_each_structure(name):
     values = np.array([0.6, 2.2])
-    some = records if name == "scale" else records[:1]
+    some = RECORDS if name == "scale" else RECORDS[:1]
     found = spectrum_of(structures_scene([BLOCK, SPIRE], some, Axis(name, values)), SweepOptions(workers=1, check=0))
     assert found.outcome.shape == (len(some), 2, 2)
     for i, recording in enumerate(some):
@@ -71,18 +67,18 @@ def test_few_cells_of_each_structure_under_a_long_record():
         assert found.theta_ratio[0, j] == pytest.approx(expected.theta_ratio, rel=1e-6, nan_ok=True)
 
 
-def test_a_factor_is_part_of_the_record(records):
+def test_a_factor_is_part_of_the_record():
     """Its sign turns it over; its size is what a column `scale` multiplies."""
-    there, here = records[1].motion, recording("b", 50, 4.0, 1.5).motion
-    assert records[1].acceleration == pytest.approx(6.0, rel=1e-14, abs=0.0)
+    there, here = RECORDS[1].motion, recording("b", 50, 4.0, 1.5).motion
+    assert RECORDS[1].acceleration == pytest.approx(6.0, rel=1e-14, abs=0.0)
     assert there.acceleration == here.acceleration
     times = 0.02 * np.arange(49) + 0.007
     assert there.value(times) == pytest.approx(here.value(times), abs=1e-14)
 
 
 @pytest.mark.parametrize("eta", [0.5, None])
-def test_rocking_spectra_over_alpha_and_size(records, eta):
-    scene = angles_scene(ALPHAS, PERIODS, records, eta, NONLINEAR)
+def test_rocking_spectra_over_alpha_and_size(eta):
+    scene = angles_scene(ALPHAS, PERIODS, RECORDS, eta, NONLINEAR)
     found = spectrum_of(scene, SweepOptions(workers=1, check=0))
     for j, alpha in enumerate(ALPHAS.values.tolist()):
         expected = 1.0 - 1.5 * math.sin(alpha) ** 2 if eta is None else eta
@@ -90,10 +86,10 @@ def test_rocking_spectra_over_alpha_and_size(records, eta):
             p = 2.0 * math.pi / period
             radius = 0.75 * 9.81 / p**2  # of a block, from p^2 = 3g/(4R)
             block = built(f"kind: block\nradius: {radius!r}\nalpha: {alpha!r}\nrestitution: {expected!r}")
-            by_itself = alone(block, records[0].motion, records[0].acceleration, NONLINEAR)
+            by_itself = alone(block, RECORDS[0].motion, RECORDS[0].acceleration, NONLINEAR)
             assert found.outcome[0, j, k] == by_itself.outcome[0]
             assert found.theta_ratio[0, j, k] == pytest.approx(by_itself.theta_ratio[0], abs=1e-7, nan_ok=True)
-    system, recording = NONLINEAR.system_of(scene.structures[1]), records[0]
+    system, recording = NONLINEAR.system_of(scene.structures[1]), RECORDS[0]
     amplitude = scene.structures[1].dimensionless_amplitude(recording.acceleration)
     _, speed = response_with_speed(system, recording.motion, amplitude, PERIODS.values / (2.0 * math.pi), scene.structures[1].eta)
     assert found.velocity_ratio is not None
@@ -125,13 +121,13 @@ def test_blocks_of_all_angles_go_in_one_run_and_are_those_of_each_alone():
     assert np.nanmin(alone.condition) > 0.0
 
 
-def test_a_file_of_records_is_labelled(records, tmp_path):
-    scene = angles_scene(ALPHAS, PERIODS, records, 0.5)
+def test_a_file_of_records_is_labelled(tmp_path):
+    scene = angles_scene(ALPHAS, PERIODS, RECORDS, 0.5)
     write_scene(scene, tmp_path / "s.h5", SweepOptions(workers=1, check=0))
     with xarray.open_dataset(tmp_path / "s.h5") as data:
         assert data.theta_ratio.dims == data.velocity_ratio.dims == ("record", "alpha", "T")
         assert data.record.values.tolist() == ["a", "b"]
-        measured = intensity(records[1].record)
+        measured = intensity(RECORDS[1].record)
         second = data.theta_ratio.sel(record="b")
         assert float(second.factor) == -1.5
         for name in ("pga", "pgv", "pgd", "arias", "cav", "d5_75", "d5_95"):
@@ -147,32 +143,31 @@ def test_a_file_of_records_is_labelled(records, tmp_path):
             file.motion()
 
 
-def test_shards_and_workers_change_no_bit(records, tmp_path):
-    scene = structures_scene([BLOCK], records, Axis("scale", np.linspace(0.5, 2.0, 4)))
+def test_shards_and_workers_change_no_bit(tmp_path):
+    scene = structures_scene([BLOCK], RECORDS, Axis("scale", np.linspace(0.5, 2.0, 4)))
     write_scene(scene, tmp_path / "whole.h5", SweepOptions(workers=2, chunk_cells=2, check=0))
     parts = [tmp_path / f"{i}.h5" for i in (1, 2)]
     for i, path in enumerate(parts, 1):
         write_scene(scene, path, SweepOptions(workers=1, chunk_cells=2, check=0, shard=(i, 2)))
-    assert merge(parts, tmp_path / "merged.h5").there == 2 * 2
+    assert merge(parts, tmp_path / "merged.h5").chunks == 2 * 2
     same_file(tmp_path / "merged.h5", tmp_path / "whole.h5")
 
 
-def test_the_scene_states_a_hash_and_no_sample(records, tmp_path):
-    write_scene(structures_scene([BLOCK], records), tmp_path / "s.h5", SweepOptions(workers=1, check=0))
+def test_the_scene_states_a_hash_and_no_sample(tmp_path):
+    write_scene(structures_scene([BLOCK], RECORDS), tmp_path / "s.h5", SweepOptions(workers=1, check=0))
     with h5py.File(tmp_path / "s.h5") as file:
         assert len(file.attrs["scene"]) < 1500
-    others = (records[0], Recording(records[1].record, 2.0))
-    one, other = (structures_scene([BLOCK], some).identity() for some in (records, others))
+    others = (RECORDS[0], Recording(RECORDS[1].record, 2.0))
+    one, other = (structures_scene([BLOCK], some).identity() for some in (RECORDS, others))
     assert difference(one, other)[0] == "records[1]"
 
 
-def test_equal_names_are_told_apart_and_bad_scenes_refused(records):
-    assert [r.label for r in with_distinct_labels([records[0], records[1], Recording(records[0].record)])] == ["a (1)", "b", "a (2)"]
+def test_bad_scenes_are_refused():
     for arguments, words in (
-        (([], records), "no structure"),
+        (([], RECORDS), "no structure"),
         (([BLOCK], []), "no record"),
-        (([dimensionless_oscillator(0.9)], records), "has no units"),
-        (([BLOCK], records, PERIODS), "have a size of their own"),
+        (([dimensionless_oscillator(0.9)], RECORDS), "has no units"),
+        (([BLOCK], RECORDS, PERIODS), "with structures, which have their own size"),
     ):
         with pytest.raises(UsageError, match=words):
             structures_scene(*arguments)
@@ -182,7 +177,7 @@ def test_equal_names_are_told_apart_and_bad_scenes_refused(records):
         block_of(1.3, None)
 
 
-def test_what_travels_with_a_unit_is_its_own_records(records):
+def test_what_travels_with_a_unit_is_its_own_records():
     many = [recording(chr(97 + i), 400, 3.0) for i in range(20)]
     scene = structures_scene([BLOCK], many)
     units = list(cut_into_units(scene, (1, 1)))[3:5]
@@ -201,51 +196,46 @@ def test_what_travels_with_a_unit_is_its_own_records(records):
         ({"axes": "p=1:4:3,tan_alpha=0.1:0.3:2"}, {"record": 2, "alpha": 2, "T": 3}, "nonlinear"),
     ],
 )
-def test_scenes_in_words(records, words, dimensions, model):
-    scene = scene_of_words([] if "alpha" in dimensions else [BLOCK], records, **words)
+def test_scenes_in_words(words, dimensions, model):
+    scene = scene_of_words([] if "alpha" in dimensions else [BLOCK], RECORDS, **words)
     frame = scene.frame()
     assert {name: len(values) for name, values in frame.dimensions.items()} == dimensions
     assert scene.method.model == model
     if "alphas" in words:
         assert frame.dimensions["alpha"] == pytest.approx([math.radians(10.0), 0.2, math.radians(20.0)])
     if "p=" in words.get("axes", ""):
-        assert frame.beside["p"][1] == pytest.approx([4.0, 2.5, 1.0], rel=1e-14, abs=0.0)
-        assert frame.beside["tan_alpha"][1] == pytest.approx([0.1, 0.3], rel=1e-14, abs=0.0)
+        assert frame.extra["p"][1] == pytest.approx([4.0, 2.5, 1.0], rel=1e-14, abs=0.0)
+        assert frame.extra["tan_alpha"][1] == pytest.approx([0.1, 0.3], rel=1e-14, abs=0.0)
 
 
-def test_without_geometry_the_default_is_linear(records):
-    assert scene_of_words([BLOCK, SPIRE], records).method.model == "linear"
+def test_without_geometry_the_default_is_linear():
+    assert scene_of_words([BLOCK, SPIRE], RECORDS).method.model == "linear"
 
 
-@pytest.mark.parametrize(
-    ("structures", "words", "said"),
-    [
-        ([BLOCK], {"axes": "scale=1,A=2"}, "expected one of scale, A and a_g"),
-        ([BLOCK], {"axes": "T=1:2:2"}, "a size of their own"),
-        ([BLOCK], {"alphas": "10deg"}, "a size of their own"),
-        ([], {"alphas": "10deg"}, "found alpha; expected .* together"),
-        ([], {"alphas": "10deg", "axes": "A=3,p=3"}, "found A and p and alpha; expected"),
-        ([], {"axes": "T=1:2:2"}, "together"),
-        ([], {"axes": "T=1:2:2", "alphas": "10deg", "etas": (0.9, 0.8)}, "found 2 values"),
-        ([], {"axes": "T=1:2:2", "alphas": "10deg,10deg"}, "an angle twice"),
-        ([], {"axes": "T=1:2:2", "alphas": "10 kg"}, "`alpha`: found '10 kg'; expected an angle"),
-        ([], {"axes": "T=1:2:2", "alphas": "95deg"}, "below a right one"),
-        ([], {"axes": "T=1:2:2,alpha=0.1", "alphas": "5deg"}, "does not go with alpha"),
-        ([BLOCK], {"axes": "f_g=1"}, "a record runs in its own time"),
-        ([BLOCK], {"axes": "q=1"}, "unknown axis 'q'"),
-    ],
-)
-def test_words_that_make_no_scene(records, structures, words, said):
-    with pytest.raises(UsageError, match=said):
-        scene_of_words(structures, records, **words)
+REFUSED = [
+    (([BLOCK], {"axes": "scale=1,A=2"}), "expected one of scale, A and a_g"),
+    (([BLOCK], {"axes": "T=1:2:2"}), "alpha or T with structures, which have their own"),
+    (([BLOCK], {"alphas": "10deg"}), "alpha or T with structures, which have their own"),
+    (([], {"alphas": "10deg"}), "found alpha; expected .* together"),
+    (([], {"alphas": "10deg", "axes": "A=3,p=3"}), "found A and p and alpha; expected"),
+    (([], {"axes": "T=1:2:2"}), "together"),
+    (([], {"axes": "T=1:2:2", "alphas": "10deg", "etas": (0.9, 0.8)}), "found 2 values"),
+    (([], {"axes": "T=1:2:2", "alphas": "10deg,10deg"}), "an angle twice"),
+    (([], {"axes": "T=1:2:2", "alphas": "10 kg"}), "`alpha`: found '10 kg'; expected an angle"),
+    (([], {"axes": "T=1:2:2", "alphas": "95deg"}), "below a right one"),
+    (([], {"axes": "T=1:2:2,alpha=0.1", "alphas": "5deg"}), "does not go with alpha"),
+    (([BLOCK], {"axes": "f_g=1"}), "a record runs in its own time"),
+    (([BLOCK], {"axes": "q=1"}), "unknown axis 'q'"),
+]
+test_words_that_make_no_scene = refuses(lambda given: scene_of_words(given[0], RECORDS, **given[1]), UsageError, REFUSED)
 
 
-def test_a_linear_sweep_tells_where_the_nonlinear_equation_ends_otherwise(records):
-    scene = structures_scene([BLOCK, SPIRE], records, Axis("scale", np.array([1.6])))
+def test_a_linear_sweep_tells_where_the_nonlinear_equation_ends_otherwise():
+    scene = structures_scene([BLOCK, SPIRE], RECORDS, Axis("scale", np.array([1.6])))
     summary = spectrum_of(scene, SweepOptions(workers=1, check=4)).summary
     by_hand = 0
-    for recording in records:
+    for recording in RECORDS:
         ends = [alone(BLOCK, recording.motion, 1.6 * recording.acceleration, m).outcome[0] for m in (Method(), Method("nonlinear"))]
         by_hand += int(overturned(ends[0]) != overturned(ends[1]))
-    assert (summary.checked_cells, summary.compared, summary.otherwise) == (4, 2, by_hand)
+    assert (summary.checked_cells, summary.compared, summary.differing) == (4, 2, by_hand)
     assert any(f"{by_hand} of 2 checked cells have another outcome" in line for line in summary_lines(summary, "s.h5"))

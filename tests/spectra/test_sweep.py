@@ -8,26 +8,13 @@ import numpy as np
 import pytest
 from support.documents import built
 
-from rocking_cli import (
-    Method,
-    Outcome,
-    RockingParameters,
-    UsageError,
-    build_structure,
-    dimensionless_oscillator,
-    linear_response,
-    parse_documents,
-    parse_grid,
-    sine,
-    spectrum,
-    write_spectrum,
-)
-from rocking_cli.errors import Interrupted
+from rocking_cli import Method, RockingParameters, dimensionless_oscillator, linear_response, load_structures, parse_grid, sine, spectrum
+from rocking_cli.dynamics.outcome import Outcome
+from rocking_cli.errors import Interrupted, UsageError
 from rocking_cli.spectra import sweep
+from rocking_cli.spectra.sweep import write_spectrum
 
 GRID = parse_grid("A=0.5:9:53,Omega=0.5:12:37")
-
-
 TWO = [dimensionless_oscillator(0.9), dimensionless_oscillator(0.6)]
 
 
@@ -51,8 +38,7 @@ def test_workers_and_chunks_change_no_bit(tmp_path, workers, chunk):
 
 
 def test_structures_of_equal_restitution_are_computed_once():
-    texts = "kind: block\nwidth: 1\nheight: 5\nrestitution: 0.9\n---\nkind: spire\nbase_radius: 1\nheight: 9\nrestitution: 0.9"
-    structures = [build_structure(d) for d in parse_documents(texts)]
+    structures = load_structures(["block:1x5,restitution=0.9", "spire:1x9,restitution=0.9"])
     shared = spectrum(structures, sine(), GRID)
     assert shared.summary.shared_cells == 53 * 37
     assert shared.theta_ratio[0].tobytes() == shared.theta_ratio[1].tobytes()
@@ -70,7 +56,7 @@ def test_summary_adds_up_and_the_check_agrees():
     assert s.checked_cells == 40
     assert s.misjudged == 0
     assert s.estimated_error < 1e-12
-    assert s.record()["time_per_cell"] * s.cells == pytest.approx(s.run_time)
+    assert s.row()["time_per_cell"] * s.cells == pytest.approx(s.run_time)
 
 
 def test_a_restitution_alone_needs_dimensionless_axes():
@@ -130,23 +116,3 @@ def test_structures_share_rotations_but_not_where_they_leave_the_ground(tmp_path
     np.testing.assert_array_equal(turned.condition[::-1], np.concatenate([one.condition for one in alone]))
     write_spectrum(masses, sine(), grid, tmp_path / "s.h5", impacts=True, chunk_cells=4)
     assert np.array_equal(read(tmp_path / "s.h5")["outcome"], found.outcome)
-
-
-SWEEP, ENVELOPE = ("spectrum", "--eta", "0.9", "-o", "s.h5"), ("envelope", "b.yaml", "--eta", "0.9")
-
-
-@pytest.mark.parametrize(
-    ("call", "arguments", "words"),
-    [
-        (SWEEP, ["--cycles", "1e5", "--grid", "A=1:20:100000,Omega=1:20:100000"], "which would take years; expected up to 5e+08 cells"),
-        (SWEEP, ["--chunk", "1", "--grid", "A=1:20:10000,Omega=1:20:10000"], "found 100000000 units of work of 1 cells; expected up to"),
-        (ENVELOPE, ["--grid", "f_g=1:2:2"], "no units"),
-        (ENVELOPE, ["--grid", "f_g=1:2:2", "--closed-form"], "no units"),
-        (ENVELOPE, ["--grid", "Omega=1:2:1000000", "--cycles", "1e5", "--a-max", "1e5"], "which would take years; expected up to"),
-        (ENVELOPE, ["--grid", "Omega=1:2:2", "--model", "nonlinear"], "needs a critical angle"),
-    ],
-)
-def test_a_run_without_end_is_refused(call, arguments, words, refused, tmp_path):
-    """With the number, before anything is computed or printed."""
-    (tmp_path / "b.yaml").write_text("kind: block\nwidth: 1\nheight: 5\nrestitution: 0.9")
-    assert words in refused(2, *call, *arguments)

@@ -37,9 +37,3 @@ def test_shards_keep_them(rocking, tmp_path, family):
         np.testing.assert_allclose(file["varied_width"][...], [0.4, 0.4, 0.5, 0.5, 0.6, 0.6], rtol=1e-14)
         assert file["varied_width"].attrs["units"] == "m"
     assert rocking("info", "both.h5", "--verify").returncode == 0
-
-
-@pytest.mark.parametrize("more", ["varied: 3", "varied: {width: x}", "varied_units: {width: m}", "varied: {width: 1}\nvaried_units: [m]"])
-def test_what_no_family_varies_is_refused(refused, more):
-    text = f"kind: parameters\np: 1\nalpha: 0.2\neta: 0.9\nlambda: 0.2\n{more}\n"
-    assert "expected numbers by key" in refused(3, "params", "-", stdin=text)

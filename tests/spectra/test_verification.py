@@ -11,23 +11,11 @@ from support.record_layouts import wave
 from support.references import reference
 from support.synthetic_records import recorded
 
-from rocking_cli import (
-    Axis,
-    Outcome,
-    UsageError,
-    dimensionless_oscillator,
-    linear_response,
-    nonlinear_response,
-    parse_grid,
-    pulse,
-    sine,
-    spectrum,
-    trace_envelope,
-)  # fmt: skip
+from rocking_cli import Axis, Method, UsageError, dimensionless_oscillator, linear_response, nonlinear_response, parse_grid, spectrum
 from rocking_cli.commands.help import page
-from rocking_cli.dynamics.method import Method
-from rocking_cli.dynamics.outcome import Difference, falls
-from rocking_cli.motions import Motion, Piece
+from rocking_cli.dynamics.outcome import Difference, Outcome, falls
+from rocking_cli.envelopes.intervals import trace_envelope
+from rocking_cli.motions import Motion, Piece, pulse, sine
 from rocking_cli.reports.summary import summary_lines
 from rocking_cli.spectra import verification as sampling
 from rocking_cli.spectra.dimensions import QUANTITIES
@@ -228,7 +216,7 @@ def test_a_slender_body_is_linear_and_a_stocky_one_is_not():
 def test_cells_beside_boundaries_are_looked_at_more_than_others():
     """Half of the cells are, so that the share that differs there is well above that of the whole grid."""
     found = validity(PulseScene((block(0.5),), FINE, sine()))
-    whole = spectrum([block(0.5)], sine(), FINE, method=Method("nonlinear", 1e-6), quantities=["linear"], check=0).beside["difference"]
+    whole = spectrum([block(0.5)], sine(), FINE, method=Method("nonlinear", 1e-6), quantities=["linear"], check=0).quantities["difference"]
     assert found.differ / found.sampled > 1.5 * np.mean(whole > Difference.AGREES)
 
 
@@ -248,6 +236,6 @@ def test_the_table_of_the_study_is_what_is_computed():
     for b in ("0.30", "0.50"):
         body = built(f"kind: block\nwidth: {2 * float(b)}\nheight: 2")
         found = spectrum([body], sine(), grid, method=Method("nonlinear", 1e-6), quantities=["linear"], check=0)
-        down, unsafe = falls(found.outcome), found.beside["difference"] == Difference.LINEAR_UNSAFE
-        alarms = (found.beside["difference"] == Difference.LINEAR_FALSE_ALARM).sum() / (~down).sum()
+        down, unsafe = falls(found.outcome), found.quantities["difference"] == Difference.LINEAR_UNSAFE
+        alarms = (found.quantities["difference"] == Difference.LINEAR_FALSE_ALARM).sum() / (~down).sum()
         assert table[b][6:] == [f"{100.0 * unsafe.sum() / down.sum():.1f}", f"{100.0 * alarms:.1f}"]

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from rocking_cli import DocumentError, build_structure, parse_documents
+from rocking_cli import build_structure, parse_documents
 from rocking_cli.structures import KINDS, read_documents
 from rocking_cli.structures.kinds import sketch_of
 
@@ -137,8 +137,3 @@ def test_at_alpha_the_centre_of_mass_of_an_arch_is_as_high_as_it_comes():
     step = 1e-3 * built.alpha
     slope = (height(built.alpha + step) - height(built.alpha - step)) / (2 * step)
     assert abs(slope) < 1e-5 * (height(step) - height(0.0)) / step
-
-
-def test_a_kind_without_geometry_is_refused():
-    with pytest.raises(DocumentError, match="kind: found parameters, which states no geometry to draw; expected one of block"):
-        sketched("kind: parameters\np: 1\nalpha: 0.2\neta: 0.9\nlambda: 0.2")

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import h5py
 
-from rocking_cli import RockingParameters, build_structure, parse_documents
-from rocking_cli.motions import Motion
+from rocking_cli import Motion, RockingParameters, build_structure, parse_documents
 from rocking_cli.motions.motion_document import build_motion
 
 SMALL_SCENE = ("--grid", "A=0.5:12:120,Omega=0.5:12:120", "--eta", "0.9", "--eta", "0.7", "--chunk", "1800", "-q")

@@ -35,6 +35,12 @@ def plain_record(samples: Sequence[float] | np.ndarray, dt: float) -> Record:
     return Record("r", "text", "N", dt, np.array(samples, dtype=float), None, "m/s2", "r", "")
 
 
+def at2(samples: Sequence[float] | np.ndarray, dt: float = 0.01) -> str:
+    """A file of PEER's layout, whose name states no component; samples in g."""
+    head = f"OF OUR OWN\n\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= {len(samples)}, DT= {dt} SEC\n"
+    return head + rows(samples, 5, "{:15.7E}")
+
+
 def of_a_station(*columns: np.ndarray, dt: float = 0.02) -> str:
     """A file of AFAD's layout with the components N-S, E-W and U-D [gal]."""
     keys = f"NUMBER OF DATA: {len(columns[0])}\nSAMPLING INTERVAL (SEC): {dt}\n"

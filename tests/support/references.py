@@ -1,11 +1,11 @@
 """Independent answers to one cell that tests share, and motions and lanes to ask for."""
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from oracles.collocation import Answer, Body, Edge, integrate
+from support.bodies import shaking
 
 from rocking_cli import Method, Motion, Outcome, RockingParameters
 from rocking_cli.dynamics.lanes import Lanes
@@ -31,24 +31,18 @@ def reference(motion: Motion, amplitude: float, omega: float, eta: float, alpha:
     return Method("nonlinear" if alpha else "linear").reference_of(body)(motion, amplitude, omega, eta)
 
 
-def shape(motion: Motion) -> Callable[[np.ndarray], np.ndarray]:
-    """s of an array of phases, of each piece inside it."""
-
-    def s(phase: np.ndarray) -> np.ndarray:
-        total = np.zeros_like(phase)
-        for piece in motion.pieces:
-            total = np.where((phase >= piece.start) & (phase <= piece.stop), piece.value(phase), total)
-        return total
-
-    return s
-
-
 def integrated(motion: Motion, amplitude: float, omega: float, eta: float, alpha: float | None = None) -> Answer:
     """The answer of the same bodies by collocation, which shares no code with the package; errors are 1e-15 of the cell's condition."""
     edge = Edge(1.0, alpha or 0.1, eta)
-    breaks = tuple(piece.stop for piece in motion.pieces)
     body = Body(edge, edge, nonlinear=alpha is not None)
-    return integrate(body, shape(motion), motion.duration, amplitude * edge.alpha * body.gravity, omega, breaks)
+    return integrate(body, shaking(motion, amplitude * edge.alpha * body.gravity, omega))
+
+
+def answers(motion: Motion, *cells: np.ndarray, alpha: float | None = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(outcome codes, largest |theta|/alpha, impacts) of `integrated` for arrays of A, Omega and eta."""
+    found = [integrated(motion, *map(float, cell), alpha) for cell in zip(*cells, strict=True)]
+    codes = [Outcome[answer.outcome.upper()] for answer in found]
+    return np.array(codes), np.array([answer.rotation for answer in found]), np.array([answer.impacts for answer in found])
 
 
 def lanes(**given: Any) -> Lanes:

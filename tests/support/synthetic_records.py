@@ -2,11 +2,10 @@
 
 import numpy as np
 
-from rocking_cli import Motion, linear_response
+from rocking_cli import LinearEquation, Motion, Record, Recording, System, response
+from rocking_cli.fragility.measures import Member, pulse_intensity
 from rocking_cli.motions import Harmonic, Piece
 from rocking_cli.motions.biaxial import with_vertical
-from rocking_cli.motions.recording import Recording
-from rocking_cli.motions.records import Record
 
 
 def recorded(samples, dt, name="r", factor=1.0):
@@ -16,6 +15,11 @@ def recorded(samples, dt, name="r", factor=1.0):
 
 def shaken(samples, dt):
     return recorded(samples, dt).motion
+
+
+def pulsed(motion, acceleration, omega, weight=1.0):
+    """A pulse of this peak [m/s2] and frequency [rad/s] as a motion of a set."""
+    return Member(motion.name, acceleration, omega, pulse_intensity(motion, acceleration, omega), weight, pulse=motion)
 
 
 def noise(count, dt, seed, quiet=0):
@@ -40,6 +44,11 @@ def upwards(one, other, share):
 RECORDS = [noise(100, 0.05, 1), noise(110, 0.05, 2, quiet=40), noise(120, 0.04, 3)]
 
 
+def weighed(part, share, record, dt=0.04):
+    """Samples of RECORDS with others upwards; and both as `long_series`."""
+    return upwards(shaken(RECORDS[record][part], dt), shaken(noise(120, 0.04, 8)[part], dt), share)
+
+
 def cells(count, seed):
     """A from 1 to 8, some just above uplift; 2 pi/p from 0.5 to 12 s in a record's own time."""
     random = np.random.default_rng(seed)
@@ -48,18 +57,23 @@ def cells(count, seed):
     return amplitude, np.exp(random.uniform(np.log(0.5), np.log(12.0), count)) / (2.0 * np.pi)
 
 
-def allowance(motion, amplitude, omega, eta, respond=linear_response):
-    """What rounding may come to in each cell, 1e-12 of its condition (see `oracle.condition`), from one batch; infinite next to a
-    boundary of outcome."""
-    cell = np.array([amplitude, omega, eta])
-    beside = np.repeat(cell[None], 6, axis=0)
+def allowance(motion, amplitude, omega, eta, system=System(LinearEquation())):  # noqa: B008
+    """What rounding may come to in each cell of a system, 1e-12 of its condition, infinite next to a boundary of outcome."""
+    cell = np.array(np.broadcast_arrays(amplitude, omega, np.abs(eta)))
+    shifted = np.repeat(cell[None], 6, axis=0)
     for k in range(3):
-        beside[2 * k, k] *= 1.0 - 1e-7
-        beside[2 * k + 1, k] = np.minimum(beside[2 * k + 1, k] * (1.0 + 1e-7), 1.0 if k == 2 else np.inf)
-    theta = respond(motion, *beside.transpose(1, 0, 2)).theta_ratio
-    width = np.array([np.abs(beside[2 * k + 1, k] - beside[2 * k, k]) for k in range(3)])
+        shifted[2 * k, k] *= 1.0 - 1e-7
+        shifted[2 * k + 1, k] = np.minimum(shifted[2 * k + 1, k] * (1.0 + 1e-7), 1.0 if k == 2 else np.inf)
+    amplitudes, omegas, etas = shifted.transpose(1, 0, 2)
+    theta = response(system, motion, amplitudes, omegas, np.copysign(etas, eta)).theta_ratio
+    width = np.array([np.abs(shifted[2 * k + 1, k] - shifted[2 * k, k]) for k in range(3)])
     slope = np.abs(theta[1::2] - theta[::2]) * np.abs(cell) / np.where(width == 0.0, 1.0, width)
     return 1e-12 * (1.0 + np.nan_to_num(slope.sum(axis=0), nan=np.inf))
+
+
+def room(system):
+    """Times rounding: what the closed forms of a system may be off, or its series."""
+    return 1.0 if system.equation.bounded else 1e3
 
 
 def assert_same(found, theta, outcome, allowed):

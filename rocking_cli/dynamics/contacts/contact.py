@@ -185,7 +185,7 @@ class OneSided(Contact):
         """Returns None: every arc is on the same side."""
 
 
-def exchange(one: float, other: float) -> tuple[float, float]:
+def reciprocal_ratios(one: float, other: float) -> tuple[float, float]:
     """Returns one/other and other/one of positive units, so that their product is 1 to every digit (each is exact to a few roundings): an
     impact without loss then has no loss in these units either."""
     there, back = one / other, other / one

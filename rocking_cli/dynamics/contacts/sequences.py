@@ -16,23 +16,23 @@ from ..lanes import Array, Arrays, Lanes
 
 # With (nearly) no loss at impacts a sequence (nearly) never ends: a speed and a height below these are rest to every digit of theta/alpha.
 BELOW_ROUNDING, LOWEST = 1e-12, 1e-16
-_HARDLY_LOSES = 1.0 - 1e-6  # least part of its speed that a cycle (nearly) without loss keeps
-KEEPS = 0.99  # eta above which bodies are tested for lasting bounces: bodies with a smaller eta come to rest soon
+_ELASTIC = 1.0 - 1e-6  # least part of its speed that a cycle (nearly) without loss keeps
+NEARLY_ELASTIC = 0.99  # eta above which bodies are tested for lasting bounces: bodies with a smaller eta come to rest soon
 _FIRST = 16  # steps of a lane before the first test
-_HARDLY = 0.1  # largest part of its speed that such a body may lose: a body that loses all of it could come to rest
+_MOST_LOSS = 0.1  # largest part of its speed that such a body may lose: a body that loses all of it could come to rest
 _SHARES = (0.0, 0.125, 0.375, 0.625, 0.875)  # instants as parts of the rest of a segment: now, and the middles of its quarters
 _ROOM = (0.05, 0.1, 0.2, 0.4, 0.8)  # values of G (Lemma 14) that are tried
 _SMALL = 0.095  # largest W over D^2/g (Lemma 14)
 _PEAK = 1.17  # largest y over W/D: 1.053 during the shaking, and after it, where a goes to 0 with M <= 1.05 y, 1.053 (1 + 1.106 e/D) D
 _JOINED = 1e-15  # over the largest |s|: a larger change of s between lines is a jump
-_SURELY = 1.0 - 1e-6  # share of a bound that is used; the rest is room for rounding
+_SAFE_SHARE = 1.0 - 1e-6  # share of a bound that is used; the rest is room for rounding
 
 
 @dataclass
 class OtherSide(Arrays):
     """The side of the next arc, in units of this side. drive: its outward drive is -drive times the outward drive a here; time: duration of
     an arc there over that of the same arc here; eta, back: speed after over speed before an impact on leaving this side, and on leaving the
-    other side; a cycle keeps their product; rotation: |theta|/alpha of y = 1 there over that here."""
+    other side; the speed ratio of a cycle is their product; rotation: |theta|/alpha of y = 1 there over that here."""
 
     drive: Array | float
     time: Array | float
@@ -42,18 +42,18 @@ class OtherSide(Arrays):
 
 
 def sequence_ends(segments: Segments, lanes: Lanes, equation: Equation, there: OtherSide | None, more: float = 0.0) -> Array:
-    """True for lanes whose sequence of impacts ends in rest (Lemma 7) without an arc above the lane's peak so far, (lanes,). more: amount
-    by which the restraints of a tied body raise |df/dy|."""
-    v, keeps = lanes.v, lanes.eta if there is None else there.eta * there.back
+    """True for lanes whose sequence of impacts ends in rest (Lemma 7 of `lemmas`) without an arc above the lane's peak so far, (lanes,).
+    there: the side of the next arc, None if it is this one; more: amount by which the restraints of a tied body raise |df/dy|."""
+    v, speed_ratio = lanes.v, lanes.eta if there is None else there.eta * there.back
     slow = np.flatnonzero((lanes.b < 0.0) & ((v * v < 0.05 * lanes.b * lanes.b) | (v < BELOW_ROUNDING)))
     gap = np.zeros(v.shape)
     gap[slow] = np.minimum(*_forces(segments, lanes.take(slow), None if there is None else there.take(slow)))
-    proved = (keeps > _HARDLY_LOSES) & (v < BELOW_ROUNDING) & (0.5 * v * v < LOWEST * gap)
-    at = np.flatnonzero((gap > 0.0) & (v * v < 0.05 * gap * gap) & (keeps < 1.0))
+    proved = (speed_ratio > _ELASTIC) & (v < BELOW_ROUNDING) & (0.5 * v * v < LOWEST * gap)
+    at = np.flatnonzero((gap > 0.0) & (v * v < 0.05 * gap * gap) & (speed_ratio < 1.0))
     room = segments.length[lanes.k[at]] - lanes.u[at]  # `_ends` tries a duration longer than 3 v / (1 - q) / (1 - a)
-    at = at[3.0 * v[at] * lanes.omega[at] < room * (1.0 - keeps[at]) * -lanes.b[at]]
+    at = at[3.0 * v[at] * lanes.omega[at] < room * (1.0 - speed_ratio[at]) * -lanes.b[at]]
     if at.size:
-        proved[at] |= _ends(segments, lanes.take(at), equation, None if there is None else there.take(at), keeps[at], more)
+        proved[at] |= _ends(segments, lanes.take(at), equation, None if there is None else there.take(at), speed_ratio[at], more)
     return proved
 
 
@@ -61,27 +61,27 @@ def _ends(segments: Segments, lanes: Lanes, equation: Equation, there: OtherSide
     """As `sequence_ends`, for lanes whose sequence may be short enough."""
     k, v = lanes.k, lanes.v
     n, r, rotation = (0.0, 1.0, 1.0) if there is None else (there.eta, there.time, there.rotation)
-    here, beyond = _forces(segments, lanes, there)
+    here, other = _forces(segments, lanes, there)
     scale = 2.0 * v / (1.0 - q)
-    trial = 1.5 * scale * (1.0 / here + n * r / beyond)
-    later = np.minimum(lanes.u + lanes.omega * trial, segments.length[k])
-    then, beyond_then = _forces(segments, lanes, there, later)
+    duration = 1.5 * scale * (1.0 / here + n * r / other)
+    later = np.minimum(lanes.u + lanes.omega * duration, segments.length[k])
+    then, other_then = _forces(segments, lanes, there, later)
     with np.errstate(invalid="ignore", divide="ignore"):
-        grows, grows_there = then / here, 1.0 if there is None else beyond_then / beyond
+        grows, other_grows = then / here, 1.0 if there is None else other_then / other
         if (weighed := segments.weighed) is None:  # the force grows on one side only
-            growth = np.sqrt(np.where(then < here, grows_there, grows))
-            gains, gained = np.where(then < here, growth, 1.0), np.where(then < here, 1.0, growth)  # of the arcs here and there
+            growth = np.sqrt(np.where(then < here, other_grows, grows))
+            gains, other_gains = np.where(then < here, growth, 1.0), np.where(then < here, 1.0, growth)  # of the arcs here and there
             heaviest: Array | float = 1.0
         else:
-            gains = gained = growth = np.sqrt(np.maximum(grows, 1.0 / grows) * np.maximum(grows_there, 1.0 / grows_there))
+            gains = other_gains = growth = np.sqrt(np.maximum(grows, 1.0 / grows) * np.maximum(other_grows, 1.0 / other_grows))
             most = np.maximum(weighed.vertical.s_start[k], weighed.vertical.s_end[k])
             heaviest = np.maximum(1.0, 1.0 + weighed.sway(lanes.side, lanes.amplitude) * most)
-    here, beyond = np.minimum(here, then), np.minimum(beyond, beyond_then)
-    height = v * v * np.maximum(gains * gains / here, (n * gained) ** 2 / beyond)  # while y and damping take less than half the force
+    here, other = np.minimum(here, then), np.minimum(other, other_then)
+    height = v * v * np.maximum(gains * gains / here, (n * other_gains) ** 2 / other)  # while y and damping take less than half the force
     extra = (equation.on(lanes.side, lanes.cell).gain + more) * heaviest * height + 2.0 * equation.damping * growth * v * np.maximum(1.0, n)
-    ends = (later < segments.length[k]) & (here > 0.0) & (beyond > 0.0) & (extra < 0.5 * np.minimum(here, beyond))
-    lasts = scale * (gains / (here - extra) + n * r * gained / (beyond - extra))
-    return np.asarray(ends & (lasts <= trial) & (np.maximum(1.0, rotation) * height <= lanes.peak))
+    ends = (later < segments.length[k]) & (here > 0.0) & (other > 0.0) & (extra < 0.5 * np.minimum(here, other))
+    lasts = scale * (gains / (here - extra) + n * r * other_gains / (other - extra))
+    return np.asarray(ends & (lasts <= duration) & (np.maximum(1.0, rotation) * height <= lanes.peak))
 
 
 def _forces(segments: Segments, lanes: Lanes, there: OtherSide | None, u: Array | None = None) -> tuple[Array, Array]:
@@ -102,13 +102,13 @@ def sequence_time(lanes: Lanes, there: OtherSide | None, weight: Array | float =
     """Duration [tau] of the sequence of arcs under a constant drive and weight; 0 if it does not end."""
     if there is None:
         return 2.0 * lanes.v / (1.0 - lanes.eta) / -lanes.b
-    drive, keeps = weight + lanes.b, there.eta * there.back
-    ends = (lanes.v > 0.0) & (keeps < 1.0)
-    total = 2.0 * lanes.v / (1.0 - keeps) * (1.0 / (weight - drive) + there.eta * there.time / (weight + there.drive * drive))
+    drive, speed_ratio = weight + lanes.b, there.eta * there.back
+    ends = (lanes.v > 0.0) & (speed_ratio < 1.0)
+    total = 2.0 * lanes.v / (1.0 - speed_ratio) * (1.0 / (weight - drive) + there.eta * there.time / (weight + there.drive * drive))
     return np.where(ends, total, 0.0)
 
 
-def settles(segments: Segments, lanes: Lanes) -> Array:
+def stays_below_peak(segments: Segments, lanes: Lanes) -> Array:
     """True for lanes just after an impact that bounce or rest until the shaking is over and never rise above their peak (Lemma 7). It holds
     for undamped linear oscillators with equal edges."""
     drive, ends = 1.0 + lanes.b, -lanes.side * lanes.amplitude * segments.s_end[lanes.k]
@@ -119,12 +119,12 @@ def settles(segments: Segments, lanes: Lanes) -> Array:
         return np.asarray((left > 0.0) & (fastest <= 0.75 * left * left) & (fastest <= 1.5 * left * lanes.peak))
 
 
-def outlasts(segments: Segments, lanes: Lanes, most: int) -> Array:
+def too_many_impacts(segments: Segments, lanes: Lanes, most: int) -> Array:
     """True for undamped lanes on equal edges, just after an impact, that have more than `most` impacts until their segment ends: two arcs
     last 4 v/(1 - a^2), and v^3 goes with 1 - a^2 (Lemma 14). An estimate, no proof: it asks for twice `most`, and the march gives them up.
     """
     found = np.zeros(lanes.v.shape, dtype=bool)
-    at = _looked_at(lanes)
+    at = _tested(lanes)
     if not at.size:
         return found
     lanes = lanes.take(at)
@@ -132,45 +132,45 @@ def outlasts(segments: Segments, lanes: Lanes, most: int) -> Array:
     now, *later = (1.0 - (1.0 - _forces(segments, lanes, None, lanes.u + share * left)[0]) ** 2 for share in _SHARES)
     pace = np.mean([np.cbrt(np.maximum(still, 0.0)) ** 2 for still in later], axis=0)
     impacts = 0.5 * pace * np.cbrt(now) * left / lanes.omega / lanes.v
-    found[at] = (impacts > 2.0 * most) & (impacts * (1.0 - lanes.eta) < _HARDLY) & (lanes.v > 10.0 * BELOW_ROUNDING)
+    found[at] = (impacts > 2.0 * most) & (impacts * (1.0 - lanes.eta) < _MOST_LOSS) & (lanes.v > 10.0 * BELOW_ROUNDING)
     return found
 
 
-def _looked_at(lanes: Lanes) -> Array:
+def _tested(lanes: Lanes) -> Array:
     """Indices of lanes at the ground that lose almost no speed, under |a| < 1: after `_FIRST` steps, then each time these have doubled."""
-    looks = (lanes.steps >= _FIRST) & (lanes.steps & (lanes.steps - 1) == 0) & (lanes.eta > KEEPS) & (lanes.v > 0.0)
-    return np.flatnonzero(looks & (lanes.b < 0.0) & (lanes.b > -2.0))
+    tested = (lanes.steps >= _FIRST) & (lanes.steps & (lanes.steps - 1) == 0) & (lanes.eta > NEARLY_ELASTIC) & (lanes.v > 0.0)
+    return np.flatnonzero(tested & (lanes.b < 0.0) & (lanes.b > -2.0))
 
 
-def bounces_on(segments: Segments, lanes: Lanes, equation: Equation) -> Array:
+def bounces_to_end(segments: Segments, lanes: Lanes, equation: Equation) -> Array:
     """True for lanes just after an impact that bounce until the shaking is over and stay below their peak (Lemma 14)."""
     found = np.zeros(lanes.v.shape, dtype=bool)
-    at = _looked_at(lanes)
+    at = _tested(lanes)
     if not at.size:
         return found
     k = lanes.k[at]
     later = np.minimum(k + 1, len(segments) - 1)
-    loudest = np.maximum(np.maximum(segments.later_max[later], -segments.later_min[later]), np.abs(segments.s_end[k]))
-    at = at[lanes.amplitude[at] * loudest < 1.0]
+    largest = np.maximum(np.maximum(segments.later_max[later], -segments.later_min[later]), np.abs(segments.s_end[k]))
+    at = at[lanes.amplitude[at] * largest < 1.0]
     gains = np.broadcast_to(equation.on(lanes.side[at], lanes.cell[at]).gain, at.shape)
     for lane, gain in zip(at.tolist(), gains.tolist(), strict=True):  # one by one: no sum depends on a lane's neighbours
-        highest = ceiling(segments, lanes.take(slice(lane, lane + 1)), gain)
+        highest = bound_of_peaks(segments, lanes.take(slice(lane, lane + 1)), gain)
         found[lane] = math.isfinite(highest) and highest <= lanes.peak[lane]  # the peak is infinite where none is wanted
     return found
 
 
-def ceiling(segments: Segments, lane: Lanes, gain: float) -> float:
+def bound_of_peaks(segments: Segments, lane: Lanes, gain: float) -> float:
     """A bound of all later peaks [y] of one body just after an impact if nothing lifts it again (Lemma 14); infinite if none is proved."""
     (k,), (u,), (amplitude,), (omega,), (v,), (b,) = (x.tolist() for x in (lane.k, lane.u, lane.amplitude, lane.omega, lane.v, lane.b))
-    torn = _JOINED * amplitude * max(float(segments.later_max[0]), -float(segments.later_min[0]))
-    now, sums, most, steepest, tall = abs(1.0 + b), 0.0, 0.0, 0.0, 0.0
+    jump = _JOINED * amplitude * max(float(segments.later_max[0]), -float(segments.later_min[0]))
+    now, sums, most, steepest, gain_sum = abs(1.0 + b), 0.0, 0.0, 0.0, 0.0
     if now == 1.0:  # the force is below rounding
         return np.inf
     end, before, phase_before = now, 0.0, 0.0  # of the line before: c at its end, c', the factor of phi
     for part in blocks(len(segments) - k):
         at = slice(k + part.start, k + part.stop)
         ends = np.append(end, amplitude * segments.s_end[at])
-        if np.abs(amplitude * segments.s_start[at] - ends[:-1])[0 if part.start else 1 :].max(initial=0.0) > torn:
+        if np.abs(amplitude * segments.s_start[at] - ends[:-1])[0 if part.start else 1 :].max(initial=0.0) > jump:
             return np.inf
         e = np.maximum(np.abs(ends[:-1]), np.abs(ends[1:]))
         force, square = 1.0 - e, 1.0 - e * e  # D, 1 - e^2
@@ -183,12 +183,12 @@ def ceiling(segments: Segments, lane: Lanes, gain: float) -> float:
         turns = np.abs(np.diff(slope, prepend=before)) * np.maximum(np.append(phase_before, phase[:-1]), phase)
         lines = rate * rate * lasts * (4.0 / 3.0 * e / (square * square) + 0.74 / force**3)
         sums += float(lines.sum()) + float(turns.sum())
-        tall += 2.0 * gain * float((rate * lasts / force**3).sum())
+        gain_sum += 2.0 * gain * float((rate * lasts / force**3).sum())
         most, steepest = max(most, float(e.max())), max(steepest, float((rate * phase).max()))
         end, before, phase_before = float(ends[-1]), float(slope[-1]), float(phase[-1])
     for room in _ROOM:
         still = 0.5 * v * v * math.exp(room) / (1.0 - now * now) ** (2.0 / 3.0)  # the most that W could be where c = 0
-        if math.sqrt(2.0 * still) * (sums + 2.0 * steepest) + still * tall <= _SURELY * room:
+        if math.sqrt(2.0 * still) * (sums + 2.0 * steepest) + still * gain_sum <= _SAFE_SHARE * room:
             highest = still * (1.0 - most * most) ** (2.0 / 3.0) / (1.0 - most)  # W/D, which grows with |c|
-            return _PEAK * highest / _SURELY if highest <= _SMALL * (1.0 - most) / gain else np.inf
+            return _PEAK * highest / _SAFE_SHARE if highest <= _SMALL * (1.0 - most) / gain else np.inf
     return np.inf

@@ -68,7 +68,7 @@ class Ramp(NamedTuple):
     weight: tuple[Array, Array] | None = None
 
     def after(self, share: Array) -> Ramp:
-        """The rest of the ramp when this share of its unit is over. The factors are not changed: the caller gives those of the rest."""
+        """The rest of the ramp when this part of its unit is over. The factors are not changed: the caller gives those of the rest."""
         left = 1.0 - share
         weight = None if self.weight is None else (self.weight[0] + self.weight[1] * share, self.weight[1] * left)
         return Ramp(self.drive + self.gain * share, self.gain * left, self.unit * left, self.factors, None, weight)

@@ -28,9 +28,9 @@ _SMALL = 3e-14
 
 @dataclass(frozen=True)
 class Marks:
-    """Series of F/F0 and G/G0 about equally spaced values of y, the marks. low: the lowest mark; step: their distance; rows: coefficients
-    of powers of y less the mark, (2, powers, marks); halves: fitted half width of the patch at each mark; left: size of the first omitted
-    term, two steps away from a mark."""
+    """Series of F/F0 (l of `lemmas`) and G/G0 (m) about equally spaced values of y, the marks. low: the lowest mark; step: their distance;
+    rows: coefficients of powers of y less the mark, (2, powers, marks); halves: fitted half width of the patch at each mark; left: size of
+    the first omitted term, two steps away from a mark."""
 
     low: float
     step: float

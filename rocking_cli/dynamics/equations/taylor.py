@@ -32,7 +32,7 @@ _ROOM = 0.1  # largest size of the first term left out, over the error that a st
 
 @dataclass
 class TaylorSeries(Arrays):
-    """Coefficients of (h / unit)^n, (terms, lanes), and the longest h [tau] for which they hold."""
+    """Coefficients of (h / unit)^n, (terms, lanes), and the longest h [tau] for which they hold; fastest, damping: as in `Flow`."""
 
     terms: Array
     unit: Array
@@ -147,7 +147,7 @@ def drive_series(segments: Segments, lanes: Lanes, order: int, gain: Array | flo
     _fill(terms[:, 1], segments, lanes, here, outward, w, unit)
     sway, rise = weighed.sway(lanes.side, lanes.amplitude) * unit2, segment_value(vertical, lanes.k, lanes.u)
     _fill(terms[:, 0], vertical, lanes, rise, sway, up[0], unit)
-    change = rise[0] if vertical.table is None else vertical.table.near(lanes.k, lanes.u).change
+    change = rise[0] if vertical.table is None else vertical.table.change_at(lanes.k, lanes.u)[0]
     terms[0, 0] = unit2 + sway * (vertical.s_start[lanes.k] + change)
     return Drive(terms, unit, fastest)
 
@@ -179,7 +179,7 @@ def series(terms: Array, fastest: Array, tolerance: float, damping: float = 0.0)
 
 
 def longest(terms: Array, fastest: Array, tolerance: float) -> Array:
-    """The longest step [tau] that the tolerance allows."""
+    """The longest step [tau] that the tolerance allows; terms: in powers of `fastest` h; fastest: rate of the fastest change [1/tau]."""
     # Four terms, since one or two can be small by accident: after a jump from rest the series has even powers only.
     last = np.arange(terms.shape[0] - 4.0, terms.shape[0])[:, None]
     size = np.abs(terms[-4:])

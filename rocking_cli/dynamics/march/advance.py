@@ -18,7 +18,7 @@ from ..equations.taylor import TaylorSeries
 from ..lanes import Array, Lanes
 from .roots import falls_through_zero, hidden_turn, impact_root, sense, turning_point
 
-_SURELY = 1.0 - 1e-9  # a bound counts if it holds with this much room, which is more than rounding needs
+_SAFE_SHARE = 1.0 - 1e-9  # a bound counts if it holds with this much room, which is more than rounding needs
 
 
 class Windows(NamedTuple):
@@ -108,9 +108,9 @@ class Step(NamedTuple):
     subcritical: Array
 
 
-class Passage(NamedTuple):
-    """A step, the state at its end, and where the lane hit the ground (`hit`) the velocity and force of the impact at `reach`; bent: chord
-    errors of `TaylorSeries.at_with_chord_errors`, where the weight varies."""
+class StepResult(NamedTuple):
+    """A step, the state at its end, and where the lane hit the ground (`hit`) the velocity and force of the impact at `reach`;
+    chord_errors: chord errors of `TaylorSeries.at_with_chord_errors`, where the weight varies."""
 
     step: Step
     arc: Flow
@@ -119,7 +119,7 @@ class Passage(NamedTuple):
     hit: Array
     impact_v: Array
     impact_b: Array
-    bent: Array | None = None
+    chord_errors: Array | None = None
 
     @property
     def force(self) -> Array:
@@ -147,14 +147,14 @@ def next_step(segments: Segments, lanes: Lanes, longest: Array) -> Step:
     return Step(k, u, h, supercritical, subcritical)
 
 
-def advance(segments: Segments, lanes: Lanes, equation: Equation, until: Array | float = np.inf) -> Passage:
+def advance(segments: Segments, lanes: Lanes, equation: Equation, until: Array | float = np.inf) -> StepResult:
     """Take the step, and find out whether and when the body hit the ground in it; until: the longest step [tau] that other events allow."""
     arc = equation.flow(segments, lanes)
     step = next_step(segments, lanes, np.minimum(arc.longest, until))
     if segments.weighed is not None and isinstance(arc, TaylorSeries):
-        end, bent = arc.at_with_chord_errors(step.h)
+        end, chord_errors = arc.at_with_chord_errors(step.h)
     else:
-        end, bent = arc.at(step.h), None
+        end, chord_errors = arc.at(step.h), None
     reach = step.h.copy()
     hit = end.y <= 0.0
     # A supercritical window entered inwards: y may touch the ground at its only minimum although both ends are above the ground.
@@ -172,7 +172,7 @@ def advance(segments: Segments, lanes: Lanes, equation: Equation, until: Array |
         falling = arc.take(at)
         reach[at], impact_v[at] = impact_root(falling, step.subcritical[at], reach[at], guess)
         impact_b[at] = falling.at_ground(reach[at])
-    return Passage(step, arc, end, reach, hit, impact_v, impact_b, bent)
+    return StepResult(step, arc, end, reach, hit, impact_v, impact_b, chord_errors)
 
 
 def _impact_guess(arc: Flow, step: Step, end: Point, reach: Array, at: Array) -> Array:
@@ -181,46 +181,46 @@ def _impact_guess(arc: Flow, step: Step, end: Point, reach: Array, at: Array) ->
     y, v, b = arc.y[at], arc.v[at], arc.b[at]
     with np.errstate(all="ignore"):
         left = (v + np.sqrt(v * v - 2.0 * b * y)) / -b
-        slope, bend = end.v[at], end.b[at]
-        right = step.h[at] - end.y[at] / (slope - 0.5 * end.y[at] * bend / slope)
+        slope, second = end.v[at], end.b[at]
+        right = step.h[at] - end.y[at] / (slope - 0.5 * end.y[at] * second / slope)
         guess = np.where((b < 0.0) & (left < high) & (left > low), left, right)
     return np.where((guess > low) & (guess < high), guess, 0.5 * (low + high))
 
 
-def turning_points(segments: Segments, lanes: Lanes, passage: Passage, wanted: Array) -> tuple[Array, Array, Array]:
+def turning_points(segments: Segments, lanes: Lanes, result: StepResult, wanted: Array) -> tuple[Array, Array, Array]:
     """(lanes, times [tau] since the start of their step, heights y) of the turning points in this step. A lane has at most one, and only
     where a is below 1 (Lemmas 3 and 4). A body whose weight varies has as many as its series, in the order of lanes and times."""
-    step, end, damping = passage.step, passage.end, passage.arc.damping
+    step, end, damping = result.step, result.end, result.arc.damping
     wanted = wanted & ~step.supercritical
     if segments.weighed is not None:
-        assert passage.bent is not None  # of a series
-        v, (kept, monotone) = np.where(passage.hit, passage.impact_v, end.v), sense(passage.arc, step.h, end, passage.bent)
+        assert result.chord_errors is not None  # of a series
+        v, (kept, monotone) = np.where(result.hit, result.impact_v, end.v), sense(result.arc, step.h, end, result.chord_errors)
         at = wanted & ~kept
         once = at & monotone & (lanes.v > 0.0) & (v <= 0.0)
-        at, low, high = falls_through_zero(passage.arc, passage.reach, *(np.flatnonzero(x) for x in (at & ~monotone, once)))
+        at, low, high = falls_through_zero(result.arc, result.reach, *(np.flatnonzero(x) for x in (at & ~monotone, once)))
         if not at.size:
             return at, low, high
         chord = high * (lanes.v[at] / (lanes.v[at] - np.minimum(v[at], 0.0)))  # if this is the only turn of the step
-        guess = np.where(high - low == passage.reach[at], chord, 0.5 * (low + high))
-        return at, *turning_point(passage.arc.take(at), low, high, guess, 1.0)
+        guess = np.where(high - low == result.reach[at], chord, 0.5 * (low + high))
+        return at, *turning_point(result.arc.take(at), low, high, guess, 1.0)
     rises = wanted & ((step.subcritical > 0.0) | (lanes.v > 0.0))
-    low, high = step.subcritical.copy(), passage.reach.copy()
+    low, high = step.subcritical.copy(), result.reach.copy()
     # Entered inwards, y' may rise through zero while the drive still falls: as a concave function, not above its tangent.
     slope = _slope(lanes.b, lanes.v, -damping)  # lanes carry the force
     turning = np.flatnonzero(wanted & ~rises & (slope > 0.0))
     if turning.size:
-        bottom = np.minimum(_bottom(segments, lanes, passage, turning), high[turning])
+        bottom = np.minimum(_bottom(segments, lanes, result, turning), high[turning])
         turning, bottom = (x[lanes.v[turning] + slope[turning] * bottom > 0.0] for x in (turning, bottom))
-        outwards = hidden_turn(passage.arc.take(turning), np.zeros(turning.size), bottom, -1.0)
+        outwards = hidden_turn(result.arc.take(turning), np.zeros(turning.size), bottom, -1.0)
         found = np.isfinite(outwards)
         rises[turning[found]], low[turning[found]] = True, outwards[found]
-    sure = rises & (passage.hit | (end.v <= 0.0))
+    sure = rises & (result.hit | (end.v <= 0.0))
     # y' > 0 at both ends: a peak and a trough may hide where the drive rises again, and then b > 0 at the end. There y' is
     # convex (see `hidden_turn`): its tangent at the end may prove at once that it never falls below zero.
     slope = _slope(end.b, end.v, damping)
-    doubtful = np.flatnonzero(rises & ~sure & (slope > 0.0) & (slope * (step.h - step.subcritical) > _SURELY * end.v))
+    doubtful = np.flatnonzero(rises & ~sure & (slope > 0.0) & (slope * (step.h - step.subcritical) > _SAFE_SHARE * end.v))
     if doubtful.size:
-        falls = _falling_again(segments, lanes, passage, doubtful)
+        falls = _falling_again(segments, lanes, result, doubtful)
         found = np.isfinite(falls)
         sure[doubtful[found]] = True
         high[doubtful[found]] = falls[found]
@@ -228,7 +228,7 @@ def turning_points(segments: Segments, lanes: Lanes, passage: Passage, wanted: A
     low, high = low[at], high[at]
     if not at.size:
         return at, low, low
-    return at, *turning_point(passage.arc.take(at), low, high, 0.5 * (low + high), 1.0)
+    return at, *turning_point(result.arc.take(at), low, high, 0.5 * (low + high), 1.0)
 
 
 def _slope(b: Array, v: Array, damping: float) -> Array:
@@ -236,21 +236,21 @@ def _slope(b: Array, v: Array, damping: float) -> Array:
     return b + damping * v if damping else b
 
 
-def _bottom(segments: Segments, lanes: Lanes, passage: Passage, at: Array) -> Array:
+def _bottom(segments: Segments, lanes: Lanes, result: StepResult, at: Array) -> Array:
     """How long [tau] the drive falls in these steps: until the start of the last segment; 0 where it only rises."""
     k, u = lanes.k[at], lanes.u[at]
-    to_k, to_u = passage.step.k[at], passage.step.u[at]
+    to_k, to_u = result.step.k[at], result.step.u[at]
     to_k = np.where(to_u > 0.0, to_k, to_k - 1)
     inside = -lanes.side[at] * (segments.s_end[k] - segments.s_start[k]) < 0.0  # a step within one falling segment
     bottom = phase_between(segments, k, u, np.maximum(k, to_k), np.zeros(at.size)) / lanes.omega[at]
-    return np.where(to_k > k, bottom, np.where(inside, passage.step.h[at], 0.0))
+    return np.where(to_k > k, bottom, np.where(inside, result.step.h[at], 0.0))
 
 
-def _falling_again(segments: Segments, lanes: Lanes, passage: Passage, at: Array) -> Array:
+def _falling_again(segments: Segments, lanes: Lanes, result: StepResult, at: Array) -> Array:
     """A time with y' < 0 inside steps that begin and end with y' > 0, NaN where there is none."""
-    subcritical, h = passage.step.subcritical[at], passage.step.h[at]
-    bottom = np.clip(_bottom(segments, lanes, passage, at), subcritical, h)
-    arc = passage.arc.take(at)
+    subcritical, h = result.step.subcritical[at], result.step.h[at]
+    bottom = np.clip(_bottom(segments, lanes, result, at), subcritical, h)
+    arc = result.arc.take(at)
     middle = arc.at(bottom)
     found = np.where(middle.v < 0.0, bottom, np.nan)
     hidden = np.flatnonzero((middle.v >= 0.0) & (_slope(middle.b, middle.v, arc.damping) < 0.0))

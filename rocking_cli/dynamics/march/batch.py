@@ -18,11 +18,11 @@ _INSTANT = 1e-9  # tau: this close to a free fall of the ground the weight count
 
 
 class FreeFall:
-    """The first instant at which the ground falls away from the body of each cell, (cells,). k, u: segment and phase of this instant; ever:
-    True if there is such an instant."""
+    """The first instant at which the ground falls away from the body of each cell, (cells,). k, u: segment and phase of this instant;
+    occurs: True if there is such an instant."""
 
-    def __init__(self, segments: Segments, first: Uplift, ever: Array) -> None:
-        self.segments, self.k, self.u, self.ever = segments, first.k, first.u, ever
+    def __init__(self, segments: Segments, first: Uplift, occurs: Array) -> None:
+        self.segments, self.k, self.u, self.occurs = segments, first.k, first.u, occurs
 
     @classmethod
     def of(cls, segments: Segments, cells: Cells, shaken: int) -> FreeFall | None:
@@ -33,22 +33,22 @@ class FreeFall:
         sway = weighed.sway(np.ones(cells.omega.shape[1]), cells.amplitude[0])
         down, up = np.maximum(sway, 0.0), np.maximum(-sway, 0.0)
         first = first_uplift(weighed.vertical, np.zeros(sway.size, dtype=np.int64), np.zeros(sway.size), down, up)
-        ever = first.k < shaken
-        return cls(segments, first, ever) if ever.any() else None
+        occurs = first.k < shaken
+        return cls(segments, first, occurs) if occurs.any() else None
 
-    def until(self, lanes: Lanes) -> Array:
+    def time_left(self, lanes: Lanes) -> Array:
         """Returns the time [tau] left until the ground falls away; 0 after this instant, infinite if it never comes."""
         k, start = self.k[lanes.cell], self.segments.start
         last = len(self.segments) - 1
         ahead = start[np.minimum(k, last)] - start[np.minimum(lanes.k, last)]  # its rounding is far below `_INSTANT`
         until = (ahead + (self.u[lanes.cell] - lanes.u)) / lanes.omega
-        return np.where(self.ever[lanes.cell], np.where(lanes.k > k, 0.0, until), np.inf)
+        return np.where(self.occurs[lanes.cell], np.where(lanes.k > k, 0.0, until), np.inf)
 
-    def now(self, lanes: Lanes) -> Array:
+    def has_begun(self, lanes: Lanes) -> Array:
         """True for lanes from which the ground falls away now."""
-        return np.asarray(self.until(lanes) <= _INSTANT)
+        return np.asarray(self.time_left(lanes) <= _INSTANT)
 
-    def sooner(self, cell: Array, lift: Uplift) -> tuple[Array, Array]:
+    def earlier(self, cell: Array, lift: Uplift) -> tuple[Array, Array]:
         """(k, u) of the free fall or of the uplift `lift` of bodies at rest, whichever is earlier."""
         k, u = self.k[cell], self.u[cell]
         before = (k < lift.k) | ((k == lift.k) & (u < lift.u))
@@ -95,10 +95,10 @@ class Batch(NamedTuple):
     def cannot_return(self, lanes: Lanes, at: Array | slice, k: Array, y: Array, v: Array) -> Array:
         """True where no later drive can bring the lanes `at` back, with y, v in segments k (Lemma 6)."""
         side = lanes.side[at]
-        inward = self.segments.hardest(side, lanes.amplitude[at], k)
+        inward = self.segments.strongest_inward(side, lanes.amplitude[at], k)
         return self.equation.on(side, lanes.cell[at]).certainly_overturns(y, v, inward, self.segments.weighed is None)
 
     def rests_until(self, cell: Array, k: Array, u: Array) -> tuple[Uplift, tuple[Array, Array]]:
         """(next uplift of bodies that rest from (k, u) on; (k, u) of the end of the rest: the uplift, or the ground falls away earlier)."""
         lift = self.contact.uplift(self.cells, self.segments, cell, k, u)
-        return lift, (lift.k, lift.u) if self.free_fall is None else self.free_fall.sooner(cell, lift)
+        return lift, (lift.k, lift.u) if self.free_fall is None else self.free_fall.earlier(cell, lift)

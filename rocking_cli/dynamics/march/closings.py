@@ -7,13 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..contacts.sequences import KEEPS, bounces_on, outlasts, settles
-from ..drive import ImpulseAhead
+from ..contacts.sequences import NEARLY_ELASTIC, bounces_to_end, stays_below_peak, too_many_impacts
+from ..drive import RemainingImpulse
 from ..lanes import Array, Lanes
 from ..outcome import Outcome
 from .batch import Batch
 
-FEW = 2  # under more pushes an envelope scans finer where the number of impacts changes; so the march follows bodies to the end
+FEW_SIGN_CHANGES = 1  # of a motion; with more an envelope also scans where the number of impacts changes: bodies are followed to the end
 
 
 class Closed(NamedTuple):
@@ -67,9 +67,11 @@ def _rocked(lanes: Lanes, proved: Array) -> Closed:
 FREE_MOTION = Closing(free_motion, "free_phase", still=True)
 UNSETTLED = Closing(lambda batch, lanes: Closed(np.flatnonzero(lanes.k >= len(batch.segments)), Outcome.FAILED, np.nan))
 DAMPED = [Closing(damped_settling, still=True), UNSETTLED]  # a lane that has not settled at the end of the still ground fails
-SETTLES = Closing(lambda batch, lanes: _rocked(lanes, settles(batch.segments, lanes)), "chatters_closed")
-BOUNCES_ON = Closing(lambda batch, lanes: _rocked(lanes, bounces_on(batch.segments, lanes, batch.equation)), "chatters_closed")
-OUTLASTS = Closing(lambda batch, lanes: Closed(np.flatnonzero(outlasts(batch.segments, lanes, batch.most_steps)), Outcome.FAILED, np.nan))
+STAYS_BELOW_PEAK = Closing(lambda batch, lanes: _rocked(lanes, stays_below_peak(batch.segments, lanes)), "sequences_closed")
+BOUNCES_TO_END = Closing(lambda batch, lanes: _rocked(lanes, bounces_to_end(batch.segments, lanes, batch.equation)), "sequences_closed")
+TOO_MANY_IMPACTS = Closing(
+    lambda batch, lanes: Closed(np.flatnonzero(too_many_impacts(batch.segments, lanes, batch.most_steps)), Outcome.FAILED, np.nan)
+)
 
 
 def closings_of(batch: Batch, observed: bool) -> tuple[list[Closing], list[Closing]]:
@@ -80,11 +82,18 @@ def closings_of(batch: Batch, observed: bool) -> tuple[list[Closing], list[Closi
         return DAMPED, []
     if not batch.contact.alike or segments.weighed is not None:
         return [FREE_MOTION], []
-    lasting = float(batch.cells.eta.max(initial=0.0)) > KEEPS
+    nearly_elastic = float(batch.cells.eta.max(initial=0.0)) > NEARLY_ELASTIC
     if observed:
-        return [FREE_MOTION, *[OUTLASTS] * lasting], []
-    early = [FREE_MOTION, *[SETTLES] * (linear and batch.peaks), *[BOUNCES_ON] * (lasting and segments.straight), *[OUTLASTS] * lasting]
-    if batch.peaks or not linear or segments.straight or segments.pushes > FEW:
+        return [FREE_MOTION, *[TOO_MANY_IMPACTS] * nearly_elastic], []
+    early = [
+        FREE_MOTION,
+        *[STAYS_BELOW_PEAK] * (linear and batch.peaks),
+        *[BOUNCES_TO_END] * (nearly_elastic and segments.straight),
+        *[TOO_MANY_IMPACTS] * nearly_elastic,
+    ]
+    if batch.peaks or not linear or segments.straight or segments.sign_changes > FEW_SIGN_CHANGES:
         return early, []
-    ahead = ImpulseAhead.of(segments)  # if only the outcome is wanted: close lanes that the rest of the motion cannot overturn (Lemma 9)
-    return early, [Closing(lambda _, lanes: Closed(np.flatnonzero(ahead.cannot_overturn(lanes)), Outcome.ROCKED, np.nan))]
+    remaining = RemainingImpulse.of(
+        segments
+    )  # if only the outcome is wanted: close lanes that the rest of the motion cannot overturn (Lemma 9)
+    return early, [Closing(lambda _, lanes: Closed(np.flatnonzero(remaining.cannot_overturn(lanes)), Outcome.ROCKED, np.nan))]

@@ -20,11 +20,11 @@ from ..drive import place
 from ..lanes import Array, Lanes
 from ..observers.observer import Arcs, Observer
 from ..outcome import FALLEN, Outcome, Work
-from .advance import Passage, advance, turning_points
+from .advance import StepResult, advance, turning_points
 from .batch import Batch
 from .closings import FREE_MOTION, Closed, Closing, closings_of, free_motion
 
-Landing = TypeVar("Landing", bound=Lanes)
+AnyLanes = TypeVar("AnyLanes", bound=Lanes)
 
 STILL = 1e-100  # speed that counts as zero, since its square is below double precision
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # of mallopt(3)
@@ -72,7 +72,7 @@ class Run:
         self.impacts, self.bounced = np.zeros(batch.size, dtype=np.int32), np.zeros(batch.size, dtype=bool)
         self.work = Work(cells=batch.size)
         if batch.free_fall is not None:  # a body pressed against its wall loses the ground too
-            self._lose(np.flatnonzero(batch.free_fall.ever))
+            self._lose_contact(np.flatnonzero(batch.free_fall.occurs))
 
     def all(self, march: Callable[[Run, Array], None] = by_windows) -> None:
         """Run every cell to its end, once. march: function that runs those cells to their end that leave the ground."""
@@ -80,7 +80,7 @@ class Run:
         lifts = batch.contact.strongest(batch.cells, batch.segments, batch.first) > 1.0
         waiting, still = np.flatnonzero(lifts), np.flatnonzero(~lifts)
         zero, never = np.zeros(still.size), np.full(still.size, len(batch.segments))
-        to = (never, zero) if batch.free_fall is None else batch.free_fall.sooner(still, Uplift(never, zero, zero, zero))
+        to = (never, zero) if batch.free_fall is None else batch.free_fall.earlier(still, Uplift(never, zero, zero, zero))
         for observer in self.observers:
             observer.rest(still, batch.first[still], zero, *to)
         self.work.no_uplift += still.size
@@ -98,33 +98,33 @@ class Run:
         place_and_state = (first.k, first.u, first.side, zero, zero.copy(), first.b)
         return Lanes(cell, amplitude, omega, eta, *place_and_state, peak, count, count.copy())
 
-    def round(self, lanes: Landing) -> Landing:
+    def round(self, lanes: AnyLanes) -> AnyLanes:
         """Take one step of every lane; returns the lanes that are not finished."""
         batch, seg = self.batch, self.batch.segments
         lanes.steps += 1
         equation = batch.equation.on(lanes.side, lanes.cell)
-        passage = advance(seg, lanes, equation, np.inf if batch.free_fall is None else batch.free_fall.until(lanes))
-        end, hit = passage.end, passage.hit
-        k, u = place(seg, passage.step.k, passage.step.u)
-        bad = ~(np.isfinite(end.y) & np.isfinite(passage.reach)) | (lanes.steps > batch.most_steps)
+        result = advance(seg, lanes, equation, np.inf if batch.free_fall is None else batch.free_fall.time_left(lanes))
+        end, hit = result.end, result.hit
+        k, u = place(seg, result.step.k, result.step.u)
+        bad = ~(np.isfinite(end.y) & np.isfinite(result.reach)) | (lanes.steps > batch.most_steps)
         shaken = ~hit & ~bad & (k >= len(seg))
         if batch.equation.damping:
             bad, shaken = bad | shaken, np.zeros(hit.shape, dtype=bool)  # a damped lane should have settled before
-        foreseen = batch.cannot_return(lanes, slice(None), np.minimum(k, len(seg) - 1), end.y, end.v)
-        over = ~hit & ~bad & ~shaken & foreseen
-        last = self._onward(lanes, passage, k, u, np.flatnonzero(shaken))
+        cannot_return = batch.cannot_return(lanes, slice(None), np.minimum(k, len(seg) - 1), end.y, end.v)
+        over = ~hit & ~bad & ~shaken & cannot_return
+        last = self._in_the_air(lanes, result, k, u, np.flatnonzero(shaken))
         free = free_motion(batch, last)
         wanted = ~(bad | over)
         wanted[np.flatnonzero(shaken)[free.outcome != Outcome.ROCKED]] = False
         if batch.peaks:
-            at, _, y = turning_points(seg, lanes, passage, wanted)
+            at, _, y = turning_points(seg, lanes, result, wanted)
             np.maximum.at(lanes.peak, at, y)  # a lane may have several turning points
             fallen = at[y >= np.broadcast_to(equation.limit, hit.shape)[at]]  # it lay on its side, even if y ends lower
             over[fallen] = ~bad[fallen]
         if self.observers:
-            y, v = np.where(hit, 0.0, end.y), np.where(hit, passage.impact_v, end.v)
-            b = np.where(hit, passage.impact_b, passage.force)
-            arcs = Arcs(lanes, passage.arc, passage.reach, y, v, b, np.flatnonzero(~(bad | over)))
+            y, v = np.where(hit, 0.0, end.y), np.where(hit, result.impact_v, end.v)
+            b = np.where(hit, result.impact_b, result.force)
+            arcs = Arcs(lanes, result.arc, result.reach, y, v, b, np.flatnonzero(~(bad | over)))
             for observer in self.observers:
                 observer.arcs(arcs)
         self.work.impacts += int(hit.sum())
@@ -136,21 +136,21 @@ class Run:
 
         going = ~(bad | over | shaken)
         struck = np.flatnonzero(going & hit)
-        onward = self._onward(lanes, passage, k, u, np.flatnonzero(going & ~hit))
+        in_air = self._in_the_air(lanes, result, k, u, np.flatnonzero(going & ~hit))
         for closing in self.closings if batch.equation.damping else ():
-            onward = self._close(closing, onward) if closing.still else onward
-        landed = self._land(lanes.take(struck), passage.reach[struck], passage.impact_v[struck], passage.impact_b[struck])
-        return self.end_free_fall(onward.join(landed))
+            in_air = self._close(closing, in_air) if closing.still else in_air
+        struck_lanes = self._after_impact(lanes.take(struck), result.reach[struck], result.impact_v[struck], result.impact_b[struck])
+        return self.end_free_fall(in_air.join(struck_lanes))
 
-    def _onward(self, lanes: Landing, passage: Passage, k: Array, u: Array, at: Array) -> Landing:
+    def _in_the_air(self, lanes: AnyLanes, result: StepResult, k: Array, u: Array, at: Array) -> AnyLanes:
         """Returns the lanes `at`, which reached the end of their step in the air, with their new state."""
         lanes = lanes.take(at)
         lanes.k, lanes.u = k[at], u[at]
-        lanes.y, lanes.v, lanes.b = passage.end.y[at], passage.end.v[at], passage.force[at]
-        self._renew_drive(lanes)
+        lanes.y, lanes.v, lanes.b = result.end.y[at], result.end.v[at], result.force[at]
+        self._renew_forces(lanes)
         return lanes
 
-    def _land(self, lanes: Landing, h: Array, v: Array, b: Array) -> Landing:
+    def _after_impact(self, lanes: AnyLanes, h: Array, v: Array, b: Array) -> AnyLanes:
         """Returns the lanes after impacts h [tau] from now, with velocity v <= 0 and force b, without those that the impact finishes."""
         batch, seg = self.batch, self.batch.segments
         lanes.k, lanes.u = place(seg, lanes.k, lanes.u + lanes.omega * h)
@@ -158,7 +158,7 @@ class Run:
         batch.contact.strike(batch.cells, lanes, v, b)
         lanes.b = seg.force_at_impact(lanes.side, lanes.amplitude, lanes.k, lanes.u, lanes.b)
         lanes.impacts += lanes.k < batch.shaken if batch.equation.damping else 1
-        self._renew_drive(lanes)
+        self._renew_forces(lanes)
         if batch.equation.damping:
             self.bounced[lanes.cell[lanes.k >= batch.shaken]] = True
         for closing in self.closings:
@@ -168,7 +168,7 @@ class Run:
             lanes = self._close(closing, lanes)
         return lanes
 
-    def _rest(self, lanes: Landing) -> Landing:
+    def _rest(self, lanes: AnyLanes) -> AnyLanes:
         """Take bodies whose sequence of impacts ends in rest to their next uplift, or finish them."""
         batch = self.batch
         ends = batch.contact.sequence_ends(batch.segments, lanes, batch.equation)
@@ -181,17 +181,17 @@ class Run:
         lanes.k[resting], lanes.u[resting] = again.k, again.u
         lanes.y[resting], lanes.v[resting], lanes.b[resting] = 0.0, 0.0, again.b
         batch.contact.turn(batch.cells, lanes, resting, again.side)
-        self.work.chatters_closed += int(ends[resting].sum())
+        self.work.sequences_closed += int(ends[resting].sum())
         self.work.rests_skipped += resting.size
         settled = resting[again.k >= len(batch.segments)]
         self.finish(lanes, settled, Outcome.ROCKED, lanes.peak[settled])
         return lanes.take(np.flatnonzero(lanes.k < len(batch.segments)))
 
-    def end_free_fall(self, lanes: Landing) -> Landing:
+    def end_free_fall(self, lanes: AnyLanes) -> AnyLanes:
         """Finish bodies from which the ground has fallen away: overturned if the rotation is at least `FALLEN`, otherwise lost contact."""
         if self.batch.free_fall is None:
             return lanes
-        falls = self.batch.free_fall.now(lanes)
+        falls = self.batch.free_fall.has_begun(lanes)
         over = falls & (self.batch.rotation(lanes, slice(None), lanes.y) >= FALLEN)
         self.overturn(lanes, np.flatnonzero(over))
         self.finish(lanes, np.flatnonzero(falls & ~over), Outcome.LOST_CONTACT, np.nan)
@@ -201,7 +201,7 @@ class Run:
         """Finish undamped lanes for which the shaking is over, by the outcome of their free motion."""
         self._end(FREE_MOTION, lanes, free_motion(self.batch, lanes))
 
-    def _close(self, closing: Closing, lanes: Landing) -> Landing:
+    def _close(self, closing: Closing, lanes: AnyLanes) -> AnyLanes:
         """Finish the lanes that the closing closes; returns the other lanes."""
         closed = closing.closes(self.batch, lanes)
         if closed.at.size:
@@ -241,22 +241,22 @@ class Run:
             self.theta_ratio[cell] = self.batch.rotation(lanes, at, peak)
         rocked = cell[self.outcome[cell] == Outcome.ROCKED]
         if self.batch.free_fall is not None:
-            self._lose(rocked[self.batch.free_fall.ever[rocked]])
+            self._lose_contact(rocked[self.batch.free_fall.occurs[rocked]])
         for observer in self.observers:
-            self._lose(rocked[observer.lost(rocked)])
+            self._lose_contact(rocked[observer.lost(rocked)])
         self.impacts[cell] = lanes.impacts[at]
 
-    def _lose(self, cell: Array) -> None:
+    def _lose_contact(self, cell: Array) -> None:
         """Mark cells as having lost contact."""
         self.outcome[cell], self.theta_ratio[cell] = Outcome.LOST_CONTACT, np.nan
 
-    def _renew_drive(self, lanes: Lanes) -> None:
+    def _renew_forces(self, lanes: Lanes) -> None:
         """Recompute the force of lanes at the start of a segment with a new closed form: the drive may jump there."""
         seg = self.batch.segments
         at = np.flatnonzero((lanes.u == 0.0) & (lanes.k > 0) & (lanes.k < len(seg)))
-        self.push(lanes, at[~seg.joins[lanes.k[at] - 1]])
+        self.renew_force(lanes, at[~seg.joins[lanes.k[at] - 1]])
 
-    def push(self, lanes: Lanes, at: Array) -> None:
+    def renew_force(self, lanes: Lanes, at: Array) -> None:
         """Recompute the force on the lanes `at`, which are at the start of a segment."""
         seg, side, amplitude, k = self.batch.segments, lanes.side[at], lanes.amplitude[at], lanes.k[at]
         weight = seg.weight(side, amplitude, k, lanes.u[at])

@@ -127,11 +127,11 @@ def hidden_turn(arc: Flow, low: Array, high: Array, sense: float) -> Array:
     return found
 
 
-def sense(arc: Flow, h: Array, end: Point, bent: Array) -> tuple[Array, Array]:
+def sense(arc: Flow, h: Array, end: Point, chord_errors: Array) -> tuple[Array, Array]:
     """(True if y' is proved to have no zero, True if y' is proved to be monotone) along steps of length h, from the values at both ends and
-    the chord errors `bent` (`TaylorSeries.at_with_chord_errors`)."""
+    the chord errors `chord_errors` (`TaylorSeries.at_with_chord_errors`)."""
     speed, rate = (np.array([at_start * part, at_end * part]) for at_start, at_end, part in ((arc.v, end.v, h), (arc.b, end.b, h * h)))
-    kept, monotone = ((x.min(axis=0) > most) | (x.max(axis=0) < -most) for x, most in zip((speed, rate), bent, strict=True))
+    kept, monotone = ((x.min(axis=0) > most) | (x.max(axis=0) < -most) for x, most in zip((speed, rate), chord_errors, strict=True))
     return kept, monotone
 
 

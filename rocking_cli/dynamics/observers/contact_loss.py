@@ -1,8 +1,8 @@
 """Lost contact: `ContactLoss` tests whether Fz > 0 all along the march, for cells for which `body` does not prove it beforehand.
 
-A cell whose push is well above the push proved safe beforehand is watched while it is marched. Another cell is marched once more and then
-watched, if its largest rotation does not prove Fz > 0. The undamped linear oscillator is always treated in this second way: its steps are
-long and cost less than the test.
+A cell whose push is well above `body.safe_push`, which keeps contact, is watched while it is marched. Another cell is marched once more
+and then watched, if its largest rotation does not prove Fz > 0. The undamped linear oscillator is always treated in this second way: its
+steps are long and cost less than the test.
 
 Along a step Fz stays above its chord less the chord error. A stretch for which this does not prove Fz > 0 is halved; if Fz <= 0 at an end
 of a stretch, the body has lost the ground. In a sequence of impacts that is closed early Fz is that of bounces without speed.
@@ -42,7 +42,7 @@ class Ends(Arrays):
     fz: Array
 
 
-class Shakes(NamedTuple):
+class ShakingBounds(NamedTuple):
     """The largest push over g of each stretch and bounds of its first two derivatives by tau; the same of the weight over m g less 1."""
 
     push: Array
@@ -53,7 +53,7 @@ class Shakes(NamedTuple):
     sway2: Array
 
 
-def chord_errors(body: Body, edge: Edge, s: Shakes, h: Array, one: Ends, other: Ends) -> Array:
+def chord_errors(body: Body, edge: Edge, s: ShakingBounds, h: Array, one: Ends, other: Ends) -> Array:
     """h^2/8 times a bound of |Fz''| over m g; infinite where the stretch is too long for a bound of |u'|. |u'''| is at most P' + W' |z| + 2
     zeta (P + W |z|) and (P + W + 4 zeta^2) |u'|, for the nonlinear equation with |sin z| for |z|; the linear one has no P |u'|."""
     zeta2, heavy, eighth = 2.0 * body.damping, 1.0 + s.sway, 0.125 * h * h
@@ -80,7 +80,7 @@ def chord_errors(body: Body, edge: Edge, s: Shakes, h: Array, one: Ends, other: 
 
 class ContactLoss(Observer):
     """Search for lost contact in the cells that are `watched` while they are marched. open: True for cells without a proof beforehand.
-    Parameter ahead: a cell is watched if its push is more than `ahead` times the push proved safe, ahead > 0."""
+    Parameter ahead: a cell is watched if its push is more than `ahead` times `safe_push`, ahead > 0."""
 
     def __init__(self, body: Body, batch: Batch, ahead: float) -> None:
         self.body, self.batch, self.segments, self.ground = body, batch, batch.segments, Ground(body, batch.segments)
@@ -134,11 +134,11 @@ class ContactLoss(Observer):
             low, high = np.append(low, half), np.append(half, high)
             one, other = one.join(middle), middle.join(other)
 
-    def _shaking(self, lanes: Lanes) -> Shakes:
+    def _shaking(self, lanes: Lanes) -> ShakingBounds:
         weighed, size = self.segments.weighed, self.body.on(lanes.side).uplift * lanes.amplitude
         sway = np.zeros(size.size) if weighed is None else np.abs(weighed.sway(lanes.side, lanes.amplitude))
         rates = 1.0, lanes.omega, lanes.omega**2
-        return Shakes(
+        return ShakingBounds(
             *(x * rate * bound for x, most in ((size, self.across), (sway, self.up)) for rate, bound in zip(rates, most, strict=True))
         )
 
@@ -153,7 +153,7 @@ class ContactLoss(Observer):
     def may_close(self, lanes: Lanes) -> Array:
         """True for all. Watched lanes bounce without speed under a monotone drive until they rest: it tests Fz at both ends."""
         some = lanes.take(np.flatnonzero(self.watched[lanes.cell] & (lanes.v > 0.0)))
-        lasts = self.ground.bouncing_lasts(some, self.batch.contact) if some.cell.size else np.zeros(0)
+        lasts = self.ground.sequence_time(some, self.batch.contact) if some.cell.size else np.zeros(0)
         for sense in (1.0,) if self.body.one_sided else (1.0, -1.0):
             edge = self.body.on(sense * some.side)
             for h in (np.zeros(lasts.size), lasts):
@@ -173,7 +173,7 @@ class ContactLoss(Observer):
         proved. With S = sin z (linear: z) and u'^2 = q at the next impact Fz >= 1 - kappa (S sin z + u'^2 cos z), which falls towards the
         ground while 3 cos z > cos(alpha) + q/2 (linear: q < 1). Damping takes energy, and adds at most 2 zeta kappa u' to the force."""
         here, there = self.body.on(lanes.side), self.body.on(-lanes.side)
-        square, least = self.body.square_at_ground(here, lanes.y, lanes.v), np.full(lanes.y.size, np.inf)
+        square, least = self.body.squared_speed_at_ground(here, lanes.y, lanes.v), np.full(lanes.y.size, np.inf)
         for edge, q in ((here, square), (there, square * (lanes.eta * there.unit / here.unit) ** 2)):
             fz = 1.0 - edge.kappa * (self.body.pull(edge) * np.sin(edge.alpha) + q * np.cos(edge.alpha))
             if self.body.damping:

@@ -42,7 +42,8 @@ class Ratio(Arrays):
 
 @dataclass
 class Stretches(Arrays):
-    """Stretches of motions, (n,): index of the motion, start and end [tau, or another time], fastest rate of the quantities [1/time]."""
+    """Stretches of motions, (n,). own: index of the motion; low, high: start and end [tau, or another time]; rate: at which the quantities
+    change at most, as the circular frequency of a sinusoid [1/time]."""
 
     own: Array
     low: Array
@@ -56,11 +57,11 @@ class Extremes:
     def __init__(self, start: Array) -> None:
         self.largest = start
 
-    def offer(self, cell: Array, value: Array) -> None:
+    def include(self, cell: Array, value: Array) -> None:
         """Raise the extremes of these cells to these values, (n,). A cell may occur several times; NaN leaves it unchanged."""
         np.fmax.at(self.largest, cell, value)
 
-    def can_beat(self, cell: Array, bound: Array) -> Array:
+    def can_exceed(self, cell: Array, bound: Array) -> Array:
         """True where a value up to `bound` can exceed the largest value so far of these cells, (n,), or the bound is NaN."""
         return ~(bound <= self.largest[cell])
 
@@ -69,7 +70,7 @@ class Extremes:
         returns the ratio; one, other: the ratio at the start and at the end of each stretch. The value found on a stretch depends neither
         on other stretches nor on the extremes so far."""
         best = np.maximum(one.value, other.value)
-        self.offer(cell, best)
+        self.include(cell, best)
         with np.errstate(all="ignore"):
             for _ in range(_CUTS):
                 at = np.flatnonzero(_excess(s, one, other, self.largest[cell]) > 0.0)
@@ -80,7 +81,7 @@ class Extremes:
                 x = np.where((x > s.low) & (x < s.high), x, 0.5 * (s.low + s.high))
                 there = along(s.own, x)
                 best = np.fmax(best, there.value)
-                self.offer(cell, best)
+                self.include(cell, best)
                 rises = there.slope(best) > 0.0
                 s.low, s.high = np.where(rises, x, s.low), np.where(rises, s.high, x)
                 one, other = _either(rises, there, one), _either(rises, other, there)

@@ -58,18 +58,18 @@ def forces_on(body: Body, edge: Edge, shaking: Shaking, u: Array, rate: Array) -
     z = edge.alpha - u
     sin, cos = np.sin(z), np.cos(z)
     if body.linear:
-        bend, jerk = push - weight * z, push_slope + weight * rate - weight_slope * z
+        acceleration, jerk = push - weight * z, push_slope + weight * rate - weight_slope * z
     else:
-        bend = push * cos - weight * sin
+        acceleration = push * cos - weight * sin
         jerk = push_slope * cos + rate * (weight * cos + push * sin) - weight_slope * sin
     if body.damping:
-        bend = bend - 2.0 * body.damping * rate
-        jerk = jerk - 2.0 * body.damping * bend
-    square, turns = rate * rate, 3.0 * rate * bend
+        acceleration = acceleration - 2.0 * body.damping * rate
+        jerk = jerk - 2.0 * body.damping * acceleration
+    square, turns = rate * rate, 3.0 * rate * acceleration
     jerk = jerk - rate * square
     return Forces(
-        edge.kappa * (bend * cos + square * sin) - push,
-        weight + edge.kappa * (bend * sin - square * cos),
+        edge.kappa * (acceleration * cos + square * sin) - push,
+        weight + edge.kappa * (acceleration * sin - square * cos),
         edge.kappa * (jerk * cos + turns * sin) - push_slope,
         weight_slope + edge.kappa * (jerk * sin - turns * cos),
     )
@@ -82,24 +82,24 @@ class ForceExtremes(Extremes):
         super().__init__(np.repeat([0.0, -1.0], cells))
         self.cells = cells
 
-    def take_in(self, cell: Array, fx: Array, fz: Array) -> None:
+    def include_forces(self, cell: Array, fx: Array, fz: Array) -> None:
         """Raise the extremes of these cells to those of forces, (..., n)."""
-        self.offer(np.broadcast_to(cell, fx.shape), _friction(fx, fz))
-        self.offer(np.broadcast_to(self.cells + cell, fz.shape), -fz)
+        self.include(np.broadcast_to(cell, fx.shape), _friction(fx, fz))
+        self.include(np.broadcast_to(self.cells + cell, fz.shape), -fz)
 
-    def can_be_beaten(self, cell: Array, fx: Array, fz: Array) -> Array:
+    def can_be_exceeded(self, cell: Array, fx: Array, fz: Array) -> Array:
         """True for cells in which one of these forces, (..., n), exceeds the extremes so far or is NaN, (n,)."""
-        beat = self.can_beat(cell, _friction(fx, fz)) | self.can_beat(self.cells + cell, -fz)
-        return np.any(beat, axis=tuple(range(beat.ndim - 1)))
+        exceeds = self.can_exceed(cell, _friction(fx, fz)) | self.can_exceed(self.cells + cell, -fz)
+        return np.any(exceeds, axis=tuple(range(exceeds.ndim - 1)))
 
-    def take_in_along(self, cell: Array, along: Along, whole: Stretches, start: Forces, end: Forces, one_way: bool = False) -> None:
+    def include_along(self, cell: Array, along: Along, whole: Stretches, start: Forces, end: Forces, one_way: bool = False) -> None:
         """Raise the extremes of these cells to those on stretches. along: function that returns the forces inside the motions; start, end:
         the forces at the ends of each stretch; one_way: True if only an outward Fx counts."""
         s, one, other = parts(along, whole, start, end)
         kinds = np.array([0, 1] if one_way else [0, 1, -1])
         kind, own = np.repeat(kinds, s.own.size), np.tile(s.own, kinds.size)
-        every = np.tile(np.arange(s.own.size), kinds.size)
-        s, one, other = s.take(every), one.take(every), other.take(every)
+        indices = np.tile(np.arange(s.own.size), kinds.size)
+        s, one, other = s.take(indices), one.take(indices), other.take(indices)
         s.own = np.arange(own.size)
 
         def of_kind(at: Array, x: Array) -> Ratio:
@@ -136,7 +136,7 @@ class GroundForces(Observer):
         fastest = np.where(lanes.k < self.batch.shaken, flow.fastest, 1.0 + 2.0 * self.body.damping)
         rate = fastest + unit * np.maximum(np.abs(lanes.v), np.abs(v))
         ends = self._forces(lanes, zero, lanes.y, lanes.v), self._forces(lanes, stop, y, v)
-        self.extremes.take_in_along(lanes.cell, along, Stretches(np.arange(at.size), zero, stop, rate), *ends)
+        self.extremes.include_along(lanes.cell, along, Stretches(np.arange(at.size), zero, stop, rate), *ends)
 
     def _forces(self, lanes: Lanes, h: Array, y: Array, v: Array) -> Forces:
         """The forces on lanes that have y, v at h [tau] after their present state."""
@@ -155,7 +155,7 @@ class GroundForces(Observer):
 
     def _search_steps(self) -> None:
         s, self._steps = self._steps, self._steps[:, :0]
-        every, zero, unit = np.arange(s.shape[1]), np.zeros(s.shape[1]), s[8]
+        indices, zero, unit = np.arange(s.shape[1]), np.zeros(s.shape[1]), s[8]
 
         def at(own: Array, h: Array, y: Array, v: Array) -> Forces:
             side, drive, gain, unit, weight, heavier = s[[1, 6, 7, 8, 9, 10]][:, own]
@@ -170,17 +170,18 @@ class GroundForces(Observer):
             return at(own, h, point.y, point.v)
 
         rate = 1.0 + self.body.on(s[1]).unit * np.maximum(np.abs(s[3]), np.abs(s[5]))
-        ends = at(every, zero, s[2], s[3]), at(every, unit, s[4], s[5])
-        self.extremes.take_in_along(s[0].astype(np.int64), along, Stretches(every, zero, unit, rate), *ends)
+        ends = at(indices, zero, s[2], s[3]), at(indices, unit, s[4], s[5])
+        self.extremes.include_along(s[0].astype(np.int64), along, Stretches(indices, zero, unit, rate), *ends)
 
     def rest(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
-        """Take in the forces of bodies at rest, xg''/g across and 1 + zg''/g upwards; on a one-sided body only an outward Fx counts."""
+        """Take in the forces of bodies that rest from position (k, u) to (to_k, to_u), xg''/g across and 1 + zg''/g upwards; on a one-sided
+        body only an outward Fx counts."""
         last = len(self.segments) - 1
         to_k, to_u = np.minimum(to_k, last), np.where(to_k > last, self.segments.length[last], to_u)
         push = self.cells.amplitude[0, cell] * self.body.edges[0].uplift  # outward, over g, of s = -1 on the right edge
         if self.segments.weighed is None:
             largest, least = _range(self.segments, k, u, to_k, to_u)
-            self.extremes.offer(cell, push * (-least if self.body.one_sided else np.maximum(-least, largest)))
+            self.extremes.include(cell, push * (-least if self.body.one_sided else np.maximum(-least, largest)))
             return
         most = max(1, _SEGMENTS // (last + 1))  # whole rests at a time, so that no digit depends on other cells
         for first in range(0, cell.size, most):
@@ -188,7 +189,7 @@ class GroundForces(Observer):
             self._weighed_rest(*(x[some] for x in (cell, push, k, u, to_k, to_u)))
 
     def _weighed_rest(self, cell: Array, push: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
-        """As `rest`, under a weight that varies: search every segment of these rests."""
+        """As `rest`, under a weight that varies: search every segment of these rests. push: outward push [g] of s = -1, right edge."""
         seg = self.segments.weighed
         count = np.maximum(to_k - k + (to_u > 0.0), 0) * ((k < to_k) | (u < to_u))
         rest = np.repeat(np.arange(cell.size), count)
@@ -201,16 +202,16 @@ class GroundForces(Observer):
             (s, slope), (rise, rise_slope) = (value_and_slope(x, at[own], phase) for x in (seg, seg.vertical))
             return Forces(push[own] * s, 1.0 + sway[own] * rise, push[own] * slope, sway[own] * rise_slope)
 
-        every, rate = np.arange(cell.size), np.zeros(cell.size)
+        indices, rate = np.arange(cell.size), np.zeros(cell.size)
         if not seg.straight:  # of straight lines the ends have the extremes
             rate = np.maximum(*(x.frequency[:, at].max(axis=0, initial=0.0) for x in (seg, seg.vertical)))
-        whole = Stretches(every, low, high, rate)
-        self.extremes.take_in_along(cell, along, whole, along(every, low), along(every, high), self.body.one_sided)
+        whole = Stretches(indices, low, high, rate)
+        self.extremes.include_along(cell, along, whole, along(indices, low), along(indices, high), self.body.one_sided)
 
     def free(self, lanes: Lanes) -> None:
         """Store the free motions of undamped lanes until the result is asked for."""
         edge = self.body.on(lanes.side)
-        square = self.body.square_at_ground(edge, lanes.y, lanes.v)
+        square = self.body.squared_speed_at_ground(edge, lanes.y, lanes.v)
         top = np.where(lanes.v > 0.0, self.body.top(edge, square), edge.unit * lanes.y)
         self._free.append(np.array([lanes.cell, lanes.side, square, top]))
 
@@ -224,7 +225,7 @@ class GroundForces(Observer):
             edge = self.body.on(side)
             self._free_arc(cell, side, square, top)
             found = forces_on(self.body, edge, Shaking(zero, zero, 1.0, 0.0), zero, zero)
-            self.extremes.take_in(cell[bounces], found.fx[bounces], found.fz[bounces])
+            self.extremes.include_forces(cell[bounces], found.fx[bounces], found.fz[bounces])
             side, unit, eta = side if self.body.one_sided else -side, edge.unit, self.cells.eta[self.cells.row(side), cell]
             edge = self.body.on(side)
             square = square * (eta * edge.unit / unit) ** 2
@@ -241,9 +242,9 @@ class GroundForces(Observer):
             found = forces_on(self.body, edge, Shaking(zero, zero, 1.0, 0.0), u, rate)
             return Forces(found.fx, found.fz, found.fx_slope / rate, found.fz_slope / rate)
 
-        every, zero = np.arange(at.size), np.zeros(at.size)
-        whole = Stretches(every, zero, top, zero + _BY_TURN)
-        self.extremes.take_in_along(cell, along, whole, along(every, zero), along(every, top))
+        indices, zero = np.arange(at.size), np.zeros(at.size)
+        whole = Stretches(indices, zero, top, zero + _BY_TURN)
+        self.extremes.include_along(cell, along, whole, along(indices, zero), along(indices, top))
 
     def may_settle(self, lanes: Lanes, bounced: Array) -> Array:
         """The same test as `may_close`."""
@@ -252,11 +253,11 @@ class GroundForces(Observer):
     def may_close(self, lanes: Lanes) -> Array:
         """True for lanes whose forces until they rest cannot exceed the extremes so far, or are within `_STILL` of those of bounces without
         speed: at the fastest impact and at the highest point, under push and weight of now and of the time of rest."""
-        cell, count, lasts = lanes.cell, lanes.cell.size, self.ground.bouncing_lasts(lanes, self.batch.contact)
+        cell, count, lasts = lanes.cell, lanes.cell.size, self.ground.sequence_time(lanes, self.batch.contact)
         here, shaking = self.body.on(lanes.side), self.ground.shaking(lanes.join(lanes), np.append(np.zeros(count), lasts))
         push, weight = (np.broadcast_to(x, 2 * count).reshape(2, count) for x in (shaking.push, shaking.weight))
         u, zero = here.unit * lanes.y, np.zeros((2, count))
-        speed = _ROOM * np.sqrt(self.body.square_at_ground(here, lanes.y, lanes.v)) / here.unit
+        speed = _ROOM * np.sqrt(self.body.squared_speed_at_ground(here, lanes.y, lanes.v)) / here.unit
         drift, found = np.zeros(count), []
         with np.errstate(all="ignore"):
             for sense, v in ((1.0, speed), (-1.0, lanes.eta * speed))[: 1 if self.body.one_sided else 2]:
@@ -270,9 +271,9 @@ class GroundForces(Observer):
             fx, fz = (np.array(x) for x in zip(*found, strict=True))  # (edges, 4, 2, lanes)
             change = np.maximum(np.abs(fx - fx[:, :1]), np.abs(fz - fz[:, :1])).max(axis=(0, 1, 2))
             known = (speed == 0.0) | (change + drift < _STILL * np.clip(fz.min(axis=(0, 1, 2)), 0.0, 1.0))
-            can = self.extremes.can_be_beaten(cell, fx, fz)
+            can = self.extremes.can_be_exceeded(cell, fx, fz)
         bounces, done = np.flatnonzero(known & (speed > 0.0)), known | ~can
-        self.extremes.take_in(cell[bounces], fx[:, 0][..., bounces], fz[:, 0][..., bounces])
+        self.extremes.include_forces(cell[bounces], fx[:, 0][..., bounces], fz[:, 0][..., bounces])
         at = np.flatnonzero(done & (lanes.k < self.batch.shaken))  # they rest after their bounces until their next uplift
         cell, (k, u) = lanes.cell[at], place(self.segments, lanes.k[at], lanes.u[at] + lanes.omega[at] * lasts[at])
         self.rest(cell, k, u, *self.batch.rests_until(cell, k, u)[1])
@@ -283,8 +284,8 @@ class GroundForces(Observer):
         self._search_steps()
         self._search_free()
         if self.batch.free_fall is not None:
-            fallen = np.flatnonzero(self.batch.free_fall.ever & (outcome == Outcome.LOST_CONTACT))
-            self.extremes.take_in(fallen, np.zeros(fallen.size), np.zeros(fallen.size))
+            fallen = np.flatnonzero(self.batch.free_fall.occurs & (outcome == Outcome.LOST_CONTACT))
+            self.extremes.include_forces(fallen, np.zeros(fallen.size), np.zeros(fallen.size))
         friction, lift = self.extremes.largest.reshape(2, -1)
         return friction, -lift
 

@@ -33,9 +33,9 @@ class PeakSpeed(Observer):
         """Take in the speeds at the ends of arcs, and where the acceleration passes through zero."""
         lanes, arc, reach, y, v, b, _ = arcs
         b = b - 2.0 * arc.damping * v
-        self.speed.offer(lanes.cell, self._speed(lanes.side, lanes.cell, y, v))
+        self.speed.include(lanes.cell, self._speed(lanes.side, lanes.cell, y, v))
         within = np.maximum(np.abs(arc.v), np.abs(v)) + 0.5 * reach * np.maximum(np.abs(arc.b), np.abs(b))
-        at = np.flatnonzero((arc.b * b < 0.0) & self.speed.can_beat(lanes.cell, self._speed(lanes.side, lanes.cell, y, within)))
+        at = np.flatnonzero((arc.b * b < 0.0) & self.speed.can_exceed(lanes.cell, self._speed(lanes.side, lanes.cell, y, within)))
         if not at.size:
             return
         side, cell, arc, sign, zero = lanes.side[at], lanes.cell[at], arc.take(at), np.sign(arc.b[at]), np.zeros(at.size)
@@ -49,8 +49,8 @@ class PeakSpeed(Observer):
             point = arc.take(own).at(h)
             return rates(own, point.y, point.v, point.b)
 
-        every, whole = np.arange(at.size), Stretches(np.arange(at.size), zero, reach[at], arc.fastest)
-        ends = rates(every, arc.y, arc.v, arc.b), rates(every, y[at], v[at], b[at])
+        indices, whole = np.arange(at.size), Stretches(np.arange(at.size), zero, reach[at], arc.fastest)
+        ends = rates(indices, arc.y, arc.v, arc.b), rates(indices, y[at], v[at], b[at])
         s, one, other = parts(along, whole, *ends)
         self.speed.search(cell[s.own], along, s, one, other)
 
@@ -62,19 +62,19 @@ class PeakSpeed(Observer):
         within = (np.maximum(np.abs(v), np.abs(end_v)) + steepest * ramp.unit) * np.exp(2.0 * equation.damping * ramp.unit)
         speed = np.abs(self.contact.speed(side, equation.rotation_rate(end_y, end_v)))
         highest = self.contact.speed(side, equation.rotation_rate(end_y, within))
-        at, drag = np.flatnonzero(go & (highest > speed) & self.speed.can_beat(cell, highest)), 2.0 * equation.damping
+        at, drag = np.flatnonzero(go & (highest > speed) & self.speed.can_exceed(cell, highest)), 2.0 * equation.damping
         if at.size:
             there = self.equation.on(side[at], cell[at])
             first = there.force(y[at], ramp.drive[at]) - drag * v[at]
             last = there.force(end_y[at], ramp.drive[at] + ramp.gain[at]) - drag * end_v[at]
             go[at[first * last < 0.0]] = False
-        self.speed.offer(cell[go], speed[go])
+        self.speed.include(cell[go], speed[go])
 
     def propagates(self, lanes: Lanes, step: Propagation, proved: Array, strongest: Callable[[Array], Array]) -> Array:
         """Returns propagations that may hold a larger speed. With c - 1 <= y'' <= r, v is below the lines of slope r from the start and c -
         1 to the end, and above those of slope c - 1 from the start and r to the end."""
         cell, side, at = lanes.cell, lanes.side, np.flatnonzero(proved)
-        self.speed.offer(cell[at], np.abs(self.contact.speed(side[at], step.v[at])))
+        self.speed.include(cell[at], np.abs(self.contact.speed(side[at], step.v[at])))
         fastest = self.speed.largest[cell] / self.contact.speed(side, np.ones(side.size))
         at = np.flatnonzero((step.fall * step.time + np.maximum(step.v, -lanes.v) > fastest) & proved)
         v, end, fall, time = lanes.v[at], step.v[at], step.fall[at], step.time[at]
@@ -88,7 +88,7 @@ class PeakSpeed(Observer):
         """Take in the speed at the next impact."""
         zero, there = np.zeros(lanes.cell.size), self.equation.on(lanes.side, lanes.cell)
         at_ground = np.sqrt(there.fall(lanes.y, lanes.v)[1] / there.fall(zero, zero + 1.0)[1])
-        self.speed.offer(lanes.cell, self._speed(lanes.side, lanes.cell, zero, at_ground))
+        self.speed.include(lanes.cell, self._speed(lanes.side, lanes.cell, zero, at_ground))
 
     def may_settle(self, lanes: Lanes, bounced: Array) -> Array:
         """False for lanes that fall for the first time on still ground: the march follows them to the impact."""

@@ -32,15 +32,15 @@ _ROUNDS = 32  # rounds of the search; each leaves two thirds of the interval
 
 
 class Arm(NamedTuple):
-    """One edge. alpha [rad]; rise: R p^2/g with the p of the path [-]. Fz over m g is w + rise (cos(alpha - u))'', with u = |theta|."""
+    """One edge. alpha [rad]; rise: R p^2/g with the p of tau [-]. Fz over m g is w + rise (cos(alpha - u))'', with u = |theta|."""
 
     alpha: float
     rise: float
 
-    def fz(self, u: float, rate: float, bend: float, weight: float) -> float:
-        """Fz/(m g) at u [rad]; rate, bend: the derivatives u' and u'' by tau; weight: over m g."""
+    def fz(self, u: float, rate: float, acceleration: float, weight: float) -> float:
+        """Fz/(m g) at u [rad]; rate, acceleration: the derivatives u' and u'' by tau; weight: over m g."""
         z = self.alpha - u
-        return weight + self.rise * (bend * math.sin(z) - rate * rate * math.cos(z))
+        return weight + self.rise * (acceleration * math.sin(z) - rate * rate * math.cos(z))
 
 
 class Rates(NamedTuple):
@@ -144,14 +144,14 @@ def next_uplift(piece: Piece, phase: float, push: float) -> float | None:
     return None
 
 
-def lets_go(rough: tuple[float, float, float], force: Callable[[float], float]) -> bool:
+def falls_to_zero(rough: tuple[float, float, float], force: Callable[[float], float]) -> bool:
     """True if a force falls to zero on a step that holds at most one minimum. rough: the force at the start, about the middle and at the
-    end; force: function of the share of the step. It skips the search if the parabola through the three values stays well above zero."""
+    end; force: function of the time over the step. It skips the search if the parabola through the three values stays well above zero."""
     first, middle, last = rough
     if first <= 0.0 or last <= 0.0:
         return True
-    slope, bend = 0.5 * (last - first), first - 2.0 * middle + last
-    dip = middle - 0.5 * slope * slope / bend if bend > abs(slope) else min(rough)
+    slope, second_difference = 0.5 * (last - first), first - 2.0 * middle + last
+    dip = middle - 0.5 * slope * slope / second_difference if second_difference > abs(slope) else min(rough)
     low, high = 0.0, 1.0
     for _ in range(_ROUNDS if dip <= _NEAR + _PART * (max(rough) - min(rough)) else 0):
         third = (high - low) / 3.0
@@ -169,7 +169,7 @@ class _Body:
         self.time = self.theta = self.w = self.peak = 0.0
         self.side = 0
         self.here = problem.edges[1]  # the equation on the side of the body
-        self.bounced = self.let_go = False  # let_go: True if it has lost the ground on the way
+        self.bounced = self.contact_lost = False  # contact_lost: True if Fz fell to zero on the way
         self.up: Piece | None = None  # the present piece of the vertical motion
         vertical = motion.vertical
         self.least = 1.0 if vertical is None else 1.0 + self.drive * float(vertical.segments.later_min[0])  # weight over m g
@@ -184,8 +184,8 @@ class _Body:
                 left -= 1
                 if left < 0:
                     return Outcome.FAILED, math.nan
-                (self.move if self.side else self.wait)(piece, end)
-                if self.theta > self.here.limit or (self.side and self.theta > self.here.alpha and self.lost()):
+                (self.move if self.side else self.rest)(piece, end)
+                if self.theta > self.here.limit or (self.side and self.theta > self.here.alpha and self.cannot_return()):
                     return self.overturned(), math.nan
             if fall is not None and self.theta >= FALLEN * self.here.alpha:
                 return self.overturned(), math.nan
@@ -193,13 +193,13 @@ class _Body:
                 known = self.theta <= self.here.alpha or self.here.returns
                 return Outcome.LOST_CONTACT if known else Outcome.FAILED, math.nan
         outcome, peak = self.still()
-        return (Outcome.LOST_CONTACT, math.nan) if outcome == Outcome.ROCKED and self.let_go else (outcome, peak)
+        return (Outcome.LOST_CONTACT, math.nan) if outcome == Outcome.ROCKED and self.contact_lost else (outcome, peak)
 
     def weight(self, time: float) -> float:
         """The weight over m g at this time."""
         return 1.0 if self.up is None else 1.0 + self.drive * value(self.up, self.omega * time)
 
-    def wait(self, piece: Piece, end: float) -> None:
+    def rest(self, piece: Piece, end: float) -> None:
         """Let the body rest until its first uplift or the end of the piece."""
         lifts = []
         for side, edge in self.problem.edges.items():  # with a vertical motion each edge has an effective motion of its own
@@ -220,7 +220,7 @@ class _Body:
         stretch = 0.5 / (1.0 + self.omega * max((h.frequency for h in piece.harmonics), default=0.0))
         stop = min(end, self.time + (stretch if self.solver is path else _SCRIPT_STRETCH))
         peaks, there, struck, steps = self.solver(rate, start, stop, self.here.limit * (1.0 + 1e-9))  # surely beyond it
-        self.press(rate, steps)
+        self.check_contact(rate, steps)
         for peak in peaks:
             speed, force = rate(*peak)
             self.peak = max(self.peak, (peak.theta - 0.5 * speed * peak.w / force) / self.here.alpha)
@@ -237,15 +237,15 @@ class _Body:
         if self.w <= 0.0 or (self.w < _AT_REST and not lifted and eta < 1.0):
             self.side, self.w = 0, 0.0
 
-    def press(self, rate: Rate, steps: list[Point]) -> None:
-        """Record in `let_go` if Fz falls to zero along these steps of a body whose forces are known; such a body has theta' = w."""
+    def check_contact(self, rate: Rate, steps: list[Point]) -> None:
+        """Record in `contact_lost` if Fz falls to zero along these steps of a body whose forces are known; such a body has theta' = w."""
         arm = self.problem.arms.get(self.side)
-        if arm is None or self.let_go:
+        if arm is None or self.contact_lost:
             return
 
         def pressed(at: Point) -> tuple[float, float]:
-            bend = rate(*at)[1]
-            return bend, arm.fz(at.theta, at.w, bend, self.weight(at.time))
+            acceleration = rate(*at)[1]
+            return acceleration, arm.fz(at.theta, at.w, acceleration, self.weight(at.time))
 
         after = pressed(steps[0])
         for one, other in pairwise(steps):
@@ -257,11 +257,11 @@ class _Body:
             def within(part: float, one: Point = one, length: float = length) -> float:
                 return pressed(step(rate, one, part * length) or one)[1]
 
-            self.let_go = self.let_go or lets_go((before[1], middle[1], after[1]), within)
+            self.contact_lost = self.contact_lost or falls_to_zero((before[1], middle[1], after[1]), within)
 
-    def lost(self) -> bool:
+    def cannot_return(self) -> bool:
         """True if the body moves outwards where the strongest inward ground acceleration does not pull it in, and w > 0 always."""
-        return self.least > 0.0 < self.w and self.here.of(self.theta, self.w, self.drive * self.motion.peak, self.least)[1] > 0.0
+        return self.least > 0.0 < self.w and self.here.of(self.theta, self.w, self.drive * self.motion.largest, self.least)[1] > 0.0
 
     def overturned(self) -> Outcome:
         return Outcome.OVERTURNED_AFTER_IMPACT if self.bounced else Outcome.OVERTURNED_NO_IMPACT

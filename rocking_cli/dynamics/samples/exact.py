@@ -26,27 +26,27 @@ _TABLES = 1 << 25  # bytes of tables at a time
 _LEAST = 1e-8  # over 1 + A: below this displacement the march goes on, since a propagation errs by 1e-15
 _ROUNDS = 16  # largest number of propagations in a row; then the waiting lanes get their round of the march
 _FEW = 2  # propagations stop when fewer than one in so many lanes goes on
-_SURELY = 1.0 - 1e-6  # share of a horizon that is used: y at the end of a propagation may err by 1e-15 of 1e-8
+_SAFE_SHARE = 1.0 - 1e-6  # share of a horizon that is used: y at the end of a propagation may err by 1e-15 of 1e-8
 _TERMS = 20  # terms of the series of the weights: the first one left out is below 1e-17 up to `stepper.LONGEST`
 LONGEST_STRETCH = 24.0  # tau: its exp stays below 3e10, so that growth cannot bury the state in rounding
-_FORGOTTEN = 1e-20  # a mode that has decayed to this share is left out
-SLACK = 1e-6  # part of the peak by which each bound lies below what it bounds: far above the rounding to single precision
+_NEGLIGIBLE = 1e-20  # a mode that has decayed to this share is left out
+BOUND_MARGIN = 1e-6  # part of the peak by which each bound lies below what it bounds: far above the rounding to single precision
 _FINE = 3  # stretches of 2^k samples begin at every sample up to this k, at every 2^(k - 3)rd beyond
 
 
 def bounded_response(samples: Array, pace: Array) -> Array:
     """Y + iY' at the samples, (paces, samples); pace: interval between samples [tau], (paces,), at most `stepper.LONGEST`."""
-    all_of_it = -np.expm1(-pace)  # int_0^h exp(-t) dt
+    total = -np.expm1(-pace)  # int_0^h exp(-t) dt
     far = np.zeros_like(pace)  # int_0^h exp(-t) t/h dt
     for k in range(_TERMS, -1, -1):
         far = far * -pace + (k + 1.0) / math.factorial(k + 2)
     far *= pace
-    near = all_of_it - far
+    near = total - far
     decays = np.exp(-pace[:, None] * 2.0 ** np.arange((samples.size - 1).bit_length()))  # over 1, 2, 4 ... samples
     result = np.empty((pace.size, samples.size), dtype=complex)
     for row, *weights, decay in zip(result, near.tolist(), far.tolist(), decays, strict=True):
-        felt = decay[decay >= _FORGOTTEN].tolist()
-        up, down = _mode(samples, weights, felt), _mode(samples[::-1], weights, felt)[::-1]
+        decays = decay[decay >= _NEGLIGIBLE].tolist()
+        up, down = _mode(samples, weights, decays), _mode(samples[::-1], weights, decays)[::-1]
         row.real, row.imag = 0.5 * (up + down), 0.5 * (up - down)
     return result
 
@@ -84,9 +84,9 @@ def stretches(motions: Sequence[Array], levels: int) -> Stretches:
     start = np.cumsum(sizes) - sizes
     low = np.empty((len(motions), 2, int(sizes.sum())), dtype=np.float32)
     for own, samples in zip(low, motions, strict=True):
-        last, slack = samples.size - 1, SLACK * largest(samples)
+        last, margin = samples.size - 1, BOUND_MARGIN * largest(samples)
         for side, outward in zip(own, (-samples, samples), strict=True):
-            least = (outward - slack).astype(np.float32)
+            least = (outward - margin).astype(np.float32)
             for level in range(levels):
                 reach = 1 << max(level - 1, 0)  # from the front: later entries are still those of the level before
                 least[:-reach] = np.minimum(least[:-reach], least[reach:])
@@ -130,7 +130,7 @@ class ExactStepper(SampleStepper[ExactLanes]):
             self.rows[:, waiting[some]] = begins[row].reshape(len(which), -1) - self.first[waiting[some]]
             yield np.sort(waiting[some])
 
-    def launch(self, lanes: PooledLanes) -> ExactLanes:
+    def prepare(self, lanes: PooledLanes) -> ExactLanes:
         """Add to lanes the coefficients of their modes, relative to the bounded response."""
         found = lanes.extended(ExactLanes, up=lanes.y, down=lanes.y, row=lanes.k, level=lanes.k)
         self._renew_modes(found)
@@ -157,12 +157,12 @@ class ExactStepper(SampleStepper[ExactLanes]):
         """The level of the longest stretch over which lanes of this pace are propagated."""
         return np.minimum(np.frexp(LONGEST_STRETCH / pace)[1] - 1, self.stretches.start.size - 1).astype(np.int64)
 
-    def can_jump(self, lanes: ExactLanes) -> Array:
+    def can_propagate(self, lanes: ExactLanes) -> Array:
         """True for lanes that have more samples to come and do not fall back to the ground within this interval."""
         ahead = self.step.take(lanes.cell) - lanes.u
         return (lanes.k < self.last.take(lanes.cell)) & ((lanes.y > 0.0) | (2.0 * lanes.v * lanes.omega >= -lanes.b * ahead))
 
-    def jump(self, lanes: ExactLanes, at: Array, many: bool) -> Array:
+    def propagate(self, lanes: ExactLanes, at: Array, many: bool) -> Array:
         """Propagate lanes several times. A lane stops when a propagation is not proved."""
         own, go = lanes.take(at), np.ones(at.size, dtype=bool)
         drive, pace, top = own.outward, own.pace, self._top(own.pace)
@@ -172,7 +172,7 @@ class ExactStepper(SampleStepper[ExactLanes]):
             least = np.abs(drive) * self.stretches.at(face, own.level, own.k - first)  # outward drive
             time, fall = horizon(own.y, own.v, least)
             past = own.u * per_step  # samples since the start of the interval
-            ahead = np.fmin(past + time * (_SURELY / pace), np.minimum(np.left_shift(1, own.level), last - own.k))
+            ahead = np.fmin(past + time * (_SAFE_SHARE / pace), np.minimum(np.left_shift(1, own.level), last - own.k))
             go &= ahead >= 1.0
             count = np.where(go, ahead, 1.0).astype(np.int64)
             to = np.minimum(own.k + count, last)

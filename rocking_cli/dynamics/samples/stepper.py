@@ -1,6 +1,6 @@
 """`SampleStepper` takes cells through a record with equal steps: over samples where a proof allows it, elsewhere by rounds of the march.
 
-A jump is such a move over one or more samples. The subclasses `exact.ExactStepper` and `taylor_steps.TaylorStepper` decide how far it goes.
+The subclasses `exact.ExactStepper` and `taylor_steps.TaylorStepper` decide over how many samples they propagate a lane.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from ..lanes import Array, Lanes
 from ..march.engine import Run, by_windows
 from ..outcome import Outcome
 
-WIDTH = 5056  # lanes in one call of `jump`: their arrays fit the second-level cache, and rows are no power of two apart
-LONGEST = 0.5  # interval between samples [tau] up to which lanes jump
+WIDTH = 5056  # lanes in one call of `propagate`: their arrays fit the second-level cache, and rows are no power of two apart
+LONGEST = 0.5  # interval between samples [tau] up to which lanes are propagated over samples
 
 
 @dataclass
@@ -61,20 +61,20 @@ class SampleStepper(ABC, Generic[Pooled]):
         yield waiting
 
     @abstractmethod
-    def launch(self, lanes: PooledLanes) -> Pooled:
+    def prepare(self, lanes: PooledLanes) -> Pooled:
         """Returns lanes with the additional fields that a subclass needs in the pool."""
 
-    def can_jump(self, lanes: Pooled) -> Array:
-        """True for lanes that are at a sample before the last one, from which a jump may be tried."""
+    def can_propagate(self, lanes: Pooled) -> Array:
+        """True for lanes that are at a sample before the last one, from which a propagation may be tried."""
         return (lanes.u == 0.0) & (lanes.k < self.last.take(lanes.cell))
 
     def order(self, lanes: Pooled, at: Array) -> Array:
-        """The indices `at`, sorted so that lanes with similar jumps are together."""
+        """The indices `at`, sorted so that lanes with similar propagations are together."""
         return at
 
     @abstractmethod
-    def jump(self, lanes: Pooled, at: Array, many: bool) -> Array:
-        """Move the lanes `at` over samples; returns True for lanes that can jump again. many: True if other lanes wait to jump."""
+    def propagate(self, lanes: Pooled, at: Array, many: bool) -> Array:
+        """Move the lanes `at` over samples; returns True for lanes that can go on. many: True if other lanes wait."""
 
     def after_round(self, lanes: Pooled) -> None:
         """Renew the additional fields of lanes after a round of the march."""
@@ -85,26 +85,26 @@ class SampleStepper(ABC, Generic[Pooled]):
         taken = min(self.run.pool, waiting.size)
         lanes = self._begin(waiting[:taken], np.arange(taken))
         free = np.zeros(taken, dtype=bool)
-        ready = self.can_jump(lanes)
+        ready = self.can_propagate(lanes)
         while lanes.cell.size:
             at = self.order(lanes, np.flatnonzero(ready))
             for first in range(0, at.size, WIDTH):
                 some = at[first : first + WIDTH]
-                ready[some] = self.jump(lanes, some, at.size > WIDTH)
+                ready[some] = self.propagate(lanes, some, at.size > WIDTH)
             stopped = np.flatnonzero(~(ready | free))
-            going = self._careful(lanes.take(stopped))
+            going = self._march_round(lanes.take(stopped))
             free[stopped] = True
             lanes.put(going.slot, going)
-            free[going.slot], ready[going.slot] = False, self.can_jump(going)
-            lost = self._lost(lanes, np.flatnonzero(ready))
-            free[lost], ready[lost] = True, False
+            free[going.slot], ready[going.slot] = False, self.can_propagate(going)
+            fallen = self._overturn(lanes, np.flatnonzero(ready))
+            free[fallen], ready[fallen] = True, False
             places = np.flatnonzero(free)
             more = min(places.size, waiting.size - taken)
             if more:
                 new = self._begin(waiting[taken : taken + more], places[:more])
                 taken += more
                 lanes.put(new.slot, new)
-                free[new.slot], ready[new.slot] = False, self.can_jump(new)
+                free[new.slot], ready[new.slot] = False, self.can_propagate(new)
             elif 4 * places.size >= free.size:
                 keep = np.flatnonzero(~free)
                 lanes, ready, free = lanes.take(keep), ready[keep], free[keep]
@@ -115,10 +115,10 @@ class SampleStepper(ABC, Generic[Pooled]):
         lanes = self.run.start(cells)
         lanes.k, lanes.u = place(self.segments, lanes.k, lanes.u)
         pace = self.step.take(lanes.cell) / lanes.omega
-        return self.launch(lanes.extended(PooledLanes, pace=pace, outward=-lanes.side * lanes.amplitude, slot=slot))
+        return self.prepare(lanes.extended(PooledLanes, pace=pace, outward=-lanes.side * lanes.amplitude, slot=slot))
 
-    def _careful(self, lanes: Pooled) -> Pooled:
-        """Take one round of the march with lanes that cannot jump; returns the lanes that are not finished."""
+    def _march_round(self, lanes: Pooled) -> Pooled:
+        """Take one round of the march with lanes that cannot be propagated; returns the lanes that are not finished."""
         past = self.segments.ended(lanes.k)
         if past.any():  # undamped lanes at the end of the shaking
             lanes.k[past] = len(self.segments)
@@ -127,12 +127,12 @@ class SampleStepper(ABC, Generic[Pooled]):
             self.run.finish(ended, np.flatnonzero(failed), Outcome.FAILED, np.nan)
             self.run.end_shaking(ended.take(np.flatnonzero(~failed)))
             lanes = lanes.take(np.flatnonzero(~past))
-        self.run.push(lanes, np.flatnonzero((lanes.u == 0.0) & (lanes.y > 0.0)))  # jumps do not keep the force
+        self.run.renew_force(lanes, np.flatnonzero((lanes.u == 0.0) & (lanes.y > 0.0)))  # a propagation does not keep the force
         going = self.run.round(lanes)
         self.after_round(going)
         return going
 
-    def _lost(self, lanes: PooledLanes, at: Array) -> Array:
+    def _overturn(self, lanes: PooledLanes, at: Array) -> Array:
         """Finish those of the lanes `at` that nothing can bring back (Lemma 6); returns their indices."""
         at = at[lanes.y[at] + lanes.v[at] > 1.0]
         at = at[self.run.batch.cannot_return(lanes, at, lanes.k[at], lanes.y[at], lanes.v[at])]

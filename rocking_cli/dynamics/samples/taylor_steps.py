@@ -21,7 +21,7 @@ from ..observers.observer import TaylorSteps
 from .stepper import PooledLanes, SampleStepper, gains
 
 LANES = 32768  # lanes: the cost of a round depends on its calls more than on its lanes
-_STEPS, _NARROW = 4, 16  # Taylor steps in one call of `jump`: if several blocks of lanes wait for it, and if only one does
+_STEPS, _NARROW = 4, 16  # Taylor steps in one call of `propagate`: if several blocks of lanes wait for it, and if only one does
 _NEARLY = 0.9  # share of the limit of y: beyond it the march decides whether the body overturns
 
 
@@ -39,7 +39,7 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
         super().__init__(run, samples)
         self.steepest = np.array([largest(gains(one)) for one in self.values])[self.motion]
 
-    def launch(self, lanes: PooledLanes) -> SteppingLanes:
+    def prepare(self, lanes: PooledLanes) -> SteppingLanes:
         """Give each lane the degree of its Taylor series, before its first step."""
         return lanes.extended(SteppingLanes, degree=self._degree(lanes))
 
@@ -52,7 +52,7 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
         """The indices `at`, sorted by degree, so that the lanes of a block have series of similar length."""
         return at[np.argsort(lanes.degree[at].astype(np.int8), kind="stable")]
 
-    def jump(self, lanes: SteppingLanes, at: Array, many: bool) -> Array:
+    def propagate(self, lanes: SteppingLanes, at: Array, many: bool) -> Array:
         """Take several Taylor steps. A lane stops when a step is not proved."""
         names = "cell", "side", "k", "y", "v", "peak", "pace", "outward", "degree"
         cell, side, k, y, v, peak, pace, outward, degree = (getattr(lanes, name).take(at) for name in names)
@@ -79,7 +79,7 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
     def _step(self, equation: Equation, y: Array, v: Array, peak: Array, ramp: Ramp, last: Array) -> tuple[Array, Array, Array]:
         """(y, y', True if neither an impact nor a higher peak occurs on the way (Lemma 12)) at the end of a ramp."""
         terms = equation.ramp_terms(y, v, ramp)
-        hop, unit = terms[1], ramp.unit
+        first, unit = terms[1], ramp.unit
         drop = np.minimum(ramp.drive, ramp.drive + ramp.gain)
         np.minimum(drop, 0.0, out=drop)
         lift, push = equation.bounds
@@ -87,13 +87,13 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
         drop += lift if ramp.weight is None else lift * np.maximum(ramp.weight[0], ramp.weight[0] + ramp.weight[1])
         drop *= unit
         drop *= unit  # K h^2
-        low = y + hop
+        low = y + first
         low -= 0.5 * drop
-        rise, higher = hop, 0.125 * drop
+        rise, higher = first, 0.125 * drop
         if equation.damping:
             lag = equation.damping * unit
-            low -= lag * np.abs(hop)
-            rise, higher = hop * (1.0 - 2.0 * lag), higher * np.exp(2.0 * lag)
+            low -= lag * np.abs(first)
+            rise, higher = first * (1.0 - 2.0 * lag), higher * np.exp(2.0 * lag)
         proved = low > 0.0
         proved &= last_terms(terms, last, unit) <= WITHIN * equation.tolerance * unit
         top = len(terms) - 1
@@ -113,7 +113,7 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
         return end_y, end_v, proved
 
     def after_round(self, lanes: SteppingLanes) -> None:
-        """Take lanes that are inside an interval after an impact to its end, where a Taylor step is proved; `jump` would cost more."""
+        """Take lanes that are inside an interval after an impact to its end, where a Taylor step is proved; `propagate` would cost more."""
         super().after_round(lanes)
         if len(self.cells.amplitude) > 1:  # the other edge needs another degree
             lanes.degree = self._degree(lanes)
@@ -141,9 +141,9 @@ class WeighedTaylorStepper(TaylorStepper):
         segments = run.batch.segments.weighed
         self.share, upwards = segments.share, segments.vertical
         shaken = run.batch.shaken
-        self.ups = followed_by(upwards.s_start[:shaken], float(upwards.s_end[shaken - 1]))
-        self.rises = gains(self.ups)
-        self.highest, self.steepest_up = largest(self.ups), largest(self.rises)
+        self.vertical = followed_by(upwards.s_start[:shaken], float(upwards.s_end[shaken - 1]))
+        self.vertical_gains = gains(self.vertical)
+        self.largest_vertical, self.steepest_vertical = largest(self.vertical), largest(self.vertical_gains)
 
     def march(self, waiting: Array) -> None:
         """March the cells that are lifted before the ground falls away from them; finish the others."""
@@ -156,19 +156,19 @@ class WeighedTaylorStepper(TaylorStepper):
         amplitude, pace = lanes.amplitude, lanes.pace
         drive = amplitude * np.maximum(2.0, self.steepest.take(lanes.cell) / pace)
         sway = max(abs(x) for x in self.share) * amplitude
-        added = sway * self.highest
-        weight = np.maximum(added, sway * self.steepest_up / pace)
+        added = sway * self.largest_vertical
+        weight = np.maximum(added, sway * self.steepest_vertical / pace)
         return degrees(2.0 + drive + weight, pace * np.sqrt(1.0 + added), self.equation.tolerance)
 
     def _ramp(self, k: Array, outward: Array, pace: Array, factors: Array) -> Ramp:
         sway = np.where(outward < 0.0, *self.share) * np.abs(outward)  # zg''/g of s_v = 1
-        weight = sway * self.ups.take(k)
+        weight = sway * self.vertical.take(k)
         weight += 1.0
-        return super()._ramp(k, outward, pace, factors)._replace(weight=(weight, sway * self.rises.take(k)))
+        return super()._ramp(k, outward, pace, factors)._replace(weight=(weight, sway * self.vertical_gains.take(k)))
 
     def _step(self, equation: Equation, y: Array, v: Array, peak: Array, ramp: Ramp, last: Array) -> tuple[Array, Array, Array]:
         end_y, end_v, proved = super()._step(equation, y, v, peak, ramp, last)
         assert ramp.weight is not None
-        weight, heavier = ramp.weight
-        proved &= np.minimum(weight, weight + heavier) > 0.0
+        weight, weight_gain = ramp.weight
+        proved &= np.minimum(weight, weight + weight_gain) > 0.0
         return end_y, end_v, proved

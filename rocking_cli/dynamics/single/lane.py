@@ -1,8 +1,9 @@
-"""One body on floats before its march: its sides, the code of its equation on each, and the motion as lists."""
+"""One body on floats before its march: the motion as lists, its sides, and the code of its equation on each."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -11,21 +12,113 @@ from ..equations.taylor import LONGEST, MOST_TERMS, degrees
 from ..lanes import Cells, Lanes
 from ..march.batch import SETTLING
 from ..system import System
-from .drive_lists import Reel
 from .recurrence import Code, compiled
 
 _ORDER = 18  # order of series under sinusoids
 _COMPOSED = 12  # largest order for an equation whose cost goes with the third power of the order
 _NO_CODE = Code(0, lambda *_: (), None)
 _SAMPLED = 1 << 12  # the longest of the first so many segments gives the number of terms of the series
+_BLOCK = 1 << 15  # segments whose lists are held at once
 
 
-class Face(NamedTuple):
-    """A side that the body rocks on.
+class Block(NamedTuple):
+    """Segments first ... first + len(length) - 1: s at their start, its rise, and their length [rad]; up, up_rise: the start and rise of
+    the vertical motion, empty without one."""
 
-    drive: outward drive of s = 1; lift, push: the largest l and m; fall: K of Lemma 12; keeps: speed after over speed before an impact on
-    leaving the side, each in the unit of its side; cycle: the same for a bounce until the body is back here; unit: y = 1 of this side in
-    the unit of the first side; top: y of the unstable equilibrium; limit: y from which the body lies on its side.
+    first: int
+    start: list[float]
+    rise: list[float]
+    length: list[float]
+    up: list[float]
+    up_rise: list[float]
+
+
+class Wave(NamedTuple):
+    """The closed form of a segment: (sine part at its start, cosine part there, frequency) of each sinusoid, and the slope by the phase."""
+
+    parts: list[tuple[float, float, float]]
+    slope: float
+
+    @classmethod
+    def of(cls, segments: Segments, k: int) -> Wave:
+        """Returns the wave of segment k."""
+        columns = (x[:, k].tolist() for x in (segments.sin, segments.cos, segments.frequency))
+        return cls([row for row in zip(*columns, strict=True) if row[0] or row[1]], float(segments.slope[k]))
+
+    def change(self, u: float) -> float:
+        """s at phase u of the segment, less s at its start."""
+        total = self.slope * u
+        for sin, cos, w in self.parts:
+            t = math.tan(0.5 * w * u)
+            total += 2.0 * t * (cos - sin * t) / (1.0 + t * t)
+        return total
+
+    def terms(self, u: float, length: float, order: int) -> list[float]:
+        """Terms 1 ... order of s from phase u on, in powers of the phase over this length [rad]; term 0 is left at 0."""
+        found = [0.0] * (order + 1)
+        found[1] = self.slope * length
+        for sin, cos, w in self.parts:
+            x, c, s = w * length, math.cos(w * u), math.sin(w * u)
+            odd, even = (cos * c - sin * s) * x, -0.5 * (sin * c + cos * s) * x * x
+            for n in range(1, order, 2):
+                found[n] += odd
+                found[n + 1] += even
+                odd *= -x * x / ((n + 1) * (n + 2))
+                even *= -x * x / ((n + 2) * (n + 3))
+            if order % 2:
+                found[order] += odd
+        return found
+
+
+class DriveLists:
+    """The segments of a motion, read block by block as lists of floats."""
+
+    def __init__(self, segments: Segments) -> None:
+        self.segments, self.straight, self.count = segments, segments.straight, len(segments)
+        self.vertical = None if segments.weighed is None else segments.weighed.vertical
+        self.block = Block(0, [], [], [], [], [])
+        self._waves: dict[int, tuple[Wave, ...]] = {}
+
+    def at(self, k: int) -> Block:
+        """The block that holds segment k."""
+        block = self.block
+        if not block.first <= k < block.first + len(block.length):
+            first = k - k % _BLOCK
+            part = slice(first, min(first + _BLOCK, self.count))
+            lists: list[Any] = []
+            for segments in (self.segments, self.vertical):
+                start = np.empty(0) if segments is None else np.asarray(segments.s_start[part])
+                end = start if segments is None else np.asarray(segments.s_end[part])
+                lists += [start.tolist(), (end - start).tolist()]
+            length = np.asarray(self.segments.length[part]).tolist()
+            block = self.block = Block(first, lists[0], lists[1], length, lists[2], lists[3])
+        return block
+
+    def waves(self, k: int) -> tuple[Wave, ...]:
+        """The waves of a segment that is not straight: the horizontal one, and the vertical one if there is one."""
+        found = self._waves.get(k)
+        if found is None:
+            signals = [self.segments] if self.vertical is None else [self.segments, self.vertical]
+            found = self._waves[k] = tuple(Wave.of(x, k) for x in signals)
+        return found
+
+    def value(self, k: int, u: float) -> tuple[float, float]:
+        """s and the vertical s_v at phase u of segment k."""
+        block = self.at(k)
+        i = k - block.first
+        share = u / block.length[i]
+        if self.straight:
+            return block.start[i] + block.rise[i] * share, block.up[i] + block.up_rise[i] * share if block.up else 0.0
+        waves = self.waves(k)
+        return block.start[i] + waves[0].change(u), block.up[i] + waves[1].change(u) if block.up else 0.0
+
+
+class Edge(NamedTuple):
+    """An edge that the body rocks on.
+
+    drive: outward drive of s = 1; lift, push: the largest l and m; fall: K of Lemma 12; speed_ratio: speed after over speed before an
+    impact on leaving the side, each in the unit of its side; cycle_ratio: the same for a bounce until the body is back here; unit: y = 1 of
+    this side in the unit of the first side; top: y of the unstable equilibrium; limit: y from which the body lies on its side.
     """
 
     side: float
@@ -36,8 +129,8 @@ class Face(NamedTuple):
     lift: float
     push: float
     fall: float
-    keeps: float
-    cycle: float
+    speed_ratio: float
+    cycle_ratio: float
     unit: float
     top: float
     limit: float
@@ -52,60 +145,62 @@ class Lane:
         cells = system.contact.cells(system.equation, np.ones(1), self.omega, self.eta)
         if system.equation.damping:  # no closed form of the free motion: march on over still ground
             segments = segments.followed_by_rest(SETTLING * (1.0 + 3.0 * system.equation.damping) * float(cells.omega.max()))
-        self.system, self.segments, self.reel = system, segments, Reel(segments)
+        self.system, self.segments, self.drive_lists = system, segments, DriveLists(segments)
         self.weighed = segments.weighed is not None
         self.zeta = float(system.equation.damping)
-        self.most_up = 0.0
+        self.largest_vertical = 0.0
         self.largest = max(float(segments.later_max[0]), -float(segments.later_min[0]))
         if (weighed := segments.weighed) is not None:
             self.largest = max(self.largest, float(weighed.inward[0][0]), -float(weighed.inward[1][0]))
-            self.most_up = max(float(weighed.vertical.later_max[0]), -float(weighed.vertical.later_min[0]))
+            self.largest_vertical = max(float(weighed.vertical.later_max[0]), -float(weighed.vertical.later_min[0]))
         self._codes: dict[tuple[float, int], Code] = {}
         self.laws = {side: system.equation.law(side) for side in (1.0, -1.0)}
         self.composed = self.laws[1.0].local is not None
         self.longest = float(np.max(segments.length[: min(self.shaken, _SAMPLED)]))
-        self._unit = {side: self._face(cells, side) for side in ((1.0,) if self._strike(cells, 1.0)[0] > 0.0 else (1.0, -1.0))}
+        self._unit = {side: self._edge(cells, side) for side in ((1.0,) if self._strike(cells, 1.0)[0] > 0.0 else (1.0, -1.0))}
 
-    def faces(self, amplitude: float) -> dict[float, Face]:
-        """Returns the sides, by their sign, under a motion of this amplitude A."""
-        faces = {}
-        for side, face in self._unit.items():
-            drive, sway = amplitude * face.drive, amplitude * face.sway
-            heaviest = 1.0 + abs(sway) * self.most_up
-            faces[side] = face._replace(drive=drive, sway=sway, lift=heaviest * face.lift, code=self._code(face, abs(drive)),
-                                        fall=heaviest * face.lift + face.push * abs(drive) * self.largest)  # fmt: skip
-        return faces
+    def edges(self, amplitude: float) -> dict[float, Edge]:
+        """Returns the edges, by the sign of their side, under a motion of this amplitude A."""
+        edges = {}
+        for side, edge in self._unit.items():
+            drive, sway = amplitude * edge.drive, amplitude * edge.sway
+            largest_weight = 1.0 + abs(sway) * self.largest_vertical
+            edges[side] = edge._replace(drive=drive, sway=sway, lift=largest_weight * edge.lift, code=self._code(edge, abs(drive)),
+                                        fall=largest_weight * edge.lift + edge.push * abs(drive) * self.largest)  # fmt: skip
+        return edges
 
-    def _face(self, cells: Cells, side: float) -> Face:
-        """Returns the side under A = 1."""
+    def _edge(self, cells: Cells, side: float) -> Edge:
+        """Returns the edge of a side under A = 1."""
         equation, seg, at = self.system.equation.on(np.array([side])), self.segments, np.array([side])
         row = cells.row(at)
         amplitude, omega, eta = (float(np.ravel(values[row, 0])[0]) for values in cells)
         lift, push, limit, top = (float(np.ravel(x)[0]) for x in (*equation.bounds, equation.limit, equation.displacement(np.ones(1))))
         sway = 0.0 if seg.weighed is None else float(np.ravel(seg.weighed.sway(at, np.array([amplitude])))[0])
-        to, keeps = self._strike(cells, side)
+        to, speed_ratio = self._strike(cells, side)
         _, back = self._strike(cells, to)
         lanes = self.lanes(cells, side)
         lanes.peak[:] = 1.0
         self.system.contact.turn(cells, lanes, np.array([0]), np.ones(1))
-        cycle = keeps * back if to != side else keeps
-        return Face(side, -side * amplitude, omega, eta, sway, lift, push, 0.0, keeps, cycle, float(lanes.peak[0]), top, limit, _NO_CODE)
+        cycle_ratio = speed_ratio * back if to != side else speed_ratio
+        return Edge(
+            side, -side * amplitude, omega, eta, sway, lift, push, 0.0, speed_ratio, cycle_ratio, float(lanes.peak[0]), top, limit, _NO_CODE
+        )
 
     def _strike(self, cells: Cells, side: float) -> tuple[float, float]:
-        """(side after an impact on this side, share of the speed that is left)."""
+        """(side after an impact on this side, speed after over speed before)."""
         lanes = self.lanes(cells, side)
         self.system.contact.strike(cells, lanes, -np.ones(1), -np.ones(1))
         return float(lanes.side[0]), float(lanes.v[0])
 
-    def _code(self, face: Face, drive: float) -> Code:
+    def _code(self, edge: Edge, drive: float) -> Code:
         """The code of a side, with the number of terms that an outward drive of this size under s = 1 needs."""
         order = _ORDER
-        if self.reel.straight:
-            unit = np.array([min(self.longest / face.omega, LONGEST)])
+        if self.drive_lists.straight:
+            unit = np.array([min(self.longest / edge.omega, LONGEST)])
             order = int(degrees(np.array([4.0 + drive * self.largest]), unit, self.system.equation.tolerance)[0])
-        key = face.side, min(order, _COMPOSED if self.composed else MOST_TERMS)
+        key = edge.side, min(order, _COMPOSED if self.composed else MOST_TERMS)
         if key not in self._codes:
-            self._codes[key] = compiled(self.laws[face.side], key[1], self.zeta, self.reel.straight, self.weighed)
+            self._codes[key] = compiled(self.laws[edge.side], key[1], self.zeta, self.drive_lists.straight, self.weighed)
         return self._codes[key]
 
     def lanes(self, cells: Cells, side: float) -> Lanes:

@@ -16,12 +16,12 @@ import numpy as np
 
 from ..equations.taylor import LONGEST
 from ..outcome import FALLEN, Outcome
-from .lane import Face, Lane
+from .lane import Edge, Lane
 from .series_roots import first_root, only_root, turns, value
 from .state import Body, Ended, Listener
 
 _INSTANT = 1e-12  # share of a step: a shorter part of it is rounding of its ends
-_ROOM = 0.9  # part of the step that the last terms allow, for the next trial
+_ROOM = 0.9  # part of the step that the last terms allow, for the next attempt
 
 
 def march(
@@ -32,14 +32,14 @@ def march(
     peaks: True if the largest rotation is wanted; most: number of steps and of impacts beyond which the outcome is FAILED.
     """
     cells = lane.system.contact.cells(lane.system.equation, np.array([amplitude]), lane.omega, lane.eta)
-    return _March(lane, cells, lane.faces(amplitude), peaks, listener, most).run(release)
+    return _March(lane, cells, lane.edges(amplitude), peaks, listener, most).run(release)
 
 
 class _March(Body):
     """The march of one body from event to event."""
 
     def run(self, release: float) -> Ended:
-        count = self.reel.count
+        count = self.drive_lists.count
         if release:
             self.y = float(self.equation.on(np.ones(1)).displacement(np.array([release]))[0])
             self.peak = max(self.peak, self.y)
@@ -53,68 +53,68 @@ class _March(Body):
             if self.k >= self.lane.shaken and self.listener is None and self._settled():
                 break
             self.steps += 1
-            if not (self.reel.straight and (self.y > 0.0 or self.v > 0.0) and self._coast()):
+            if not (self.drive_lists.straight and (self.y > 0.0 or self.v > 0.0) and self._march_lines()):
                 self._step()
             if self.steps > self.most:
                 self._finish(Outcome.FAILED)
         return self.end or self._finish(Outcome.FAILED)
 
-    def _coast(self) -> bool:
+    def _march_lines(self) -> bool:
         """March over straight lines by compiled code, up to an impact, which is applied; False where it leaves a step to its caller."""
-        block, face = self.reel.at(self.k), self.face
+        block, edge = self.drive_lists.at(self.k), self.edge
         k, last = self.k - block.first, len(block.length)
-        if face.code.coast is None or (block.length[k] - self.u) / face.omega > self.reach:
+        if edge.code.march_lines is None or (block.length[k] - self.u) / edge.omega > self.reach:
             return False
-        if self.drop is not None and self.drop.ever[0]:
-            last = min(last, max(0, int(self.drop.k[0]) - block.first))
+        if self.free_fall is not None and self.free_fall.occurs[0]:
+            last = min(last, max(0, int(self.free_fall.k[0]) - block.first))
         keep = None if self.listener is None else partial(self._kept, block.first)
-        peak = -math.inf if self.listener is not None else self.peak / face.unit
-        lists, sway = ((block.up, block.up_rise), {"sway": face.sway}) if self.lane.weighed else ((), {})
-        after, u, self.y, v, struck = face.code.coast(
-            k, self.u, last, self.y, self.v, self.force, block.start, block.rise, block.length, *lists, face.drive, 1.0 / face.omega,
-            face.fall, self._top(face), peak, self.least, keep, **sway,
+        peak = -math.inf if self.listener is not None else self.peak / edge.unit
+        lists, sway = ((block.up, block.up_rise), {"sway": edge.sway}) if self.lane.weighed else ((), {})
+        after, u, self.y, v, struck = edge.code.march_lines(
+            k, self.u, last, self.y, self.v, self.force, block.start, block.rise, block.length, *lists, edge.drive, 1.0 / edge.omega,
+            edge.fall, self._top(edge), peak, self.least, keep, **sway,
         )  # fmt: skip
         if after != k or struck:
             self.force = None
         self.k, self.u, self.v = (after + block.first, u, v) if u == 0.0 or u < block.length[after] else (after + block.first + 1, 0.0, v)
         if struck:
             self._impact(v)
-        return struck or self.k >= self.reel.count
+        return struck or self.k >= self.drive_lists.count
 
     def _kept(self, first: int, k: int, u: float, reach: float, h: float, terms: tuple[float, ...]) -> None:
         assert self.listener is not None
-        self.listener.keep(self.lane.tau(first + k, u), reach, self.face.side, float(self.lane.omega[0]) / self.face.omega, h, terms)
+        self.listener.keep(self.lane.tau(first + k, u), reach, self.edge.side, float(self.lane.omega[0]) / self.edge.omega, h, terms)
 
-    def _top(self, face: Face) -> float:
+    def _top(self, edge: Edge) -> float:
         """The y beyond which the march tests whether a body that moves outwards can come back."""
-        return face.top if self.listener is None else self.listener.fallen[0 if face.side > 0.0 else 1]
+        return edge.top if self.listener is None else self.listener.fallen[0 if edge.side > 0.0 else 1]
 
     def _step(self) -> None:
         """Take one step within one window."""
-        face, k, u = self.face, self.k, self.u
-        block = self.reel.at(k)
+        edge, k, u = self.edge, self.k, self.u
+        block = self.drive_lists.at(k)
         length = block.length[k - block.first]
-        whole = (length - u) / face.omega
+        whole = (length - u) / edge.omega
         h = min(whole, LONGEST, self.reach)
-        if self.drop is not None and self.drop.ever[0]:
-            left = float(self.drop.until(self._lanes())[0])
-            if self.drop.now(self._lanes())[0]:
-                fallen = float(self.equation.on(np.array([face.side])).rotation(np.array([self.y]))[0]) >= FALLEN
+        if self.free_fall is not None and self.free_fall.occurs[0]:
+            left = float(self.free_fall.time_left(self._lanes())[0])
+            if self.free_fall.has_begun(self._lanes())[0]:
+                fallen = float(self.equation.on(np.array([edge.side])).rotation(np.array([self.y]))[0]) >= FALLEN
                 self._finish(self._overturned() if fallen else Outcome.LOST_CONTACT)
                 return
             h = min(h, left)
-        s0, up0 = self.reel.value(k, u)
+        s0, up0 = self.drive_lists.value(k, u)
         while True:
-            to = length if h == whole else u + h * face.omega
-            s1, up1 = self.reel.value(k, to)
-            c0, c1 = face.drive * s0 - face.sway * up0, face.drive * s1 - face.sway * up1
-            share = self._window(face, k, u, h, c0, c1) if (c0 - 1.0) * (c1 - 1.0) < 0.0 else 0.0
+            to = length if h == whole else u + h * edge.omega
+            s1, up1 = self.drive_lists.value(k, to)
+            c0, c1 = edge.drive * s0 - edge.sway * up0, edge.drive * s1 - edge.sway * up1
+            share = self._window(edge, k, u, h, c0, c1) if (c0 - 1.0) * (c1 - 1.0) < 0.0 else 0.0
             if _INSTANT < share < 1.0 - _INSTANT:
                 h *= share
-                to = u + h * face.omega
-                s1, up1 = self.reel.value(k, to)
-                c1 = face.drive * s1 - face.sway * up1
-            terms, allowed = self._terms(face, k, u, h, (s0, up0), (s1, up1))
+                to = u + h * edge.omega
+                s1, up1 = self.drive_lists.value(k, to)
+                c1 = edge.drive * s1 - edge.sway * up1
+            terms, allowed = self._terms(edge, k, u, h, (s0, up0), (s1, up1))
             if allowed >= h:
                 self.reach = min(LONGEST, 2.0 * h if h >= self.reach else self.reach)
                 break
@@ -129,10 +129,10 @@ class _March(Body):
         hit = None
         if c0 + c1 < 2.0:
             if y <= 0.0:
-                inward = -min(face.drive * s0, face.drive * s1) if self.reel.straight else abs(face.drive) * self.lane.largest
-                hit = only_root(terms, h, face.lift + face.push * max(0.0, inward), self.lane.zeta)
+                inward = -min(edge.drive * s0, edge.drive * s1) if self.drive_lists.straight else abs(edge.drive) * self.lane.largest
+                hit = only_root(terms, h, edge.lift + edge.push * max(0.0, inward), self.lane.zeta)
         elif self.v < 0.0:
-            hit = first_root(terms, h, face.fall, self.lane.zeta)
+            hit = first_root(terms, h, edge.fall, self.lane.zeta)
         reach = h if hit is None else hit
         if hit is not None:
             y, v = value(terms, hit / h, h)
@@ -141,47 +141,47 @@ class _March(Body):
         if self.listener is not None and reach > 0.0:
             self._kept(0, k, u, reach, h, terms)
         if hit is not None:
-            to = u + hit * face.omega
+            to = u + hit * edge.omega
             self.k, self.u = (k, to) if hit < whole and to < length else (k + 1, 0.0)
             self._impact(v)
             return
         self.k, self.u = (k, to) if to < length else (k + 1, 0.0)
         self.y, self.v, self.force = y, v, None
-        if self.end is None and (y >= face.limit or (y >= self._top(face) and v > 0.0)):
-            self._doubt()
+        if self.end is None and (y >= edge.limit or (y >= self._top(edge) and v > 0.0)):
+            self._check_overturned()
 
-    def _window(self, face: Face, k: int, u: float, h: float, c0: float, c1: float) -> float:
+    def _window(self, edge: Edge, k: int, u: float, h: float, c0: float, c1: float) -> float:
         """The share of a step at which c, which is monotone, passes 1."""
-        if self.reel.straight:
+        if self.drive_lists.straight:
             return (1.0 - c0) / (c1 - c0)
         low, high, rises = 0.0, 1.0, c1 > c0
         while high - low > 1e-15:
             middle = 0.5 * (low + high)
-            beyond = (self._net(face, k, u + middle * h * face.omega) > 1.0) == rises
+            beyond = (self._net(edge, k, u + middle * h * edge.omega) > 1.0) == rises
             low, high = (low, middle) if beyond else (middle, high)
         return high
 
     def _terms(
-        self, face: Face, k: int, u: float, h: float, start: tuple[float, float], stop: tuple[float, float]
+        self, edge: Edge, k: int, u: float, h: float, start: tuple[float, float], stop: tuple[float, float]
     ) -> tuple[tuple[float, ...], float]:
         """(Taylor terms of y over a step h, the time for which they hold)."""
-        local, room, order, expand = None, math.inf, face.code.order, self.lane.laws[face.side].local
+        local, room, order, expand = None, math.inf, edge.code.order, self.lane.laws[edge.side].local
         if expand is not None:
             room, local = expand(self.y, order - 1)
-        if self.reel.straight:
+        if self.drive_lists.straight:
             (s0, up0), (s1, up1) = start, stop
-            given = [face.drive * s0, face.drive * (s1 - s0)]
+            given = [edge.drive * s0, edge.drive * (s1 - s0)]
             if self.lane.weighed:
-                given += [1.0 + face.sway * up0, face.sway * (up1 - up0)]
-            terms = face.code.terms(self.y, self.v, h, *given, self.force, local)
+                given += [1.0 + edge.sway * up0, edge.sway * (up1 - up0)]
+            terms = edge.code.terms(self.y, self.v, h, *given, self.force, local)
         else:
-            waves = self.reel.waves(k)
-            lists = [wave.terms(u, h * face.omega, order - 2) for wave in waves]
-            for values, s, factor, level in zip(lists, start, (face.drive, face.sway), (0.0, 1.0), strict=False):
+            waves = self.drive_lists.waves(k)
+            lists = [wave.terms(u, h * edge.omega, order - 2) for wave in waves]
+            for values, s, factor, level in zip(lists, start, (edge.drive, edge.sway), (0.0, 1.0), strict=False):
                 values[0] = s
                 values[:] = [factor * x for x in values]
                 values[0] += level
-            terms = face.code.terms(self.y, self.v, h, *lists, self.force, local)
+            terms = edge.code.terms(self.y, self.v, h, *lists, self.force, local)
         error = abs(terms[-1]) + 0.25 * h * abs(terms[-2])
         held = h if error <= self.least * h else h * (self.least * h / error) ** (1.0 / (order - 1.0))
         if room < math.inf:
@@ -193,18 +193,18 @@ class _March(Body):
         """Find turning points where y' falls through 0, up to `reach`, at which y' is v."""
         if not self.watched:
             return
-        unit = self.face.unit
+        unit = self.edge.unit
         start, stop = terms[1], v * h
         if not start > 0.0 >= stop:  # y' leaves its chord by at most h^2/8 of its second derivative, most of it from the first terms
-            bend = 1.5 * abs(terms[3]) + 6.0 * abs(terms[4]) + 15.0 * abs(terms[5]) + 30.0 * abs(terms[6])
-            if min(abs(start), abs(stop)) >= bend:
+            chord_error = 1.5 * abs(terms[3]) + 6.0 * abs(terms[4]) + 15.0 * abs(terms[5]) + 30.0 * abs(terms[6])
+            if min(abs(start), abs(stop)) >= chord_error:
                 return
         if self.listener is None and (terms[0] + sum(map(abs, terms[1:]))) * unit <= self.peak:
             return
         for x in turns(terms, reach / h):
             y, _ = value(terms, x, h)
             self.peak = max(self.peak, y * unit)
-            if y >= self.face.limit:
+            if y >= self.edge.limit:
                 self._finish(self._overturned())
             elif self.listener is not None:
-                self.listener.note(self.lane.tau(self.k, self.u + x * h * self.face.omega), "peak", self.face.side, y, 0.0)
+                self.listener.note(self.lane.tau(self.k, self.u + x * h * self.edge.omega), "peak", self.edge.side, y, 0.0)

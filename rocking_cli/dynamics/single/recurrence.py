@@ -24,18 +24,18 @@ _CODES: dict[tuple[Any, ...], CodeType] = {}
 
 class Code(NamedTuple):
     """Compiled functions for one side of a body, with series up to Y_order. terms(y, v, h, drive ..., force): returns Y_0 ... Y_order;
-    coast: marches over whole straight segments (`lane`), None if the equation needs more than numbers at each step."""
+    march_lines: marches over whole straight segments (`lane`), None if the equation needs more than numbers at each step."""
 
     order: int
     terms: Terms
-    coast: Callable[..., tuple[int, float, float, float, bool]] | None
+    march_lines: Callable[..., tuple[int, float, float, float, bool]] | None
 
 
 def compiled(law: Law, order: int, zeta: float, straight: bool, weighed: bool) -> Code:
     """Compile the code of a law with terms up to this order."""
     space: dict[str, Any] = {"tan": math.tan, "exp": math.exp, "only_root": only_root, "value": value, **law.numbers, "drag": 2.0 * zeta}
     exec(_code(law, order, zeta != 0.0, straight, weighed), space)
-    return Code(order, space["terms"], space.get("coast"))
+    return Code(order, space["terms"], space.get("march_lines"))
 
 
 def _code(law: Law, order: int, damped: bool, straight: bool, weighed: bool) -> CodeType:
@@ -46,20 +46,19 @@ def _code(law: Law, order: int, damped: bool, straight: bool, weighed: bool) -> 
 
 
 def _text(law: Law, order: int, damped: bool, straight: bool, weighed: bool) -> str:
-    """The source of the two functions `terms` and `coast`."""
+    """The source of the two functions `terms` and `march_lines`."""
     numbers = "".join(f", {name}={name}" for name in (*law.numbers, "drag", "tan", "exp"))
     given = ("a", "g", *(("w", "e") if weighed else ())) if straight else ("d", *(("w",) if weighed else ()))
     body = _lines(law, order, damped, straight, weighed)
-    every = ", ".join(f"Y{n}" for n in range(2, order + 1))
     text = [
         f"def terms(y, v, h, {', '.join(given)}, force=None, local=None{numbers}):",
         "    Y1 = v*h",
         "    q = h*h",
         *(f"    {line}" for line in body),
     ]
-    text.append(f"    return (y, Y1, {every})")
+    text.append(f"    return (y, {', '.join(f'Y{n}' for n in range(1, order + 1))})")
     if straight and law.local is None:
-        text += _coast(law, order, damped, weighed, numbers)
+        text += _march_lines(law, order, damped, weighed, numbers)
     return "\n".join(text)
 
 
@@ -69,14 +68,14 @@ def _lines(law: Law, order: int, damped: bool, straight: bool, weighed: bool) ->
     for n in range(order - 1):
         if n:
             lines += law.term(n)
-        pushed = _product("G", n, straight, ("a", "g"), "d", law.constant)
-        held = _product("F", n, straight, ("w", "e"), "w", False) if weighed else f"F{n}"
-        pushed = f"({pushed}) - ({held})" if pushed else f"-({held})"
+        drive_term = _product("G", n, straight, ("a", "g"), "d", law.constant)
+        weight_term = _product("F", n, straight, ("w", "e"), "w", False) if weighed else f"F{n}"
+        drive_term = f"({drive_term}) - ({weight_term})" if drive_term else f"-({weight_term})"
         if n == 0:
-            lines.append(f"f = {pushed} if force is None else force")
-            pushed = "f"
+            lines.append(f"f = {drive_term} if force is None else force")
+            drive_term = "f"
         drag = f" - drag*h*Y{n + 1}*{1.0 / (n + 2)!r}" if damped else ""
-        lines.append(f"Y{n + 2} = q*({pushed})*{1.0 / ((n + 1) * (n + 2))!r}{drag}")
+        lines.append(f"Y{n + 2} = q*({drive_term})*{1.0 / ((n + 1) * (n + 2))!r}{drag}")
     return lines
 
 
@@ -89,7 +88,7 @@ def _product(of: str, n: int, straight: bool, line: tuple[str, str], terms: str,
     return " + ".join(f"{terms}[{i}]*{of}{n - i}" for i in range(n + 1))
 
 
-def _coast(law: Law, order: int, damped: bool, weighed: bool, numbers: str) -> list[str]:
+def _march_lines(law: Law, order: int, damped: bool, weighed: bool, numbers: str) -> list[str]:
     """Source of a march from phase u of segment k over straight lines, to an impact or to a step that is not proved. It returns the
     segment, the phase, y, y' and True after an impact. It takes a step if its series holds, if Lemma 12 or the sign of y at its end (Lemma
     1) tells whether the body struck the ground, and if no turn outwards may be above `peak`; it calls `keep` for each step."""
@@ -99,24 +98,24 @@ def _coast(law: Law, order: int, damped: bool, weighed: bool, numbers: str) -> l
     lines += ["w = 1.0 + sway*W[k]", "e = sway*E[k]"] if weighed else []
     lines += ["if u:", "    x = u/L[k]", "    a += g*x", "    g -= g*x", "    h -= h*x"]
     lines += ["    w += e*x", "    e -= e*x"] if weighed else []
-    lines += ["Y1 = v*h", "q = h*h", f"sure = y + Y1{' - 0.5*drag*h*abs(Y1)' if damped else ''} > 0.5*fall*q"]
-    lines += [f"if not sure and (a > {lifts} or a + g > {lifts + (' + e' if weighed else '')}): break"]
+    lines += ["Y1 = v*h", "q = h*h", f"clear = y + Y1{' - 0.5*drag*h*abs(Y1)' if damped else ''} > 0.5*fall*q"]
+    lines += [f"if not clear and (a > {lifts} or a + g > {lifts + (' + e' if weighed else '')}): break"]
     lines += _lines(law, order, damped, True, weighed)
     low, high = f"Y{order - 1}", f"Y{order}"
     terms = f"(y, {', '.join(f'Y{n}' for n in range(1, order + 1))})"
-    bend = " + ".join(f"{0.125 * n * (n - 1) * (n - 2)}*abs(Y{n})" for n in range(3, order + 1))
-    arch = f"0.125*fall*q{'*exp(drag*h)' if damped else ''}"
+    chord_error = " + ".join(f"{0.125 * n * (n - 1) * (n - 2)}*abs(Y{n})" for n in range(3, order + 1))
+    rise = f"0.125*fall*q{'*exp(drag*h)' if damped else ''}"
     lines += [
         f"if abs({high}) + 0.25*h*abs({low}) > least*h: break",
         f"Y = y + {' + '.join(f'Y{n}' for n in range(1, order + 1))}",
         f"V = Y1 + {' + '.join(f'{float(n)}*Y{n}' for n in range(2, order + 1))}",
         "if Y >= top and V > 0.0: break",
-        f"if (y if y > Y else Y) + {arch} > peak and (Y1 > 0.0 >= V or (abs(Y1) < (bend := {bend}) or abs(V) < bend)): break",
-        "if not sure and Y <= 0.0:",
+        f"if (y if y > Y else Y) + {rise} > peak and (Y1 > 0.0 >= V or (abs(Y1) < (error := {chord_error}) or abs(V) < error)): break",
+        "if not clear and Y <= 0.0:",
         f"    t = root({terms}, h, fall, 0.5*drag)",
         f"    if keep is not None: keep(k, u, t, h, {terms})",
         f"    return k, u + t/pace, 0.0, min(at({terms}, t/h, h)[1], 0.0), True",
         f"if keep is not None: keep(k, u, h, h, {terms})",
         "k += 1", "u = 0.0", "y = Y", "v = V/h", "force = None",
     ]  # fmt: skip
-    return [f"def coast({head}):", "    while k < last:", *(f"        {line}" for line in lines), "    return k, u, y, v, False"]
+    return [f"def march_lines({head}):", "    while k < last:", *(f"        {line}" for line in lines), "    return k, u, y, v, False"]

@@ -5,7 +5,7 @@ the two moves a body by W times the outward drive of s = 1, where W'' = r and W 
 impact. A lane is a body at an amplitude. In a round each lane moves to the end of its line or to an impact, with the Taylor terms of
 `recurrence` on arrays. So lanes of many bodies share the cost of a round, and no bit depends on the others. Bounces shorter than a part of
 a line are averaged. The boundaries between standing and falling differ from those of the march: for 48 first falls by at most 5e-6 of the
-amplitude where a line is one sample, 6e-5 where it covers several; 2.4e-4 was seen once. Close scans have lines of one sample: of 670
+amplitude where a line is one sample, 6e-5 where it covers several; 2.4e-4 was seen once. Fine scans have lines of one sample: of 670
 boundaries 647 lie within 5e-7.
 """
 
@@ -29,12 +29,12 @@ Array = np.ndarray
 
 _STEP = 0.05  # [tau]
 _SLOW = 1e-7  # a body is at rest after an impact below this speed
-_MOST = 100  # rounds over lines, after which a lane is left to the march
-_ROUNDS = 8  # after so many rounds, lanes at rest go to their next uplift and lanes at the end of the record finish
-_AHEAD = 64  # number of lines that one search for the next uplift covers
+_MOST_ROUNDS = 100  # rounds over lines, after which a lane is left to the march
+_UPLIFT_ROUNDS = 8  # after so many rounds, lanes at rest go to their next uplift and lanes at the end of the record finish
+_SEARCH_LINES = 64  # number of lines that one search for the next uplift covers
 
 
-class Closeness(NamedTuple):
+class Accuracy(NamedTuple):
     """How closely the scan follows bodies. order: of the series of a step; short: bounces shorter than this times `_STEP` are averaged;
     roots: number of steps of Newton's method to an impact, plus one where a line differs from the record."""
 
@@ -43,36 +43,36 @@ class Closeness(NamedTuple):
     roots: int
 
 
-_LOOSE = Closeness(4, 0.1, 1)  # if bounces shorter than 0.5 `_STEP` were averaged, more narrow falls would be missed
-_CLOSE = Closeness(6, 1e-3, 3)
+_COARSE = Accuracy(4, 0.1, 1)  # if bounces shorter than 0.5 `_STEP` were averaged, more narrow falls would be missed
+_FINE = Accuracy(6, 1e-3, 3)
 
 
 class Lines(NamedTuple):
-    """The lines of a record: s at the start of each, its rise, its length; (lines,). rest: the difference r of record and line, for each
-    sample of a line: W and W' at its start, r there, and the rise of r; (4, lines, samples), without samples if the lines are the record
-    itself."""
+    """The lines of a record: s at the start of each, its rise, its length; (lines,). residual: the difference r of record and line, for
+    each sample of a line: W and W' at its start, r there, and the rise of r; (4, lines, samples), without samples if the lines are the
+    record itself."""
 
     s: Array
     rise: Array
     length: Array
-    rest: Array
+    residual: Array
 
 
 class Scan:
-    """One body under one record at one Omega. close: True to follow it sample by sample, so that most boundaries lie within 1e-6 of those
+    """One body under one record at one Omega. fine: True to follow it sample by sample, so that most boundaries lie within 1e-6 of those
     of the march; kind: bodies with equal kinds can be followed together; known: (amplitudes A that were computed, their outcomes)."""
 
-    def __init__(self, system: System, motion: Motion, omega: float, eta: float, close: bool = False) -> None:
+    def __init__(self, system: System, motion: Motion, omega: float, eta: float, fine: bool = False) -> None:
         self.lane = lane = Lane(system, system.segments(motion.coarsest), omega, eta)
-        self.faces = list(lane.faces(1.0).values())
-        self.laws = [lane.laws[face.side] for face in self.faces]
-        step, self.closeness = _STEP * min(face.omega for face in self.faces), _CLOSE if close else _LOOSE
-        self.lines = _lines(lane.segments, min(step, float(lane.segments.length[:].max())) if close else step)
-        self.kind = self.laws[0].name, lane.zeta, len(self.faces), self.lines.rest.size > 0, close
+        self.edges = list(lane.edges(1.0).values())
+        self.laws = [lane.laws[edge.side] for edge in self.edges]
+        step, self.accuracy = _STEP * min(edge.omega for edge in self.edges), _FINE if fine else _COARSE
+        self.lines = _lines(lane.segments, min(step, float(lane.segments.length[:].max())) if fine else step)
+        self.kind = self.laws[0].name, lane.zeta, len(self.edges), self.lines.residual.size > 0, fine
         self.known = np.zeros(0), np.zeros(0, dtype=np.uint8)
 
     @staticmethod
-    def serves(system: System, motion: Motion) -> bool:
+    def supports(system: System, motion: Motion) -> bool:
         """True if the scan can follow bodies of this system under this motion."""
         if system.devices is not None:
             return False
@@ -95,24 +95,24 @@ def follow(scans: Sequence[Scan], amplitudes: Sequence[Array]) -> None:
         with np.errstate(all="ignore"):
             found = _Pool([scans[i] for i in alike], [new[i] for i in alike]).outcomes()
         for i, outcome in zip(alike, np.split(found, np.cumsum([new[i].size for i in alike])), strict=False):
-            every = np.append(scans[i].known[0], new[i])
-            order = np.argsort(every)
-            scans[i].known = every[order], np.append(scans[i].known[1], outcome)[order]
+            amplitude = np.append(scans[i].known[0], new[i])
+            order = np.argsort(amplitude)
+            scans[i].known = amplitude[order], np.append(scans[i].known[1], outcome)[order]
 
 
 class _Pool:
     """The lanes of a scan. outcome, bounced: of every lane, as far as they are known. The other fields are those of lanes that still move:
-    number; amplitude A; k, x: line and share of it; row: body and side; y, v: y and y'; drive: outward drive of s = 1 times A; pace: tau
-    over the phase; rested: line after the one in which the lane came to rest, -1 for others."""
+    number; amplitude A; k, x: line, and time in it over its length; row: body and side; y, v: y and y'; drive: outward drive of s = 1
+    times A; pace: tau over the phase; rested: line after the one in which the lane came to rest, -1 for others."""
 
     _EACH = ("number", "amplitude", "k", "x", "row", "y", "v", "drive", "pace", "rested")
 
     def __init__(self, scans: list[Scan], amplitudes: list[Array]) -> None:
-        faces = [face for scan in scans for face in scan.faces]
-        self.scans, self.sides, row = scans, len(scans[0].faces), np.arange(len(faces))
+        edges = [edge for scan in scans for edge in scan.edges]
+        self.scans, self.sides, row = scans, len(scans[0].edges), np.arange(len(edges))
         self.others = row + self.sides - 1 - 2 * (row % self.sides)
-        self.drives, self.keeps, self.limit, omega = (
-            np.array([getattr(f, n) for f in faces]) for n in ("drive", "keeps", "limit", "omega")
+        self.drives, self.speed_ratio, self.limit, omega = (
+            np.array([getattr(f, n) for f in edges]) for n in ("drive", "speed_ratio", "limit", "omega")
         )
         self.paces, self.lowest_limit = 1.0 / omega, float(self.limit.min())
         laws = [law for scan in scans for law in scan.laws]
@@ -120,29 +120,29 @@ class _Pool:
         self.differ = {name: x for name, x in numbers.items() if x.min() < x.max()}
         alike = {name: float(x[0]) for name, x in numbers.items() if name not in self.differ}
         self.numbers: dict[str, Any] = {"tan": np.tan, "exp": np.exp, **alike}
-        self.closeness = scans[0].closeness
-        self.terms: Callable[..., tuple[Any, ...]] = compiled(laws[0], self.closeness.order, scans[0].lane.zeta, True, False).terms
-        self._lay([scan.lines for scan in scans])
+        self.accuracy = scans[0].accuracy
+        self.terms: Callable[..., tuple[Any, ...]] = compiled(laws[0], self.accuracy.order, scans[0].lane.zeta, True, False).terms
+        self._store_lines([scan.lines for scan in scans])
         body = np.repeat(np.arange(len(scans)), [a.size for a in amplitudes])
         self.number, self.amplitude, self.row = np.arange(body.size), np.concatenate(amplitudes), body * self.sides
         self.k, self.rested = self.end[body], self.begin[body]
         self.x, self.y, self.v, self.drive, self.pace = np.zeros((5, body.size))
         self.outcome, self.bounced = np.full(body.size, Outcome.ROCKED, dtype=np.uint8), np.zeros(body.size, dtype=bool)
 
-    def _lay(self, every: list[Lines]) -> None:
+    def _store_lines(self, lines_of: list[Lines]) -> None:
         """Store the lines of the records one after the other; after each record follow lines of length 0, in which lanes wait."""
         places: dict[bytes, tuple[int, int]] = {}
         parts, size = [], 0
-        for lines in every:
+        for lines in lines_of:
             key = b"".join(x.tobytes() for x in lines[:3])
             if key not in places:
                 places[key] = size, size + lines.s.size
-                size += lines.s.size + _ROUNDS + 1
+                size += lines.s.size + _UPLIFT_ROUNDS + 1
                 parts.append(lines)
-        self.begin, self.end = np.array([places[b"".join(x.tobytes() for x in lines[:3])] for lines in every]).T
-        still = np.zeros(_ROUNDS + 1)
+        self.begin, self.end = np.array([places[b"".join(x.tobytes() for x in lines[:3])] for lines in lines_of]).T
+        still = np.zeros(_UPLIFT_ROUNDS + 1)
         self.s, self.rise, self.length = (np.concatenate([x for lines in parts for x in (lines[i], still)]) for i in range(3))
-        ahead = np.zeros(_AHEAD)
+        padding = np.zeros(_SEARCH_LINES)
         high, low = np.maximum(self.s, self.s + self.rise), np.maximum(-self.s, -self.s - self.rise)
         begins = np.cumsum([0] + [lines.s.size + still.size for lines in parts])
         self.later = np.empty((2, size))
@@ -150,19 +150,19 @@ class _Pool:
             for later, x in zip(self.later, (high, low), strict=True):
                 later[begin:end] = np.maximum.accumulate(x[begin:end][::-1])[::-1]
         high[self.end] = low[self.end] = np.inf
-        self.high, self.low = np.append(high, ahead), np.append(low, ahead)
-        samples = [lines.rest.shape[2] for lines in parts]
-        rests = [np.pad(lines.rest, ((0, 0), (0, still.size), (0, 0))).reshape(4, -1) for lines in parts]
-        self.rest = np.concatenate(rests, axis=1) if any(samples) else None
+        self.high, self.low = np.append(high, padding), np.append(low, padding)
+        samples = [lines.residual.shape[2] for lines in parts]
+        residuals = [np.pad(lines.residual, ((0, 0), (0, still.size), (0, 0))).reshape(4, -1) for lines in parts]
+        self.residual = np.concatenate(residuals, axis=1) if any(samples) else None
         self.count = np.repeat(samples, np.diff(begins))
         self.sample = np.cumsum(self.count) - self.count
 
     def outcomes(self) -> Array:
         """March all lanes; returns the outcome of each lane."""
-        rounds, most = 0, _MOST * self.s.size
+        rounds, most = 0, _MOST_ROUNDS * self.s.size
         while self.number.size and rounds < most:
-            if rounds % _ROUNDS == 0:
-                self._wait()
+            if rounds % _UPLIFT_ROUNDS == 0:
+                self._next_uplifts()
             self._round()
             rounds += 1
         self.outcome[self.number] = Outcome.FAILED
@@ -177,12 +177,12 @@ class _Pool:
             setattr(self, name, getattr(self, name)[stay])
         self.own = {name: x[self.row] for name, x in self.differ.items()}
 
-    def _wait(self) -> None:
+    def _next_uplifts(self) -> None:
         """Move lanes at rest to their next uplift; remove lanes without one, and lanes at the end of their record."""
-        waits = self.length[self.k] == 0.0
-        over = waits & (self.rested < 0)
+        waiting = self.length[self.k] == 0.0
+        over = waiting & (self.rested < 0)
         self._end(np.flatnonzero(over))
-        at = np.flatnonzero(waits & ~over)
+        at = np.flatnonzero(waiting & ~over)
         body = self.row[at] // self.sides
         first = body * self.sides
         drives = [self.drives[first + side] * self.amplitude[at] for side in range(self.sides)]
@@ -192,14 +192,14 @@ class _Pool:
         k = self.rested[at]
         lifts = (self.later[0, k] > above) | (self.later[1, k] > below)
         k[~lifts] = self.end[body[~lifts]]
-        looks = np.flatnonzero(lifts)
-        while looks.size:
-            ahead = k[looks, None] + np.arange(_AHEAD)
-            loud = (self.high[ahead] > above[looks, None]) | (self.low[ahead] > below[looks, None])
-            found = loud.argmax(axis=1)
-            none = ~loud[np.arange(looks.size), found]
-            k[looks] += np.where(none, _AHEAD, found)
-            looks = looks[none]
+        searching = np.flatnonzero(lifts)
+        while searching.size:
+            lines = k[searching, None] + np.arange(_SEARCH_LINES)
+            lifting = (self.high[lines] > above[searching, None]) | (self.low[lines] > below[searching, None])
+            found = lifting.argmax(axis=1)
+            none = ~lifting[np.arange(searching.size), found]
+            k[searching] += np.where(none, _SEARCH_LINES, found)
+            searching = searching[none]
         s, rise, open_ = self.s[k], self.rise[k], np.ones(at.size, dtype=bool)
         for side, drive in enumerate(drives):
             begin, gain = drive * s, drive * rise
@@ -224,16 +224,16 @@ class _Pool:
         if hit.size:
             self._strike(hit, k[hit], x[hit], h[hit], lasts[hit], [c[hit] for c in terms])
         if not self.y.max(initial=0.0) <= self.lowest_limit:
-            gone = ~(self.y <= self.limit[self.row])
-            self._falls(self.number[gone])
-            self._keep(~gone)
+            fallen = ~(self.y <= self.limit[self.row])
+            self._falls(self.number[fallen])
+            self._keep(~fallen)
 
     def _strike(self, at: Array, k: Array, x: Array, h: Array, lasts: Array, terms: list[Array]) -> None:
-        """Apply the impacts of the lanes `at`, whose step of h began at share x of line k."""
+        """Apply the impacts of the lanes `at`, whose step of h began at x of line k."""
         before, row = self.drive[at], self.row[at]
         self.bounced[self.number[at]] = True
         x, v, w, dw = self._impact(terms, x, h, k, lasts, before)
-        v = -self.keeps[row] * np.minimum(v, 0.0)
+        v = -self.speed_ratio[row] * np.minimum(v, 0.0)
         unit, row = 1.0 / self.pace[at], self.others[row]
         pace, drive = self.paces[row], self.drives[row] * self.amplitude[at]
         unit *= pace
@@ -243,50 +243,50 @@ class _Pool:
         # Further bounces within the line, averaged under the drive halfway to its end.
         push = self.s[k] + self.rise[k] * (0.5 + 0.5 * x)
         here = 1.0 - drive * push
-        few = (here > 0.0) & (2.0 * v < self.closeness.short * here * _STEP)
-        bounce, cycle = 2.0 * v / here, self.keeps[row]
+        averaged = (here > 0.0) & (2.0 * v < self.accuracy.short * here * _STEP)
+        bounce, cycle_ratio = 2.0 * v / here, self.speed_ratio[row]
         if self.sides == 2:
             other = self.others[row]
-            bounce = bounce + 2.0 * cycle * v / np.maximum(1.0 - self.drives[other] * self.amplitude[at] * push, 1e-3)
-            cycle = cycle * self.keeps[other]
-        slow = v * (1.0 - self.length[k] * pace * (1.0 - x) * (1.0 - cycle) / bounce)
-        self.v[at] = np.where(few, np.fmax(slow, 0.0), v)
+            bounce = bounce + 2.0 * cycle_ratio * v / np.maximum(1.0 - self.drives[other] * self.amplitude[at] * push, 1e-3)
+            cycle_ratio = cycle_ratio * self.speed_ratio[other]
+        slow = v * (1.0 - self.length[k] * pace * (1.0 - x) * (1.0 - cycle_ratio) / bounce)
+        self.v[at] = np.where(averaged, np.fmax(slow, 0.0), v)
         # A body that hardly bounces, where the drive lifts it later in the line, waits in the line, or at its end for the next one.
-        onwards = k + (few | (x > 1.0 - 1e-9))
-        rests = np.where(few, ~(slow > _SLOW), v <= _SLOW)
-        on = np.flatnonzero(~few & ~rests)
+        next_line = k + (averaged | (x > 1.0 - 1e-9))
+        rests = np.where(averaged, ~(slow > _SLOW), v <= _SLOW)
+        on = np.flatnonzero(~averaged & ~rests)
         i = at[on]
         self.k[i], self.x[i] = k[on], x[on]
         self.y[i], self.v[i] = -drive[on] * w[on] * unit[on] ** 2, v[on] - drive[on] * dw[on] * unit[on]
         i = at[rests]
-        self.rested[i], self.k[i], self.y[i], self.v[i] = onwards[rests], self.end[row[rests] // self.sides], 1e-9, 0.0
+        self.rested[i], self.k[i], self.y[i], self.v[i] = next_line[rests], self.end[row[rests] // self.sides], 1e-9, 0.0
 
     def _impact(self, terms: list[Array], x: Array, h: Array, k: Array, lasts: Array, drive: Array) -> tuple[Array, Array, Array, Array]:
-        """(share of line k at which y comes to 0, y' there, W and W' there) of lanes whose step of h began at share x of the line."""
+        """(x of line k at which y comes to 0, y' there, W and W' there) of lanes whose step of h began at x of the line."""
         y, v, half = terms[:3]
         root = np.sqrt(np.maximum(v * v - 4.0 * half * y, 0.0))
         t = np.where(v > 0.0, -0.5 * (v + root) / half, 2.0 * y / (root - v))
         w = dw = np.zeros_like(x)
-        roots = self.closeness.roots + (self.rest is not None)
+        roots = self.accuracy.roots + (self.residual is not None)
         for n in range(roots + 1):
             t = np.fmin(np.fmax(t, 0.0), 1.0)
             y, v = value(terms, t)
-            if self.rest is not None and n:
-                w, dw = self._away(self.rest, x + (1.0 - x) * t, k, lasts)
+            if self.residual is not None and n:
+                w, dw = self._residual_motion(self.residual, x + (1.0 - x) * t, k, lasts)
                 y, v = y + drive * w, v + drive * dw * h
             if n < roots:
                 t = t - y / v
         return x + (1.0 - x) * t, v / h, w, dw
 
-    def _away(self, rest: Array, share: Array, k: Array, lasts: Array) -> tuple[Array, Array]:
-        """(W, W') at shares of lines that last `lasts` [tau]."""
+    def _residual_motion(self, residual: Array, share: Array, k: Array, lasts: Array) -> tuple[Array, Array]:
+        """(W, W') at x of lines that last `lasts` [tau]."""
         count = self.count[k]
         j = np.minimum((share * count).astype(np.intp), count - 1)
-        w, dw, start, rise = rest[:, self.sample[k] + j]
+        w, dw, start, rise = residual[:, self.sample[k] + j]
         part, over, pace = lasts / count, share * count - j, lasts / self.length[k]
-        at, bend = start * over, rise * over * over
-        w = w * pace**2 + dw * pace * part * over + part * part * over * (0.5 * at + bend / 6.0)
-        return w, dw * pace + part * (at + 0.5 * bend)
+        first, second = start * over, rise * over * over
+        w = w * pace**2 + dw * pace * part * over + part * part * over * (0.5 * first + second / 6.0)
+        return w, dw * pace + part * (first + 0.5 * second)
 
     def _end(self, at: Array) -> None:
         """Find the outcome of lanes that still rock at the end of their record, by their free motion."""
@@ -294,7 +294,7 @@ class _Pool:
             i, lane, side = at[self.row[at] == row], self.scans[row // self.sides].lane, row % self.sides
             contact, equation = lane.system.contact, lane.system.equation
             cells = contact.cells(equation, self.amplitude[i], np.broadcast_to(lane.omega, i.shape), np.broadcast_to(lane.eta, i.shape))
-            lanes = lane.lanes(cells, self.scans[0].faces[side].side)
+            lanes = lane.lanes(cells, self.scans[0].edges[side].side)
             free = contact.free_motion(equation, lanes, np.arange(i.size), self.y[i], self.v[i])
             self._falls(self.number[i[free.overturns]])
             self.outcome[self.number[i[free.overturns_after_impact]]] = Outcome.OVERTURNED_AFTER_IMPACT
@@ -317,10 +317,10 @@ def _lines(segments: Segments, step: float) -> Lines:
     whole = size * count
     gain = 12.0 * moment / whole**2
     begin = (s + 0.5 * rise).mean(axis=1) - 0.5 * gain
-    left, bend = s - begin[:, None] - gain[:, None] * np.arange(count) / count, rise - gain[:, None] / count
-    dw = _sums(size * (left + 0.5 * bend))
-    w = _sums(size * dw + size * size * (0.5 * left + bend / 6.0))
-    return Lines(begin, gain, np.full(begin.size, whole), np.array([w, dw, left, bend]))
+    r, r_rise = s - begin[:, None] - gain[:, None] * np.arange(count) / count, rise - gain[:, None] / count
+    dw = _sums(size * (r + 0.5 * r_rise))
+    w = _sums(size * dw + size * size * (0.5 * r + r_rise / 6.0))
+    return Lines(begin, gain, np.full(begin.size, whole), np.array([w, dw, r, r_rise]))
 
 
 def _sums(gains: Array) -> Array:

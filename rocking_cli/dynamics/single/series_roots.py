@@ -9,7 +9,7 @@ from typing import Any
 
 
 def value(terms: Sequence[Any], x: Any, h: float = 1.0) -> tuple[Any, Any]:
-    """(y, y') at the share x of a step h; floats or arrays."""
+    """(y, dy/dt) at the time x h of a step h, x from 0 to 1; terms: of y, in powers of x; floats or arrays."""
     y = v = 0.0
     for c in reversed(terms):
         v = v * x + y
@@ -58,15 +58,15 @@ def first_root(terms: tuple[float, ...], h: float, fall: float, zeta: float) -> 
 
 
 def turns(terms: tuple[float, ...], stop: float) -> list[float]:
-    """Shares of a step, up to `stop`, at which y' falls through 0. It searches between the extremes of y', which are few."""
+    """Times over the step, up to `stop`, at which y' falls through 0. It searches between the extremes of y', which are few."""
     rate = [n * c for n, c in enumerate(terms)][1:]
     marks = [0.0, stop]
     ends = [value(rate, 0.0), value(rate, stop)]
     if not ends[0][0] > 0.0 >= ends[1][0]:
         if ends[0][1] * ends[1][1] >= 0.0:
             return []
-        bend = [n * c for n, c in enumerate(rate)][1:]
-        marks.insert(1, _crossing(bend, 0.0, stop))
+        second_derivative = [n * c for n, c in enumerate(rate)][1:]
+        marks.insert(1, _crossing(second_derivative, 0.0, stop))
     found = []
     for low, high in pairwise(marks):
         if value(rate, low)[0] > 0.0 >= value(rate, high)[0]:

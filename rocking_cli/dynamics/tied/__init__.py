@@ -1,9 +1,13 @@
 """Bodies with ties and a tendon: a separate march, which follows the phases of the restraints.
 
+A device is a tie on one side, or the tendon. A lane is one cell in arrays, (lanes,), at the displacement y >= 0 on its side, with
+v = dy/dtau, tau = p t, at the phase u since the start of segment k of the motion. The drive a is the ground acceleration over its value at
+uplift of the free body, positive outward.
+
     devices     the restraints in the units of an equation: forces, thresholds, the coefficients of a phase
     series      the Taylor series of a phase, steps with one turn at most, and the work of a phase
     bounces     how strongly a body is held at the ground, and which bounces end in rest (Lemma 7)
-    tied_lanes  the records of the march: lanes, ends of steps, results
+    tied_lanes  the data of the march: lanes, ends of steps, results
     tied_march  from event to event: engagement, yield, unloading, slack, rupture, impact, rest, overturning
 
 While no restraint changes its phase (slack, elastic, yielding, broken), the body follows one smooth equation, and its restoring moment has

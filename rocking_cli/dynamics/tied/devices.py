@@ -20,8 +20,8 @@ import numpy as np
 from ...structures.parameters import RockingParameters
 from ...structures.restraints import SIDES, Tendon, Tie
 from ..body import Body
+from ..equations.equation import Equation
 from ..lanes import Array
-from ..system import System
 
 SLACK, ELASTIC, YIELDING, BROKEN = range(4)
 ROWS = ("right", "left")  # sides as rows of arrays
@@ -66,9 +66,8 @@ class Devices:
     weight: float
 
     @classmethod
-    def of(cls, structure: RockingParameters, unit: Array, *, linear: bool, body: Body | None) -> Self | None:
-        """Build the devices of a structure with restraints; None if no restraint ever pulls. unit: rotation of y = 1 on the right and the
-        left side [rad]."""
+    def of(cls, structure: RockingParameters, equation: Equation, *, linear: bool, body: Body | None) -> Self | None:
+        """Build the devices of a structure with restraints under the equation of its free body; None if no restraint ever pulls."""
         restraints, one_sided = structure.restraints, structure.one_sided
         assert restraints is not None
         stands = dict(zip(SIDES["both"], restraints.stands, strict=True))
@@ -83,7 +82,8 @@ class Devices:
         if not columns:
             return None
         numbers = np.array([of for _, of in columns]).transpose(2, 1, 0)
-        unit = unit[: len(rows), None]
+        sides = np.array([1.0, -1.0])
+        unit = np.broadcast_to(equation.on(sides).rotation(np.ones(2)) * structure.alpha_on(sides), 2)[: len(rows), None]
         moment = unit * np.array([[stands[row].moment] for row in rows])
         names = tuple(name for name, _ in columns)
         arm = (structure.sides or (structure,))[0].arm
@@ -194,20 +194,6 @@ class Devices:
         """The restoring acceleration -y'' that the devices add at y, (lanes,)."""
         return _added((now.fixed + now.rate * self.elongation(row, y)) * self.lever(row, y)) / self.moment[row, 0]
 
-    def work(self, row: Array, now: Phase, y: Array, to: Array) -> Array:
-        """The work that the devices take from the body on its way from y to `to`, in the unit of y'^2, (lanes,)."""
-        middle, turned = 0.5 * (y + to), self.unit[row, 0] * (to - y)
-        path = turned if self.linear else np.where(self.tendon[:, None], 4.0 * np.sin(0.25 * turned), 2.0 * np.sin(0.5 * turned))
-        force = now.fixed + 0.5 * now.rate * (self.elongation(row, y) + self.elongation(row, to))
-        return _added(force * path * self.lever(row, middle)) / (self.moment[row, 0] * self.unit[row, 0])
-
-    def bounds(self, row: Array, now: Phase, low: Array, high: Array) -> tuple[Array, Array]:
-        """(lower, upper) bound of `pulled` between low and high, (lanes,) each. In this range forces do not fall and levers are concave."""
-        small, large = (now.fixed + now.rate * self.elongation(row, y) for y in (low, high))
-        lever = np.minimum(self.lever(row, low), self.lever(row, high))
-        least, most = np.where(lever > 0.0, small, large) * lever, large * np.hypot(self.on(self.height, row), self.on(self.behind, row))
-        return _added(least) / self.moment[row, 0], _added(most) / self.moment[row, 0]
-
     def linear_terms(self, row: Array, now: Phase) -> tuple[Array, Array]:
         """(constant, stiffness) that the devices add to -y'' = constant + stiffness y in the linear equation, each (lanes,)."""
         h, moment = self.on(self.height, row), self.moment[row, 0]
@@ -227,14 +213,6 @@ class Devices:
         if self.tendon.any():
             rows += [_added(np.where(tie, 0.0, now.fixed * h)), np.zeros(row.size)]
         return np.asarray(-np.array(rows) / self.moment[row, 0])
-
-
-def tied_system(structure: RockingParameters, free: System, *, linear: bool) -> System:
-    """The system of a structure with its restraints, from `free`, the system without them; `free` itself if none of them ever pulls."""
-    sides = np.array([1.0, -1.0])
-    unit = np.broadcast_to(free.equation.on(sides).rotation(np.ones(2)) * structure.alpha_on(sides), 2)
-    devices = Devices.of(structure, unit, linear=linear, body=free.body)
-    return free if devices is None else free._replace(devices=devices, body=None)
 
 
 def _of_tie(tie: Tie, row: str) -> tuple[float, ...]:

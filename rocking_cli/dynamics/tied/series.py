@@ -1,4 +1,4 @@
-"""The motion of tied bodies within one phase of their restraints: its Taylor series, its first turn, and its work.
+"""The motion of tied bodies within one phase of their restraints: its Taylor series and its first turn.
 
 Linear: y'' = -k y - c + a. Nonlinear, with y = theta/sin(alpha) on the present side,
 
@@ -25,14 +25,13 @@ from ..lanes import Array, Lanes
 from ..march.roots import bernstein_form, impact_root, sense
 from .devices import Devices, Phase
 
-_TERMS_RATE = 1.3  # the rate for which `degrees` counts terms
 _HALVINGS = 40
 
 
 class Step(NamedTuple):
     """A step with at most one turn. arc: the motion from its start; h: its length [tau]; end: the state at its end; outward: direction of
     the motion at its start, 1 outwards, -1 inwards, 0 for bodies that do not move; turn: the time at which y' = 0, NaN without a turn;
-    fastest, hardest: bounds of |y'| and |y''| in the step."""
+    fastest, largest_acceleration: bounds of |y'| and |y''| in the step."""
 
     arc: TaylorSeries
     h: Array
@@ -40,7 +39,7 @@ class Step(NamedTuple):
     outward: Array
     turn: Array
     fastest: Array
-    hardest: Array
+    largest_acceleration: Array
 
 
 class Law:
@@ -51,26 +50,12 @@ class Law:
         self.devices, self.damping, self.tolerance, self.order = devices, damping, tolerance, taylor.order_for(tolerance)
         self.sin, self.tan = np.sin(alpha), np.tan(alpha)
 
-    def weight(self, row: Array, y: Array) -> Array:
-        """The restoring acceleration -y'' of the weight at y."""
-        theta = self.sin[row] * y
-        return 1.0 - y if self.devices.linear else np.cos(theta) - np.sin(theta) / self.tan[row]
-
     def force(self, row: Array, now: Phase, y: Array, a: Array) -> Array:
         """y'' under the outward drive a, without damping, (lanes,)."""
-        theta = self.sin[row] * y
-        push = a if self.devices.linear else a * (np.cos(theta) + self.tan[row] * np.sin(theta))
-        return push - self.weight(row, y) - self.devices.pulled(row, now, y)
-
-    def work(self, row: Array, now: Phase, y: Array, to: Array) -> Array:
-        """By how much y'^2/2 falls on the way from y to `to`, on still ground without damping."""
-        path = to - y if self.devices.linear else 2.0 / self.sin[row] * np.sin(0.5 * self.sin[row] * (to - y))
-        return path * self.weight(row, 0.5 * (y + to)) + self.devices.work(row, now, y, to)
-
-    def inward(self, row: Array, now: Phase, low: Array, high: Array) -> tuple[Array, Array]:
-        """Bounds of -y'' from low to high on still ground without damping: the part of the weight falls with y, and forces grow."""
-        least, most = self.devices.bounds(row, now, low, high)
-        return self.weight(row, high) + least, self.weight(row, low) + most
+        if self.devices.linear:
+            return a - 1.0 + y - self.devices.pulled(row, now, y)
+        cos, sin, tan = np.cos(self.sin[row] * y), np.sin(self.sin[row] * y), self.tan[row]
+        return a * (cos + tan * sin) - (cos - sin / tan) - self.devices.pulled(row, now, y)
 
     def flow(self, segments: Segments, lanes: Lanes, row: Array, now: Phase, exact: Array) -> TaylorSeries:
         """The series of lanes from their present state; exact: True where y'' is exactly 0 now."""
@@ -78,55 +63,29 @@ class Law:
             both = np.zeros(2, dtype=np.int64)
             return self.flow(segments, lanes.take(both), row[both], now.take(both), exact[both]).take(both[:1])
         lanes = Lanes.joined([lanes])
-        if segments.straight:
-            return self._along_line(segments, lanes, row, now, exact)
         terms, fastest = np.empty((self.order + 1, lanes.y.size)), np.empty(lanes.y.size)
-        n = np.arange(1.0, self.order)[:, None]
         for block in blocks(lanes.y.size, taylor.CACHED):
-            here, side, phase = lanes.take(block), row[block], now.take(block)
-            drive = taylor.drive_series(segments, here, self.order - 2, rate=1.0 + self._stiffest(side, phase))
-            drive.terms[0] = self._drive(segments, here) * drive.unit**2
-            self._fill(terms[:, block], here, side, phase, drive.terms, drive.unit, 1.0 / (n * (n + 1.0)), exact[block])
-            fastest[block] = drive.fastest
+            fastest[block] = self._fill(terms[:, block], segments, lanes.take(block), row[block], now.take(block), exact[block])
         return taylor.series(terms, fastest, self.tolerance, self.damping)
 
-    def _along_line(self, segments: Segments, lanes: Lanes, row: Array, now: Phase, exact: Array) -> TaylorSeries:
-        """The series of lanes under straight lines; the length of the line decides the number of terms."""
-        fastest, drive = _TERMS_RATE + self._stiffest(row, now), self._drive(segments, lanes)
-        unit = np.minimum((segments.length[lanes.k] - lanes.u) / lanes.omega, 2.0 * taylor.LONGEST * _TERMS_RATE / fastest)
-        slope = -lanes.side * lanes.amplitude * segments.slope[lanes.k] * lanes.omega
-        size = 2.0 + np.abs(drive) + np.abs(lanes.v) * fastest + np.abs(self.force(row, now, lanes.y, drive)) + np.abs(slope)
-        degree = taylor.degrees(size, unit * fastest / _TERMS_RATE, self.tolerance)
-        factors = taylor.factors_for(np.ones(unit.size), degree)
-        terms = np.empty((len(factors) + 2, unit.size))
-        lines = np.array([drive, slope * unit]) * unit**2
-        self._fill(terms, lanes, row, now, lines, unit, factors, exact)
-        last = taylor.last_terms(terms, degree * unit.size + np.arange(unit.size), unit)
-        short = (taylor.WITHIN * self.tolerance * unit / last) ** (1.0 / (degree - 1.0))
-        return TaylorSeries(terms, unit, np.minimum(short, 1.0) * unit, fastest, self.damping)
-
-    def _drive(self, segments: Segments, lanes: Lanes) -> Array:
-        """The present outward drive of each lane."""
-        return -lanes.side * lanes.amplitude * (segments.s_start[lanes.k] + segment_value(segments, lanes.k, lanes.u)[0])
-
-    def _stiffest(self, row: Array, now: Phase) -> Array:
-        """A rate [1/tau] of the phase: the square root of the stiffness of the restraints."""
-        return np.sqrt(self.devices.linear_terms(row, now)[1])
-
-    def _fill(self, terms: Array, lanes: Lanes, row: Array, now: Phase, drive: Array, unit: Array, factors: Array, exact: Array) -> None:
-        """Fill the terms of y, (terms, lanes). drive: unit^2 times its terms; factors: 1/((n + 1)(n + 2)) for the terms n + 2 of y."""
-        unit2 = unit * unit
+    def _fill(self, terms: Array, segments: Segments, lanes: Lanes, row: Array, now: Phase, exact: Array) -> Array:
+        """Fill the terms of y in powers of rate h, (terms, lanes); returns the rate [1/tau]."""
+        stiffest = np.sqrt(self.devices.linear_terms(row, now)[1])
+        known = taylor.drive_series(segments, lanes, self.order - 2, rate=1.0 + stiffest)
+        drive, unit, unit2 = known.terms, known.unit, known.unit**2
+        push = -lanes.side * lanes.amplitude * (segments.s_start[lanes.k] + segment_value(segments, lanes.k, lanes.u)[0])
+        drive[0] = push * unit2
         terms[0], terms[1] = lanes.y, lanes.v * unit
-        start = np.where(exact, 0.0, unit2 * self.force(row, now, lanes.y, drive[0] / unit2))
+        start = np.where(exact, 0.0, unit2 * self.force(row, now, lanes.y, push))
         later = (self._linear if self.devices.linear else self._nonlinear)(terms, row, now, drive, unit2)
-        drag = 2.0 * self.damping * unit
-        for n, factor in enumerate(factors):
+        for n in range(self.order - 1):
             own = later(n)
             if n == 0:
                 own = start
             if self.damping:
-                own -= drag * ((n + 1) * terms[n + 1])
-            np.multiply(own, factor, out=terms[n + 2])
+                own -= 2.0 * self.damping * unit * ((n + 1) * terms[n + 1])
+            np.multiply(own, 1.0 / ((n + 1) * (n + 2)), out=terms[n + 2])
+        return known.fastest
 
     def _linear(self, terms: Array, row: Array, now: Phase, drive: Array, unit2: Array) -> Callable[[int], Array]:
         """Returns a function of n that gives unit^2 times term n of y'', from n = 1 on."""
@@ -141,14 +100,8 @@ class Law:
         second, turned = 2.0 * np.hypot(factor[2], factor[3]), 0.5 * np.arctan2(factor[3], factor[2])
         count, stretched = len(factor) - 2, second.any()
         mix = np.zeros((3, count, row.size))  # of the waves: the linear part of y'', the lever of the drive, u
-        mix[0, :2], mix[0, 2:], mix[1, 0], mix[1, 1], mix[2, 0], mix[2, 1] = (
-            factor[:2],
-            factor[4:],
-            1.0,
-            tan,
-            np.cos(turned),
-            np.sin(turned),
-        )
+        mix[0], mix[1, 0], mix[1, 1] = np.delete(factor, (2, 3), axis=0), 1.0, tan
+        mix[2, 0], mix[2, 1] = np.cos(turned), np.sin(turned)
         waves, rate, mixed = np.empty((len(terms), count, row.size)), np.empty(terms.shape), np.empty((len(terms), 3, row.size))
         both, half = np.empty((count, row.size)), np.array([[1.0], [0.5]])[: count // 2]
 
@@ -175,10 +128,10 @@ class Law:
 def one_turn(arc: TaylorSeries, left: Array) -> Step:
     """The longest step of lanes, at most `left` [tau], that ends before the second turn of their series."""
     h = np.minimum(arc.longest, left)
-    end, bent = arc.at_with_chord_errors(h)
-    kept, monotone = sense(arc, h, end, bent)
-    fastest = np.maximum(np.abs(arc.v), np.abs(end.v)) + bent[0] / h
-    hardest = np.maximum(np.abs(arc.b), np.abs(end.b)) + bent[1] / (h * h)
+    end, chord_errors = arc.at_with_chord_errors(h)
+    kept, monotone = sense(arc, h, end, chord_errors)
+    fastest = np.maximum(np.abs(arc.v), np.abs(end.v)) + chord_errors[0] / h
+    largest_acceleration = np.maximum(np.abs(arc.b), np.abs(end.b)) + chord_errors[1] / (h * h)
     outward = np.sign(np.where(arc.v != 0.0, arc.v, arc.b))
     turns = ~kept & monotone & (arc.v != 0.0) & (end.v * outward <= 0.0)
     doubtful = np.flatnonzero(~kept & ~monotone)
@@ -192,7 +145,7 @@ def one_turn(arc: TaylorSeries, left: Array) -> Step:
         n = np.arange(1.0, len(arc.terms))[:, None]
         speed = TaylorSeries(n * arc.terms[1:, at] * outward[at], arc.unit[at], h[at], arc.fastest[at])
         turn[at] = falls(speed, np.zeros(at.size), h[at])[0]
-    return Step(arc, h, end, outward, turn, fastest, hardest)
+    return Step(arc, h, end, outward, turn, fastest, largest_acceleration)
 
 
 def _bernstein(arc: TaylorSeries, h: Array) -> tuple[Array, Array, Array]:

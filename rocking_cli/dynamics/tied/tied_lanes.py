@@ -1,4 +1,4 @@
-"""Records of the march of tied bodies: its lanes, the ends of steps, a recorder of one body, and the results."""
+"""The data of the march of tied bodies: its lanes, the ends of steps, a recorder of one body, and the results."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import NamedTuple, Protocol
 
 from ..equations.taylor import TaylorSeries
 from ..lanes import Array, Lanes
+from ..outcome import Work
 
 
 @dataclass
@@ -65,3 +66,8 @@ class Found:
     phase: Array
     plastic: Array
     farthest: Array
+
+    @property
+    def work(self) -> Work:
+        """The counters of the march."""
+        return Work(cells=self.outcome.size, impacts=int(self.impacts.sum()), steps=int(self.steps.sum()))

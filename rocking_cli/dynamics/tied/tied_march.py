@@ -4,10 +4,8 @@ A step lies within one closed form of the motion and one phase of the restraints
 of the phase before or after the turn, the step ends there: the bracket holds one root. So a step cannot miss an engagement, a yield, a
 slack, a rupture or an impact. A peak ends a step only if a restraint yields there.
 
-After the shaking the body goes on over still ground until its outcome is proved. Without damping its energy gives the end of each phase,
-the peak and the speed at the ground, where a bound of the restoring force proves that nothing comes before. The energy that a body needs
-to come back to a peak, from which it has returned, is what it had there; impacts, damping and yielding only take energy, and a rupture
-begins the count anew. So
+After the shaking the body goes on over still ground until its outcome is proved. The energy that a body needs to come back to a peak,
+from which it has returned, is what it had there; impacts, damping and yielding only take energy, and a rupture begins the count anew. So
 
 - a body that has returned to the ground from a peak on each of its sides never exceeds these peaks again: it rocked;
 - a body that turns back outwards above the ground after such a peak goes to and fro between both: it leans;
@@ -20,14 +18,14 @@ from __future__ import annotations
 import numpy as np
 
 from ...errors import UsageError
+from ...motions.blocks import blocks
 from ...motions.motion import Motion
 from ..contacts.contact import OneSided
 from ..drive import place
 from ..equations.rigid_body import RigidBodyEquation
 from ..lanes import Array, Cells, Lanes
 from ..march.batch import MAX_STEPS
-from ..outcome import FALLEN, LOST, Outcome, Work
-from ..response import Response
+from ..outcome import FALLEN, LOST, Outcome
 from ..system import System
 from .bounces import Bounces
 from .devices import BROKEN, ELASTIC, SLACK, YIELDING, Phase
@@ -36,22 +34,13 @@ from .tied_lanes import Ends, Found, Recorder, TiedLanes
 
 _STILL = 1e-20  # a speed below this counts as zero: it changes y by about as much, and a later uplift by far less than rounding
 _TOGETHER = 8192  # lanes
-_NEWTON, _CLOSE = 4, 1e-13  # number of steps to a peak, and the largest last step over y
-_INSTANTS = 33  # number of instants of a step at which Fz is computed
+_INSTANTS, _PRESSED = 33, 256  # number of instants of a step at which Fz is computed, and of lanes at once
 WORDS = {SLACK: "slack", ELASTIC: "engagement", YIELDING: "yield", BROKEN: "rupture"}
 
 
-def tied_response(system: System, motion: Motion, cells: tuple[Array, Array, Array], shape: tuple[int, ...], peaks: bool) -> Response:
-    """The `Response` of flat cells, in this shape; theta_ratio is NaN if `peaks` is False. Raises UsageError for a vertical motion."""
-    found = March(system, motion.coarsest, *cells).run()
-    work = Work(cells=cells[0].size, impacts=int(found.impacts.sum()), steps=int(found.steps.sum()))
-    ratio = found.theta_ratio if peaks else np.full(found.outcome.size, np.nan)
-    return Response(ratio.reshape(shape), found.outcome.reshape(shape), found.impacts.reshape(shape), work)
-
-
 class March:
-    """The march of cells (A, Omega, eta) of one tied body under a motion; recorder: records the march of a single cell. Raises UsageError
-    for a motion with a vertical part."""
+    """The march of cells (A, Omega, eta) of one body with ties or a tendon under a motion; recorder: stores the history of a single cell.
+    Raises UsageError for a motion with a vertical part."""
 
     def __init__(self, system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array, recorder: Recorder | None = None):
         if motion.vertical is not None:
@@ -83,19 +72,12 @@ class March:
     def run(self, release: float = 0.0) -> Found:
         """March all cells to their ends, from rest or released to the right from theta/alpha = release; returns their results."""
         with np.errstate(all="ignore"):
-            by_energy, aside = self.recorder is None and not self.equation.damping, []
             waiting = np.arange(self.found.outcome.size)
             lanes = self._begin(waiting[:0], 0.0)
             while waiting.size or lanes.cell.size:
-                if room := max(0, _TOGETHER - lanes.cell.size):
+                if room := min(waiting.size, _TOGETHER - lanes.cell.size):
                     lanes, waiting = lanes.join(self._begin(waiting[:room], release)), waiting[room:]
                 lanes = self._round(lanes) if lanes.cell.size else lanes
-                if by_energy and (still := lanes.k >= self.shaken).any():
-                    aside.append(lanes.take(np.flatnonzero(still)))
-                    lanes = lanes.take(np.flatnonzero(~still))
-            lanes, self.doubtful = TiedLanes.joined(aside) if aside else lanes, 0.0
-            while lanes.cell.size:
-                lanes = self._rest_of_motion(lanes)
         return self.found
 
     def _of(self, numbers: Array, row: Array) -> Array:
@@ -204,59 +186,21 @@ class March:
         turned = peaked | (v == 0.0)
         return self._events(lanes, row, now, high, Ends(up, down, peaked, turned & ~peaked & ~(up | down), top, k >= self.shaken))
 
-    def _rest_of_motion(self, lanes: TiedLanes) -> TiedLanes:
-        """Take one step of every lane on still ground, undamped. Where the restoring force is proved to keep its sign and Fz > 0, the
-        energy gives the end of the phase, the peak or the impact at the ground; elsewhere the series does."""
-        lanes.steps += 1
-        row, now, ground, high = self._phase(lanes)
-        out, energy = lanes.v > 0.0, 0.5 * lanes.v**2
-        taken = self.law.work(row, now, lanes.y, np.where(out, high, ground))
-        up, down = out & (energy >= taken), ~out
-        y, peaked = np.where(out, high, ground), out & ~up
-        at = np.flatnonzero(peaked)
-        y[at] = self._peak(lanes.y[at], energy[at], row[at], now.take(at))
-        low, far = np.minimum(y, lanes.y), np.maximum(y, lanes.y)
-        least, most = self.law.inward(row, now, low, far)
-        v = np.where(peaked, 0.0, np.where(out, 1.0, -1.0) * np.sqrt(np.maximum(0.0, 2.0 * (energy - taken))))
-        proved = (least > 0.0) & np.isfinite(y) & (far > low)
-        if (body := self.devices.body) is not None:
-            edge = body.on(lanes.side)
-            proved &= edge.kappa * edge.unit * (most + edge.unit * np.maximum(lanes.v**2, v * v)) < 1.0
-        falls = self._certain(lanes, row, now, high)
-        proved |= falls
-        others, at = lanes.take(np.flatnonzero(~proved)), np.flatnonzero(proved)
-        others.steps -= 1
-        lanes = lanes.take(at)
-        stay = falls[at]
-        lanes.y, lanes.v = np.where(stay, lanes.y, y[at]), np.where(stay, lanes.v, v[at])
-        up, down, peaked = (x[at] & ~stay for x in (up, down, peaked))
-        ends = Ends(up, down, peaked, np.zeros_like(up), lanes.y, np.ones_like(up))
-        lanes = self._events(lanes, row[at], now.take(at), high[at], ends)
-        return lanes.join(self._round(others)) if others.cell.size else lanes
-
-    def _peak(self, y: Array, energy: Array, row: Array, now: Phase) -> Array:
-        """The y at which lanes with this y'^2/2 turn back on still ground, by Newton's method; NaN where it does not converge."""
-        start, none = y, np.zeros(y.size)
-        back, soft = -self.law.force(row, now, y, none), 1.0 - self.devices.linear_terms(row, now)[1]
-        y = y + 2.0 * energy / (back + np.sqrt(back * back - 2.0 * soft * energy))
-        for _ in range(_NEWTON):
-            y, before = y - (energy - self.law.work(row, now, start, y)) / self.law.force(row, now, y, none), y
-        return np.where(np.abs(y - before) <= _CLOSE * y, y, np.nan)
-
     def _press(self, lanes: TiedLanes, row: Array, now: Phase, step: Step, reach: Array) -> None:
         """Mark lanes with Fz <= 0 in their steps. Where no bound excludes this, Fz is computed at `_INSTANTS` of the step."""
         body = self.devices.body
         if body is None:
             return
         edge = body.on(lanes.side)
-        doubtful = np.flatnonzero(~lanes.lost & ~(edge.kappa * edge.unit * (step.hardest + edge.unit * step.fastest**2) < 1.0))
-        if doubtful.size:
-            arc, side, there = step.arc.take(doubtful), body.on(lanes.side[doubtful]), now.take(doubtful)
-        for x in np.linspace(0.0, 1.0, _INSTANTS) if doubtful.size else ():
-            at = arc.at(reach[doubtful] * x)
-            z = side.alpha - side.unit * at.y
-            fz = 1.0 + side.kappa * side.unit * (at.b * np.sin(z) - side.unit * at.v**2 * np.cos(z))
-            lanes.lost[doubtful] |= fz + self.devices.downwards(row[doubtful], there, at.y) <= 0.0
+        doubtful = np.flatnonzero(~lanes.lost & ~(edge.kappa * edge.unit * (step.largest_acceleration + edge.unit * step.fastest**2) < 1.0))
+        for block in blocks(doubtful.size, _PRESSED):
+            at = np.repeat(doubtful[block], _INSTANTS)
+            side, there = body.on(lanes.side[at]), now.take(at)
+            here = step.arc.take(at).at(reach[at] * np.resize(np.linspace(0.0, 1.0, _INSTANTS), at.size))
+            z = side.alpha - side.unit * here.y
+            fz = 1.0 + side.kappa * side.unit * (here.b * np.sin(z) - side.unit * here.v**2 * np.cos(z))
+            fz += self.devices.downwards(row[at], there, here.y)
+            lanes.lost[doubtful[block]] = (fz <= 0.0).reshape(-1, _INSTANTS).any(axis=1)
         if self.recorder is not None and lanes.lost[0] and not self._told:
             self._told = True
             self._note(lanes, LOST, lanes.y, lanes.v)
@@ -345,7 +289,7 @@ class March:
         if not at.size:
             return falls
         side, k = lanes.side[at], np.minimum(lanes.k[at], len(self.segments) - 1)
-        inward = self.segments.hardest(side, lanes.amplitude[at], k)
+        inward = self.segments.strongest_inward(side, lanes.amplitude[at], k)
         if self.devices.linear:
             there = Phase(*(x[..., at] for x in now))
             soft = self.devices.linear_terms(row[at], there)[1] <= 1.0

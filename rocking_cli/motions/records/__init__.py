@@ -35,7 +35,7 @@ from .text import HEAD, RecordText
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-__all__ = ["FORMATS", "Record", "Series", "demand_unit", "is_record", "pick", "read_record", "read_records", "records_of", "unknown"]
+__all__ = ["FORMATS", "Record", "Series", "is_record", "pick", "read_record", "read_records", "records_of", "require_unit", "unknown"]
 
 GROUP = "rocking.records"
 _PACKED = b"\x1f\x8b"  # gzip
@@ -86,7 +86,7 @@ def _format_of(source: str, head: str) -> tuple[Any, EntryPoint | None]:
     return (plain if plain.recognise(head) else None), None
 
 
-def demand_unit(unit: str | None) -> None:
+def require_unit(unit: str | None) -> None:
     """Raise UsageError unless the unit of plain numbers is one of acceleration, or None."""
     if unit is not None and unit not in UNITS["acceleration"]:
         raise UsageError(f"`unit`: found {unit!r}; expected {', '.join(UNITS['acceleration'])}")
@@ -97,7 +97,7 @@ def records_of(source: str, raw: bytes, *, unit: str | None = None, dt: float | 
     named: false for a file of a directory, where uncorrected accelerograms may lie beside the corrected ones, and records that state their
     unit beside plain numbers. Raises DocumentError if a file of a record format is not valid or holds counts, NoAcceleration for an
     uncorrected one that is not named, and UsageError for an unknown unit."""
-    demand_unit(unit)
+    require_unit(unit)
     unpacked = _unpack(source, raw)
     _refuse_binary(source, unpacked)
     text = RecordText(source, unpacked, unit, dt)

@@ -1,6 +1,6 @@
 """COSMOS V1 and V2: the header says how many lines of text, integers, reals and comments there are, and how numbers stand in them.
 
-The step is real-header value 62 in ms; value 34 is that of the raw record. Points, step and length have to agree.
+The step is real-header value 62 in ms; value 34 is that of the raw record. Points, step and duration have to agree.
 """
 
 import re
@@ -23,7 +23,7 @@ _APPROXIMATELY = re.compile(r"approx\s+([\d.]+)\s*secs", re.IGNORECASE)
 _CHANNEL = re.compile(r"^\s*Sta\s+Cha\w*\s*\S*?\s*:\s*(?:\d+\s*:)?\s*(.*?)\s*(?:\(|$)", re.IGNORECASE)
 _CODE = re.compile(r"<SCNL>\s*[^.\s]*\.([^.\s]+)\.", re.IGNORECASE)
 _UNITS = {2: "g", 4: "cm/s2", 10: "gal"}
-_STEP_MS, _LENGTH, _PEAK, _RAW_STEP, _NONE = 61, 62, 63, 33, -999.0  # places among the real-header values, from 0; an unknown value
+_STEP_MS, _LENGTH, _PGA, _RAW_STEP, _NONE = 61, 62, 63, 33, -999.0  # places among the real-header values, from 0; an unknown value
 
 recognise = begins(rf".*{_FIRST.pattern}")
 
@@ -42,12 +42,12 @@ def read(text: RecordText) -> list[Series]:
         if _ACCELERATION.search(block[2]):
             unit, dt = _unit(text, block[3], block[4]), _step(text, reals, count, block.string)
             component = stated(_CODE, lines) or stated(_CHANNEL, lines) or None
-            peak = f"{reals[_PEAK]:.6f}" if reals[_PEAK] not in (_NONE, 0.0) else None
-            found.append(Series(component, dt, text.numbers(count, layout), unit, peak))
+            pga = f"{reals[_PGA]:.6f}" if reals[_PGA] not in (_NONE, 0.0) else None
+            found.append(Series(component, dt, text.numbers(count, layout), unit, pga))
         else:
             others = f"{block[2]} in {block[3]}"
             text.skip(count, layout)
-        text.demand_end(count)
+        text.require_end(count)
     if not found:
         raise text.no_acceleration(f"no acceleration, only {others}; expected an acceleration with a unit")
     return found
@@ -69,13 +69,14 @@ def _header(text: RecordText, kind: str) -> np.ndarray:
     line = re.compile(rf"^\s*(\d+)\s*{kind}-header values follow on\s*\d+\s*lines.*?{FORTRAN}", re.IGNORECASE)
     said = text.like(line, f"100 {kind}-header values follow on 10 lines, Format= (10I8)")
     values = text.numbers(int(said[1]), Layout.of(said))
-    if values.size <= _PEAK:
-        raise text.fault(f"{values.size} {kind}-header values; expected {_PEAK + 1} or more")
+    if values.size <= _PGA:
+        raise text.fault(f"{values.size} {kind}-header values; expected {_PGA + 1} or more")
     return values
 
 
 def _step(text: RecordText, reals: np.ndarray, count: int, line: str) -> float:
-    """Return the step dt [s]. Raises DocumentError if the number of points, the step and the length do not agree."""
+    """Return the step dt [s]. line: that before the values, which may state their duration. Raises DocumentError if the number of points,
+    the step and the duration do not agree."""
     dt = text.step(f"{reals[_STEP_MS] if reals[_STEP_MS] != _NONE else 1e3 * reals[_RAW_STEP]:.12g}") / 1e3
     if reals[_LENGTH] > 0.0:
         text.agree(count, dt, f"{reals[_LENGTH]:.6g}")

@@ -13,7 +13,7 @@ NAME = "CSMIP V2"
 _FIRST = re.compile(r"(?<!UN)CORRECTED ACCELEROGRAM(?:.*?\bChan(?:nel)?\s*\d*\s*:\s*(.+?)\s*(?:from|\(|$))?", re.IGNORECASE)
 _SPECTRA = re.compile(r"\s*RESPONSE AND FOURIER AMPLITUDE SPECTRA", re.IGNORECASE)  # volume 3
 _BLOCK = re.compile(r"^\s*(\d+)\s*points of (accel|veloc|displ)\w* data(?:.*?\bat\s*([-+.\d]+)\s*sec)?", re.IGNORECASE)
-_PEAK = re.compile(r"Peak\s+accel\w*\s*=\s*([-+.\dEe]+)\s*([a-z/0-9^]+)", re.IGNORECASE)
+_PGA = re.compile(r"Peak\s+accel\w*\s*=\s*([-+.\dEe]+)\s*([a-z/0-9^]+)", re.IGNORECASE)
 _POINTS = re.compile(r"^\s*(\d+)\s+points of instrument", re.IGNORECASE)
 _LENGTH = re.compile(r"Record length\s*=\s*([.\d]+)\s*sec", re.IGNORECASE)
 _UNIT = re.compile(r"(?:\bin\b|units?:?)\s*(?:units of\s*)?([a-z]+(?:/[a-z0-9/^]+)?)", re.IGNORECASE)
@@ -46,10 +46,10 @@ def read(text: RecordText) -> list[Series]:
                 text.agree(count, dt, length, slack=0.5 * float(length))
             word = stated(_UNIT, [line[block.end() :]])
             unit = text.unit(word) if word else "cm/s2"
-            peak = stated(_PEAK, latest) if unit_of(stated(_PEAK, latest, 2) or "") == unit else None
-            found.append(Series(stated(_FIRST, latest), dt, text.numbers(count, layout), unit, peak))
+            pga = stated(_PGA, latest) if unit_of(stated(_PGA, latest, 2) or "") == unit else None
+            found.append(Series(stated(_FIRST, latest), dt, text.numbers(count, layout), unit, pga))
             above = []
-        text.demand_end(count)
+        text.require_end(count)
     if not found:
         only = f"no points of accel data, only of {others}"
         raise text.no_acceleration(only) if others else text.fault("no line `n points of accel data`")

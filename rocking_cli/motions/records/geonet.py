@@ -12,7 +12,7 @@ _SAID = re.compile(r".*\S.*")
 _POINTS = re.compile(r"Number of points\s+(\S+)\s+Duration\s+([\d.]+)\s*s", re.IGNORECASE)
 _COMPONENT = re.compile(r"\s*Component\s+(\S+)", re.IGNORECASE)
 _SCALE = re.compile(r"readings in units of\s+(\S+)\s*mm/s/s", re.IGNORECASE)
-_PEAK = re.compile(r"Acceleration:\s*peak\s*([-+.\dEe]+)\s*mm/s", re.IGNORECASE)
+_PGA = re.compile(r"Acceleration:\s*peak\s*([-+.\dEe]+)\s*mm/s", re.IGNORECASE)
 _LAYOUT = Layout(10, 8)
 _TEXT, _NUMBERS = 16, 100
 _COUNTS, _STEP = (33, 34, 35), 65  # places among the numbers, from 0: values of each block, and dt
@@ -36,9 +36,9 @@ def read(text: RecordText) -> list[Series]:
             if (points := _POINTS.search(line)) is not None:
                 text.agree(text.count(points[1], i, same=counts[0]), dt, points[2], i)
             if (scale := _SCALE.search(line)) is not None and text.number(scale[1], i) != 1.0:
-                raise text.fault(f"raw readings in units of {scale[1]} mm/s/s; expected units of 1", i)
-        found.append(Series(stated(_COMPONENT, lines), dt, text.numbers(counts[0], _LAYOUT), "mm/s2", stated(_PEAK, lines)))
+                raise text.fault(f"found raw readings in units of {scale[1]} mm/s/s; expected units of 1 mm/s/s, no others are read", i)
+        found.append(Series(stated(_COMPONENT, lines), dt, text.numbers(counts[0], _LAYOUT), "mm/s2", stated(_PGA, lines)))
         for count in counts[1:]:
             text.skip(count, _LAYOUT)
-        text.demand_end(next(n for n in reversed(counts) if n))
+        text.require_end(next(n for n in reversed(counts) if n))
     return found

@@ -14,7 +14,7 @@ _KNET_KEY, _KNET_MEMO = re.compile(r"(\w[\w. ]*?)\s*(?:\(\w+\)\s*|\s\s+|$)(.*)")
 _KNET_SCALE = re.compile(r"([\d.]+)\s*\(gal\)\s*/\s*([\d.]+)", re.IGNORECASE)
 _AFAD_KEY = re.compile(r"(.+?)\s*(?:\(sec\)\s*)?:(.*)", re.IGNORECASE)
 _AFAD_COLUMNS = re.compile(r"\s*N-?S\s+E-?W\s+(?:U-?D|Z|V)\s*$", re.IGNORECASE)
-_CWB_KEY, _CWB_PEAK = re.compile(r"#([^:(]+)[^:]*:(.*)"), re.compile(r"\d*\.\d+")
+_CWB_KEY, _CWB_PGA = re.compile(r"#([^:(]+)[^:]*:(.*)"), re.compile(r"\d*\.\d+")
 _CWB_COMPONENT = re.compile(r"([A-Z])\s*\([-+]\)")
 
 
@@ -30,9 +30,9 @@ def _esm(text: RecordText) -> list[Series]:
     duration, line = keys.get("DURATION_S", ("", 0))
     if duration:
         text.agree(count, dt, duration, line)
-    peak = next((v for k, (v, _) in keys.items() if k.startswith("PGA_") and re.fullmatch(r"[-+\d.eE]+", v)), None)
+    pga = next((v for k, (v, _) in keys.items() if k.startswith("PGA_") and re.fullmatch(r"[-+\d.eE]+", v)), None)
     component = keys.get("STREAM", ("", 0))[0] or keys.get("COMPONENT", ("", 0))[0] or None
-    return [Series(component, dt, text.numbers(count, Layout(1)), unit, peak, text.surplus(count))]
+    return [Series(component, dt, text.numbers(count, Layout(1)), unit, pga, text.surplus(count))]
 
 
 def _knet(text: RecordText) -> list[Series]:
@@ -48,10 +48,10 @@ def _knet(text: RecordText) -> list[Series]:
     duration, line = text.value(keys, "Duration Time")
     count = text.count(f"{text.number(duration, line) / dt:.10g}", line)
     component, _ = text.value(keys, "Dir.")
-    peak, _ = keys.get("MAX. ACC.", ("", 0))
+    pga, _ = keys.get("MAX. ACC.", ("", 0))
     counts = text.numbers(count, Layout(8))
     samples = (counts - float(np.mean(counts))) * (float(scale[1]) / float(scale[2]))
-    return [Series(component, dt, samples, "gal", peak if re.fullmatch(r"[\d.]+", peak) else None, text.surplus(count))]
+    return [Series(component, dt, samples, "gal", pga if re.fullmatch(r"[\d.]+", pga) else None, text.surplus(count))]
 
 
 def _afad(text: RecordText) -> list[Series]:
@@ -62,10 +62,10 @@ def _afad(text: RecordText) -> list[Series]:
     unit = next((k for k in keys if "PGA VALUES" in k), "(GAL)")
     if "(GAL)" not in unit:
         raise text.fault(f"found {unit!r}; expected a record in gal", keys[unit][1])
-    peaks = dict(re.findall(r"\(([^)]+)\)\s*([-+.\dEe]+)", keys.get(unit, ("", 0))[0]))
+    pgas = dict(re.findall(r"\(([^)]+)\)\s*([-+.\dEe]+)", keys.get(unit, ("", 0))[0]))
     values = text.numbers(3 * count, Layout(3)).reshape(count, 3)
     remark = text.surplus(count)
-    return [Series(name, dt, values[:, i], "gal", peaks.get(name), remark) for i, name in enumerate(keys[""][0].split())]
+    return [Series(name, dt, values[:, i], "gal", pgas.get(name), remark) for i, name in enumerate(keys[""][0].split())]
 
 
 def _cwb(text: RecordText) -> list[Series]:
@@ -85,8 +85,8 @@ def _cwb(text: RecordText) -> list[Series]:
     text.agree(count, even_step(values[:, 0], text, first), length, line)
     remark, found = text.surplus(count), []
     for i, name in enumerate(names, 1):
-        peak = max(_CWB_PEAK.findall(keys.get(f"AMPLITUDEMAX. {name}", ("", 0))[0]), key=float, default=None)
-        found.append(Series(name, dt, values[:, i], unit, peak, remark))
+        pga = max(_CWB_PGA.findall(keys.get(f"AMPLITUDEMAX. {name}", ("", 0))[0]), key=float, default=None)
+        found.append(Series(name, dt, values[:, i], unit, pga, remark))
     return found
 
 

@@ -22,7 +22,7 @@ recognise = begins(rf"(?:.*\n){{0,49}}?.*(?:{_COUNT.pattern}|{_OLDER.pattern})")
 
 
 def read(text: RecordText) -> list[Series]:
-    """Return the one component of the file, with a name if it is vertical; other names are part of the file name. Raises DocumentError."""
+    """Return the one component of the file, named only if it is vertical: PEER states the others in the file name. Raises DocumentError."""
     unit, component = "g", None
     while (line := text.next_line()) is not None:
         if (found := _COUNT.search(line) or _OLDER.search(line)) is not None:

@@ -6,22 +6,21 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ...documents.quantities import DEFAULT_GRAVITY, UNITS, parse_whole
-from ...errors import DocumentError, NoComponent, UsageError
+from ...errors import DocumentError, MotionError, NoComponent, UsageError
 from ..blocks import largest
-
-if TYPE_CHECKING:
-    from ..motion import Motion
+from ..motion import checked_scale
+from ..polyline import Polyline
 
 LARGEST = 1e6  # m/s2, beyond which no ground shakes
 STEPS = (1e-7, 1e3)  # s, from the shortest to the longest
 WRITTEN_UNITS = ("g", "gal", "cm/s2", "m/s2", "mm/s2")
 _PEAKS = (0.002, 5.0)  # g; the largest recorded is about 4 g. A record in gal that is read as g lies above, one in g read as gal below
-_PEAK_AGREES = 0.01  # part of a header's peak by which the samples' own may differ without a word
+_PGA_AGREES = 0.01  # part of a header's peak by which the samples' own may differ without a word
 HORIZONTAL, ALL, STATION = "horizontal", "all", "station"
 _VERTICAL = re.compile(r"\b(?:up|u-d|ud|dn|down|dwn|ver|vrt|vert\w*)\b|^(?:[uvz]|[a-z]{2}z)(?: \(\d+\))?$", re.IGNORECASE)
 _OF_A_STATION = 2  # horizontal components; a file of a building or an array has more
@@ -34,7 +33,7 @@ class Series(NamedTuple):
     dt: float
     samples: np.ndarray
     unit: str
-    peak: str | None = None
+    pga: str | None = None
     remark: str = ""
 
 
@@ -77,16 +76,26 @@ class Record:
         return (self.npts - 1) * self.dt
 
     @property
-    def motion(self) -> Motion:
+    def motion(self) -> Polyline:
         """The motion as recorded, in its own time (omega_g = 1 rad/s)."""
-        from ..polyline import record_motion
-
         return record_motion(self)
 
     @property
     def label(self) -> str:
         """The name with the component."""
         return self.name if self.component is None else f"{self.name} {self.component}"
+
+
+def record_motion(record: Record, scale: float = 1.0, name: str = "") -> Polyline:
+    """Return the motion of a record in its own time, times `scale`: omega_g = 1 rad/s, max |s| = 1, `acceleration` = |scale| PGA [m/s2].
+    name: by default the label of the record. Raises MotionError if all samples are zero, or for the scale."""
+    pga = largest(record.acceleration)
+    if not pga > 0.0:
+        raise MotionError(f"motion {record.label!r}: zero throughout; the motion must have a non-zero value")
+    factor = float(np.copysign(1.0, checked_scale(record.label, scale))) / pga
+    s = factor * record.acceleration
+    time = record.dt * np.arange(record.npts)
+    return Polyline(name or record.label, time[:-1], time[1:], s[:-1], np.diff(s) / np.diff(time), abs(scale) * pga)
 
 
 def unit_of(word: str) -> str | None:
@@ -102,15 +111,15 @@ def record_of(series: Series, name: str, format_: str, source: str, sha256: str)
         acceleration = series.samples * factor
     remarks = [series.remark] if series.remark else []
     where = "" if series.component is None else f" of component {series.component}"
-    peak, header = largest(acceleration), None
-    small = series.peak is None and series.unit != "g" and 0.0 < peak < _PEAKS[0] * DEFAULT_GRAVITY  # no unit is larger than g
-    if peak > _PEAKS[1] * DEFAULT_GRAVITY or small:
-        remarks.append(f"a peak{where} of {peak / DEFAULT_GRAVITY:.3g} g, where the unit is taken to be {series.unit}")
-    if series.peak is not None:
-        stated, found = abs(float(series.peak)), peak / factor
+    pga, header = largest(acceleration), None
+    small = series.pga is None and series.unit != "g" and 0.0 < pga < _PEAKS[0] * DEFAULT_GRAVITY  # no unit is larger than g
+    if pga > _PEAKS[1] * DEFAULT_GRAVITY or small:
+        remarks.append(f"a peak{where} of {pga / DEFAULT_GRAVITY:.3g} g, where the unit is taken to be {series.unit}")
+    if series.pga is not None:
+        stated, found = abs(float(series.pga)), pga / factor
         header = stated * factor
-        half_a_digit = 0.5 * 10.0 ** float(Decimal(series.peak).as_tuple().exponent)
-        if abs(found - stated) > max(_PEAK_AGREES * stated, half_a_digit):
+        half_a_digit = 0.5 * 10.0 ** float(Decimal(series.pga).as_tuple().exponent)
+        if abs(found - stated) > max(_PGA_AGREES * stated, half_a_digit):
             remarks.append(f"the header states a peak{where} of {stated:g} {series.unit}, the samples have {found:.6g} {series.unit}")
     return Record(name, format_, series.component, series.dt, acceleration, header, series.unit, source, sha256, tuple(remarks))
 

@@ -29,6 +29,6 @@ def read(text: RecordText) -> list[Series]:
     if reals[_RATE] == reals[_NONE]:
         raise text.fault("no sampling rate in the header, as of pairs of times and accelerations; expected accelerations at equal steps")
     dt = text.step_of_rate(f"{reals[_RATE]:.10g}")
-    peak = max((abs(reals[i]) for i in (_MAXIMUM, _MINIMUM) if reals[i] != reals[_NONE]), default=0.0)
+    pga = max((abs(reals[i]) for i in (_MAXIMUM, _MINIMUM) if reals[i] != reals[_NONE]), default=0.0)
     samples = text.numbers(count, Layout(5, 14) if integers[_DIGITS] == 8 else Layout(8, 10))
-    return [Series(stated(_COMPONENT, lines), dt, samples, "cm/s2", f"{peak:.6e}" if peak > 0.0 else None, text.surplus(count))]
+    return [Series(stated(_COMPONENT, lines), dt, samples, "cm/s2", f"{pga:.6e}" if pga > 0.0 else None, text.surplus(count))]

@@ -196,7 +196,7 @@ class RecordText:
         rest = self.raw[self.at : self.at + 4096].split(None, 1)
         return bool(rest) and NUMBER.fullmatch(rest[0]) is not None
 
-    def demand_end(self, count: int) -> None:
+    def require_end(self, count: int) -> None:
         """Raise DocumentError if another line of numbers follows the `count` values that are declared."""
         ahead = self.raw[self.at : self.at + 4096]
         line = ahead.lstrip().split(b"\n", 1)[0]

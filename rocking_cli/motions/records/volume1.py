@@ -14,7 +14,7 @@ NAME = "Volume 1"
 _FIRST = re.compile(r"\s*(?:UNCORRECTED ACCELEROGRAM\b|(\* VOL1DS\b))", re.IGNORECASE)
 _POINTS = re.compile(r"NO\. OF POINTS\s*=\s*(\d+)\s+(?:RECORD LENGTH|DURATION)\s*=\s*([.\d]+)", re.IGNORECASE)
 _CHANNEL = re.compile(r"\s*(?:CHAN(?:NEL)?\s*\d*\s*:|COMP\b)\s*(\S.*?)\s*(?:\(|\s{2}|$)", re.IGNORECASE)
-_PEAK = re.compile(r"\bMAX\s*=\s*([-+]?\d*\.\d+)\s*G\b", re.IGNORECASE)
+_PGA = re.compile(r"\bMAX\s*=\s*([-+]?\d*\.\d+)\s*G\b", re.IGNORECASE)
 _TENTHS = re.compile(r"\b(UNITS)\b.*\bSEC\w* AND G/10\b", re.IGNORECASE)
 _BODY = re.compile(rf"^\s*(\d+)\s*accelerogram points at\s*([.\d]+)\s*pts/sec\s*in units of\s*([a-z0-9/^]+).*?{FORTRAN}", re.IGNORECASE)
 _TEXT, _NUMBERS, _RATE = 13, 14, 8  # lines, and that of the numbers, from 0, which begins with the sampling rate in BHRC's
@@ -43,7 +43,7 @@ def read(text: RecordText) -> list[Series]:
         else:
             line, pairs = text.line, text.numbers(2 * count, _PAIRS).reshape(count, 2)
             dt, samples = even_step(pairs[:, 0], text, line, _PAIRS.columns // 2), pairs[:, 1] / 10.0
-        text.demand_end(count)
+        text.require_end(count)
         text.agree(count, dt, length)
-        found.append(Series(stated(_CHANNEL, lines), dt, samples, unit, stated(_PEAK, lines) if unit == "g" else None))
+        found.append(Series(stated(_CHANNEL, lines), dt, samples, unit, stated(_PGA, lines) if unit == "g" else None))
     return found

@@ -112,7 +112,7 @@ def draw_capacity_curves(
 
 
 def _curve(axes: Axes, check: CodeCheck) -> None:
-    """Draw one check with d in mm and a in g; a cross marks the demand at each limit state."""
+    """Draw the capacity curve of a check by a code, d [mm] across and a [g] upwards; a cross marks the demand at each limit state."""
     d, a = _MM * check.curve.displacement, check.curve.multiplier * check.factor / DEFAULT_GRAVITY
     axes.plot(d, a, color="k", lw=1.8, label="capacity")
     asked = [(_MM * at.demand, (2.0 * np.pi / at.period) ** 2 * at.demand / DEFAULT_GRAVITY) for at in (check.slv, check.slc)]

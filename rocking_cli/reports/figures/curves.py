@@ -57,8 +57,8 @@ def response(figure: Figure, rows: Rows, units: Units, align: bool = False) -> l
 def with_jumps(t: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the samples with one more point at each jump, so that the line is vertical there, at the time of the later sample."""
     step = np.abs(np.diff(a, prepend=a[:1], append=a[-1:]))
-    beside = np.maximum(step[:-2], step[2:]) if a.size > 1 else np.zeros(0)
-    jumps = np.flatnonzero((step[1:-1] > _JUMP * beside) & (step[1:-1] > 0.05 * np.max(np.abs(a), initial=0.0))) + 1
+    neighbour = np.maximum(step[:-2], step[2:]) if a.size > 1 else np.zeros(0)
+    jumps = np.flatnonzero((step[1:-1] > _JUMP * neighbour) & (step[1:-1] > 0.05 * np.max(np.abs(a), initial=0.0))) + 1
     return np.insert(t, jumps, t[jumps]), np.insert(a, jumps, a[jumps - 1])
 
 

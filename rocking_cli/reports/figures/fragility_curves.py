@@ -35,8 +35,8 @@ def fragility_curves(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     lines = list(groups(rows, *keys).values())
     for i, some in enumerate(lines):
         x, p, share = column(some, "x") / factor, column(some, "probability"), column(some, "fraction")
-        told = [some[0][key] for key in varied] + [f"{float(some[0][key]):.2g} a year" for key in ("annual_rate",) if key in some[0]]
-        style: dict[str, Any] = {"color": f"C{i}", "label": literal(", ".join(told)) or None}
+        label = [some[0][key] for key in varied] + [f"{float(some[0][key]):.2g} a year" for key in ("annual_rate",) if key in some[0]]
+        style: dict[str, Any] = {"color": f"C{i}", "label": literal(", ".join(label)) or None}
         if np.all(np.isnan(p)):
             axes.step(np.append(0.0, x), np.append(0.0, share), where="post", lw=1.0, **style)
             continue

@@ -95,8 +95,8 @@ def _closed_form(axes: Axes, file: SpectraFile, place: int, units: Units) -> Non
     add(omegas)
     there = [sum(w in points for points in curves.values()) for w in omegas.tolist()]
     for i in np.flatnonzero(np.diff(there)):  # curves end between these two, with an upright tangent
-        bend = np.linspace(0.0, 1.0, _END) ** 2
-        add(omegas[i] + (omegas[i + 1] - omegas[i]) * (bend if there[i + 1] > there[i] else 1.0 - bend))
+        spacing = np.linspace(0.0, 1.0, _END) ** 2
+        add(omegas[i] + (omegas[i + 1] - omegas[i]) * (spacing if there[i + 1] > there[i] else 1.0 - spacing))
     for (curve, points), dash in zip(curves.items(), DASHES, strict=False):
         omega = np.array(sorted(points))
         amplitude = np.array([points[w] for w in omega])

@@ -1,8 +1,8 @@
-"""Checksums of all bytes: the digest of a finished file, and the records of a partial file.
+"""Checksums of all bytes: the digest of a finished file, and the entries of a partial file.
 
 The digest follows the HDF5 data of a finished file, as a line of JSON and a line with its length. It covers all bytes except the
-chunks, which have their own checksums. A partial file is a layout followed by records. Records are only appended, so a damaged byte
-spoils one record at most.
+chunks, which have their own checksums. A partial file is a layout followed by entries. Entries are only appended, so a damaged byte
+spoils one entry at most.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ _LAST_LENGTH = 27
 _BLOCK = 1 << 24  # bytes that are read at once
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
-NOTE = -1  # index of a record about the whole, as JSON
-_RECORD = struct.Struct("<4sqQI")  # magic, index of the chunk, bytes of the content, CRC-32 of all else
+NOTE = -1  # index of an entry about the whole, as JSON
+_ENTRY = struct.Struct("<4sqQI")  # magic, index of the chunk, bytes of the content, CRC-32 of all else
 _MAGIC = b"rock"
 
 
@@ -90,9 +90,9 @@ def checked_digest(file: BinaryIO) -> str | None:
 
 
 class Log:
-    """The layout and the records of a partial file.
-    image: the bytes of an HDF5 file without chunks; notes: statements about the whole; places: (offset, bytes) of the last record of each
-    index; end: where the last whole record ends. Raises ValueError where it is no partial file, or its layout is damaged."""
+    """The layout and the entries of a partial file.
+    image: the bytes of an HDF5 file without chunks; notes: statements about the whole; places: (offset, bytes) of the last entry of each
+    index; end: where the last whole entry ends. Raises ValueError where it is no partial file, or its layout is damaged."""
 
     def __init__(self, file: BinaryIO) -> None:
         self.file, size = file, file.seek(0, os.SEEK_END)
@@ -103,37 +103,37 @@ class Log:
         self.image = read(file, 0, self.end)
         self.notes: dict[str, Any] = {}
         self.places: dict[int, tuple[int, int]] = {}
-        while self.end + _RECORD.size <= size:
-            magic, index, length, _ = _RECORD.unpack(read(file, self.end, _RECORD.size))
-            if magic != _MAGIC or self.end + _RECORD.size + length > size:
+        while self.end + _ENTRY.size <= size:
+            magic, index, length, _ = _ENTRY.unpack(read(file, self.end, _ENTRY.size))
+            if magic != _MAGIC or self.end + _ENTRY.size + length > size:
                 break
-            self.places[index] = self.end, _RECORD.size + length
+            self.places[index] = self.end, _ENTRY.size + length
             if index == NOTE:
                 self.notes |= json.loads(self.content(NOTE))
-            self.end += _RECORD.size + length
+            self.end += _ENTRY.size + length
         if "layout" not in self.notes:
-            raise ValueError("it has neither a digest nor the records of a partial file")
+            raise ValueError("it has neither a digest nor the entries of a partial file")
         if self.notes["layout"] != digest([self.image]):
             raise ValueError("its layout is damaged")
 
     def content(self, index: int) -> bytes:
-        """Return the content of a record. Raises ValueError if it is damaged, KeyError if it does not exist."""
+        """Return the content of an entry. Raises ValueError if it is damaged, KeyError if it does not exist."""
         raw = read(self.file, *self.places[index])
-        if raw != record_of(index, raw[_RECORD.size :]):
+        if raw != entry_of(index, raw[_ENTRY.size :]):
             raise ValueError("its checksum does not fit")
-        return raw[_RECORD.size :]
+        return raw[_ENTRY.size :]
 
     def append(self, index: int, content: bytes) -> None:
-        """Append a record. Raises OSError, after which the file is as it was before."""
-        record = record_of(index, content)
+        """Append an entry. Raises OSError, after which the file is as it was before."""
+        entry = entry_of(index, content)
         try:
-            write(self.file, self.end, record)
+            write(self.file, self.end, entry)
         except OSError:
             with suppress(OSError):
                 self.file.truncate(self.end)
             raise
-        self.places[index] = self.end, len(record)
-        self.end += len(record)
+        self.places[index] = self.end, len(entry)
+        self.end += len(entry)
 
     def note(self, **words: Any) -> None:
         """Append a statement about the whole. Raises OSError."""
@@ -141,10 +141,10 @@ class Log:
         self.notes |= words
 
 
-def record_of(index: int, content: bytes) -> bytes:
-    """Return the bytes of a record: its head, then the content."""
+def entry_of(index: int, content: bytes) -> bytes:
+    """Return the bytes of an entry: its head, then the content."""
     head = zlib.crc32(struct.pack("<qQ", index, len(content)))
-    return _RECORD.pack(_MAGIC, index, len(content), zlib.crc32(content, head)) + content
+    return _ENTRY.pack(_MAGIC, index, len(content), zlib.crc32(content, head)) + content
 
 
 def reason(error: BaseException) -> str:

@@ -21,7 +21,7 @@ from ..dimensions import VARIABLES, Frame, Values, Variable
 GZIP_LEVEL = 1  # on these data level 4 takes three times as long and saves 2 %
 
 Packed = Mapping[str, bytes]
-"""A chunk: the stored bytes of each variable, in the order of VARIABLES."""
+"""A chunk: the stored, compressed bytes of each variable, in the order of VARIABLES."""
 
 BOOKKEEPING = "bookkeeping"  # name of the group
 
@@ -150,7 +150,7 @@ def checksum(packed: Packed) -> int:
 
 
 def joined(packed: Packed) -> bytes:
-    """Return the content of a record of a partial file: the lengths of the packed variables of a chunk, then their bytes."""
+    """Return the content of an entry of a partial file: the lengths of the packed variables of a chunk, then their bytes."""
     return struct.pack(f"<{len(packed)}Q", *map(len, packed.values())) + b"".join(packed.values())
 
 

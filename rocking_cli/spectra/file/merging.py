@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
@@ -22,13 +23,17 @@ KEPT = ("history", "documents", "motion", "model", "tolerance")
 
 @dataclass(frozen=True)
 class Merged:
-    """The result of a merge: the number of chunks that are there, the number of the whole sweep, the differences of the machines that
+    """The result of a merge: the number of merged chunks, the number of chunks of the sweep, the differences of the machines that
     computed them, and the shards ("2/8") that are missing or not complete."""
 
-    there: int
-    whole: int
-    elsewhere: str
+    chunks: int
+    all_chunks: int
+    machine_differences: str
     missing: tuple[str, ...] = ()
+
+    there = property(attrgetter("chunks"))  # the old name
+    whole = property(attrgetter("all_chunks"))  # the old name
+    elsewhere = property(attrgetter("machine_differences"))  # the old name
 
 
 def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = False, strict: bool = False) -> Merged:
@@ -38,7 +43,7 @@ def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = 
     >>> grid = parse_grid('A=1:8:50,Omega=1:8:40')
     >>> for i in (1, 2):
     ...     _ = write_spectrum([dimensionless_oscillator(0.9)], sine(), grid, f'{i}.h5', workers=1, chunk_cells=500, shard=(i, 2))
-    >>> merge(['1.h5', '2.h5'], 'whole.h5').whole
+    >>> merge(['1.h5', '2.h5'], 'whole.h5').all_chunks
     4
     """
     with ExitStack() as stack:
@@ -69,7 +74,7 @@ def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = 
         run_time, checked, error = ([f.attributes.get(key, 0) for f in files] for key in ("run_time", "checked_cells", "estimated_error"))
         totals = {"run_time": sum(run_time), "checked_cells": sum(checked), "estimated_error": max(error)}
         writer.finish({"cells": int(outcomes.sum()), **totals, **{f"cells_{o.flag}": int(outcomes[o]) for o in Outcome}})
-        return Merged(int(writer.done.sum()), writer.cut.size, writer.elsewhere, _missing_shards(files))
+        return Merged(int(writer.done.sum()), writer.cut.size, writer.machine_differences, _missing_shards(files))
 
 
 def _missing_shards(files: Sequence[SpectraFile]) -> tuple[str, ...]:

@@ -65,13 +65,13 @@ class SpectraFile(ExitStack[None]):
         names = [name for name in file if name not in CHUNK_TABLES and name != BOOKKEEPING]
         for group, some in ((file, names), (tables, CHUNK_TABLES)):
             for name in some:
-                _demand_own(group, name)
+                _require_own(group, name)
         dimensions = {axis[0].name[1:]: _values(axis[0]) for axis in file["outcome"].dims}
         others = [name for name in names if name not in VARIABLES and name not in dimensions]
         lists = {name: (file[name].dims[0][0].name[1:], _values(file[name])) for name in others}
         self.attributes = {key: _plain(file.attrs[key]) for key in file.attrs}
         self.scene: dict[str, Any] = json.loads(self.attributes["scene"])
-        self.structures = tuple(RockingParameters.from_record(record) for record in self.scene.get("structures", ()))
+        self.structures = tuple(RockingParameters.from_row(row) for row in self.scene.get("structures", ()))
         self.frame = Frame(dimensions, lists, varied_units(self.structures))
         self.names = tuple(name for name in VARIABLES if name in names)
         self.cut = ChunkGrid(self.frame.shape, file["outcome"].chunks)
@@ -126,7 +126,7 @@ class SpectraFile(ExitStack[None]):
         return np.bincount(self._arrays(index)["outcome"].ravel(), minlength=len(Outcome))
 
     def packed(self, index: int) -> Packed:
-        """Return the stored bytes of a chunk. Raises OutputError if they are damaged."""
+        """Return the bytes of a chunk as they are stored, compressed. Raises OutputError if they are damaged."""
         try:
             if self._log is not None:
                 return split(self._log.content(index), self.names)
@@ -163,17 +163,22 @@ class SpectraFile(ExitStack[None]):
         return np.stack([self.block(i, slice(None))[name] for i in range(self.frame.shape[0])])
 
     def cells(self) -> Iterator[dict[str, Any]]:
-        """Yield a record for every computed cell: its place on each dimension, in SI units, and its variables."""
-        (first, places), (second, rows), (third, columns) = (
+        """Yield a row for every computed cell: its place on each dimension, in SI units, and its variables."""
+        (first, places), (second, frequencies), (third, columns) = (
             (name, values if isinstance(values, list) else values.tolist()) for name, values in self.frame.dimensions.items()
         )
         height = self.cut.chunk[1]
         for i, place in enumerate(places):
-            for begin in range(0, len(rows), height):
+            for begin in range(0, len(frequencies), height):
                 block = self.block(i, slice(begin, begin + height))
                 for r, c in np.argwhere(block["outcome"] != Outcome.NOT_COMPUTED).tolist():
-                    record = {first: place, second: rows[begin + r], third: columns[c], "outcome": _told("outcome", block["outcome"][r, c])}
-                    yield record | {name: _told(name, block[name][r, c]) for name in self.names if name != "outcome"}
+                    row = {
+                        first: place,
+                        second: frequencies[begin + r],
+                        third: columns[c],
+                        "outcome": _cell_value("outcome", block["outcome"][r, c]),
+                    }
+                    yield row | {name: _cell_value(name, block[name][r, c]) for name in self.names if name != "outcome"}
 
 
 def _within(cells: Sequence[slice], some: Sequence[slice]) -> tuple[slice, ...]:
@@ -181,7 +186,7 @@ def _within(cells: Sequence[slice], some: Sequence[slice]) -> tuple[slice, ...]:
     return tuple(slice(s.start - first.start, s.stop - first.start) for s, first in zip(some, cells, strict=True))
 
 
-def _told(name: str, value: np.generic) -> float | int | str | None:
+def _cell_value(name: str, value: np.generic) -> float | int | str | None:
     """Return the value of a cell for JSON: a number, None for NaN, or the word of a code."""
     if (codes := VARIABLES[name].codes) is not None:
         return codes(int(value.item())).flag
@@ -194,7 +199,7 @@ def _plain(value: Any) -> Any:
     return value.tolist() if isinstance(value, np.generic | np.ndarray) else value
 
 
-def _demand_own(group: h5py.Group, name: str) -> None:
+def _require_own(group: h5py.Group, name: str) -> None:
     """Raise ValueError if a dataset or its data lie in another file."""
     if not isinstance(group.get(name, getlink=True), h5py.HardLink) or not isinstance(group[name], h5py.Dataset):
         raise ValueError(f"its {name} is not a dataset of its own")

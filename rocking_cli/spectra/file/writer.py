@@ -1,7 +1,7 @@
 """The writer of a spectra file: it appends chunks to the partial file, and at the end writes the HDF5 file from it.
 
-The partial file is the layout of the file to come, and behind it a record for each chunk that is done. Records are only appended and have
-checksums, so a kill loses at most the last record, and a flipped bit only its chunk. A process locks its partial file; another process
+The partial file is the layout of the file to come, and behind it an entry for each chunk that is done. Entries are only appended and have
+checksums, so a kill loses at most the last entry, and a flipped bit only its chunk. A process locks its partial file; another process
 then finds it in use and changes nothing. On a system without locks, two sweeps of one output are only detected at their end.
 """
 
@@ -24,7 +24,7 @@ from ...errors import OutputError, UsageError
 from ...publishing import check_target, followed, kind_of, published
 from ..scene import Unit
 from ..work.machine import machine, together, unlike
-from .integrity import NOTE, SIGNATURE, Log, digest, digest_line, read, reason, record_of, write
+from .integrity import NOTE, SIGNATURE, Log, digest, digest_line, entry_of, read, reason, write
 from .layout import BOOKKEEPING, Layout, Packed, checksum, joined, split
 
 PATIENCE = 0.3  # s: a process that only tests for use of a partial file locks it for an instant
@@ -54,13 +54,13 @@ def _refuse_existing(path: Path, partial: Path | None, overwrite: bool, resume: 
         return
     if os.path.lexists(path):
         if resume:
-            _demand_whole(path)
+            _require_whole(path)
         raise UsageError(f"{path}: exists{' and is complete' if resume else ''}; `overwrite` replaces it")
     if partial is not None and not resume:
         raise UsageError(f"{partial}: exists, left by a sweep that did not finish; `resume` goes on with it, `overwrite` begins anew")
 
 
-def _demand_whole(path: Path) -> None:
+def _require_whole(path: Path) -> None:
     """Raise OutputError unless a file is a finished spectra file without damage."""
     from .reader import SpectraFile
 
@@ -121,7 +121,7 @@ class SpectraWriter:
     """The one writer of a spectra file; a context manager that closes the partial file whatever happens.
     strict: refuse a partial file that was begun on a machine that computes differently; machines: the machines that computed the chunks, by
     default this one. part: the partial file; done: the finished chunks; resumed: the counts of outcomes in each chunk of an earlier run;
-    elsewhere: the differences of the machines, empty if they compute alike. Raises UsageError for an output that is refused, OutputError
+    machine_differences: those of the machines, empty if they compute alike. Raises UsageError for an output that is refused, OutputError
     when the file is in use or cannot be written."""
 
     def __init__(
@@ -159,13 +159,13 @@ class SpectraWriter:
             image = layout.image()
             self.file.truncate(0)
             note = json.dumps({"layout": digest([image]), "token": os.urandom(8).hex()}).encode()
-            write(self.file, len(SIGNATURE), image[len(SIGNATURE) :] + record_of(NOTE, note))
+            write(self.file, len(SIGNATURE), image[len(SIGNATURE) :] + entry_of(NOTE, note))
             write(self.file, 0, SIGNATURE)
         self.log = Log(self.file)
         if begun and resume:
             self._resume(layout, strict)
         self.log.note(computed_on=self.machines)
-        self.elsewhere = unlike(self.machines)
+        self.machine_differences = unlike(self.machines)
 
     def _resume(self, layout: Layout, strict: bool) -> None:
         """Continue a partial file of the same scene with its intact chunks. Raises UsageError, OutputError, OSError."""

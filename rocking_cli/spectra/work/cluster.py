@@ -64,7 +64,7 @@ def cluster(job: Job, address: str, tell: Callable[[str], None] | None = None) -
         try:
             with socket.create_connection((host, port), timeout=_TO_ANSWER) as connection:
                 if not address.startswith("tls:"):  # a scheduler sends the first bytes; without this test the client would wait for ever
-                    _demand_greeting(connection)
+                    _require_greeting(connection)
             client = Client(address, timeout=_TO_GREET, set_as_default=False)
         except (OSError, ValueError) as error:
             raise OutputError(f"`scheduler`: no dask scheduler answers at {address}: {str(error) or type(error).__name__}") from None
@@ -80,7 +80,7 @@ def _host_and_port(address: str) -> tuple[str, int]:
     return found[1] or found[2], int(found[3])
 
 
-def _demand_greeting(connection: socket.socket) -> None:
+def _require_greeting(connection: socket.socket) -> None:
     """Raise ConnectionError unless a message of dask begins: the number of its bytes or parts, in eight bytes."""
     with connection.makefile("rb") as stream:
         begun = stream.read(8)

@@ -19,12 +19,12 @@ from ...dynamics.method import LINEAR
 from ...dynamics.outcome import Difference, Outcome, Work, difference
 from ...dynamics.response import (
     Response,
+    cells_that_lose_contact,
     chains,
     response,
     response_under_records,
-    response_with_demands,
+    response_with_ground_forces,
     response_with_speed,
-    that_left_the_ground,
 )  # fmt: skip
 from ...motions import Motion
 from ...processes import Run, processes
@@ -140,16 +140,16 @@ class Job:
         system = method.system_of_cells(structures, counts)
         if method.exact and not self.forces:
             system = system._replace(body=None, own=())  # structures that share rotations have different bodies
-        beside: Block = {}
+        extra: Block = {}
         known: Response | None = None
         if "velocity_ratio" in self.quantities:
             known, rate = response_with_speed(system, motion, *cells)
-            beside["velocity_ratio"] = rate * np.repeat([s.alpha for s in structures], counts)
+            extra["velocity_ratio"] = rate * np.repeat([s.alpha for s in structures], counts)
         if self.forces:
-            got, asked = response_with_demands(system, motion, *cells, found=known)
-            beside |= asked
+            got, asked = response_with_ground_forces(system, motion, *cells, found=known)
+            extra |= asked
         elif known is None and self.one_by_one:
-            from ...dynamics.single.response import response_alone
+            from ...dynamics.single.one_by_one import response_alone
 
             got = response_alone(method.system_of(structures[0]), motion, *cells)
         else:
@@ -160,23 +160,23 @@ class Job:
                 pairs = pairs._replace(body=None, own=())
             amplitude, omega, eta = cells
             condition = condition_of(partial(response, pairs, motion), amplitude, omega, eta, method.stated_tolerance or 0.0)
-            beside["condition"] = np.where(got.outcome == Outcome.LOST_CONTACT, np.nan, condition)
+            extra["condition"] = np.where(got.outcome == Outcome.LOST_CONTACT, np.nan, condition)
         if "linear" in self.quantities:
             linear = response(LINEAR.system_of_cells(structures, counts), motion, *cells)
-            beside |= {"theta_ratio_linear": linear.theta_ratio, "outcome_linear": linear.outcome}
-            beside["difference"] = difference(got.outcome, linear.outcome)
-        return {"theta_ratio": got.theta_ratio, "outcome": got.outcome, "impacts": got.impacts, **beside}, got.work
+            extra |= {"theta_ratio_linear": linear.theta_ratio, "outcome_linear": linear.outcome}
+            extra["difference"] = difference(got.outcome, linear.outcome)
+        return {"theta_ratio": got.theta_ratio, "outcome": got.outcome, "impacts": got.impacts, **extra}, got.work
 
     def _standing(self, structure: RockingParameters, motion: Motion, cells: np.ndarray, block: Block) -> Block:
         """Return the block of one structure among those that share rotations, with the lost contact of this structure."""
         doubtful, system = block["outcome"].ravel() == Outcome.ROCKED, self.scene.method.system_of(structure)
         theta_ratio, fastest = (block[name].ravel() if name in block else None for name in ("theta_ratio", "velocity_ratio"))
-        gone = that_left_the_ground(system, motion, (cells[0], cells[1], cells[2]), doubtful, theta_ratio, fastest)
-        if gone.size:
+        lost = cells_that_lose_contact(system, motion, (cells[0], cells[1], cells[2]), doubtful, theta_ratio, fastest)
+        if lost.size:
             block = {name: x.copy() for name, x in block.items()}
-            block["outcome"].flat[gone] = Outcome.LOST_CONTACT
+            block["outcome"].flat[lost] = Outcome.LOST_CONTACT
             for name in {"theta_ratio", "velocity_ratio", "condition"} & block.keys():
-                block[name].flat[gone] = np.nan
+                block[name].flat[lost] = np.nan
         return block
 
     def report(self, unit: Unit, bands: Sequence[Sequence[Block]], work: Work) -> Report:

@@ -99,24 +99,24 @@ def _given(document: Document, ring: Ring, joints: np.ndarray | None) -> FourBar
     stated = [_hinge(document, child, face) for child, face in zip(value.content, FACES, strict=True)]
     hinges, first = np.array([angle for angle, _ in stated]), stated[0][1]
 
-    def demand(holds: object, found: str, wanted: str = _HINGES) -> None:
+    def require(holds: object, found: str, wanted: str = _HINGES) -> None:
         if not holds:
             raise document.fault("hinges", found, wanted)
 
-    demand(np.all(np.diff(hinges) > 0.0), "angles out of order")
-    demand(all(a != b for (_, a), (_, b) in pairwise(stated)), "faces that do not alternate")
+    require(np.all(np.diff(hinges) > 0.0), "angles out of order")
+    require(all(a != b for (_, a), (_, b) in pairwise(stated)), "faces that do not alternate")
     within = f"angles from 0 to {math.degrees(ring.angle):g} deg (a bare number is in rad)"
-    demand(hinges[0] >= -1e-12 and hinges[-1] <= ring.angle * (1.0 + 1e-12), "a hinge beyond the springings", within)
+    require(hinges[0] >= -1e-12 and hinges[-1] <= ring.angle * (1.0 + 1e-12), "a hinge beyond the springings", within)
     if joints is not None:
         nearest = joints[np.abs(np.subtract.outer(hinges, joints)).argmin(axis=1)]
         wanted = f"multiples of {math.degrees(joints[1]):g} deg, the voussoirs' joints"
-        demand(np.max(np.abs(nearest - hinges)) <= 1e-6, "a hinge between two joints", wanted)
+        require(np.max(np.abs(nearest - hinges)) <= 1e-6, "a hinge between two joints", wanted)
         hinges = nearest
     hinges = np.clip(hinges, 0.0, ring.angle)
     mechanism = FourBar(ring, tuple((hinges if first == FACES[0] else ring.angle - hinges[::-1]).tolist()))
     at = mechanism.at_rest()
-    demand(at.admissible and at.push > 0.0, "hinges that do not open on their far faces", "hinges of a mechanism that sways")
-    demand(at.lift > 0.0, "an arch that collapses in this mechanism under its own weight", "a thicker arch, or other hinges")
+    require(at.admissible and at.push > 0.0, "hinges that do not open on their far faces", "hinges of a mechanism that sways")
+    require(at.lift > 0.0, "an arch that collapses in this mechanism under its own weight", "a thicker arch, or other hinges")
     return mechanism
 
 

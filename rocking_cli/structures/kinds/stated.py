@@ -20,7 +20,7 @@ def build(document: Document, name: str) -> RockingParameters:
     found = _free(document, name)
     if not (document.has("ties") | document.has("tendon")):
         return found
-    from ..restraints import restrained
+    from ..restraint_keys import restrained
 
     for key in ("restrained", "stands"):  # what params printed is derived anew
         document.has(key)
@@ -73,7 +73,7 @@ def _numbers(document: Document, gravity: float, one_sided: bool = False) -> dic
     given = [key for key in ("lambda", "a_scale") if document.has(key)]
     ratios = {key: document.quantity(key, "number", above=0.0, where="a positive number") for key in given}
     if not ratios:
-        raise document.fault(None, "neither lambda nor a_scale", "one of them, or both")
+        raise document.fault(None, "neither lambda nor a_scale", "lambda (uplift acceleration over g), a_scale (alpha/lambda), or both")
     uplift = ratios.get("lambda", alpha / ratios.get("a_scale", 1.0))
     a_scale = ratios.get("a_scale", alpha / ratios.get("lambda", 1.0))
     arm = None

@@ -21,7 +21,7 @@ from ..restraints import SIDES, Restraints, Tendon, Tie
 Array = np.ndarray
 
 _POINTS = 2001
-_BESIDE = 1e-9  # relative distance of the points on either side of a break
+_AROUND_BREAK = 1e-9  # relative distance of the points on either side of a break
 
 
 class CapacityCurve(NamedTuple):
@@ -53,7 +53,7 @@ class CapacityCurve(NamedTuple):
         return d, float(np.interp(d, self.displacement, self.multiplier)), False
 
 
-def demand_geometry(structures: Sequence[RockingParameters]) -> None:
+def require_geometry(structures: Sequence[RockingParameters]) -> None:
     """Raise UsageError with the names of all structures that have no curve, since their geometry is not known."""
     from .fourbar import FourBar
 
@@ -61,8 +61,8 @@ def demand_geometry(structures: Sequence[RockingParameters]) -> None:
         return isinstance(structure.mechanism, FourBar) or all(edge.arm is not None for edge in structure.sides or (structure,))
 
     if found := [f"{one.name} (kind {one.structure})" for one in structures if not known(one)]:
-        told = f"found {', '.join(found)} without the place of one mass centre"
-        raise UsageError(f"{told}; expected the geometry of a rigid body or of an arch")
+        found_text = f"found {', '.join(found)} without the place of one mass centre"
+        raise UsageError(f"{found_text}; expected the geometry of a rigid body or of an arch")
 
 
 def capacity_curves(structure: RockingParameters) -> list[CapacityCurve]:
@@ -74,7 +74,7 @@ def capacity_curves(structure: RockingParameters) -> list[CapacityCurve]:
     """
     from .fourbar import FourBar
 
-    demand_geometry([structure])
+    require_geometry([structure])
     if isinstance(structure.mechanism, FourBar):
         return [_of_arch(structure.mechanism, structure.alpha)]
     if structure.sides:
@@ -90,7 +90,7 @@ def _of_body(edge: Side | RockingParameters, side: str, structure: RockingParame
     alpha, arm, held = edge.alpha, edge.arm or 0.0, structure.restraints or Restraints()
     lever, ties, tendon = arm * math.sin(alpha), [tie for tie in held.ties if side in SIDES[tie.side]], held.tendon or Tendon(0.0)
     breaks = sorted({x for x in (*map(_break, ties), _snap(tendon, lever)) if x < alpha})
-    theta = np.unique([*np.linspace(0.0, alpha, _POINTS), *(x * (1.0 + sign * _BESIDE) for x in breaks for sign in (-1.0, 1.0))])
+    theta = np.unique([*np.linspace(0.0, alpha, _POINTS), *(x * (1.0 + sign * _AROUND_BREAK) for x in breaks for sign in (-1.0, 1.0))])
     moment = np.array([tendon.moment(x, lever) + sum(tie.moment(x) for tie in ties) for x in theta.tolist()])
     weight = structure.details["mass"] * structure.gravity * arm if structure.restraints else 1.0
     multiplier = np.tan(alpha - theta) + moment / (weight * np.cos(alpha - theta))

@@ -11,7 +11,7 @@ from support.synthetic_records import noise, shaken
 
 from rocking_cli import LinearEquation, Outcome, cosine, linear_response, nonlinear_response, pulse, sine
 from rocking_cli.dynamics.contacts import sequences
-from rocking_cli.dynamics.contacts.sequences import bounces_on, ceiling, settles
+from rocking_cli.dynamics.contacts.sequences import bounces_to_end, bound_of_peaks, stays_below_peak
 from rocking_cli.dynamics.march import batch, closings
 from rocking_cli.motions.blocks import blocks
 from rocking_cli.motions.polyline import Polyline
@@ -33,7 +33,7 @@ def test_marching_on_finds_the_same_peak(motion, monkeypatch):
     amplitude, omega = random.uniform(1.0, 3.0, 150), random.uniform(0.5, 8.0, 150)
     eta = random.choice([0.0, 0.3, 0.9, 0.99], 150)
     settled = linear_response(motion, amplitude, omega, eta)
-    monkeypatch.setattr(closings, "SETTLES", closings.FREE_MOTION)
+    monkeypatch.setattr(closings, "STAYS_BELOW_PEAK", closings.FREE_MOTION)
     marched = linear_response(motion, amplitude, omega, eta)
     np.testing.assert_array_equal(settled.outcome, marched.outcome)
     np.testing.assert_array_equal(settled.theta_ratio, marched.theta_ratio)
@@ -55,7 +55,7 @@ def test_given_up_is_what_would_have_been_given_up(motion, monkeypatch):
     amplitude, omega = 1.0 + 10.0 ** random.uniform(-9.0, -1.0, 200), 10.0 ** random.uniform(-1.0, 1.0, 200)
     eta = random.choice([1.0, 1.0 - 1e-9, 1.0 - 1e-5, 0.999], 200)
     early = linear_response(motion, amplitude, omega, eta)
-    monkeypatch.setattr(closings, "OUTLASTS", closings.FREE_MOTION)
+    monkeypatch.setattr(closings, "TOO_MANY_IMPACTS", closings.FREE_MOTION)
     late = linear_response(motion, amplitude, omega, eta)
     assert np.array_equal(early.outcome, late.outcome)
     assert np.array_equal(early.theta_ratio, late.theta_ratio, equal_nan=True)
@@ -70,7 +70,7 @@ def test_a_body_at_the_bound_is_marched():
     v, peak = np.sqrt(most * np.array([0.999, 1.001, 0.999, 0.999])), np.array([1.0, 1.0, 0.2501, 0.2497])
     u = np.full(4, 2.0 * np.pi - 1.5 * np.pi - np.arcsin(0.5))  # of the last segment, where a falls from 0.5 to rest: V = 0.5
     vars(segments).update(variation=np.full(3, 0.5), largest_later=np.zeros(3))  # and as much again
-    assert settles(segments, lanes(k=2, u=u, v=v, b=-0.5, peak=peak)).tolist() == [True, False, True, False]
+    assert stays_below_peak(segments, lanes(k=2, u=u, v=v, b=-0.5, peak=peak)).tolist() == [True, False, True, False]
 
 
 def test_bodies_that_hardly_leave_the_ground_and_would_bounce_for_ever_are_at_rest():
@@ -126,7 +126,7 @@ def fastest(motion, amplitude):
     low, high = 1e-9, 1.0
     for _ in range(40):
         middle = math.sqrt(low * high)
-        low, high = (middle, high) if np.isfinite(ceiling(motion.segments, start(motion, amplitude, middle), 1.0)) else (low, middle)
+        low, high = (middle, high) if np.isfinite(bound_of_peaks(motion.segments, start(motion, amplitude, middle), 1.0)) else (low, middle)
     return low
 
 
@@ -154,7 +154,7 @@ def test_no_peak_is_above_the_ceiling(name):
     drive, step = in_step(*IN_STEP[name]) if name in IN_STEP else DRIVES[name]
     motion, amplitude = shaken(-drive, step), np.abs(drive).max()
     speeds = [IN_STEP[name][2]] if name in IN_STEP else fastest(motion, amplitude) * np.array([1.0, 0.5])
-    found = [highest_peak(drive.tolist(), step, v) / ceiling(motion.segments, start(motion, amplitude, v), 1.0) for v in speeds]
+    found = [highest_peak(drive.tolist(), step, v) / bound_of_peaks(motion.segments, start(motion, amplitude, v), 1.0) for v in speeds]
     assert max(found) <= 1.0
     assert max(found) > 0.35  # of a bound that means something
 
@@ -175,7 +175,7 @@ def test_marching_on_under_a_record_finds_the_same_peak(alpha, excess, monkeypat
         return linear_response(motion, amplitude, omega, eta)
 
     early = found()
-    for name in ("SETTLES", "BOUNCES_ON"):
+    for name in ("STAYS_BELOW_PEAK", "BOUNCES_TO_END"):
         monkeypatch.setattr(closings, name, closings.FREE_MOTION)
     late = found()
     np.testing.assert_array_equal(early.outcome, late.outcome)
@@ -186,13 +186,13 @@ def test_marching_on_under_a_record_finds_the_same_peak(alpha, excess, monkeypat
 def test_a_body_that_is_lifted_again_is_followed():
     motion, equation = shaken([0.0, 0.5, -1.0, 0.0], 0.1), LinearEquation()
     body = start(motion, 1.0, 1e-5)
-    assert not bounces_on(motion.segments, body, equation)
+    assert not bounces_to_end(motion.segments, body, equation)
     body.amplitude[:] = 0.9
-    assert bounces_on(motion.segments, body, equation)
+    assert bounces_to_end(motion.segments, body, equation)
     body.steps[:] = 17  # not now
-    assert not bounces_on(motion.segments, body, equation)
+    assert not bounces_to_end(motion.segments, body, equation)
     body.steps[:], body.eta[:] = 16, 0.98
-    assert not bounces_on(motion.segments, body, equation)
+    assert not bounces_to_end(motion.segments, body, equation)
 
 
 def test_a_body_of_much_energy_or_without_force_is_followed():
@@ -200,15 +200,15 @@ def test_a_body_of_much_energy_or_without_force_is_followed():
     for v, force, proved in ((0.5, None, False), (1e-5, None, True), (1e-5, -1e-17, False)):  # the last force is lost beside 1
         body = start(shaken([0.0, 0.5, -1.0, 0.0], 0.1), 0.9, v)
         body.b[:] = body.b if force is None else force
-        assert bool(bounces_on(segments, body, LinearEquation())[0]) == proved
+        assert bool(bounces_to_end(segments, body, LinearEquation())[0]) == proved
 
 
 def test_a_long_record_is_gone_through_part_by_part(monkeypatch):
     motion = shaken(noise(60, 0.05, 1), 0.05)
     body = start(motion, 0.9, 1e-4)
-    whole = ceiling(motion.segments, body, 1.0)
+    whole = bound_of_peaks(motion.segments, body, 1.0)
     monkeypatch.setattr(sequences, "blocks", partial(blocks, most=7))
-    assert ceiling(motion.segments, body, 1.0) == pytest.approx(whole, rel=1e-14)
+    assert bound_of_peaks(motion.segments, body, 1.0) == pytest.approx(whole, rel=1e-14)
 
 
 def test_nothing_is_proved_of_a_motion_that_jumps(monkeypatch):
@@ -217,4 +217,4 @@ def test_nothing_is_proved_of_a_motion_that_jumps(monkeypatch):
         motion = Polyline("step", marks[:-1], marks[1:], np.array([0.5, after]), np.zeros(2))
         for part in (1, 2):
             monkeypatch.setattr(sequences, "blocks", partial(blocks, most=part))
-            assert np.isfinite(ceiling(motion.segments, start(motion, 0.5, 1e-3), 1.0)) == sure
+            assert np.isfinite(bound_of_peaks(motion.segments, start(motion, 0.5, 1e-3), 1.0)) == sure

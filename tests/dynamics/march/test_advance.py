@@ -60,8 +60,8 @@ def test_the_drive_of_a_step_falls_until_its_last_segment_begins(side, begins, e
     body, none = lanes(amplitude=2.0, omega=3.0, k=begins[0], u=begins[1], side=side, y=0.4, v=0.1), np.zeros(1)
     h = np.array([(starts[ends[0]] + ends[1] - starts[begins[0]] - begins[1]) / 3.0])
     step = advance.Step(np.array([ends[0]]), np.array([ends[1]]), h, np.array([False]), none)
-    passage = advance.Passage(step, None, None, h, np.array([False]), none, none)
-    found = advance._bottom(segments, body, passage, np.array([0]))
+    result = advance.StepResult(step, None, None, h, np.array([False]), none, none)
+    found = advance._bottom(segments, body, result, np.array([0]))
     assert found[0] == pytest.approx((falls_until - starts[begins[0]] - begins[1]) / 3.0, abs=1e-14)
 
 
@@ -77,10 +77,10 @@ def test_every_crest_of_a_step_is_found(damping):
     y, v = random.uniform(0.2, 1.4, count), random.uniform(-0.4, 0.4, count)
     b = equation.force(y, -side * amplitude * (segments.s_start[k] + drive_change(segments, k, u)))
     bodies = lanes(amplitude=amplitude, omega=omega, k=k, u=u, side=side, y=y, v=v, b=b)
-    passage = advance.advance(segments, bodies, equation)
-    turned, h, _ = advance.turning_points(segments, bodies, passage, np.ones(count, dtype=bool))
-    raster = np.linspace(0.0, 1.0, 1001)[:, None] * passage.reach
-    speed = np.array([passage.arc.at(x).v for x in raster])
+    result = advance.advance(segments, bodies, equation)
+    turned, h, _ = advance.turning_points(segments, bodies, result, np.ones(count, dtype=bool))
+    raster = np.linspace(0.0, 1.0, 1001)[:, None] * result.reach
+    speed = np.array([result.arc.at(x).v for x in raster])
     falls = (speed[:-1] > 0.0) & (speed[1:] <= 0.0)
     (at,) = np.nonzero(falls.any(axis=0))
     np.testing.assert_array_equal(at, np.sort(turned))

@@ -63,10 +63,10 @@ def test_turning_points_are_found_with_the_height_there(sense):
     assert np.abs(y - expected).max() < 4.0 * EPS * np.abs(arc.terms).sum(axis=0).max() * 4.0**5
 
 
-@pytest.mark.parametrize("bent", [0.05, 0.5, 4.0])  # hardly, monotone, with several turns
-def test_every_fall_of_the_speed_through_zero_has_a_bracket_of_its_own(bent):
+@pytest.mark.parametrize("growth", [0.05, 0.5, 4.0])  # hardly, monotone, with several turns
+def test_every_fall_of_the_speed_through_zero_has_a_bracket_of_its_own(growth):
     random, lanes = np.random.default_rng(7), 400
-    terms = random.normal(size=(9, lanes)) * bent ** np.maximum(np.arange(9.0) - 2.0, 0.0)[:, None] / 2.0 ** np.arange(9.0)[:, None]
+    terms = random.normal(size=(9, lanes)) * growth ** np.maximum(np.arange(9.0) - 2.0, 0.0)[:, None] / 2.0 ** np.arange(9.0)[:, None]
     unit, reach = random.uniform(0.5, 2.0, lanes), random.uniform(0.5, 1.5, lanes)
     series = TaylorSeries(terms, unit, reach, 1.0 / unit)
     none = np.zeros(0, dtype=np.int64)
@@ -91,8 +91,8 @@ def test_every_fall_of_the_speed_through_zero_has_a_bracket_of_its_own(bent):
         assert all(a <= t <= b for a, t, b in zip(low[mine], falls, high[mine], strict=True))
         found += len(falls)
     assert found > 5
-    assert np.count_nonzero(kept) > (10 if bent < 4.0 else 0)
-    assert np.count_nonzero(monotone) > 10 or bent == 4.0
+    assert np.count_nonzero(kept) > (10 if growth < 4.0 else 0)
+    assert np.count_nonzero(monotone) > 10 or growth == 4.0
     alone = falls_through_zero(series, reach, *((none, which[:1]) if monotone[which[0]] else (which[:1], none)))
     assert [x.tolist() for x in alone] == [x[which == which[0]].tolist() for x in (which, low, high)]
 

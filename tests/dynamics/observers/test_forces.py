@@ -11,7 +11,7 @@ def searched(along, low, high, rate, one_way):
     """(largest |Fx|/Fz, least Fz) of each motion."""
     cell = np.arange(low.size)
     found = ForceExtremes(cell.size)
-    found.take_in_along(cell, along, Stretches(cell, low, high, rate), along(cell, low), along(cell, high), one_way)
+    found.include_along(cell, along, Stretches(cell, low, high, rate), along(cell, low), along(cell, high), one_way)
     return found.largest[: cell.size], -found.largest[cell.size :]
 
 

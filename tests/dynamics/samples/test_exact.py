@@ -1,36 +1,17 @@
-"""Exact propagation through records against the march, and the tables that it needs."""
+"""Exact propagation through records: its work, and the tables that it needs."""
 
 from itertools import pairwise
 
 import mpmath
 import numpy as np
 import pytest
-from support.synthetic_records import RECORDS, allowance, assert_same, cells, noise, shaken
+from support.synthetic_records import RECORDS, cells, noise, shaken
 
-from rocking_cli import LinearEquation, System, linear_response, response
-from rocking_cli.dynamics.contacts.contact import OneSided, Symmetric, Unequal
+from rocking_cli import LinearEquation, System, linear_response
 from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
 from rocking_cli.dynamics.samples import exact
-from rocking_cli.dynamics.samples.exact import LANES, SLACK, ExactStepper, bounded_response, horizon, stretches
-
-UNEQUAL = Unequal(drive=(1.0, 0.8), omega=(1.0, 1.15), eta=(1.05, 0.6), rotation=(1.0, 1.2))
-
-
-@pytest.mark.parametrize(("contact", "eta"), [(Symmetric(), 0.9), (OneSided(), -0.5), (UNEQUAL, 0.9)], ids=["equal", "one side", "unequal"])
-def test_the_same_as_the_march(contact, eta):
-    count = 24
-    system, motion = System(LinearEquation(), contact), shaken(RECORDS[1], 0.03)
-    amplitude, omega = cells(count, 4)
-    omega[:3] /= 50.0  # samples too far apart to be propagated over
-    found = response(system, motion, amplitude, omega, eta)
-    run = Run(Batch.of(system, motion.segments, amplitude, omega, np.full(count, eta)))
-    run.all()
-    np.testing.assert_array_equal(found.impacts, run.impacts)
-    allowed = allowance(motion, amplitude, omega, np.full(count, eta), lambda *cell: response(system, *cell))
-    assert_same(found, run.theta_ratio, run.outcome, allowed)
-    alone = response(system, motion, amplitude, omega, eta, peaks=False)
-    np.testing.assert_array_equal(alone.outcome, found.outcome)
+from rocking_cli.dynamics.samples.exact import BOUND_MARGIN, LANES, ExactStepper, bounded_response, horizon, stretches
 
 
 def test_tables_in_shares_change_no_bit(monkeypatch):
@@ -81,7 +62,7 @@ def test_the_bounded_response_is_the_integral(pace):
 
 def test_a_row_does_not_depend_on_its_neighbours():
     samples = np.random.default_rng(8).standard_normal(3000)
-    samples[:2000] = 0.0  # what is no longer felt of the end is not added for the sake of another row
+    samples[:2000] = 0.0  # what has decayed is not added for the sake of another row
     paces = np.array([0.4, 0.001])
     for row, pace in zip(bounded_response(samples, paces), paces, strict=True):
         np.testing.assert_array_equal(row, bounded_response(samples, np.array([pace]))[0])
@@ -90,7 +71,7 @@ def test_a_row_does_not_depend_on_its_neighbours():
 @pytest.mark.parametrize("count", [2, 3, 17, 300])
 def test_each_bound_is_below_its_stretch_and_not_below_a_stretch_a_quarter_longer(count):
     samples = np.random.default_rng(count).standard_normal(count)
-    slack = SLACK * np.abs(samples).max()
+    margin = BOUND_MARGIN * np.abs(samples).max()
     levels = 1 + int(np.ceil(np.log2(count)))
     bounds = stretches([samples], levels)
     n = np.arange(count)
@@ -100,5 +81,5 @@ def test_each_bound_is_below_its_stretch_and_not_below_a_stretch_a_quarter_longe
             reach, late = 1 << level, 1 << max(0, level - 3)
             least = np.array([outward[i : i + reach + 1].min() for i in n])
             wide = np.array([outward[i // late * late : i // late * late + late + reach].min() for i in n])
-            assert np.all(found <= least - 0.9 * slack)
-            assert np.all(found >= wide - 1.1 * slack)
+            assert np.all(found <= least - 0.9 * margin)
+            assert np.all(found >= wide - 1.1 * margin)

@@ -1,19 +1,22 @@
-"""Records by exact propagation and by Taylor steps: against an integration that shares no code, and what changes nothing."""
+"""Records by exact propagation, by Taylor steps and one body at a time: against an integration that shares no code, against the march by
+long series, and what changes nothing."""
 
 import math
-from functools import partial
 
 import numpy as np
 import pytest
-from oracles.record_lockstep import LINEAR, Rigid, lockstep
-from support.synthetic_records import RECORDS, allowance, assert_same, cells, shaken
+from support.bodies import ALPHA, SYSTEMS
+from support.references import answers
+from support.synthetic_records import RECORDS, allowance, assert_same, cells, long_series, room, shaken, weighed
 
-from rocking_cli import Method, RockingParameters, linear_response, nonlinear_response, response
+from rocking_cli import Method, Outcome, RockingParameters, cosine, pulse, response, sine
+from rocking_cli.dynamics.march.batch import Batch
+from rocking_cli.dynamics.march.engine import Run
+from rocking_cli.dynamics.single.one_by_one import response_alone
+from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.structures.parameters import Side
 
-ALPHA = 0.25
-RESPOND = {"linear": linear_response, "nonlinear": partial(nonlinear_response, alpha=ALPHA)}
-ROOM = {"linear": 1.0, "nonlinear": 1e3}  # times rounding: the tolerance of series
+MODELS = {"linear": "the oscillator", "nonlinear": "a body"}
 
 
 @pytest.mark.parametrize(
@@ -22,42 +25,86 @@ ROOM = {"linear": 1.0, "nonlinear": 1e3}  # times rounding: the tolerance of ser
         *(("linear", record, slice(None), 12, (0.5, 0.9, 0.0)) for record in range(3)),
         ("linear", 0, slice(None), 6, (1.0,)),
         ("nonlinear", 2, slice(35, 80), 20, (0.7,)),
-        *(pytest.param("linear", n, slice(None), 4000, eta, marks=pytest.mark.soak) for n in range(3) for eta in ((0.5, 0.9, 0.0), (1.0,))),
-        *(pytest.param("nonlinear", n, slice(None), 2000, (e,), marks=pytest.mark.soak) for n in range(3) for e in (0.5, 0.9, 1.0)),
+        *(pytest.param("linear", n, slice(None), 1000, eta, marks=pytest.mark.soak) for n in range(3) for eta in ((0.5, 0.9, 0.0), (1.0,))),
+        *(pytest.param("nonlinear", n, slice(None), 1000, (e,), marks=pytest.mark.soak) for n in range(3) for e in (0.5, 0.9, 1.0)),
     ],
 )
 def test_records_against_an_integration_that_shares_no_code(model, record, part, count, etas):
-    motion, respond = shaken(RECORDS[record][part], 0.04), RESPOND[model]
+    motion, (system, _) = shaken(RECORDS[record][part], 0.04), SYSTEMS[MODELS[model]]
     (amplitude, omega), eta = cells(count, record), np.resize(etas, count)
     if 1.0 in etas:  # without loss some never end: only those that bounce little
         amplitude += 2.0
         for less, most in ((0.98, 40), (1.0, 200)):
-            few = respond(motion, amplitude, omega, less).impacts < most
+            few = response(system, motion, amplitude, omega, less).impacts < most
             amplitude, omega, eta = amplitude[few], omega[few], eta[few]
-    found, body, scale = respond(motion, amplitude, omega, eta), LINEAR, 1.0
-    if model == "nonlinear":
-        body, scale = Rigid(ALPHA), ALPHA / math.tan(ALPHA)
-    outcome, theta = lockstep(*reversed(motion.samples), scale * amplitude, omega, eta, body)
-    assert_same(found, theta, outcome, ROOM[model] * allowance(motion, amplitude, omega, eta, respond))
+    outcome, theta, _ = answers(motion, amplitude, omega, eta, alpha=ALPHA if model == "nonlinear" else None)
+    allowed = room(system) * allowance(motion, amplitude, omega, eta, system)
+    for respond, more in ((response, 1.0), (response_alone, 10.0)):
+        assert_same(respond(system, motion, amplitude, omega, eta), theta, outcome, more * allowed)
     assert np.unique(outcome).size >= 2 or 1.0 in etas
 
 
-@pytest.mark.parametrize("model", RESPOND)
+def against_the_march(name, motion, long, count, seed):
+    """On arrays and one at a time: outcomes and impacts equal, rotations within what rounding, or the tolerance of series, may come to."""
+    (system, eta), (amplitude, omega) = SYSTEMS[name], cells(count, seed)
+    omega *= 8.0 if motion.samples is None else 1.0
+    omega[:2] /= 40.0  # samples too far apart to be stepped over
+    etas = np.full(count, eta)
+    run = Run(Batch.of(system, system.segments(long), amplitude, omega, etas))
+    run.all()
+    rounding = allowance(motion, amplitude, omega, etas, system)
+    found = response(system, motion, amplitude, omega, etas)
+    assert_same(found, run.theta_ratio, run.outcome, room(system) * rounding)
+    np.testing.assert_array_equal(found.impacts, run.impacts)
+    for respond in (response, response_alone):
+        np.testing.assert_array_equal(respond(system, motion, amplitude, omega, etas, peaks=False).outcome, run.outcome)
+    assert_same(response_alone(system, motion, amplitude, omega, etas), run.theta_ratio, run.outcome, 1e3 * rounding)
+    assert set(found.outcome) > ({Outcome.ROCKED} if motion.samples else set())
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_the_same_as_the_march_by_long_series(name):
+    motion = shaken(RECORDS[1], 0.03) if SYSTEMS[name][0].equation.bounded else shaken(RECORDS[0][30:70], 0.05)
+    against_the_march(name, motion, long_series(motion), 16, 5)
+
+
+@pytest.mark.parametrize("name", ["the oscillator", "a damped body of unlike edges"])
+def test_the_same_as_that_march_on_ground_that_moves_upwards_too(name):
+    against_the_march(name, *weighed(slice(36, 56), 0.5, 2), 6, 5)
+
+
+@pytest.mark.parametrize("motion", [sine(), cosine(1.5), pulse("rectangular-impulse"), pulse("ricker-symmetric"),
+                                    with_vertical(sine(), cosine(), 0.4)], ids=lambda m: m.name)  # fmt: skip
+def test_one_body_at_a_time_is_the_march_under_a_pulse(motion):
+    for name in ("the oscillator", "a damped body of unlike edges", "a body on one side", "an arch"):
+        against_the_march(name, motion, motion, 8, 8)
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("record", range(3))
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_many_cells_of_each_system(name, record):
+    motion = shaken(RECORDS[record], 0.04)
+    against_the_march(name, motion, long_series(motion), 300, 20 + record)
+    against_the_march(name, *weighed(slice(None, 100), (0.3, -1.2, 0.6)[record], record), 60, 20 + record)
+
+
+@pytest.mark.parametrize("model", MODELS)
 def test_what_changes_nothing(model):
     """The mirrored, refined, delayed and continued record, and the scaled record against the scaled amplitude."""
-    samples, respond = np.concatenate([[0.0], RECORDS[2][31:89], [0.0]]), RESPOND[model]
-    (amplitude, omega), eta, motion = cells(16, 7), np.full(16, 0.8), shaken(samples, 0.04)
-    first = respond(motion, amplitude, omega, eta)
+    samples, (system, _) = np.concatenate([[0.0], RECORDS[2][31:89], [0.0]]), SYSTEMS[MODELS[model]]
+    cell, motion = (*cells(16, 7), np.full(16, 0.8)), shaken(samples, 0.04)
+    first = response(system, motion, *cell)
     for same in (shaken(-samples, 0.04), shaken(4.0 * samples, 0.04)):
-        np.testing.assert_array_equal(respond(same, amplitude, omega, eta).theta_ratio, first.theta_ratio)
+        np.testing.assert_array_equal(response(system, same, *cell).theta_ratio, first.theta_ratio)
     fine = np.interp(np.arange(4 * samples.size - 3) / 4.0, np.arange(samples.size), samples)
-    allowed = ROOM[model] * allowance(motion, amplitude, omega, eta, respond)
+    allowed = room(system) * allowance(motion, *cell, system)
     delayed, continued = np.append(np.zeros(33), samples), np.append(samples, np.zeros(100))
     for other in (shaken(fine, 0.01), shaken(delayed, 0.04), shaken(continued, 0.04)):
-        assert_same(respond(other, amplitude, omega, eta), first.theta_ratio, first.outcome, allowed)
+        assert_same(response(system, other, *cell), first.theta_ratio, first.outcome, allowed)
 
 
-@pytest.mark.parametrize("model", RESPOND)
+@pytest.mark.parametrize("model", MODELS)
 def test_a_record_turned_over_is_a_body_turned_round(model):
     """Of unlike edges: the other edge goes where the first one did."""
     edges = (2.0, 0.2, math.tan(0.2), 1.0, 0.7), (2.2, 0.26, math.tan(0.26), 1.0, 0.5)

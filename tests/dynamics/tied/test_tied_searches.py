@@ -1,10 +1,11 @@
-"""Envelopes and fragility of tied bodies: what a search and a set of motions say against DOP853 with bisected events."""
+"""Envelopes and fragility of tied bodies: what a search and a set of motions say against another integration."""
 
 import math
 
 import numpy as np
 import pytest
-from oracles.tied_body import Device, TiedBody
+from oracles.tied_body import Device, wall
+from support.bodies import shaking
 from support.documents import built
 
 from rocking_cli import Method, sine, trace_envelope
@@ -12,9 +13,6 @@ from rocking_cli.dynamics.outcome import overturned
 from rocking_cli.fragility.exposure import MotionSet, exposures
 from rocking_cli.fragility.measures import MEASURES, Member, pulse_intensity
 
-MASS, HALF, HIGH, G = 7200.0, 0.3, 3.0, 9.81
-RADIUS, ALPHA = math.hypot(HALF, HIGH), math.atan2(HALF, HIGH)
-TIE = {"stiffness": 2e6, "prestress": 5e3, "force": 20e3, "ultimate": 0.03, "height": 5.5}
 WALL = built(
     "kind: wall\nthickness: 0.6 m\nheight: 6 m\none_sided: true\nmass: 7200 kg\n"
     "ties: [{height: 5.5 m, stiffness: 2e6 N/m, prestress: 5 kN, yield: 20 kN, ultimate: 30 mm}]\n"
@@ -22,19 +20,17 @@ WALL = built(
 OUTWARDS, METHOD = sine().scaled(-1.0), Method("nonlinear")
 
 
-def by_dop853(a_g, omega_g):
+def integrated(a_g, omega_g):
     """(largest theta/alpha, True if it overturns) under one cycle of a sine that first drives the wall outwards."""
-    end = 2.0 * math.pi / omega_g
-    body = TiedBody(MASS, RADIUS, ALPHA, 4 / 3 * MASS * RADIUS**2, WALL.eta, [Device(1, **TIE)])
-    largest, outcome = body.run(lambda t: -a_g * math.sin(omega_g * t) if t <= end else 0.0, [end], end + 20.0 / WALL.p)
-    return largest / ALPHA, outcome == "overturned"
+    motion = OUTWARDS.still_until(2.0 * math.pi + 20.0 * omega_g / WALL.p)
+    return wall([Device(1, 2e6, 5e3, 20e3, 0.03, 5.5)], WALL.eta).run(shaking(motion, a_g, omega_g))
 
 
 def test_the_edges_of_an_envelope_separate_what_stands_from_what_falls():
     (first, *_) = trace_envelope(WALL, OUTWARDS, [4.0], a_max=7.5, method=METHOD, sign="+")
     for share, falls in ((0.999, False), (1.001, True)):
         a_g = WALL.ground_acceleration(first.a_from * share)
-        assert by_dop853(a_g, 4.0 * WALL.p)[1] == falls
+        assert integrated(a_g, 4.0 * WALL.p)[1] == falls
 
 
 def test_a_set_of_pulses_falls_where_the_oracle_does():
@@ -43,7 +39,7 @@ def test_a_set_of_pulses_falls_where_the_oracle_does():
     (found,) = exposures([WALL], MotionSet(members, MEASURES["PGA"], levels, METHOD))
     for member, ratios, outcomes in zip(members, found.theta_ratio, found.outcome, strict=True):
         for level, ratio, outcome in zip(levels, ratios, outcomes, strict=True):
-            largest, falls = by_dop853(level, member.omega)
+            largest, falls = integrated(level, member.omega)
             assert overturned(outcome) == falls
             assert falls or ratio == pytest.approx(largest, abs=1e-7)
     assert 0 < overturned(found.outcome).sum() < found.outcome.size

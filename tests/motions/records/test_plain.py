@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from support.record_layouts import as_printed, refusal, wave
 
-from rocking_cli.errors import DocumentError, UsageError
 from rocking_cli.motions.records import read_record
 
 SAMPLES = wave(400, 2.5)
@@ -22,10 +21,21 @@ def test_two_columns(tmp_path, separator, title):
     np.testing.assert_array_equal(record.acceleration, READ)
 
 
-def test_a_title_that_begins_with_a_number(tmp_path):
-    path = tmp_path / "motion.txt"
-    path.write_text("1940 Nowhere NS\n2 400 points every 0.02 s\n" + COLUMN)
-    np.testing.assert_array_equal(read_record(path, unit="m/s2", dt=0.02).acceleration, READ)
+ROWS = [f"{0.01 * i:.2f} {x:.6f}" for i, x in enumerate(SAMPLES)]
+SAME = {
+    "a title that begins with a number": ("1940 Nowhere NS\n2 400 points every 0.02 s\n" + COLUMN, {"unit": "m/s2", "dt": 0.02}, 1.0),
+    "one column": (COLUMN, {"unit": "g", "dt": 0.02}, 9.81),
+    "decimal commas between semicolons": ("".join(f"{row}\n" for row in ROWS).replace(" ", ";").replace(".", ","), {"unit": "m/s2"}, 1.0),
+    "blank lines between the numbers": ("Time,Accel\n\n" + "\n".join([*ROWS[:200], "", "", *ROWS[200:]]), {"unit": "m/s2"}, 1.0),
+}
+
+
+@pytest.mark.parametrize(("text", "given", "factor"), SAME.values(), ids=SAME)
+def test_other_ways_to_write_them(tmp_path, text, given, factor):
+    (tmp_path / "motion.txt").write_text(text)
+    record = read_record(tmp_path / "motion.txt", **given)
+    np.testing.assert_array_equal(record.acceleration, factor * READ)
+    assert record.duration == pytest.approx(399 * given.get("dt", 0.01))
 
 
 @pytest.mark.parametrize(("times", "step"), [("{:d}", 1.0), ("{:d}0", 10.0)])
@@ -38,51 +48,24 @@ def test_a_first_column_that_can_hardly_be_seconds_is_a_remark(tmp_path, times, 
 
 
 @pytest.mark.parametrize(
-    ("unit", "remarks"),
+    ("factor", "unit", "remarks"),
     [
-        ("m/s2", ()),
-        ("g", ()),
-        ("gal", ("a peak of 0.000765 g, where the unit is taken to be gal",)),  # m/s2 or g taken for gal
+        (0.3, "m/s2", ()),
+        (0.3, "g", ()),
+        (0.3, "gal", ("a peak of 0.000765 g, where the unit is taken to be gal",)),  # m/s2 or g taken for gal
+        (1e-5, "g", ()),  # far from a small earthquake
+        (300.0, "g", ("a peak of 750 g, where the unit is taken to be g",)),
     ],
 )
-def test_a_peak_that_speaks_against_the_unit_is_a_remark(tmp_path, unit, remarks):
-    path = tmp_path / "a"
-    path.write_text("".join(f"{0.3 * x:.6f}\n" for x in SAMPLES))
-    assert read_record(path, unit=unit, dt=0.01).remarks == remarks
-    path.write_text("".join(f"{1e-5 * x:.9f}\n" for x in SAMPLES))
-    assert read_record(path, unit="g", dt=0.01).remarks == ()  # far from a small earthquake
-    path.write_text("".join(f"{300.0 * x:.6f}\n" for x in SAMPLES))
-    (remark,) = read_record(path, unit="g", dt=0.01).remarks
-    assert remark == "a peak of 750 g, where the unit is taken to be g"
-
-
-def test_a_table_of_words_is_no_record(tmp_path):
-    path = tmp_path / "a.csv"
-    path.write_text(' Result ID, Spectral Ordinate, Event\n 1, SRSS, "Nowhere"\n 2, SRSS, "Elsewhere"\n')
-    with pytest.raises(DocumentError, match="no record format"):
-        read_record(path, unit="g")
-
-
-def test_one_column_and_a_unit(tmp_path):
-    path = tmp_path / "motion.txt"
-    path.write_text("".join(f"{x:.6f}\n" for x in SAMPLES))
-    np.testing.assert_allclose(read_record(path, unit="g", dt=0.02).acceleration, 9.81 * READ, rtol=1e-15)
-    assert read_record(path, unit="g", dt=0.02).duration == pytest.approx(399 * 0.02)
-
-
-def test_decimal_commas_between_semicolons(tmp_path):
-    path = tmp_path / "motion.csv"
-    path.write_text("".join(f"{0.01 * i:.2f};{x:.6f}\n".replace(".", ",") for i, x in enumerate(SAMPLES)))
-    np.testing.assert_array_equal(read_record(path, unit="m/s2").acceleration, READ)
+def test_a_peak_that_speaks_against_the_unit_is_a_remark(tmp_path, factor, unit, remarks):
+    (tmp_path / "a").write_text("".join(f"{factor * x:.9f}\n" for x in SAMPLES))
+    assert read_record(tmp_path / "a", unit=unit, dt=0.01).remarks == remarks
 
 
 def test_times_printed_to_few_digits_are_an_even_grid(tmp_path):
     path = tmp_path / "motion.csv"
     path.write_text("".join(f"{i / 128:.3f} {x:.6f}\n" for i, x in enumerate(SAMPLES[:129])))
     assert read_record(path, unit="m/s2").dt == 1 / 128
-
-
-ROWS = [f"{0.01 * i:.2f} {x:.6f}" for i, x in enumerate(SAMPLES)]
 
 
 def lines(**changed):
@@ -96,6 +79,15 @@ def lines(**changed):
         ("1\n2\n3\n", {"unit": "g"}, "a: one column of numbers without times; give their step as `dt`"),
         (lines(), {"unit": "g", "dt": 0.01}, "`dt` goes with one column"),
         ("1 2 3\n4 5 6\n", {"unit": "g"}, "a:1: 3 columns"),
+        (' Result ID, Spectral Ordinate, Event\n 1, SRSS, "Nowhere"\n 2, SRSS, "Elsewhere"\n', {"unit": "g"}, "no record format"),
+        *(
+            ("Time,Accel\n\n" + lines(_100=bad), {"unit": "g"}, f"a:103: {words}")
+            for bad, words in (
+                ("1.00 x", "found 'x'"),
+                ("1.00 1 2", "found 3 numbers, 2"),
+                ("9.00 0.1", "times that do not rise in even steps, such as 9 s"),
+            )
+        ),
         (lines(_7="0.07"), {"unit": "g"}, "a:8: found 1 numbers, 2 on the lines before"),
         (lines(_7="0.07 0.1 0.2"), {"unit": "g"}, "a:8: found 3 numbers, 2 on the lines before"),
         (lines(_7="0.07 0.1-0.2"), {"unit": "g"}, "a:8: found '0.1-0.2', two numbers run together"),
@@ -115,22 +107,3 @@ def lines(**changed):
 )
 def test_bad_files_are_told_with_file_and_line(tmp_path, text, given, words):
     assert words in refusal(tmp_path / "a", text, **given)
-
-
-def test_a_unit_that_is_none_of_acceleration(tmp_path):
-    path = tmp_path / "a"
-    path.write_text(lines())
-    with pytest.raises(UsageError, match="`unit`: found 'cm/s'; expected m/s2"):
-        read_record(path, unit="cm/s")
-
-
-@pytest.mark.parametrize("title", ["", "Time,Accel\n\n"])
-def test_blank_lines_between_the_numbers(tmp_path, title):
-    path = tmp_path / "a"
-    path.write_text(title + "\n".join([*ROWS[:200], "", "", *ROWS[200:]]))
-    np.testing.assert_array_equal(read_record(path, unit="m/s2").acceleration, READ)
-    begin = title.count("\n")
-    for bad, words in (("1.00 x", "found 'x'"), ("1.00 1 2", "found 3 numbers, 2"), ("9.00 0.1", "do not rise in even steps, such as 9 s")):
-        path.write_text(title + "\n".join([*ROWS[:100], bad, *ROWS[101:]]))
-        with pytest.raises(DocumentError, match=f"a:{begin + 101}: .*{words}"):
-            read_record(path, unit="m/s2")

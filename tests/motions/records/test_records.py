@@ -5,9 +5,7 @@ from __future__ import annotations
 import gzip
 import hashlib
 import io
-import json
 import struct
-import sys
 import tarfile
 import tracemalloc
 
@@ -15,7 +13,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from support.record_layouts import of_a_station, rows, wave
+from support.packages import installed
+from support.record_layouts import at2, of_a_station, wave
+from support.refusals import refuses
 
 from rocking_cli.errors import DocumentError, RockingError, UsageError
 from rocking_cli.motions import records
@@ -23,22 +23,14 @@ from rocking_cli.motions.reading import record_files
 from rocking_cli.motions.records import Record, read_record, read_records
 from rocking_cli.motions.records.record import chosen, is_vertical, vertical_of
 
-AT2 = "PEER\nNowhere\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 500, DT= .01 SEC\n" + rows(wave(500, 0.2), 5, "{:15.7E}")
+AT2 = at2(wave(500, 0.2))
 
 
-def test_content_decides_and_not_the_name(tmp_path):
-    for name in ("a.AT2", "a.V2", "a.txt", "a"):
-        (tmp_path / name).write_text(AT2)
-        assert read_record(tmp_path / name).format == "PEER AT2"
-
-
-def test_a_packed_file_and_standard_input_hold_the_same(tmp_path, monkeypatch):
-    path = tmp_path / "r.AT2.gz"
+def test_a_packed_file_is_read_and_told_by_its_own_bytes(tmp_path):
+    path = tmp_path / "r.V2.gz"  # the content decides, not the name
     path.write_bytes(gzip.compress(AT2.encode()))
     packed = read_record(path)
-    assert (packed.name, packed.sha256) == ("r", hashlib.sha256(path.read_bytes()).hexdigest())
-    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(AT2.encode())))
-    np.testing.assert_array_equal(read_record("-").acceleration, packed.acceleration)
+    assert (packed.format, packed.name, packed.sha256) == ("PEER AT2", "r", hashlib.sha256(path.read_bytes()).hexdigest())
 
 
 def test_a_set_is_files_a_directory_or_a_list(tmp_path):
@@ -65,31 +57,21 @@ def archive(text):
 
 
 SAC = struct.pack("<110f", *[-12345.0] * 110)[:304] + struct.pack("<i", 6) + b"\0" * 400
-
-
-@pytest.mark.parametrize(
-    ("raw", "words"),
-    [
-        (b"", "empty"),
-        (b"\n \n", "empty"),
-        (SAC, "SAC, which holds counts"),
-        (SAC[:304] + struct.pack(">i", 6) + b"\0" * 400, "SAC, which holds counts"),
-        (b"000001D ABC  00HHZXX" + b"\0" * 100, "miniSEED, which holds counts"),
-        (b"MS\x03" + b"\0" * 100, "miniSEED, which holds counts"),
-        (b"abc\0def" * 50, "a binary file"),
-        (gzip.compress(archive(AT2), mtime=0), "an archive (zip or tar)"),
-        (b"PK\x03\x04" + AT2.encode(), "an archive (zip or tar)"),
-        (b"kind: block\n", "no record format (it begins with 'kind: block')"),
-        (gzip.compress(AT2.encode(), mtime=0)[:-20], "a damaged gzip file"),
-        (gzip.compress(b"", mtime=0), "empty"),
-    ],
-)
-def test_what_is_no_record(tmp_path, raw, words):
-    (tmp_path / "a").write_bytes(raw)
-    with pytest.raises(DocumentError) as error:
-        read_records(tmp_path / "a")
-    assert words in str(error.value)
-    assert "\n" not in str(error.value)
+REFUSED = [
+    (b"", "empty"),
+    (b"\n \n", "empty"),
+    (SAC, "SAC, which holds counts"),
+    (SAC[:304] + struct.pack(">i", 6) + b"\0" * 400, "SAC, which holds counts"),
+    (b"000001D ABC  00HHZXX" + b"\0" * 100, "miniSEED, which holds counts"),
+    (b"MS\x03" + b"\0" * 100, "miniSEED, which holds counts"),
+    (b"abc\0def" * 50, "a binary file"),
+    (gzip.compress(archive(AT2), mtime=0), "an archive (zip or tar)"),
+    (b"PK\x03\x04" + AT2.encode(), "an archive (zip or tar)"),
+    (b"kind: block\n", "no record format (it begins with 'kind: block')"),
+    (gzip.compress(AT2.encode(), mtime=0)[:-20], "a damaged gzip file"),
+    (gzip.compress(b"", mtime=0), "empty"),
+]
+test_what_is_no_record = refuses(read_records, DocumentError, REFUSED, file="a", literal=True)
 
 
 def test_a_file_too_large_is_refused_before_it_is_read(tmp_path, monkeypatch):
@@ -129,13 +111,9 @@ def test_a_unit_is_for_plain_numbers(tmp_path):
         read_record(tmp_path / "a", unit="g")
 
 
-def test_a_file_that_is_not_there(tmp_path):
-    with pytest.raises(UsageError, match="cannot be read: No such file"):
-        read_record(tmp_path / "nowhere")
-
-
 OURS = """
 import numpy as np
+from support.refusals import refuses
 
 from rocking_cli.motions.records import Series
 
@@ -156,19 +134,13 @@ READS = 'return [Series("N", 0.01, text.table()[0], "gal"), Series("E", 0.01, np
 
 @pytest.fixture
 def install(tmp_path, monkeypatch):
-    """A package on the path whose entry point adds a record format."""
+    """A function that installs a package with a record format, and writes a file of it."""
 
-    def installed(recognise: str = "return head.startswith('OURS')", read: str = READS) -> None:
-        site = tmp_path / "site"
-        (site / "of_ours-1.dist-info").mkdir(parents=True)
-        (site / "rocking_ours.py").write_text(OURS.format(recognise=recognise, read=read))
-        (site / "of_ours-1.dist-info" / "METADATA").write_text("Metadata-Version: 2.1\nName: of-ours\nVersion: 1\n")
-        (site / "of_ours-1.dist-info" / "entry_points.txt").write_text(f"[{records.GROUP}]\nours = rocking_ours\n")
-        monkeypatch.syspath_prepend(str(site))
-        monkeypatch.delitem(sys.modules, "rocking_ours", raising=False)
+    def install(recognise: str = "return head.startswith('OURS')", read: str = READS) -> None:
+        installed(monkeypatch, tmp_path, records.GROUP, "ours", OURS.format(recognise=recognise, read=read))
         (tmp_path / "a.txt").write_text("OURS\n3\n0\n50\n-20\n")
 
-    return installed
+    return install
 
 
 def test_an_installed_package_adds_a_format(install, tmp_path, rocking):
@@ -176,8 +148,7 @@ def test_an_installed_package_adds_a_format(install, tmp_path, rocking):
     first, second = read_records(tmp_path / "a.txt")
     assert (first.format, first.component, second.component, first.dt, list(first.acceleration)) == ("ours", "N", "E", 0.01, [0, 0.5, -0.2])
     assert records.is_record(str(tmp_path / "a.txt"))
-    done = rocking("records", "a.txt", "--json")
-    assert (done.returncode, [json.loads(line)["format"] for line in done.stdout.splitlines()]) == (0, ["ours"] * 2), done.stderr
+    assert [row["format"] for row in rocking("records", "a.txt", "--json").records] == ["ours"] * 2
 
 
 def test_an_installed_format_says_its_own_fault(install, tmp_path):
@@ -199,9 +170,9 @@ def test_an_installed_format_says_its_own_fault(install, tmp_path):
 def test_a_package_that_fails_is_named(install, tmp_path, rocking, changed, words):
     install(**changed)
     done = rocking("records", "a.txt")
-    told = "the record format ours, which the package of-ours adds and which cannot be used: "
+    message = "the record format ours, which the package of-ours adds and which cannot be used: "
     assert (done.returncode, done.stdout) == (3, "")
-    assert f"a.txt: {told}{words}; expected a package that works" in done.stderr
+    assert f"a.txt: {message}{words}; expected a package that works" in done.stderr
 
 
 def test_own_formats_never_look_for_packages(tmp_path, monkeypatch):
@@ -217,20 +188,11 @@ def record(component, form="COSMOS"):
     return Record("a", form, component, 0.01, np.array([0.0, 1.0]), None, "g", "a", "0")
 
 
-@pytest.mark.parametrize(
-    "name", ["Up", "UP", "U-D", "UD", "Vert", "VERTICAL", "Down", "DN", "HNZ", "HGZ", "Z", "U", "V", "Up (3)", "Up - roof"]
-)
-def test_vertical(name):
-    assert is_vertical(record(name))
-
-
-@pytest.mark.parametrize("name", [None, "N-S", "E-W", "N28W", "360 Deg", "90 Deg", "HNN", "HN1", "1", "3", "S00E", "L", "T", "channel (3)"])
-def test_not_vertical(name):
-    assert not is_vertical(record(name))
-
-
-def test_vertical_by_the_number_of_kik_net():
-    assert [is_vertical(record(name, "K-NET")) for name in "123456"] == [False, False, True, False, False, True]
+def test_vertical_components():
+    upwards = ["Up", "UP", "U-D", "UD", "Vert", "VERTICAL", "Down", "DN", "HNZ", "HGZ", "Z", "U", "V", "Up (3)", "Up - roof"]
+    across = [None, "N-S", "E-W", "N28W", "360 Deg", "90 Deg", "HNN", "HN1", "1", "3", "S00E", "L", "T", "channel (3)"]
+    assert [name for name in upwards + across if is_vertical(record(name))] == upwards
+    assert [name for name in "123456" if is_vertical(record(name, "K-NET"))] == ["3", "6"]  # of two instruments
 
 
 @pytest.fixture

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from rocking_cli import UsageError, read_documents
+from rocking_cli import UsageError, build_structure, read_documents
 from rocking_cli.reports.figures.animation import animate, shape_at
-from rocking_cli.structures import build_structure
 from rocking_cli.structures.kinds import sketch_of
 
 

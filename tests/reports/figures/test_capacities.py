@@ -6,9 +6,8 @@ from dataclasses import replace
 import pytest
 from matplotlib.figure import Figure
 
-from rocking_cli import build_structure, code_check, load_structures, parse_documents, parse_grid, sine
+from rocking_cli import build_structure, check, code_check, load_structures, parse_documents, parse_grid, sine
 from rocking_cli.reports.figures.capacities import _curve, capacities
-from rocking_cli.responses.check import check
 
 
 def test_bars_end_at_the_first_overturning_and_lines_stand_at_the_demand():

@@ -2,28 +2,24 @@
 
 import pytest
 
-from rocking_cli import Outcome
-from rocking_cli.reports.figures import characters
+from rocking_cli import Outcome, SpectraFile
 from rocking_cli.reports.figures.characters import text_map
-from rocking_cli.spectra.file.reader import SpectraFile
 
 
-def test_a_map_has_the_sign_of_each_cell(spectrum_file, monkeypatch):
-    for size in ("WIDTH", "HEIGHT"):
-        monkeypatch.setattr(characters, size, 500)
-    with SpectraFile(spectrum_file) as file:
+def test_a_map_has_the_sign_of_each_cell(swept):
+    with SpectraFile(swept("--eta", "0.9", "--grid", "A=1:8:16,Omega=1:8:40")) as file:
         outcome = file.block(0, slice(None))["outcome"]
-        told = text_map(file, None, None)
-    rows = [line.partition("|")[2] for line in told if " |" in line]
+        lines = text_map(file, None, None)
+    rows = [line.partition("|")[2] for line in lines if " |" in line]
     assert rows == ["".join(Outcome(int(o)).sign for o in row) for row in outcome.T[::-1]]
 
 
 @pytest.mark.parametrize("cut", [None, "Omega=5", "A=3"])
 def test_it_fits_a_terminal_of_80_columns_and_24_rows_with_its_prompt(spectrum_file, cut):
     with SpectraFile(spectrum_file) as file:
-        told = text_map(file, None, cut)
-    assert len(told) <= 23
-    assert max(map(len, told)) <= 80
+        lines = text_map(file, None, cut)
+    assert len(lines) <= 23
+    assert max(map(len, lines)) <= 80
 
 
 def test_slices_of_many_structures_fit_too(swept):

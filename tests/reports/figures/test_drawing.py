@@ -5,10 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from rocking_cli import DocumentError, parse_documents
-from rocking_cli.reports.figures.drawing import draw_structures
+from rocking_cli import DocumentError, draw_structures, parse_documents, read_documents
 from rocking_cli.reports.units import parse_units
-from rocking_cli.structures import read_documents
 
 
 @pytest.fixture
@@ -82,11 +80,11 @@ def test_a_dollar_in_a_name_is_a_dollar(drawn, tmp_path):
 
 
 def test_bodies_are_at_one_scale_and_one_without_geometry_is_left_out(drawn):
-    told = []
-    axes = drawn("block", "parameters", "spire", tell=told.append)
+    remarks = []
+    axes = drawn("block", "parameters", "spire", tell=remarks.append)
     assert [one.get_title().partition("\n")[0] for one in axes] == ["Column", "Spire"]
     assert len({(np.diff(one.get_xlim()).item(), np.diff(one.get_ylim()).item()) for one in axes}) == 1
-    assert [said.endswith("left out") for said in told] == [True]
+    assert [said.endswith("left out") for said in remarks] == [True]
     with pytest.raises(DocumentError, match="states no geometry"):
         drawn("parameters")
 

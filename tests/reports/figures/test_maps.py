@@ -9,10 +9,8 @@ from matplotlib.figure import Figure
 from support.axes import lines
 from support.record_layouts import rows, wave
 
-from rocking_cli import Outcome, UsageError, closed_form_curves
-from rocking_cli.reports.drawing_files import draw
+from rocking_cli import Outcome, SpectraFile, UsageError, closed_form_curves, draw
 from rocking_cli.reports.units import parse_units
-from rocking_cli.spectra.file.reader import SpectraFile
 
 
 def entries(figure):
@@ -110,11 +108,9 @@ def test_blocks_under_a_record_are_a_map_and_structures_are_lines_over_its_facto
     assert axes.get_xlabel() == "factor of the record [-]"
 
 
-def test_a_file_without_a_cell_is_refused(drawn, spectrum_file, monkeypatch):
-    block = SpectraFile.block
-    monkeypatch.setattr(SpectraFile, "block", lambda *a, **k: {n: 0 * v for n, v in block(*a, **k).items()})
+def test_a_file_without_a_cell_is_refused(drawn, swept):
     with pytest.raises(UsageError, match="holds no computed cell"):
-        drawn(spectrum_file)
+        drawn(swept("--eta", "0.9", "--grid", "A=1:2:3,Omega=1:2:3", "--shard", "2/2"))
 
 
 def test_a_map_with_forces_has_lines_of_equal_friction_and_none_of_a_vertical_motion_the_closed_forms(drawn, swept):

@@ -7,13 +7,10 @@ import pytest
 from support.axes import lines, same
 from support.record_layouts import wave
 
-from rocking_cli import Axis, Method, Outcome, UsageError, overturned
+from rocking_cli import Axis, Method, Outcome, Record, Recording, SpectraFile, UsageError, overturned
 from rocking_cli.dynamics.outcome import falls
 from rocking_cli.envelopes.closed_form import peak_after_impact
-from rocking_cli.motions.recording import Recording
-from rocking_cli.motions.records import Record
 from rocking_cli.reports.figures.slices import SHARES, record_quantiles, slice_of
-from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.spectra.record_scene import angles_scene
 from rocking_cli.spectra.sweep import SweepOptions, write_scene
 
@@ -47,7 +44,7 @@ def test_a_slice_is_a_row_of_the_file_with_bars_where_it_overturns(drawn, spectr
     assert np.array_equal(np.isnan(peaks), [a < 1.0 or np.isnan(peak_after_impact(a, frequency[at], 0.9)) for a in amplitude])
     assert axes.get_title().splitlines()[0] == r"$\eta$ = 0.9"
     assert rf"sine, 1 cycle, linear equation, $\Omega$ = {frequency[at]:.4g}" in axes.get_title()
-    assert figure.told == f"slice at Omega = {frequency[at]:.6g}, the nearest of the file"
+    assert figure.remark == f"slice at Omega = {frequency[at]:.6g}, the nearest of the file"
     (bars,) = axes.collections
     covered = np.zeros(amplitude.size, dtype=bool)
     for path in bars.get_paths():
@@ -69,7 +66,7 @@ def test_any_axis_of_the_request_is_an_axis_of_the_slice(drawn, towers):
     assert {s.value for s in by_amplitude} == {by_amplitude[0].value}
     assert ends == pytest.approx([math.pi, 4 * math.pi, math.pi, 4 * math.pi, 1.2 * 9.81, 1.2 * 9.81], rel=1e-12)
     figure = drawn(towers, cut="f_g=1.6")
-    assert figure.told == "slice at f_g = 1.5 Hz, the nearest of the file"
+    assert figure.remark == "slice at f_g = 1.5 Hz, the nearest of the file"
     assert figure.axes[0].get_xlabel() == "$a_g$ [g]"
     assert list(lines(figure.axes[0])) == [r"Column, $\eta$ = 0.9118", r"Spire, $\eta$ = 0.8322"]
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from rocking_cli import RockingError
-from rocking_cli.spectra.file.integrity import NOTE, Log, checked_digest, digest, digest_line, record_of
+from rocking_cli.spectra.file.integrity import NOTE, Log, checked_digest, digest, digest_line, entry_of
 from rocking_cli.spectra.file.reader import SpectraFile
 
 
@@ -61,7 +61,7 @@ def left():
         file["x"] = range(100)
     image = buffer.getvalue()
     note = json.dumps({"layout": digest([image])}).encode()
-    return image, image + record_of(NOTE, note) + b"".join(record_of(i, content) for i, content in enumerate(CONTENTS))
+    return image, image + entry_of(NOTE, note) + b"".join(entry_of(i, content) for i, content in enumerate(CONTENTS))
 
 
 def test_a_damaged_record_is_the_only_one_that_is_lost(left):

@@ -5,12 +5,10 @@ import json
 import h5py
 import pytest
 
-from rocking_cli import OutputError, UsageError, dimensionless_oscillator, parse_grid, sine, write_spectrum
+from rocking_cli import OutputError, SpectraFile, UsageError, dimensionless_oscillator, merge, parse_grid, sine, write_spectrum
 from rocking_cli.spectra.dimensions import VARIABLES
 from rocking_cli.spectra.file import writer as store
 from rocking_cli.spectra.file.layout import Layout, pack, unpack
-from rocking_cli.spectra.file.merging import merge
-from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.spectra.file.writer import SpectraWriter
 
 GRID = parse_grid("A=0.5:12:40,Omega=0.5:12:30")
@@ -51,7 +49,7 @@ def test_shards_that_overlap_and_agree_are_one(tmp_path):
     whole = shard(tmp_path / "whole.h5", None)
     half = shard(tmp_path / "half.h5", (1, 2))
     merged = merge([half, whole], tmp_path / "m.h5")
-    assert (merged.there, merged.whole, merged.elsewhere) == (6, 6, "")
+    assert (merged.chunks, merged.all_chunks, merged.machine_differences) == (6, 6, "")
     with SpectraFile(tmp_path / "m.h5") as one, SpectraFile(whole) as other:
         assert one.digest
         assert one.complete
@@ -61,7 +59,7 @@ def test_shards_that_overlap_and_agree_are_one(tmp_path):
 def test_shards_that_overlap_and_disagree_are_refused(tmp_path):
     whole = shard(tmp_path / "whole.h5", None)
     same = altered(whole, 2, lambda theta: theta).rename(tmp_path / "same.h5")
-    assert merge([whole, same], tmp_path / "m.h5").there == 6
+    assert merge([whole, same], tmp_path / "m.h5").chunks == 6
     other = altered(whole, 2, lambda theta: theta + 1e-15)
     with pytest.raises(OutputError, match=r"altered\.h5 and .*whole\.h5 disagree: chunk 2 of theta_ratio differs"):
         merge([whole, other], tmp_path / "n.h5")
@@ -76,7 +74,7 @@ def test_a_damaged_chunk_is_taken_from_the_file_where_it_is_whole(tmp_path):
         data = bytearray(path.read_bytes())
         data[at] ^= 16
         path.write_bytes(data)
-    assert merge(paths, tmp_path / "m.h5").there == 6
+    assert merge(paths, tmp_path / "m.h5").chunks == 6
     with SpectraFile(tmp_path / "m.h5") as file:
         assert file.damaged_chunks() == []
     with pytest.raises(OutputError, match=r"0\.h5: chunk 1 is damaged"):
@@ -91,6 +89,6 @@ def test_shards_of_other_machines_are_told_and_refused_if_strict(tmp_path, monke
     with pytest.raises(UsageError, match=r"machines that compute differently .*numpy .* and 1\.0"):
         merge([first, second], tmp_path / "m.h5", strict=True)
     assert not list(tmp_path.glob("m.h5*"))
-    assert "and 1.0" in merge([first, second], tmp_path / "m.h5").elsewhere
+    assert "and 1.0" in merge([first, second], tmp_path / "m.h5").machine_differences
     with SpectraFile(tmp_path / "m.h5") as file:
         assert [m["numpy"] for m in json.loads(file.attributes["computed_on"])][1] == "1.0"

@@ -7,9 +7,8 @@ import h5py
 import numpy as np
 import pytest
 
-from rocking_cli import OutputError
+from rocking_cli import OutputError, SpectraFile
 from rocking_cli.spectra.file.integrity import digest_line
-from rocking_cli.spectra.file.reader import SpectraFile
 
 
 @pytest.mark.parametrize("content", [b"", b"not HDF5 at all", b"\x89HDF\r\n\x1a\n" + b"\x00" * 100])

@@ -13,9 +13,7 @@ from typing import NamedTuple
 import pytest
 from support.watched_processes import PROGRAM
 
-from rocking_cli import dimensionless_oscillator, parse_grid, sine, write_spectrum
-from rocking_cli.errors import Interrupted, RockingError
-from rocking_cli.spectra.file.reader import SpectraFile
+from rocking_cli import Interrupted, RockingError, SpectraFile, dimensionless_oscillator, parse_grid, sine, write_spectrum
 
 SWEEP = [*PROGRAM, "spectrum", "--eta", "0.9", "--workers", "1", "-q"]
 MERGE = [*PROGRAM, "merge", "1.h5", "2.h5", "-q"]
@@ -144,9 +142,9 @@ def raced(folder: Path, calls: list[list[str]], delays: list[float], wholes: lis
         time.sleep(delay)
         processes.append(subprocess.Popen([*call, "-o", "z.h5"], cwd=folder, stderr=subprocess.PIPE, text=True))
     ends = [(p.returncode, said) for p in processes for said in [p.communicate(timeout=300)[1]]]
-    told = all(code in (0, 1, 2) and len(said.splitlines()) == (code != 0) for code, said in ends)
+    expected_ends = all(code in (0, 1, 2) and len(said.splitlines()) == (code != 0) for code, said in ends)
     winners = [i for i, (code, _) in enumerate(ends) if code == 0]
-    good = told and winners and [p.name for p in folder.glob("z.h5*")] == ["z.h5"]
+    good = expected_ends and winners and [p.name for p in folder.glob("z.h5*")] == ["z.h5"]
     good = good and numbers(output).chunks in [wholes[i].chunks for i in winners]
     for path in folder.glob("z.h5*"):
         path.unlink()

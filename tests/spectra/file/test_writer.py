@@ -15,8 +15,7 @@ import xarray
 from support.documents import SMALL_SCENE, built, same_file
 from support.watched_processes import PATIENCE, PROGRAM, children, grows
 
-from rocking_cli import Outcome, OutputError, UsageError, cosine, dimensionless_oscillator, parse_grid, sine, write_spectrum
-from rocking_cli.errors import Interrupted
+from rocking_cli import Interrupted, Outcome, OutputError, UsageError, cosine, dimensionless_oscillator, parse_grid, sine, write_spectrum
 from rocking_cli.reports.summary import summary_lines
 from rocking_cli.spectra.file import writer as store
 from rocking_cli.spectra.file.integrity import Log
@@ -291,10 +290,10 @@ def test_a_part_that_was_begun_elsewhere_is_told_and_refused_if_strict(output, m
         sweep(output, resume=True, strict=True)
     assert part.read_bytes() == before
     summary = sweep(output, resume=True)
-    assert "numpy 1.0 and" in summary.elsewhere
+    assert "numpy 1.0 and" in summary.machine_differences
     assert any("machines that differ: " in line and "numpy 1.0 and" in line for line in summary_lines(summary, "s.h5"))
     with SpectraFile(output) as file:
-        assert file.attributes["elsewhere"] == summary.elsewhere
+        assert file.attributes["elsewhere"] == file.attributes["machine_differences"] == summary.machine_differences
 
 
 def test_a_part_in_use_is_left_alone(output, whole):

@@ -10,8 +10,6 @@ from rocking_cli.structures.kinds.spire import Spire
 from rocking_cli.structures.mechanics.stacked_pieces import frustum_moments
 
 THIN = "kind: spire\nbase_radius: 1.5\nheight: 12\n"
-
-
 CRACKED = THIN + "thickness: 0.15\ncrack: diagonal\n"
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from oracles.arch_linkage import places
 from support.documents import built
+from support.refusals import refuses
 
 from rocking_cli import UsageError
 from rocking_cli.structures.mechanics.capacity_curve import capacity_curves
@@ -93,9 +94,11 @@ sides:
 - {side: right, p: 2, alpha: 0.3, lambda: 0.3093, eta: 0.9}
 """
 STATED = "kind: parameters\np: 2\nalpha: 0.2\neta: 0.8\nlambda: 0.2"
-
-
-@pytest.mark.parametrize("text", [STATED, HALF_KNOWN, "kind: frame\ncolumns: 2\ncap_ratio: 1\nwidth: 1\nheight: 5"])
-def test_a_body_without_geometry_is_refused(text):
-    with pytest.raises(UsageError, match="without the place of one mass centre; expected the geometry of a rigid body or of an arch"):
-        capacity_curves(built(text))
+test_a_body_without_geometry_is_refused = refuses(
+    lambda text: capacity_curves(built(text)),
+    UsageError,
+    [
+        (text, "without the place of one mass centre; expected the geometry of a rigid body or of an arch")
+        for text in (STATED, HALF_KNOWN, "kind: frame\ncolumns: 2\ncap_ratio: 1\nwidth: 1\nheight: 5")
+    ],
+)

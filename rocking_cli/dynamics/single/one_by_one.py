@@ -6,17 +6,14 @@ import numpy as np
 
 from ...motions.motion import Motion
 from ..outcome import Outcome, Work
-from ..response import Response, response, that_left_the_ground
+from ..response import Response, cells_that_lose_contact, response
 from ..system import System
 from .lane import Lane
 from .march import march
 
 Array = np.ndarray
 
-_STEPS, _FOR_EACH = (
-    20_000,
-    10,
-)  # largest number of steps of a cell, and its growth with each segment of the motion: `response` takes cells that need more
+_STEPS, _FOR_EACH = 20_000, 10  # largest number of steps of a cell, and its growth with each segment; `response` takes cells beyond it
 
 
 def response_alone(
@@ -46,8 +43,8 @@ def response_alone(
         outcome[failed], theta_ratio[failed], impacts[failed] = again.outcome, again.theta_ratio, again.impacts
     doubtful = outcome == Outcome.ROCKED
     doubtful[failed] = False
-    gone = that_left_the_ground(system, motion, (amplitude, omega, eta), doubtful, theta_ratio)
-    outcome[gone], theta_ratio[gone] = Outcome.LOST_CONTACT, np.nan
+    lost = cells_that_lose_contact(system, motion, (amplitude, omega, eta), doubtful, theta_ratio)
+    outcome[lost], theta_ratio[lost] = Outcome.LOST_CONTACT, np.nan
     if not peaks:
         theta_ratio[:] = np.nan
     return Response(theta_ratio.reshape(shape), outcome.reshape(shape), impacts.reshape(shape), Work(cells=amplitude.size))

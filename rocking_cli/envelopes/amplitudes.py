@@ -1,17 +1,40 @@
-"""The amplitudes of the scan at one frequency."""
+"""The amplitudes of a search: the largest one, and those of the scan at one frequency."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
+
+from ..errors import UsageError
+from ..structures.parameters import RockingParameters
 
 Array = np.ndarray
 
 SCAN_STEP = 0.999e-3  # in A; no interval wider than 1e-3 is missed
 LONGEST_FINE = 200  # under a motion with at most so many segments a capacity uses the scan of an envelope
 COARSE = 1e-3  # ratio of neighbouring amplitudes, minus 1, in the search for the lowest fall under longer motions
+
+
+class Limit(NamedTuple):
+    """The largest amplitude of a search: A, or an acceleration [m/s2], which gives a different A for each structure."""
+
+    value: float
+    acceleration: bool = False
+
+    def of(self, structure: RockingParameters) -> float:
+        """Returns the limit as A for a structure. Raises UsageError for an acceleration if the structure has no units."""
+        if not self.acceleration:
+            return self.value
+        if structure.dimensionless:
+            raise UsageError("`a_max`: found an acceleration; expected a number A for a structure without units")
+        return float(structure.dimensionless_amplitude(self.value))
+
+
+def limit_of(a_max: float | Limit, structure: RockingParameters) -> float:
+    """Returns the limit as A for a structure; a number is returned as it is. Raises UsageError as `Limit.of`."""
+    return a_max.of(structure) if isinstance(a_max, Limit) else a_max
 
 
 @dataclass(frozen=True)

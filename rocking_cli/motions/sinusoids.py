@@ -1,0 +1,158 @@
+"""Sums of sinusoids and a ramp: their extremes, and Taylor polynomials, which are faster than a sine and a cosine for each sinusoid.
+
+The search proves that it misses no extreme, however close two are. An interval of half width d about m is tested with the Taylor series
+of r = ds/dphase, T_n = r^(n)(m) d^n/n!. Its remainder follows from the bound sum_j |C_j| w_j^(n+1) of the derivatives:
+
+    free      |T_0| > sum_{n>=1} |T_n|               r has no root
+    monotone  |T_1| > sum_{n>=2} n |T_n|             r has one root or none; its signs at the ends decide
+    flat      sum |T_n| below rounding               s is constant
+
+An interval that passes no test is halved. Ends at which r is zero within rounding decide nothing: two extremes about 1e-7 apart, or an
+inflection with a level tangent, are no extremes, and s is monotone there in double precision.
+
+For the polynomials a segment is cut into equal patches. On a patch of half width d the remainder is at most
+sum_j |C_j| (w_j d)^(n+1)/(n+1)!, which is below rounding.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+Array = np.ndarray
+
+_TERMS = 12  # of the Taylor series
+_CELLS = 4  # first intervals for each period of the fastest sinusoid
+_HALVINGS = 64
+DEGREE = 17
+_REMAINDER = 1e-17  # of a polynomial, over the largest |s|
+_MOST_PATCHES = 50_000  # above it there is no table
+
+
+def isolated_extremes(start: float, stop: float, slope: float, waves: Array) -> Array:
+    """Phases [rad] from start to stop, in order, at which s has extremes. slope: of the ramp [1/rad]; waves: amplitude [-], frequency and
+    phase [rad] of each sinusoid, (sinusoids, 3)."""
+    edges = np.linspace(start, stop, math.ceil((stop - start) * waves[:, 1].max() / (2.0 * math.pi) * _CELLS) + 2)
+    low, high = edges[:-1], edges[1:]
+    ends = [edges]
+    n = np.arange(float(_TERMS))[:, None]
+    for _ in range(_HALVINGS):
+        terms, rest, rounding = _series(slope, waves, low, high)
+        size = np.abs(terms)
+        free = size[0] > size[1:].sum(axis=0) + rest + rounding[0]
+        monotone = size[1] > (n * size)[2:].sum(axis=0) + _TERMS * rest + rounding[1]
+        flat = size.sum(axis=0) + rest <= 4.0 * rounding[0]
+        open_ = ~(free | monotone | flat)
+        if not open_.any():
+            break
+        middle = 0.5 * (low[open_] + high[open_])
+        ends.append(middle)
+        low, high = np.concatenate([low[open_], middle]), np.concatenate([middle, high[open_]])
+    at = np.unique(np.concatenate(ends))
+    terms, _, rounding = _series(slope, waves, at, at)
+    at, rises = (x[np.abs(terms[0]) > rounding[0]] for x in (at, terms[0] > 0.0))
+    change = np.flatnonzero(rises[1:] != rises[:-1])
+    return _bisected(slope, waves, at[change], at[change + 1])
+
+
+def _series(slope: float, waves: Array, low: Array, high: Array) -> tuple[Array, Array, Array]:
+    """T_n (terms, intervals); bound of the remainder (intervals); bound of rounding in r and r' d (2, intervals)."""
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    terms, rest, rounding = np.zeros((_TERMS, middle.size)), np.zeros(middle.size), np.zeros((2, middle.size))
+    terms[0] = slope
+    for amplitude, w, f in waves:
+        argument, x = w * middle + f, w * half
+        cos, sin = np.cos(argument), np.sin(argument)
+        size = np.full(middle.size, amplitude * w)
+        error = 4.0 * np.finfo(float).eps * np.abs(size) * (1.0 + np.abs(argument))
+        for n in range(_TERMS):
+            terms[n] += size * (cos, -sin, -cos, sin)[n % 4]
+            size = size * x / (n + 1)
+        rest += np.abs(size)
+        rounding += error * x ** np.arange(2.0)[:, None]
+    rounding[0] += 4.0 * np.finfo(float).eps * abs(slope)
+    return terms, rest, rounding
+
+
+def _bisected(slope: float, waves: Array, low: Array, high: Array) -> Array:
+    """Phases [rad] where ds/dphase changes its sign between two ends, to the last bit; without a change one of the ends."""
+    amplitude, w, f = waves.T[:, :, None]
+
+    def rises(phase: Array) -> Array:
+        return np.asarray((amplitude * w * np.cos(w * phase + f)).sum(axis=0) + slope >= 0.0)
+
+    sign = rises(low)
+    for _ in range(_HALVINGS if low.size else 0):
+        middle = 0.5 * (low + high)
+        before = rises(middle) == sign
+        low, high = np.where(before, middle, low), np.where(before, high, middle)
+    return high
+
+
+@dataclass(frozen=True)
+class Table:
+    """The polynomials of K segments with P patches. first, last: first and last patch of a segment, (K,); half: half width of its patches
+    [rad], (K,); terms: coefficients of the powers of (u - centre)/half, (DEGREE + 1, P)."""
+
+    first: Array
+    last: Array
+    half: Array
+    terms: Array
+
+    def change_at(self, k: Array, u: Array) -> tuple[Array, Array, Array]:
+        """Return s - s_start and its derivatives at phase u [rad] from the start of segment k."""
+        half = self.half[k]
+        x = 0.5 * u / half
+        patch = x.astype(np.int64)
+        np.minimum(patch, self.last[k] - self.first[k], out=patch)
+        x -= patch  # then from -1 to 1
+        x += x
+        x -= 1.0
+        patch += self.first[k]
+        rows = self.terms.take(patch, axis=1)
+        value, rate, second_derivative = rows[-1].copy(), np.zeros(x.shape), np.zeros(x.shape)
+        for row in rows[-2::-1]:  # Horner's rule for the value and both derivatives
+            second_derivative *= x
+            second_derivative += rate
+            rate *= x
+            rate += value
+            value *= x
+            value += row
+        rate /= half
+        second_derivative *= 2.0
+        second_derivative /= half
+        second_derivative /= half
+        return value, rate, second_derivative
+
+
+def table_of(segments: Any) -> Table | None:
+    """Return the table of `Segments`; None if the table would be too large."""
+    size, w = np.hypot(segments.sin, segments.cos), segments.frequency  # (harmonics, K)
+    length = np.where(np.isinf(segments.length), 1.0, segments.length)  # ground that stays at rest has polynomials of zeros
+    largest = max(segments.later_max[0], -segments.later_min[0])
+    counts, over = np.ones(segments.length.size, dtype=np.int64), float(np.prod(np.arange(2.0, DEGREE + 2.0)))
+    for _ in range(64):
+        half = 0.5 * length / counts
+        wide = (size * (w * half) ** (DEGREE + 1)).sum(axis=0) > _REMAINDER * largest * over
+        if not wide.any():
+            break
+        counts[wide] = counts[wide] * 5 // 4 + 1
+        if counts.sum() > _MOST_PATCHES:
+            return None
+    half = 0.5 * length / counts
+    k = np.repeat(np.arange(segments.length.size), counts)
+    last = np.cumsum(counts) - 1
+    first = last - counts + 1
+    centre = (2.0 * (np.arange(k.size) - first[k]) + 1.0) * half[k]
+    terms = np.zeros((DEGREE + 1, k.size))
+    for s, c, f in zip(segments.sin[:, k], segments.cos[:, k], segments.frequency[:, k], strict=True):
+        sin, cos = np.sin(f * centre), np.cos(f * centre)
+        now, grows = s * cos + c * sin, c * cos - s * sin
+        factor = np.ones(k.size)
+        for n in range(DEGREE + 1):
+            terms[n] += factor * (now - s if n == 0 else (now, grows, -now, -grows)[n % 4])
+            factor *= f * half[k] / (n + 1)
+    terms[0] += segments.slope[k] * centre
+    terms[1] += segments.slope[k] * half[k]
+    return Table(first, last, half, terms)
