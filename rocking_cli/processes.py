@@ -59,8 +59,8 @@ def in_order(submit: Callable[[Any], Any], wait: Callable[[Any], Any], items: It
 def processes(workers: int, task: Callable[[Any], Any], advice: str) -> Iterator[Run]:
     """A function from items to task(item) of each, in their order; the task itself travels to each process once.
 
-    An exception of the task is raised here, in its turn. The processes end with the block; if it fails, at once. Raises OutputError,
-    with the advice, when a process cannot be started or dies.
+    An exception of the task is raised here, in its turn. The processes end with the block, at once. Raises OutputError, with the
+    advice, when a process cannot be started or dies.
     """
     from concurrent.futures import Future, ProcessPoolExecutor
     from concurrent.futures.process import BrokenProcessPool
@@ -83,11 +83,9 @@ def processes(workers: int, task: Callable[[Any], Any], advice: str) -> Iterator
             code = next((p.exitcode for p in crew if p.exitcode not in (None, 0, -signal.SIGTERM)), -signal.SIGTERM)  # the pool ends others
             how = f"by signal {-code}" if code < 0 else f"with exit code {code}"
             raise OutputError(f"a worker process died {how} (out of memory?); {advice}") from None
-    except BaseException:
-        for process in set(active_children()) - before:
-            process.kill()  # it holds nothing that could be lost
-        raise
     finally:
+        for process in set(active_children()) - before:  # a pool that is shut down waits for ever if a process dies just then
+            process.kill()  # it holds nothing that could be lost
         if pool is not None:
             pool.shutdown(cancel_futures=True)
 

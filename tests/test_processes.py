@@ -129,6 +129,13 @@ def test_a_block_that_fails_waits_for_no_task():
 
 
 @linux
+def test_a_block_that_ends_waits_for_no_process_that_has_stopped():
+    with processes(2, who, "") as run:
+        for pid in set(run(range(20))):
+            os.kill(pid, signal.SIGSTOP)
+
+
+@linux
 @pytest.mark.parametrize("how", [lambda *_: os.kill(os.getpid(), signal.SIGKILL), lambda *_: os._exit(3)])
 def test_a_death_while_starting_is_told(how, monkeypatch):
     monkeypatch.setattr(room, "_begin", how)
