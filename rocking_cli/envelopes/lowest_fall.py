@@ -28,7 +28,7 @@ _TOGETHER = 64  # parts of a bracket in one cut, if the march computes all ampli
 _FEW = 20  # amplitudes up to which the march is as fast as a scan
 _NEIGHBOURS = 5  # number of amplitudes on either side of an approximate fall at which the march looks for it
 _CHECKED = 5  # number of amplitudes that the march computes, below a fall and around an approximate one
-_STRETCH = 100  # amplitudes of the first stretch of a search by the march
+_STRETCH = 1000  # amplitudes of the first stretch of a search by the march: fewer take as long, and those above a fall end soon
 
 
 @dataclass
@@ -99,8 +99,9 @@ class FallSearch:
 
     def lowest(self, begin: float, found: float, ratio: float = _FINE, near: float = _NEAR) -> float | None:
         """The lowest fall from `begin` to `found`, at which a body seems to fall; None if the march finds none. It searches amplitudes at
-        this ratio from near^2 times `found` on, then from `near` times each new fall on."""
-        low, high, lowest = max(begin, near * near * found), found, None
+        this ratio from near^2 times `found` on (`near` times, if the march has found it), then from `near` times each new fall on."""
+        first = near * (1.0 - 2.0 * COARSE if self.by_march else near)
+        low, high, lowest = max(begin, first * found), found, None
         while low < high:
             amplitude = _scan_amplitudes(low, high, ratio)
             falling = self.approximate_falls(amplitude)
