@@ -166,6 +166,8 @@ class Document:
             part.finish()
         for key, place in self.keys.items():
             if key not in self.asked:
+                if key[:1].isdigit():
+                    raise DocumentError(f"{place}: found the key {key!r}; expected a word: a decimal point, no comma, stands in a number")
                 known = sorted(self.asked)
                 meant = did_you_mean(key, known, MEANT)
                 raise DocumentError(f"{place}: unknown key {key!r}{meant}; known keys of this kind: {', '.join(known)}")

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 
 from .parameters import MOST_DAMPING, RockingParameters, Side
 from .restraints import SIDES, Restraints, Stand, Tendon, Tie
-from .shared_keys import damping_of, mass_of
+from .shared_keys import RESTRAINTS, damping_of, mass_of
 
 if TYPE_CHECKING:
     from ..documents.document import Document
 
+_STIFFEST = 1e9  # m g R, of the restraints after uplift
 _TIES = "a list of ties, each with height, stiffness (or length, area and modulus), and prestress, yield, ultimate, behind, side"
 
 
@@ -25,7 +26,7 @@ def restrained(
     crown, width: height and width of the body [m]; level: of its pivots above the ground [m]; inset: of its pivots [m]; radius: R of a
     body without an arm [m]; share: m g R over mass g R [-].
     """
-    mass, given = mass_of(document) or body.details.get("mass"), [key for key in ("ties", "tendon", "dampers") if document.has(key)]
+    mass, given = mass_of(document) or body.details.get("mass"), [key for key in RESTRAINTS if document.has(key)]
     if mass is None:
         raise document.missing("mass", f"the mass [kg], which {given[0]} need")
     both: tuple[Side | RockingParameters, ...] = body.sides or (body, body)
@@ -44,7 +45,12 @@ def restrained(
     held = Restraints(ties, _tendon(document) if "tendon" in given else None, tuple(stands))
     if not (held.ties or held.tendon):
         return body
+    if document.has("friction"):
+        raise document.fault("friction", f"friction of a body with {given[0]}, whose ground forces are not computed", "no friction")
     rows = [{"side": stand.side, **held.statics(stand)} for stand in (stands[1:] if body.one_sided else stands)]
+    if not (stiffest := max(row["stiffness"] for row in rows)) < _STIFFEST:
+        found = f"{given[0]} that add {stiffest:.3g} m g R to the stiffness after uplift"
+        raise document.fault(given[0], found, f"up to {_STIFFEST:g} m g R: the march of a stiffer body takes minutes")
     if len(rows) == 2 and rows[0] == {**rows[1], "side": "left"}:
         rows = [{**rows[0], "side": "both"}]
     return replace(body, restraints=held, details={**body.details, "restrained": rows})
@@ -53,22 +59,24 @@ def restrained(
 def _ties(document: Document, crown: float, level: float, inset: float, width: float) -> tuple[Tie, ...]:
     one_sided, ties = document.flag("one_sided"), []
     for part in document.parts("ties", _TIES):
-        where = f"a height above {level:g} m, where the body rocks, and up to {crown:g} m, its top"
-        height = part.quantity("height", "length", above=level, most=crown, where=where) - level
+        where = f"a height above the ground, and up to {crown:g} m, the top of the body (of the columns of a frame)"
+        height = part.quantity("height", "length", above=0.0, most=crown * (1.0 + 1e-9), where=where) - level
         where, least = f"a length from 0 to {width:g} m, the width of the body", 0.0 if width < math.inf else -math.inf
         behind = part.quantity("behind", "length", least=least, most=width, where=where, default=0.0)
         stiffness, prestress, force = _stiffness(part), _force(part, "prestress", 0.0), _force(part, "yield", math.inf)
         if prestress >= force:
             raise part.fault("prestress", f"{prestress:g} N, not below the yield of {force:g} N", "a prestress below the yield")
-        where = "a positive length, the elongation at rupture"
-        ultimate = part.quantity("ultimate", "length", above=0.0, where=where, default=math.inf)
+        most = math.hypot(height, behind) + behind  # of any rotation
+        where = f"an elongation at rupture above 0 and up to {most:g} m, which the body can reach"
+        ultimate = part.quantity("ultimate", "length", above=0.0, most=most, where=where) if part.has("ultimate") else math.inf
         if stiffness and ultimate * stiffness < force - prestress < math.inf:
             found = f"{ultimate:g} m, below the elongation at yield of {(force - prestress) / stiffness:g} m"
             raise part.fault("ultimate", found, "an elongation from the yield on")
         side = part.choice("side", list(SIDES), "right" if one_sided else "both")
         if one_sided and side == "left":
             raise part.fault("side", "left on a one-sided body, which never leans there", "right")
-        ties.append(Tie(height, stiffness, prestress, force, ultimate, behind - inset, side))
+        if height > 0.0:  # a tie below the interface on which a stack rocks does not hold the pieces above
+            ties.append(Tie(height, stiffness, prestress, force, ultimate, behind - inset, side))
     return tuple(ties)
 
 

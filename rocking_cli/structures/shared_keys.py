@@ -12,6 +12,7 @@ from .parameters import MOST_DAMPING
 if TYPE_CHECKING:
     from ..documents.document import Document
 
+RESTRAINTS = ("ties", "tendon", "dampers")
 ONE_SIDED_RESTITUTION = "a number above -1 and up to 0 (one_sided: it returns to the side it came from)"
 
 

@@ -126,11 +126,20 @@ def test_heights_count_from_the_ground_and_pivots_move_with_inset_and_interface(
     text = "mass: 5 t\nties: [{height: 2.5, stiffness: 1e5}]\n"
     plain, worn = built("kind: block\nwidth: 1\nheight: 5\n" + text), built("kind: block\nwidth: 1\nheight: 5\ninset: 4 cm\n" + text)
     assert (plain.restraints.ties[0].behind, worn.restraints.ties[0].behind) == (0.0, -0.04)
-    stack = built("kind: stack\npieces: [{width: 2, height: 0.5}, {width: 0.4, height: 3}]\n" + text)
-    assert stack.restraints.ties[0].height == 2.0
+    pieces = "kind: stack\npieces: [{width: 2, height: 0.5}, {width: 0.4, height: 3}]\n" + text
+    assert [built(f"{pieces}rocks_on: {on}").restraints.ties[0].height for on in (0, 1)] == [2.5, 2.0]
+    assert built("kind: block\nwidth: 1.5\nheight: 4\nmass: 1\nties: [{height: 4, stiffness: 1}]").restraints  # at its top
     frame = built("kind: frame\ncolumns: 4\nwidth: 0.5\nheight: 4\ncap_ratio: 1.5\n" + text)
     moment = 5000 * 9.81 * math.hypot(0.25, 2) * (1 + 2 * 1.5) / (1 + 1.5)  # the beam has twice the lever
     assert statics(frame)["stiffness"] == pytest.approx(1e5 * 2.5**2 / moment - 1, rel=1e-12)
+
+
+def test_a_tie_below_the_interface_that_rocks_does_not_hold_the_pieces_above():
+    text = "kind: stack\npieces: [{width: 1, height: 2}, {width: 0.5, height: 2}]\nmass: 2 t\nrocks_on: %d\n"
+    ties = "ties: [{height: 1.5, stiffness: 2 MN/m, prestress: 40 kN}]"
+    base, upper = (built(text % on + ties) for on in (0, 1))
+    assert statics(base)["lambda"] == pytest.approx(base.uplift + 4e4 * 1.5 / (2000 * 9.81 * 1.4), rel=1e-12)  # mass centre at 1.4 m
+    assert (upper.restraints, upper.uplift, upper.details["rocks_on"]) == (None, 0.25, "piece 1 from below")
 
 
 def test_dampers_are_a_damping():

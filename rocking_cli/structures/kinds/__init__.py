@@ -28,13 +28,13 @@ from typing import TYPE_CHECKING, Any
 
 from ...plugins import blamed, installed
 from ..parameters import RockingParameters
-from ..shared_keys import gravity_of, one_sided_restitution_of, restitution_of
+from ..shared_keys import RESTRAINTS, gravity_of, one_sided_restitution_of, restitution_of
 
 if TYPE_CHECKING:
     from ...documents.document import Document
     from ..sketch import Sketch
 
-OF_BODIES = ("inset", "ties", "tendon", "dampers")  # keys that every rigid kind takes, and no other one
+OF_BODIES = ("inset", *RESTRAINTS)  # keys that every rigid kind takes, and no other one
 GROUP = "rocking.structures"
 KINDS = ("block", "point_mass", "spire", "arch", "frame", "prism", "drum", "rigid", "stack", "wall", "parameters")
 

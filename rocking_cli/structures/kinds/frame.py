@@ -38,7 +38,7 @@ def _frame(drawn: int, gamma: float, radius: float, alpha: float, inset: float =
     eta = (1.0 - 2.0 / whole * math.sin(alpha) ** 2 + share * math.cos(2.0 * alpha)) / (1.0 + share)
     return equal_edges(
         radius, alpha, inertia, eta=eta, whole=False, limit="more slender columns", details={"cap_ratio": gamma},
-        drawing=drawing, again=again, share=(1.0 + 2.0 * gamma) / (1.0 + gamma),
+        drawing=drawing, again=again, crown=height, share=(1.0 + 2.0 * gamma) / (1.0 + gamma),
     )  # fmt: skip
 
 

@@ -11,7 +11,7 @@ from itertools import accumulate
 from typing import NamedTuple
 
 from ...documents.document import Document
-from ..shared_keys import gravity_of
+from ..shared_keys import RESTRAINTS, gravity_of
 from ..sketch import rocker
 from .moments import Moments
 from .single_body import RigidBody, body_on_edges, edges_of, symmetric_body
@@ -88,9 +88,10 @@ class Bed(NamedTuple):
 
 
 def stacked(document: Document, key: str, word: str, pieces: Sequence[Piece], inset: float = 0.0) -> RigidBody:
-    """Return the body that rocks on the interface with the least margin, on the lowest one of equal margins.
-    pieces: from below; key: of their list in the document; word: for one of them; inset: from the edges of every interface [m]. Raises
-    DocumentError if a piece does not stand on the one below it, or the stack does not stand."""
+    """Return the body that rocks on the interface of the key `rocks_on`, by default on the one with the least margin, on the lowest one
+    of equal margins. pieces: from below; key: of their list in the document; word: for one of them; inset: from the edges of every
+    interface [m]. Raises DocumentError if a piece does not stand on the one below it, or the stack does not stand, or if it has restraints
+    and no `rocks_on`: they hold each interface in another way, so that the least margin does not tell which one overturns first."""
     moments, beds = Moments(0.0, 0.0, 0.0, 0.0), list[Bed]()
     for i in range(len(pieces) - 1, -1, -1):
         piece = pieces[i]
@@ -112,6 +113,12 @@ def stacked(document: Document, key: str, word: str, pieces: Sequence[Piece], in
         raise document.fault("inset" if inset else key, found, "a stack that stands")
     details = {}
     if len(pieces) > 1:
+        if document.has("rocks_on"):
+            weakest = document.integer("rocks_on", 0, len(beds) - 1)
+        elif held := [name for name in RESTRAINTS if document.has(name)]:
+            wanted = f"0 for its base, or the number from below of the {word} on which it rocks"
+            raise document.missing("rocks_on", f"{wanted}: {held[0]} hold each interface differently, so check each one")
+        bed = beds[weakest]
         gravity = gravity_of(document)
         supports = ["its base", *(f"{word} {i} from below" for i in range(1, len(beds)))]
         interfaces = [{"on": on, **one.numbers(gravity)} for on, one in zip(supports, beds, strict=True)]
