@@ -67,10 +67,11 @@ def check(
     (JSON, CSV) or in the unit of the request (table), unless --units says otherwise. With --vary the first columns hold the varied
     values: rocking plot check.csv --over KEY -o capacity.png draws the capacity over them.
     """
+    from ..dynamics.method import has_direction
     from ..dynamics.outcome import Outcome
     from ..envelopes.capacity import narrowest
     from ..reports.wording import opposite_in_words
-    from ..responses.check import CHECK_COLUMNS, OLD_COLUMNS, TIED_COLUMNS, has_direction, outcome_alone, verdicts
+    from ..responses.check import CHECK_COLUMNS, OLD_COLUMNS, TIED_COLUMNS, outcome_alone, verdicts
 
     files, motions = asked.several(files)
     ends = [end.of(motions) for end in asked.ends()]

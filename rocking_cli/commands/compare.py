@@ -22,6 +22,7 @@ def compare(
     dimensionless curves. For structures of equal restitution the linear curves coincide (Fig. 8). --model both compares the
     equations (Fig. 7): peaks, and quarter periods of free rocking from 0.3, 0.6 and 0.9 alpha.
     """
+    from ..dynamics.method import direction_in_words
     from ..responses import comparison
 
     shaken = shaking.of(motions.one())
@@ -36,7 +37,7 @@ def compare(
     methods = model.methods(structures, shaken.grid.dimensionless)
     responses = comparison.compare(structures, shaken.motion, shaken.grid, methods)
     emit((comparison.curve_rows if curves else comparison.comparison_rows)(responses, methods))
-    note(*model.in_words(methods, structures, shaken.grid.dimensionless))
+    note(*model.in_words(methods, structures, shaken.grid.dimensionless), *direction_in_words(*structures))
     for method in methods:
         if len(structures) > 1:
             distance = comparison.collapse(responses, method.model)

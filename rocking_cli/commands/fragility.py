@@ -92,6 +92,7 @@ def fragility(
     PGA, PGV, PGD, Arias, CAV, SA(T) and AvgSA(T) of records, nPGA = PGA/(lambda g), nPGV = p PGV/(g tan alpha) and nPGD =
     p^2 PGD/(g tan alpha).
     """
+    from ..dynamics.method import direction_in_words
     from ..fragility.exposure import MotionSet
     from ..fragility.fits import Resampling
     from ..fragility.hazard import read_hazard
@@ -176,7 +177,8 @@ def fragility(
             rated = [(f"{fit.structure}, {fit.limit}, {fit.method}", fit.rate) for fit in fits]
             rated += [(f"{study.structure.name}, overturning, exact", study.rate_without_fit) for study in found if exact]
             remarks += [f"{name}: {words}" for name, rate in rated if rate is not None for words in rate.remarks(hazard)]
-    note(*refused, *remarks, *model.in_words([equation], structures), f"{len(members)} motions")
+    lines = model.in_words([equation], structures) + direction_in_words(*structures)
+    note(*refused, *remarks, *lines, f"{len(members)} motions")
     words = f"of {len(members)} motions overturn it at one intensity and not at a larger one"
     note(*(f"{study.structure.name}: {study.resurrections} {words}" for study in found if study.resurrections))
     stated = click.get_current_context().get_parameter_source("limits") is not click.core.ParameterSource.DEFAULT

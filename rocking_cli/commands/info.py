@@ -48,6 +48,7 @@ def info(
             row = {"file": path, **names, "model": file.scene["model"], "motion": attributes["motion"], **axes}
             row |= {"chunks": f"{int(file.done.sum())} of {file.done.size}", "complete": "yes" if file.complete else "no"}
             row |= {key: attributes.get(key) for key in ("run_time", "estimated_error", "checked_cells", "source")}
+            row |= {} if row["checked_cells"] else {"estimated_error": None}
             row |= {"sealed": "yes" if file.digest else "no", "digest": file.digest}
             row["computed_on"] = "; ".join(described(m) for m in file.machines) or None
             if verify:

@@ -49,6 +49,7 @@ def spectrum(
     2 pi/p in s (no period), or p in rad/s; --grid may also state alpha or tan_alpha. The file has the dimensions record, structure
     and scale (A, a_g), or record, alpha and T.
     """
+    from ..dynamics.method import direction_in_words
     from ..motions.grid import parse_grid
     from ..reports.summary import summary_lines
     from ..spectra.file.writer import check_output
@@ -93,7 +94,9 @@ def spectrum(
     )
     summary = write_scene(scene, output, settings)
     lines = model.in_words([scene.method], structures, grid is not None and grid.dimensionless)
-    note(*lines, *summary_lines(summary, str(output)))
+    note(*lines, *direction_in_words(*structures), *summary_lines(summary, str(output)))
+    if any(structure.restraints for structure in structures):
+        note("no cell is checked: the independent solver knows neither ties nor a tendon")
     if json_:
         emit([{"output": str(output), **summary.row()}], form="json")
     partly(summary.failed)

@@ -210,6 +210,18 @@ def model_in_words(method: Method, *structures: RockingParameters, model: str | 
     return f"{line}, since the geometry of {', '.join(stated[:3])}{' and others' * (len(stated) > 3)} is not known"
 
 
+def has_direction(structure: RockingParameters) -> bool:
+    """True if the reversed motion may have another result: the structure has one side, or two sides that differ, or ties that differ."""
+    return not (structure.plain or governing_method(structure).system_of(structure).alike)
+
+
+def direction_in_words(*structures: RockingParameters) -> list[str]:
+    """The line that names the structures with a direction, in a run that computes one direction only; no line without them."""
+    names = [s.name for s in structures if has_direction(s)]
+    some = f"{', '.join(names[:3])}{' and others' * (len(names) > 3)}"
+    return [f"one direction of the motion only, though the sides differ: {some}; `scale` -1 gives the opposite one"] if names else []
+
+
 def contact_of(structure: RockingParameters, equation: Equation) -> Contact:
     """The contact of a structure under an equation."""
     if structure.one_sided:

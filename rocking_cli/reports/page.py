@@ -23,7 +23,7 @@ import numpy as np
 from .. import __version__
 from ..documents.document import Document
 from ..documents.quantities import DEFAULT_GRAVITY
-from ..dynamics.method import LINEAR, governing_method
+from ..dynamics.method import LINEAR, governing_method, has_direction
 from ..dynamics.outcome import Difference, difference
 from ..errors import DocumentError, OutputError, UsageError
 from ..fragility.exposure import MotionSet, exposures
@@ -35,7 +35,7 @@ from ..motions.grid import Axis, Grid, HasMotion, demand_in_words, demand_of
 from ..motions.recording import Recording
 from ..motions.records import Record
 from ..publishing import published
-from ..responses.check import Progress, Verdict, has_direction, outcome_alone, tally, verdicts
+from ..responses.check import Progress, Verdict, outcome_alone, tally, verdicts
 from ..spectra.file.reader import SpectraFile
 from ..spectra.sweep import SweepOptions, write_spectrum
 from ..structures import RockingParameters, build_structure, with_distinct_names

@@ -8,11 +8,12 @@ from itertools import islice
 
 import numpy as np
 
+from ..dynamics.method import has_direction
 from ..errors import UsageError, counted
 from ..motions.grid import as_recorded
 from ..motions.recording import Recording
 from ..structures.parameters import RockingParameters
-from .check import Demand, Progress, Verdict, has_direction, verdicts
+from .check import Demand, Progress, Verdict, verdicts
 
 
 def at_azimuth(pair: Sequence[Recording], azimuth: float) -> Recording:

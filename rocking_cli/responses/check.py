@@ -140,11 +140,6 @@ def check(
     return _judged(structure, *demand_of(motion, shaking), a_max, None, progress)
 
 
-def has_direction(structure: RockingParameters) -> bool:
-    """True if the reversed motion may have another result: the structure has one side, or two sides that differ, or ties that differ."""
-    return not governing_method(structure).system_of(structure).alike
-
-
 def outcome_alone(structure: RockingParameters, motion: Motion, shaking: Grid) -> Outcome:
     """Return only the outcome of the verdict of `check`."""
     _, _, amplitude, omega, method, _ = _capacity_search(structure, motion, shaking, 0.0)

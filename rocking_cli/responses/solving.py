@@ -2,17 +2,19 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cache
 from itertools import pairwise
 from typing import Any
 
 from ..documents.document import Document
+from ..dynamics.method import direction_in_words
 from ..dynamics.outcome import Outcome
 from ..envelopes.amplitudes import Limit
 from ..motions import Motion
 from ..motions.grid import Grid
 from ..structures.family import Variation, family
+from ..structures.parameters import RockingParameters
 from .check import verdicts
 
 _DIGITS = 6  # significant digits of a boundary, which is rounded to the side that stands
@@ -69,6 +71,9 @@ def boundaries(
     reach = Limit(_BEYOND * margin * most, shakes[0][1].amplitude.name == "a_g")
     remarks: list[str] = []
 
+    def own_name(member: RockingParameters) -> str:
+        return member.name[: member.name.rindex(f" {varied.key}=")]
+
     @cache
     def excess(value: float) -> float:
         """Return ln(capacity_demand/margin) for a value of the key; NaN if there is no such structure, or no verdict."""
@@ -76,6 +81,7 @@ def boundaries(
         if member.parameters is None:
             remarks.append(f"no solution for {varied.key} = {value:g}: {member.fault}")
             return math.nan
+        remarks.extend(direction_in_words(replace(member.parameters, name=own_name(member.parameters))))
         found = list(verdicts([(member.parameters, *shake) for shake in shakes], a_max=reach, workers=workers))
         if any(v.outcome == Outcome.FAILED for v in found):
             remarks.append(f"no verdict for {varied.key} = {value:g}")
@@ -101,9 +107,9 @@ def boundaries(
             value = high if above else low
         (member,) = family(document, [varied._replace(values=(value,))])
         assert member.parameters is not None
-        name, side = member.parameters.name, "stands above" if above else "stands below"
+        name, side = own_name(member.parameters), "stands above" if above else "stands below"
         capacity_demand = margin * math.exp(excess(value))
-        return Boundary(name[: name.rindex(f" {varied.key}=")], varied.key, member.varied[varied.key], side, capacity_demand, member.shown)
+        return Boundary(name, varied.key, member.varied[varied.key], side, capacity_demand, member.shown)
 
     scanned = []
     for i, value in enumerate(varied.values, 1):

@@ -33,6 +33,29 @@ def test_repeatable_options_flags_and_values_that_look_like_options_are_taken(ro
     assert "--grid: cannot be read" in rocking("params", "--", "--grid", "--grid").stderr
 
 
+ONE_SIDED = "kind: wall\nname: w\nthickness: 0.5\nheight: 2\none_sided: true\n"
+TIED = "kind: block\nname: w\nwidth: 0.5\nheight: 2\nmass: 2 t\nties: [{height: 2, stiffness: 1e4, side: right}]\n"
+
+
+@pytest.mark.parametrize(("text", "told"), [(ONE_SIDED, True), (TIED, True), (TIED.replace("right", "both"), False)])
+def test_a_command_that_computes_one_direction_of_unequal_sides_says_so(rocking, tmp_path, text, told):
+    (tmp_path / "w.yaml").write_text(text)
+    (tmp_path / "p.csv").write_text("a_g [g],T_g [s]\n" + "".join(f"{0.3 + 0.05 * i},{0.5 + 0.1 * i}\n" for i in range(8)))
+    at = ("--a-g", "0.3g", "--f-g", "2")
+    calls = [
+        ("solve", "--vary", f"{'thickness' if 'wall' in text else 'width'}=0.4:0.5:2", *at), ("compare", *at),
+        ("spectrum", "--grid", "a_g=0.1g:0.3g:2,f_g=2", "-o", "w.h5"),
+        ("fragility", "--pulses", "p.csv", "--levels", "0.3g:2g:9", "--bootstrap", "0"),
+    ]  # fmt: skip
+    line = "one direction of the motion only, though the sides differ: w; --scale -1 gives the opposite one\n"
+    for name, *more in calls:
+        assert (line in rocking(name, "w.yaml", *more).stderr) is told, name
+    assert (": the independent solver knows neither ties" in rocking("spectrum", "w.yaml", *calls[2][1:-1], "x.h5").stderr) is (
+        "ties" in text
+    )
+    assert rocking("info", "w.h5", "--json").record["estimated_error"] is None or "ties" not in text
+
+
 def test_a_closed_pipe_is_no_error(tmp_path):
     document = tmp_path / "b.yaml"
     document.write_text("kind: block\nwidth: 1\nheight: 5")
