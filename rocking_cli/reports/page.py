@@ -36,6 +36,7 @@ from ..motions.recording import Recording
 from ..motions.records import Record
 from ..publishing import published
 from ..responses.check import Progress, Verdict, outcome_alone, tally, verdicts
+from ..responses.tied_history import remarks
 from ..spectra.file.reader import SpectraFile
 from ..spectra.sweep import SweepOptions, write_spectrum
 from ..structures import RockingParameters, build_structure, with_distinct_names
@@ -188,6 +189,7 @@ def _section(
         "kind": f"kind {structure.structure}, restitution {structure.eta_source}" if structure.eta_source else structure.structure,
         "drawing": _drawing(subject),
         "parameters": parameter_rows(structure),
+        "ties": [f"{v.motion}: {x}" for v in mine for x in remarks(v.devices, v.first_overturning_a, v.first_overturning_a_free)],
         "map": drawn,
         "validity": "The linear equation alone answers here." if linear else _agreement(codes, cases),
         "fragility": _fragility(structure, recordings, workers) if recordings else None,

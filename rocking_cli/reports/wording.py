@@ -90,23 +90,29 @@ def opposite_in_words(outcomes: Sequence[tuple[str, Outcome]]) -> str:
 
 
 def parameter_rows(s: RockingParameters) -> list[dict[str, str]]:
-    """Return the rows for p, alpha, eta, lambda and a_scale, of each edge if the edges differ, and for the damping if there is any."""
+    """Return the rows for p, alpha, eta, lambda and a_scale, of each edge if the edges differ, and for restraints and damping, if any."""
     known = dict(_RELATIONS.get(s.structure, {}))
     if s.eta_source != "momentum" or s.one_sided:
         known.pop("eta", None)
     impact = "θ̇ after = η θ̇ before " + ("the impact that leaves this edge" if s.sides else "an impact")
-    equilibrium = "{:.4g}°: beyond it the structure does not come back on its own"
+    free = ", of the free body" * bool(s.restraints)
+    equilibrium, lifts = "{:.4g}°: beyond it the structure does not come back on its own", "it lifts at ẍg = λ g"
     rows = [
         (symbol, f"{meaning}, {of.side} edge" if isinstance(of, Side) else meaning, value, unit, known.get(key, relation))
         for of in s.sides or (s,)
         for key, symbol, meaning, value, unit, relation in (
             ("p", "p", "frequency parameter", of.p, "rad/s", "θ̈ = p² (θ − α sgn θ − a_scale ẍg/g)"),
-            ("alpha", "α", "critical angle", of.alpha, "rad", equilibrium.format(math.degrees(of.alpha))),
+            ("alpha", "α", "critical angle", of.alpha, "rad", equilibrium.format(math.degrees(of.alpha)) + free),
             ("eta", "η", "coefficient of restitution", of.eta, "-", impact),
-            ("lambda", "λ", "static uplift acceleration over g", of.uplift, "-", "it lifts at ẍg = λ g"),
+            ("lambda", "λ", "static uplift acceleration over g", of.uplift, "-", lifts + free),
             ("a_scale", "a_scale", "scale of the ground acceleration", of.a_scale, "-", "α/λ; 1 for a single body"),
         )
     ]
+    for row in s.details.get("restrained", ()) if s.restraints else ():
+        held = f"with its ties and tendon (side: {row['side']})"
+        rows.append(("λ", f"static uplift acceleration over g {held}", row["lambda"], "-", lifts))
+        if row["equilibrium"] != "none":
+            rows.append(("θ", f"first equilibrium {held}", row["equilibrium"], "rad", equilibrium.format(math.degrees(row["equilibrium"]))))
     if s.damping:
         rows.append(("ζ", "viscous damping", s.damping, "-", "θ̈ is less by 2 ζ p θ̇"))
     return [

@@ -186,6 +186,20 @@ def test_the_page_says_what_check_says_of_the_opposite_direction(rocking, tmp_pa
     assert f"the {said}\n" in rocking("check", *call, "--verdict-only").stderr
 
 
+def test_the_page_of_a_tied_body_has_its_uplift_and_what_check_says_of_its_ties(rocking, tmp_path):
+    call = ("configs/wall_tied.yaml", "--a-g=-0.6g", "--T-g", "0.5")
+    assert rocking("report", *call, "-o", "r.html").returncode == 0
+    shown = (tmp_path / "r.html").read_text(encoding="utf-8")
+    uplift = 0.1 + 5000 * 5.5 / (7200 * 9.81 * 3)  # tan alpha, and the moment of the prestress over m g h_G
+    rows = {row[1]: row for row in Page(shown).rows if len(row) == 5}
+    held = "static uplift acceleration over g with its ties and tendon (side: right)"
+    assert rows[held][2:] == [f"{uplift:.6g}", "-", "it lifts at ẍg = λ g"]
+    assert rows["static uplift acceleration over g"][4] == "it lifts at ẍg = λ g, of the free body"
+    said = [line.partition(": ")[2] for line in rocking("check", *call).stderr.splitlines() if ": tie 1 " in line or ": its ties" in line]
+    assert len(said) == 2
+    assert all(f"<li>sine, 1 cycle, times -1: {line}</li>" in shown for line in said)
+
+
 def test_the_worst_outcomes_in_the_opposite_direction_are_told():
     found = [("A", Outcome.ROCKED), ("B", Outcome.FAILED), ("C", Outcome.LEANING), ("C", Outcome.OVERTURNED_NO_IMPACT)]
     ends = [opposite_in_words(found[:n]).partition(" sides: ")[2] for n in (1, 2, 4)]
