@@ -63,8 +63,9 @@ def tied_history(system: System, motion: Motion, amplitude: float, omega: float,
 
 def device_rows(system: System, march: March) -> list[dict[str, Any]]:
     """Return a row for each tie and the tendon of the first cell. device: its name; force: its largest force [N]; tie_force: force over its
-    yield [-], None without one; tie_elongation, permanent: its largest and its permanent elongation [m]; state: elastic, yielded or broken;
-    words: the row as a sentence. A tie of both sides acts as two; its row has the larger numbers and the worse state."""
+    yield, without one over its force at rupture [-], None without both; tie_elongation, permanent: its largest and its permanent elongation
+    [m]; state: elastic, yielded or broken; words: the row as a sentence. A tie of both sides acts as two; its row has the larger numbers
+    and the worse state."""
     devices, found = system.devices, march.found
     assert devices is not None
     rows = np.arange(len(devices.stiffness))
@@ -72,7 +73,9 @@ def device_rows(system: System, march: March) -> list[dict[str, Any]]:
     table = []
     for i, name in enumerate(devices.names):
         on = [row for row in rows if devices.stiffness[row, i] or devices.prestress[row, i]]
-        largest, limit = float(max(force[row, i] for row in on)), float(devices.force[on[0], i])
+        largest, limit, word = float(max(force[row, i] for row in on)), float(devices.force[on[0], i]), "yield"
+        if np.isinf(limit) and devices.stiffness[on[0], i]:
+            limit, word = float((devices.prestress + devices.stiffness * devices.ultimate)[on[0], i]), "rupture"
         row: dict[str, Any] = {
             "device": name,
             "force": largest,
@@ -81,7 +84,7 @@ def device_rows(system: System, march: March) -> list[dict[str, Any]]:
             "permanent": float(max(found.plastic[row, i, 0] for row in on)),
             "state": STATES[max(_rank(int(found.phase[row, i, 0]), float(found.plastic[row, i, 0])) for row in on)],
         }
-        table.append({**row, "words": _in_words(row)})
+        table.append({**row, "words": _in_words(row, word)})
     return table
 
 
@@ -97,9 +100,9 @@ def columns_of(devices: tuple[dict[str, Any], ...]) -> dict[str, Any]:
     return {**most, "tie_state": max((one["state"] for one in devices), key=STATES.index)}
 
 
-def _in_words(device: dict[str, Any]) -> str:
-    """Return the text of a row of `device_rows`."""
-    share = "" if device["tie_force"] is None else f" ({device['tie_force']:.4g} of its yield)"
+def _in_words(device: dict[str, Any], limit: str) -> str:
+    """Return the text of a row of `device_rows`; limit: to what tie_force refers."""
+    share = "" if device["tie_force"] is None else f" ({device['tie_force']:.4g} of its {limit})"
     left = f", {1e3 * device['permanent']:.4g} mm of them permanent" if device["permanent"] else ""
     return f"{device['device']} {device['state']}, up to {device['force']:.6g} N{share} and {1e3 * device['tie_elongation']:.4g} mm{left}"
 

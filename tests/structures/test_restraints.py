@@ -142,6 +142,17 @@ def test_a_tie_below_the_interface_that_rocks_does_not_hold_the_pieces_above():
     assert (upper.restraints, upper.uplift, upper.details["rocks_on"]) == (None, 0.25, "piece 1 from below")
 
 
+def test_a_force_without_a_yield_is_told_over_that_at_rupture():
+    held = "kind: block\nwidth: 1\nheight: 5\nmass: 5 t\n"
+    for text, rupture in (
+        ("tendon: {stiffness: 1e6, prestress: 2e4, rupture: 6e4}", 6e4),
+        ("ties: [{height: 4, stiffness: 1e6, ultimate: 0.1}]", 1e5),
+    ):
+        (device,) = check(built(held + text), sine(), parse_grid("a_g=0.35g,f_g=1"), a_max=None).devices
+        assert 0.0 < device["tie_force"] == device["force"] / rupture < 1.0
+        assert " of its rupture)" in device["words"]
+
+
 def test_dampers_are_a_damping():
     text = "kind: block\nwidth: 1\nheight: 5\nmass: 5 t\ndampers: {coefficient: 2 kN s/m}\n"
     body = built(text)
