@@ -73,9 +73,10 @@ def device_rows(system: System, march: March) -> list[dict[str, Any]]:
     table = []
     for i, name in enumerate(devices.names):
         on = [row for row in rows if devices.stiffness[row, i] or devices.prestress[row, i]]
-        largest, limit, word = float(max(force[row, i] for row in on)), float(devices.force[on[0], i]), "yield"
-        if np.isinf(limit) and devices.stiffness[on[0], i]:
-            limit, word = float((devices.prestress + devices.stiffness * devices.ultimate)[on[0], i]), "rupture"
+        at = on[0], i
+        largest, limit, word = float(max(force[row, i] for row in on)), float(devices.force[at]), "yield"
+        if np.isinf(limit) and devices.stiffness[at]:
+            limit, word = float(devices.prestress[at] + devices.stiffness[at] * devices.ultimate[at]), "rupture"
         row: dict[str, Any] = {
             "device": name,
             "force": largest,
