@@ -139,10 +139,6 @@ class Method:
         except ValueError as error:
             raise UsageError(f"{structure.name}: {error}") from None
 
-    def mixes(self, structure: RockingParameters) -> bool:
-        """True for an undamped body with equal edges: its cells can share one system with cells of other such bodies."""
-        return self.kind_of(structure).of_cells is not None and structure.plain
-
     def system_of_cells(self, structures: Sequence[RockingParameters], counts: Sequence[int]) -> System:
         """One system for `counts` cells of each structure, whose `shares` are equal or which all mix. Raises UsageError as `system_of`."""
         one, of_cells = self.system_of(structures[0]), self.kind_of(structures[0]).of_cells

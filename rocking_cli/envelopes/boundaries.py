@@ -230,7 +230,9 @@ class Search:
             return first, last, none
         safe_to = self.system.safe_amplitude(self.motion)
         first = np.minimum(self._last_safe_point(omegas), scan.below(np.full(omegas.size, safe_to)))
-        if not (self.system.bounded and self.system.alike and _lifts_at_once(self.motion)):
+        start, end = segments.s_start[0], segments.s_end[0]  # the largest |s| lifts the body to the same side at any amplitude
+        at_once = abs(start) == self.motion.largest or (abs(end) == self.motion.largest and start * end >= 0.0)
+        if not (self.system.bounded and self.system.alike and at_once):
             return first, last, none
         over, falls = self._outcome_from(omegas, first, last, lambda label, _: label == Outcome.OVERTURNED_NO_IMPACT)
         last[over] = falls
@@ -295,9 +297,3 @@ def _around(flags: Array) -> Array:
     """True at places that are at most _AROUND places from a True flag."""
     sums, at = np.concatenate([[0], np.cumsum(flags)]), np.arange(flags.size)
     return sums[np.minimum(at + _AROUND + 1, flags.size)] > sums[np.maximum(at - _AROUND, 0)]
-
-
-def _lifts_at_once(motion: Motion) -> bool:
-    """True if |s| is largest in the first segment: it then lifts the body, to the same side, at any amplitude that lifts it."""
-    start, end = motion.segments.s_start[0], motion.segments.s_end[0]
-    return abs(start) == motion.largest or (abs(end) == motion.largest and start * end >= 0.0)

@@ -79,14 +79,12 @@ class FallSearch:
             amplitude, falling = self._coarse(low, high)
             found = next(filter(None, (self.lowest(begin, fall) for fall in amplitude[falling].tolist())), None)
             low, stretch = high, 2 * stretch
-        while not self.by_march and (missed := self._missed(begin, found or end)) is not None:
-            found = self.lowest(begin, missed)
+        while not self.by_march:  # the march computes a few amplitudes below the fall
+            checked = np.geomspace(begin, found or end, _CHECKED + 2)[1:-1]
+            if not (missed := checked[self.falls(checked)]).size:
+                break
+            found = self.lowest(begin, float(missed[0]))
         return found
-
-    def _missed(self, begin: float, end: float) -> float | None:
-        """The march computes a few amplitudes between these; returns the first at which the body falls, None without one."""
-        checked = np.geomspace(begin, end, _CHECKED + 2)[1:-1]
-        return next(iter(checked[self.falls(checked)].tolist()), None)
 
     def _coarse(self, low: float, high: float) -> tuple[Array, Array]:
         """(amplitudes `COARSE` apart between these, True where the body seems to fall); each amplitude is computed once."""
@@ -106,7 +104,9 @@ class FallSearch:
             amplitude = _scan_amplitudes(low, high, ratio)
             falling = self.approximate_falls(amplitude)
             falling[-1] |= lowest is None
-            new = next(filter(None, (self._confirmed(amplitude, run) for run in _runs(falling))), None)
+            at = np.flatnonzero(falling)
+            runs = np.split(at, np.flatnonzero(np.diff(at) > 1) + 1) if at.size else []
+            new = next(filter(None, (self._confirmed(amplitude, run) for run in runs)), None)
             if new is None:
                 break
             lowest, low, high = new, max(begin, near * new), low
@@ -159,12 +159,6 @@ def _scan_amplitudes(low: float, high: float, ratio: float) -> Array:
     """Amplitudes from `low` to `high` at this ratio; those inside do not depend on `low` and `high`."""
     powers = np.arange(np.ceil(np.log(low) / np.log1p(ratio)), np.log(high) / np.log1p(ratio))
     return np.unique(np.concatenate([[low, high], np.clip((1.0 + ratio) ** powers, low, high)]))
-
-
-def _runs(flags: Array) -> list[Array]:
-    """Splits the indices of True flags into runs of neighbours."""
-    at = np.flatnonzero(flags)
-    return np.split(at, np.flatnonzero(np.diff(at) > 1) + 1) if at.size else []
 
 
 def scan_together(asked: Sequence[tuple[FallSearch, float, float, float]]) -> None:

@@ -143,10 +143,7 @@ def check(
 def outcome_alone(structure: RockingParameters, motion: Motion, shaking: Grid) -> Outcome:
     """Return only the outcome of the verdict of `check`."""
     _, _, amplitude, omega, method, _ = _capacity_search(structure, motion, shaking, 0.0)
-    outcome = Outcome(int(_respond(method, structure, motion, np.array([amplitude]), omega).outcome[0]))
-    if outcome != Outcome.ROCKED or amplitude <= method.system_of(structure).safe_amplitude(motion):
-        return outcome
-    return Outcome.LOST_CONTACT if _lifts_off(_of_history(method, structure, motion, shaking)) else outcome
+    return Outcome(int(_respond(method, structure, motion, np.array([amplitude]), omega).outcome[0]))
 
 
 def first_overturning(structure: RockingParameters, motion: Motion, shaking: Grid, a_max: float, near: float) -> float | None:
@@ -196,7 +193,6 @@ def _judged(
     done(2, _STAGES)
     asked = _of_history(method, structure, motion, shaking)
     done(_STAGES, _STAGES)
-    lifted_off = outcome == Outcome.ROCKED and _lifts_off(asked)
     near = shifted[falls] if stands[0] and a_max is not None else shifted[:0]
 
     def acceleration(*a: float | None) -> float | None:
@@ -215,7 +211,7 @@ def _judged(
         structure=structure.name,
         motion=motion.name,
         model=method.model,
-        outcome=Outcome.LOST_CONTACT if lifted_off else outcome,
+        outcome=outcome,
         theta_ratio=rotation if np.isfinite(rotation) else None,
         demand_a=float(structure.ground_acceleration(amplitude)),
         uplift_a=acceleration(found.uplift),
@@ -298,11 +294,6 @@ def _of_history(method: Method, structure: RockingParameters, motion: Motion, sh
         return top
     asked = found.forces[method.model].summary("tau", 1.0)
     return top | {key: asked[key] for key in ("friction_needed", "fz_min")}
-
-
-def _lifts_off(asked: dict[str, Any]) -> bool:
-    """True if the body loses contact in the history of `_of_history`."""
-    return (asked.get("fz_min", 1.0) or 0.0) <= 0.0
 
 
 def _respond(method: Method, structure: RockingParameters, motion: Motion, amplitude: np.ndarray, omega: float) -> Response:

@@ -69,7 +69,7 @@ def device_rows(system: System, march: March) -> list[dict[str, Any]]:
     devices, found = system.devices, march.found
     assert devices is not None
     rows = np.arange(len(devices.stiffness))
-    force = devices.backbone(rows, found.farthest[:, :, 0].T).T
+    force = np.minimum(devices.prestress + devices.stiffness * found.farthest[:, :, 0], devices.force)
     table = []
     for i, name in enumerate(devices.names):
         on = [row for row in rows if devices.stiffness[row, i] or devices.prestress[row, i]]

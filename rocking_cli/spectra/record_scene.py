@@ -114,7 +114,8 @@ class RecordScene(Scene):
             yield Band(structure, motion, (1, size[1]), amplitude[columns], omega[columns], (structure,))
 
     def runs_with(self, structure: RockingParameters) -> tuple[Any, ...]:
-        return () if self.over_angles and not self.weighed and self.method.mixes(structure) else self.shares(structure)
+        mixes = structure.plain and self.method.kind_of(structure).of_cells is not None  # its cells can share a system with others
+        return () if self.over_angles and not self.weighed and mixes else self.shares(structure)
 
     def only(self, units: Sequence[Unit]) -> RecordScene:
         """Return the scene with the samples of only those records that these units need, to send less data."""

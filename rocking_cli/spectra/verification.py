@@ -93,14 +93,8 @@ def sampled_cells(scene: Scene, check: int, seed: int = _SEED) -> Array:
 
 
 def _drawn(seed: int, count: int, below: tuple[int, ...]) -> Array:
-    """`count` rows of random whole numbers from 0, each column below a limit of up to 2^32, by SplitMix64 (Steele, Lea and Flood 2014);
-    the import of numpy.random takes longer than a small sweep."""
-    with np.errstate(over="ignore"):
-        z = np.uint64(seed) + np.arange(1, count * len(below) + 1, dtype=np.uint64) * np.uint64(0x9E3779B97F4A7C15)
-        z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-        z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-        upper = ((z ^ (z >> np.uint64(31))) >> np.uint64(32)).reshape(count, len(below))  # its upper half, a fraction of 2^32
-    return (upper * np.array(below, dtype=np.uint64) >> np.uint64(32)).astype(np.int64)
+    """`count` rows of random whole numbers from 0, each column below a limit, by NumPy's generator whose stream never changes."""
+    return (np.random.RandomState(seed).random_sample((count, len(below))) * below).astype(np.int64)
 
 
 def sensitive_cells(scene: Scene, count: int) -> Array:

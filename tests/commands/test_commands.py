@@ -74,10 +74,10 @@ FORCES = ["rocking_cli.dynamics.observers.ground_forces"]
 
 def loaded(arguments: str, folder: Path) -> dict[str, str]:
     """The modules that a call has loaded, with their files."""
-    code = (  # NumPy before its version 2 imports its own `random` and `ma`
+    code = (  # NumPy before its version 2 imports its own `ma`
         "import sys\nfrom rocking_cli.commands import main\n"
         f"try: main({arguments.replace('OUT', str(folder / 's.h5')).split()!r})\nexcept SystemExit as e: assert not e.code, e.code\n"
-        "own = ['numpy.random', 'numpy.ma'] if 'numpy' in sys.modules and sys.modules['numpy'].__version__ < '2' else []\n"
+        "own = ['numpy.ma'] if 'numpy' in sys.modules and sys.modules['numpy'].__version__ < '2' else []\n"
         "print(*(f'{n} {vars(m).get(\"__file__\")}' for n, m in list(sys.modules.items()) if n not in own), sep='\\n', file=sys.stderr)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
@@ -92,7 +92,7 @@ def loaded(arguments: str, folder: Path) -> dict[str, str]:
         ("envelope --eta 0.9 --grid Omega=5 --a-max 2", ["scipy", "h5py", "multiprocessing"]),
         (
             "spectrum --eta 0.9 --grid A=1:2:2,Omega=1:2:2 -q -o OUT",
-            ["scipy", "yaml", "numpy.random", "numpy.ma", RECORDS, "rocking_cli.spectra.file.reader", BODY, LOSS],
+            ["scipy", "yaml", "numpy.ma", RECORDS, "rocking_cli.spectra.file.reader", BODY, LOSS],
         ),
         (
             "spectrum block:0.5x2 --model nonlinear --grid a_g=0.1g:1g:3,f_g=1:5:3 -o OUT",

@@ -18,7 +18,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from ...structures.parameters import RockingParameters
-from ...structures.restraints import SIDES, Tendon, Tie
+from ...structures.restraints import SIDES, Tie
 from ..body import Body
 from ..equations.equation import Equation
 from ..lanes import Array
@@ -78,7 +78,8 @@ class Devices:
                 columns.append((f"tie {i + 1}", [_of_tie(tie, row) for row in rows]))
         held = restraints.tendon
         if held and (held.stiffness or held.prestress):
-            columns.append(("tendon", [_of_tendon(held, stands[row].lever) for row in rows]))
+            ultimate = (held.rupture - held.prestress) / held.stiffness if held.stiffness else np.inf
+            columns.append(("tendon", [(held.stiffness, held.prestress, np.inf, ultimate, stands[row].lever, 0.0) for row in rows]))
         if not columns:
             return None
         numbers = np.array([of for _, of in columns]).transpose(2, 1, 0)
@@ -138,10 +139,6 @@ class Devices:
         with np.errstate(divide="ignore", invalid="ignore"):
             elastic = (self.on(self.force, row) - self.on(self.prestress, row)) / self.on(self.stiffness, row)
         return np.maximum(0.0, np.where(self.on(self.stiffness, row) > 0.0, elongation - elastic, 0.0))
-
-    def backbone(self, row: Array, elongation: Array) -> Array:
-        """The largest force [N] that devices have carried when stretched to these elongations."""
-        return np.minimum(self.on(self.prestress, row) + self.on(self.stiffness, row) * elongation, self.on(self.force, row))
 
     def phase(self, row: Array, phase: Array, plastic: Array) -> Phase:
         """The limits in y and the force law of devices in these phases, as `Phase`."""
@@ -219,11 +216,6 @@ def _of_tie(tie: Tie, row: str) -> tuple[float, ...]:
     if row not in SIDES[tie.side]:
         return 0.0, 0.0, np.inf, np.inf, tie.height, tie.behind
     return tie.stiffness, tie.prestress, tie.yield_force, tie.ultimate, tie.height, tie.behind
-
-
-def _of_tendon(held: Tendon, lever: float) -> tuple[float, ...]:
-    ultimate = (held.rupture - held.prestress) / held.stiffness if held.stiffness else np.inf
-    return held.stiffness, held.prestress, np.inf, ultimate, lever, 0.0
 
 
 def _added(rows: Array) -> Array:

@@ -229,17 +229,13 @@ class March:
         outcome = np.where(falls, np.where(lanes.bounced, Outcome.OVERTURNED_AFTER_IMPACT, Outcome.OVERTURNED_NO_IMPACT), 0)
         outcome = np.where(leans, Outcome.LEANING, np.where(ended, Outcome.ROCKED, outcome))
         outcome = np.where(failed, Outcome.FAILED, outcome)
-        if self.recorder is not None and outcome[0] in (Outcome.LEANING, Outcome.ROCKED) and self._time(lanes) < self.recorder.until:
-            outcome[:] = 0
+        if self.recorder is not None and outcome[0] in (Outcome.LEANING, Outcome.ROCKED):
+            outcome[0] *= self.segments.start[lanes.k[0]] + lanes.u[0] >= self.recorder.until
         if falls.any():
             self._stretch(lanes, np.flatnonzero(falls), row, lanes.y)
             self._note(lanes, "overturning", lanes.y, lanes.v)
         lanes = self._finish(lanes, np.flatnonzero(outcome), outcome)
         return self._from_rest(lanes, np.flatnonzero(lanes.rests))
-
-    def _time(self, lanes: Lanes) -> float:
-        """The phase [rad] of the motion at the position of the first lane."""
-        return float(self.segments.start[lanes.k[0]] + lanes.u[0])
 
     def _stretch(self, lanes: TiedLanes, at: Array, row: Array, top: Array) -> None:
         """Note the elongation of unbroken devices at y = `top` where it is their largest so far."""

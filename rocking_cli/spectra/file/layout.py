@@ -92,7 +92,8 @@ class Layout:
         with h5py.File(buffer, "w", track_order=True) as file:
             root = {"Conventions": "CF-1.11", "title": "Rocking spectra", "source": f"rocking {__version__}"}
             for key, value in {**root, "scene": json.dumps(self.scene), **self.attributes}.items():
-                file.attrs[key] = _encodable(value)
+                # HDF5 cannot store bytes that are not UTF-8
+                file.attrs[key] = value.encode("utf-8", "backslashreplace").decode() if isinstance(value, str) else value
             for name, (dimension, values) in frame.lists.items():
                 about = frame.about(name)
                 _add_list(file, name, dimension, values, about.dtype, {"units": about.units, "long_name": about.long_name})
@@ -123,11 +124,6 @@ def _add_list(group: h5py.Group, name: str, dimension: str, values: Values, dtyp
         data.make_scale(name)
     else:
         data.dims[0].attach_scale(group[dimension])
-
-
-def _encodable(value: Any) -> Any:
-    """Return the value with all bytes that are not UTF-8 escaped, since HDF5 cannot store such bytes."""
-    return value.encode("utf-8", "backslashreplace").decode() if isinstance(value, str) else value
 
 
 def pack(block: np.ndarray, shape: tuple[int, ...] | None = None) -> bytes:
