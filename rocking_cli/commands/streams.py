@@ -65,17 +65,12 @@ def guarded() -> Iterator[None]:
 
     A closed or full standard error has no effect.
     """
-    _occupy_descriptors()
-    with redirect_stdout(cast(TextIO, _Output(sys.stdout))), redirect_stderr(cast(TextIO, _Stream(sys.stderr))):
-        yield
-
-
-def _occupy_descriptors() -> None:
-    """Open the closed descriptors among 0 to 2; otherwise the next opened file gets the number, and a C library would print into it."""
     descriptor = 0
-    while descriptor <= 2:
+    while descriptor <= 2:  # else the next opened file gets the number of a closed stream, and a C library would print into it
         descriptor = os.open(os.devnull, os.O_RDWR)
     os.close(descriptor)
+    with redirect_stdout(cast(TextIO, _Output(sys.stdout))), redirect_stderr(cast(TextIO, _Stream(sys.stderr))):
+        yield
 
 
 class _Stream:

@@ -72,15 +72,11 @@ def table_lines(rows: Iterable[Row], digits: int = 4, width: int = WIDTH, chosen
             end += 1
         if begin > 1:
             yield ""
-        for line in zip(*(_aligned(cells[i], widths[i], numeric[i]) for i in (0, *range(begin, min(end, len(keys))))), strict=True):
-            yield "  ".join(line).rstrip()
+        shown = (0, *range(begin, min(end, len(keys))))
+        for line in zip(*(cells[i] for i in shown), strict=True):
+            cut = [cell if len(cell) <= widths[i] else f"{cell[: widths[i] - 3]}..." for i, cell in zip(shown, line, strict=True)]
+            yield "  ".join(f"{cell:{'>' if numeric[i] else '<'}{widths[i]}}" for i, cell in zip(shown, cut, strict=True)).rstrip()
         begin = end
-
-
-def _aligned(column: Sequence[str], width: int, right: bool) -> list[str]:
-    """Return the cells of a column, aligned to its right or left; a cell longer than `width` is cut."""
-    cut = [cell if len(cell) <= width else f"{cell[: width - 3]}..." for cell in column]
-    return [cell.rjust(width) if right else cell.ljust(width) for cell in cut]
 
 
 def _upright(cells: Sequence[Sequence[str]], width: int) -> Iterator[str]:

@@ -82,7 +82,7 @@ def family(document: Document, variations: Sequence[Variation | str]) -> Iterato
     keys = [v.key for v in parsed]
     units = [v.unit if v.unit is not None else _own_unit(document, v.key) for v in parsed]
     for values in itertools.product(*(v.values for v in parsed)):
-        varied, texts = document, {key: f"{value!r} {unit}".strip() for key, value, unit in zip(keys, values, units, strict=True)}
+        varied, texts = document, {key: f"{float(value)!r} {unit}".strip() for key, value, unit in zip(keys, values, units, strict=True)}
         for key, text in texts.items():
             varied = varied.with_value(key, text, f"{document.source} with {key}={text}")
         try:

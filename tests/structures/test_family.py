@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 from support.documents import built
 from support.refusals import refuses
@@ -25,6 +26,8 @@ def test_values_are_evenly_spaced_and_end_where_they_should():
     assert parse_variation("angle=150deg:180deg:2")[1:] == ((150.0, 180.0), "deg")
     assert parse_variation("angle=150:180deg:2").unit == "deg"
     assert parse_variation("width=3:3:1").values == (3.0,)
+    document, given = parse_documents(BLOCK, "f.yaml")[0], variation._replace(values=tuple(np.linspace(0.1, 0.4, 4)))
+    assert [one.parameters for one in family(document, [given])] == [one.parameters for one in family(document, [variation])]
 
 
 REFUSED = [

@@ -89,7 +89,9 @@ def _of_body(edge: Side | RockingParameters, side: str, structure: RockingParame
     tan(alpha - theta) plus the part of ties and of the tendon."""
     alpha, arm, held = edge.alpha, edge.arm or 0.0, structure.restraints or Restraints()
     lever, ties, tendon = arm * math.sin(alpha), [tie for tie in held.ties if side in SIDES[tie.side]], held.tendon or Tendon(0.0)
-    breaks = sorted({x for x in (*map(_break, ties), _snap(tendon, lever)) if x < alpha})
+    sine = (tendon.rupture - tendon.prestress) / (2.0 * lever * tendon.stiffness) if tendon.stiffness else math.inf
+    snap = 2.0 * math.asin(sine) if sine <= 1.0 else math.inf  # the elongation of the tendon is 2 b sin(theta/2)
+    breaks = sorted({x for x in (*map(_break, ties), snap) if x < alpha})
     theta = np.unique([*np.linspace(0.0, alpha, _POINTS), *(x * (1.0 + sign * _AROUND_BREAK) for x in breaks for sign in (-1.0, 1.0))])
     moment = np.array([tendon.moment(x, lever) + sum(tie.moment(x) for tie in ties) for x in theta.tolist()])
     weight = structure.details["mass"] * structure.gravity * arm if structure.restraints else 1.0
@@ -103,12 +105,6 @@ def _break(tie: Tie) -> float:
     reach, start = math.hypot(tie.behind, tie.height), math.atan2(tie.behind, tie.height)
     sine = math.sin(start) - tie.ultimate / reach
     return start - math.asin(sine) if sine >= -1.0 else math.inf
-
-
-def _snap(tendon: Tendon, lever: float) -> float:
-    """Return the rotation [rad] at which a tendon breaks, or infinity; its elongation is 2 b sin(theta/2)."""
-    sine = (tendon.rupture - tendon.prestress) / (2.0 * lever * tendon.stiffness) if tendon.stiffness else math.inf
-    return 2.0 * math.asin(sine) if sine <= 1.0 else math.inf
 
 
 def _of_arch(mechanism: Any, alpha: float) -> CapacityCurve:
