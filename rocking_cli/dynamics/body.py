@@ -27,7 +27,6 @@ from .lanes import Array, Lanes
 
 _PARTS = 32  # parts of the path from the ground to the peak; on each part the bound takes the worst value of every term
 _PUSHES = np.geomspace(1e-2, 1e2, 256)  # pushes [g] for which the proof is tried
-_TURNS, _STEPS = 2.0, 64  # largest rotation over alpha for which pushes are tabulated, and the number of steps up to it
 FAR = 100.0  # rotation [rad] beyond which no forces are computed: the body has left the ground
 _LOWEST = -0.5 * np.pi  # least z for which the bound is computed
 _ITERATIONS = 4  # iterations for the time that a sequence of impacts lasts
@@ -135,18 +134,6 @@ def safe_push(body: Body, edge: int, ratio: float) -> float:
         turn = body.alpha[edge] + (slope if body.linear else np.arctan(slope))
         kept = body.pressed(body.edges[edge], _PUSHES, turn, sway)
     return float(np.append(0.0, _PUSHES)[int(np.argmin(np.append(kept, False)))])
-
-
-@lru_cache(maxsize=256)
-def safe_pushes(body: Body, edge: int, ratio: float) -> tuple[float, Array]:
-    """(step [rad], largest pushes [g] that keep contact, as of `safe_push`: for rotations up to 0, 1, 2 ... steps, the last for any)."""
-    least = safe_push(body, edge, ratio)
-    turns = np.linspace(0.0, _TURNS * body.alpha[edge], _STEPS)
-    pushes = max(least, float(_PUSHES[0])) * np.geomspace(1.0, 1e2, _STEPS)
-    with np.errstate(all="ignore"):
-        kept = body.pressed(body.edges[edge], pushes[:, None], turns, ratio * pushes[:, None])
-    first = np.argmin(np.concatenate([kept, np.zeros((1, turns.size), dtype=bool)]), axis=0)
-    return float(turns[1]), np.append(np.concatenate([[least], pushes])[first], least)
 
 
 class Shaking(NamedTuple):

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
 Cells = tuple[Array, Array, Array]  # A, Omega and eta, of one shape
 
-_LIKELY = 2.0  # cells whose push is so many times the one that is proved to keep contact are watched while they march
-
 
 class Response(NamedTuple):
     """Result for each cell, in the shape of the input. theta_ratio: max over time of |theta|/alpha [-], NaN where overturned or failed;
@@ -93,17 +91,10 @@ def _marched(
     """Run a batch of these cells to the end, and mark those that lost the ground; returns the run. propagation: False if the observers have
     to see the arcs or Taylor steps of every lane."""
     march, pool = _march_of(system, [motion], pool, propagation)
-    watched: Array | bool = False
-    if system.body is not None:
-        from .observers.contact_loss import ContactLoss
-
-        on_the_way = march is by_windows and not system.equation.bounded
-        loss = ContactLoss(system.body, batch, _LIKELY if on_the_way else np.inf)
-        observers, watched = observers + ((loss,) if loss.any else ()), loss.watched
     run = Run(batch, pool, observers)
     run.all(march)
-    doubtful = (run.outcome == Outcome.ROCKED) & ~np.asarray(watched)
-    lost = cells_that_lose_contact(system, motion, cells, doubtful, run.theta_ratio if batch.peaks else None)
+    rocked = run.outcome == Outcome.ROCKED
+    lost = cells_that_lose_contact(system, motion, cells, rocked, run.theta_ratio if batch.peaks else None)
     run.outcome[lost], run.theta_ratio[lost] = Outcome.LOST_CONTACT, np.nan
     return run
 
@@ -145,13 +136,12 @@ def cells_that_lose_contact(
     from .observers.contact_loss import ContactLoss
 
     segments = system.segments(motion)
-    loss = ContactLoss(system.body, Batch.of(system, segments, *cells, peaks=False), np.inf)
+    loss = ContactLoss(system.body, Batch.of(system, segments, *cells, peaks=False))
     at = np.flatnonzero(loss.open & doubtful)
     if theta_ratio is not None:
         at = at[~loss.pressed(at, theta_ratio[at], None if fastest is None else fastest[at])]
     batch = Batch.of(system, segments, *_of(cells, at), peaks=False)
-    watch = ContactLoss(system.body, batch, 1.0)
-    again = Run(batch, observers=[watch] if watch.any else [])
+    again = Run(batch, observers=[ContactLoss(system.body, batch)])
     again.all()
     return at[again.outcome == Outcome.LOST_CONTACT]
 

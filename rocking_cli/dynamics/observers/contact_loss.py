@@ -1,8 +1,6 @@
 """Lost contact: `ContactLoss` tests whether Fz > 0 all along the march, for cells for which `body` does not prove it beforehand.
 
-A cell whose push is well above `body.safe_push`, which keeps contact, is watched while it is marched. Another cell is marched once more
-and then watched, if its largest rotation does not prove Fz > 0. The undamped linear oscillator is always treated in this second way: its
-steps are long and cost less than the test.
+A cell is marched once more, and then watched, if neither its push (`body.safe_push`) nor its largest rotation proves Fz > 0.
 
 Along a step Fz stays above its chord less the chord error. A stretch for which this does not prove Fz > 0 is halved; if Fz <= 0 at an end
 of a stretch, the body has lost the ground. In a sequence of impacts that is closed early Fz is that of bounces without speed.
@@ -22,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..body import Body, Edge, Ground, safe_push, safe_pushes
+from ..body import Body, Edge, Ground, safe_push
 from ..lanes import Array, Arrays, Lanes
 from ..march.batch import Batch
 from .observer import Arcs, Observer
@@ -79,10 +77,9 @@ def chord_errors(body: Body, edge: Edge, s: ShakingBounds, h: Array, one: Ends, 
 
 
 class ContactLoss(Observer):
-    """Search for lost contact in the cells that are `watched` while they are marched. open: True for cells without a proof beforehand.
-    Parameter ahead: a cell is watched if its push is more than `ahead` times `safe_push`, ahead > 0."""
+    """Search for lost contact in the cells of a batch while they are marched. open: True for cells without a proof beforehand."""
 
-    def __init__(self, body: Body, batch: Batch, ahead: float) -> None:
+    def __init__(self, body: Body, batch: Batch) -> None:
         self.body, self.batch, self.segments, self.ground = body, batch, batch.segments, Ground(body, batch.segments)
         segments = batch.segments
         # Bounds of |s|, |s'| and |s''| by the phase, of the horizontal and the vertical motion.
@@ -95,25 +92,19 @@ class ContactLoss(Observer):
         safe = np.array([safe_push(body, i, ratio) for i, ratio in enumerate(self.sway)])[:, None]
         pushes = batch.cells.amplitude * (np.array([e.uplift for e in body.edges])[:, None] * self.across[0])
         self.open = np.any(pushes > safe, axis=0)
-        self.watched: Array = self.open & np.any(pushes / ahead > safe, axis=0)
-        self.any = bool(self.watched.any())
-        self._lost = np.zeros(self.watched.size, dtype=bool)
+        self._lost = np.zeros(self.open.size, dtype=bool)
 
     def pressed(self, at: Array, theta_ratio: Array, fastest: Array | None = None) -> Array:
         """True for those of these cells whose largest rotation, and u' [rad] if it is given, prove that they never lost the ground."""
-        kept = np.ones(at.size, dtype=bool)
-        for i, (edge, ratio) in enumerate(zip(self.body.edges, self.sway, strict=True)):
-            push = self.batch.cells.amplitude[i, at] * (edge.uplift * self.across[0])
-            if fastest is None or not self.body.alike:
-                step, pushes = safe_pushes(self.body, i, ratio)
-                kept &= push <= pushes[np.minimum(np.ceil(edge.alpha * theta_ratio / step), pushes.size - 1).astype(np.int64)]
-            else:
-                kept &= self.body.pressed(edge, push, edge.alpha * theta_ratio, ratio * push, _MARGIN * fastest)
+        kept, speed = np.ones(at.size, dtype=bool), np.inf if fastest is None or not self.body.alike else _MARGIN * fastest
+        for pushes, edge, ratio in zip(self.batch.cells.amplitude, self.body.edges, self.sway, strict=True):
+            push = pushes[at] * (edge.uplift * self.across[0])
+            kept &= self.body.pressed(edge, push, edge.alpha * theta_ratio, ratio * push, speed)
         return kept
 
     def arcs(self, arcs: Arcs) -> None:
         """Look for Fz <= 0 along these arcs: halve each arc until Fz > 0 is proved on every part, or Fz <= 0 is found at a point."""
-        at = arcs.wanted[(self.watched & ~self._lost)[arcs.lanes.cell[arcs.wanted]]]
+        at = arcs.wanted[~self._lost[arcs.lanes.cell[arcs.wanted]]]
         lanes, arc, low, high = arcs.lanes.take(at), arcs.flow.take(at), np.zeros(at.size), arcs.stop[at]
         slowing = 2.0 * self.body.damping
         one = self._ends(lanes, low, lanes.y, lanes.v, lanes.b - slowing * lanes.v)
@@ -151,8 +142,8 @@ class ContactLoss(Observer):
         return Ends(u, v, b, weight + edge.kappa * (b * np.sin(z) - v * v * np.cos(z)))
 
     def may_close(self, lanes: Lanes) -> Array:
-        """True for all. Watched lanes bounce without speed under a monotone drive until they rest: it tests Fz at both ends."""
-        some = lanes.take(np.flatnonzero(self.watched[lanes.cell] & (lanes.v > 0.0)))
+        """True for all. Lanes bounce without speed under a monotone drive until they rest: it tests Fz at both ends."""
+        some = lanes.take(np.flatnonzero(lanes.v > 0.0))
         lasts = self.ground.sequence_time(some, self.batch.contact) if some.cell.size else np.zeros(0)
         for sense in (1.0,) if self.body.one_sided else (1.0, -1.0):
             edge = self.body.on(sense * some.side)
@@ -165,8 +156,7 @@ class ContactLoss(Observer):
 
     def free(self, lanes: Lanes) -> None:
         """Test Fz at the next impact on either edge: in the free motion it is least there."""
-        some = lanes.take(np.flatnonzero(self.watched[lanes.cell]))
-        self._lost[some.cell[np.flatnonzero(self._least_to_come(some) <= 0.0)]] = True
+        self._lost[lanes.cell[np.flatnonzero(self._least_to_come(lanes) <= 0.0)]] = True
 
     def _least_to_come(self, lanes: Lanes) -> Array:
         """Least Fz/(m g) of the free motion, which occurs at the next impact on either edge; with damping a lower bound, -inf where none is
@@ -188,5 +178,5 @@ class ContactLoss(Observer):
         return self._lost[cell]
 
     def may_settle(self, lanes: Lanes, bounced: Array) -> Array:
-        """True for lanes that cannot lose the ground any more, that are not watched, or that have lost it already."""
-        return ~self.watched[lanes.cell] | self._lost[lanes.cell] | (self._least_to_come(lanes) > 0.0)
+        """True for lanes that cannot lose the ground any more, or that have lost it already."""
+        return self._lost[lanes.cell] | (self._least_to_come(lanes) > 0.0)

@@ -119,7 +119,7 @@ def test_what_a_rotation_proves_to_press_does():
     system = Method("nonlinear").system_of(body)
     scene = sine(), amplitude, omega, np.full(omega.size, 0.9)
     batch = Batch.of(system, sine().segments, *scene[1:])
-    loss = ContactLoss(system.body, batch, 2.0)
+    loss = ContactLoss(system.body, batch)
     found, forces = response_with_ground_forces(system, *scene)
     at = np.flatnonzero(found.outcome == Outcome.ROCKED)
     proved = loss.pressed(at, found.theta_ratio[at])
