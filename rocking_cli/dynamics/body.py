@@ -13,8 +13,6 @@ energy on the way to that peak, or on the way back from it, bounds the speed at 
 and the speed bounds Fz from below. `observers.contact_loss` follows the bodies for which this bound does not prove Fz > 0.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any, NamedTuple
 

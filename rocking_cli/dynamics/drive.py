@@ -4,8 +4,6 @@ of its size to the end of the motion.
 A position in the motion is a segment k and the phase u since that segment's start.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple, Self
 
 import numpy as np

@@ -1,7 +1,5 @@
 """`Lanes` holds the state of many rocking bodies, a lane each, as arrays of one length; `Cells` the drive of each cell on each side."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Self, TypeVar

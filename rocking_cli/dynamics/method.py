@@ -3,8 +3,6 @@
 Equations that few structures need are imported where they are used.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -167,7 +165,7 @@ class Method:
 
         return partial(solve_cell, problem=self.problem_of(structure))
 
-    def problem_of(self, structure: RockingParameters) -> Problem:
+    def problem_of(self, structure: RockingParameters) -> "Problem":
         """Builds the problem of a structure for the reference solver."""
         from .references import general_solver
 

@@ -1,7 +1,5 @@
 """Outcomes of cells, each with its code, sentence and colour, and tests for those that overturned, fall or are safe."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields
 from enum import IntEnum
 from operator import attrgetter
@@ -128,5 +126,5 @@ class Work:
 
     chatters_closed = property(attrgetter("sequences_closed"))  # the old name
 
-    def __add__(self, other: Work) -> Work:
+    def __add__(self, other: Self) -> "Work":
         return Work(**{f.name: getattr(self, f.name) + getattr(other, f.name) for f in fields(self)})

@@ -1,7 +1,6 @@
 """The response of arrays of cells, on request with ground forces or the largest angular speed."""
 
-from __future__ import annotations
-
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -12,13 +11,11 @@ from ..motions.segments import Chain
 from .lanes import Array
 from .march.batch import Batch
 from .march.engine import Run, by_windows
+from .observers.observer import Observer
 from .outcome import Outcome, Work, safe
 from .system import System
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from .observers.observer import Observer
     from .tied.tied_lanes import Found
 
 Cells = tuple[Array, Array, Array]  # A, Omega and eta, of one shape
@@ -74,7 +71,7 @@ def _of(cells: Cells, at: Array | slice) -> Cells:
     return cells[0][at], cells[1][at], cells[2][at]
 
 
-def _response(run: Run | Found, shape: tuple[int, ...], peaks: bool = True) -> Response:
+def _response(run: "Run | Found", shape: tuple[int, ...], peaks: bool = True) -> Response:
     theta_ratio = run.theta_ratio if peaks else np.full(run.outcome.size, np.nan)
     return Response(theta_ratio.reshape(shape), run.outcome.reshape(shape), run.impacts.reshape(shape), run.work)
 

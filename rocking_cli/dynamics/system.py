@@ -1,7 +1,5 @@
 """A rocking structure for the march: an equation of motion and a contact."""
 
-from __future__ import annotations
-
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -28,8 +26,8 @@ class System(NamedTuple):
     contact: Contact = _SYMMETRIC
     scale: float | None = None
     body: Body | None = None
-    own: tuple[tuple[System, int], ...] = ()
-    devices: Devices | None = None
+    own: tuple[tuple["System", int], ...] = ()
+    devices: "Devices | None" = None
 
     @property
     def alike(self) -> bool:

@@ -5,12 +5,10 @@ the ground f = c - 1, with the *net drive* c = a + 1 - w: c = -A (s + r s_v) on 
 the vertical motion and r the zg''/g of A = 1 on the edge. So each edge has an effective motion; segments are monotone in both.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -44,7 +42,7 @@ class WeighedSegments(Segments):
         return self.edges.straight
 
     @property
-    def weighed(self) -> WeighedSegments:
+    def weighed(self) -> Self:
         """Returns this object; plain `Segments` return None."""
         return self
 
@@ -80,7 +78,7 @@ class WeighedSegments(Segments):
         inward = amplitude * np.where(side > 0.0, self.inward[0][k], -self.inward[1][k])
         return np.where(weight > 0.0, inward / weight, np.inf)
 
-    def followed_by_rest(self, length: float) -> WeighedSegments:
+    def followed_by_rest(self, length: float) -> "WeighedSegments":
         """The same motion, followed by still ground for a phase of this length [rad]."""
         parts = [super().followed_by_rest(length), *(x.followed_by_rest(length) for x in (self.vertical, self.right, self.left))]
         return _weighed(parts, (followed_by(self.inward[0], 0.0), followed_by(self.inward[1], 0.0)), self.share)

@@ -1,7 +1,5 @@
 """The amplitudes of a search: the largest one, and those of the scan at one frequency."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple, Self
 

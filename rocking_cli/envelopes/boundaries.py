@@ -7,8 +7,6 @@ first arc outlasts the shaking, the outcome changes only where the energy at the
 of amplitudes find these places (`one_arc`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -116,7 +114,7 @@ class Search:
         begins, brackets = self._scan(omegas)
         return self._steps(begins, self._narrowed(omegas, brackets))
 
-    def _scanned_first(self, omegas: Array, scans: list[Scan]) -> tuple[Array, Brackets]:
+    def _scanned_first(self, omegas: Array, scans: "list[Scan]") -> tuple[Array, Brackets]:
         """As `_scan` and `_narrowed`, under a record. The march computes the amplitudes of the scan grid, and both sides of every change
         that the approximate scan of a row finds; other changes are bisected."""
         from ..dynamics.single.one_by_one import response_alone

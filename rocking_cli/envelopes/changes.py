@@ -1,7 +1,5 @@
 """Brackets of amplitudes in which the outcome changes, narrowed to the last digits by sections."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Self

@@ -7,8 +7,6 @@ With psi = arcsin(1/A) and T = (2 pi - psi)/Omega the state at the end of one cy
     W = Omega^2/(1 + Omega^2),       S = Omega sqrt(A^2 - 1)/(1 + Omega^2)
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

@@ -8,8 +8,6 @@ impacts. Under several cycles a finer scan, 1e-4 apart, covers the surroundings 
 Narrow intervals gather there, but this is no proof.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple

@@ -11,8 +11,6 @@ psi decreases with A, so Z and X grow, and z and x are convex. The ends of a str
 stretch, and so z x and its slope Z x + X z. A stretch whose bounds do not exclude a change is cut in two.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The worst frequency of a range: the one at which the least amplitude overturns a structure."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from functools import partial

@@ -1,7 +1,5 @@
 """The record of a response in time, every arc as a series and the events, and the class that writes it down during a march."""
 
-from __future__ import annotations
-
 from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass

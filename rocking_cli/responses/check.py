@@ -1,7 +1,5 @@
 """The verdict on a structure under one motion: its outcome, the capacity it has left, and the outcome by the linear equation."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -169,7 +167,7 @@ def _judged(
     motion: Motion,
     shaking: Grid,
     a_max: float | None,
-    fall_search: FallSearch | None,
+    fall_search: "FallSearch | None",
     progress: Progress | None,
 ) -> Verdict:
     """Return the verdict of `check`; fall_search: the search for overturning amplitudes, if one has begun."""

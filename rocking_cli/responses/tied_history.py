@@ -1,7 +1,5 @@
 """The response in time of a body with ties or a tendon: it listens to the march of one such body (`dynamics.tied`)."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

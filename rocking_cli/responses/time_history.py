@@ -1,7 +1,5 @@
 """Responses in time as rows, with units or as theta/alpha over p t, by the linear and the nonlinear equation."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -82,7 +80,7 @@ class TimeHistory:
         return [np.zeros(1), stops, after, np.array(turns)]
 
     @cached_property
-    def forces(self) -> dict[str, ForceHistory | ArchHistory]:
+    def forces(self) -> "dict[str, ForceHistory | ArchHistory]":
         """The forces for each equation of motion: between a rigid body and the ground, or at the hinges and joints of an arch. Raises
         UsageError."""
         s = self.structure

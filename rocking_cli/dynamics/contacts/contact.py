@@ -3,8 +3,6 @@
 `Symmetric`, `Unequal` and `OneSided` are the contacts; `Contact` holds their common part.
 """
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass

@@ -1,8 +1,6 @@
 """Tests of sequences of impacts: which ones end in rest before any other event, and when (Lemma 7); which ones last until the shaking is
 over (Lemma 7, under a record Lemma 14); which ones need more steps than the march follows."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -5,8 +5,6 @@ the marks nearest to y, the last ones the slope of the equation at these y. A st
 than a Taylor step, which is limited by the convergence of its powers, and is twice as long.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import NamedTuple
 

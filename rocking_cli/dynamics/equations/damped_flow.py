@@ -12,8 +12,6 @@ C = int S dh (sinh h and cosh h - 1 without damping), the force f and a(h) = a(0
 As in `flow`, small increments are summed from their series.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache

@@ -5,8 +5,6 @@ l = sin(alpha - theta)/sin alpha, m = cos(alpha - theta)/cos alpha (Eq. 2.3), a 
 coordinate. Uplift, windows and impacts need only this form.
 """
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
@@ -67,7 +65,7 @@ class Ramp(NamedTuple):
     force: Array | None = None
     weight: tuple[Array, Array] | None = None
 
-    def after(self, share: Array) -> Ramp:
+    def after(self, share: Array) -> "Ramp":
         """The rest of the ramp when this part of its unit is over. The factors are not changed: the caller gives those of the rest."""
         left = 1.0 - share
         weight = None if self.weight is None else (self.weight[0] + self.weight[1] * share, self.weight[1] * left)

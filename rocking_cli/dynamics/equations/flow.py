@@ -12,8 +12,6 @@ With b = y''(0) and a(h) = a(0) + sum_j [S_j sin(w_j h) - C_j (1 - cos(w_j h))] 
     F3 = (w sinh h - sin(w h)) / (1 + w^2),   F4 = (w^2 (cosh h - 1) - (1 - cos(w h))) / (1 + w^2)
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The linear oscillator (Eqs. 2.4 and 3.6): y is |theta|/alpha, and its flow is exact."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -10,8 +10,6 @@ too tight, the series of F and G are composed with that of y. The sign tests of 
 on (this is checked). Where F/G no longer falls, or is below -50 times its value at rest, the structure has collapsed.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from functools import cached_property

@@ -4,8 +4,6 @@ A patch is short against the distance to the linkage's nearest lock-up; its seri
 patches, on which a value needs a few terms only.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 

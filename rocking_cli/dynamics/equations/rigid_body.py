@@ -8,8 +8,6 @@ A recurrence gives the series of y, sin z and cos z together. Below the ground t
 body that has crossed y = 0 stays below it. Under a supercritical drive f > 0 for y >= 0. So Lemmas 1 and 2 hold.
 """
 
-from __future__ import annotations
-
 import copy
 import math
 from collections.abc import Callable

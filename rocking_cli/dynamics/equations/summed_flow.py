@@ -11,10 +11,8 @@ derivatives of the drive d_n = a^(n)(0) replace them there,
     y(h) = y0 + v0 sinh h + b (cosh h - 1) + sum_{m>=3} G_m h^m/m!,   G_m = d_(m-2) + G_(m-2),   G_1 = G_2 = 0
 """
 
-from __future__ import annotations
-
 import math
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -55,7 +53,7 @@ class SummedFlow(NamedTuple):
     damping: float = 0.0
 
     @classmethod
-    def of(cls, y: Array, v: Array, b: Array, sin: Array, cos: Array, top: Array, ratios: Array) -> SummedFlow:
+    def of(cls, y: Array, v: Array, b: Array, sin: Array, cos: Array, top: Array, ratios: Array) -> Self:
         """Build the flow from the state and from the coefficients S_j and C_j of the drive."""
         sin, cos = (np.ascontiguousarray(x) for x in (sin, cos))  # else the order of the sums would be another
         w = ratios[:, None] * top
@@ -76,7 +74,7 @@ class SummedFlow(NamedTuple):
         """Longest step [tau]: cosh stays below 2e10, so growth cannot bury the state in rounding."""
         return np.full(self.y.shape, 24.0)
 
-    def take(self, lanes: Array) -> SummedFlow:
+    def take(self, lanes: Array) -> "SummedFlow":
         """Returns the arcs of some lanes."""
         return SummedFlow._make([*(x.take(lanes, axis=-1) for x in self[:-2]), *self[-2:]])
 

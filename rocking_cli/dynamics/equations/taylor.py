@@ -3,8 +3,6 @@
 The last terms of a series give the length of its step, so no step is rejected. Impacts and peaks are roots of the series.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache

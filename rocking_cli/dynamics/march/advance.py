@@ -5,8 +5,6 @@ sign of a - 1 decides (Lemma 1 where a < 1, Lemma 2 where a >= 1). A window with
 then rises once along it (Lemma 3). Boundaries are the crossings of a = 1 and the ends of pieces.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,8 +1,6 @@
 """`Batch`: cells that the march computes together under one motion; `FreeFall`: when the ground falls away from them."""
 
-from __future__ import annotations
-
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -25,7 +23,7 @@ class FreeFall:
         self.segments, self.k, self.u, self.occurs = segments, first.k, first.u, occurs
 
     @classmethod
-    def of(cls, segments: Segments, cells: Cells, shaken: int) -> FreeFall | None:
+    def of(cls, segments: Segments, cells: Cells, shaken: int) -> Self | None:
         """Find the free fall of cells; the motion is over from segment `shaken` on. Returns None if the ground falls away from no cell."""
         weighed = segments.weighed
         if weighed is None:
@@ -73,7 +71,7 @@ class Batch(NamedTuple):
     @classmethod
     def of(
         cls, system: System, segments: Segments, amplitude: Array, omega: Array, eta: Array, peaks: bool = True, first: Array | None = None
-    ) -> Batch:
+    ) -> Self:
         """The batch of cells (A, Omega, eta), each (cells,), under a motion. Raises ValueError when an eta does not fit the contact."""
         equation, shaken = system.equation, len(segments)
         cells = system.contact.cells(equation, amplitude, omega, eta)

@@ -1,7 +1,5 @@
 """Closings: proofs that the outcome of a lane is already known, so that the march need not follow it to the end."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ In each round every lane goes to the end of a window of the drive, or to its imp
 new cells take their places. The march skips cells that never leave the ground, times of rest, and lanes whose outcome a closing proves.
 """
 
-from __future__ import annotations
-
 import ctypes
 import sys
 from collections.abc import Callable, Sequence
@@ -41,7 +39,7 @@ def keep_freed_memory() -> None:
             mallopt(_TRIM_THRESHOLD, 2 * _BLOCK)
 
 
-def by_windows(run: Run, waiting: Array) -> None:
+def by_windows(run: "Run", waiting: Array) -> None:
     """March these cells of a run, (cells,) indices, to their end, from window to window of the drive (`advance`). Bodies that are hardly
     lifted bounce longest, so they go first."""
     batch = run.batch
@@ -74,7 +72,7 @@ class Run:
         if batch.free_fall is not None:  # a body pressed against its wall loses the ground too
             self._lose_contact(np.flatnonzero(batch.free_fall.occurs))
 
-    def all(self, march: Callable[[Run, Array], None] = by_windows) -> None:
+    def all(self, march: Callable[["Run", Array], None] = by_windows) -> None:
         """Run every cell to its end, once. march: function that runs those cells to their end that leave the ground."""
         batch = self.batch
         lifts = batch.contact.strongest(batch.cells, batch.segments, batch.first) > 1.0

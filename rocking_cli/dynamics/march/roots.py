@@ -5,8 +5,6 @@ its digits do not depend on its neighbours. Under a weight that varies, Bernstei
 in (0, 1) equals the number of sign changes of the coefficients, or is less by an even number.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from math import comb
 

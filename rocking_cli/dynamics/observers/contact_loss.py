@@ -13,8 +13,6 @@ weight over m g, the second derivative of Fz over m g is at most
 while V <= max(|u'| at its ends) + (h^2/8) J: between its ends Fz does not leave its chord by more than h^2/8 of that.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ The values and slopes of a quantity at both ends of a short stretch give a cubic
 closed form; the quantity is evaluated there, and the search repeats on the part of the stretch that holds its peak.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import TypeVar

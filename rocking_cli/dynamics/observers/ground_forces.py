@@ -4,8 +4,6 @@
 extremes. A sequence of impacts is marched until its forces cannot be extremes, or nearly equal those of bounces without speed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """`Observer`, the interface through which a run shows its motion to observers and asks them what it may skip."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

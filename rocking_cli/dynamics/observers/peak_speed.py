@@ -7,8 +7,6 @@ its sign and y'' >= -K (Lemma 12) allows a larger speed. After the shaking the s
 with damping by following the body to it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -4,8 +4,6 @@ Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, II.9. Sci
 takes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ Y + Y' = -int_tau^T exp(tau - t) s dt and Y - Y' = -int_0^tau exp(t - tau) s dt.
 y = 1 + c Y + up exp(tau) + down exp(-tau), c = -side A. So the state at any later sample costs two exponentials.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 The subclasses `exact.ExactStepper` and `taylor_steps.TaylorStepper` decide over how many samples they propagate a lane.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

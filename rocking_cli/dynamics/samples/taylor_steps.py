@@ -4,8 +4,6 @@ Between samples the drive is a straight line, over which a short Taylor series c
 Lemma 12 proves that it holds no impact and no peak above the highest one so far. Other lanes wait for a round of the march.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

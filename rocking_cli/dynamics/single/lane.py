@@ -1,9 +1,7 @@
 """One body on floats before its march: the motion as lists, its sides, and the code of its equation on each."""
 
-from __future__ import annotations
-
 import math
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -40,7 +38,7 @@ class Wave(NamedTuple):
     slope: float
 
     @classmethod
-    def of(cls, segments: Segments, k: int) -> Wave:
+    def of(cls, segments: Segments, k: int) -> Self:
         """Returns the wave of segment k."""
         columns = (x[:, k].tolist() for x in (segments.sin, segments.cos, segments.frequency))
         return cls([row for row in zip(*columns, strict=True) if row[0] or row[1]], float(segments.slope[k]))

@@ -7,8 +7,6 @@ an impact, the march goes on by the time for which y + y' t - K t^2/2 stays posi
 left. Compiled code (`recurrence`) takes whole segments of straight lines on which this bound stays positive.
 """
 
-from __future__ import annotations
-
 import math
 from functools import partial
 

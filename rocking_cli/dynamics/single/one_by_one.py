@@ -1,7 +1,5 @@
 """The response of cells, computed one after the other on floats, for commands that ask for one structure under one motion."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ...motions.motion import Motion

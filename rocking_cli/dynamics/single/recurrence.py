@@ -8,8 +8,6 @@ terms Y_n = y_n h^n from those of F and G along the motion:
 The drive a and the weight w are straight lines over the step, or terms that are given.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from types import CodeType

@@ -9,8 +9,6 @@ amplitude where a line is one sample, 6e-5 where it covers several; 2.4e-4 was s
 boundaries 647 lie within 5e-7.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """Roots of the series of one step: the instant of an impact, and the turning points."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from itertools import pairwise

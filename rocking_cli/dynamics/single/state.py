@@ -1,7 +1,5 @@
 """The state of one body on floats, and its events: uplift, impact, rest, overturning, the end of the motion."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import NamedTuple
