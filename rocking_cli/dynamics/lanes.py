@@ -30,7 +30,8 @@ class Arrays:
     @classmethod
     def joined(cls, parts: Sequence[Self]) -> Self:
         """The lanes of all parts, one after the other; fields that only a subclass has are left out."""
-        return cls(*[_joined([getattr(part, name) for part in parts]) for name in cls.__dataclass_fields__])
+        fields = [[getattr(part, name) for part in parts] for name in cls.__dataclass_fields__]
+        return cls(*[x[0].joined(x) if isinstance(x[0], Arrays) else np.concatenate(x, axis=-1) for x in fields])
 
     def join(self, other: Self) -> Self:
         """These lanes followed by other lanes."""
@@ -41,10 +42,6 @@ def _taken(x: Any, at: Any) -> Any:
     if isinstance(x, np.ndarray):
         return x[at] if x.ndim == 1 else x.take(at, axis=-1)  # [..., at] would lie lane by lane
     return x.take(at) if isinstance(x, Arrays) else x
-
-
-def _joined(parts: list[Any]) -> Any:
-    return parts[0].joined(parts) if isinstance(parts[0], Arrays) else np.concatenate(parts, axis=-1)
 
 
 class Cells(NamedTuple):

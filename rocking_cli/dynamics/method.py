@@ -68,9 +68,7 @@ def _mechanism(structure: RockingParameters, tolerance: float) -> Equation:
 
 
 EQUATIONS = (
-    EquationKind(  # the linear oscillator, Eqs. 2.4 and 3.6
-        "linear", lambda s: True, _linear, lambda s: None, "linear_rates", exact=True
-    ),
+    EquationKind("linear", lambda s: True, _linear, lambda s: None, "linear_rates", exact=True),  # Eqs. 2.4 and 3.6
     EquationKind("nonlinear", lambda s: s.mechanism is not None, _mechanism, lambda s: s.mechanism, "mechanism_rates"),  # Eq. 3.4
     EquationKind(  # a rigid body, Eq. 2.3
         "nonlinear", lambda s: s.a_scale == 1.0 and not s.dimensionless, _rigid_body, lambda s: s.alpha, "rigid_body_rates", of_cells=_rigid

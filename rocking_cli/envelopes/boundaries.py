@@ -108,9 +108,8 @@ class Search:
         from ..dynamics.single.scan import Scan
 
         if self.ratio and self.digits >= _SCAN_WIDTH and Scan.supports(self.system, self.motion):
-            return self._steps(
-                *self._scanned_first(omegas, [Scan(self.system, self.motion, w, self.eta, fine=True) for w in omegas.tolist()])
-            )
+            scans = [Scan(self.system, self.motion, w, self.eta, fine=True) for w in omegas.tolist()]
+            return self._steps(*self._scanned_first(omegas, scans))
         begins, brackets = self._scan(omegas)
         return self._steps(begins, self._narrowed(omegas, brackets))
 

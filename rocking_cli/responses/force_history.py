@@ -37,27 +37,16 @@ _TOGETHER = 4096  # arcs
 
 
 class Forces(NamedTuple):
-    """Horizontal (towards +x) and vertical force of the ground on the body, over its weight m g [-]."""
+    """Horizontal (towards +x) and vertical force of the ground on the body, over its weight m g [-]; or their impulses in an impact over
+    m g, times p [-], which are in s when divided by p."""
 
     fx: Any
     fz: Any
 
     @property
     def friction(self) -> float:
-        """|Fx|/Fz of one instant: the coefficient of friction with which the base does not slide; infinite where Fz <= 0."""
+        """|Fx|/Fz of one instant, or of an impact: the friction with which the base does not slide; infinite where Fz <= 0."""
         return abs(self.fx) / self.fz if self.fz > 0.0 else math.inf
-
-
-class Impulses(NamedTuple):
-    """Impulses of the ground on the body at an impact over m g, times p [-]: divided by p they are in s."""
-
-    jx: float
-    jz: float
-
-    @property
-    def friction(self) -> float:
-        """|Jx|/Jz: the coefficient of friction with which the base does not slide in the impact."""
-        return abs(self.jx) / self.jz if self.jz > 0.0 else math.inf
 
 
 class RequiredFriction(NamedTuple):
@@ -97,11 +86,6 @@ class GroundForceExtremes:
         return "impact" if self.impact is not None and self.impact.friction > friction else None
 
 
-def kappa(p: float, arm: float, gravity: float) -> float:
-    """R p^2/g = m R^2/I [-] from p [rad/s], R [m] and g [m/s2]: 3/4 for a rectangular block, 1 for a point mass."""
-    return arm * p * p / gravity
-
-
 def body_forces(kappa: Any, alpha: Any, side: Any, u: Array, rate: Array, acceleration: Array, ground: Array, vertical: Array) -> Forces:
     """Return the forces over m g on one side, +1 or -1.
 
@@ -120,7 +104,7 @@ def body_forces(kappa: Any, alpha: Any, side: Any, u: Array, rate: Array, accele
 
 
 class Edge(NamedTuple):
-    """An edge: alpha [rad], kappa [-], R [m], p [rad/s], eta on leaving it [-]."""
+    """An edge: alpha [rad], kappa = R p^2/g = m R^2/I [-], R [m], p [rad/s], eta on leaving it [-]."""
 
     alpha: float
     kappa: float
@@ -137,7 +121,7 @@ def edges_of(structure: RockingParameters) -> tuple[Edge, Edge]:
     for side in (*reversed(structure.sides),) or (structure, structure):
         if side.arm is None:
             raise UsageError(f"{structure.name}: forces need arm, the distance of the mass centre, of both edges")
-        edges.append(Edge(side.alpha, kappa(side.p, side.arm, structure.gravity), side.arm, side.p, side.eta))
+        edges.append(Edge(side.alpha, side.arm * side.p * side.p / structure.gravity, side.arm, side.p, side.eta))
     return edges[0], edges[1]
 
 
@@ -154,7 +138,7 @@ class ForceHistory:
         """Return the edge on which the body stands on this side, +1 right or -1 left."""
         return self.edges[side < 0.0]
 
-    def impulses(self, event: Event) -> Impulses | None:
+    def impulses(self, event: Event) -> Forces | None:
         """Return the impulses of an impact; None for a one-sided body, whose backing bears an unknown part of them."""
         if self.structure.one_sided:
             return None
@@ -163,7 +147,7 @@ class ForceHistory:
         scale = w * here.kappa * (self.structure.p / here.p) ** 2 / here.arm
         across = here.arm * math.cos(here.alpha) * (1.0 - here.eta)
         upwards = here.arm * math.sin(here.alpha) + here.eta * there.arm * math.sin(there.alpha)
-        return Impulses(event.side * scale * across, scale * upwards)
+        return Forces(event.side * scale * across, scale * upwards)
 
     def at(self, tau: Array) -> Forces:
         """Return the forces at times tau, in its shape; at an impact or a jump those after it, NaN after the end."""
@@ -316,7 +300,7 @@ class ForceHistory:
         impulses = self.impulses(event) if event.event == "impact" else None
         return {
             "fx_ratio": before.fx, "fz_ratio": before.fz, "fx_ratio_after": after.fx, "fz_ratio_after": after.fz,
-            "impulse_x": None if impulses is None else impulses.jx * time, "impulse_z": None if impulses is None else impulses.jz * time,
+            "impulse_x": None if impulses is None else impulses.fx * time, "impulse_z": None if impulses is None else impulses.fz * time,
         }  # fmt: skip
 
     def summary(self, when: str, time: float) -> dict[str, Any]:

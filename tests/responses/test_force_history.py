@@ -92,7 +92,7 @@ def test_the_impulse_of_the_ground_is_the_change_of_momentum(text, grid, model):
         total += 0.5 * (b - a) * np.array([WEIGHTS @ at.fx, WEIGHTS @ (at.fz - 1.0)])
     impacts = [forces.impulses(e) for e in history.events if e.event == "impact"]
     assert len(impacts) > 3
-    total += np.sum([(j.jx, j.jz) for j in impacts], axis=0)
+    total += np.sum([(j.fx, j.fz) for j in impacts], axis=0)
     moved = np.array(velocity(history, forces, history.end))
     a_g, omega = ground.amplitude, ground.omega
     shaken = min(history.end, 2 * math.pi / omega)

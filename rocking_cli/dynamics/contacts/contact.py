@@ -36,9 +36,10 @@ class FreeMotion(NamedTuple):
 
 class Contact(ABC):
     """How a body stands on the ground. The methods of this class hold for two equal edges and for a single edge. alike: True if the body
-    has two free and equal edges."""
+    has two free and equal edges; left: 1 if the body may lift off onto its left edge, else 0."""
 
     alike = False
+    left = 1.0
 
     @abstractmethod
     def cells(self, equation: Equation, amplitude: Array, omega: Array, eta: Array) -> Cells:
@@ -54,11 +55,11 @@ class Contact(ABC):
 
     def strongest(self, cells: Cells, segments: Segments, first: Array | int = 0) -> Array:
         """The strongest drive of each cell from segment `first` on, over the drive at uplift, (cells,). Above 1 the body lifts off."""
-        return np.maximum(cells.amplitude[0] * -segments.later_min[first], cells.amplitude[-1] * segments.later_max[first])
+        return np.maximum(cells.amplitude[0] * -segments.later_min[first], cells.amplitude[-1] * self.left * segments.later_max[first])
 
     def uplift(self, cells: Cells, segments: Segments, cell: Array, k: Array, u: Array) -> Uplift:
         """The first uplift of bodies that rest at (k, u), onto either edge."""
-        return first_uplift(segments, k, u, cells.amplitude[0, cell], cells.amplitude[-1, cell])
+        return first_uplift(segments, k, u, cells.amplitude[0, cell], cells.amplitude[-1, cell] * self.left)
 
     def turn(self, cells: Cells, lanes: Lanes, at: Array, side: Array) -> None:
         """Put the lanes of these indices on a side; their numbers then have the values and units of this side."""
@@ -105,9 +106,8 @@ def first_uplift(segments: Segments, k: Array, u: Array, right: Array, left: Arr
     waiting = np.arange(k.size)
     while waiting.size:
         here = np.minimum(k[waiting], last - 1)
-        over = (k[waiting] >= last) | (
-            np.maximum(left[waiting] * segments.later_max[here], right[waiting] * -segments.later_min[here]) <= 1.0
-        )
+        strongest = np.maximum(left[waiting] * segments.later_max[here], right[waiting] * -segments.later_min[here])
+        over = (k[waiting] >= last) | (strongest <= 1.0)
         k[waiting[over]] = last
         waiting = waiting[~over]
         kk, uu = k[waiting], u[waiting]
@@ -159,20 +159,13 @@ class OneSided(Contact):
     it hits its backing and returns on the same side with e times its speed; the eta of each cell is e, within (-1, 0]. It lifts off
     outwards only; an inward drive presses it against its backing."""
 
+    left = 0.0
+
     def cells(self, equation: Equation, amplitude: Array, omega: Array, eta: Array) -> Cells:
         """Returns one row, for the right edge; the eta of the lanes is -e."""
         if not np.all((eta > -1.0) & (eta <= 0.0)):
             raise ValueError("eta of a one-sided body must be within (-1, 0]")
         return Cells((amplitude / equation.uplift_amplitude)[None], omega[None], np.abs(eta)[None])
-
-    def strongest(self, cells: Cells, segments: Segments, first: Array | int = 0) -> Array:
-        """See `Contact.strongest`; here -A min s, since only a ground acceleration towards the backing lifts the body."""
-        return cells.amplitude[0] * -segments.later_min[first]
-
-    def uplift(self, cells: Cells, segments: Segments, cell: Array, k: Array, u: Array) -> Uplift:
-        """The first uplift of bodies that rest at (k, u): the first instant with -A s > 1."""
-        amplitude = cells.amplitude[0, cell]
-        return first_uplift(segments, k, u, amplitude, np.zeros_like(amplitude))
 
     def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
         """Return the body on the same side; the force stays the same."""

@@ -87,11 +87,6 @@ class Law(NamedTuple):
     local: Callable[[float, int], tuple[float, tuple[tuple[float, ...], ...]]] | None = None
 
 
-def convolution(a: str, b: str, n: int, first: int = 0) -> str:
-    """Returns the source text of the sum over i from `first` to n of a_i b_(n - i)."""
-    return " + ".join(f"{a}{i}*{b}{n - i}" for i in range(first, n + 1))
-
-
 class Equation(ABC):
     """An equation of motion; y, v in its own unit, per tau. Its numbers are floats, or (lanes,) arrays where the two sides of a body differ
     or every cell has a body of its own (`on`). damping: zeta [-]; without damping the motion after the shaking has a closed form.

@@ -19,7 +19,7 @@ from ...motions.blocks import blocks
 from ...motions.segments import Segments
 from ...structures.parameters import LEAST_ALPHA
 from ..lanes import Array, Lanes
-from .equation import Law, SeriesEquation, convolution, falls_by_energy
+from .equation import Law, SeriesEquation, falls_by_energy
 from .taylor import CACHED, TaylorSeries, drive_series, order_for, ramp_flow, series
 
 
@@ -140,12 +140,8 @@ class RigidBodyEquation(SeriesEquation):
         start = ("t = tan(0.5*(alpha - sine*y))", "o = 1.0/(1.0 + t*t)", "F0 = by_sin*t*o", "G0 = by_cos*(1.0 - t*t)*o")
 
         def term(n: int) -> tuple[str, ...]:
-            part = f"{1.0 / n!r}*"
-            return (
-                f"R{n} = {float(n)}*Y{n}",
-                f"F{n} = falls*{part}({convolution('R', 'G', n, 1)})",
-                f"G{n} = pushes*{part}({convolution('R', 'F', n, 1)})",
-            )
+            by_g, by_f = (" + ".join(f"R{i}*{other}{n - i}" for i in range(1, n + 1)) for other in "GF")
+            return f"R{n} = {float(n)}*Y{n}", f"F{n} = falls*{1.0 / n!r}*({by_g})", f"G{n} = pushes*{1.0 / n!r}*({by_f})"
 
         return Law("rigid body", start, term, numbers)
 

@@ -29,8 +29,8 @@ class FreeFall:
         if weighed is None:
             return None
         sway = weighed.sway(np.ones(cells.omega.shape[1]), cells.amplitude[0])
-        down, up = np.maximum(sway, 0.0), np.maximum(-sway, 0.0)
-        first = first_uplift(weighed.vertical, np.zeros(sway.size, dtype=np.int64), np.zeros(sway.size), down, up)
+        zero = np.zeros(sway.size)
+        first = first_uplift(weighed.vertical, zero.astype(np.int64), zero, sway, zero)
         occurs = first.k < shaken
         return cls(segments, first, occurs) if occurs.any() else None
 

@@ -91,7 +91,5 @@ def closings_of(batch: Batch, observed: bool) -> tuple[list[Closing], list[Closi
     ]
     if batch.peaks or not linear or segments.straight or segments.sign_changes > FEW_SIGN_CHANGES:
         return early, []
-    remaining = RemainingImpulse.of(
-        segments
-    )  # if only the outcome is wanted: close lanes that the rest of the motion cannot overturn (Lemma 9)
+    remaining = RemainingImpulse.of(segments)  # if only the outcome is wanted: lanes that cannot overturn any more (Lemma 9)
     return early, [Closing(lambda _, lanes: Closed(np.flatnonzero(remaining.cannot_overturn(lanes)), Outcome.ROCKED, np.nan))]

@@ -40,12 +40,7 @@ def keep_freed_memory() -> None:
 
 
 def by_windows(run: "Run", waiting: Array) -> None:
-    """March these cells of a run, (cells,) indices, to their end, from window to window of the drive (`advance`). Bodies that are hardly
-    lifted bounce longest, so they go first."""
-    batch = run.batch
-    if waiting.size > run.pool:
-        lift = batch.contact.strongest(batch.cells, batch.segments, batch.first)[waiting]
-        waiting = waiting[np.argsort((255.0 - 255.0 / lift).astype(np.uint8), kind="stable")]  # bytes sort in one pass
+    """March these cells of a run, (cells,) indices, to their end, from window to window of the drive (`advance`)."""
     lanes, taken = run.start(waiting[:0]), 0
     with np.errstate(all="ignore"):
         while taken < waiting.size or lanes.cell.size:

@@ -31,7 +31,9 @@ def impact_root(arc: Flow, low: Array, high: Array, guess: Array) -> tuple[Array
     fastest = arc.fastest
     for _ in range(_ROUNDS if lanes.size else 0):
         f = arc.at(h)
-        step = _householder(f)
+        with np.errstate(all="ignore"):
+            r, e = f.y / f.v, f.b / f.v
+            step = -r * (1.0 - 0.5 * r * e) / (1.0 - r * e + r * r * f.j / (6.0 * f.v))
         after = f.y <= 0.0
         target = h + step
         inside = (f.v < 0.0) & (target > low) & (target <= high) & ((target <= h) == after)  # on the side of h where the root is
@@ -58,14 +60,6 @@ def impact_root(arc: Flow, low: Array, high: Array, guess: Array) -> tuple[Array
     else:
         h_out[lanes] = np.nan
     return h_out, v_out
-
-
-def _householder(f: Point) -> Array:
-    """The step of Householder's method to the root of y, from y and three derivatives."""
-    with np.errstate(all="ignore"):
-        r = f.y / f.v
-        e = f.b / f.v
-        return -r * (1.0 - 0.5 * r * e) / (1.0 - r * e + r * r * f.j / (6.0 * f.v))
 
 
 def turning_point(arc: Flow, low: Array, high: Array, guess: Array, sense: float) -> tuple[Array, Array]:

@@ -160,7 +160,7 @@ class ExactStepper(SampleStepper[ExactLanes]):
         ahead = self.step.take(lanes.cell) - lanes.u
         return (lanes.k < self.last.take(lanes.cell)) & ((lanes.y > 0.0) | (2.0 * lanes.v * lanes.omega >= -lanes.b * ahead))
 
-    def propagate(self, lanes: ExactLanes, at: Array, many: bool) -> Array:
+    def propagate(self, lanes: ExactLanes, at: Array) -> Array:
         """Propagate lanes several times. A lane stops when a propagation is not proved."""
         own, go = lanes.take(at), np.ones(at.size, dtype=bool)
         drive, pace, top = own.outward, own.pace, self._top(own.pace)

@@ -66,13 +66,9 @@ class SampleStepper(ABC, Generic[Pooled]):
         """True for lanes that are at a sample before the last one, from which a propagation may be tried."""
         return (lanes.u == 0.0) & (lanes.k < self.last.take(lanes.cell))
 
-    def order(self, lanes: Pooled, at: Array) -> Array:
-        """The indices `at`, sorted so that lanes with similar propagations are together."""
-        return at
-
     @abstractmethod
-    def propagate(self, lanes: Pooled, at: Array, many: bool) -> Array:
-        """Move the lanes `at` over samples; returns True for lanes that can go on. many: True if other lanes wait."""
+    def propagate(self, lanes: Pooled, at: Array) -> Array:
+        """Move the lanes `at` over samples; returns True for lanes that can go on."""
 
     def after_round(self, lanes: Pooled) -> None:
         """Renew the additional fields of lanes after a round of the march."""
@@ -85,10 +81,10 @@ class SampleStepper(ABC, Generic[Pooled]):
         free = np.zeros(taken, dtype=bool)
         ready = self.can_propagate(lanes)
         while lanes.cell.size:
-            at = self.order(lanes, np.flatnonzero(ready))
+            at = np.flatnonzero(ready)
             for first in range(0, at.size, WIDTH):
                 some = at[first : first + WIDTH]
-                ready[some] = self.propagate(lanes, some, at.size > WIDTH)
+                ready[some] = self.propagate(lanes, some)
             stopped = np.flatnonzero(~(ready | free))
             going = self._march_round(lanes.take(stopped))
             free[stopped] = True

@@ -19,7 +19,7 @@ from ..observers.observer import TaylorSteps
 from .stepper import PooledLanes, SampleStepper, gains
 
 LANES = 32768  # lanes: the cost of a round depends on its calls more than on its lanes
-_STEPS, _NARROW = 4, 16  # Taylor steps in one call of `propagate`: if several blocks of lanes wait for it, and if only one does
+_STEPS = 16  # Taylor steps in one call of `propagate`
 _NEARLY = 0.9  # share of the limit of y: beyond it the march decides whether the body overturns
 
 
@@ -46,17 +46,13 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
         drive = lanes.amplitude * np.maximum(2.0, self.steepest.take(lanes.cell) / lanes.pace)
         return degrees(2.0 + drive, lanes.pace, self.equation.tolerance)
 
-    def order(self, lanes: SteppingLanes, at: Array) -> Array:
-        """The indices `at`, sorted by degree, so that the lanes of a block have series of similar length."""
-        return at[np.argsort(lanes.degree[at].astype(np.int8), kind="stable")]
-
-    def propagate(self, lanes: SteppingLanes, at: Array, many: bool) -> Array:
+    def propagate(self, lanes: SteppingLanes, at: Array) -> Array:
         """Take several Taylor steps. A lane stops when a step is not proved."""
         names = "cell", "side", "k", "y", "v", "peak", "pace", "outward", "degree"
         cell, side, k, y, v, peak, pace, outward, degree = (getattr(lanes, name).take(at) for name in names)
         go, equation = np.ones(at.size, dtype=bool), self.equation.on(side, cell)
         factors, last, end = factors_for(pace, degree), degree * at.size + np.arange(at.size), self.last.take(cell)
-        for _ in range(_STEPS if many else _NARROW):
+        for _ in range(_STEPS):
             ramp = self._ramp(k, outward, pace, factors)
             end_y, end_v, proved = self._step(equation, y, v, peak, ramp, last)
             go &= proved

@@ -52,7 +52,7 @@ class Wave(NamedTuple):
         return total
 
     def terms(self, u: float, length: float, order: int) -> list[float]:
-        """Terms 1 ... order of s from phase u on, in powers of the phase over this length [rad]; term 0 is left at 0."""
+        """Terms 1 ... order, an even number, of s from phase u on, in powers of the phase over this length [rad]; term 0 is left at 0."""
         found = [0.0] * (order + 1)
         found[1] = self.slope * length
         for sin, cos, w in self.parts:
@@ -63,8 +63,6 @@ class Wave(NamedTuple):
                 found[n + 1] += even
                 odd *= -x * x / ((n + 1) * (n + 2))
                 even *= -x * x / ((n + 2) * (n + 3))
-            if order % 2:
-                found[order] += odd
         return found
 
 

@@ -128,29 +128,21 @@ class _Pool:
         self.outcome, self.bounced = np.full(body.size, Outcome.ROCKED, dtype=np.uint8), np.zeros(body.size, dtype=bool)
 
     def _store_lines(self, lines_of: list[Lines]) -> None:
-        """Store the lines of the records one after the other; after each record follow lines of length 0, in which lanes wait."""
-        places: dict[bytes, tuple[int, int]] = {}
-        parts, size = [], 0
-        for lines in lines_of:
-            key = b"".join(x.tobytes() for x in lines[:3])
-            if key not in places:
-                places[key] = size, size + lines.s.size
-                size += lines.s.size + _UPLIFT_ROUNDS + 1
-                parts.append(lines)
-        self.begin, self.end = np.array([places[b"".join(x.tobytes() for x in lines[:3])] for lines in lines_of]).T
+        """Store the lines of the bodies one after the other; after those of each body follow lines of length 0, in which lanes wait."""
         still = np.zeros(_UPLIFT_ROUNDS + 1)
-        self.s, self.rise, self.length = (np.concatenate([x for lines in parts for x in (lines[i], still)]) for i in range(3))
+        begins = np.cumsum([0] + [lines.s.size + still.size for lines in lines_of])
+        self.begin, self.end = begins[:-1], begins[1:] - still.size
+        self.s, self.rise, self.length = (np.concatenate([x for lines in lines_of for x in (lines[i], still)]) for i in range(3))
         padding = np.zeros(_SEARCH_LINES)
         high, low = np.maximum(self.s, self.s + self.rise), np.maximum(-self.s, -self.s - self.rise)
-        begins = np.cumsum([0] + [lines.s.size + still.size for lines in parts])
-        self.later = np.empty((2, size))
+        self.later = np.empty((2, self.s.size))
         for begin, end in pairwise(begins.tolist()):
             for later, x in zip(self.later, (high, low), strict=True):
                 later[begin:end] = np.maximum.accumulate(x[begin:end][::-1])[::-1]
         high[self.end] = low[self.end] = np.inf
         self.high, self.low = np.append(high, padding), np.append(low, padding)
-        samples = [lines.residual.shape[2] for lines in parts]
-        residuals = [np.pad(lines.residual, ((0, 0), (0, still.size), (0, 0))).reshape(4, -1) for lines in parts]
+        samples = [lines.residual.shape[2] for lines in lines_of]
+        residuals = [np.pad(lines.residual, ((0, 0), (0, still.size), (0, 0))).reshape(4, -1) for lines in lines_of]
         self.residual = np.concatenate(residuals, axis=1) if any(samples) else None
         self.count = np.repeat(samples, np.diff(begins))
         self.sample = np.cumsum(self.count) - self.count
@@ -316,11 +308,8 @@ def _lines(segments: Segments, step: float) -> Lines:
     gain = 12.0 * moment / whole**2
     begin = (s + 0.5 * rise).mean(axis=1) - 0.5 * gain
     r, r_rise = s - begin[:, None] - gain[:, None] * np.arange(count) / count, rise - gain[:, None] / count
-    dw = _sums(size * (r + 0.5 * r_rise))
-    w = _sums(size * dw + size * size * (0.5 * r + r_rise / 6.0))
+    gains = size * (r + 0.5 * r_rise)
+    dw = np.cumsum(gains, axis=1) - gains  # before each sample of a line
+    gains = size * dw + size * size * (0.5 * r + r_rise / 6.0)
+    w = np.cumsum(gains, axis=1) - gains
     return Lines(begin, gain, np.full(begin.size, whole), np.array([w, dw, r, r_rise]))
-
-
-def _sums(gains: Array) -> Array:
-    """Cumulative sums of the gains before each sample of a line."""
-    return np.cumsum(gains, axis=1) - gains

@@ -16,15 +16,13 @@ from ..outcome import Outcome
 from .lane import Edge, Lane
 
 _STILL = 1e-100  # speed that counts as zero, since its square is below double precision
-Keep = Callable[[float, float, float, float, float, tuple[float, ...]], None]  # start [tau], reach [tau of the side], side, pace, h, terms
-Note = Callable[[float, str, float, float, float], None]  # tau, event, side, y, y'
 
 
 class Listener(NamedTuple):
     """Functions that a march calls, and how far it then goes: bounces down to the speed `visible`, a fall to y = fallen (right, left)."""
 
-    keep: Keep
-    note: Note
+    keep: Callable[[float, float, float, float, float, tuple[float, ...]], None]  # start, reach [tau of the side], side, pace, h, terms
+    note: Callable[[float, str, float, float, float], None]  # tau, event, side, y, y'
     rest: Callable[[Lanes, Lanes], None]
     visible: float
     fallen: tuple[float, float]
@@ -46,12 +44,8 @@ class Body:
 
     def __init__(self, lane: Lane, cells: Cells, edges: dict[float, Edge], peaks: bool, listener: Listener | None, most: int) -> None:
         self.lane, self.cells, self.edges, self.listener, self.most = lane, cells, edges, listener, most
-        self.equation, self.contact, self.segments, self.drive_lists = (
-            lane.system.equation,
-            lane.system.contact,
-            lane.segments,
-            lane.drive_lists,
-        )
+        self.equation, self.contact = lane.system.equation, lane.system.contact
+        self.segments, self.drive_lists = lane.segments, lane.drive_lists
         self.watched = peaks or listener is not None
         self.k, self.u, self.y, self.v = 0, 0.0, 0.0, 0.0
         self.force: float | None = None

@@ -5,7 +5,6 @@ import os
 import platform
 import subprocess
 import sys
-from collections import Counter
 from itertools import pairwise
 
 import numpy as np
@@ -15,7 +14,6 @@ from support.references import INTERVALS, LADDER, MIXED, answers
 from support.synthetic_records import RECORDS, allowance, assert_same, shaken, weighed
 
 from rocking_cli import Motion, Outcome, cosine, linear_response, pulse, response, sine
-from rocking_cli.dynamics.march.engine import Run
 from rocking_cli.motions import Harmonic, Piece
 from rocking_cli.motions.biaxial import with_vertical
 
@@ -102,23 +100,6 @@ def test_no_digit_depends_on_other_lanes_nor_an_outcome_on_peaks(name, motion, c
     assert np.isnan(bare.theta_ratio).all()
     monkeypatch.setattr("rocking_cli.dynamics.samples.stepper.WIDTH", 3)
     assert response(system, motion, *cell).theta_ratio.tobytes() == whole.theta_ratio.tobytes()
-
-
-def test_those_that_bounce_longest_begin_in_whatever_order_cells_are_given(monkeypatch):
-    plain, rounds = Run.round, Counter()
-
-    def counted(run, lanes):
-        rounds[order] += 1
-        return plain(run, lanes)
-
-    monkeypatch.setattr(Run, "round", counted)
-    amplitude, found = 255.0 / (254.5 - np.arange(230)), {}  # each in a class of its own
-    mixed = np.random.default_rng(1).permutation(amplitude.size)
-    for order, places in {"weakest first": np.arange(amplitude.size), "last": np.arange(amplitude.size)[::-1], "mixed": mixed}.items():
-        found[order] = np.empty(amplitude.size)
-        found[order][places] = linear_response(sine(), amplitude[places], 6.0, 0.9, pool=16).theta_ratio
-    assert len(set(rounds.values())) == 1
-    assert len({theta.tobytes() for theta in found.values()}) == 1
 
 
 def test_a_motion_and_its_mirror_image_give_the_same_bits():
