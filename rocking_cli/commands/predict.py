@@ -27,19 +27,25 @@ def predict(
     the demand overturns. theta_ratio_interpolated is the value in the spectrum, empty next to cells that overturn; interpolation_error
     is its distance from the computed value.
     """
+    from ..dynamics.method import direction_in_words, has_direction
     from ..dynamics.outcome import Outcome
     from ..spectra.file.reader import SpectraFile
     from ..spectra.prediction import predict as read_off
     from ..spectra.prediction import predict_exactly
 
     structures = options.structures_of(files)
-    grid = shaking.of(ground.Ground(None)).grid
-    if grid is None:
-        raise ground.no_shaking("--A and --Omega")
     with SpectraFile(spectrum) as file:
-        rows = [predict_exactly(s, file.motion(), grid) for s in structures] if exact else [read_off(s, file, grid) for s in structures]
+        motion = file.motion()
+        shaken = shaking.of(ground.Ground(motion))
+        if shaken.motion is None or shaken.grid is None:
+            raise ground.no_shaking("--A and --Omega")
+        held = not exact and shaken.motion is motion  # the spectrum has its own direction only
+        rows = [
+            read_off(s, file, shaken.grid) if held or not (exact or has_direction(s)) else predict_exactly(s, shaken.motion, shaken.grid)
+            for s in structures
+        ]
     emit(rows)
-    note("model: linear, as the spectrum's")
+    note("model: linear, as the spectrum's", *direction_in_words(*structures, opposite="the other sign of `a_g`"))
     if failed := sum(r["outcome"] == Outcome.FAILED.flag for r in rows):
         note(f"{counted(failed, 'structure')} could not be decided (outcome failed)")
         partly()

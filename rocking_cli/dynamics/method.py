@@ -207,11 +207,12 @@ def has_direction(structure: RockingParameters) -> bool:
     return not (structure.plain or governing_method(structure).system_of(structure).alike)
 
 
-def direction_in_words(*structures: RockingParameters) -> list[str]:
-    """The line that names the structures with a direction, in a run that computes one direction only; no line without them."""
+def direction_in_words(*structures: RockingParameters, opposite: str = "`scale` -1") -> list[str]:
+    """The line that names the structures with a direction, in a run that computes one direction only; no line without them. opposite: the
+    option that gives the other one."""
     names = [s.name for s in structures if has_direction(s)]
     some = f"{', '.join(names[:3])}{' and others' * (len(names) > 3)}"
-    return [f"one direction of the motion only, though the sides differ: {some}; `scale` -1 gives the opposite one"] if names else []
+    return [f"one direction of the motion only, though the sides differ: {some}; {opposite} gives the opposite one"] if names else []
 
 
 def contact_of(structure: RockingParameters, equation: Equation) -> Contact:

@@ -41,3 +41,20 @@ def test_without_shaking_nothing_moves(rocking, spectrum_file):
     record = done.records[0]
     assert (record["outcome"], record["theta_max"], record["a_g"]) == ("no_uplift", 0.0, 0.0)
     assert [record[key] for key in ("capacity_demand", "margin", "margin_side")] == [None] * 3
+
+
+def test_a_negative_amplitude_reverses_the_motion_of_the_spectrum(rocking, tmp_path):
+    """The linear rotation is that of DOP853 with events at the impacts and at theta' = 0, rtol 1e-12."""
+    at = ("--grid", "A=1:3:9,Omega=2:6:9", "-o", "u.h5")
+    sides = {"u.yaml": "left: 0.3\nright: 0.5", "m.yaml": "left: 0.5\nright: 0.3"}  # mirror images
+    for file, lengths in sides.items():
+        (tmp_path / file).write_text(f"kind: rigid\n{lengths}\nheight: 2\ngyration: 1.2\n")
+    rocking("spectrum", "u.yaml", *at)
+    for file, stands in (("u.yaml", "-0.3g"), ("m.yaml", "0.3g")):
+        for a_g in ("0.3g", "-0.3g"):
+            for how in ((), ("--exact",)) if file == "u.yaml" else (("--exact",),):
+                done = rocking("predict", "u.h5", file, "--a-g", a_g, "--T-g", "0.8", "--json", *how)
+                found = done.record
+                assert found["theta_ratio"] == (pytest.approx(0.682469157747, rel=1e-9, abs=0) if a_g == stands else None)
+                assert found["outcome"] == ("rocked" if a_g == stands else "overturned_after_impact")
+                assert "the other sign of --a-g gives the opposite one" in done.stderr
