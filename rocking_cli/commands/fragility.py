@@ -108,7 +108,7 @@ def fragility(
     if bool(shaken.recordings) == (wanted.pulses is not None):
         raise click.UsageError("no set of motions: give either --motion with records, or --pulses with a table of pulses")
     if wanted.pulses is not None:
-        refuse("does not go with --pulses", "pulse", "cycles", "gamma", "phase", "scale")
+        refuse("does not go with --pulses", "pulse", "cycles", "gamma", "phase")
     refuse_together("efficiency", "cells", "curve")
     measure = measure_of(wanted.im)
     if wanted.hazard is None:
@@ -121,7 +121,7 @@ def fragility(
     if wanted.standing is not None and not (wanted.standing > 0.0 and None in states):
         raise click.UsageError("--standing goes with a positive time and the limit state overturning")
     methods = dict.fromkeys(_each("--method", wanted.methods, lambda name: METHODS[METHODS.index(name)], ", ".join(METHODS)))
-    members = site_pulses(wanted.pulses) if wanted.pulses is not None else members_of(shaken.recordings)
+    members = site_pulses(wanted.pulses, motions.scale) if wanted.pulses is not None else members_of(shaken.recordings)
     if shaken.upwards is not None:
         members = shaken_upwards(members, shaken.upwards)
     (equation,) = model.methods(structures)

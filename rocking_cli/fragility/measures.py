@@ -140,8 +140,9 @@ def members_of(recordings: Sequence[Recording]) -> tuple[Member, ...]:
     return tuple(found)
 
 
-def site_pulses(path: str | Path) -> tuple[Member, ...]:
+def site_pulses(path: str | Path, factor: float | None = None) -> tuple[Member, ...]:
     """Read the pulses of a site: CSV with columns a_g, one of f_g, T_g, omega_g, optionally weight (default 1) and pulse (default sine).
+    factor: of each pulse; a negative one reverses it.
 
     Cells are numbers in SI, or with a unit. Weights are scaled to a mean of 1. Raises UsageError for an unreadable file, DocumentError
     with file, line and column for its faults.
@@ -166,6 +167,7 @@ def site_pulses(path: str | Path) -> tuple[Member, ...]:
             motion = pulse((row.get("pulse") or "sine").strip())
         except UsageError as error:
             raise DocumentError(f"{path}, line {line}: {error}") from None
+        motion = motion if factor is None else motion.scaled(factor)
         weight = _positive(path, line, row, "weight", "number") if "weight" in columns else 1.0
         label = f"{motion.name}, {a_g:.4g} m/s2, {omega / (2.0 * math.pi):.4g} Hz"
         found.append(Member(label, a_g * motion.largest, omega, pulse_intensity(motion, a_g, omega), weight, pulse=motion))

@@ -151,3 +151,12 @@ def test_a_figure_holds_hazard_fragility_and_the_part_of_each_level(rocking):
     shown = [line for line in left.get_lines() if line.get_linestyle() == ":" and len(line.get_xdata())]
     assert max(float(np.max(line.get_ydata())) for line in shown) == 1.0
     assert len(shown) == 2  # of the fits, not of the exact shares
+
+
+def test_a_negative_scale_reverses_site_pulses(rocking, tmp_path):
+    (tmp_path / "p.csv").write_text("a_g,T_g\n" + "".join(f"{0.3 + 0.05 * i} g,{0.5 + 0.1 * i}\n" for i in range(8)))
+    for file, lengths in (("u.yaml", "left: 0.3\nright: 0.5"), ("m.yaml", "left: 0.5\nright: 0.3")):
+        (tmp_path / file).write_text(f"kind: rigid\nname: w\n{lengths}\nheight: 2\ngyration: 1.2\n")
+    how = ("--pulses", "p.csv", "--levels", "0.1g:2g:39", "--bootstrap", "0", "--limit", "overturning", "--csv")
+    forwards, back, mirrored = (rocking("fragility", *of, *how).stdout for of in (("u.yaml",), ("u.yaml", "--scale", "-1"), ("m.yaml",)))
+    assert back == mirrored != forwards

@@ -107,7 +107,6 @@ REFUSED = {
         (2, f"stated.yaml {SITE} {LEVELS} --method ida", "--method: found 'ida'"),
         (2, f"stated.yaml {SITE} {LEVELS} --resume", "--resume goes with -o"),
         (2, f"stated.yaml {SITE} {LEVELS} --pulse cosine", "--pulse does not go with --pulses"),
-        (2, f"stated.yaml {SITE} {LEVELS} --scale -1", "--scale does not go with --pulses"),
         (2, f"stated.yaml {SITE} {LEVELS} --vertical configs/motions/synthetic.at2", "expected two records, or none"),
         (2, f"stated.yaml {SITE} {LEVELS} --vertical-scale 2", "--vertical-scale goes with --vertical"),
         (2, f"stated.yaml {SITE} {LEVELS} --curve --efficiency", "--efficiency and --curve do not go together"),
