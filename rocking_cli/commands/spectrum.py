@@ -47,7 +47,7 @@ def spectrum(
     A record has its own time. Structures under records have an axis scale=START:STOP:N (factor of each record; 1 without --grid), A or
     a_g (the peak). Without structures --alpha gives the critical angles of blocks and the axis T=START:STOP:N their sizes as
     2 pi/p in s (no period), or p in rad/s; --grid may also state alpha or tan_alpha. The file has the dimensions record, structure
-    and scale (A, a_g), or record, alpha and T.
+    and scale (A, a_g), or record, alpha and T. For a family of structures: rocking params FILE --vary KEY=START:STOP:N --json.
     """
     from ..dynamics.method import direction_in_words
     from ..motions.grid import parse_grid
