@@ -1,7 +1,5 @@
 """`rocking fragility`: the probability that a structure passes a limit state, given the intensity of a set of motions."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Sequence
@@ -185,7 +183,7 @@ def fragility(
     partly(refused and stated)  # of the default limit states some may have no fit
 
 
-def _emit(fits: Sequence[Fit], exact: Sequence[Study], wanted: Fits) -> None:
+def _emit(fits: "Sequence[Fit]", exact: "Sequence[Study]", wanted: Fits) -> None:
     """Print the rows of fits, or with --curve those of curves. A table, and any output with --units, states the unit of the measure."""
     from ..documents.quantities import headed
     from ..fragility.hazard import RATE_COLUMNS
@@ -231,7 +229,7 @@ def _each(flag: str, text: str, read: Callable[[str], Any], expected: str = "") 
     return found
 
 
-def _levels(text: str | None, measure: Measure) -> np.ndarray:
+def _levels(text: str | None, measure: "Measure") -> "np.ndarray":
     """Return the levels that --levels states, in SI. Raises UsageError."""
     import numpy as np
 

@@ -1,7 +1,5 @@
 """`rocking info`: the contents of a spectra file, its verification, and the command that makes it again."""
 
-from __future__ import annotations
-
 import shlex
 from pathlib import Path
 from textwrap import wrap
@@ -80,7 +78,7 @@ def _names(values: list[str]) -> str:
     return ", ".join(values) if len(values) <= _MOST_NAMES else f"{len(values)}, {values[0]} to {values[-1]}"
 
 
-def _documents(file: SpectraFile) -> list[dict[str, Any]]:
+def _documents(file: "SpectraFile") -> list[dict[str, Any]]:
     """Return the documents of a spectra file, each with the name of its structure in the file."""
     from ..documents.document import parse_documents
 
@@ -89,7 +87,7 @@ def _documents(file: SpectraFile) -> list[dict[str, Any]]:
     return [{**{k: v.plain() for k, v in one.values.items()}, "name": name} for one, name in zip(found, names, strict=False)]
 
 
-def _command(path: str, file: SpectraFile) -> str | None:
+def _command(path: str, file: "SpectraFile") -> str | None:
     """Return the command that computes a file again, from the documents in it and the motions that its own command names; None if the file
     states no command."""
     from ..motions.reading import holds_records

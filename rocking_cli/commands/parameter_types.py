@@ -1,7 +1,5 @@
 """Types of option values, with shell completion."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Iterable
 from contextlib import suppress
@@ -97,7 +95,7 @@ def restitution(text: str) -> float | None:
 NUMBER = quantity("number")
 
 
-def limit(text: str) -> Limit:
+def limit(text: str) -> "Limit":
     """Return the amplitude of a text: `20` is A, `1g` and `5 m/s2` are accelerations. Raises ValueError."""
     from ..documents.quantities import parse_quantity
     from ..envelopes.amplitudes import Limit

@@ -3,8 +3,6 @@
 The library speaks of arguments in backticks; `in_options` makes them options: `a_g` becomes --a-g.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -63,7 +61,7 @@ def is_quiet() -> bool:
     return bool(_kept("quiet"))
 
 
-def units_of() -> Units | None:
+def units_of() -> "Units | None":
     """Return the units that --units states, None without it."""
     return _kept("units")
 

@@ -1,7 +1,5 @@
 """Progress of a run on standard error: one line that a terminal renews, or a line every half a minute with the time left."""
 
-from __future__ import annotations
-
 import signal
 import sys
 from collections.abc import Iterator
@@ -13,10 +11,10 @@ from .printing import form, is_quiet
 
 _FIRST, _EVERY = 10.0, 30.0  # s until a run is called long, and from each line on it to the next
 _ENOUGH = 3  # units that give the rate
-_current: ProgressLine | None = None
+_current: "ProgressLine | None" = None
 
 
-def _follow(line: ProgressLine | None) -> None:
+def _follow(line: "ProgressLine | None") -> None:
     """Let `reporting` report this line; None: no line."""
     global _current
     _current = line

@@ -1,7 +1,5 @@
 """`rocking records`: the contents and intensity measures of recorded ground motions."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
@@ -53,7 +51,7 @@ def records(
     notes: list[str] = []
     unread: list[str] = []
 
-    def rows(found: list[Record]) -> list[dict[str, Any]]:
+    def rows(found: "list[Record]") -> list[dict[str, Any]]:
         records = chosen(found, reading.component or ALL)
         notes.extend(f"{record.source}: {remark}" for record in records for remark in record.remarks)
         return [row for record in records for row in (_spectrum(record, periods, damping) if export_spectrum else [_row(record)])]
@@ -65,7 +63,7 @@ def records(
         ground.leave_out(line)
 
 
-def _spectrum(record: Record, periods: str | None, damping: float | None) -> list[dict[str, Any]]:
+def _spectrum(record: "Record", periods: str | None, damping: float | None) -> list[dict[str, Any]]:
     """Return the rows of the response spectrum of a record. Raises UsageError."""
     from ..motions.grid import parse_span
     from ..motions.response_spectra import DAMPING, displacement_spectrum
@@ -76,7 +74,7 @@ def _spectrum(record: Record, periods: str | None, damping: float | None) -> lis
     return [names | {"T": t, "S_a": (2.0 * math.pi / t) ** 2 * d, "S_d": d} for t, d in found]
 
 
-def _row(record: Record) -> dict[str, Any]:
+def _row(record: "Record") -> dict[str, Any]:
     from ..motions.intensity import intensity
 
     measured = intensity(record)

@@ -3,8 +3,6 @@
 A text above a limit is refused before it costs time and memory.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from dataclasses import dataclass, replace
@@ -32,7 +30,7 @@ class Place:
     def __str__(self) -> str:
         return f"{self.source}:{self.line}:{self.column}" if self.line else self.source
 
-    def below(self, lines: int) -> Place:
+    def below(self, lines: int) -> "Place":
         """Return the place moved down by `lines` lines."""
         return replace(self, line=self.line + lines)
 
@@ -41,7 +39,7 @@ class Place:
 class Value:
     """The content of a node: the text of a scalar, a list of values, or a mapping."""
 
-    content: str | list[Value] | dict[str, Value]
+    content: "str | list[Value] | dict[str, Value]"
     place: Place
     quoted: bool = False
 

@@ -12,7 +12,6 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import yaml
 
@@ -20,9 +19,6 @@ from ..errors import DocumentError, did_you_mean
 from .composition import DEEPEST, MOST_VALUES, Place, Value, compose, text_of
 from .files import read_bytes
 from .quantities import SMALLEST_LENGTH, accepted, parse_quantity, split_quantity
-
-if TYPE_CHECKING:
-    from .table import Cell
 
 MEANT = {"eta": "restitution", "e": "restitution", "zeta": "damping", "g": "gravity", "r": "radius", "h": "height", "b": "width"}
 _ITEM = re.compile(r"([a-z_]+)_(\d{1,4})_([a-z_]+)")  # a CSV column for an item of a list, such as pieces_1_width
@@ -250,7 +246,7 @@ def _rows(text: str, source: str) -> list[Document] | None:
     return None
 
 
-def document_of(cells: Sequence[Cell], source: str, index: int = 0) -> Document:
+def document_of(cells: Sequence[tuple[str, str, Place]], source: str, index: int = 0) -> Document:
     """Return the document with these keys and texts, such as the cells of a CSV row. Raises DocumentError."""
     values: dict[str, Value] = {}
     keys: dict[str, Place] = {}
@@ -274,7 +270,7 @@ def document_of(cells: Sequence[Cell], source: str, index: int = 0) -> Document:
         else:
             values[key], keys[key] = value, place
     text = "\n".join(f"{key}: {json.dumps(text) if key == 'name' else text}" for key, text, _ in cells)
-    return Document(source, cells[0].place, values, keys, index, text)
+    return Document(source, cells[0][2], values, keys, index, text)
 
 
 def _only_node(text: str, place: Place) -> yaml.Node:

@@ -5,8 +5,6 @@ mean = theta exp(beta^2/2), stddev = mean sqrt(exp(beta^2) - 1). An exact share 
 of its rises to the next: its running maximum, since these programs want probabilities that do not fall. The lines lie above the share.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import json

@@ -1,13 +1,10 @@
 """The responses of a structure to a set of motions: at levels of an intensity measure, or at every intensity up to the highest level."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import groupby, pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,11 +18,9 @@ from ..envelopes.intervals import in_turn
 from ..errors import UsageError
 from ..motions.grid import Axis
 from ..processes import available_cpus
+from ..spectra.sweep import SweepOptions, spectrum_of, write_scene
 from ..structures.parameters import RockingParameters
 from .measures import Measure, Member
-
-if TYPE_CHECKING:
-    from ..spectra.sweep import SweepOptions
 
 Array = np.ndarray
 Interval = tuple[float, float]
@@ -112,7 +107,6 @@ def _under_records(
 ) -> list[Exposure]:
     from ..spectra.file.reader import SpectraFile
     from ..spectra.record_scene import structures_scene
-    from ..spectra.sweep import SweepOptions, spectrum_of, write_scene
 
     recordings = [m.recording.times(motions.factor(structures[0], m)) for m in motions.members if m.recording]
     scene = structures_scene(structures, recordings, Axis("scale", motions.scales), motions.method)

@@ -7,8 +7,6 @@ dynamic analysis; a record that never overturns it is censored), or to rotations
 many samples at once, (..., k), so that a bootstrap is one call.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

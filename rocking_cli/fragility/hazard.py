@@ -9,8 +9,6 @@ parts, and Cornell's H(theta) exp(k^2 beta^2/2) for a line without ends):
 Nothing is counted outside the points; H(x_last) bounds the part beyond the last.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import math

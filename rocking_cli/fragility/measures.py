@@ -4,13 +4,10 @@ A measure that depends on the structure is dimensionless: PGA/(lambda g), p PGV/
 proportional to a power of the scale factor of a motion.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,13 +15,11 @@ from ..documents.quantities import DEFAULT_GRAVITY, parse_quantity
 from ..documents.table import named_rows
 from ..errors import DocumentError, UsageError, did_you_mean
 from ..motions import Motion, pulse
+from ..motions.biaxial import Upwards
 from ..motions.intensity import Intensity
 from ..motions.recording import Recording
 from ..motions.response_spectra import mean_acceleration, periods_of
 from ..structures.parameters import RockingParameters
-
-if TYPE_CHECKING:
-    from ..motions.biaxial import Upwards
 
 _STEPS = 4096  # steps of the trapezium rule over a piece of a pulse, for measures to 1e-6
 Value = Callable[[Intensity, RockingParameters], float]
@@ -80,7 +75,7 @@ def measure_of(name: str) -> Measure:
     return found
 
 
-def compared(members: Sequence[Member], own: Measure) -> Collection[Measure]:
+def compared(members: "Sequence[Member]", own: Measure) -> Collection[Measure]:
     """Return the measures whose efficiency is compared: MEASURES, those of SPECTRAL if all members are records, and `own`."""
     spectral = map(measure_of, SPECTRAL) if all(m.recording is not None for m in members) else ()
     return {m.name: m for m in (*MEASURES.values(), *spectral, own)}.values()

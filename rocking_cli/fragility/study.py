@@ -1,13 +1,11 @@
 """Fragility curves of structures under a set of motions: the data of each method, and the printed rows."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -16,15 +14,13 @@ from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import Outcome
 from ..errors import DocumentError, UsageError
 from ..motions.recording import Recording
+from ..spectra.sweep import SweepOptions
 from ..structures.parameters import RockingParameters
 from . import fits
 from .exposure import Exposure, Interval, MotionSet, Progress, as_recorded, exposures, first_of, share_overturned, traced
 from .fits import Band, Curve, Resampling, check_levels
 from .hazard import HazardCurve, Rate
 from .measures import MEASURES, Measure, cell, compared, measure_of, members_of
-
-if TYPE_CHECKING:
-    from ..spectra.sweep import SweepOptions
 
 Array = np.ndarray
 Fitted = tuple[Curve, Callable[[Array], fits.Estimate], dict[float, float]]  # with the estimate of samples, and the points of the data
@@ -277,8 +273,6 @@ def fragility(
         ...
     rocking_cli.errors.UsageError: Column, 0.1, stripes: 1 records; a fit needs 4
     """
-    from ..spectra.sweep import SweepOptions
-
     measure, x = measure_of(im), check_levels(np.asarray(levels, dtype=float))
     if hazard is not None and hazard.im != measure.name:
         raise UsageError(f"found a hazard curve of {hazard.im}; expected {measure.name}, the measure `im`")

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..errors import MotionError
 from .segments import Samples, Segments, largest_from
+from .sinusoids import isolated_extremes
 
 LARGEST_SCALE = 1e100  # larger amplitudes may overflow
 
@@ -207,8 +208,6 @@ def extremes(piece: Piece) -> list[float]:
         last = np.floor((h.frequency * piece.stop + h.phase) / np.pi - 0.5)
         found = (((np.arange(first, last + 1) + 0.5) * np.pi - h.phase) / h.frequency).tolist()
     else:
-        from .sinusoids import isolated_extremes
-
         waves = np.array([(h.amplitude, h.frequency, h.phase) for h in piece.harmonics])
         found = isolated_extremes(piece.start, piece.stop, piece.slope, waves).tolist()
     margin = 1e-12 * (piece.stop - piece.start)

@@ -3,8 +3,6 @@
 All extremes are at points, so each interval is one segment and needs no search.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import cached_property
 
@@ -67,7 +65,7 @@ class Polyline(Motion):
         """Return the index of the interval that holds each phase [rad], or of the nearest interval."""
         return np.asarray(np.clip(np.searchsorted(self.start, phase, side="right") - 1, 0, self.start.size - 1))
 
-    def scaled(self, factor: float, name: str | None = None) -> Polyline:
+    def scaled(self, factor: float, name: str | None = None) -> "Polyline":
         """See `Motion.scaled`."""
         scaled_name, up = self._scaled_name(factor)
         return Polyline(name or scaled_name, self.start, self.stop, factor * self.constant, factor * self.slope, vertical=up)
@@ -77,7 +75,7 @@ class Polyline(Motion):
         """See `Motion.marks`."""
         return np.append(self.start, self.stop[-1])
 
-    def on(self, marks: Array, vertical: Motion | None = None) -> Polyline:
+    def on(self, marks: Array, vertical: Motion | None = None) -> "Polyline":
         """See `Motion.on`."""
         start, stop = marks[:-1], marks[1:]
         i = self._at(0.5 * (start + stop))
@@ -101,7 +99,7 @@ class Polyline(Motion):
         return Samples(last / count, np.append(self.constant, end[-1]))
 
     @cached_property
-    def coarsest(self) -> Polyline:
+    def coarsest(self) -> "Polyline":
         """The same lines in the fewest equal intervals with a point at every kink, which removes interpolated samples."""
         if self.samples is None or self.vertical is not None:
             return self

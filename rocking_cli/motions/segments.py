@@ -1,18 +1,14 @@
 """Segments: a motion cut at the extremes of s, as arrays; s is monotone on a segment. Fast search for large values of s."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from .blocks import largest
-
-if TYPE_CHECKING:
-    from .sinusoids import Table
+from .sinusoids import Table, table_of
 
 
 @dataclass(frozen=True)
@@ -83,7 +79,7 @@ class Segments:
         """Return the strongest inward drive from segment k on, over the least weight from there on; infinite if that is not positive."""
         return amplitude * np.where(side > 0.0, self.later_max[k], -self.later_min[k])
 
-    def followed_by_rest(self, length: float) -> Segments:
+    def followed_by_rest(self, length: float) -> "Segments":
         """Return the same motion, then the ground at rest for a phase of this length [rad]."""
         end = self.start[-1] + self.length[-1]
         lasts = {"start": end, "length": length, "frequency": 1.0, "joins": False}
@@ -162,8 +158,6 @@ class Segments:
         """The segments as polynomials; None if the motion has at most one sinusoid and no slope, or if the table is too large."""
         if self.harmonics == 0 or (self.harmonics == 1 and not self.sloped):
             return None
-        from .sinusoids import table_of
-
         return table_of(self)
 
     @cached_property
@@ -204,7 +198,7 @@ class Chain(Segments):
     first: np.ndarray
 
     @classmethod
-    def of(cls, motions: Sequence[Segments]) -> Chain:
+    def of(cls, motions: Sequence[Segments]) -> "Chain":
         """Return the chain of these motions."""
         rested = [one.followed_by_rest(np.inf) for one in motions]
         columns = {f.name: np.concatenate([getattr(one, f.name) for one in rested], axis=-1) for f in fields(Segments)}

@@ -1,7 +1,5 @@
 """Remarks on numbers that are valid but probably wrong, such as a missing unit or a very small restitution."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -19,7 +17,7 @@ _ACCELERATION = re.compile(r"\b(a_g|PGA)\s*=\s*([^,]+)", re.IGNORECASE)
 MOST_ACCELERATION = 10.0 * DEFAULT_GRAVITY  # several times the largest recorded acceleration
 
 
-def structure_remarks(structure: RockingParameters) -> Iterator[str]:
+def structure_remarks(structure: "RockingParameters") -> Iterator[str]:
     """Yield remarks on the size and restitution of a structure; the size is that of the block with equal p, R = 3 g/(4 p^2)."""
     if structure.dimensionless:
         return
@@ -50,7 +48,7 @@ def bare_remarks(text: str) -> Iterator[str]:
             yield f"{name}={written}: {x:g} without a unit is {x:g} m/s2 = {x / g:.3g} g; {x:g} g would be {x * g:.4g} m/s2"
 
 
-def grid_remarks(grid: Grid) -> Iterator[str]:
+def grid_remarks(grid: "Grid") -> Iterator[str]:
     """Yield remarks on the amplitudes of a grid that are probably wrong."""
     highest = float(grid.amplitude.values[-1])
     if grid.amplitude.name == "a_g" and highest > MOST_ACCELERATION:

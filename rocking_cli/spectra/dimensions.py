@@ -3,20 +3,15 @@
 A new variable, parameter, coordinate or measure is one entry of a table below.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..dynamics.outcome import Difference, Outcome
 from ..motions.grid import AXES
 from ..structures.parameters import RockingParameters
-
-if TYPE_CHECKING:
-    from ..motions.recording import Recording
 
 Values = np.ndarray | list[str]
 
@@ -123,14 +118,15 @@ class Frame:
         return "record" in self.dimensions
 
 
-def _lists(table: Mapping[str, About], dimension: str, of: Sequence[Any]) -> dict[str, tuple[str, Values]]:
+def lists_of(table: Mapping[str, About], dimension: str, of: Sequence[Any]) -> dict[str, tuple[str, Values]]:
+    """Return the lists of a table (PARAMETERS, RECORDED) along these structures or records."""
     values = {name: [about.get(one) for one in of] for name, about in table.items()}
     return {name: (dimension, some if table[name].dtype is None else np.array(some, table[name].dtype)) for name, some in values.items()}
 
 
 def structure_lists(structures: Sequence[RockingParameters]) -> dict[str, tuple[str, Values]]:
     """Return the lists along the structures: their parameters, the parameters of each edge if the edges differ, and varied keys."""
-    found = _lists(PARAMETERS | (EDGE_PARAMETERS if any(s.sides for s in structures) else {}), "structure", structures)
+    found = lists_of(PARAMETERS | (EDGE_PARAMETERS if any(s.sides for s in structures) else {}), "structure", structures)
     for name in varied_units(structures):
         values = [s.details.get("varied", {}).get(name.removeprefix(VARIED), np.nan) for s in structures]
         found[name] = "structure", np.array(values, dtype=float)
@@ -140,11 +136,6 @@ def structure_lists(structures: Sequence[RockingParameters]) -> dict[str, tuple[
 def varied_units(structures: Sequence[RockingParameters]) -> dict[str, str]:
     """Return the names (varied_KEY) of the keys that families among these structures vary, with the units of their values."""
     return {f"{VARIED}{key}": unit or "1" for s in structures for key, unit in s.details.get("varied_units", {}).items()}
-
-
-def record_lists(recordings: Sequence[Recording]) -> dict[str, tuple[str, Values]]:
-    """Return the lists along the records."""
-    return _lists(RECORDED, "record", recordings)
 
 
 Codes = type[Outcome] | type[Difference]

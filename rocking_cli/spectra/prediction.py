@@ -1,7 +1,5 @@
 """The response of a structure under one motion, computed and read from a dimensionless spectrum (section 4 of the paper)."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -4,8 +4,6 @@ Under a record a body overturns after many impacts. Its intervals have no least 
 pulse. The ratio of neighbouring amplitudes of the scan is therefore 1 + `RATIO`; narrower intervals may be missed.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ The dimensions are (record, structure, scale | A | a_g) or (record, alpha, T). A
 with its phase in s, and in its own amplitude times the scale; on an axis A or a_g it is scaled to that peak.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -21,7 +19,7 @@ from ..errors import StructureError, UsageError
 from ..motions.grid import MAX_CELLS, Axis, parse_angles, parse_axes, written_axes
 from ..motions.recording import Recording
 from ..structures.parameters import RockingParameters
-from .dimensions import Frame, record_lists, structure_lists, varied_units
+from .dimensions import RECORDED, Frame, lists_of, structure_lists, varied_units
 from .scene import Array, Band, Cell, Scene, Unit
 
 COLUMNS = ("scale", "A", "a_g", "T")
@@ -117,7 +115,7 @@ class RecordScene(Scene):
         mixes = structure.plain and self.method.kind_of(structure).of_cells is not None  # its cells can share a system with others
         return () if self.over_angles and not self.weighed and mixes else self.shares(structure)
 
-    def only(self, units: Sequence[Unit]) -> RecordScene:
+    def only(self, units: Sequence[Unit]) -> "RecordScene":
         """Return the scene with the samples of only those records that these units need, to send less data."""
         wanted = {place for unit in units for place in unit.places}
         some = self.recordings[min(wanted)]
@@ -141,7 +139,7 @@ class RecordScene(Scene):
 
     def frame(self) -> Frame:
         records, columns = [r.label for r in self.recordings], {self.columns.name: self.columns.values}
-        extra = record_lists(self.recordings)
+        extra = lists_of(RECORDED, "record", self.recordings)
         if not self.over_angles:
             names = [s.name for s in self.structures]
             of_each = {**structure_lists(self.structures), **extra}

@@ -1,7 +1,5 @@
 """The results of a sweep: arrays in memory and a summary."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from operator import attrgetter
@@ -123,7 +121,7 @@ class Spectrum:
         """The condition of each cell, None unless requested."""
         return self.quantities.get("condition")
 
-    def to_xarray(self) -> xarray.Dataset:
+    def to_xarray(self) -> "xarray.Dataset":
         """Return an xarray Dataset with the names, dimensions and attributes of the file. Raises OutputError without xarray."""
         try:
             import xarray as xr

@@ -4,8 +4,6 @@ Every result has three dimensions, such as (structure, frequency, amplitude) und
 the first into single places. Spectra of records are other scenes (`record_scene`).
 """
 
-from __future__ import annotations
-
 import json
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
@@ -119,7 +117,7 @@ class Scene(ABC):
         stated = {"version": version(), **self.stated(), "model": self.method.model, "tolerance": self.method.stated_tolerance}
         return dict(json.loads(json.dumps(stated)))
 
-    def only(self, units: Sequence[Unit]) -> Scene:
+    def only(self, units: Sequence[Unit]) -> "Scene":
         """Return the scene with only the data that these units need."""
         return self
 

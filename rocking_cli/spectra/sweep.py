@@ -1,7 +1,5 @@
 """Sweeps: structures over a grid, streamed chunk by chunk into a file, or into memory."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

@@ -3,8 +3,6 @@
 Half of the cells are drawn at random, half are those of high sensitivity. They depend on the scene alone, not on workers or units.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial

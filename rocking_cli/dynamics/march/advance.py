@@ -191,7 +191,8 @@ def turning_points(segments: Segments, lanes: Lanes, result: StepResult, wanted:
     step, end, damping = result.step, result.end, result.arc.damping
     wanted = wanted & ~step.supercritical
     if segments.weighed is not None:
-        assert result.chord_errors is not None  # of a series
+        assert isinstance(result.arc, TaylorSeries)
+        assert result.chord_errors is not None
         v, (kept, monotone) = np.where(result.hit, result.impact_v, end.v), sense(result.arc, step.h, end, result.chord_errors)
         at = wanted & ~kept
         once = at & monotone & (lanes.v > 0.0) & (v <= 0.0)

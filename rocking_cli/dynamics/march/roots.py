@@ -127,11 +127,9 @@ def sense(arc: Flow, h: Array, end: Point, chord_errors: Array) -> tuple[Array, 
     return kept, monotone
 
 
-def falls_through_zero(arc: Flow, reach: Array, lanes: Array, once: Array) -> tuple[Array, Array, Array]:
+def falls_through_zero(arc: TaylorSeries, reach: Array, lanes: Array, once: Array) -> tuple[Array, Array, Array]:
     """The instants on (0, reach) at which y' falls through zero: (lane, low, high) with one instant in each bracket [tau]. once: lanes for
     which it is already known that there is exactly one."""
-    if not isinstance(arc, TaylorSeries):
-        raise TypeError("turns of a series only")
     found: list[tuple[Array, Array, Array]] = [(once, np.zeros(once.size), np.ones(once.size))]
     parts = [_speed(arc.take(lanes[part]), reach[lanes[part]]) for part in blocks(lanes.size, CACHED)]
     speed = np.concatenate([np.zeros((len(arc.terms) - 1, 0)), *parts], axis=1)

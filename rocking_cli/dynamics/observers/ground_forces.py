@@ -117,7 +117,7 @@ class GroundForces(Observer):
     def __init__(self, body: Body, batch: Batch) -> None:
         self.body, self.batch, self.cells, self.segments = body, batch, batch.cells, batch.segments
         self.ground, self.extremes = Ground(body, batch.segments), ForceExtremes(batch.size)
-        self._steps, self._free = np.empty((11, 0)), [np.empty((4, 0))]
+        self._steps = np.empty((11, 0))
 
     def arcs(self, arcs: Arcs) -> None:
         """Search the forces on these arcs."""
@@ -207,16 +207,10 @@ class GroundForces(Observer):
         self.extremes.include_along(cell, along, whole, along(indices, low), along(indices, high), self.body.one_sided)
 
     def free(self, lanes: Lanes) -> None:
-        """Store the free motions of undamped lanes until the result is asked for."""
-        edge = self.body.on(lanes.side)
+        """Search three arcs of each free motion, so that each edge has its fastest impact, and the forces of bounces without speed."""
+        cell, side, zero, edge = lanes.cell, lanes.side, np.zeros(lanes.cell.size), self.body.on(lanes.side)
         square = self.body.squared_speed_at_ground(edge, lanes.y, lanes.v)
         top = np.where(lanes.v > 0.0, self.body.top(edge, square), edge.unit * lanes.y)
-        self._free.append(np.array([lanes.cell, lanes.side, square, top]))
-
-    def _search_free(self) -> None:
-        """Search three arcs of each free motion, so that each edge has its fastest impact, and the forces of bounces without speed."""
-        cell, side, square, top = np.concatenate(self._free, axis=1)
-        cell, zero = cell.astype(np.int64), np.zeros(cell.size)
         kept = self.cells.eta[0, cell] * self.cells.eta[-1, cell]
         bounces = np.flatnonzero((kept > 0.0) & (kept < 1.0))
         for _ in range(_ARCS):
@@ -280,7 +274,6 @@ class GroundForces(Observer):
     def result(self, outcome: Array) -> tuple[Array, Array]:
         """(largest |Fx|/Fz, infinite where Fz <= 0; least Fz/(m g)) of each cell, (cells,). outcome: codes of each cell."""
         self._search_steps()
-        self._search_free()
         if self.batch.free_fall is not None:
             fallen = np.flatnonzero(self.batch.free_fall.occurs & (outcome == Outcome.LOST_CONTACT))
             self.extremes.include_forces(fallen, np.zeros(fallen.size), np.zeros(fallen.size))

@@ -89,7 +89,7 @@ class Body:
         elif self.k < self.drive_lists.count and (self.v < _STILL or self._may_rest(to, fall)):
             lanes = self._lanes()
             if self.v < _STILL or self.contact.sequence_ends(self.segments, lanes, self.equation)[0]:
-                self._uplift(lanes=lanes)
+                self._uplift(before=lanes)
 
     def _bounces_too_often(self) -> bool:
         """True if the body would need more steps than allowed within this segment."""
@@ -116,15 +116,13 @@ class Body:
         block = self.drive_lists.at(self.k)
         return 3.0 * v * lasts * edge.omega <= (1.0 - edge.cycle_ratio) * (block.length[self.k - block.first] - self.u)
 
-    def _uplift(self, first: bool = False, lanes: Lanes | None = None) -> None:
-        """Go from rest to the next uplift; end the march if there is none."""
+    def _uplift(self, first: bool = False, before: Lanes | None = None) -> None:
+        """Go from rest to the next uplift; end the march if there is none. before: this body as it came to rest."""
         at = np.array([self.k]), np.array([self.u])
         lift: Uplift = self.contact.uplift(self.cells, self.segments, np.zeros(1, dtype=np.int64), *at)
         k, u = place(self.segments, lift.k, lift.u)
-        before = lanes
         self.k, self.u, self.y, self.v, self.force = int(k[0]), float(u[0]), 0.0, 0.0, float(lift.b[0])
-        if self.edges.get(float(lift.side[0])) is not None:
-            self.edge = self.edges[float(lift.side[0])]
+        self.edge = self.edges.get(float(lift.side[0]), self.edge)
         lifts = self.k < self.drive_lists.count
         if self.listener is not None and before is not None:
             self.listener.rest(before, self._lanes())

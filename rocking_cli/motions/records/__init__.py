@@ -10,8 +10,6 @@ installed package adds a format by an entry point, a module or an object with th
 Entry points are read only for a file that no format of FORMATS recognises, and before it is taken for plain columns of numbers.
 """
 
-from __future__ import annotations
-
 import gzip
 import hashlib
 import io
@@ -57,18 +55,18 @@ def _formats() -> tuple[Any, ...]:
 
 
 @cache
-def _entries(_: tuple[str, ...]) -> tuple[EntryPoint, ...]:
+def _entries(_: tuple[str, ...]) -> "tuple[EntryPoint, ...]":
     """Return the entry points of formats, read once for each search path of modules."""
     return tuple(installed(GROUP).values())
 
 
-def _blamed(source: str, entry: EntryPoint | None) -> AbstractContextManager[None]:
+def _blamed(source: str, entry: "EntryPoint | None") -> AbstractContextManager[None]:
     if entry is None:
         return nullcontext()
     return blamed(entry, lambda found: DocumentError(f"{source}: the record format {found}; expected a package that works"))
 
 
-def _format_of(source: str, head: str) -> tuple[Any, EntryPoint | None]:
+def _format_of(source: str, head: str) -> "tuple[Any, EntryPoint | None]":
     """Return the format that recognises a file, and the entry point of the package that adds the format; (None, None) for a file without
     records. Raises DocumentError for a package that fails."""
     for found in _formats():

@@ -1,7 +1,5 @@
 """A record: samples of ground acceleration at equal steps of time, joined by straight lines. The components of a file."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ chunks, which have their own checksums. A partial file is a layout followed by e
 spoils one entry at most.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

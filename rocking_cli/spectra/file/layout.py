@@ -1,7 +1,5 @@
 """The layout of a spectra file: its datasets, built in memory so that no incomplete layout is ever on a disk, and its chunks."""
 
-from __future__ import annotations
-
 import io
 import json
 import math

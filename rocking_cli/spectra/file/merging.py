@@ -1,7 +1,5 @@
 """Merges the shards of a sweep into one file; it copies bytes and computes no cell."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Reading of spectra files: contents, checks, and cells."""
 
-from __future__ import annotations
-
 import io
 import json
 import os

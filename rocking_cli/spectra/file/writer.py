@@ -5,8 +5,6 @@ checksums, so a kill loses at most the last entry, and a flipped bit only its ch
 then finds it in use and changes nothing. On a system without locks, two sweeps of one output are only detected at their end.
 """
 
-from __future__ import annotations
-
 import io
 import json
 import os
@@ -260,7 +258,7 @@ class SpectraWriter:
                 self.file.close()
                 self.part.unlink()
 
-    def __enter__(self) -> SpectraWriter:
+    def __enter__(self) -> "SpectraWriter":
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:

@@ -1,7 +1,5 @@
 """Units of work on a running dask.distributed cluster: workers return arrays, and this process alone writes the file."""
 
-from __future__ import annotations
-
 import logging
 import re
 import socket

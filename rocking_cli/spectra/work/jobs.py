@@ -4,8 +4,6 @@ The cells of a unit are computed by the same code in the same order everywhere, 
 workers or the size of a unit, to the last bit.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass

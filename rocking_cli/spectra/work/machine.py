@@ -3,8 +3,6 @@
 Two machines with equal states compute the same bytes.
 """
 
-from __future__ import annotations
-
 import hashlib
 import platform
 from collections.abc import Mapping, Sequence
