@@ -16,7 +16,7 @@ from ..errors import UsageError
 SI = {
     "angle": "rad", "angular velocity": "rad/s", "frequency parameter": "rad/s", "circular frequency": "rad/s",
     "acceleration": "m/s2", "velocity": "m/s", "length": "m", "mass": "kg", "time": "s", "intensity": "m/s", "gravity": "m/s2",
-    "frequency": "Hz", "annual rate": "1/yr", "years": "yr",
+    "frequency": "Hz", "force": "N", "annual rate": "1/yr", "years": "yr",
 }  # fmt: skip
 """The SI unit of each dimension (years for rates). Gravity and Arias intensity are separate dimensions, because `--units` must not change
 them."""
@@ -31,7 +31,7 @@ COLUMNS = {
     "worst_f_g": "frequency", "pgv": "velocity", "arias": "intensity", "cav": "intensity", "gravity": "gravity", "mass": "mass",
     **dict.fromkeys(("pgd", "S_d", "top_displacement", "x", "z", "arm", "length", "tip_height", "crack_height", "inset"), "length"),
     **dict.fromkeys(("code_linear", "code_slv", "code_slc", "theta_04_a"), "acceleration"), "d_slv": "length", "d_slc": "length",
-    "t_slv": "time", "t_slc": "time",
+    "t_slv": "time", "t_slc": "time", "force": "force", "tendon_force": "force",
     **dict.fromkeys(("annual_rate", "annual_rate_low", "annual_rate_high", "rate_beyond", "rate_without_fit"), "annual rate"),
     **dict.fromkeys(("hazard", "deaggregation"), "annual rate"), "return_period": "years",
 }  # fmt: skip

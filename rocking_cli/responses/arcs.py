@@ -4,7 +4,7 @@ from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from ..dynamics.equations.equation import Equation, Point
 from ..dynamics.equations.taylor import TaylorSeries
 from ..dynamics.outcome import LOST, Outcome
 from ..motions.blocks import blocks
+
+if TYPE_CHECKING:
+    from .tied_history import DeviceForces
 
 Array = np.ndarray
 
@@ -58,7 +61,8 @@ class Event(NamedTuple):
 @dataclass(frozen=True)
 class History:
     """A response in time: arcs, events, the time tau at which they end; the outcome and the largest |theta|/alpha of the whole motion,
-    which may come later (NaN if the body overturned); devices: a row for each tie and tendon (`tied_history`)."""
+    which may come later (NaN if the body overturned); devices: a row for each tie and tendon, and device_forces:
+    their forces over time (`tied_history`)."""
 
     equation: Equation
     arcs: Arcs
@@ -67,6 +71,7 @@ class History:
     outcome: Outcome
     highest: float
     devices: tuple[dict[str, Any], ...] = ()
+    device_forces: "DeviceForces | None" = None
 
     def at(self, tau: Array) -> tuple[Array, Array]:
         """Return theta/alpha [-] and its derivative by tau [-] at times tau, in the shape of tau; zero at rest, NaN after the end."""
@@ -145,11 +150,11 @@ class Writer:
         flow = TaylorSeries(np.ascontiguousarray(terms.T), unit, unit, np.ones(unit.size), float(self.equation.damping))
         return Arcs(start, start + reach / pace, side, flow, pace)
 
-    def history(self, arcs: Arcs, duration: float, outcome: Outcome, highest: float, devices: tuple[dict[str, Any], ...] = ()) -> History:
+    def history(self, arcs: Arcs, duration: float, outcome: Outcome, highest: float) -> History:
         """Return the history up to tau = duration, or to the overturning or the loss of contact."""
         end = min([duration, *(e.tau for e in self.events if e.event in ("overturning", LOST))])
         events = tuple(e for e in self.events if e.tau <= end)
         kept = int(np.searchsorted(arcs.start, end, side="right"))
         flow = arcs.flow.take(np.arange(kept))
         arcs = Arcs(arcs.start[:kept], np.minimum(arcs.stop[:kept], end), arcs.side[:kept], flow, arcs.pace[:kept])
-        return History(self.equation, arcs, events, end, outcome, highest, devices)
+        return History(self.equation, arcs, events, end, outcome, highest)

@@ -1,6 +1,7 @@
 """The response in time of a body with ties or a tendon: it listens to the march of one such body (`dynamics.tied`)."""
 
-from typing import Any
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -8,12 +9,32 @@ from ..dynamics.equations.taylor import TaylorSeries
 from ..dynamics.lanes import Lanes
 from ..dynamics.outcome import Outcome
 from ..dynamics.system import System
-from ..dynamics.tied.devices import BROKEN, YIELDING
+from ..dynamics.tied.devices import BROKEN, YIELDING, Devices, Phase
+from ..dynamics.tied.tied_lanes import TiedLanes
 from ..dynamics.tied.tied_march import March
 from ..motions.motion import Motion
 from .arcs import INVISIBLE, History, Writer
 
 STATES = ("elastic", "yielded", "broken")  # of ties and tendons
+
+
+class DeviceForces(NamedTuple):
+    """The forces of ties and the tendon over time, fixed + rate e from each time start [tau] on: arrays (times,), of fixed [N] and rate
+    [N/m] (devices, times). row: of the side, as in `Devices`. At rest a tie of both sides has the larger of its two forces."""
+
+    devices: Devices
+    start: np.ndarray
+    row: np.ndarray
+    fixed: np.ndarray
+    rate: np.ndarray
+
+    def columns(self, tau: np.ndarray, theta: np.ndarray) -> dict[str, np.ndarray]:
+        """Return the force [N] of each device at times tau, with rotations theta [rad] of either sign, as tie_1_force, tendon_force."""
+        at = np.searchsorted(self.start, tau, side="right") - 1
+        row = self.row[at]
+        elongation = self.devices.elongation(row, np.abs(theta) / self.devices.unit[row, 0])
+        force = np.maximum(self.fixed[:, at] + self.rate[:, at] * elongation, 0.0)
+        return {f"{name.replace(' ', '_')}_force": of for name, of in zip(self.devices.names, force, strict=True)}
 
 
 class _Recorder(Writer):
@@ -24,15 +45,18 @@ class _Recorder(Writer):
 
     def __init__(self, system: System, until: float, omega: float) -> None:
         super().__init__(system.equation, omega)
-        self.until = until
+        assert system.devices is not None
+        self.until, self.devices = until, system.devices
+        self.laws = [(0.0, 0, system.devices.prestress.max(axis=0), 0.0 * system.devices.prestress[0])]
 
     def tau(self, lanes: Lanes) -> float:
         """Return the time of the first lane, as tau of the history."""
         segments, k = self.march.segments, min(int(lanes.k[0]), len(self.march.segments) - 1)
         return (float(segments.start[k]) + float(lanes.u[0])) / self.omega
 
-    def keep(self, lanes: Lanes, arc: TaylorSeries, reach: float) -> None:
-        """Keep an arc of the first lane that begins now and lasts `reach` [tau of the side]."""
+    def keep(self, lanes: Lanes, arc: TaylorSeries, reach: float, now: Phase) -> None:
+        """Keep an arc of the first lane that begins now and lasts `reach` [tau of the side], and the force law of the devices on it."""
+        self.laws.append((self.tau(lanes), int(self.devices.row(lanes.side)[0]), now.fixed[:, 0], now.rate[:, 0]))
         pace = self.omega / float(lanes.omega[0])
         self.add_arc(self.tau(lanes), reach, float(lanes.side[0]), pace, float(arc.unit[0]), arc.terms[:, 0].tolist())
 
@@ -40,14 +64,22 @@ class _Recorder(Writer):
         """Keep an event of the first lane, at the time of the lane plus `later` [tau]."""
         self.add_event(self.tau(lanes) + later, event, float(lanes.side[0]), y, v, self.omega / float(lanes.omega[0]), device)
 
-    def rest(self, before: Lanes, after: Lanes, bounces: float) -> None:
+    def rest(self, before: TiedLanes, after: TiedLanes, bounces: float) -> None:
         """Keep a rest, which begins after bounces of a duration `bounces` [tau of the side], and the uplift after the rest."""
         lasts = bounces * float(before.omega[0]) / self.omega
+        rows = range(len(self.devices.stiffness))
+        held = [self.devices.force_at_ground(np.array([row]), before.phase[row], before.plastic[row])[:, 0] for row in rows]
+        self.laws.append((self.tau(before) + lasts, 0, np.max(held, axis=0), 0.0 * held[0]))
         lifts = after.k[0] < len(self.march.segments)
         if not lifts or self.tau(after) > self.tau(before) + lasts:
             self.note(before, "rest", 0.0, 0.0, later=lasts)
         if lifts:
             self.note(after, "uplift", 0.0, 0.0)
+
+    def forces(self) -> DeviceForces:
+        """Return the forces of the devices over time."""
+        start, row, fixed, rate = (np.array(x) for x in zip(*self.laws, strict=True))
+        return DeviceForces(self.devices, start, row, fixed.T, rate.T)
 
 
 def tied_history(system: System, motion: Motion, amplitude: float, omega: float, eta: float, release: float, duration: float) -> History:
@@ -56,7 +88,8 @@ def tied_history(system: System, motion: Motion, amplitude: float, omega: float,
     recorder.march = march = March(system, motion.coarsest, np.array([amplitude]), np.array([omega]), np.array([eta]), recorder)
     found = march.run(release)
     outcome, rows = Outcome(int(found.outcome[0])), tuple(device_rows(system, march))
-    return recorder.history(recorder.arcs(), duration, outcome, float(found.theta_ratio[0]), rows)
+    history = recorder.history(recorder.arcs(), duration, outcome, float(found.theta_ratio[0]))
+    return replace(history, devices=rows, device_forces=recorder.forces())
 
 
 def device_rows(system: System, march: March) -> list[dict[str, Any]]:

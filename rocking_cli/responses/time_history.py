@@ -137,7 +137,8 @@ class TimeHistory:
         self, *, dt: float | None = None, steps: bool = False, dimensionless: bool = False, forces: bool = False
     ) -> Iterator[dict[str, Any]]:
         """Yield a row for each time; dt in s, or in tau with `dimensionless`; forces: add the forces over m g. Columns have the name of
-        the model if there are two. Columns with units come first, then tau and theta/alpha, last those of `NAMED`."""
+        the model if there are two. Columns with units come first, among them the force of each
+        tie and tendon [N], then tau and theta/alpha, last those of `NAMED`."""
         s = self.structure
         time = 1.0 if dimensionless else 1.0 / s.p
         tau = self.times(None if dt is None else dt / time, steps)
@@ -151,8 +152,10 @@ class TimeHistory:
             angle = 1.0 if dimensionless else s.alpha_on(found.sides(tau))
             columns[names[1] + suffix], columns[names[2] + suffix] = ratio * angle, rate * angle / time
             last |= {} if dimensionless else {f"theta_ratio{suffix}": ratio}
-            if forces:
-                columns |= {name + suffix: values for name, values in self.forces[model].columns(tau).items()}
+            more = self.forces[model].columns(tau) if forces else {}
+            if found.device_forces and not dimensionless:
+                more = found.device_forces.columns(tau, columns[names[1] + suffix])
+            columns |= {name + suffix: values for name, values in more.items()}
         columns |= {names[3]: ground if dimensionless else s.ground_acceleration(ground), **last}
         named = dict(zip(NAMED, (s.name, self.motion.name, " and ".join(self.histories)), strict=True))
         keys = list(columns)

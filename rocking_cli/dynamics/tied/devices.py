@@ -156,11 +156,14 @@ class Devices:
         pulls, _ = self.thresholds(row, plastic)
         return np.where(phase == BROKEN, BROKEN, np.where(pulls <= 0.0, ELASTIC, SLACK))
 
+    def force_at_ground(self, row: Array, phase: Array, plastic: Array) -> Array:
+        """The force [N] of each device on bodies at the ground, (devices, lanes)."""
+        force = np.clip(self.on(self.prestress, row) - self.on(self.stiffness, row) * plastic, 0.0, None)
+        return np.where(phase == BROKEN, 0.0, force)
+
     def pull(self, row: Array, phase: Array, plastic: Array) -> Array:
         """The restoring acceleration -y'' that the devices add to bodies at the ground, (lanes,)."""
-        force = np.clip(self.on(self.prestress, row) - self.on(self.stiffness, row) * plastic, 0.0, None)
-        force = np.where(phase == BROKEN, 0.0, force)
-        return _added(force * self.on(self.height, row)) / self.moment[row, 0]
+        return _added(self.force_at_ground(row, phase, plastic) * self.on(self.height, row)) / self.moment[row, 0]
 
     @cached_property
     def alike(self) -> bool:

@@ -8,6 +8,7 @@ from typing import NamedTuple, Protocol
 from ..equations.taylor import TaylorSeries
 from ..lanes import Array, Lanes
 from ..outcome import Work
+from .devices import Phase
 
 
 @dataclass
@@ -44,13 +45,13 @@ class Recorder(Protocol):
     until: float
     visible: float
 
-    def keep(self, lanes: Lanes, arc: TaylorSeries, reach: float) -> None:
-        """Record an arc that lasts `reach` [tau] from the state of the lanes."""
+    def keep(self, lanes: Lanes, arc: TaylorSeries, reach: float, now: Phase) -> None:
+        """Record an arc that lasts `reach` [tau] from the state of the lanes, with the force law of the devices on it."""
 
     def note(self, lanes: Lanes, event: str, y: float, v: float, device: str = "") -> None:
         """Record an event at the present position of the lanes in the motion."""
 
-    def rest(self, before: Lanes, after: Lanes, bounces: float) -> None:
+    def rest(self, before: TiedLanes, after: TiedLanes, bounces: float) -> None:
         """Record a rest until the next uplift, after `bounces` [tau] of bouncing that follow an impact."""
 
 

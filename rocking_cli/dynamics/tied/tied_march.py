@@ -176,7 +176,7 @@ class March:
             y[at] = level
         top = np.where(through, top, y)
         if self.recorder is not None:
-            self.recorder.keep(lanes, arc, float(reach[0]))
+            self.recorder.keep(lanes, arc, float(reach[0]), now)
         self._press(lanes, row, now, step, reach)
         whole = (reach >= left) & ~(up | down)
         lanes.y, lanes.v = y, v

@@ -59,8 +59,13 @@ def test_a_history_is_that_of_an_integration_that_shares_no_code(a_g, period, re
     devices = [Device(side, **{NAMES.get(key, key): x for key, x in keys.items()}) for side in ((1,) if one_sided else (1, -1))]
     omega, steps = 2.0 * math.pi / period / body.p, []
     motion, end = OUTWARDS.still_until(2.0 * math.pi + 3.0 * omega), period + 3.0 / body.p
-    oracle = wall(devices, body.eta)
-    oracle.run(shaking(motion, a_g * G, omega * body.p), seen=lambda *step: steps.append(step), release=release * ALPHA)
+    oracle, pulls = wall(devices, body.eta), []
+
+    def seen(side, step):
+        steps.append((side, step))
+        pulls.append(sum(device.tension(step.height(0.5)) for device in oracle.on(side)))
+
+    oracle.run(shaking(motion, a_g * G, omega * body.p), seen=seen, release=release * ALPHA)
     found = history(EXACT.system_of(body), OUTWARDS, body.dimensionless_amplitude(a_g * G), omega, body.eta, duration=end * body.p,
                     release=release)  # fmt: skip
     side, t, u, v = np.array([(side, step.t + step.h, step.u_end, step.v_end) for side, step in steps if step.t < 0.999 * end]).T
@@ -70,10 +75,27 @@ def test_a_history_is_that_of_an_integration_that_shares_no_code(a_g, period, re
     ratio, rate = found.at(t[~struck] * body.p)
     assert ratio * ALPHA == pytest.approx((side * u)[~struck], abs=1e-10)
     assert rate * ALPHA * body.p == pytest.approx((side * v)[~struck], abs=1e-9)
+    middle = np.array([step.t + 0.5 * step.h for _, step in steps]) * body.p
+    rotation = found.at(middle)[0] * ALPHA
+    seen_by_both = (rotation != 0.0) & (middle < (impacts[9] if len(impacts) > 9 else end * body.p))
+    assert found.device_forces is not None
+    (force,) = found.device_forces.columns(middle, rotation).values()
+    assert force[seen_by_both] == pytest.approx(np.array(pulls)[seen_by_both], abs=1e-10 * keys["height"] * keys["stiffness"] + 1e-9)
     for device, told in zip(devices, found.devices, strict=True) if one_sided else ():
         force = min(device.force, device.prestress + device.stiffness * device.farthest)
         assert (told["force"], told["permanent"]) == pytest.approx((force, device.permanent), rel=1e-8, abs=1e-12)
         assert told["state"] == ("yielded" if device.permanent else "elastic")
+
+
+def test_rows_have_the_force_of_each_device_and_at_rest_its_prestress():
+    """After a permanent elongation of 0.224 m the tie is slack at rest. The elastic tie has its largest force in a row at a peak."""
+    shaken = parse_grid("a_g=1g,T_g=0.8")
+    rows = list(time_history(built(WALL + YIELDING), OUTWARDS, shaken, [EXACT]).rows(dt=0.05))
+    assert (rows[0]["tie_1_force"], rows[-1]["theta"], rows[-1]["tie_1_force"]) == (5000.0, 0.0, 0.0)
+    rows = list(time_history(built(WALL + ELASTIC), OUTWARDS, shaken, [EXACT]).rows(steps=True))
+    assert max(row["tie_1_force"] for row in rows) == pytest.approx(50925.712, abs=5e-4)
+    assert rows[-1]["tie_1_force"] == 5000.0
+    assert "tie_1_force" not in next(time_history(built(WALL + ELASTIC), OUTWARDS, shaken, [EXACT]).rows(dimensionless=True))
 
 
 def test_the_first_yield_is_met_when_the_reference_says():
