@@ -153,6 +153,7 @@ def fragility(
     if not found:
         note(f"{wanted.output}: {sweep.shard} is written; join the shards by rocking merge, then repeat the call with --resume")
         return
+    direction = direction_in_words(*structures)
     refused: list[str] = []
     remarks: list[str] = []
     if wanted.cells:
@@ -164,6 +165,7 @@ def fragility(
     else:
         fits, refused = fitted(found, states, methods)
         if not fits and not (exact and (wanted.curve or hazard)):
+            note(*direction)
             raise UsageError(refused[0] if refused else "no limit state for this method: first needs overturning, cloud needs rotations")
         if wanted.export is not None and wanted.output is not None:
             from ..fragility.exports import share_of, write
@@ -175,8 +177,7 @@ def fragility(
             rated = [(f"{fit.structure}, {fit.limit}, {fit.method}", fit.rate) for fit in fits]
             rated += [(f"{study.structure.name}, overturning, exact", study.rate_without_fit) for study in found if exact]
             remarks += [f"{name}: {words}" for name, rate in rated if rate is not None for words in rate.remarks(hazard)]
-    lines = model.in_words([equation], structures) + direction_in_words(*structures)
-    note(*refused, *remarks, *lines, f"{len(members)} motions")
+    note(*refused, *remarks, *model.in_words([equation], structures), *direction, f"{len(members)} motions")
     words = f"of {len(members)} motions overturn it at one intensity and not at a larger one"
     note(*(f"{study.structure.name}: {study.resurrections} {words}" for study in found if study.resurrections))
     stated = click.get_current_context().get_parameter_source("limits") is not click.core.ParameterSource.DEFAULT

@@ -207,7 +207,7 @@ def has_direction(structure: RockingParameters) -> bool:
     return not (structure.plain or governing_method(structure).system_of(structure).alike)
 
 
-def direction_in_words(*structures: RockingParameters, opposite: str = "`scale` -1") -> list[str]:
+def direction_in_words(*structures: RockingParameters, opposite: str = "the other sign of `scale` (1 if not given)") -> list[str]:
     """The line that names the structures with a direction, in a run that computes one direction only; no line without them. opposite: the
     option that gives the other one."""
     names = [s.name for s in structures if has_direction(s)]

@@ -112,7 +112,7 @@ def boundaries(
         return Boundary(name, varied.key, member.varied[varied.key], side, capacity_demand, member.shown)
 
     scanned = []
-    for i, value in enumerate(varied.values, 1):
+    for i, value in enumerate(sorted(varied.values), 1):
         scanned.append((value, excess(value)))
         if progress is not None:
             progress(i, len(varied.values))

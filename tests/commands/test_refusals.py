@@ -35,6 +35,7 @@ REFUSED = {
         (2, "params --jsn", "rocking params: No such option --jsn (did you mean '--json'?) (see --help)\n"),
         (2, "convert --frobnicate", "rocking convert: No such option --frobnicate (see --help)\n"),
         (2, "help document", "No such command or topic 'document' (did you mean 'documents'?)"),
+        (2, "help dampers", "No such command or topic 'dampers'; it stands in `rocking help documents`, `rocking help ties`"),
         (2, "init tower", "'tower' is not one of 'block'"),
         (2, "init", "Missing argument 'KIND'. Choose from: block, point_mass, "),
     ],

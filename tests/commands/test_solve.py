@@ -53,6 +53,12 @@ def test_every_boundary_of_the_range_and_a_range_without_one(rocking, judged):
         assert f"{said} at any value of the scan" in none.stderr
 
 
+def test_a_range_that_descends_gives_the_same_boundaries(rocking):
+    call = ("solve", "block:0.5x2", *SHAKING, "--csv", "--vary")
+    assert rocking(*call, "width=0.9:0.3:4").stdout == rocking(*call, "width=0.3:0.9:4").stdout
+    assert "stands above" in rocking(*call, "width=0.9:0.3:4").stdout
+
+
 def test_a_share_of_the_records(rocking, judged):
     judged(lambda h: h, lambda h: 0.5 * h, lambda h: 0.25 * h)
     record = "configs/motions/synthetic.at2"
