@@ -35,7 +35,7 @@ class Arcs(NamedTuple):
 
     def at(self, tau: Array) -> tuple[Array, Array]:
         """Return (the indices of the times that lie on an arc, the index of the arc of each)."""
-        arc = np.searchsorted(self.start, tau, side="right") - 1
+        arc = np.searchsorted(self.start, tau * LATE, side="right") - 1
         inside = np.flatnonzero((arc >= 0) & (tau <= self.stop.take(arc) * LATE)) if self.start.size else np.zeros(0, dtype=np.int64)
         return inside, arc[inside]
 

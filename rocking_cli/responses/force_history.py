@@ -167,8 +167,8 @@ class ForceHistory:
     def around(self, tau: float) -> tuple[Forces, Forces]:
         """Return the forces just before and just after an instant; they differ at impacts and at jumps of the ground acceleration."""
         arcs, at = self.found.arcs, np.array([tau])
-        before = np.flatnonzero((arcs.start < tau) & (tau <= arcs.stop * LATE))[:1]
-        after = np.flatnonzero((arcs.start <= tau * LATE) & (tau < arcs.stop))[:1]
+        before = np.flatnonzero((arcs.start * LATE < tau) & (tau <= arcs.stop * LATE))[:1]
+        after = np.flatnonzero((arcs.start <= tau * LATE) & (tau * LATE < arcs.stop))[:1]
         found = [self.along(arc, np.minimum(at, arcs.stop[arc])) if arc.size else self.at(at) for arc in (before, after)]
         first, then = (Forces(float(f.fx[0]), float(f.fz[0])) for f in found)
         return first, then

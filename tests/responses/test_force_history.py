@@ -197,3 +197,15 @@ def test_contact_is_lost_at_the_first_instant_without_force_though_a_free_fall_i
     )
     assert solved.t_events[0][0] == pytest.approx(last["tau"], abs=1e-8)
     assert last["tau"] < history.end - 1e-2
+
+
+@pytest.mark.parametrize(("text", "grid"), [("kind: block\nwidth: 0.5\nheight: 2\n", "a_g=0.35g,f_g=1.5"), (STATUE, "a_g=0.6g,f_g=1.2")])
+def test_the_forces_just_after_an_impact_are_those_of_the_rows_after_it(text, grid):
+    """The time of an impact and the end of its arc may differ in the last bit."""
+    _, found, forces = answer(text, sine(1), grid)
+    impacts = [e.tau for e in found.histories["nonlinear"].events if e.event == "impact"]
+    for tau in impacts[:20]:
+        (before, after), near = forces.around(tau), forces.at(np.array([tau - 1e-9, tau, tau + 1e-9]))
+        assert before == pytest.approx((near.fx[0], near.fz[0]), abs=1e-7)
+        assert after == pytest.approx((near.fx[2], near.fz[2]), abs=1e-7)
+        assert after == pytest.approx((near.fx[1], near.fz[1]), abs=1e-13)
