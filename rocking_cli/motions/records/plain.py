@@ -1,4 +1,5 @@
-"""Plain text: one column of accelerations, or two of time [s] and acceleration, below any lines that hold no numbers."""
+"""Plain text: one column of accelerations, or two of time and acceleration, below any lines that hold no numbers. The last of these may
+state units in brackets, such as `time [ms], acc [g]`; without them a time is in s, and the user states the unit of the acceleration."""
 
 import re
 
@@ -6,7 +7,7 @@ import numpy as np
 
 from ...documents.quantities import UNITS
 from ...errors import DocumentError
-from .record import Series
+from .record import Series, unit_of
 from .text import RecordText
 
 NAME = "text"
@@ -16,6 +17,7 @@ _WORD = re.compile(r"(?!(?:nan|inf)\b)[a-z]{2,}", re.IGNORECASE)
 _MOST_TITLE_LINES = 40
 _FEW = 10  # values, fewer than which may be as many as the first of them says
 _LONG = 1.0  # s, from which on a column may number its values, or hold times in ms
+_BRACKETED = re.compile(r"[\[(]([^\])]*)[\])]")
 _UNEVEN = 0.1  # part of a step by which printed times may lie off an even grid
 
 
@@ -33,10 +35,11 @@ def _is_row(line: str) -> bool:
 
 def read(text: RecordText) -> list[Series]:
     """Return the one component of the file. Raises DocumentError."""
-    at, first = text.at, text.line
+    at, first, title = text.at, text.line, ""
     while (line := text.next_line()) is not None and not _is_row(line):
         if re.search(r"\bvel(?:oc\w*)?\b", line, re.IGNORECASE) and not re.search(r"\bacc", line, re.IGNORECASE):
             raise text.fault(f"found {line.strip()!r}; expected an acceleration")
+        title = line if line.strip() else title
         at, first = text.at, text.line
     if line is None:
         raise text.fault("no numbers")
@@ -44,9 +47,12 @@ def read(text: RecordText) -> list[Series]:
     if ";" in line and "," in line and "." not in line:  # decimal commas
         text.raw = text.raw[:at] + text.raw[at:].replace(b",", b".")
     values, columns = text.table(_SEPARATORS)
-    unit, dt = text.unit_given, text.dt_given
     if columns > 2:
         raise text.fault(f"{columns} columns; expected one (acceleration) or two (time in s, acceleration)", first)
+    *times, unit = _stated_units(title, columns)
+    if unit is not None and text.unit_given is not None and UNITS["acceleration"][text.unit_given] != UNITS["acceleration"][unit]:
+        raise DocumentError(f"{text.source}: `unit`: found {text.unit_given}; expected {unit}, which the heading {title.strip()!r} states")
+    unit, dt = unit or text.unit_given, text.dt_given
     if unit is None:
         raise DocumentError(f"{text.source}: plain numbers without a unit; give it as `unit`, one of {', '.join(UNITS['acceleration'])}")
     if columns == 1:
@@ -57,9 +63,20 @@ def read(text: RecordText) -> list[Series]:
         return [Series(None, dt, values, unit)]
     if dt is not None:
         raise DocumentError(f"{text.source}: two columns, of which the first is the time; `dt` goes with one column")
-    step = even_step(values[0::2], text, first)
+    if times[0] not in UNITS["time"]:
+        raise DocumentError(f"{text.source}: found times in {times[0]}; expected {' or '.join(UNITS['time'])}")
+    step = even_step(values[0::2] * UNITS["time"][times[0]], text, first)
     remark = f"a step of {step:g} s, where the first column is taken for times in s" if step >= _LONG else ""
     return [Series(None, step, values[1::2], unit, remark=remark)]
+
+
+def _stated_units(title: str, columns: int) -> list[str | None]:
+    """Return the units of the columns in brackets of a heading; without them s for a time and None for an acceleration."""
+    stated = _BRACKETED.findall(title)
+    acceleration = unit_of(stated[-1]) if stated else None
+    if columns == 1 or acceleration is None or len(stated) != columns:
+        return ["s", acceleration][-columns:]
+    return [{"sec": "s", "seconds": "s"}.get(time := stated[0].strip().lower(), time), acceleration]
 
 
 def even_step(time: np.ndarray, text: RecordText, line: int, in_a_line: int = 1) -> float:

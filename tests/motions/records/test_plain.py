@@ -12,7 +12,7 @@ COLUMN = "".join(f"{x:.6f}\n" for x in SAMPLES)
 
 
 @pytest.mark.parametrize("separator", [",", ";", "\t", "   ", ", ", "  ,\t"])
-@pytest.mark.parametrize("title", ["", "Time[s]{}Accel[g]\n", "# made up\n# by hand\nt{}a\n\n"])
+@pytest.mark.parametrize("title", ["", "Time[s]{}Accel[m/s^2]\n", "# made up\n# by hand\nt{}a\n\n"])
 def test_two_columns(tmp_path, separator, title):
     path = tmp_path / "motion.csv"
     path.write_text(title.format(separator) + "".join(f"{0.01 * i:.3f}{separator}{x:.6f}\n" for i, x in enumerate(SAMPLES)))
@@ -27,6 +27,10 @@ SAME = {
     "one column": (COLUMN, {"unit": "g", "dt": 0.02}, 9.81),
     "decimal commas between semicolons": ("".join(f"{row}\n" for row in ROWS).replace(" ", ";").replace(".", ","), {"unit": "m/s2"}, 1.0),
     "blank lines between the numbers": ("Time,Accel\n\n" + "\n".join([*ROWS[:200], "", "", *ROWS[200:]]), {"unit": "m/s2"}, 1.0),
+    "a heading with units": ("Waveform\nTime [s],Acc [g]\n" + "\n".join(ROWS).replace(" ", ","), {}, 9.81),
+    "a heading with times in ms": ("t (ms) a (cm/sec^2)\n" + "".join(f"{10 * i} {x:.6f}\n" for i, x in enumerate(SAMPLES)), {}, 0.01),
+    "a heading of one column": ("a (g)\n" + COLUMN, {"dt": 0.02, "unit": "g"}, 9.81),
+    "a heading with another unit": ("Time (s) Pulse (unfiltered)\n" + "\n".join(ROWS), {"unit": "g"}, 9.81),
 }
 
 
@@ -79,6 +83,8 @@ def lines(**changed):
         ("1\n2\n3\n", {"unit": "g"}, "a: one column of numbers without times; give their step as `dt`"),
         (lines(), {"unit": "g", "dt": 0.01}, "`dt` goes with one column"),
         ("1 2 3\n4 5 6\n", {"unit": "g"}, "a:1: 3 columns"),
+        ("t [s], acc [g]\n" + lines(), {"unit": "m/s2"}, "a: `unit`: found m/s2; expected g, which the heading 't [s], acc [g]' states"),
+        ("t [min], acc [g]\n" + lines(), {}, "a: found times in min; expected s or ms"),
         (' Result ID, Spectral Ordinate, Event\n 1, SRSS, "Nowhere"\n 2, SRSS, "Elsewhere"\n', {"unit": "g"}, "no record format"),
         *(
             ("Time,Accel\n\n" + lines(_100=bad), {"unit": "g"}, f"a:103: {words}")
