@@ -1,7 +1,8 @@
 """Elastic spectra for the check by a code: that of a motion, of a file, and of a floor (Circolare 7/2019, section C7.2.3).
 
 A spectrum has `pga`, the peak acceleration [m/s2], `acceleration`, S_a [m/s2] at periods [s] of shape (n,), and `demand`, the
-displacement [m] that the code compares with the displacement of a limit state.
+displacement [m] that the code compares with the displacement of a limit state: the largest S_d up to the secant period, since the
+stiffness falls to the secant one.
 """
 
 import math
@@ -34,7 +35,7 @@ _FLOOR, _FLOOR_KEYS = "T=TIME,xi=RATIO,gamma_psi=NUMBER", {"T": "time", "xi": "n
 
 @dataclass(frozen=True)
 class MotionSpectrum:
-    """The spectrum of a motion of the site: the demand is the largest S_d up to the period, since the stiffness falls to the secant one."""
+    """The spectrum of a motion of the site."""
 
     record: Record
 
@@ -99,8 +100,12 @@ class SpectrumFile:
         return np.asarray(np.interp(periods, self.periods, self.values) * factor)
 
     def demand(self, period: float, damping: float) -> float:
-        """Return S_d [m] at the period."""
-        return float(self.acceleration(np.array([period]), damping)[0]) * (period / (2.0 * math.pi)) ** 2
+        """Return the largest S_d [m] up to the period, at the points of the file and where S_d has its top on the lines between them."""
+        slope = np.diff(self.values) / np.diff(self.periods)
+        tops = self.periods[:-1] - self.values[:-1] / np.where(slope < 0.0, slope, np.nan)  # where a line falls to zero
+        periods = np.concatenate([self.periods, 2.0 / 3.0 * tops, [period]])
+        periods = periods[periods <= period]
+        return float(np.max(self.acceleration(periods, damping) * (periods / (2.0 * math.pi)) ** 2))
 
 
 @dataclass(frozen=True)

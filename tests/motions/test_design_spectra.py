@@ -94,3 +94,14 @@ test_a_malformed_file_is_refused_with_its_place = refuses(read_spectrum, Documen
 ONE = "T=1,xi=0.05,gamma_psi=1"
 FLOORS = ["T=1", f"{ONE},q=2", f"{ONE},T=2", ONE.replace("1,xi", "1 m,xi"), ONE.replace("1,xi", "0,xi"), ONE.replace("0.05", "5")]
 test_a_malformed_floor_is_refused = refuses(parse_floor, UsageError, [(text, r"`floor`: (T: )?found") for text in FLOORS])
+
+
+def test_the_demand_of_a_file_does_not_fall_with_the_period():
+    """S_a = 10 - 2 T up to 4 s: T^2 S_a is largest at 10/3 s, where it is 1000/27; then a second rise of S_a to a lower S_d."""
+    falling = SpectrumFile("record", np.array([0.0, 4.0, 4.2, 5.0]), np.array([10.0, 2.0, 2.0, 0.1]))
+    unit = (2.0 * math.pi) ** 2
+    assert falling.demand(3.0, 0.05) * unit == pytest.approx(4.0 * 9.0, rel=1e-14)
+    for period in (10.0 / 3.0, 3.9, 4.1, 4.9):
+        assert falling.demand(period, 0.05) * unit == pytest.approx(1000.0 / 27.0, rel=1e-14)
+    with pytest.raises(UsageError, match="periods up to 5 s"):
+        falling.demand(5.1, 0.05)
