@@ -214,6 +214,7 @@ REFUSED = {
         (3, f"{COLUMN} --motion plain.txt --unit g", "give their step as --motion-dt\n"),
         (2, f"{COLUMN} {AT2} --T-g 1", "a record runs in its own time"),
         (2, f"{COLUMN} --scale-to PGA=1g --a-g 1 --T-g 1", "--scale-to goes with a record"),
+        (2, f"{COLUMN} {AT2} --scale-to PGA=1g --a-g 1", "--scale-to does not go with an amplitude: expected one of them"),
     ],
     "spectrum": [
         (2, "--eta 0.9 -o s.h5", "--grid"),
