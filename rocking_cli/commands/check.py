@@ -81,6 +81,8 @@ def check(
     by_code = None
     if coded.code is None:
         refuse("goes with --code", "spectrum", "floor", "fc")
+        if verdict_only:
+            refuse("needs the capacities, which --verdict-only does not search", "sort", "output")
     else:
         from .code_rows import CodeRows
 

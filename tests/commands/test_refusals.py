@@ -41,6 +41,8 @@ REFUSED = {
     ],
     "accuracy": [(2, "pair.yaml --grid A=1:2:2,Omega=1:2:2", "found 2 structures; expected one")],
     "check": [
+        (2, f"{COLUMN} {AT} --verdict-only --sort capacity", "--sort needs the capacities, which --verdict-only does not search"),
+        (2, f"{COLUMN} {AT} --verdict-only -o x.svg", "--output needs the capacities, which --verdict-only does not search"),
         (2, "stated.yaml", "no shaking"),
         (2, f"{AT}", "no structure: give FILE (- for standard input) (see --help)\n"),
         (2, "stated.yaml --a-g 0 --f-g 1", "the amplitude is 0"),

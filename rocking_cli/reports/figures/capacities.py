@@ -55,29 +55,30 @@ def _verdict(row: dict[str, str]) -> Verdict:
     )
     if demand is None:
         if first is None or ratio is None:
-            raise ValueError(f"{name} never overturns, and no column demand_a states the demand")
+            raise ValueError(f"{name} has no capacity, and no column demand_a states the demand")
         demand = first / ratio
     outcome, linear = (next(o for o in Outcome if o.flag == row[key]) for key in ("outcome", "outcome_linear"))
     return Verdict(name, row["motion"], row["model"], outcome, theta, demand, uplift, first, safe_to, linear)
 
 
 def capacities(figure: Figure, verdicts: Sequence[Verdict], in_g: bool) -> Axes:
-    """Draw for each structure a bar up to its first overturning, marks at uplift and demand, and the outcome in words."""
+    """Draw for each structure a bar up to its first overturning (none if that was not searched, or not found up to the end of the search),
+    marks at uplift and demand, and the outcome in words."""
     figure.set_size_inches(6.4, 1.6 + _ROW * len(verdicts))
     axes = figure.add_subplot()
     unit = DEFAULT_GRAVITY if in_g else 1.0
     most = 1.15 * max(x for v in verdicts for x in (v.demand_a, v.uplift_a, v.first_overturning_a) if x is not None) / unit
     for row, v in enumerate(verdicts):
         colour = v.outcome.colour if v.outcome != Outcome.NO_UPLIFT else "#E8E8E8"
-        reach = most if v.first_overturning_a is None else v.first_overturning_a / unit
+        reach = 0.0 if v.first_overturning_a is None else v.first_overturning_a / unit
         axes.barh(row, reach, height=0.62, color=colour, edgecolor="0.35", linewidth=0.8)
         if v.uplift_a is not None:
             axes.plot([v.uplift_a / unit] * 2, [row - 0.31, row + 0.31], color="k", lw=1.0, ls=":")
         axes.plot([v.demand_a / unit] * 2, [row - 0.45, row + 0.45], color="#D55E00", lw=2.0)
-        ratio = "never overturns" if v.capacity_demand is None else f"{v.capacity_demand:.2f}"
+        ratio, known = ("", "; no capacity known") if v.capacity_demand is None else (f"{v.capacity_demand:.2f}  ", "")
         window = ", in a safe window" if v.outcome.safe and v.capacity_demand is not None and v.capacity_demand < 1.0 else ""
         axes.annotate(
-            f"{ratio}  {v.sentence}{window}", (1.0, row), xycoords=("axes fraction", "data"), xytext=(6, 0),
+            f"{ratio}{v.sentence}{window}{known}", (1.0, row), xycoords=("axes fraction", "data"), xytext=(6, 0),
             textcoords="offset points", va="center", fontsize="small",
         )  # fmt: skip
     motions, names, models = (list(dict.fromkeys(x)) for x in zip(*((v.motion, v.structure, v.model) for v in verdicts), strict=True))

@@ -22,6 +22,15 @@ def test_bars_end_at_the_first_overturning_and_lines_stand_at_the_demand():
     assert [t.get_text() for t in axes.get_yticklabels()] == ["north", "east"]
 
 
+@pytest.mark.parametrize("a_max", [None, 0.6])
+def test_a_capacity_that_was_not_found_has_no_bar(a_max):
+    """Not searched, or only up to a_max: the body overturns above it."""
+    verdict = check(load_structures("block:0.5x2")[0], sine(), parse_grid("a_g=0.05g,f_g=1"), a_max=a_max)
+    axes = capacities(Figure(), [verdict], in_g=True)
+    assert [bar.get_width() for bar in axes.patches] == [0.0]
+    assert [text.get_text() for text in axes.texts] == ["no uplift; no capacity known"]
+
+
 def test_marks_stand_at_the_limit_states_and_at_their_demands():
     found = code_check(load_structures("block:0.5x2")[0], sine(), parse_grid("a_g=0.3g,T_g=0.4"))
     axes = Figure().add_subplot()
