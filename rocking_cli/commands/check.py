@@ -215,6 +215,7 @@ def _remarks(verdicts: list[Verdict]) -> list[str]:
             "lose contact with the ground (fz_min) during their fall, which is therefore not proved",
             lambda v: v.outcome.overturned and v.fz_min is not None and v.fz_min <= 0.0,
         ),
+        ("open a further hinge (see response --forces), so that another mechanism follows", lambda v: v.opens),
         ("would slide, because their friction is below friction_needed", lambda v: v.slides),
         ("stand by the linear equation, which is wrong", lambda v: v.falls and v.outcome_linear.safe),
     ]

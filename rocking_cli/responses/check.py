@@ -21,7 +21,9 @@ from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Grid, HasMotion, demand_of
 from ..processes import available_cpus, processes
+from ..structures.mechanics.fourbar import FourBar
 from ..structures.parameters import RockingParameters
+from .force_history import ForceHistory
 from .time_history import time_history
 
 if TYPE_CHECKING:
@@ -55,7 +57,7 @@ class Verdict:
     share_of_falls: if many narrow intervals overturn the body, the share of overturning amplitudes within 5 % above the first one; slides:
     true if friction_needed exceeds the friction of the document; top_displacement: the largest displacement of the top [m], None without a
     geometry or if the body falls; first_overturning_a_free: first_overturning_a of the body without its ties and tendon; devices: a row for
-    each tie and tendon, see `History.devices`.
+    each tie and tendon, see `History.devices`; opens: true if a further hinge opens in an arch, whose mechanism is then another one.
     """
 
     structure: str
@@ -76,6 +78,7 @@ class Verdict:
     top_displacement: float | None = None
     first_overturning_a_free: float | None = None
     devices: tuple[dict[str, Any], ...] = ()
+    opens: bool = False
 
     name = property(attrgetter("structure"))  # the old name
     dust = property(attrgetter("share_of_falls"))  # the old name
@@ -282,10 +285,15 @@ def _all(a_max: float | Limit | None, demands: Sequence[Demand]) -> list[Verdict
 
 
 def _of_history(method: Method, structure: RockingParameters, motion: Motion, shaking: Grid) -> dict[str, Any]:
-    """Return friction_needed, fz_min, top_displacement and devices from the history, which follows a falling body to `FALLEN`."""
-    if structure.arm is None and not structure.top and not structure.restraints:
+    """Return friction_needed, fz_min, top_displacement and devices, or opens, from the history, which goes on to `FALLEN`."""
+    arch = isinstance(structure.mechanism, FourBar) and method.model == "nonlinear" and not structure.damping
+    if structure.arm is None and not structure.top and not structure.restraints and not arch:
         return {}
     found = time_history(structure, motion, shaking, [method])
+    if arch:
+        forces = found.forces[method.model]
+        assert not isinstance(forces, ForceHistory)
+        return {"opens": forces.opens()}
     devices = found.histories[method.model].devices
     top: dict[str, Any] = {"top_displacement": found.top_displacement(method.model), **({"devices": devices} if devices else {})}
     if structure.arm is None or devices:

@@ -233,3 +233,8 @@ def test_the_opposite_direction_of_a_body_with_one_side_is_told(rocking):
     assert (done.returncode, done.record["outcome"], "unequal sides: overturns T" in done.stderr) == (5, "rocked", True)
     ranged = rocking(*call[:4], "--f-g", "1:3", "--verdict-only", "--scale", "-1", "--fail-on", "overturning")
     assert (ranged.returncode, "unequal sides: overturns block:0.5x2" in ranged.stderr) == (5, True)
+
+
+def test_a_further_hinge_of_an_arch_is_named(rocking):
+    done = rocking("check", "configs/arch.yaml", "--a-g", "0.4g", "--f-g", "1", "--verdict-only")
+    assert "open a further hinge (see response --forces), so that another mechanism follows: Oppenheim" in done.stderr

@@ -177,3 +177,12 @@ def test_a_demand_that_the_last_digits_decide_is_called_so(searched, monkeypatch
     assert verdict.capacity_demand <= 1.0 + 2e-6
     assert verdict.falls or verdict.safe_to <= verdict.demand_a * (1.0 + 2e-6)
     assert not check(structure, sine(), grid, a_max=1.2).unsettled
+
+
+@pytest.mark.parametrize(("text", "a_g", "opens"), [("voussoirs: 31", 0.39, True), ("voussoirs: 31", 0.2, False), ("", 0.39, True)])
+def test_a_check_of_an_arch_says_whether_a_further_hinge_opens(text, a_g, opens):
+    """As the search over joints and time does; 0.2 g does not lift the arch."""
+    arch = built(f"kind: arch\nspan: 6 m\nrise: 3 m\nthickness: 0.7 m\nmeasured: intrados\n{text}")
+    demand = parse_grid(f"a_g={a_g}g,f_g=1")
+    (summary,) = time_history(arch, sine(), demand).summaries(forces=True)
+    assert (summary["opens"], check(arch, sine(), demand, a_max=None).opens) == (opens, opens)
