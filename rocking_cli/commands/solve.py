@@ -30,8 +30,9 @@ def solve(
     """Find the values of a key from which each structure stands under a motion with a margin.
 
     One row for each boundary in the range: the value, rounded to six digits on the side on which the structure stands, that side, and
-    capacity_demand of the document with this value as rocking check finds it. Under records the margin holds for a share of them. The
-    range is scanned first: two boundaries between neighbouring values of the scan may be missed. The equation is the governing one:
+    capacity_demand of the document with this value as rocking check finds it; without a boundary, a row with an empty value whose side
+    is "stands everywhere" or "stands nowhere". Under records the margin holds for a share of them. The range
+    is scanned first: two boundaries between neighbouring values of the scan may be missed. The equation is the governing one:
     nonlinear for a known geometry in units (a_g, f_g, a record), linear on dimensionless axes and for stated parameters.
     """
     from ..responses.solving import boundaries
@@ -50,10 +51,12 @@ def solve(
         for one in found:
             row = one.row()
             name, key, value = (row.pop(column) for column in ("structure", "key", "value"))
-            at = {"key": key, "value": value} if form() else {heading: f"{x:.6g}" for heading, x in one.shown.items()}
+            at = (
+                {"key": key, "value": value} if form() else {heading: None if x is None else f"{x:.6g}" for heading, x in one.shown.items()}
+            )
             rows.append({"structure": name, **at, **row})
         remarks += [f"{document.source}: {line}" if len(documents) > 1 else line for line in lines]
         partly(any(line.startswith("no ") for line in lines))
     emit(rows, ("structure", "key", "value", "side", "capacity_demand"))
     ground.note_demand(shakes)
-    note(*remarks)
+    note(*remarks, f"the scan has {len(varied.values)} values; two boundaries between neighbours of them may be missed")

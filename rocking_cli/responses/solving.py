@@ -27,15 +27,16 @@ class Boundary:
     """A value [SI] of a key with a structure that stands on one side of it only; shown: the value in the unit of the range.
 
     side: "stands above" or "stands below"; capacity_demand: the number that `check` finds for the document with this value; under a
-    set of motions the least one over the motions of the required share.
+    set of motions the least one over the motions of the required share. Without a boundary the value and capacity_demand are None, and
+    the side is "stands everywhere" or "stands nowhere".
     """
 
     structure: str
     key: str
-    value: float
+    value: float | None
     side: str
-    capacity_demand: float
-    shown: dict[str, float]
+    capacity_demand: float | None
+    shown: dict[str, float | None]
 
     def row(self) -> dict[str, Any]:
         """Return the boundary as `rocking solve --json` prints it."""
@@ -54,8 +55,9 @@ def boundaries(
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[list[Boundary], list[str]]:
-    """Return (boundaries, remarks). On one side of a boundary the first overturning amplitude is at least `margin` times the demand under
-    this share of the motions. Two boundaries between neighbouring values of `varied` may be missed.
+    """Return (boundaries, remarks); without a boundary one row, which says whether the structure stands at all values. On one side of a
+    boundary the first overturning amplitude is at least `margin` times the demand under this share of the motions. Two boundaries between
+    neighbouring values of `varied` may be missed.
 
     shakes: motions with grids of one cell, the demands; progress: called with the number of finished values and of all. Raises
     UsageError, DocumentError.
@@ -105,11 +107,15 @@ def boundaries(
                 break
         else:
             value = high if above else low
+        return row(value, "stands above" if above else "stands below", margin * math.exp(excess(value)))
+
+    def row(value: float, side: str, capacity_demand: float | None) -> Boundary:
+        """Return the row of a value, which it does not state if capacity_demand is None."""
         (member,) = family(document, [varied._replace(values=(value,))])
         assert member.parameters is not None
-        name, side = own_name(member.parameters), "stands above" if above else "stands below"
-        capacity_demand = margin * math.exp(excess(value))
-        return Boundary(name, varied.key, member.varied[varied.key], side, capacity_demand, member.shown)
+        name, known = own_name(member.parameters), capacity_demand is not None
+        at, shown = member.varied[varied.key] if known else None, {key: x if known else None for key, x in member.shown.items()}
+        return Boundary(name, varied.key, at, side, capacity_demand, shown)
 
     scanned = []
     for i, value in enumerate(sorted(varied.values), 1):
@@ -118,7 +124,9 @@ def boundaries(
             progress(i, len(varied.values))
     changes = [(a, b, y >= 0.0) for (a, x), (b, y) in pairwise(scanned) if (x >= 0.0) != (y >= 0.0) and not math.isnan(x + y)]
     found = [one for change in changes if (one := boundary(*change)) is not None]
-    stands = {x >= 0.0 for _, x in scanned if not math.isnan(x)}
-    if len(stands) == 1:
-        remarks.append(f"{'stands' if True in stands else 'does not stand'} with this margin at any value of the scan")
+    known = [(a, x >= 0.0) for a, x in scanned if not math.isnan(x)]
+    if len({stands for _, stands in known}) == 1:
+        value, stands = known[0]
+        found = [row(value, "stands everywhere" if stands else "stands nowhere", None)]
+        remarks.append(f"{'stands' if stands else 'does not stand'} with this margin at any value of the scan")
     return found, list(dict.fromkeys(remarks))

@@ -47,10 +47,12 @@ def test_every_boundary_of_the_range_and_a_range_without_one(rocking, judged):
     assert low["capacity_demand"] == pytest.approx(capacity(low["value"]), rel=1e-12)
     in_cm = rocking(*call[:-2], "--vary", "height=130cm:600cm:5").stdout.splitlines()
     assert in_cm[1].split() == ["height", "[cm]", "200", "500"]
-    for span, said in (("height=3:4", "stands with this margin"), ("height=6:6.5", "does not stand with this margin")):
+    for span, side, said in (("height=3:4", "everywhere", "stands"), ("height=6:6.5", "nowhere", "does not stand")):
         none = rocking(*call, span)
-        assert (none.returncode, none.stdout) == (0, "")
-        assert f"{said} at any value of the scan" in none.stderr
+        assert none.returncode == 0
+        assert [(row["value"], row["side"], row["capacity_demand"]) for row in none.records] == [(None, f"stands {side}", None)]
+        assert f"{said} with this margin at any value of the scan" in none.stderr
+        assert "the scan has 17 values; two boundaries between neighbours of them may be missed" in none.stderr
 
 
 def test_a_range_that_descends_gives_the_same_boundaries(rocking):
