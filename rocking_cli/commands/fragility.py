@@ -178,8 +178,10 @@ def fragility(
             rated += [(f"{study.structure.name}, overturning, exact", study.rate_without_fit) for study in found if exact]
             remarks += [f"{name}: {words}" for name, rate in rated if rate is not None for words in rate.remarks(hazard)]
     note(*refused, *remarks, *model.in_words([equation], structures), *direction, f"{len(members)} motions")
-    words = f"of {len(members)} motions overturn it at one intensity and not at a larger one"
-    note(*(f"{study.structure.name}: {study.resurrections} {words}" for study in found if study.resurrections))
+    for study in found:
+        if count := study.resurrections:
+            at = "one of these levels" if study.intervals is None else "one intensity"
+            note(f"{study.structure.name}: {count} of {len(members)} motions overturn it at {at} and not at a larger one")
     stated = click.get_current_context().get_parameter_source("limits") is not click.core.ParameterSource.DEFAULT
     partly(refused and stated)  # of the default limit states some may have no fit
 

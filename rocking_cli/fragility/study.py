@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..documents.table import named_rows
-from ..dynamics.method import Method, governing_method
+from ..dynamics.method import LINEAR, Method, governing_method
 from ..dynamics.outcome import Outcome
 from ..errors import DocumentError, UsageError
 from ..motions.recording import Recording
@@ -128,10 +128,11 @@ class Study:
 
     @property
     def no_damage(self) -> float:
-        """The level [SI] up to which the structure stays at rest: lambda g for PGA without a vertical motion, otherwise 0."""
+        """The level [SI] up to which the structure stays at rest: for PGA without a vertical motion the uplift by the equation of the
+        study, otherwise 0."""
         lifted = any(m.recording.upwards is not None if m.recording else m.motion.vertical is not None for m in self.motions.members)
-        s = self.structure
-        return 0.0 if lifted or self.motions.measure.name != "PGA" else s.gravity * min(s.uplift, s.linear_uplift)
+        s, linear = self.structure, self.motions.method.model == LINEAR.model
+        return 0.0 if lifted or self.motions.measure.name != "PGA" else s.gravity * (s.linear_uplift if linear else s.uplift)
 
     def fit(self, method: str, limit: float | None) -> Fit:
         """Return the fit of a limit state by a method. Raises UsageError if there are too few data."""

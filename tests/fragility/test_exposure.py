@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -127,3 +128,10 @@ def test_resurrections_are_motions_that_stand_again_at_a_larger_level():
     beyond = np.array([[0, 1, 1, 1], [0, 1, 0, 1], [1, 0, 1, 0], [0, 0, 0, 0]])
     exposure = Exposure(np.zeros(beyond.shape), np.where(beyond, Outcome.OVERTURNED_NO_IMPACT, Outcome.ROCKED))
     assert Study(BLOCK, MotionSet(RECORDS, MEASURES["PGA"], np.arange(1.0, 5.0), LINEAR), Resampling(), exposure).resurrections == 2
+
+
+@pytest.mark.parametrize(("model", "uplift"), [("linear", BLOCK.alpha), ("nonlinear", math.tan(BLOCK.alpha))])
+def test_nothing_is_damaged_up_to_the_uplift_of_the_equation(model, uplift):
+    exposure = Exposure(np.zeros((len(RECORDS), 2)), np.zeros((len(RECORDS), 2)))
+    motions = MotionSet(RECORDS, MEASURES["PGA"], np.array([1.0, 2.0]), Method(model))
+    assert Study(BLOCK, motions, Resampling(), exposure).no_damage == pytest.approx(9.81 * uplift, rel=1e-12)
