@@ -175,4 +175,5 @@ def _of_records(
     lines = [model_in_words(scene.method, *structures, model=model.models[0])]
     if modes[NONE]:
         lines.append(f"no overturning up to {tracing.most} in {modes[NONE]} searches")
+    lines.append("the lowest amplitude that overturns may lie far below the first one found: rocking check searches it in finer steps")
     _closing(lines, f"{100.0 * RATIO:g} % of the amplitude", modes["failed"])
