@@ -50,7 +50,8 @@ class Recording:
 
     @property
     def motion(self) -> Motion:
-        """The motion in its own time (omega_g = 1 rad/s), named by its label; only the last two motions are kept in memory."""
+        """The motion in its own time (omega_g = 1 rad/s), named by its label, with "times -1" if it is reversed. Only the last two motions
+        are kept in memory."""
         return _motion(self)
 
     def identity(self) -> list[Any]:
@@ -61,7 +62,7 @@ class Recording:
 
 @lru_cache(maxsize=2)
 def _motion(recording: Recording) -> Motion:
-    across = record_motion(recording.record, recording.factor, recording.label)
+    across = record_motion(recording.record, recording.factor, recording.label + ", times -1" * (recording.factor < 0.0))
     return across if recording.upwards is None else recording.upwards(across)
 
 

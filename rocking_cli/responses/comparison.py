@@ -52,12 +52,13 @@ def collapse(responses: Sequence[TimeHistory], model: str) -> float:
 
 
 def comparison_rows(responses: Sequence[TimeHistory], methods: Sequence[Method]) -> Iterator[dict[str, Any]]:
-    """Yield a row for each structure: motion in units, peaks, and for two equations their difference and ratios of quarter periods."""
+    """Yield a row for each structure: motion in units (no frequency for a record), peaks, and for two equations their
+    difference and ratios of quarter periods."""
     for r in responses:
-        s = r.structure
+        s, omega = r.structure, None if r.motion.acceleration is not None else r.omega  # a record has no frequency
         row: dict[str, Any] = {
-            "structure": s.name, "eta": s.eta, "A": r.amplitude, "Omega": r.omega,
-            "a_g": s.ground_acceleration(r.amplitude), "omega_g": r.omega * s.p,
+            "structure": s.name, "eta": s.eta, "A": r.amplitude, "Omega": omega,
+            "a_g": s.ground_acceleration(r.amplitude), "omega_g": None if omega is None else omega * s.p,
         }  # fmt: skip
         ratios: list[float] = []
         for method in methods:

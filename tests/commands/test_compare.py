@@ -15,3 +15,11 @@ def test_comparison_collapses_and_tells_the_models_apart(rocking):
     ratios = [arch[f"quarter_period_ratio_{x}"] for x in (0.3, 0.6, 0.9)]
     assert ratios == pytest.approx([1.0737, 1.0622, 1.0441], abs=2e-4)
     assert arch["peak_difference"] == pytest.approx(arch["theta_ratio_nonlinear"] / arch["theta_ratio_linear"] - 1)
+
+
+def test_a_record_has_no_frequency_and_its_reversal_a_name(rocking):
+    record = ("--motion", "configs/motions/synthetic.at2", "--json")
+    (row,) = rocking("compare", "configs/block.yaml", *record).records
+    assert (row["a_g"], row["Omega"], row["omega_g"]) == (pytest.approx(0.4 * 9.81, rel=1e-3), None, None)
+    found = [rocking("check", "configs/block.yaml", *record, "--verdict-only", *more).records for more in ((), ("--scale", "-1"))]
+    assert [row["motion"] for (row,) in found] == ["synthetic", "synthetic, times -1"]
