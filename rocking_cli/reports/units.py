@@ -16,7 +16,7 @@ from ..errors import UsageError
 SI = {
     "angle": "rad", "angular velocity": "rad/s", "frequency parameter": "rad/s", "circular frequency": "rad/s",
     "acceleration": "m/s2", "velocity": "m/s", "length": "m", "mass": "kg", "time": "s", "intensity": "m/s", "gravity": "m/s2",
-    "frequency": "Hz", "force": "N", "annual rate": "1/yr", "years": "yr",
+    "frequency": "Hz", "force": "N", "stiffness": "N/m", "moment": "N m", "annual rate": "1/yr", "years": "yr",
 }  # fmt: skip
 """The SI unit of each dimension (years for rates). Gravity and Arias intensity are separate dimensions, because `--units` must not change
 them."""
@@ -36,6 +36,12 @@ COLUMNS = {
     **dict.fromkeys(("hazard", "deaggregation"), "annual rate"), "return_period": "years",
 }  # fmt: skip
 """The dimension of each column that has a unit."""
+
+_OF_A_RESTRAINT = re.compile(r"(?:(?:ties|stands)_\d+|tendon)_(.+)")
+_RESTRAINT = {
+    **dict.fromkeys(("height", "behind", "ultimate", "lever"), "length"), **dict.fromkeys(("prestress", "yield", "rupture"), "force"),
+    "stiffness": "stiffness", "moment": "moment",
+}  # fmt: skip
 
 _CHOICES: dict[str, dict[str, tuple[str, float]]] = {
     "g": {"acceleration": ("g", DEFAULT_GRAVITY)}, "m/s2": {"acceleration": ("m/s2", 1.0)},
@@ -95,6 +101,8 @@ class Units:
 def dimension_of(column: str) -> str | None:
     """Return the dimension of a column, also of a side (left_p), a list item (hinges_1_angle) or an equation (theta_linear), or None."""
     found = COLUMNS.get(column.partition("(")[0])  # SA(1) is SA at 1 s
+    if found is None and (match := _OF_A_RESTRAINT.fullmatch(column)) and match[1] in _RESTRAINT:
+        return _RESTRAINT[match[1]]
     if found is None and (match := _OF_ONE.fullmatch(column)):
         return dimension_of(match[1] or match[2])
     return found

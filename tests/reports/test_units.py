@@ -52,6 +52,16 @@ def test_the_dimension_of_a_side_an_item_and_a_model_is_that_of_the_column():
     assert [dimension_of(x) for x in ("right_alpha", "hinges_3_angle", "interfaces_2_p", "theta_max_nonlinear", "theta_ratio", "name")] == [
         "angle", "angle", "frequency parameter", "angle", None, None,
     ]  # fmt: skip
+    restraints = (
+        "ties_2_height",
+        "tendon_rupture",
+        "ties_1_stiffness",
+        "stands_1_moment",
+        "restrained_1_stiffness",
+        "tie_force",
+        "ties_1_side",
+    )
+    assert [dimension_of(x) for x in restraints] == ["length", "force", "stiffness", "moment", None, None, None]  # two are ratios
     assert si_of("base_radius [cm]") == ("base_radius [cm]", 1.0)
 
 
