@@ -161,7 +161,7 @@ def fragility(
 
         emit([row for study in found for row in study.cells()], CELL_COLUMNS)
     elif wanted.efficiency:
-        emit([row for study in found for row in study.efficiency()], EFFICIENCY_COLUMNS, without=("theta",))
+        _in_units([row for study in found for row in study.efficiency()], EFFICIENCY_COLUMNS, wanted)
     else:
         fits, refused = fitted(found, states, methods)
         if not fits and not (exact and (wanted.curve or hazard)):
@@ -188,37 +188,43 @@ def fragility(
 
 def _emit(fits: "Sequence[Fit]", exact: "Sequence[Study]", wanted: Fits) -> None:
     """Print the rows of fits, or with --curve those of curves. A table, and any output with --units, states the unit of the measure."""
-    from ..documents.quantities import headed
     from ..fragility.hazard import RATE_COLUMNS
     from ..fragility.study import CURVE_COLUMNS, FRAGILITY_COLUMNS, HAZARD_COLUMNS
-    from ..reports.units import Units, dimension_of, parse_units
 
     if wanted.curve:
         rows = [row for fit in fits for row in fit.points_of_curve()] + [row for study in exact for row in study.exact_rows()]
         emit(rows, CURVE_COLUMNS + (HAZARD_COLUMNS if wanted.hazard is not None else ()), without=("x",))
         return
-    asked, shown = units_of(), form()
-    shown_units = asked or (parse_units("g") if shown is None and _IN_G.search(wanted.levels or "") else Units())
-    shown_rows, rows = [], [fit.row() for fit in fits]
+    rows = [fit.row() for fit in fits]
     if wanted.hazard is not None:
         rows += [study.exact_row() for study in exact]
-    for row in rows:
-        if wanted.standing is not None:
+    if wanted.standing is not None:
+        for row in rows:
             falls = row["limit_state"] == "overturning"
             row |= {"rejected": -math.expm1(-row["annual_rate"] * wanted.standing) if falls else None}
+    _in_units(rows, FRAGILITY_COLUMNS + (RATE_COLUMNS if wanted.hazard is not None else ()), wanted)
+
+
+def _in_units(rows: list[dict[str, Any]], columns: tuple[str, ...], wanted: Fits) -> None:
+    """Print rows of a median in the unit of their measure. Tables do not show theta, the median under its old name."""
+    from ..documents.quantities import headed
+    from ..reports.units import Units, dimension_of, parse_units
+
+    asked, shown, shown_rows = units_of(), form(), []
+    shown_units = asked or (parse_units("g") if shown is None and _IN_G.search(wanted.levels or "") else Units())
+    for row in rows:
         if shown != "json":
             dimension = dimension_of(row["im"].lower())
             unit, factor = ("", 1.0) if dimension is None else shown_units.of(dimension)
             row |= {k: x / factor for k, x in row.items() if k.startswith(("median", "theta")) and x is not None}
             if shown is None or asked is not None:
                 row["im"] = headed(row["im"], unit)
-            if shown is None:  # theta is the median under its old name, for programs
+            if shown is None:
                 row = {k: x for k, x in row.items() if not k.startswith("theta")}
             else:
                 row = {headed(k, unit) if k.startswith("median") else k: x for k, x in row.items()}
         shown_rows.append(row)
-    columns = FRAGILITY_COLUMNS + (RATE_COLUMNS if wanted.hazard is not None else ())  # the rows have units in their headings
-    emit(shown_rows, () if shown_rows else columns, without=("theta",))
+    emit(shown_rows, () if shown_rows else columns, without=("theta",))  # the rows have units in their headings
 
 
 def _each(flag: str, text: str, read: Callable[[str], Any], expected: str = "") -> list[Any]:

@@ -33,7 +33,7 @@ FRAGILITY_COLUMNS = (
 HAZARD_COLUMNS = ("hazard", "deaggregation", "annual_rate")  # of the points of a curve
 CURVE_COLUMNS = ("structure", "im", "limit_state", "method", "x", "probability", "low", "high", "fraction")
 CELL_COLUMNS = ("structure", "motion", "pga", "pgv_pga", "theta_ratio", "outcome")
-EFFICIENCY_COLUMNS = ("structure", "im", "theta", "beta", "efficiency", "n")
+EFFICIENCY_COLUMNS = ("structure", "im", "median", "beta", "efficiency", "n", "theta")
 _POINTS = 61  # of a curve
 
 
@@ -241,10 +241,8 @@ class Study:
             found.append((measure.name, curve))
         found.sort(key=lambda pair: pair[1].beta)
         least = found[0][1].beta
-        return [
-            {"structure": self.structure.name, "im": im, "theta": c.theta, "beta": c.beta, "efficiency": least / c.beta, "n": round(c.n)}
-            for im, c in found
-        ]
+        rows = ((self.structure.name, im, c.theta, c.beta, least / c.beta, round(c.n), c.theta) for im, c in found)
+        return [dict(zip(EFFICIENCY_COLUMNS, row, strict=True)) for row in rows]
 
     def cells(self) -> Iterator[dict[str, Any]]:
         """Yield the cells as rows over PGA [m/s2] and PGV/PGA [s]; a factor of the motion does not change PGV/PGA."""
