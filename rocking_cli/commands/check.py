@@ -93,7 +93,7 @@ def check(
         refuse("needs a motion: under --spectrum alone nothing is shaken", "fail_on", "sort")
         by_code.alone(structures, varied, output, overwrite)
         return 0
-    shakes = shaken.needed()
+    shakes = shaken.needed(*(["--spectrum FILE"] if by_code else []))
     demands = [(structure, *shake) for shake in shakes for structure in structures]
     extra: dict[str, dict[str, float]] = {}  # a further column by structure
     if azimuths is not None:

@@ -32,7 +32,7 @@ DT = "Time between the values of a record in a single column."
 
 
 @contextmanager
-def _named(**names: str) -> Iterator[None]:
+def named(**names: str) -> Iterator[None]:
     """Context in which errors name the options of the command instead of the arguments of the library."""
     try:
         yield
@@ -70,10 +70,10 @@ class Ground:
         shakes = [(r.motion, self.grid or as_recorded(r.acceleration)) for r in self.recordings]
         return shakes if self.motion is None or self.grid is None else [*shakes, (self.motion, self.grid)]
 
-    def needed(self) -> list[tuple[Motion, Grid]]:
-        """Return the motions with their demands. Raises click.UsageError if the call states no motion."""
+    def needed(self, *instead: str) -> list[tuple[Motion, Grid]]:
+        """Return the motions with their demands. Raises click.UsageError, which names the options `instead`, without a motion."""
         if not self.shakes:
-            raise no_shaking("--motion FILE")
+            raise no_shaking("--motion FILE", *instead)
         return self.shakes
 
     def with_upwards(self, upwards: Upwards | None) -> Ground:
@@ -159,7 +159,7 @@ class Motions(Reading, Source):
             refuse("does not go with --motion", *_PULSE)
             if "motion_dt" in given:
                 given["dt"] = given.pop("motion_dt")
-            with _named(dt="motion_dt"):
+            with named(dt="motion_dt"):
                 return read(self.motion, tell=note, **given)
         from ..motions import pulse
 
@@ -203,7 +203,7 @@ class BothWays(Motions):
             motion = pulse(self.vertical)
         else:
             component, unit, dt = self.vertical_component, self.vertical_unit, self.vertical_dt
-            with _named(component="vertical_component", unit="vertical_unit", dt="vertical_dt"):
+            with named(component="vertical_component", unit="vertical_unit", dt="vertical_dt"):
                 motion = read_motion(self.vertical, component=component, unit=unit, dt=dt, tell=note)
         return Upwards(motion, factor), None
 
@@ -253,7 +253,8 @@ class Shaking:
             return ground
         for key, value in given.items():
             if "," in value or ":" in value:
-                raise click.UsageError(f"--{key.replace('_', '-')}: found {value!r}; expected one value")
+                also = "" if key in ("a_g", "A") else " (rocking check takes FROM:TO)"
+                raise click.UsageError(f"--{key.replace('_', '-')}: found {value!r}; expected one value{also}")
         try:
             grid = parse_grid(
                 ",".join(f"{key}={value}" for key, value in given.items()), own_time=own is not None or bool(ground.recordings)

@@ -56,7 +56,8 @@ def records(
         notes.extend(f"{record.source}: {remark}" for record in records for remark in record.remarks)
         return [row for record in records for row in (_spectrum(record, periods, damping) if export_spectrum else [_row(record)])]
 
-    taken = list(read_set(files, rows, unit=reading.unit, dt=reading.motion_dt, tell=notes.append, unread=unread.append))
+    with ground.named(dt="motion_dt"):
+        taken = list(read_set(files, rows, unit=reading.unit, dt=reading.motion_dt, tell=notes.append, unread=unread.append))
     emit(taken, SPECTRUM_COLUMNS if export_spectrum else COLUMNS)
     note(*dict.fromkeys(notes))
     for line in unread:

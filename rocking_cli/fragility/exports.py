@@ -92,7 +92,7 @@ def write(states: Sequence[State], target: Path, form: str, measure: Measure, ov
         if state.limit in grouped.setdefault(state.structure, {}):
             raise UsageError(f"{state.structure}, {state.limit}: found two curves; expected one, of one method")
         grouped[state.structure][state.limit] = state
-    every = dict.fromkeys(state.limit for state in states)
+    every = sorted({state.limit for state in states}, key=lambda limit: math.inf if limit == "overturning" else float(limit))
     common = [limit for limit in every if all(limit in found for found in grouped.values())]
     if not common:
         raise UsageError(f"found no limit state that all of {', '.join(grouped)} have")

@@ -325,6 +325,8 @@ def counted(path: str | Path, how: Resampling) -> list[Fit]:
         raise DocumentError(f"{path}, line 1: found the columns {', '.join(columns) or 'none'}; expected im, n and z")
     values = {key: np.array([cell(path, line, row, key, "number") for line, row in rows]) for key in ("im", "n", "z")}
     x, n, z = values["im"], values["n"], values["z"]
+    for at in np.flatnonzero((n <= 0.0) | (z < 0.0) | (z > n))[:1].tolist():
+        raise DocumentError(f"{path}, line {rows[at][0]}: found n = {n[at]:g}, z = {z[at]:g}; expected n above 0 and z from 0 to n")
     try:
         curve = fits.fit_stripes(x, n, z)
     except UsageError as error:

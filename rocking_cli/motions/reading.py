@@ -137,7 +137,10 @@ def _scaled(recording: Recording, given: MotionChoices) -> Recording:
 
 def _of_document(source: str, raw: bytes, given: MotionChoices) -> Motion:
     """Return the motion of the bytes of a document, times `scale`. Raises DocumentError, and UsageError for a choice for records only."""
-    documents = documents_of(source, raw)
+    try:
+        documents = documents_of(source, raw)
+    except DocumentError as error:
+        raise DocumentError(f"{error}, or a record of a known format") from None
     if len(documents) > 1:
         raise DocumentError(f"{documents[1].place}: a second document; a motion file holds one")
     motion, scale = build_motion(documents[0]), given.get("scale")

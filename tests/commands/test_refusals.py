@@ -15,6 +15,8 @@ FILES = {
     "column.txt": "0\n1\n",
     "two.txt": "0 1\n1 2\n",
     "plain.txt": "1\n2\n3\n4\n",
+    "header.at2": "PEER NGA STRONG MOTION DATABASE RECORD\nNowhere\nACCELERATION TIME SERIES IN UNITS OF G\n",
+    "more.csv": "im,n,z\n0.2,10,1\n0.4,10,14\n0.6,10,8\n",
     "counts.csv": "im,n,z\n0.2,10,1\n0.4,10,4\n0.6,10,8\n",
     "x.csv": "im,n,z\n0.2,40,x\n",
     "short.csv": "im,n\n0.2,40\n",
@@ -57,6 +59,7 @@ REFUSED = {
         (2, f"stated.yaml --vertical station {AT2} --vertical-unit g", "--vertical-unit does not go with --vertical station"),
     ],
     "check --code ntc2018": [
+        (2, f"{COLUMN}", "or --motion FILE, or --spectrum FILE"),
         (2, f"configs/parameters.yaml {AT}", "without the place of one mass centre; expected the geometry of a rigid body"),
         (2, f"configs/frame.yaml configs/parameters.yaml {AT}", "found Temple front (kind frame), Measured arch (kind parameters)"),
         (2, COLUMN, "no shaking"),
@@ -102,6 +105,7 @@ REFUSED = {
         (2, f"{COLUMN} {AT2} --model both", "--model both goes with a pulse"),
     ],
     "fragility": [
+        (3, "--counts more.csv", "more.csv, line 3: found n = 10, z = 14; expected n above 0 and z from 0 to n"),
         (2, f"stated.yaml {LEVELS}", "no set of motions"),
         (2, f"stated.yaml {SITE}", "no --levels"),
         (2, f"stated.yaml {SITE} --levels 0.7g,0.2g", "positive and rising"),
@@ -170,6 +174,7 @@ REFUSED = {
         (2, "SPECTRUM configs/spire.yaml --A 2 --Omega 5", "the spectrum holds 0.9"),
     ],
     "records": [
+        (3, "column.txt --unit g", "column.txt: one column of numbers without times; give their step as --motion-dt"),
         (2, "", "no record: give FILE"),
         (2, "nowhere.AT2", "nowhere.AT2: cannot be read"),
         (3, f"{AT2.split()[1]} stated.yaml", "stated.yaml: no record format"),
@@ -188,6 +193,7 @@ REFUSED = {
         (2, f"{AT} -o r.html", "no structure"),
     ],
     "response": [
+        (3, f"{COLUMN} --motion header.at2", "expected a mapping of keys to values, such as `kind: block`, or a record of a known format"),
         (2, f"{COLUMN} --pga=0.3g", "rocking response: No such option --pga (did you mean '--a-g'?) (see --help)\n"),
         (2, f"{COLUMN} --a_g 0.3g", "rocking response: No such option --a_g (did you mean '--a-g'?) (see --help)\n"),
         (2, f"{COLUMN} -pulse sine", "rocking response: No such option -pulse (did you mean '--pulse'?) (see --help)\n"),
@@ -199,7 +205,7 @@ REFUSED = {
         (2, f"{COLUMN} --a-g nan --f-g 1", "--a-g: found 'nan'"),
         (2, f"{COLUMN} --a-g '1 s' --f-g 1", "an acceleration"),
         (2, f"{COLUMN} --a-g 1", "expected A and Omega"),
-        (2, f"{COLUMN} --a-g 1 --f-g 1:2", "--f-g: found '1:2'; expected one value"),
+        (2, f"{COLUMN} --a-g 1 --f-g 1:2", "--f-g: found '1:2'; expected one value (rocking check takes FROM:TO)"),
         (2, f"{COLUMN} --release 1", "--release"),
         (2, f"{COLUMN} --release nan", "--release"),
         (2, f"{COLUMN} --release 0.5 --dt 0", "--dt"),

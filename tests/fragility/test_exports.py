@@ -51,7 +51,7 @@ def test_openquake_takes_mean_and_standard_deviation_of_the_level(tmp_path):
 
 
 def test_pelicun_takes_median_and_dispersion(tmp_path):
-    export_fragility(BOTH[:2], tmp_path / "f.csv", "pelicun")
+    export_fragility(BOTH[1::-1], tmp_path / "f.csv", "pelicun")  # overturning is the last limit state in either order
     (row,) = csv.DictReader((tmp_path / "f.csv").read_text().splitlines())
     assert list(row)[:7] == ["ID", "Incomplete", "Demand-Type", "Demand-Unit", "Demand-Offset", "Demand-Directional", "LS1-Family"]
     assert (row["Demand-Type"], row["Demand-Unit"], row["LS2-Family"]) == ("Peak Ground Acceleration", "g", "lognormal")
