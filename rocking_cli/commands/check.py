@@ -43,6 +43,7 @@ def check(
     asked: ground.Directed = group(ground.Directed),
     coded: Code = group(Code),
     a_max: Limit = options.a_max(),
+    sign: str = ground.sign(),
     verdict_only: bool = option("--verdict-only", is_flag=True, help="Skip the search; first_overturning_a and safe_to stay empty."),
     vary: tuple[str, ...] = options.vary(),
     sort: str | None = options.sort(),
@@ -59,7 +60,8 @@ def check(
 
     One row for each structure and motion: the outcome and theta_max/alpha by the governing equation (nonlinear for a known geometry in
     units: a_g, f_g, a record; linear on dimensionless axes, A, Omega, and for stated parameters); top_displacement, the largest
-    displacement of the top from its rest position (mm in the table); demand_a, the amplitude of the motion;
+    displacement of the top from its rest position (mm in the table); demand_a, the amplitude of the motion (with --sign both a body
+    whose sides differ has a row for each direction);
     uplift_a and first_overturning_a, the lowest amplitudes that lift and overturn the body; capacity_demand, first_overturning_a over
     demand_a: below 1 if the body overturns at the demand or below it, empty if no amplitude up to --a-max and twice the demand
     overturns; safe_to, the end of the safe interval around the demand; outcome_linear, the linear verdict; friction_needed and fz_min,
@@ -76,6 +78,9 @@ def check(
     files, motions = asked.several(files)
     ends = [end.of(motions) for end in asked.ends()]
     shaken = ends[0] if ends else asked.of(motions)
+    if sign != "+" and (ends or asked.azimuth):
+        raise click.UsageError(f"--sign {sign} does not go with {'a range of frequencies' if ends else '--azimuth'}")
+    shaken = shaken.reversed if sign == "-" else shaken
     structures, varied = options.members_of(files, vary)
     azimuths = asked.azimuths()
     by_code = None
@@ -95,6 +100,8 @@ def check(
         return 0
     shakes = shaken.needed(*(["--spectrum FILE"] if by_code else []))
     demands = [(structure, *shake) for shake in shakes for structure in structures]
+    if sign == "both":
+        demands += [(structure, *shake) for shake in shaken.reversed.shakes for structure in structures if has_direction(structure)]
     extra: dict[str, dict[str, float]] = {}  # a further column by structure
     if azimuths is not None:
         from ..responses.azimuth import worst_azimuths
@@ -145,7 +152,7 @@ def check(
     ground.note_demand(shakes)
     ground.note_governing(structures, shakes[0][1].dimensionless)
     note(*_remarks(judged), *(by_code.said() if by_code else ()))
-    sided = [(s, motion.scaled(-1.0), grid) for s, motion, grid in demands if azimuths is None and has_direction(s)]
+    sided = [(s, motion.scaled(-1.0), grid) for s, motion, grid in demands if azimuths is None and sign != "both" and has_direction(s)]
     if sided and ends:  # the worst frequency of the opposite direction is another one
         worst = at_worst_frequencies([s for s, _, _ in sided], sided[0][1], low, high, a_max, workers=workers, progress=searched)
         sided = [(s, motion, grid) for (s, motion, _), (grid, _) in zip(sided, worst, strict=True)]

@@ -70,6 +70,12 @@ class Ground:
         shakes = [(r.motion, self.grid or as_recorded(r.acceleration)) for r in self.recordings]
         return shakes if self.motion is None or self.grid is None else [*shakes, (self.motion, self.grid)]
 
+    @property
+    def reversed(self) -> Ground:
+        """The motions in the opposite direction; vertical motions stay as they are."""
+        motion = None if self.motion is None else self.motion.scaled(-1.0)
+        return replace(self, motion=motion, recordings=tuple(replace(r, factor=-r.factor) for r in self.recordings))
+
     def needed(self, *instead: str) -> list[tuple[Motion, Grid]]:
         """Return the motions with their demands. Raises click.UsageError, which names the options `instead`, without a motion."""
         if not self.shakes:
@@ -245,8 +251,7 @@ class Shaking:
         own = None if ground.motion is None else ground.motion.acceleration
         if given.get("a_g", "").startswith("-"):
             given["a_g"] = given["a_g"][1:]
-            motion = None if ground.motion is None else ground.motion.scaled(-1.0)
-            ground = replace(ground, motion=motion, recordings=tuple(replace(r, factor=-r.factor) for r in ground.recordings))
+            ground = ground.reversed
         if own is not None and not given:
             given = {"a_g": f"{own!r} m/s2"}
         if not given:
@@ -302,6 +307,14 @@ class Directed(Demand):
         if not self.motion:
             raise click.UsageError("--azimuth goes with a record: give --motion")
         return np.radians(parse_span("--azimuth", self.azimuth.replace("deg", ""), "number"))
+
+
+def sign() -> Any:
+    """The option for the direction of the motion."""
+    return option(
+        "--sign", type=click.Choice(["+", "-", "both"]), default="+", show_default=True,
+        help="Direction of the motion; both matters to bodies whose sides differ.",
+    )  # fmt: skip
 
 
 def note_demand(shakes: Sequence[tuple[Motion, Grid]]) -> None:

@@ -25,6 +25,7 @@ def solve(
         "--share", type=click.FloatRange(0.0, 1.0, min_open=True), default=1.0, show_default=True, help="Share of motions to stand under."
     ),
     asked: ground.Demand = group(ground.Demand),
+    sign: str = ground.sign(),
     workers: int | None = options.workers(),
 ) -> None:
     """Find the values of a key from which each structure stands under a motion with a margin.
@@ -41,12 +42,19 @@ def solve(
     files, shaken = asked.several(files)
     shaken = asked.of(shaken)
     documents = options.documents_of(files)
-    shakes = shaken.needed()
+    shakes = (shaken.reversed if sign == "-" else shaken).needed()
+    opposite = shaken.reversed.shakes if sign == "both" else []
     varied = parse_variation(vary, _SCAN)
     rows: list[dict[str, Any]] = []
     remarks: list[str] = []
     for document in documents:
-        given: dict[str, Any] = {"margin": margin, "share": share, "workers": workers, "progress": ProgressLine("solve", "values")}
+        given: dict[str, Any] = {
+            "margin": margin,
+            "share": share,
+            "opposite": opposite,
+            "workers": workers,
+            "progress": ProgressLine("solve", "values"),
+        }
         found, lines = boundaries(document, varied, shakes, **given)
         for one in found:
             row = one.row()

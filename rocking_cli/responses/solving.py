@@ -52,6 +52,7 @@ def boundaries(
     *,
     margin: float = 1.0,
     share: float = 1.0,
+    opposite: Sequence[tuple[Motion, Grid]] = (),
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[list[Boundary], list[str]]:
@@ -59,8 +60,8 @@ def boundaries(
     boundary the first overturning amplitude is at least `margin` times the demand under this share of the motions. Two boundaries between
     neighbouring values of `varied` may be missed.
 
-    shakes: motions with grids of one cell, the demands; progress: called with the number of finished values and of all. Raises
-    UsageError, DocumentError.
+    shakes: motions with grids of one cell, the demands; opposite: the same motions in the opposite direction, if both
+    count; progress: called with the number of finished values and of all. Raises UsageError, DocumentError.
 
     >>> (column,) = read_documents('configs/block.yaml')
     >>> (found,), _ = boundaries(column, parse_variation('width=0.4:0.8:3'), [(sine(), parse_grid('a_g=0.4g,f_g=1'))])
@@ -83,15 +84,18 @@ def boundaries(
         if member.parameters is None:
             remarks.append(f"no solution for {varied.key} = {value:g}: {member.fault}")
             return math.nan
-        remarks.extend(direction_in_words(replace(member.parameters, name=own_name(member.parameters))))
-        found = list(verdicts([(member.parameters, *shake) for shake in shakes], a_max=reach, workers=workers))
+        if not opposite:
+            named = replace(member.parameters, name=own_name(member.parameters))
+            remarks.extend(direction_in_words(named, opposite="`sign` both"))
+        found = list(verdicts([(member.parameters, *shake) for shake in (*shakes, *opposite)], a_max=reach, workers=workers))
         if any(v.outcome == Outcome.FAILED for v in found):
             remarks.append(f"no verdict for {varied.key} = {value:g}")
             return math.nan
-        capacities = sorted(
+        least = [
             min(_BEYOND * margin, math.inf if (c := v.capacity_demand) is None else c, math.nextafter(1.0, 0.0) if v.falls else math.inf)
             for v in found
-        )
+        ]
+        capacities = sorted(map(min, least, least[len(shakes) :]) if opposite else least)
         return math.log(capacities[math.floor(len(capacities) * (1.0 - share) + 1e-9)] / margin)
 
     def boundary(low: float, high: float, above: bool) -> Boundary | None:

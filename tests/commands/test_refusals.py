@@ -43,6 +43,7 @@ REFUSED = {
     ],
     "accuracy": [(2, "pair.yaml --grid A=1:2:2,Omega=1:2:2", "found 2 structures; expected one")],
     "check": [
+        (2, f"{COLUMN} --a-g 0.3g --f-g 0.5:2 --sign both", "--sign both does not go with a range of frequencies"),
         (2, f"{COLUMN} {AT} --verdict-only --sort capacity", "--sort needs the capacities, which --verdict-only does not search"),
         (2, f"{COLUMN} {AT} --verdict-only -o x.svg", "--output needs the capacities, which --verdict-only does not search"),
         (2, "stated.yaml", "no shaking"),

@@ -77,3 +77,18 @@ def test_values_without_a_structure_are_named_and_nothing_is_claimed_of_them(roc
     assert done.stderr.count("no solution for height = ") == 2
     none = rocking("solve", "block:0.6x1", *SHAKING, "--vary", "height=-2:-1:2", "--json")
     assert (none.returncode, none.stdout, "at any value" in none.stderr) == (4, "", False)
+
+
+def test_both_directions_are_those_of_the_weaker_one(rocking):
+    """Of a body whose right edge is nearer; check has a row for each of its directions, and one for a body that is alike."""
+    statue, asked = "rigid:left=0.6,right=0.4,height=2,gyration=0.9", ("--a-g", "0.35g", "--f-g", "1", "--json")
+    found = {sign: rocking("solve", statue, "--vary", "left=0.3:0.8:3", "--sign", sign, *asked) for sign in ("+", "-", "both")}
+    values = {sign: done.records[0]["value"] for sign, done in found.items()}
+    assert values["+"] < values["-"] == values["both"]
+    assert "one direction of the motion only" in found["+"].stderr
+    assert "--sign both gives the opposite one" in found["+"].stderr
+    assert "one direction" not in found["both"].stderr
+    rows = {sign: rocking("check", statue, "block:0.5x2", "--sign", sign, *asked) for sign in ("+", "-", "both")}
+    assert rows["both"].records == [*rows["+"].records, rows["-"].records[0]]
+    assert [row["motion"] for row in rows["-"].records] == ["sine, 1 cycle, times -1"] * 2
+    assert "opposite direction" not in rows["both"].stderr
