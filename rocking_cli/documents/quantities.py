@@ -3,6 +3,8 @@
 import math
 import re
 
+from ..errors import RockingError, UsageError
+
 DEFAULT_GRAVITY = 9.81  # m/s^2: the unit `g`, and the default gravity of a structure. The paper uses it, not standard gravity (9.80665).
 SMALLEST_LENGTH, LARGEST_LENGTH = 1e-9, 1e9  # m; moments of inertia hold fifth powers, which must stay within double precision
 
@@ -57,6 +59,14 @@ def parse_quantity(text: str, dimension: str) -> float:
     if dimension == "length" and abs(value) > LARGEST_LENGTH:
         raise ValueError(f"{accepted(dimension)}, up to {LARGEST_LENGTH:g} m")
     return value
+
+
+def quantity_at(place: str, text: str, dimension: str, fault: type[RockingError] = UsageError, hint: str = "") -> float:
+    """Return the SI value of a quantity. Raises `fault`, which names the place, the text, the accepted values and the hint."""
+    try:
+        return parse_quantity(text, dimension)
+    except ValueError as error:
+        raise fault(f"{place}: found {text!r}; expected {error}{hint}") from None
 
 
 def parse_whole(text: str) -> int | None:

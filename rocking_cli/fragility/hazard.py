@@ -23,7 +23,7 @@ import numpy as np
 
 from ..documents.composition import text_of
 from ..documents.files import read_bytes
-from ..documents.quantities import DEFAULT_GRAVITY, parse_quantity, split_quantity
+from ..documents.quantities import DEFAULT_GRAVITY, parse_quantity, quantity_at, split_quantity
 from ..documents.table import split_heading
 from ..errors import DocumentError, UsageError, counted
 from .measures import Measure, measure_of
@@ -214,10 +214,7 @@ def _require_measure(place: str, found: str, wanted: Measure) -> None:
 
 
 def _number(place: str, text: str, dimension: str = "number") -> float:
-    try:
-        return parse_quantity(text, dimension)
-    except ValueError as error:
-        raise DocumentError(f"{place}: found {text!r}; expected {error}") from None
+    return quantity_at(place, text, dimension, DocumentError)
 
 
 def _rate(place: str, text: str, years: float | None) -> float:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..documents.quantities import DEFAULT_GRAVITY, parse_quantity
+from ..documents.quantities import DEFAULT_GRAVITY, quantity_at
 from ..documents.table import named_rows
 from ..errors import DocumentError, UsageError, did_you_mean
 from ..motions import Motion, pulse
@@ -174,11 +174,7 @@ def site_pulses(path: str | Path, factor: float | None = None) -> tuple[Member, 
 
 def cell(path: str | Path, line: int, row: dict[str, str], column: str, dimension: str) -> float:
     """Return the quantity that a cell of a table states. Raises DocumentError with file, line and column."""
-    text = (row[column] or "").strip()
-    try:
-        return parse_quantity(text, dimension)
-    except ValueError as error:
-        raise DocumentError(f"{path}, line {line}: {column}: found {text!r}; expected {error}") from None
+    return quantity_at(f"{path}, line {line}: {column}", (row[column] or "").strip(), dimension, DocumentError)
 
 
 def _positive(path: str | Path, line: int, row: dict[str, str], column: str, dimension: str) -> float:

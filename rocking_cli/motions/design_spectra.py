@@ -15,7 +15,7 @@ import numpy as np
 
 from ..documents.composition import text_of
 from ..documents.files import read_bytes
-from ..documents.quantities import parse_quantity, split_quantity
+from ..documents.quantities import parse_quantity, quantity_at, split_quantity
 from ..documents.table import Cell, rows_of
 from ..errors import DocumentError, UsageError, counted
 from .blocks import largest
@@ -216,11 +216,8 @@ def parse_floor(text: str) -> FloorMode:
         raise UsageError(f"`floor`: found {text!r}; expected {_FLOOR}")
     found = {}
     for key, dimension in _FLOOR_KEYS.items():
-        try:
-            found[key] = parse_quantity(given[key], dimension)
-        except ValueError as error:
-            hint = ", such as 0.05 for 5 %" if key == "xi" else ""
-            raise UsageError(f"`floor`: {key}: found {given[key]!r}; expected {error}{hint}") from None
+        hint = ", such as 0.05 for 5 %" if key == "xi" else ""
+        found[key] = quantity_at(f"`floor`: {key}", given[key], dimension, hint=hint)
     period, damping, shape = found.values()
     if not (period > 0.0 and 0.0 < damping < 1.0 and shape != 0.0):
         raise UsageError(f"`floor`: found {text!r}; expected a positive T, xi between 0 and 1, and a gamma_psi that is not zero")

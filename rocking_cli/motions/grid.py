@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ..documents.quantities import DEFAULT_GRAVITY, parse_quantity, parse_whole, split_quantity
+from ..documents.quantities import DEFAULT_GRAVITY, parse_whole, quantity_at, split_quantity
 from ..errors import UsageError, did_you_mean
 from ..structures.parameters import RockingParameters
 from .motion import Motion
@@ -220,10 +220,8 @@ def parse_angles(text: str) -> Axis:
     for part in reversed(text.split(",")):
         parts = split_quantity(part)
         unit = parts[1] if parts is not None and parts[1] else unit
-        try:
-            found.append(parse_quantity(f"{parts[0]!r} {unit}" if parts is not None else part, "angle"))
-        except ValueError as error:
-            raise UsageError(f"`alpha`: found {part.strip()!r}; expected {error}, or several with commas between them") from None
+        stated = f"{parts[0]!r} {unit}".rstrip() if parts is not None else part.strip()
+        found.append(quantity_at("`alpha`", stated, "angle", hint=", or several with commas between them"))
     values = np.unique(found)
     if values.size < len(found):
         raise UsageError(f"`alpha`: found {text!r}, which states an angle twice; expected distinct angles")
@@ -237,12 +235,7 @@ def parse_span(key: str, span: str, dimension: str) -> np.ndarray:
     parts = span.split(":")
     if len(parts) not in (1, 3, 4) or (len(parts) == 4 and parts[3] != "log"):
         raise UsageError(f"{key}: found {span!r}; expected START:STOP:N[:log] or a single VALUE")
-    bounds = []
-    for part in parts[:2]:
-        try:
-            bounds.append(parse_quantity(part, dimension))
-        except ValueError as error:
-            raise UsageError(f"{key}: found {part!r}; expected {error}") from None
+    bounds = [quantity_at(key, part, dimension) for part in parts[:2]]
     if len(parts) == 1:
         return np.array(bounds)
     start, stop = bounds

@@ -10,7 +10,7 @@ from typing import BinaryIO, TypedDict, TypeVar, Unpack
 
 from ..documents.document import documents_of
 from ..documents.files import STDIN, read_bytes
-from ..documents.quantities import parse_quantity
+from ..documents.quantities import quantity_at
 from ..errors import DocumentError, NoAcceleration, NoComponent, UsageError
 from .biaxial import Upwards
 from .intensity import intensity
@@ -158,10 +158,7 @@ def factor_to(record: Record, text: str) -> float:
     if measure is None or not equals:
         known = f"{', '.join(MEASURES)}, SA(T) and AvgSA(T)"
         raise UsageError(f"`scale_to`: found {text!r}; expected MEASURE=VALUE, such as PGA=0.35g, with one of {known}")
-    try:
-        wanted = parse_quantity(value, MEASURES.get(measure, "acceleration"))
-    except ValueError as error:
-        raise UsageError(f"`scale_to` {measure}: found {value!r}; expected {error}") from None
+    wanted = quantity_at(f"`scale_to` {measure}", value, MEASURES.get(measure, "acceleration"))
     own = float(getattr(intensity(record), measure.casefold())) if spectral is None else mean_acceleration(record, spectral[1])
     if not own > 0.0:
         raise UsageError(f"`scale_to`: the record has a {measure} of {own:g}; expected a non-zero {measure}")

@@ -86,7 +86,7 @@ def boundaries(
             return math.nan
         if not opposite:
             named = replace(member.parameters, name=own_name(member.parameters))
-            remarks.extend(direction_in_words(named, opposite="`sign` both"))
+            remarks.extend(direction_in_words(named, opposite="the other `sign`"))
         found = list(verdicts([(member.parameters, *shake) for shake in (*shakes, *opposite)], a_max=reach, workers=workers))
         if any(v.outcome == Outcome.FAILED for v in found):
             remarks.append(f"no verdict for {varied.key} = {value:g}")

@@ -86,7 +86,7 @@ def test_both_directions_are_those_of_the_weaker_one(rocking):
     values = {sign: done.records[0]["value"] for sign, done in found.items()}
     assert values["+"] < values["-"] == values["both"]
     assert "one direction of the motion only" in found["+"].stderr
-    assert "--sign both gives the opposite one" in found["+"].stderr
+    assert "the other --sign gives the opposite one" in found["+"].stderr
     assert "one direction" not in found["both"].stderr
     rows = {sign: rocking("check", statue, "block:0.5x2", "--sign", sign, *asked) for sign in ("+", "-", "both")}
     assert rows["both"].records == [*rows["+"].records, rows["-"].records[0]]
