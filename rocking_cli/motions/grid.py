@@ -220,7 +220,7 @@ def parse_angles(text: str) -> Axis:
     for part in reversed(text.split(",")):
         parts = split_quantity(part)
         unit = parts[1] if parts is not None and parts[1] else unit
-        stated = f"{parts[0]!r} {unit}".rstrip() if parts is not None else part.strip()
+        stated = part.strip() if parts is None or parts[1] else f"{part} {unit}".strip()
         found.append(quantity_at("`alpha`", stated, "angle", hint=", or several with commas between them"))
     values = np.unique(found)
     if values.size < len(found):
