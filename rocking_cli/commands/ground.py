@@ -258,7 +258,7 @@ class Shaking:
             return ground
         for key, value in given.items():
             if "," in value or ":" in value:
-                also = "" if key in ("a_g", "A") else " (rocking check takes FROM:TO)"
+                also = "" if key in ("a_g", "A") else " (rocking check and solve take FROM:TO)"
                 raise click.UsageError(f"--{key.replace('_', '-')}: found {value!r}; expected one value{also}")
         try:
             grid = parse_grid(

@@ -31,40 +31,35 @@ def solve(
     """Find the values of a key from which each structure stands under a motion with a margin.
 
     One row for each boundary in the range: the value, rounded to six digits on the side on which the structure stands, that side, and
-    capacity_demand of the document with this value as rocking check finds it; without a boundary, a row with an empty value whose side
-    is "stands everywhere" or "stands nowhere". Under records the margin holds for a share of them. The range
-    is scanned first: two boundaries between neighbouring values of the scan may be missed. The equation is the governing one:
-    nonlinear for a known geometry in units (a_g, f_g, a record), linear on dimensionless axes and for stated parameters.
+    capacity_demand of the document with this value as rocking check finds it; without a boundary, a row with an empty value whose side is
+    "stands everywhere" or "stands nowhere". Under records the margin holds for a share of them; of a range of frequencies (--f-g 0.5:2)
+    the worst one counts, as in rocking check. The range is scanned first: two boundaries between neighbouring values of the scan may be
+    missed. The equation is the governing one: nonlinear for a known geometry in units (a_g, f_g, a record), linear on dimensionless axes
+    and for stated parameters.
     """
     from ..responses.solving import boundaries
     from ..structures.family import parse_variation
 
-    files, shaken = asked.several(files)
-    shaken = asked.of(shaken)
+    files, motions = asked.several(files)
+    ends = [end.of(motions) for end in asked.ends()]
+    shaken = ends[0] if ends else asked.of(motions)
     documents = options.documents_of(files)
     shakes = (shaken.reversed if sign == "-" else shaken).needed()
-    opposite = shaken.reversed.shakes if sign == "both" else []
+    given: dict[str, Any] = {"margin": margin, "share": share, "opposite": shaken.reversed.shakes if sign == "both" else []}
+    given |= {"up_to": ends[1].shakes[0][1] if ends else None, "workers": workers, "progress": ProgressLine("solve", "values")}
     varied = parse_variation(vary, _SCAN)
     rows: list[dict[str, Any]] = []
     remarks: list[str] = []
     for document in documents:
-        given: dict[str, Any] = {
-            "margin": margin,
-            "share": share,
-            "opposite": opposite,
-            "workers": workers,
-            "progress": ProgressLine("solve", "values"),
-        }
         found, lines = boundaries(document, varied, shakes, **given)
         for one in found:
             row = one.row()
             name, key, value = (row.pop(column) for column in ("structure", "key", "value"))
-            at = (
-                {"key": key, "value": value} if form() else {heading: None if x is None else f"{x:.6g}" for heading, x in one.shown.items()}
-            )
+            shown = {heading: None if x is None else f"{x:.6g}" for heading, x in one.shown.items()}
+            at = {"key": key, "value": value} if form() else shown
             rows.append({"structure": name, **at, **row})
         remarks += [f"{document.source}: {line}" if len(documents) > 1 else line for line in lines]
         partly(any(line.startswith("no ") for line in lines))
     emit(rows, ("structure", "key", "value", "side", "capacity_demand"))
-    ground.note_demand(shakes)
+    ground.note_demand([*shakes, *(ends[1].shakes if ends else [])])
     note(*remarks, f"the scan has {len(varied.values)} values; two boundaries between neighbours of them may be missed")

@@ -11,6 +11,7 @@ from ..documents.document import Document
 from ..dynamics.method import direction_in_words
 from ..dynamics.outcome import Outcome
 from ..envelopes.amplitudes import Limit
+from ..envelopes.worst import at_worst_frequency
 from ..motions import Motion
 from ..motions.grid import Grid
 from ..structures.family import Variation, family
@@ -53,6 +54,7 @@ def boundaries(
     margin: float = 1.0,
     share: float = 1.0,
     opposite: Sequence[tuple[Motion, Grid]] = (),
+    up_to: Grid | None = None,
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[list[Boundary], list[str]]:
@@ -60,8 +62,9 @@ def boundaries(
     boundary the first overturning amplitude is at least `margin` times the demand under this share of the motions. Two boundaries between
     neighbouring values of `varied` may be missed.
 
-    shakes: motions with grids of one cell, the demands; opposite: the same motions in the opposite direction, if both
-    count; progress: called with the number of finished values and of all. Raises UsageError, DocumentError.
+    shakes: motions with grids of one cell, the demands; opposite: the same motions in the opposite direction, if both count; up_to: the
+    demand at the other end of a range of frequencies, of which the worst counts; progress: called with the number of finished values and
+    of all. Raises UsageError, DocumentError.
 
     >>> (column,) = read_documents('configs/block.yaml')
     >>> (found,), _ = boundaries(column, parse_variation('width=0.4:0.8:3'), [(sine(), parse_grid('a_g=0.4g,f_g=1'))])
@@ -87,7 +90,10 @@ def boundaries(
         if not opposite:
             named = replace(member.parameters, name=own_name(member.parameters))
             remarks.extend(direction_in_words(named, opposite="the other `sign`"))
-        found = list(verdicts([(member.parameters, *shake) for shake in (*shakes, *opposite)], a_max=reach, workers=workers))
+        demands = [(member.parameters, *shake) for shake in (*shakes, *opposite)]
+        if up_to is not None:
+            demands = [(s, motion, at_worst_frequency(s, motion, low, up_to, reach)[0]) for s, motion, low in demands]
+        found = list(verdicts(demands, a_max=reach, workers=workers))
         if any(v.outcome == Outcome.FAILED for v in found):
             remarks.append(f"no verdict for {varied.key} = {value:g}")
             return math.nan

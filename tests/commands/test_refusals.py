@@ -206,7 +206,7 @@ REFUSED = {
         (2, f"{COLUMN} --a-g nan --f-g 1", "--a-g: found 'nan'"),
         (2, f"{COLUMN} --a-g '1 s' --f-g 1", "an acceleration"),
         (2, f"{COLUMN} --a-g 1", "expected A and Omega"),
-        (2, f"{COLUMN} --a-g 1 --f-g 1:2", "--f-g: found '1:2'; expected one value (rocking check takes FROM:TO)"),
+        (2, f"{COLUMN} --a-g 1 --f-g 1:2", "--f-g: found '1:2'; expected one value (rocking check and solve take FROM:TO)"),
         (2, f"{COLUMN} --release 1", "--release"),
         (2, f"{COLUMN} --release nan", "--release"),
         (2, f"{COLUMN} --release 0.5 --dt 0", "--dt"),

@@ -92,3 +92,15 @@ def test_both_directions_are_those_of_the_weaker_one(rocking):
     assert rows["both"].records == [*rows["+"].records, rows["-"].records[0]]
     assert [row["motion"] for row in rows["-"].records] == ["sine, 1 cycle, times -1"] * 2
     assert "opposite direction" not in rows["both"].stderr
+
+
+def test_the_worst_frequency_of_a_range_counts(rocking):
+    """The value has the capacity that check finds at the worst frequency; just below it the body does not stand."""
+    body, at = "parameters:p={},alpha=0.2,eta=0.8,lambda=0.2", ("--a-g", "0.5g", "--f-g", "0.7:1.5")
+    done = rocking("solve", body.format(2), *at, "--vary", "p=1:4:2", "--json")
+    row = done.record
+    assert (row["side"], row["capacity_demand"]) == ("stands below", pytest.approx(1.0, abs=1e-4))
+    found = [rocking("check", body.format(row["value"] * x), *at, "--json").record for x in (1.0, 1.0 + 1e-4)]
+    assert found[0]["capacity_demand"] == pytest.approx(row["capacity_demand"], rel=1e-9)
+    assert found[0]["capacity_demand"] >= 1.0 > found[1]["capacity_demand"]
+    assert "f_g 0.7 to 1.5 Hz" in done.stderr
