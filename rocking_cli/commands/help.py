@@ -31,7 +31,7 @@ def help(name: str | None = argument(required=False, type=Registered(lambda: [*C
     """
     if name is not None and name not in COMMANDS | TOPICS:
         pages = [f"`rocking help {topic}`" for topic in [*TOPICS, *COMMANDS] if name.lower() in page(topic).lower().split()]
-        found = did_you_mean(name, COMMANDS | TOPICS) or (f"; it stands in {', '.join(pages[:3])}" if pages else "")
+        found = did_you_mean(name, COMMANDS | TOPICS) + (f"; it stands in {', '.join(pages[:3])}" if pages else "")
         raise click.UsageError(f"No such command or topic {name!r}{found}")
     group = click.get_current_context().find_root()
     if name is None:
