@@ -1,5 +1,5 @@
-"""Plain text: one column of accelerations, or two of time and acceleration, below any lines that hold no numbers. The last of these may
-state units in brackets, such as `time [ms], acc [g]`; without them a time is in s, and the user states the unit of the acceleration."""
+"""Plain text: one column of accelerations, or two of time and acceleration, below any lines that hold no numbers. The last of these with
+brackets may state units, as `time [ms], acc [g]`; without them a time is in s, and the user states the unit of the acceleration."""
 
 import re
 
@@ -18,6 +18,7 @@ _MOST_TITLE_LINES = 40
 _FEW = 10  # values, fewer than which may be as many as the first of them says
 _LONG = 1.0  # s, from which on a column may number its values, or hold times in ms
 _BRACKETED = re.compile(r"[\[(]([^\])]*)[\])]")
+_TIMES = {"ms": 1e-3, "msec": 1e-3, "µs": 1e-6, "us": 1e-6, "min": 60.0, "minutes": 60.0}  # s; any other word leaves times in s
 _UNEVEN = 0.1  # part of a step by which printed times may lie off an even grid
 
 
@@ -37,9 +38,9 @@ def read(text: RecordText) -> list[Series]:
     """Return the one component of the file. Raises DocumentError."""
     at, first, title = text.at, text.line, ""
     while (line := text.next_line()) is not None and not _is_row(line):
-        if re.search(r"\bvel(?:oc\w*)?\b", line, re.IGNORECASE) and not re.search(r"\bacc", line, re.IGNORECASE):
+        if re.search(r"\b(?:vel(?:oc\w*)?|disp(?:l\w*)?)\b", line, re.IGNORECASE) and not re.search(r"\bacc", line, re.IGNORECASE):
             raise text.fault(f"found {line.strip()!r}; expected an acceleration")
-        title = line if line.strip() else title
+        title = line if _BRACKETED.search(line) else title
         at, first = text.at, text.line
     if line is None:
         raise text.fault("no numbers")
@@ -49,7 +50,8 @@ def read(text: RecordText) -> list[Series]:
     values, columns = text.table(_SEPARATORS)
     if columns > 2:
         raise text.fault(f"{columns} columns; expected one (acceleration) or two (time in s, acceleration)", first)
-    *times, unit = _stated_units(title, columns)
+    stated = [word.strip() for word in _BRACKETED.findall(title)]
+    unit = next((found for word in reversed(stated) if (found := unit_of(word))), None)
     if unit is not None and text.unit_given is not None and UNITS["acceleration"][text.unit_given] != UNITS["acceleration"][unit]:
         raise DocumentError(f"{text.source}: `unit`: found {text.unit_given}; expected {unit}, which the heading {title.strip()!r} states")
     unit, dt = unit or text.unit_given, text.dt_given
@@ -63,20 +65,10 @@ def read(text: RecordText) -> list[Series]:
         return [Series(None, dt, values, unit)]
     if dt is not None:
         raise DocumentError(f"{text.source}: two columns, of which the first is the time; `dt` goes with one column")
-    if times[0] not in UNITS["time"]:
-        raise DocumentError(f"{text.source}: found times in {times[0]}; expected {' or '.join(UNITS['time'])}")
-    step = even_step(values[0::2] * UNITS["time"][times[0]], text, first)
+    factor = next((_TIMES[word] for word in stated if word in _TIMES), 1.0)
+    step = even_step(factor * values[0::2], text, first)
     remark = f"a step of {step:g} s, where the first column is taken for times in s" if step >= _LONG else ""
     return [Series(None, step, values[1::2], unit, remark=remark)]
-
-
-def _stated_units(title: str, columns: int) -> list[str | None]:
-    """Return the units of the columns in brackets of a heading; without them s for a time and None for an acceleration."""
-    stated = _BRACKETED.findall(title)
-    acceleration = unit_of(stated[-1]) if stated else None
-    if columns == 1 or acceleration is None or len(stated) != columns:
-        return ["s", acceleration][-columns:]
-    return [{"sec": "s", "seconds": "s"}.get(time := stated[0].strip().lower(), time), acceleration]
 
 
 def even_step(time: np.ndarray, text: RecordText, line: int, in_a_line: int = 1) -> float:
