@@ -60,14 +60,14 @@ def check(
 
     One row for each structure and motion: the outcome and theta_max/alpha by the governing equation (nonlinear for a known geometry in
     units: a_g, f_g, a record; linear on dimensionless axes, A, Omega, and for stated parameters); top_displacement, the largest
-    displacement of the top from its rest position (mm in the table); demand_a, the amplitude of the motion (with --sign both a body
-    whose sides differ has a row for each direction);
-    uplift_a and first_overturning_a, the lowest amplitudes that lift and overturn the body; capacity_demand, first_overturning_a over
-    demand_a: below 1 if the body overturns at the demand or below it, empty if no amplitude up to --a-max and twice the demand
-    overturns; safe_to, the end of the safe interval around the demand; outcome_linear, the linear verdict; friction_needed and fz_min,
-    the required coefficient of friction and the least vertical force over the weight of a rigid body. Accelerations are in m/s2
-    (JSON, CSV) or in the unit of the request (table), unless --units says otherwise. With --vary the first columns hold the varied
-    values: rocking plot check.csv --over KEY -o capacity.png draws the capacity over them.
+    displacement of the top from its rest position (mm in the table); demand_a, the amplitude of the motion (with --sign both a body whose
+    sides differ has a row for each direction); uplift_a and first_overturning_a, the lowest amplitudes that lift and overturn the body;
+    capacity_demand, first_overturning_a over demand_a: below 1 if the body overturns at the demand or below it, empty if no amplitude up
+    to --a-max and twice the demand overturns; safe_to, the end of the safe interval around the demand; outcome_linear, the linear
+    verdict; friction_needed and fz_min, the required coefficient of friction and the least vertical force over the weight of a rigid
+    body; opens, of an arch: whether a further hinge opens, so that another mechanism follows. Accelerations are in m/s2 (JSON, CSV) or in
+    the unit of the request (table), unless --units says otherwise. With --vary the first columns hold the varied values: rocking plot
+    check.csv --over KEY -o capacity.png draws the capacity over them.
     """
     from ..dynamics.method import has_direction
     from ..dynamics.outcome import Outcome
@@ -130,7 +130,9 @@ def check(
     if sort:
         found = sorted(found, key=lambda verdict: float("inf") if (c := verdict.capacity_demand) is None else c)
 
-    tied = TIED_COLUMNS if form() == "csv" and any(s.restraints for s in structures) else ()  # the first structure may have none
+    further: tuple[str, ...] = ()  # columns that the first structure may not have
+    if form() == "csv":
+        further = TIED_COLUMNS * any(s.restraints for s in structures) + ("opens",) * any(s.structure == "arch" for s in structures)
 
     def rows() -> Iterator[dict[str, Any]]:
         for verdict in found:
@@ -138,7 +140,7 @@ def check(
             head = {"structure": verdict.structure, "motion": verdict.motion, **extra.get(verdict.structure, {})}
             added = by_code.columns(verdict, not verdict_only) if by_code else {}
             row = {**head, **verdict.row(), **added}
-            yield row | {key: row.get(key) for key in tied}
+            yield row | {key: row.get(key) for key in further}
         yield from by_code.others() if by_code else ()
 
     in_g = _in_g(asked.a_g or asked.scale_to or ("g" if asked.motion else ""))

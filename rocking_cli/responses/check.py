@@ -57,7 +57,8 @@ class Verdict:
     share_of_falls: if many narrow intervals overturn the body, the share of overturning amplitudes within 5 % above the first one; slides:
     true if friction_needed exceeds the friction of the document; top_displacement: the largest displacement of the top [m], None without a
     geometry or if the body falls; first_overturning_a_free: first_overturning_a of the body without its ties and tendon; devices: a row for
-    each tie and tendon, see `History.devices`; opens: true if a further hinge opens in an arch, whose mechanism is then another one.
+    each tie and tendon, see `History.devices`; opens: true if a further hinge opens in an arch, whose
+    mechanism is then another one; None for another structure.
     """
 
     structure: str
@@ -78,7 +79,7 @@ class Verdict:
     top_displacement: float | None = None
     first_overturning_a_free: float | None = None
     devices: tuple[dict[str, Any], ...] = ()
-    opens: bool = False
+    opens: bool | None = None
 
     name = property(attrgetter("structure"))  # the old name
     dust = property(attrgetter("share_of_falls"))  # the old name
@@ -109,7 +110,7 @@ class Verdict:
             "outcome": self.outcome.flag,
             "outcome_linear": self.outcome_linear.flag,
         }
-        found = {key: own[key] for key in CHECK_COLUMNS}
+        found = {key: own[key] for key in CHECK_COLUMNS} | ({} if self.opens is None else {"opens": self.opens})
         if not self.devices:
             return found
         from .tied_history import columns_of

@@ -246,5 +246,8 @@ def test_the_opposite_direction_of_a_body_with_one_side_is_told(rocking):
 
 
 def test_a_further_hinge_of_an_arch_is_named(rocking):
-    done = rocking("check", "configs/arch.yaml", "--a-g", "0.4g", "--f-g", "1", "--verdict-only")
+    call = ("check", "configs/block.yaml", "configs/arch.yaml", "--a-g", "0.4g", "--f-g", "1", "--verdict-only")
+    assert [row.get("opens") for row in rocking(*call, "--json").records] == [None, True]
+    assert [line.rpartition(",")[2] for line in rocking(*call, "--csv").stdout.splitlines()] == ["opens", "", "True"]
+    done = rocking(*call)
     assert "open a further hinge (see response --forces), so that another mechanism follows: Oppenheim" in done.stderr
