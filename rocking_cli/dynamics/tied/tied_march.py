@@ -15,6 +15,8 @@ from which it has returned, is what it had there; impacts, damping and yielding 
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ...errors import UsageError
@@ -193,17 +195,29 @@ class March:
             return
         edge = body.on(lanes.side)
         doubtful = np.flatnonzero(~lanes.lost & ~(edge.kappa * edge.unit * (step.largest_acceleration + edge.unit * step.fastest**2) < 1.0))
+        instants = np.linspace(0.0, 1.0, _INSTANTS)
         for block in blocks(doubtful.size, _PRESSED):
             at = np.repeat(doubtful[block], _INSTANTS)
-            side, there = body.on(lanes.side[at]), now.take(at)
-            here = step.arc.take(at).at(reach[at] * np.resize(np.linspace(0.0, 1.0, _INSTANTS), at.size))
-            z = side.alpha - side.unit * here.y
-            fz = 1.0 + side.kappa * side.unit * (here.b * np.sin(z) - side.unit * here.v**2 * np.cos(z))
-            fz += self.devices.downwards(row[at], there, here.y)
+            fz = self._vertical_force(lanes, row, now, step, at, reach[at] * np.resize(instants, at.size))
             lanes.lost[doubtful[block]] = (fz <= 0.0).reshape(-1, _INSTANTS).any(axis=1)
         if self.recorder is not None and lanes.lost[0] and not self._told:
             self._told = True
-            self._note(lanes, LOST, lanes.y, lanes.v)
+            after = int(np.argmax(fz <= 0.0))
+            low, high = reach * instants[[max(after - 1, 0), after]][:, None]
+            while (low < (middle := 0.5 * (low + high))) and (middle < high):
+                pressed = self._vertical_force(lanes, row, now, step, doubtful, middle)[0] > 0.0
+                low, high = (middle, high) if pressed else (low, middle)
+            then = step.arc.at(high)
+            self._note(replace(lanes, u=lanes.u + lanes.omega * high), LOST, then.y, then.v)
+
+    def _vertical_force(self, lanes: TiedLanes, row: Array, now: Phase, step: Step, at: Array, h: Array) -> Array:
+        """Fz/(m g) of the lanes `at`, h [tau] after the start of their steps."""
+        body = self.devices.body
+        assert body is not None
+        side, here = body.on(lanes.side[at]), step.arc.take(at).at(h)
+        z = side.alpha - side.unit * here.y
+        fz = 1.0 + side.kappa * side.unit * (here.b * np.sin(z) - side.unit * here.v**2 * np.cos(z))
+        return np.asarray(fz + self.devices.downwards(row[at], now.take(at), here.y))
 
     def _events(self, lanes: TiedLanes, row: Array, now: Phase, high: Array, ends: Ends) -> TiedLanes:
         """Apply the events at step ends: a peak on the way, an end of a phase, an impact, a turn. Returns the lanes that go on."""

@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from oracles.tied_body import Device, TiedBody, wall
+from scipy.integrate import solve_ivp
 from support.bodies import shaking
 from support.documents import built
 
@@ -366,3 +367,26 @@ def test_a_vertical_motion_is_refused():
     motion = with_vertical(sine(), sine(), 0.5)
     with pytest.raises(UsageError, match="found a vertical motion under a body with ties or a tendon; expected a horizontal motion alone"):
         response(EXACT.system_of(body), motion, 3.0, 4.0, body.eta)
+
+
+def test_the_ground_is_lost_where_another_integration_says():
+    """The event stands where the vertical force of the ground on this square block vanishes."""
+    body = built("kind: block\nwidth: 2\nheight: 2\nmass: 8000\nties: [{height: 1.8, stiffness: 2e5, side: both}]\n")
+    events = time_history(body, sine(), parse_grid("a_g=3g,f_g=1.5"), [EXACT]).histories["nonlinear"].events
+    (event,) = (e for e in events if e.event == "lost contact")
+    omega, radius, alpha = 3.0 * math.pi, math.sqrt(2.0), math.pi / 4
+
+    def acceleration(t, u):
+        pull = 2e5 * 1.8 * np.sin(u) * 1.8 * np.cos(u) / (8000.0 * G * radius)
+        return 0.75 * G / radius * (3.0 * np.sin(omega * t) * np.cos(alpha - u) - np.sin(alpha - u) - pull)
+
+    def ground(t, state):
+        return G + radius * (acceleration(t, state[0]) * np.sin(alpha - state[0]) - state[1] ** 2 * np.cos(alpha - state[0]))
+
+    ground.terminal = True
+    found = solve_ivp(
+        lambda t, s: (s[1], acceleration(t, s[0])), (math.asin(1.0 / 3.0) / omega, 1.0), (0.0, 0.0), "DOP853", events=ground,
+        rtol=1e-12, atol=1e-14,
+    )  # fmt: skip
+    assert event.tau / body.p == pytest.approx(found.t_events[0][0], abs=1e-9)
+    assert -event.theta_ratio * alpha == pytest.approx(found.y_events[0][0][0], abs=1e-9)
