@@ -95,8 +95,6 @@ def spectrum(
     summary = write_scene(scene, output, settings)
     lines = model.in_words([scene.method], structures, grid is not None and grid.dimensionless)
     note(*lines, *direction_in_words(*structures), *summary_lines(summary, str(output)))
-    if any(structure.restraints for structure in structures):
-        note("no cell is checked: the independent solver knows neither ties nor a tendon")
     if json_:
         emit([{"output": str(output), **summary.row()}], form="json")
     partly(summary.failed)

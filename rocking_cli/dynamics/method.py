@@ -167,9 +167,6 @@ class Method:
         """Builds the problem of a structure for the reference solver."""
         from .references import general_solver
 
-        if structure.restraints:
-            found = f"{structure.name}: found ties or a tendon, which general solvers do not know"
-            raise UsageError(f"{found}; expected a body without them")
         return general_solver.problem_of(structure, getattr(general_solver, self.kind_of(structure).rates))
 
 

@@ -62,10 +62,7 @@ def default_check(scene: Scene) -> int:
 
 
 def checked_cells(scene: Scene, check: int) -> Array:
-    """Return (structure, row, column, True if chosen as sensitive) of the cells to check: half drawn, half the most sensitive of 128.
-    None of a scene with ties or a tendon, which the reference does not know."""
-    if any(s.restraints for s in scene.structures):
-        check = 0
+    """Return (structure, row, column, True if chosen as sensitive) of the cells to check: half drawn, half the most sensitive of 128."""
     too_long = scene.segments > (_LONGEST_RECORD if scene.of_records else _LONGEST)
     chosen, drawn = sensitive_cells(scene, 0 if too_long else check // 2), sampled_cells(scene, check)
     drawn = drawn[~(drawn[:, None] == chosen[None]).all(axis=2).any(axis=1)][: check - len(chosen)]
@@ -82,7 +79,9 @@ def sampled_cells(scene: Scene, check: int, seed: int = _SEED) -> Array:
     def uplifts(at: tuple[int, int, int]) -> bool:
         cell = scene.cell(*at)
         if id(cell.structure) not in lifts:
-            lifts[id(cell.structure)] = float(np.min(scene.method.system_of(cell.structure).equation.uplift_amplitude))
+            system = scene.method.system_of(cell.structure)
+            held = 1.0 if system.devices is None else float(np.min(system.devices.held_at_first()))
+            lifts[id(cell.structure)] = held * float(np.min(system.equation.uplift_amplitude))
         return cell.amplitude * cell.motion.largest > lifts[id(cell.structure)]
 
     drawn = _drawn(seed, 20 * check, (len(owners), rows, columns)).tolist()

@@ -10,12 +10,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from functools import partial
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ...motions.motion import Motion, Piece, extremes, plus
 from ..outcome import FALLEN, Outcome
 from .extrapolation import Path, Point, Rate, path, step
+from .held_body import Held
 
 if TYPE_CHECKING:
     from ...structures.parameters import RockingParameters, Side
@@ -94,12 +96,14 @@ def mechanism_rates(structure: RockingParameters, edge: Edge) -> Rates:
 class Problem(NamedTuple):
     """A structure for a general solver. edges: the equation of each side, +1 for theta > 0, and -1 unless the body rocks to the right only;
     scale: ground acceleration of A = 1 [g]; eta: theta' after over before an impact on leaving each edge, empty if the eta of the cell
-    holds; arms: the `Arm` of each edge of a rigid body, empty if its forces are not known."""
+    holds; arms: the `Arm` of each edge of a rigid body, empty if its forces are not known; held: returns new ties and tendon, None of a
+    free body."""
 
     edges: dict[int, Rates]
     scale: float
     eta: Mapping[int, float] = {}
     arms: Mapping[int, Arm] = {}
+    held: Callable[[], Held] | None = None
 
 
 def problem_of(structure: RockingParameters, rates: Callable[[RockingParameters, Edge], Rates]) -> Problem:
@@ -108,18 +112,22 @@ def problem_of(structure: RockingParameters, rates: Callable[[RockingParameters,
     scale, own = structure.alpha / structure.a_scale, sides or dict.fromkeys((1,) if structure.one_sided else (1, -1), structure)
     arms = {i: Arm(e.alpha, e.arm * structure.p**2 / structure.gravity) for i, e in own.items() if e.arm is not None}
     arms = arms if len(arms) == len(own) else {}
+    paces, linear, held = {i: e.p / structure.p for i, e in own.items()}, rates is linear_rates, None
+    if structure.restraints:
+        held = partial(Held, structure.restraints, paces, own[1].arm or math.nan, linear)
     if sides:
-        return Problem({i: rates(structure, s) for i, s in sides.items()}, scale, {i: s.eta for i, s in sides.items()}, arms)
-    return Problem(dict.fromkeys(own, rates(structure, structure)), scale, arms=arms)
+        return Problem({i: rates(structure, s) for i, s in sides.items()}, scale, {i: s.eta for i, s in sides.items()}, arms, held)
+    return Problem(dict.fromkeys(own, rates(structure, structure)), scale, arms=arms, held=held)
 
 
 def solve_cell(
     motion: Motion, amplitude: float, omega: float, eta: float, problem: Problem, solver: Callable[..., Path] = path
 ) -> tuple[Outcome, float]:
-    """(outcome, max |theta|/alpha, NaN where overturned) of one cell. FAILED if it takes too long, or if no step is short enough."""
+    """(outcome, max |theta|/alpha, NaN where overturned) of one cell. FAILED if it takes too long, if no step is short enough, or if
+    the solver of a script finds no root."""
     try:
-        return _Body(motion, problem, float(amplitude), float(omega), eta, solver).run()
-    except ArithmeticError:
+        return (_TiedBody if problem.held else _Body)(motion, problem, float(amplitude), float(omega), eta, solver).run()
+    except (ArithmeticError, ValueError):
         return Outcome.FAILED, math.nan
 
 
@@ -167,8 +175,10 @@ class _Body:
         self.motion, self.problem, self.solver = motion, problem, solver
         self.drive, self.omega, self.eta = amplitude * problem.scale, omega, problem.eta or {1: abs(eta), -1: abs(eta)}
         self.time = self.theta = self.w = self.peak = 0.0
-        self.side = 0
-        self.here = problem.edges[1]  # the equation on the side of the body
+        self.side = self.turns = 0  # turns: peaks since the last impact
+        self.edges = problem.edges
+        self.here = self.edges[1]  # the equation on the side of the body
+        self.impacts = 0  # after the shaking and the last rupture
         self.bounced = self.contact_lost = False  # contact_lost: True if Fz fell to zero on the way
         self.up: Piece | None = None  # the present piece of the vertical motion
         vertical = motion.vertical
@@ -185,6 +195,7 @@ class _Body:
                 if left < 0:
                     return Outcome.FAILED, math.nan
                 (self.move if self.side else self.rest)(piece, end)
+                self.follow()
                 if self.theta > self.here.limit or (self.side and self.theta > self.here.alpha and self.cannot_return()):
                     return self.overturned(), math.nan
             if fall is not None and self.theta >= FALLEN * self.here.alpha:
@@ -199,16 +210,27 @@ class _Body:
         """The weight over m g at this time."""
         return 1.0 if self.up is None else 1.0 + self.drive * value(self.up, self.omega * time)
 
+    def pressure(self, at: Point) -> float:
+        """The forces downwards at an instant, over m g."""
+        return self.weight(at.time)
+
+    def cut(self, rate: Rate, found: Path) -> Path:
+        """Hook: the part of a path on which the equation holds."""
+        return found
+
+    def follow(self) -> None:
+        """Hook at the end of each part of a path."""
+
     def rest(self, piece: Piece, end: float) -> None:
         """Let the body rest until its first uplift or the end of the piece."""
         lifts = []
-        for side, edge in self.problem.edges.items():  # with a vertical motion each edge has an effective motion of its own
+        for side, edge in self.edges.items():  # with a vertical motion each edge has an effective motion of its own
             signal = piece if self.up is None else plus(piece, self.up.scaled(side * edge.uplift))
             phase = next_uplift(signal, self.omega * self.time, -side * self.drive / edge.uplift)
             if phase is not None and phase / self.omega < end:  # at the end of the piece the next one decides
                 lifts.append((max(self.time, phase / self.omega), side))
         self.time, self.side = min(lifts, default=(end, 0))
-        self.here, self.theta, self.w = self.problem.edges[self.side or 1], 0.0, 0.0
+        self.here, self.theta, self.w = self.edges[self.side or 1], 0.0, 0.0
 
     def move(self, piece: Piece, end: float) -> None:
         """Move the body over one stretch, or to the impact in it."""
@@ -219,21 +241,22 @@ class _Body:
 
         stretch = 0.5 / (1.0 + self.omega * max((h.frequency for h in piece.harmonics), default=0.0))
         stop = min(end, self.time + (stretch if self.solver is path else _SCRIPT_STRETCH))
-        peaks, there, struck, steps = self.solver(rate, start, stop, self.here.limit * (1.0 + 1e-9))  # surely beyond it
+        peaks, there, struck, steps = self.cut(rate, self.solver(rate, start, stop, self.here.limit * (1.0 + 1e-9)))  # surely beyond it
         self.check_contact(rate, steps)
         for peak in peaks:
             speed, force = rate(*peak)
-            self.peak = max(self.peak, (peak.theta - 0.5 * speed * peak.w / force) / self.here.alpha)
+            self.peak, self.turns = max(self.peak, (peak.theta - 0.5 * speed * peak.w / force) / self.here.alpha), self.turns + 1
         if not struck:
             self.time, self.theta, self.w = there
             return
         speed, force = rate(*there)
         miss, eta = -there.theta / speed if speed < 0.0 else 0.0, self.eta[self.side]
         self.time, self.bounced = max(there.time, math.nextafter(start.time, math.inf)) + miss, True
-        self.side = -self.side if -self.side in self.problem.edges else self.side
-        self.here, self.theta, self.w = self.problem.edges[self.side], 0.0, -eta * (there.w + miss * force)
+        self.turns = 0
+        self.side = -self.side if -self.side in self.edges else self.side
+        self.here, self.theta, self.w = self.edges[self.side], 0.0, -eta * (there.w + miss * force)
         push, weight = self.drive * value(piece, self.omega * self.time), self.weight(self.time)
-        lifted = any(-side * push >= edge.uplift * weight for side, edge in self.problem.edges.items())
+        lifted = any(-side * push >= edge.uplift * weight for side, edge in self.edges.items())
         if self.w <= 0.0 or (self.w < _AT_REST and not lifted and eta < 1.0):
             self.side, self.w = 0, 0.0
 
@@ -245,7 +268,7 @@ class _Body:
 
         def pressed(at: Point) -> tuple[float, float]:
             acceleration = rate(*at)[1]
-            return acceleration, arm.fz(at.theta, at.w, acceleration, self.weight(at.time))
+            return acceleration, arm.fz(at.theta, at.w, acceleration, self.pressure(at))
 
         after = pressed(steps[0])
         for one, other in pairwise(steps):
@@ -263,21 +286,67 @@ class _Body:
         """True if the body moves outwards where the strongest inward ground acceleration does not pull it in, and w > 0 always."""
         return self.least > 0.0 < self.w and self.here.of(self.theta, self.w, self.drive * self.motion.largest, self.least)[1] > 0.0
 
+    def falls_on_still_ground(self) -> bool:
+        return self.theta > self.here.alpha and self.w >= 0.0
+
     def overturned(self) -> Outcome:
         return Outcome.OVERTURNED_AFTER_IMPACT if self.bounced else Outcome.OVERTURNED_NO_IMPACT
 
     def still(self) -> tuple[Outcome, float]:
         """After the shaking: march over still ground until the outcome is certain; returns (outcome, max |theta|/alpha)."""
-        impacts, self.up = 0, None
+        self.impacts, self.up, self.turns = 0, None, 0
         for _ in range(_MOST):
-            if self.side == 0 or impacts > 2:
+            if self.side == 0 or self.impacts > 2:
                 return (Outcome.ROCKED if self.peak > 0.0 else Outcome.NO_UPLIFT), self.peak
-            if self.theta > self.here.alpha and self.w >= 0.0:
+            if self.turns > 1:  # it turned outwards between two peaks
+                return Outcome.LEANING, self.peak
+            if self.falls_on_still_ground():
                 return self.overturned(), math.nan
             before, bounced, self.bounced = self.time, self.bounced, False
             self.move(_STILL, math.inf)
-            impacts += self.bounced
+            self.follow()
+            self.impacts += self.bounced
             self.bounced |= bounced
             if not self.time > before:
                 break
         return Outcome.FAILED, math.nan
+
+
+class _TiedBody(_Body):
+    def __init__(self, motion: Motion, problem: Problem, *numbers: Any) -> None:
+        super().__init__(motion, problem, *numbers)
+        assert problem.held is not None
+        self.held, self.free = problem.held(), problem.edges
+        self.edges = {i: e._replace(of=self.restrained(i, e), limit=self.held.limit(i, e.alpha)) for i, e in problem.edges.items()}
+        self.follow()
+
+    def restrained(self, side: int, edge: Rates) -> Callable[[float, float, float, float], tuple[float, float]]:
+        """The rates of an edge with the pull of the devices."""
+
+        def rates(theta: float, w: float, push: float, weight: float) -> tuple[float, float]:
+            speed, force = edge.of(theta, w, push, weight)
+            return speed, force - self.held.pull(side, theta)
+
+        return rates
+
+    def pressure(self, at: Point) -> float:
+        return 1.0 + self.held.downwards(self.side, at.theta)
+
+    def cut(self, rate: Rate, found: Path) -> Path:
+        return self.held.cut(self.side, rate, found)
+
+    def follow(self) -> None:
+        """Choose the laws of the devices where the body is now, and the drive that lifts it from each edge."""
+        for side, edge in self.free.items():
+            here = side == self.side
+            if self.held.follow(side, self.theta if here else 0.0, self.w if here else 0.0):
+                self.turns = self.impacts = 0
+            lifts = edge.uplift * (1.0 - self.held.at_ground(side) / edge.of(0.0, 0.0, 0.0, 1.0)[1])
+            self.edges[side] = self.edges[side]._replace(uplift=lifts)
+        self.here = self.edges[self.side or 1]
+
+    def cannot_return(self) -> bool:
+        return False  # it overturns at the limit of its edge
+
+    def falls_on_still_ground(self) -> bool:
+        return self.theta > self.here.limit

@@ -148,8 +148,11 @@ def test_ties_hold_yield_and_break_as_another_integration_says(text, devices, da
     end = motion.still_until(2.0 * math.pi * (1.0 + 12.0 / body.p / period))
     largest, fell = wall(devices, body.eta, damping).run(shaking(end, a_g * G, 2.0 * math.pi / period))
     assert Outcome(int(found.outcome[0])).overturned == fell
+    answer = EXACT.reference_of(body)(motion, body.dimensionless_amplitude(a_g * G), 2.0 * math.pi / period / body.p, body.eta)
+    assert answer[0] == found.outcome[0]
     if not fell:
         assert found.theta_ratio[0] == pytest.approx(largest, abs=1e-8)
+        assert answer[1] == pytest.approx(largest, abs=1e-8)
         for side, stretched, stiffness in zip((1, -1), found.farthest[:, :, 0], EXACT.system_of(body).devices.stiffness, strict=False):
             assert stretched[stiffness > 0.0] == pytest.approx([d.farthest for d in devices if d.side == side], abs=1e-8)
 
@@ -253,6 +256,9 @@ def test_a_block_with_a_tendon_against_another_integration(linear, a_g, period, 
     largest, fell = oracle.run(shaking(sine().still_until(omega_g * (period + 3 / body.p)), a_g * 9.8, omega_g))
     assert bool((found.phase == BROKEN).any()) == devices[0].broken == breaks
     assert Outcome(int(found.outcome[0])).overturned == fell != stands
+    at = body.dimensionless_amplitude(a_g * 9.8), omega_g / body.p, body.eta
+    answer = Method("linear" if linear else "nonlinear").reference_of(body)(sine(), *at)
+    assert answer == pytest.approx((found.outcome[0], found.theta_ratio[0]), abs=1e-9, nan_ok=True)
     if stands:
         assert found.theta_ratio[0] == pytest.approx(largest, abs=1e-7)
 

@@ -1,0 +1,142 @@
+"""Ties and a tendon for the general solver.
+
+The force of a device depends on the rotation, its permanent elongation and the law that it follows now: slack, elastic, yielding or broken.
+A law holds for a whole stretch of the solver. A stretch ends where a law changes, which single steps find by bisection.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+from .extrapolation import Path, Rate, step
+
+if TYPE_CHECKING:
+    from ...structures.restraints import Restraints, Tie
+
+_HALVINGS = 60
+_YIELDS = 1e-12  # part of the elongation at yield within which a device yields
+_FAR = 1e6  # rotation over alpha at which a body has overturned under the linear equation
+
+
+class _Device:
+    """A tie or a tendon (`at_centre`: its lever at theta = 0 [m]) on one side of a body."""
+
+    def __init__(self, tie: Tie, at_centre: bool, linear: bool) -> None:
+        self.tie, self.at_centre, self.linear = tie, at_centre, linear
+        self.reach = (tie.yield_force - tie.prestress) / tie.stiffness if tie.stiffness else math.inf  # elongation from P0 to F_y
+        self.slackens = tie.prestress / tie.stiffness if tie.stiffness else math.inf
+        self.permanent, self.law = 0.0, "elastic"
+
+    def elongation(self, u: float) -> float:
+        h = self.tie.height
+        if self.linear:
+            return h * u
+        return 2.0 * h * math.sin(0.5 * u) if self.at_centre else self.tie.behind * (1.0 - math.cos(u)) + h * math.sin(u)
+
+    def lever(self, u: float) -> float:
+        h = self.tie.height
+        if self.linear:
+            return h
+        return h * math.cos(0.5 * u) if self.at_centre else h * math.cos(u) + self.tie.behind * math.sin(u)
+
+    def force(self, u: float) -> float:
+        if self.law == "yielding":
+            return self.tie.yield_force
+        return self.tie.prestress + self.tie.stiffness * (self.elongation(u) - self.permanent) if self.law == "elastic" else 0.0
+
+    def at_ground(self) -> float:
+        return max(0.0, self.tie.prestress - self.tie.stiffness * self.permanent) if self.law != "broken" else 0.0
+
+    def holds(self, u: float) -> float:
+        """The elongation [m] that is left until the present law ends, negative beyond its end."""
+        e, slack = self.elongation(max(u, 0.0)), self.permanent - self.slackens
+        if self.law == "slack":
+            return slack - e
+        left = math.inf if self.law == "broken" else self.tie.ultimate - e
+        return min(left, e - slack, self.permanent + self.reach - e) if self.law == "elastic" else left
+
+    def follow(self, u: float, w: float) -> None:
+        """Choose the law at a rotation and velocity, and keep the permanent elongation."""
+        e = self.elongation(u)
+        if self.law == "broken" or e >= self.tie.ultimate:
+            self.law = "broken"
+            return
+        yields = e - self.permanent >= self.reach * (1.0 - _YIELDS)
+        self.permanent = max(self.permanent, e - self.reach)
+        slack = self.permanent - self.slackens
+        taut = e >= slack if w >= 0.0 else e > slack
+        self.law = "yielding" if yields and w > 0.0 else "elastic" if taut else "slack"
+
+
+class Held:
+    """The devices of a body while it moves. paces: p of each side, +1 and -1, over the p of tau; arm: R [m]; linear: True for the linear
+    equation, whose levers are constant."""
+
+    def __init__(self, restraints: Restraints, paces: Mapping[int, float], arm: float, linear: bool) -> None:
+        from ...structures.restraints import SIDES, Tie
+
+        self.devices: dict[int, list[_Device]] = {}
+        self.factors: dict[int, float] = {}
+        self.arm, self.linear, tendon = arm, linear, restraints.tendon
+        for side, stand in zip((-1, 1), restraints.stands, strict=True):
+            if side not in paces:
+                continue
+            self.devices[side] = [_Device(tie, False, linear) for tie in restraints.ties if stand.side in SIDES[tie.side]]
+            self.factors[side] = paces[side] ** 2 / stand.moment
+            if tendon:
+                ultimate = (tendon.rupture - tendon.prestress) / tendon.stiffness if tendon.stiffness else math.inf
+                one = Tie(stand.lever, tendon.stiffness, tendon.prestress, ultimate=ultimate)
+                self.devices[side].append(_Device(one, True, linear))
+        self.paces = paces
+
+    def pull(self, side: int, u: float) -> float:
+        """The restoring acceleration -theta'' by tau."""
+        return self.factors[side] * sum(d.force(u) * d.lever(u) for d in self.devices[side])
+
+    def at_ground(self, side: int) -> float:
+        """The restoring acceleration -theta'' by tau that holds a body at rest."""
+        return self.factors[side] * sum(d.at_ground() * d.tie.height for d in self.devices[side])
+
+    def downwards(self, side: int, u: float) -> float:
+        """The vertical force of a tendon over m g."""
+        force = sum(d.force(u) for d in self.devices[side] if d.at_centre)
+        return force * math.cos(0.5 * u) * self.arm * self.factors[side] / self.paces[side] ** 2
+
+    def limit(self, side: int, alpha: float) -> float:
+        """The rotation [rad] from which the body counts as overturned: a tie has lost its lever, or the body lies on its side."""
+        turned = (math.atan2(d.tie.height, -min(d.tie.behind, 0.0)) for d in self.devices[side])
+        return _FAR * alpha if self.linear else min(turned, default=0.5 * math.pi)
+
+    def cut(self, side: int, rate: Rate, found: Path) -> Path:
+        """The part of a path on which no law changes: it ends where one does, or at the first peak if a device yields."""
+        devices, peaks, passed = self.devices[side], found.peaks, [found.steps[0]]
+        yields = any(d.law == "yielding" for d in devices)
+        for one, other in pairwise(sorted((*found.steps, *peaks))):
+            if all(d.holds(other.theta) >= 0.0 for d in devices):
+                passed.append(other)
+                if yields and other in peaks:
+                    return Path([other], other._replace(w=0.0), False, passed)
+                continue
+            low, high, there = 0.0, other.time - one.time, other
+            for _ in range(_HALVINGS):
+                middle = 0.5 * (low + high)
+                at = step(rate, one, middle) or other
+                if all(d.holds(at.theta) >= 0.0 for d in devices):
+                    low = middle
+                else:
+                    high, there = middle, at
+            return Path([p for p in peaks if p in passed], there, False, [*passed, there])
+        return found
+
+    def follow(self, side: int, u: float, w: float) -> bool:
+        """Choose the laws of the devices of a side at a rotation and a velocity; True if one breaks now. A tendon breaks on both sides."""
+        whole = sum(d.law != "broken" for d in self.devices[side])
+        for d in self.devices[side]:
+            d.follow(u, w)
+        if any(d.at_centre and d.law == "broken" for d in self.devices[side]):
+            for d in (d for devices in self.devices.values() for d in devices if d.at_centre):
+                d.law = "broken"
+        return sum(d.law != "broken" for d in self.devices[side]) < whole
