@@ -10,14 +10,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from functools import partial
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from ...motions.motion import Motion, Piece, extremes, plus
 from ..outcome import FALLEN, Outcome
 from .extrapolation import Path, Point, Rate, path, step
-from .held_body import Held
 
 if TYPE_CHECKING:
     from ...structures.parameters import RockingParameters, Side
@@ -96,14 +94,14 @@ def mechanism_rates(structure: RockingParameters, edge: Edge) -> Rates:
 class Problem(NamedTuple):
     """A structure for a general solver. edges: the equation of each side, +1 for theta > 0, and -1 unless the body rocks to the right only;
     scale: ground acceleration of A = 1 [g]; eta: theta' after over before an impact on leaving each edge, empty if the eta of the cell
-    holds; arms: the `Arm` of each edge of a rigid body, empty if its forces are not known; held: returns new ties and tendon, None of a
-    free body."""
+    holds; arms: the `Arm` of each edge of a rigid body, empty if its forces are not known; body: builds a body with ties or a tendon,
+    None of a free body."""
 
     edges: dict[int, Rates]
     scale: float
     eta: Mapping[int, float] = {}
     arms: Mapping[int, Arm] = {}
-    held: Callable[[], Held] | None = None
+    body: Callable[..., Body] | None = None
 
 
 def problem_of(structure: RockingParameters, rates: Callable[[RockingParameters, Edge], Rates]) -> Problem:
@@ -112,12 +110,14 @@ def problem_of(structure: RockingParameters, rates: Callable[[RockingParameters,
     scale, own = structure.alpha / structure.a_scale, sides or dict.fromkeys((1,) if structure.one_sided else (1, -1), structure)
     arms = {i: Arm(e.alpha, e.arm * structure.p**2 / structure.gravity) for i, e in own.items() if e.arm is not None}
     arms = arms if len(arms) == len(own) else {}
-    paces, linear, held = {i: e.p / structure.p for i, e in own.items()}, rates is linear_rates, None
+    body = None
     if structure.restraints:
-        held = partial(Held, structure.restraints, paces, own[1].arm or math.nan, linear)
+        from .held_body import body_with
+
+        body = body_with(structure.restraints, {i: e.p / structure.p for i, e in own.items()}, own[1].arm, linear=rates is linear_rates)
     if sides:
-        return Problem({i: rates(structure, s) for i, s in sides.items()}, scale, {i: s.eta for i, s in sides.items()}, arms, held)
-    return Problem(dict.fromkeys(own, rates(structure, structure)), scale, arms=arms, held=held)
+        return Problem({i: rates(structure, s) for i, s in sides.items()}, scale, {i: s.eta for i, s in sides.items()}, arms, body)
+    return Problem(dict.fromkeys(own, rates(structure, structure)), scale, arms=arms, body=body)
 
 
 def solve_cell(
@@ -126,7 +126,7 @@ def solve_cell(
     """(outcome, max |theta|/alpha, NaN where overturned) of one cell. FAILED if it takes too long, if no step is short enough, or if
     the solver of a script finds no root."""
     try:
-        return (_TiedBody if problem.held else _Body)(motion, problem, float(amplitude), float(omega), eta, solver).run()
+        return (problem.body or Body)(motion, problem, float(amplitude), float(omega), eta, solver).run()
     except (ArithmeticError, ValueError):
         return Outcome.FAILED, math.nan
 
@@ -170,7 +170,9 @@ def falls_to_zero(rough: tuple[float, float, float], force: Callable[[float], fl
     return False
 
 
-class _Body:
+class Body:
+    """A body under a motion, from event to event."""
+
     def __init__(self, motion: Motion, problem: Problem, amplitude: float, omega: float, eta: float, solver: Callable[..., Path]) -> None:
         self.motion, self.problem, self.solver = motion, problem, solver
         self.drive, self.omega, self.eta = amplitude * problem.scale, omega, problem.eta or {1: abs(eta), -1: abs(eta)}
@@ -310,43 +312,3 @@ class _Body:
             if not self.time > before:
                 break
         return Outcome.FAILED, math.nan
-
-
-class _TiedBody(_Body):
-    def __init__(self, motion: Motion, problem: Problem, *numbers: Any) -> None:
-        super().__init__(motion, problem, *numbers)
-        assert problem.held is not None
-        self.held, self.free = problem.held(), problem.edges
-        self.edges = {i: e._replace(of=self.restrained(i, e), limit=self.held.limit(i, e.alpha)) for i, e in problem.edges.items()}
-        self.follow()
-
-    def restrained(self, side: int, edge: Rates) -> Callable[[float, float, float, float], tuple[float, float]]:
-        """The rates of an edge with the pull of the devices."""
-
-        def rates(theta: float, w: float, push: float, weight: float) -> tuple[float, float]:
-            speed, force = edge.of(theta, w, push, weight)
-            return speed, force - self.held.pull(side, theta)
-
-        return rates
-
-    def pressure(self, at: Point) -> float:
-        return 1.0 + self.held.downwards(self.side, at.theta)
-
-    def cut(self, rate: Rate, found: Path) -> Path:
-        return self.held.cut(self.side, rate, found)
-
-    def follow(self) -> None:
-        """Choose the laws of the devices where the body is now, and the drive that lifts it from each edge."""
-        for side, edge in self.free.items():
-            here = side == self.side
-            if self.held.follow(side, self.theta if here else 0.0, self.w if here else 0.0):
-                self.turns = self.impacts = 0
-            lifts = edge.uplift * (1.0 - self.held.at_ground(side) / edge.of(0.0, 0.0, 0.0, 1.0)[1])
-            self.edges[side] = self.edges[side]._replace(uplift=lifts)
-        self.here = self.edges[self.side or 1]
-
-    def cannot_return(self) -> bool:
-        return False  # it overturns at the limit of its edge
-
-    def falls_on_still_ground(self) -> bool:
-        return self.theta > self.here.limit

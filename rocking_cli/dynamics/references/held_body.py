@@ -7,11 +7,13 @@ A law holds for a whole stretch of the solver. A stretch ends where a law change
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from .extrapolation import Path, Rate, step
+from ...motions.motion import Motion
+from .extrapolation import Path, Point, Rate, step
+from .general_solver import Body, Problem, Rates
 
 if TYPE_CHECKING:
     from ...structures.restraints import Restraints, Tie
@@ -140,3 +142,47 @@ class Held:
             for d in (d for devices in self.devices.values() for d in devices if d.at_centre):
                 d.law = "broken"
         return sum(d.law != "broken" for d in self.devices[side]) < whole
+
+
+class _TiedBody(Body):
+    def __init__(self, held: Held, motion: Motion, problem: Problem, *numbers: Any) -> None:
+        super().__init__(motion, problem, *numbers)
+        self.held, self.free = held, problem.edges
+        self.edges = {i: e._replace(of=self.restrained(i, e), limit=self.held.limit(i, e.alpha)) for i, e in problem.edges.items()}
+        self.follow()
+
+    def restrained(self, side: int, edge: Rates) -> Callable[[float, float, float, float], tuple[float, float]]:
+        """The rates of an edge with the pull of the devices."""
+
+        def rates(theta: float, w: float, push: float, weight: float) -> tuple[float, float]:
+            speed, force = edge.of(theta, w, push, weight)
+            return speed, force - self.held.pull(side, theta)
+
+        return rates
+
+    def pressure(self, at: Point) -> float:
+        return 1.0 + self.held.downwards(self.side, at.theta)
+
+    def cut(self, rate: Rate, found: Path) -> Path:
+        return self.held.cut(self.side, rate, found)
+
+    def follow(self) -> None:
+        """Choose the laws of the devices where the body is now, and the drive that lifts it from each edge."""
+        for side, edge in self.free.items():
+            here = side == self.side
+            if self.held.follow(side, self.theta if here else 0.0, self.w if here else 0.0):
+                self.turns = self.impacts = 0
+            lifts = edge.uplift * (1.0 - self.held.at_ground(side) / edge.of(0.0, 0.0, 0.0, 1.0)[1])
+            self.edges[side] = self.edges[side]._replace(uplift=lifts)
+        self.here = self.edges[self.side or 1]
+
+    def cannot_return(self) -> bool:
+        return False  # it overturns at the limit of its edge
+
+    def falls_on_still_ground(self) -> bool:
+        return self.theta > self.here.limit
+
+
+def body_with(restraints: Restraints, paces: Mapping[int, float], arm: float | None, linear: bool) -> Callable[..., Body]:
+    """A function that builds a `Body` with these restraints; paces, arm, linear: as of `Held`."""
+    return lambda *more: _TiedBody(Held(restraints, paces, arm or math.nan, linear), *more)
