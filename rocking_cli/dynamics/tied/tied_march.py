@@ -194,7 +194,9 @@ class March:
         if body is None:
             return
         edge = body.on(lanes.side)
-        doubtful = np.flatnonzero(~lanes.lost & ~(edge.kappa * edge.unit * (step.largest_acceleration + edge.unit * step.fastest**2) < 1.0))
+        lean = np.maximum(edge.alpha, edge.unit * (lanes.y + step.h * step.fastest) - edge.alpha)  # the largest |z|
+        downwards = np.minimum(lean, 1.0) * step.largest_acceleration + edge.unit * step.fastest**2
+        doubtful = np.flatnonzero(~lanes.lost & ~(edge.kappa * edge.unit * downwards < 1.0))
         instants = np.linspace(0.0, 1.0, _INSTANTS)
         for block in blocks(doubtful.size, _PRESSED):
             at = np.repeat(doubtful[block], _INSTANTS)
