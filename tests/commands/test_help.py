@@ -54,8 +54,8 @@ def test_examples_and_pages_run_in_order_anywhere(rocking, tmp_path, name):
     (tmp_path / "configs").unlink()
     shown = example(rocking, name) if name in COMMANDS else []
     for line in dict.fromkeys([*shown, *re.findall(r"^    (rocking .*)$", page(name), re.MULTILINE)]):
-        shorter = re.sub(r"(:[\d.]+g?:)([6-9]|\d\d+)\b", r"\g<1>5", line.replace("--duration 2 ", "--duration 0.2 "))
-        shorter = shorter.replace("--f-g 0.5:5", "--f-g 0.5:1")
+        shorter = re.sub(r"(:[\d.]+g?:)([4-9]|\d\d+)\b", r"\g<1>3", line.replace("--duration 2 ", "--duration 0.2 "))
+        shorter = shorter.replace("--f-g 0.5:5", "--f-g 0.5:1").replace("rocking fragility", "rocking fragility --bootstrap 20")
         printed = shell(rocking, shorter, tmp_path)
         if not re.search(r"--(json|csv|documents)|convert", line):
             assert max(map(len, printed.splitlines()), default=0) <= 100

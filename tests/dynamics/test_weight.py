@@ -92,7 +92,7 @@ def test_the_rotation_when_the_ground_falls_away_tells_whether_the_body_has_over
         integrate(Body(edge, edge, 0.0, model == "nonlinear"), ground, seen=lambda _side, step: steps.append(step))
         return next((step.u_end for step in steps if step.t + step.h > 0.25 * end * (1.0 - 1e-9)), math.inf)
 
-    end = bisect(lambda x: rotation(x) - FALLEN * body.alpha, 3.1, 13.9, xtol=1e-12)
+    end = bisect(lambda x: rotation(x) - FALLEN * body.alpha, 3.1, 13.9, xtol=1e-8)
     for falls, wanted in ((end * (1.0 - 1e-6), Outcome.LOST_CONTACT), (end * (1.0 + 1e-6), Outcome.OVERTURNED_AFTER_IMPACT)):
         assert response(method.system_of(body), motion(falls), [amplitude], 2.0, body.eta).outcome.tolist() == [wanted]
         assert history(method.system_of(body), motion(falls), amplitude, 2.0, body.eta, duration=20.0).outcome == wanted

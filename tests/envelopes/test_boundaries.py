@@ -49,13 +49,13 @@ BODIES = {
 @pytest.mark.parametrize("motion", [sine(), sine(0.5), sine(2), pulse("rectangular-impulse"), MOTIONS[-1]], ids=lambda m: m.name)
 def test_nothing_overturns_where_the_scan_does_not_look_below(motion, name):
     """And half a sine that is short overturns some bodies at half as much again."""
-    (system, eta), omegas = BODIES[name], np.geomspace(0.5, 60.0, 60)
+    (system, eta), omegas = BODIES[name], np.geomspace(0.5, 60.0, 20)
     search = Search(system, motion.scaled(-1.0) if name == "one side" else motion, eta, 60.0)
     bound = search.grid.amplitude(search._last_safe_point(omegas))
     below = search.outcome(bound * np.linspace(0.7, 1.0, 8)[:, None], omegas)
     assert np.all(below == Outcome.ROCKED)
     if motion.name == sine(0.5).name:
-        assert np.count_nonzero(~safe(search.outcome(1.5 * bound, omegas))) > 10
+        assert np.count_nonzero(~safe(search.outcome(1.5 * bound, omegas))) > 3
 
 
 def test_an_impulse_overturns_just_above_that_bound():

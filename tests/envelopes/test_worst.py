@@ -46,7 +46,7 @@ def overturned(amplitude, omega):
     return np.abs(y) > 3.0
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_minimum_inside_the_range_is_found_between_the_points_of_the_scan():
     """The tongue of two cycles of a cosine ends at Omega = 3.03; its lowest point is near 3.015. Nothing on the raster falls below it."""
     oscillator, motion = dimensionless_oscillator(ETA), pulse("cosine", cycles=2)

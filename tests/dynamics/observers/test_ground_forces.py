@@ -34,7 +34,7 @@ BLOCK = "kind: block\nwidth: 0.6\nheight: 3\n"
 @pytest.mark.parametrize(
     ("kind", "vertical", "count", "angles", "recorded"),
     [
-        *((kind, vertical, 4, (0.2, 0.8), False) for kind in KINDS for vertical in (0.0, 0.4)),
+        *((kind, vertical, 2, (0.2, 0.8), False) for kind in KINDS for vertical in (0.0, 0.4)),
         *(
             pytest.param(kind, vertical, *rest, marks=pytest.mark.soak)
             for kind in KINDS

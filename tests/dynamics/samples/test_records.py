@@ -65,7 +65,7 @@ def against_the_march(name, motion, long, count, seed):
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_the_same_as_the_march_by_long_series(name):
     motion = shaken(RECORDS[1], 0.03) if SYSTEMS[name][0].equation.bounded else shaken(RECORDS[0][30:70], 0.05)
-    against_the_march(name, motion, long_series(motion), 16, 5)
+    against_the_march(name, motion, long_series(motion), 8, 5)
 
 
 @pytest.mark.parametrize("name", ["the oscillator", "a damped body of unlike edges"])
@@ -76,7 +76,7 @@ def test_the_same_as_that_march_on_ground_that_moves_upwards_too(name):
 @pytest.mark.parametrize("motion", [sine(), cosine(1.5), pulse("rectangular-impulse"), pulse("ricker-symmetric"),
                                     with_vertical(sine(), cosine(), 0.4)], ids=lambda m: m.name)  # fmt: skip
 def test_one_body_at_a_time_is_the_march_under_a_pulse(motion):
-    for name in ("the oscillator", "a damped body of unlike edges", "a body on one side", "an arch"):
+    for name in ("a damped body of unlike edges", "an arch"):
         against_the_march(name, motion, motion, 8, 8)
 
 
