@@ -127,7 +127,7 @@ def test_what_the_scan_leaves_out_changes_nothing(motion, eta, omegas, least, mo
 
 @pytest.mark.parametrize("name", ["unlike edges", "one side"])
 def test_what_the_scan_leaves_out_below_changes_nothing(name):
-    (system, eta), omegas = BODIES[name], np.array([4.0, 9.0])
+    (system, eta), omegas = BODIES[name], np.array([9.0])
     spared, every = (kind(system, sine(1.5), eta, 2.5).rows(omegas) for kind in (Search, Exhaustive))
     assert spared == every
 

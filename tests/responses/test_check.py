@@ -139,7 +139,7 @@ def test_verdicts_under_records_are_the_same_one_by_one_and_together():
     motions = [shaken(noise(240, 0.06, seed), 0.06) for seed in (1, 2)]
     shaking = as_recorded(2.9)
     bodies = [built(f"{{kind: block, name: A, width: 0.4, height: {height}}}") for height in (1.6, 2.4)]
-    demands = [(body, motion, shaking) for motion in motions for body in bodies][:3]
+    demands = [(body, motion, shaking) for motion in motions for body in bodies][1:3]
     alone = [check(*demand, a_max=3.0) for demand in demands]
     assert sum(v.first_overturning_a is not None for v in alone) >= 1
     assert list(verdicts(demands, a_max=3.0, workers=1)) == list(verdicts(demands, a_max=3.0, workers=2)) == alone
