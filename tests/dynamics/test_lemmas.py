@@ -161,10 +161,10 @@ def test_lemma_7_a_summed_sequence_ends_before_anything_else_happens(name, equat
     for _ in range(motions):
         motion = with_vertical(ramp(random), ramp(random), upwards) if upwards else ramp(random)
         system = System(equation, contact, scale=0.3)
-        amplitude, omega = random.uniform(0.85, 1.5, 25), random.uniform(0.5, 6.0, 25)
+        amplitude, omega = random.uniform(0.85, 1.5, 12), random.uniform(0.5, 6.0, 12)
         summed = response(system, motion, amplitude, omega, eta)
         closed += summed.work.sequences_closed
-        run = Run(Batch.of(system, system.segments(motion), amplitude, omega, np.full(25, eta)), 25)
+        run = Run(Batch.of(system, system.segments(motion), amplitude, omega, np.full(12, eta)), 12)
         run.closings = [closing for closing in run.closings if closing.still]
         with monkeypatch.context() as patch:
             patch.setattr(type(contact), "sequence_ends", lambda self, seg, lanes, law: ends(self, seg, lanes, law) & (lanes.v < 1e-9))

@@ -58,7 +58,7 @@ def test_points_integrate_every_power_that_they_hold(count):
 def test_arcs_are_those_of_another_integration(name, tolerance, motion):
     equation = MechanismEquation(mechanism(name), tolerance)
     segments = System(equation).segments(motion)
-    lanes = lanes_of(equation, segments, 30, 7)
+    lanes = lanes_of(equation, segments, 15, 7)
     arc = equation.flow(segments, lanes)
     assert len(arc.terms) < equation.order + 1  # no series of Taylor's
     looked = 0
@@ -79,7 +79,7 @@ def test_arcs_are_those_of_another_integration(name, tolerance, motion):
             assert y == pytest.approx(state[0], rel=0, abs=0.3 * tolerance * arc.longest[i] + 1e-12)
             assert v == pytest.approx(state[1], rel=0, abs=0.3 * tolerance + 1e-12)
             looked += 1
-    assert looked > 40
+    assert looked > 20
 
 
 def followed(equation, segments, lanes, until):
@@ -107,13 +107,13 @@ def followed(equation, segments, lanes, until):
 def test_steps_that_are_too_long_are_halved_or_left_to_series(name, too, monkeypatch):
     equation, closely = (MechanismEquation(mechanism(name), tolerance) for tolerance in (1e-9, 1e-12))
     segments = System(equation).segments(sine())
-    lanes = lanes_of(equation, segments, 3000, 3)
+    lanes = lanes_of(equation, segments, 1000, 3)
     for key, value in too.items():
         monkeypatch.setattr(collocation, key, value)
     arc = equation.flow(segments, lanes)
     found = arc.at(arc.longest)
     y, v = followed(closely, segments, lanes, arc.longest)
-    assert np.isfinite(y).sum() > 1500
+    assert np.isfinite(y).sum() > 500
     assert np.nanmax(np.abs(found.y - y) / arc.longest) < 0.05 * equation.tolerance
     assert np.nanmax(np.abs(found.v - v)) < 0.05 * equation.tolerance
 
@@ -141,10 +141,10 @@ def test_series_of_taylor_end_where_their_patch_was_fitted():
     """Beyond it they converge to what the polynomial of the patch is there, which is not the linkage's."""
     equation = MechanismEquation(mechanism("voussoirs"), 1e-12)
     segments = System(equation).segments(sine())
-    lanes = lanes_of(equation, segments, 6000, 3)
+    lanes = lanes_of(equation, segments, 2000, 3)
     lanes = lanes.take(np.flatnonzero(np.abs(lanes.v) > 2.0))
     arc = equation.flow(segments, lanes)
     found, (y, v) = arc.at(arc.longest), followed(equation, segments, lanes, arc.longest)
-    assert np.isfinite(y).sum() > 1000
+    assert np.isfinite(y).sum() > 300
     assert np.nanmax(np.abs(found.y - y)) < 1e-13
     assert np.nanmax(np.abs(found.v - v)) < 1e-12

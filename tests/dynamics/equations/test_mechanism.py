@@ -129,12 +129,12 @@ def test_cells_stay_within_five_tolerances(oppenheim, n, damping):
 
 def test_an_arch_that_barely_moves_is_its_linear_oscillator_to_first_order_in_alpha():
     """As alpha tends to 0 the nonlinear arch tends to the linear one: their difference is proportional to alpha, 0.0009 and 0.0002 here."""
-    cells = np.array([[2.0, 6.0, 0.8], [4.0, 8.0, 0.8], [5.5, 10.0, 0.8]])
+    cells = np.array([[2.0, 6.0, 0.8], [5.5, 10.0, 0.8]])
     linear, slopes = linear_response(sine(), *cells.T), []
     for thickness in (1.09, 1.0776):
         arch = built(f"kind: arch\nrestitution: 0.8\nradius: 10 m\nthickness: {thickness} m\nangle: 180 deg")
         found = response(Method("nonlinear").system_of(arch), sine(), *cells.T)
-        assert found.outcome.tolist() == linear.outcome.tolist() == [Outcome.ROCKED] * 3
+        assert found.outcome.tolist() == linear.outcome.tolist() == [Outcome.ROCKED] * 2
         slopes.append((found.theta_ratio / linear.theta_ratio - 1.0) / arch.alpha)
         expected = [Method("nonlinear").reference_of(arch)(sine(), *cell)[1] for cell in cells.tolist()]
         assert found.theta_ratio == pytest.approx(expected, rel=0, abs=5e-9)
