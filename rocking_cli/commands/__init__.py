@@ -137,6 +137,8 @@ def main(arguments: list[str] | None = None) -> Any:
                 said = error.format_message()
                 if isinstance(error, click.NoSuchOption):
                     said = _no_such_option(error, sys.argv if arguments is None else arguments)
+                if "unexpected extra argument" in said and error.ctx.params.get("motion"):
+                    said = f"{said.rstrip('.')}; expected one FILE after each --motion"
                 if isinstance(error, click.MissingParameter):  # its choices stand in lines of their own
                     said = " ".join(said.split())
                 streams.say(f"{error.ctx.command_path}: {said} (see --help)")

@@ -36,6 +36,7 @@ REFUSED = {
         (2, "parms", "rocking: No such command 'parms' (did you mean 'params'?) (see --help)\n"),
         (2, "params --jsn", "rocking params: No such option --jsn (did you mean '--json'?) (see --help)\n"),
         (2, "convert --frobnicate", "rocking convert: No such option --frobnicate (see --help)\n"),
+        (2, "response c.yaml --motion a.txt b.txt", "Got unexpected extra argument (b.txt); expected one FILE after each --motion"),
         (2, "help document", "No such command or topic 'document' (did you mean 'documents'?)"),
         (2, "help dampers", "No such command or topic 'dampers'; it stands in `rocking help documents`, `rocking help ties`"),
         (2, "init tower", "'tower' is not one of 'block'"),
