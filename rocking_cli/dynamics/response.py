@@ -116,10 +116,12 @@ def _march_of(
 
 
 def cells_that_lose_contact(
-    system: System, motion: Motion, cells: Cells, doubtful: Array, theta_ratio: Array | None, fastest: Array | None = None
-) -> Array:
+    system: System, motion: Motion, cells: Cells, doubtful: Array, theta_ratio: Array | None, fastest: Array | None = None,
+    alone: Callable[[int], bool] | None = None,
+) -> Array:  # fmt: skip
     """Indices of those `doubtful` cells that lose the ground; their bodies rock and survive. A cell is marched once more if neither its
-    amplitude nor its rotation and largest |d theta/d tau| [rad], where they are given, prove Fz > 0."""
+    amplitude nor its rotation and largest |d theta/d tau| [rad], where they are given, prove Fz > 0. alone: function that tests a cell by
+    itself, None to march all of them together."""
     if system.own:
         ends = np.cumsum([count for _, count in system.own])
         found = []
@@ -137,6 +139,8 @@ def cells_that_lose_contact(
     at = np.flatnonzero(loss.open & doubtful)
     if theta_ratio is not None:
         at = at[~loss.pressed(at, theta_ratio[at], None if fastest is None else fastest[at])]
+    if alone is not None:
+        return at[[alone(i) for i in at.tolist()]]
     batch = Batch.of(system, segments, *_of(cells, at), peaks=False)
     again = Run(batch, observers=[ContactLoss(system.body, batch)])
     again.all()

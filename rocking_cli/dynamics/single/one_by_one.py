@@ -41,7 +41,15 @@ def response_alone(
         outcome[failed], theta_ratio[failed], impacts[failed] = again.outcome, again.theta_ratio, again.impacts
     doubtful = outcome == Outcome.ROCKED
     doubtful[failed] = False
-    lost = cells_that_lose_contact(system, motion, (amplitude, omega, eta), doubtful, theta_ratio)
+    alone = None
+    if not system.equation.damping and motion.vertical is None:
+
+        def alone(i: int) -> bool:
+            from .contact_watch import loses_contact
+
+            return loses_contact(lanes[float(omega[i]), float(eta[i])], float(amplitude[i]), most)
+
+    lost = cells_that_lose_contact(system, motion, (amplitude, omega, eta), doubtful, theta_ratio, alone=alone)
     outcome[lost], theta_ratio[lost] = Outcome.LOST_CONTACT, np.nan
     if not peaks:
         theta_ratio[:] = np.nan

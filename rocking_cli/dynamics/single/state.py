@@ -23,9 +23,10 @@ class Listener(NamedTuple):
 
     keep: Callable[[float, float, float, float, float, tuple[float, ...]], None]  # start, reach [tau of the side], side, pace, h, terms
     note: Callable[[float, str, float, float, float], None]  # tau, event, side, y, y'
-    rest: Callable[[Lanes, Lanes], None]
+    rest: Callable[[Lanes, Lanes], object]
     visible: float
     fallen: tuple[float, float]
+    free: Callable[[Lanes], None] = lambda lanes: None  # called where an undamped body is left on still ground
 
 
 class Ended(NamedTuple):
@@ -167,6 +168,8 @@ class Body:
                 self._finish(Outcome.FAILED)
             return
         lanes = self._lanes()
+        if self.listener is not None:
+            self.listener.free(lanes)
         free = self.contact.free_motion(self.equation, lanes, np.array([0]), lanes.y, lanes.v)
         if free.overturns[0]:
             self._finish(self._overturned())

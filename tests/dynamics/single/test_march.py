@@ -6,10 +6,10 @@ from itertools import cycle
 
 import numpy as np
 import pytest
-from support.bodies import ALPHA, SYSTEMS
+from support.bodies import ALPHA, SYSTEMS, drawn
 from support.synthetic_records import RECORDS, noise, shaken
 
-from rocking_cli import Outcome, RigidBodyEquation, System, response
+from rocking_cli import Method, Outcome, RigidBodyEquation, System, cosine, response, sine
 from rocking_cli.dynamics.outcome import safe
 from rocking_cli.dynamics.single.one_by_one import response_alone
 from rocking_cli.dynamics.single.scan import Scan, follow
@@ -85,3 +85,17 @@ def test_no_fall_depends_on_the_bodies_and_the_motions_that_are_scanned_with_it(
     follow(together, amplitudes)
     for scan, case, amplitude in zip(together, cases, amplitudes, strict=True):
         assert scan.known[1].tolist() == Scan(*case).outcomes(amplitude).tolist()
+
+
+@pytest.mark.parametrize("motion", [shaken(noise(80, 0.06, 3), 0.06), sine(2), cosine()], ids=["record", "sine", "cosine"])
+@pytest.mark.parametrize("kind", ["plain", "unequal", "one-sided"])
+def test_a_body_loses_contact_where_it_does_on_arrays(kind, motion):
+    random, seen = np.random.default_rng(4), set()
+    for model in ("linear", "nonlinear"):
+        body, _, _ = drawn(kind, random, (0.4, 1.2), (0.4, 0.9), 0.3)
+        system = Method(model, 1e-10).system_of(body)
+        cells = system.least_uplift(motion) * np.geomspace(1.1, 7.0, 8), 0.5 if motion.samples else 2.0, body.eta
+        together, alone = (respond(system, motion, *cells, peaks=False).outcome for respond in (response, response_alone))
+        np.testing.assert_array_equal(alone, together)
+        seen.update(alone.tolist())
+    assert {Outcome.ROCKED, Outcome.LOST_CONTACT} <= seen

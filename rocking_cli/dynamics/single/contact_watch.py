@@ -1,0 +1,41 @@
+"""Lost contact of one body on floats: its arcs are kept during the march and tested together afterwards."""
+
+import math
+from itertools import zip_longest
+
+import numpy as np
+
+from ..equations.taylor import TaylorSeries
+from ..march.batch import Batch
+from ..observers.contact_loss import ContactLoss
+from ..observers.observer import Arcs
+from .lane import Lane
+from .march import march
+from .state import Listener
+
+Arc = tuple[float, float, float, tuple[float, ...]]  # reach [tau of the side], side, h and Taylor terms in (t/h)^n
+
+
+def loses_contact(lane: Lane, amplitude: float, most: int) -> bool:
+    """True if Fz <= 0 occurs before an undamped body under a horizontal motion of this A has come back for good; most: as of `march`."""
+    cells = lane.system.contact.cells(lane.system.equation, np.array([amplitude]), lane.omega, lane.eta)
+    assert lane.system.body is not None
+    loss = ContactLoss(lane.system.body, Batch.of(lane.system, lane.segments, np.array([amplitude]), lane.omega, lane.eta, peaks=False))
+    arcs: list[Arc] = []
+
+    def keep(_start: float, reach: float, side: float, _pace: float, h: float, terms: tuple[float, ...]) -> None:
+        arcs.append((reach, side, h, terms))
+
+    edges = lane.edges(amplitude)
+    tops = edges[1.0].top, edges.get(-1.0, edges[1.0]).top
+    march(lane, amplitude, peaks=False, most=most, listener=Listener(
+        keep, lambda *_: None, lambda before, _: loss.may_close(before), math.inf, tops, loss.free
+    ))  # fmt: skip
+    reach, side, h = (np.array(column) for column in zip(*(arc[:3] for arc in arcs), strict=True))
+    terms = np.array(list(zip_longest(*(arc[3] for arc in arcs), fillvalue=0.0)))
+    lanes = lane.lanes(cells, 1.0).join(lane.lanes(cells, -1.0)).take((side < 0.0).astype(np.int64))
+    flow = TaylorSeries(terms, h, reach, np.zeros(reach.size))
+    lanes.y, lanes.v, lanes.b = flow.y, flow.v, flow.b
+    there = flow.at(reach)
+    loss.arcs(Arcs(lanes, flow, reach, there.y, there.v, there.b, np.arange(reach.size)))
+    return bool(loss.lost(np.zeros(1, dtype=np.int64))[0])
