@@ -37,11 +37,38 @@ class Tie:
     behind: float = 0.0
     side: str = "both"
 
+    def elongation(self, theta: float) -> float:
+        """Return u [m] at a rotation [rad]."""
+        return self.behind * (1.0 - math.cos(theta)) + self.height * math.sin(theta)
+
+    def lever(self, theta: float) -> float:
+        """Return du/dtheta [m] at a rotation [rad]."""
+        return self.height * math.cos(theta) + self.behind * math.sin(theta)
+
+    def breaks_at(self) -> float:
+        """Return the rotation [rad] of u_ult, or infinity: u = R_t (sin a - sin(a - theta)), a being the angle of the anchor."""
+        reach, start = math.hypot(self.behind, self.height), math.atan2(self.behind, self.height)
+        sine = math.sin(start) - self.ultimate / reach
+        return start - math.asin(sine) if sine >= -1.0 else math.inf
+
     def moment(self, theta: float) -> float:
         """Return the moment about the pivot [N m] at a rotation [rad] of a body that has not turned back before."""
-        u = self.behind * (1.0 - math.cos(theta)) + self.height * math.sin(theta)
-        force = 0.0 if u >= self.ultimate else min(self.prestress + self.stiffness * u, self.yield_force)
-        return force * (self.height * math.cos(theta) + self.behind * math.sin(theta))
+        u = self.elongation(theta)
+        return 0.0 if u >= self.ultimate else min(self.prestress + self.stiffness * u, self.yield_force) * self.lever(theta)
+
+
+class Strand(Tie):
+    """A tendon seen from one edge, as a tie of the height b."""
+
+    def elongation(self, theta: float) -> float:
+        return 2.0 * self.height * math.sin(0.5 * theta)
+
+    def lever(self, theta: float) -> float:
+        return self.height * math.cos(0.5 * theta)
+
+    def breaks_at(self) -> float:
+        sine = 0.5 * self.ultimate / self.height
+        return 2.0 * math.asin(sine) if sine <= 1.0 else math.inf
 
 
 @dataclass(frozen=True)
@@ -52,10 +79,10 @@ class Tendon:
     prestress: float = 0.0
     rupture: float = math.inf
 
-    def moment(self, theta: float, lever: float) -> float:
-        """Return the moment [N m] about a pivot at the distance `lever` [m] from the centre line."""
-        force = self.prestress + 2.0 * self.stiffness * lever * math.sin(0.5 * theta)
-        return force * lever * math.cos(0.5 * theta) if force < self.rupture else 0.0
+    def at(self, lever: float) -> Strand:
+        """Return the tendon at the distance `lever` [m] from an edge."""
+        ultimate = (self.rupture - self.prestress) / self.stiffness if self.stiffness else math.inf
+        return Strand(lever, self.stiffness, self.prestress, ultimate=ultimate)
 
 
 class Stand(NamedTuple):
@@ -75,6 +102,10 @@ class Restraints:
     tendon: Tendon | None = None
     stands: tuple[Stand, ...] = ()
 
+    def on(self, side: str, lever: float) -> list[Tie]:
+        """Return the ties of a side, and the tendon at the distance `lever` [m] from its edge."""
+        return [tie for tie in self.ties if side in SIDES[tie.side]] + ([self.tendon.at(lever)] if self.tendon else [])
+
     def row(self) -> dict[str, Any]:
         """Return the restraints as a document states them, in SI units, with the further keys that a spectra file needs."""
         found: dict[str, Any] = {"ties": [_stated(tie) for tie in self.ties]} if self.ties else {}
@@ -90,13 +121,11 @@ class Restraints:
     def statics(self, stand: Stand) -> dict[str, Any]:
         """Return lambda, the linear stiffness after uplift over m g R (-1 for the free body), and the equilibrium that replaces alpha: the
         first rotation [rad], up to a right angle, from which the body does not return; "none" without one."""
-        ties, tendon = [tie for tie in self.ties if stand.side in SIDES[tie.side]], self.tendon or Tendon(0.0)
-        pull = sum(tie.prestress * tie.height for tie in ties) + tendon.prestress * stand.lever
-        stiff = sum(tie.stiffness * tie.height**2 for tie in ties) + tendon.stiffness * stand.lever**2
+        ties = self.on(stand.side, stand.lever)
+        pull, stiff = sum(tie.prestress * tie.height for tie in ties), sum(tie.stiffness * tie.height**2 for tie in ties)
 
         def returns(theta: float) -> bool:
-            own = stand.moment * math.sin(stand.alpha - theta) + tendon.moment(theta, stand.lever)
-            return own + sum(tie.moment(theta) for tie in ties) > 0.0
+            return stand.moment * math.sin(stand.alpha - theta) + sum(tie.moment(theta) for tie in ties) > 0.0
 
         low, high, step = 0.0, 0.0, 0.5 * math.pi / _POINTS
         while (stays := returns(high)) and high < 0.5 * math.pi:

@@ -45,7 +45,7 @@ def test_the_tendon_of_a_block_has_the_reference_values():
     assert (row["stiffness"], row["lambda"]) == (pytest.approx(21.027764, abs=1e-6), pytest.approx(0.2 * 7, rel=1e-12))
     # 2 b sin(theta/2) is the elongation that stands in the moment; b sin theta would break it at 0.041978.
     breaks = 2 * math.asin((267840 - 150000) / 5.616e6)
-    assert [body.restraints.tendon.moment(theta, 0.5) > 0.0 for theta in (breaks - 1e-9, breaks + 1e-9)] == [True, False]
+    assert [body.restraints.tendon.at(0.5).moment(theta) > 0.0 for theta in (breaks - 1e-9, breaks + 1e-9)] == [True, False]
     assert row["equilibrium"] == pytest.approx(body.alpha, rel=1e-12)  # the tendon breaks before, and leaves the free body
     assert statics(built(BLOCK + TENDON.replace(", rupture: 267.84 kN", "")))["equilibrium"] == "none"
 

@@ -12,6 +12,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from ...motions.motion import Motion
+from ...structures.restraints import Strand
 from .extrapolation import Path, Point, Rate, step
 from .general_solver import Body, Problem, Rates
 
@@ -24,25 +25,19 @@ _FAR = 1e6  # rotation over alpha at which a body has overturned under the linea
 
 
 class _Device:
-    """A tie or a tendon (`at_centre`: its lever at theta = 0 [m]) on one side of a body."""
+    """A tie, or the tendon, on one side of a body."""
 
-    def __init__(self, tie: Tie, at_centre: bool, linear: bool) -> None:
-        self.tie, self.at_centre, self.linear = tie, at_centre, linear
+    def __init__(self, tie: Tie, linear: bool) -> None:
+        self.tie, self.linear = tie, linear
         self.reach = (tie.yield_force - tie.prestress) / tie.stiffness if tie.stiffness else math.inf  # elongation from P0 to F_y
         self.slackens = tie.prestress / tie.stiffness if tie.stiffness else math.inf
         self.permanent, self.law = 0.0, "elastic"
 
     def elongation(self, u: float) -> float:
-        h = self.tie.height
-        if self.linear:
-            return h * u
-        return 2.0 * h * math.sin(0.5 * u) if self.at_centre else self.tie.behind * (1.0 - math.cos(u)) + h * math.sin(u)
+        return self.tie.height * u if self.linear else self.tie.elongation(u)
 
-    def lever(self, u: float) -> float:
-        h = self.tie.height
-        if self.linear:
-            return h
-        return h * math.cos(0.5 * u) if self.at_centre else h * math.cos(u) + self.tie.behind * math.sin(u)
+    def moment(self, u: float) -> float:
+        return self.force(u) * (self.tie.height if self.linear else self.tie.lever(u))
 
     def force(self, u: float) -> float:
         if self.law == "yielding":
@@ -78,25 +73,14 @@ class Held:
     equation, whose levers are constant."""
 
     def __init__(self, restraints: Restraints, paces: Mapping[int, float], arm: float, linear: bool) -> None:
-        from ...structures.restraints import SIDES, Tie
-
-        self.devices: dict[int, list[_Device]] = {}
-        self.factors: dict[int, float] = {}
-        self.arm, self.linear, tendon = arm, linear, restraints.tendon
-        for side, stand in zip((-1, 1), restraints.stands, strict=True):
-            if side not in paces:
-                continue
-            self.devices[side] = [_Device(tie, False, linear) for tie in restraints.ties if stand.side in SIDES[tie.side]]
-            self.factors[side] = paces[side] ** 2 / stand.moment
-            if tendon:
-                ultimate = (tendon.rupture - tendon.prestress) / tendon.stiffness if tendon.stiffness else math.inf
-                one = Tie(stand.lever, tendon.stiffness, tendon.prestress, ultimate=ultimate)
-                self.devices[side].append(_Device(one, True, linear))
-        self.paces = paces
+        stands = dict(zip((-1, 1), restraints.stands, strict=True))
+        self.devices = {i: [_Device(tie, linear) for tie in restraints.on(stands[i].side, stands[i].lever)] for i in paces}
+        self.factors = {i: pace**2 / stands[i].moment for i, pace in paces.items()}
+        self.paces, self.arm, self.linear = paces, arm, linear
 
     def pull(self, side: int, u: float) -> float:
         """The restoring acceleration -theta'' by tau."""
-        return self.factors[side] * sum(d.force(u) * d.lever(u) for d in self.devices[side])
+        return self.factors[side] * sum(d.moment(u) for d in self.devices[side])
 
     def at_ground(self, side: int) -> float:
         """The restoring acceleration -theta'' by tau that holds a body at rest."""
@@ -104,7 +88,7 @@ class Held:
 
     def downwards(self, side: int, u: float) -> float:
         """The vertical force of a tendon over m g."""
-        force = sum(d.force(u) for d in self.devices[side] if d.at_centre)
+        force = sum(d.force(u) for d in self.devices[side] if isinstance(d.tie, Strand))
         return force * math.cos(0.5 * u) * self.arm * self.factors[side] / self.paces[side] ** 2
 
     def limit(self, side: int, alpha: float) -> float:
@@ -138,8 +122,9 @@ class Held:
         whole = sum(d.law != "broken" for d in self.devices[side])
         for d in self.devices[side]:
             d.follow(u, w)
-        if any(d.at_centre and d.law == "broken" for d in self.devices[side]):
-            for d in (d for devices in self.devices.values() for d in devices if d.at_centre):
+        tendons = [d for devices in self.devices.values() for d in devices if isinstance(d.tie, Strand)]
+        if any(d.law == "broken" for d in tendons):
+            for d in tendons:
                 d.law = "broken"
         return sum(d.law != "broken" for d in self.devices[side]) < whole
 

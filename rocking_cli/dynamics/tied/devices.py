@@ -78,8 +78,7 @@ class Devices:
                 columns.append((f"tie {i + 1}", [_of_tie(tie, row) for row in rows]))
         held = restraints.tendon
         if held and (held.stiffness or held.prestress):
-            ultimate = (held.rupture - held.prestress) / held.stiffness if held.stiffness else np.inf
-            columns.append(("tendon", [(held.stiffness, held.prestress, np.inf, ultimate, stands[row].lever, 0.0) for row in rows]))
+            columns.append(("tendon", [_of_tie(held.at(stands[row].lever), row) for row in rows]))
         if not columns:
             return None
         numbers = np.array([of for _, of in columns]).transpose(2, 1, 0)

@@ -16,7 +16,7 @@ import numpy as np
 
 from ...errors import UsageError
 from ..parameters import RockingParameters, Side
-from ..restraints import SIDES, Restraints, Tendon, Tie
+from ..restraints import SIDES, Restraints
 
 Array = np.ndarray
 
@@ -88,23 +88,14 @@ def _of_body(edge: Side | RockingParameters, side: str, structure: RockingParame
     """Return the curve of a body that turns about one edge up to alpha: d = R (sin alpha - sin(alpha - theta)); the multiplier is
     tan(alpha - theta) plus the part of ties and of the tendon."""
     alpha, arm, held = edge.alpha, edge.arm or 0.0, structure.restraints or Restraints()
-    lever, ties, tendon = arm * math.sin(alpha), [tie for tie in held.ties if side in SIDES[tie.side]], held.tendon or Tendon(0.0)
-    sine = (tendon.rupture - tendon.prestress) / (2.0 * lever * tendon.stiffness) if tendon.stiffness else math.inf
-    snap = 2.0 * math.asin(sine) if sine <= 1.0 else math.inf  # the elongation of the tendon is 2 b sin(theta/2)
-    breaks = sorted({x for x in (*map(_break, ties), snap) if x < alpha})
+    ties = held.on(side, arm * math.sin(alpha))
+    breaks = sorted({x for tie in ties if (x := tie.breaks_at()) < alpha})
     theta = np.unique([*np.linspace(0.0, alpha, _POINTS), *(x * (1.0 + sign * _AROUND_BREAK) for x in breaks for sign in (-1.0, 1.0))])
-    moment = np.array([tendon.moment(x, lever) + sum(tie.moment(x) for tie in ties) for x in theta.tolist()])
+    moment = np.array([sum(tie.moment(x) for tie in ties) for x in theta.tolist()])
     weight = structure.details["mass"] * structure.gravity * arm if structure.restraints else 1.0
     multiplier = np.tan(alpha - theta) + moment / (weight * np.cos(alpha - theta))
     before = tuple((np.searchsorted(theta, breaks) - 1).tolist())
     return CapacityCurve(arm * (math.sin(alpha) - np.sin(alpha - theta)), multiplier, 1.0, before)
-
-
-def _break(tie: Tie) -> float:
-    """Return the rotation [rad] at which a tie breaks, or infinity: u = R_t (sin a - sin(a - theta)), a being the angle of its anchor."""
-    reach, start = math.hypot(tie.behind, tie.height), math.atan2(tie.behind, tie.height)
-    sine = math.sin(start) - tie.ultimate / reach
-    return start - math.asin(sine) if sine >= -1.0 else math.inf
 
 
 def _of_arch(mechanism: Any, alpha: float) -> CapacityCurve:
