@@ -10,14 +10,10 @@ from .printing import emit, note, printed
 @command("rocking accuracy --eta 0.9 --grid A=1:10:200,Omega=1:10:200 --sample 20 --scipy 4", printed)
 def accuracy(
     files: tuple[str, ...] = options.files(),
-    axes: str = option("--grid", required=True, metavar="AXES", help="The grid of the scene, as in rocking spectrum."),
-    sample: int = option(
-        "--sample", type=click.IntRange(1, 10_000), default=40, show_default=True, help="Cells compared with the reference."
-    ),
-    scipy: int = option(
-        "--scipy", type=click.IntRange(0, 10_000), default=10, show_default=True, help="Cells of the sample for each SciPy solver."
-    ),
-    seed: int = option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the sample."),
+    axes: str = option("--grid", "The grid of the scene, as in rocking spectrum.", required=True, metavar="AXES"),
+    sample: int = option("--sample", "Cells compared with the reference.", type=click.IntRange(1, 10_000), default=40),
+    scipy: int = option("--scipy", "Cells of the sample for each SciPy solver.", type=click.IntRange(0, 10_000), default=10),
+    seed: int = option("--seed", "Seed of the sample.", type=click.IntRange(0), default=0),
     sizeless: equations.Oscillators = group(equations.Oscillators),
     motions: ground.Motions = group(ground.Motions),
     model: equations.Model = group(equations.Model),

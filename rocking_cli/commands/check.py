@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import ground, options
-from .command import command, group, option, partly, refuse
+from .command import command, flag, group, option, partly, refuse
 from .parameter_types import NUMBER, InputPath
 from .printing import emit, form, is_quiet, note, printed, units_of
 from .progress import ProgressLine
@@ -26,15 +26,12 @@ INSET = 0.05  # of the width, whose effect on the capacity is stated
 class Code:
     """A code to check by, and its demand."""
 
-    code: str | None = option("--code", type=click.Choice(["ntc2018"]), help="Check by the Italian code as well: code_linear, code_slv, …")
-    spectrum: str | None = option(
-        "--spectrum", type=InputPath(), metavar="FILE", help="Spectrum for --code: CSV of T and S_a at 5 % (default: the motion's)."
-    )
+    code: str | None = option("--code", "Check by the Italian code as well: code_linear, code_slv, …", type=click.Choice(["ntc2018"]))
+    spectrum: str | None = option("--spectrum", "Spectrum for --code: CSV of T and S_a at 5 % (default: the motion's).", type=InputPath())
     floor: tuple[str, ...] = option(
-        "--floor", multiple=True, metavar="T=…,xi=…,gamma_psi=…",
-        help="For --code: a mode of the building whose floor bears the body; repeatable.",
-    )  # fmt: skip
-    fc: float | None = option("--fc", type=NUMBER, metavar="FC", help="Confidence factor of --code (default 1).")
+        "--floor", "For --code: a mode of the building below the body; repeatable.", multiple=True, metavar="T=…,xi=…,gamma_psi=…"
+    )
+    fc: float | None = option("--fc", "Confidence factor of --code (default 1).", type=NUMBER)
 
 
 @command("rocking check configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 --sort capacity", printed)
@@ -44,30 +41,24 @@ def check(
     coded: Code = group(Code),
     a_max: Limit = options.a_max(),
     sign: str = ground.sign(),
-    verdict_only: bool = option("--verdict-only", is_flag=True, help="Skip the search; first_overturning_a and safe_to stay empty."),
+    verdict_only: bool = flag("--verdict-only", "Skip the search; first_overturning_a and safe_to stay empty."),
     vary: tuple[str, ...] = options.vary(),
     sort: str | None = options.sort(),
     fail_on: str | None = option(
-        "--fail-on",
-        type=click.Choice(["overturning"]),
-        help="Exit code 5 if a structure overturns or loses contact; with unequal sides also in the opposite direction.",
+        "--fail-on", "Exit code 5 if a structure falls or loses contact, in either direction.", type=click.Choice(["overturning"])
     ),
-    output: Path | None = options.output(help="Draw the capacities: .png, .svg or .pdf."),
+    output: Path | None = options.output("Draw the capacities: .png, .svg or .pdf."),
     overwrite: bool = options.overwrite(),
     workers: int | None = options.workers(),
 ) -> int:
     """Check which structures stand under a motion, and find the lowest amplitude that overturns each.
 
     One row for each structure and motion: the outcome and theta_max/alpha by the governing equation (nonlinear for a known geometry in
-    units: a_g, f_g, a record; linear on dimensionless axes, A, Omega, and for stated parameters); top_displacement, the largest
-    displacement of the top from its rest position (mm in the table); demand_a, the amplitude of the motion (with --sign both a body whose
-    sides differ has a row for each direction); uplift_a and first_overturning_a, the lowest amplitudes that lift and overturn the body;
-    capacity_demand, first_overturning_a over demand_a: below 1 if the body overturns at the demand or below it, empty if no amplitude up
-    to --a-max and twice the demand overturns; safe_to, the end of the safe interval around the demand; outcome_linear, the linear
-    verdict; friction_needed and fz_min, the required coefficient of friction and the least vertical force over the weight of a rigid
-    body; opens, of an arch: whether a further hinge opens, so that another mechanism follows. Accelerations are in m/s2 (JSON, CSV) or in
-    the unit of the request (table), unless --units says otherwise. With --vary the first columns hold the varied values: rocking plot
-    check.csv --over KEY -o capacity.png draws the capacity over them.
+    units: a_g, f_g, a record; linear on dimensionless axes, A, Omega, and for stated parameters); top_displacement from the position of
+    rest; demand_a, the amplitude of the motion; uplift_a and first_overturning_a, the lowest amplitudes that lift and overturn the body;
+    capacity_demand, first_overturning_a over demand_a, empty if no amplitude up to --a-max and twice the demand overturns; safe_to, the
+    end of the safe interval around the demand; outcome_linear; friction_needed and fz_min of a rigid body; opens, if a further hinge of
+    an arch opens. Accelerations are in m/s2 (JSON, CSV) or in the unit of the request (table), unless --units says otherwise.
     """
     from ..dynamics.method import has_direction
     from ..dynamics.outcome import Outcome

@@ -12,9 +12,15 @@ F = Callable[..., Any]
 _PARTLY = f"{__name__}.partly"
 
 
-def option(*flags: str, **settings: Any) -> Any:
-    """A parameter of a command, or a field of a group: an option with the flags and attributes of `click.option`."""
-    return field(metadata={"click": lambda name: click.option(*flags, name, **settings)})
+def option(flags: str, help: str, **settings: Any) -> Any:
+    """A parameter of a command, or a field of a group: an option with these flags and the attributes of `click.option`."""
+    settings = {"show_default": "default" in settings, "help": help, **settings}
+    return field(metadata={"click": lambda name: click.option(*flags.split(), name, **settings)})
+
+
+def flag(flags: str, help: str) -> Any:
+    """An option without a value, True if it is given."""
+    return option(flags, help, is_flag=True)
 
 
 def argument(**settings: Any) -> Any:
@@ -63,7 +69,7 @@ def command(example: str, *shared: Callable[[F], F]) -> Callable[[F], click.Comm
     """Return a decorator that turns a function into a command; shared: further decorators, which add the options of the output.
 
     >>> @command("rocking greet Ada --loud", printed)
-    ... def greet(name: str = argument(), loud: bool = option("--loud", is_flag=True), model: Model = group(Model)) -> None:
+    ... def greet(name: str = argument(), loud: bool = flag("--loud", "Shout."), model: Model = group(Model)) -> None:
     ...     '''Its help.'''
     """
 

@@ -3,7 +3,7 @@
 import click
 
 from . import equations, ground, options
-from .command import command, group, option, partly
+from .command import command, flag, group, option, partly
 from .printing import emit, note, printed
 
 
@@ -13,8 +13,8 @@ def compare(
     motions: ground.Motions = group(ground.Motions),
     shaking: ground.Shaking = group(ground.Shaking),
     model: equations.Models = group(equations.Models),
-    eta: float | None = option("--eta", type=click.FloatRange(0.0, 1.0), help="Restitution for every structure instead of its own."),
-    curves: bool = option("--curves", is_flag=True, help="Print the curves t, theta, tau, theta_ratio instead."),
+    eta: float | None = option("--eta", "Restitution for every structure instead of its own.", type=click.FloatRange(0.0, 1.0)),
+    curves: bool = flag("--curves", "Print the curves t, theta, tau, theta_ratio instead."),
 ) -> None:
     """Compare the responses of structures to one motion scaled to equal A and Omega.
 

@@ -12,7 +12,7 @@ MOST = 12  # panels that a page shows
 @command("rocking draw configs/arch.yaml -o arch.svg", quiet, units)
 def draw(
     files: tuple[str, ...] = options.files(),
-    output: Path = options.output(required=True, help="The figure: .png, .svg or .pdf."),
+    output: Path = options.output("The figure: .png, .svg or .pdf.", required=True),
     looks: options.Looks = group(options.Looks),
     overwrite: bool = options.overwrite(),
 ) -> None:

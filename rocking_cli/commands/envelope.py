@@ -11,7 +11,7 @@ import click
 
 from ..errors import counted
 from . import equations, ground, options
-from .command import command, group, option, partly, refuse
+from .command import command, flag, group, option, partly, refuse
 from .printing import emit, note, printed
 from .progress import ProgressLine
 
@@ -22,29 +22,24 @@ if TYPE_CHECKING:
     from ..motions.grid import Axis
     from ..structures import RockingParameters
 
+SIGNS = ("worse", "+", "-", "both")
+
 
 @dataclass(frozen=True)
 class Envelope:
     """The options of `rocking envelope`."""
 
     axes: str | None = option(
-        "--grid", metavar="AXIS", help="omega_g=START:STOP:N[:log] (or f_g, T_g), or Omega=…; for records T=… with --alpha."
+        "--grid", "omega_g=START:STOP:N[:log] (or f_g, T_g), or Omega=…; for records T=… with --alpha.", metavar="AXIS"
     )
     a_max: Limit = options.a_max()
     sign: str = option(
-        "--sign", type=click.Choice(["worse", "+", "-", "both"]), default="worse", show_default=True,
-        help="Sign of the ground acceleration, for unequal sides: +, -, worse (overturns with either), or both (rows for each).",
-    )  # fmt: skip
-    lowest: bool = option(
-        "--lowest", "--first", is_flag=True, help="Print only the lowest overturning amplitude of each frequency (or record)."
+        "--sign", "Sign of the motion: +, -, worse (either overturns), both (rows for each).", type=click.Choice(SIGNS), default=SIGNS[0]
     )
-    median: bool = option(
-        "--median", is_flag=True, help="Print the overturning spectrum of records: median, 16 and 84 % of the first overturnings."
-    )
+    lowest: bool = flag("--lowest --first", "Print only the lowest overturning amplitude of each frequency (or record).")
+    median: bool = flag("--median", "Print the overturning spectrum of records: median, 16 and 84 % of the first overturnings.")
     vary: tuple[str, ...] = options.vary()
-    closed_form: bool = option(
-        "--closed-form", is_flag=True, help="Print the closed-form curves of a sine, half-sine or rectangular pulse instead."
-    )
+    closed_form: bool = flag("--closed-form", "Print the closed-form curves of a sine, half-sine or rectangular pulse instead.")
     workers: int | None = options.workers()
 
 
@@ -59,16 +54,12 @@ def envelope(
     """Trace every interval of amplitude that overturns, for each frequency.
 
     A_to is empty if the interval continues beyond --a-max. A frequency without overturning has mode none and neither end. Every
-    interval wider than 1e-3 in A is found. A narrower interval, overturning or safe, may be missed: at low Omega just above uplift,
-    and after many impacts (several cycles) anywhere. If the ground acceleration changes its sign more than once, a scan ten times as
-    fine around every change finds most intervals wider than 1e-4, without proof. Rows in units have omega_g [rad/s], a_from, a_to [m/s2].
+    interval wider than 1e-3 in A is found, narrower ones may be missed. Rows in units have omega_g [rad/s], a_from, a_to [m/s2].
 
     Records have no frequency. The search varies their scale, for each structure, or with --alpha and --grid T=… for blocks of
-    these critical angles and sizes T = 2 pi/p in s. A row states A, the peak a [m/s2] and the factor of the original record. The
-    amplitudes of the scan are 0.5 % apart; narrower intervals may be missed.
+    these critical angles and sizes T = 2 pi/p in s. A row states A, the peak a [m/s2] and the factor of the original record.
 
-    --model both traces the intervals of both equations, a row each with its model. A line states over which share of the overturning
-    amplitudes the linear equation is unsafe.
+    --model both traces the intervals of both equations, a row each with its model.
     """
     from ..envelopes.intervals import CURVE_COLUMNS, NAMED, check_curves, frequency_axis, structure_curves
 

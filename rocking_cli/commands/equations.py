@@ -21,39 +21,32 @@ _RULE = (
     "(A, Omega) and for stated parameters."
 )
 
-linear_uplift = partial(
-    option, "--linear-uplift", type=click.Choice(["alpha", "lambda"]), default="alpha", show_default=True,
-    help="Uplift of rigid bodies in the linear equation: alpha g (Eq. 2.4), or lambda g, the true one (a_scale = alpha/lambda, Eq. 3.9).",
-)  # fmt: skip
+_UPLIFT = "Uplift of rigid bodies in the linear equation: alpha g (Eq. 2.4), or the true lambda g (a_scale = alpha/lambda, Eq. 3.9)."
+linear_uplift = partial(option, "--linear-uplift", _UPLIFT, type=click.Choice(["alpha", "lambda"]), default="alpha")
+
+_ETA = "A dimensionless oscillator of this restitution instead of FILE; repeatable. With --alpha: that of the blocks, or `block`."
 
 
 @dataclass(frozen=True)
 class Oscillators:
     """Dimensionless oscillators instead of structures."""
 
-    etas: tuple[float | None, ...] = option(
-        "--eta", multiple=True, type=Parsed("restitution", restitution), metavar="ETA",
-        help="A dimensionless oscillator of this restitution instead of FILE; repeatable. With --alpha: that of the blocks, or `block`.",
-    )  # fmt: skip
+    etas: tuple[float | None, ...] = option("--eta", _ETA, multiple=True, type=Parsed("restitution", restitution))
 
 
 @dataclass(frozen=True)
 class Sizeless(Oscillators):
     """Dimensionless oscillators, or blocks of given angles under records, instead of structures."""
 
-    alphas: str | None = option(
-        "--alpha", metavar="ANGLES", help="Rigid blocks of these critical angles instead of FILE, such as 10,15,20deg (records)."
-    )
+    alphas: str | None = option("--alpha", "Blocks of these critical angles instead of FILE (records): 10,15,20deg.", metavar="ANGLES")
 
 
 @dataclass(frozen=True)
 class Model:
     """The option --model of a command with one equation; `model` None: the governing equation."""
 
-    model: str | None = option("--model", type=Registered(model_names), help=_RULE.format(both=""))
-    tolerance: float = option(
-        "--tolerance", type=NUMBER, default=1e-9, show_default=True, help="Error of theta/alpha that the nonlinear equation aims at."
-    )
+    model: str | None = option("--model", _RULE.format(both=""), type=Registered(model_names))
+    tolerance: float = option("--tolerance", "Error of theta/alpha that the nonlinear equation aims at.", type=NUMBER, default=1e-9)
 
     @property
     def models(self) -> tuple[str | None, ...]:
@@ -78,9 +71,7 @@ class Model:
 class Models(Model):
     """The option --model of a command that can use both equations."""
 
-    model: str | None = option(
-        "--model", type=Registered(lambda: (*model_names(), "both")), help=_RULE.format(both=", or both")
-    )  # fmt: skip
+    model: str | None = option("--model", _RULE.format(both=", or both"), type=Registered(lambda: (*model_names(), "both")))
 
     @property
     def models(self) -> tuple[str | None, ...]:

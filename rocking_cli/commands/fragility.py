@@ -11,7 +11,7 @@ import click
 
 from ..errors import UsageError
 from . import equations, ground, options
-from .command import command, group, option, partly, refuse, refuse_together
+from .command import command, flag, group, option, partly, refuse, refuse_together
 from .parameter_types import InputPath, Registered, quantity
 from .printing import emit, form, note, printed, units_of
 from .progress import ProgressLine
@@ -37,40 +37,32 @@ _IN_G = re.compile(r"g(?![a-z])", re.IGNORECASE)  # and not in gal
 class Fits:
     """The options of `rocking fragility`."""
 
-    pulses: str | None = option(
-        "--pulses", type=InputPath(), metavar="FILE", help="Site pulses instead of records: CSV of a_g, f_g, weight."
+    pulses: str | None = option("--pulses", "Site pulses instead of records: CSV of a_g, f_g, weight.", type=InputPath())
+    im: str = option("--im", "Intensity measure of the curves.", default="PGA", type=Registered(_measures))
+    levels: str | None = option("--levels", "Levels: START:STOP:N[:log] or a list, with units: 0.1g:1g:10.", metavar="LEVELS")
+    limits: str = option("--limit", "Limit states: |theta|/alpha beyond these.", default="0.1,0.5,1,overturning")
+    methods: str = option("--method", "One or more of stripes, first and cloud.", default="stripes")
+    exact: bool = flag("--exact", "Trace every interval that overturns, for exact shares of overturning motions at every intensity.")
+    efficiency: bool = flag(
+        "--efficiency", "Print the dispersion for every measure instead; with --exact, from the traced first overturnings."
     )
-    im: str = option("--im", default="PGA", show_default=True, type=Registered(_measures), help="Intensity measure of the curves.")
-    levels: str | None = option("--levels", metavar="LEVELS", help="Levels: START:STOP:N[:log] or a list, with units: 0.1g:1g:10.")
-    limits: str = option("--limit", default="0.1,0.5,1,overturning", show_default=True, help="Limit states: |theta|/alpha beyond these.")
-    methods: str = option("--method", default="stripes", show_default=True, help="One or more of stripes, first and cloud.")
-    exact: bool = option(
-        "--exact", is_flag=True, help="Trace every interval that overturns, for exact shares of overturning motions at every intensity."
-    )
-    efficiency: bool = option(
-        "--efficiency",
-        is_flag=True,
-        help="Print the dispersion for every measure instead; with --exact, from the traced first overturnings.",
-    )
-    cells: bool = option("--cells", is_flag=True, help="Print every motion at every level over PGA and PGV/PGA instead, for rocking plot.")
-    curve: bool = option("--curve", is_flag=True, help="Print points of the curves with their bands instead, for rocking plot.")
-    counts: str | None = option("--counts", type=InputPath(), metavar="FILE", help="Fit given counts: CSV of im, n, z.")
-    hazard: str | None = option(
-        "--hazard", type=InputPath(), metavar="FILE", help="Annual rates with this hazard curve: CSV of OpenQuake, or two columns."
-    )
-    site: str | None = option("--site", metavar="LON,LAT", help="The site of the hazard curve, if the file has several.")
+    cells: bool = flag("--cells", "Print every motion at every level over PGA and PGV/PGA instead, for rocking plot.")
+    curve: bool = flag("--curve", "Print points of the curves with their bands instead, for rocking plot.")
+    counts: str | None = option("--counts", "Fit given counts: CSV of im, n, z.", type=InputPath())
+    hazard: str | None = option("--hazard", "Annual rates with this hazard curve: CSV of OpenQuake, or two columns.", type=InputPath())
+    site: str | None = option("--site", "The site of the hazard curve, if the file has several.", metavar="LON,LAT")
     standing: float | None = option(
-        "--standing", type=quantity("number of years"), metavar="TIME",
-        help="Time for which the body has stood, such as 10000yr: with which confidence it rejects the hazard curve.",
-    )  # fmt: skip
+        "--standing",
+        "Time the body has stood, such as 10000yr, to test the hazard curve.",
+        type=quantity("number of years"),
+        metavar="TIME",
+    )
     export: str | None = option(
-        "--export", type=click.Choice(["openquake", "pelicun"]), help="Write -o for this program: NRML (.xml), or CSV and JSON (.csv)."
+        "--export", "Write -o for this program: NRML (.xml), or CSV and JSON (.csv).", type=click.Choice(["openquake", "pelicun"])
     )
-    samples: int = option(
-        "--bootstrap", type=click.IntRange(0, 100_000), default=1000, show_default=True, help="Samples for the bands; 0: no bands."
-    )
-    seed: int = option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the bootstrap.")
-    output: Path | None = options.output(help="The HDF5 file of all cells (records), or that of --export.")
+    samples: int = option("--bootstrap", "Samples for the bands; 0: no bands.", type=click.IntRange(0, 100_000), default=1000)
+    seed: int = option("--seed", "Seed of the bootstrap.", type=click.IntRange(0), default=0)
+    output: Path | None = options.output("The HDF5 file of all cells (records), or that of --export.")
 
 
 @command("rocking fragility configs/block.yaml --pulses configs/motions/site_pulses.csv --levels 0.2g:0.7g:11", printed)
@@ -83,12 +75,9 @@ def fragility(
 ) -> None:
     """Fit lognormal fragility curves of structures under a set of records or site pulses.
 
-    One row for each structure, limit state and method: median theta of the intensity measure, dispersion beta, the 95 % bands of both by
-    bootstrap over the motions. stripes: maximum likelihood for the counts at the levels; first: maximum likelihood for the traced
-    intensities of first overturning, where a motion that never overturns is censored; cloud: regression of the rotations under the
-    unscaled motions. Measures:
-    PGA, PGV, PGD, Arias, CAV, SA(T) and AvgSA(T) of records, nPGA = PGA/(lambda g), nPGV = p PGV/(g tan alpha) and nPGD =
-    p^2 PGD/(g tan alpha).
+    One row for each structure, limit state and method: median theta of the intensity measure, dispersion beta, and the 95 % bands of
+    both by bootstrap over the motions. Measures: PGA, PGV, PGD, Arias, CAV, SA(T) and AvgSA(T) of records, nPGA = PGA/(lambda g),
+    nPGV = p PGV/(g tan alpha) and nPGD = p^2 PGD/(g tan alpha).
     """
     from ..dynamics.method import direction_in_words
     from ..fragility.exposure import MotionSet

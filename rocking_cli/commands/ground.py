@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 _PULSE = ("pulse", "cycles", "gamma", "phase")
 _OF_A_FILE = ("vertical_component", "vertical_unit", "vertical_dt")
+_MOTION = "A record or a motion document instead of a pulse; for a set: records, a directory or a list; repeatable."
+_VERTICAL = f"Vertical motion, upwards: a pulse by name, a motion document, a record, or {STATION}: the component of the same file."
 DT = "Time between the values of a record in a single column."
 
 
@@ -46,11 +48,10 @@ class Reading:
     """The options for reading records."""
 
     component: str | None = option(
-        "--component", metavar="horizontal|all|NAME",
-        help="Component of a record by name or number (default: each horizontal component of each file, as a motion of its own).",
-    )  # fmt: skip
-    unit: str | None = option("--unit", metavar="UNIT", help="Unit of a record in plain columns of numbers, such as g or m/s2.")
-    motion_dt: float | None = option("--dt", "--motion-dt", type=quantity("time"), metavar="TIME", help=DT)
+        "--component", "Component of a record by name or number (default: each horizontal one).", metavar="horizontal|all|NAME"
+    )
+    unit: str | None = option("--unit", "Unit of a record in plain columns of numbers, such as g or m/s2.", metavar="UNIT")
+    motion_dt: float | None = option("--dt --motion-dt", DT, type=quantity("time"))
 
 
 @dataclass(frozen=True)
@@ -95,26 +96,20 @@ class Source:
     """A pulse by name, or files of motions."""
 
     pulse: str | None = option(
-        "--pulse", type=Registered(pulse_names), metavar="NAME", help="Ground motion (default: sine); see `rocking help motions`."
+        "--pulse", "Ground motion (default: sine); see `rocking help motions`.", type=Registered(pulse_names), metavar="NAME"
     )
-    cycles: float | None = option("--cycles", type=NUMBER, help="Cycles of a sine or cosine, in half cycles (default 1).")
-    gamma: float | None = option("--gamma", type=NUMBER, help="Duration over period of a mavroeidis-papageorgiou pulse (default 2).")
-    phase: float | None = option(
-        "--phase", type=quantity("angle"), metavar="ANGLE",
-        help="Phase of a mavroeidis-papageorgiou pulse, in rad or with a unit (default 0).",
-    )  # fmt: skip
-    motion: tuple[str, ...] = option(
-        "--motion", multiple=True, type=InputPath(), metavar="FILE...",
-        help="A record or a motion document instead of a pulse; for a set: records, a directory or a list; repeatable.",
-    )  # fmt: skip
+    cycles: float | None = option("--cycles", "Cycles of a sine or cosine, in half cycles (default 1).", type=NUMBER)
+    gamma: float | None = option("--gamma", "Duration over period of a mavroeidis-papageorgiou pulse (default 2).", type=NUMBER)
+    phase: float | None = option("--phase", "Phase of a mavroeidis-papageorgiou pulse (default 0 rad).", type=quantity("angle"))
+    motion: tuple[str, ...] = option("--motion", _MOTION, multiple=True, type=InputPath(), metavar="FILE...")
 
 
 @dataclass(frozen=True)
 class Motions(Reading, Source):
     """The ground motion: a pulse, a motion document, a record or a set of them."""
 
-    scale: float | None = option("--scale", type=NUMBER, metavar="FACTOR", help="Factor of the motion; a negative one reverses it.")
-    scale_to: str | None = option("--scale-to", metavar="IM=VALUE", help="Scale a record to an intensity measure, such as PGA=0.35g.")
+    scale: float | None = option("--scale", "Factor of the motion; a negative one reverses it.", type=NUMBER, metavar="FACTOR")
+    scale_to: str | None = option("--scale-to", "Scale a record to an intensity measure, such as PGA=0.35g.", metavar="IM=VALUE")
 
     def one(self) -> Ground:
         """Return the motion that the options describe. Raises UsageError for a set of records."""
@@ -181,16 +176,11 @@ class Motions(Reading, Source):
 class BothWays(Motions):
     """The ground motion and a vertical one."""
 
-    vertical: str | None = option(
-        "--vertical", type=PulseOrPath(), metavar="MOTION",
-        help=f"Vertical motion, upwards: a pulse by name, a motion document, a record, or {STATION}: the component of the same file.",
-    )  # fmt: skip
-    vertical_scale: float | None = option(
-        "--vertical-scale", type=NUMBER, metavar="FACTOR", help="Factor of the vertical motion (default 1)."
-    )
-    vertical_component: str | None = option("--vertical-component", metavar="NAME", help="Component of a vertical record.")
-    vertical_unit: str | None = option("--vertical-unit", metavar="UNIT", help="Unit of a vertical record in plain columns of numbers.")
-    vertical_dt: float | None = option("--vertical-dt", type=quantity("time"), metavar="TIME", help=DT)
+    vertical: str | None = option("--vertical", _VERTICAL, type=PulseOrPath(), metavar="MOTION")
+    vertical_scale: float | None = option("--vertical-scale", "Factor of the vertical motion (default 1).", type=NUMBER, metavar="FACTOR")
+    vertical_component: str | None = option("--vertical-component", "Component of a vertical record.", metavar="NAME")
+    vertical_unit: str | None = option("--vertical-unit", "Unit of a vertical record in plain columns of numbers.", metavar="UNIT")
+    vertical_dt: float | None = option("--vertical-dt", DT, type=quantity("time"))
 
     def upwards(self) -> tuple[Upwards | None, float | None]:
         factor = 1.0 if self.vertical_scale is None else self.vertical_scale
@@ -229,14 +219,12 @@ def no_shaking(*instead: str) -> click.UsageError:
 class Shaking:
     """One amplitude and one frequency, with units or dimensionless."""
 
-    a_g: str | None = option(
-        "--a-g", metavar="VALUE", help="Amplitude of the ground acceleration, m/s2 or with g; a negative one reverses the motion."
-    )
-    omega_g: str | None = option("--omega-g", metavar="VALUE", help="Angular frequency of the motion, rad/s.")
-    f_g: str | None = option("--f-g", metavar="VALUE", help="Frequency of the motion in Hz.")
-    T_g: str | None = option("--T-g", metavar="VALUE", help="Period of the motion in s; for a rectangular pulse its duration t_p.")
-    A: str | None = option("--A", metavar="VALUE", help="Dimensionless amplitude a_scale a_g/(alpha g).")
-    Omega: str | None = option("--Omega", metavar="VALUE", help="Dimensionless frequency omega_g/p.")
+    a_g: str | None = option("--a-g", "Amplitude of the motion, m/s2 or with g; a negative one reverses it.", metavar="VALUE")
+    omega_g: str | None = option("--omega-g", "Angular frequency of the motion, rad/s.", metavar="VALUE")
+    f_g: str | None = option("--f-g", "Frequency of the motion in Hz.", metavar="VALUE")
+    T_g: str | None = option("--T-g", "Period of the motion in s; for a rectangular pulse its duration t_p.", metavar="VALUE")
+    A: str | None = option("--A", "Dimensionless amplitude a_scale a_g/(alpha g).", metavar="VALUE")
+    Omega: str | None = option("--Omega", "Dimensionless frequency omega_g/p.", metavar="VALUE")
 
     def of(self, ground: Ground) -> Ground:
         """Return the motion and its demand, a grid of one cell, None if the options state no value; a negative a_g reverses the motion.
@@ -291,9 +279,8 @@ class Directed(Demand):
     """The demand, or two horizontal components in a direction."""
 
     azimuth: str | None = option(
-        "--azimuth", metavar="ANGLE|START:STOP:N",
-        help="Direction of two horizontal components in deg, from the first towards the second; of a span the worst one (check).",
-    )  # fmt: skip
+        "--azimuth", "Direction in deg, from the first component to the second; of a span the worst (check).", metavar="ANGLE|START:STOP:N"
+    )
 
     def azimuths(self) -> np.ndarray | None:
         """Return the directions that --azimuth states [rad]; None without it. Raises UsageError."""
@@ -312,9 +299,8 @@ class Directed(Demand):
 def sign() -> Any:
     """The option for the direction of the motion."""
     return option(
-        "--sign", type=click.Choice(["+", "-", "both"]), default="+", show_default=True,
-        help="Direction of the motion; both matters to bodies whose sides differ.",
-    )  # fmt: skip
+        "--sign", "Direction of the motion; both matters to bodies whose sides differ.", type=click.Choice(["+", "-", "both"]), default="+"
+    )
 
 
 def note_demand(shakes: Sequence[tuple[Motion, Grid]]) -> None:

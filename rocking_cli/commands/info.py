@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import streams
-from .command import argument, command, option
+from .command import argument, command, flag
 from .parameter_types import InputPath
 from .printing import emit, form, note, printed
 
@@ -22,9 +22,9 @@ _OF_THE_RUN = ("output", "overwrite", "resume", "shard", "scheduler", "workers",
 @command("rocking spectrum --eta 0.9 --grid A=0.5:8:20,Omega=1:6:20 -o map.h5 && rocking info map.h5 --verify", printed)
 def info(
     files: tuple[str, ...] = argument(nargs=-1, type=InputPath(), required=True, metavar="FILE..."),
-    verify: bool = option("--verify", is_flag=True, help="Check every chunk against its checksum."),
-    again: bool = option("--command", is_flag=True, help="Also print eta, tolerance, counts and the command that makes the file again."),
-    documents: bool = option("--documents", is_flag=True, help="Print the documents of the structures instead, as JSON Lines."),
+    verify: bool = flag("--verify", "Check every chunk against its checksum."),
+    again: bool = flag("--command", "Also print eta, tolerance, counts and the command that makes the file again."),
+    documents: bool = flag("--documents", "Print the documents of the structures instead, as JSON Lines."),
 ) -> int:
     """Show the contents of spectra files: scene, completeness, run time, estimated error.
 

@@ -16,7 +16,7 @@ _SHARD = "rocking spectrum --eta 0.9 --grid A=0.5:8:200,Omega=1:6:200 --chunk 20
 @command(f"{_SHARD} --shard 1/2 -o 1.h5 && {_SHARD} --shard 2/2 -o 2.h5 && rocking merge 1.h5 2.h5 -o whole.h5", quiet)
 def merge(
     files: tuple[str, ...] = argument(nargs=-1, type=InputPath(), required=True, metavar="FILE..."),
-    output: Path = options.output(required=True, help="The HDF5 file to write."),
+    output: Path = options.output("The HDF5 file to write.", required=True),
     overwrite: bool = options.overwrite(),
     strict: bool = options.strict(),
 ) -> None:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .command import argument, option, partly, refuse
+from .command import argument, flag, option, partly, refuse
 from .parameter_types import InputPath, OutputPath, Parsed, limit, quantity
 from .printing import below, form, note
 from .streams import printable
@@ -41,31 +41,25 @@ def _at_most_the_cpus(_: click.Context, __: click.Parameter, given: int | None) 
 
 # Arguments and options that several commands share.
 files = partial(argument, nargs=-1, type=InputPath(), metavar="[FILE]...")
-output = partial(option, "-o", "--output", type=OutputPath())
-overwrite = partial(option, "--overwrite", is_flag=True, help="Replace an output that exists.")
-strict = partial(option, "--strict", is_flag=True, help="Refuse data of machines or libraries whose results may differ in the last digits.")
-workers = partial(option, "--workers", type=click.IntRange(1), callback=_at_most_the_cpus, help="Processes to use (default: all cores).")
+output = partial(option, "-o --output", type=OutputPath())
+overwrite = partial(flag, "--overwrite", "Replace an output that exists.")
+strict = partial(flag, "--strict", "Refuse data of machines or libraries whose results may differ in the last digits.")
+workers = partial(option, "--workers", "Processes to use (default: all cores).", type=click.IntRange(1), callback=_at_most_the_cpus)
 a_max = partial(
-    option, "--a-max", type=Parsed("amplitude", limit), default="20", show_default=True, metavar="AMPLITUDE",
-    help="Largest amplitude of the search: A, or with a unit a_g, such as 1g.",
-)  # fmt: skip
-vary = partial(
-    option, "--vary", multiple=True, metavar="KEY=START:STOP:N",
-    help="Vary this key: a family of structures; repeatable, all combinations.",
-)  # fmt: skip
-sort = partial(
-    option, "--sort", type=click.Choice(["capacity"]), help="Sort by capacity: the weakest first, structures that never overturn last."
+    option, "--a-max", "Largest amplitude of the search: A, or with a unit a_g, such as 1g.", type=Parsed("amplitude", limit), default="20"
 )
+vary = partial(option, "--vary", "Vary a key: a family; repeatable, all combinations.", multiple=True, metavar="KEY=START:STOP:N")
+sort = partial(option, "--sort", "The least capacity first, structures that never overturn last.", type=click.Choice(["capacity"]))
 
 
 @dataclass(frozen=True)
 class Looks:
     """How a figure is written."""
 
-    size: float | None = option("--size", type=quantity("length"), metavar="WIDTH", help="Width of the figure, such as 85mm.")
-    dpi: float | None = option("--dpi", type=click.FloatRange(20.0, 2400.0), help="Dots per inch (default: 200; maps in SVG and PDF 600).")
-    title: str | None = option("--title", metavar="TEXT", help="Title in place of the figure's own.")
-    style: str | None = option("--style", type=InputPath(), metavar="FILE", help="Style file of matplotlib (.mplstyle).")
+    size: float | None = option("--size", "Width of the figure, such as 85mm.", type=quantity("length"))
+    dpi: float | None = option("--dpi", "Dots per inch (default: 200; maps in SVG and PDF 600).", type=click.FloatRange(20.0, 2400.0))
+    title: str | None = option("--title", "Title in place of the figure's own.", metavar="TEXT")
+    style: str | None = option("--style", "Style file of matplotlib (.mplstyle).", type=InputPath())
 
     def look(self) -> Look:
         """Return the look that the options state. Raises click.UsageError."""
@@ -82,9 +76,9 @@ class Sweep:
 
     workers: int | None = workers()
     overwrite: bool = overwrite()
-    resume: bool = option("--resume", is_flag=True, help="Go on with an interrupted sweep of the same scene (OUTPUT.part).")
-    shard: str | None = option("--shard", metavar="I/N", help="Compute only the I-th of N parts; rocking merge joins them.")
-    scheduler: str | None = option("--scheduler", metavar="ADDRESS", help="Compute on a dask.distributed cluster, such as tcp://host:8786.")
+    resume: bool = flag("--resume", "Go on with an interrupted sweep of the same scene (OUTPUT.part).")
+    shard: str | None = option("--shard", "Compute only the I-th of N parts; rocking merge joins them.", metavar="I/N")
+    scheduler: str | None = option("--scheduler", "Compute on a dask.distributed cluster, such as tcp://host:8786.", metavar="ADDRESS")
 
     def writing(self, documents: str) -> dict[str, Any]:
         """Return the arguments of `write_scene`; documents: the texts of the structures. Raises click.UsageError for a wrong --shard."""

@@ -35,6 +35,7 @@ class InputPath(click.Path):
 
     def __init__(self) -> None:
         super().__init__(readable=False, allow_dash=True)
+        self.name = "file"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         found = str(super().convert(value, param, ctx))

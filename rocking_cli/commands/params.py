@@ -25,9 +25,6 @@ def params(
     FILE is a YAML or JSON structure document, - for standard input. Bounds of --vary without a unit have the unit of that key in the
     document. A body with unequal sides has the parameters of the edge that lifts first, and those of each edge. Members of a family
     without a solution are reported and left out (exit code 4).
-
-    The linear oscillator leaves the ground at alpha/a_scale g. A rigid body has a_scale = 1, so its oscillator lifts at alpha g, a
-    little below the lambda g = tan(alpha) g of the body.
     """
     from ..reports.tables import flat
     from ..structures import build_structure, with_distinct_names

@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from . import options, streams
-from .command import argument, command, group, option, refuse, refuse_together
+from .command import argument, command, flag, group, option, refuse, refuse_together
 from .parameter_types import InputPath, OutputPath
 from .printing import note, quiet, units, units_of
 
@@ -14,23 +14,17 @@ from .printing import note, quiet, units, units_of
 @command("rocking spectrum --eta 0.9 --grid A=0.5:8:40,Omega=1:6:40 -o map.h5 && rocking plot map.h5 --text", quiet, units)
 def plot(
     files: tuple[Path, ...] = argument(nargs=-1, required=True, type=click.Path(path_type=Path), metavar="FILE..."),
-    output: Path | None = options.output(help="The figure: .png, .svg or .pdf."),
-    structure: str | None = option("--structure", metavar="NAME", help="Structure (or record) of the map (default: the first)."),
-    every: bool = option("--all", is_flag=True, help="Draw a panel for every structure (or record) of a spectra file."),
-    cut: str | None = option(
-        "--slice", metavar="AXIS=VALUE", help="Draw a slice at this value of an axis instead of a map, such as f_g=1.5 or a_g=0.3g."
-    ),
-    over: str | None = option("--over", metavar="KEY[/KEY]", help="The axis of a family (default: the first key varied)."),
-    log: str | None = option("--log", type=click.Choice(["x", "y", "xy"]), help="Logarithmic axes."),
-    phase: bool = option("--phase", is_flag=True, help="Draw the phase portrait of a response, with the separatrix."),
-    align: bool = option("--align", is_flag=True, help="Count the time of each response from its largest rotation."),
-    animate: Path | None = option(
-        "--animate", type=OutputPath(), metavar="OUT.gif", help="Write the body of a response as an animation in real time."
-    ),
-    body: str | None = option(
-        "--body", type=InputPath(), metavar="FILE", help="The structure of --animate and --phase (default: the block of its p, alpha)."
-    ),
-    text: bool = option("--text", is_flag=True, help="Draw a spectra file as text in the terminal, without matplotlib."),
+    output: Path | None = options.output("The figure: .png, .svg or .pdf."),
+    structure: str | None = option("--structure", "Structure (or record) of the map (default: the first).", metavar="NAME"),
+    every: bool = flag("--all", "Draw a panel for every structure (or record) of a spectra file."),
+    cut: str | None = option("--slice", "Draw a slice at this value, such as f_g=1.5, instead of a map.", metavar="AXIS=VALUE"),
+    over: str | None = option("--over", "The axis of a family (default: the first key varied).", metavar="KEY[/KEY]"),
+    log: str | None = option("--log", "Logarithmic axes.", type=click.Choice(["x", "y", "xy"])),
+    phase: bool = flag("--phase", "Draw the phase portrait of a response, with the separatrix."),
+    align: bool = flag("--align", "Count the time of each response from its largest rotation."),
+    animate: Path | None = option("--animate", "Animate the body of a response in real time.", type=OutputPath(), metavar="OUT.gif"),
+    body: str | None = option("--body", "Structure of --animate and --phase (default: the block of its p, alpha).", type=InputPath()),
+    text: bool = flag("--text", "Draw a spectra file as text in the terminal, without matplotlib."),
     looks: options.Looks = group(options.Looks),
     overwrite: bool = options.overwrite(),
 ) -> None:

@@ -2,7 +2,7 @@
 
 from ..errors import counted
 from . import ground, options
-from .command import argument, command, group, option, partly
+from .command import argument, command, flag, group, partly
 from .parameter_types import InputPath
 from .printing import emit, note, printed
 
@@ -14,18 +14,15 @@ def predict(
     spectrum: str = argument(type=InputPath()),
     files: tuple[str, ...] = options.files(),
     shaking: ground.Shaking = group(ground.Shaking),
-    exact: bool = option(
-        "--exact", is_flag=True, help="Also compute structures beyond the range and restitutions of the spectrum; nothing is interpolated."
-    ),
+    exact: bool = flag("--exact", "Also compute structures beyond the range and restitutions of the spectrum; nothing is interpolated."),
 ) -> None:
     """Predict theta_max, outcome and margin of structures under the motion of a spectrum of equal restitution.
 
     SPECTRUM holds a linear spectrum on axes A and Omega. theta_max [rad] and the outcome are computed. capacity_demand is the
-    lowest overturning amplitude over the demand, below 1 if a lower amplitude overturns the body. margin is the relative distance in
-    A to the nearest boundary between standing and overturning, traced as in rocking envelope, which may miss intervals narrower than
-    1e-3 in A; margin_side is the side of the demand on which the boundary lies. All three are empty if no amplitude up to A = 20 and twice
-    the demand overturns. theta_ratio_interpolated is the value in the spectrum, empty next to cells that overturn; interpolation_error
-    is its distance from the computed value.
+    lowest overturning amplitude over the demand; margin is the relative distance in A to the nearest boundary between standing and
+    overturning, and margin_side the side of the demand on which it lies. They are empty if no amplitude up to A = 20 and twice the
+    demand overturns; intervals narrower than 1e-3 in A may be missed. theta_ratio_interpolated is the value in the spectrum, empty
+    next to cells that overturn; interpolation_error is its distance from the computed value.
     """
     from ..dynamics.method import direction_in_words, has_direction
     from ..dynamics.outcome import Outcome

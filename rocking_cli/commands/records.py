@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import ground, options
-from .command import command, group, option, refuse
+from .command import command, flag, group, option, refuse
 from .parameter_types import NUMBER
 from .printing import emit, note, printed
 
@@ -25,21 +25,17 @@ COLUMNS = (
 def records(
     files: tuple[str, ...] = options.files(),
     reading: ground.Reading = group(ground.Reading),
-    export_spectrum: bool = option("--export-spectrum", is_flag=True, help="Print the elastic response spectrum instead."),
-    periods: str | None = option("--periods", metavar="START:STOP:N[:log]", help="Periods of the spectrum (default 0.02:5:100:log s)."),
-    damping: float | None = option(
-        "--damping", type=NUMBER, metavar="RATIO", help="Damping ratio of the spectrum, such as 0.05 for 5 % (the default)."
-    ),
+    export_spectrum: bool = flag("--export-spectrum", "Print the elastic response spectrum instead."),
+    periods: str | None = option("--periods", "Periods of the spectrum (default 0.02:5:100:log s).", metavar="START:STOP:N[:log]"),
+    damping: float | None = option("--damping", "Damping ratio of the spectrum (default 0.05 for 5 %).", type=NUMBER),
 ) -> None:
     """Show what records hold, a row a component: sampling and intensity measures in s, m/s2, m/s and m.
 
     FILE is a record of any known format, packed with gzip or not, - for standard input, a directory, or a list of files, one a line.
     --component selects horizontal, all (default), or one by name or number. Files of a directory that cannot be read are left out and
-    named (exit code 4).
-    The measures are integrals of the samples joined by straight lines, without any correction; header_pga is the peak in the header of
-    the file, header_difference the relative excess of the peak of the samples over it, unit the unit of the file.
-    --export-spectrum: the largest displacement S_d of an oscillator of period T, also between samples and after the record, and
-    S_a = (2 pi/T)^2 S_d.
+    named (exit code 4). header_pga is the peak in the header of the file, header_difference the relative excess of the peak of the
+    samples over it, unit the unit of the file. --export-spectrum: the largest displacement S_d of an oscillator of period T, also
+    between samples and after the record, and S_a = (2 pi/T)^2 S_d.
     """
     from ..motions.reading import read_set
     from ..motions.records.record import ALL, chosen

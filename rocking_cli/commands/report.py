@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from . import ground, options
-from .command import command, group, option, partly
+from .command import command, flag, group, option, partly
 from .printing import note, quiet
 from .progress import ProgressLine
 
@@ -14,19 +14,18 @@ MOST = 12  # structures of a page
 def report(
     files: tuple[str, ...] = options.files(),
     asked: ground.Demand = group(ground.Demand),
-    output: Path = options.output(required=True, help="The page: .html."),
-    title: str | None = option("--title", metavar="TEXT", help="Title of the page (default: the names of the structures)."),
-    summary: bool = option("--summary", is_flag=True, help="Begin with a page in words: a sentence on each structure; the details follow."),
+    output: Path = options.output("The page: .html.", required=True),
+    title: str | None = option("--title", "Title of the page (default: the names of the structures).", metavar="TEXT"),
+    summary: bool = flag("--summary", "Begin with a page in words: a sentence on each structure; the details follow."),
     sort: str | None = options.sort(),
     workers: int | None = options.workers(),
     overwrite: bool = options.overwrite(),
 ) -> None:
     """Write a page about structures under a pulse or a set of records: verdicts, drawings, maps and fragility.
 
-    The page is one HTML file that opens in a browser without a network. It holds the table of rocking check; for each structure its
-    drawing, parameters and their relations, the map with the demand, the number of cells in which the linear equation is wrong, and
-    fragility curves under records; then the command, versions and hashes. The equation is that of rocking check. The page needs the
-    extra: pip install 'rocking[report]'.
+    The page is one HTML file. It holds the table of rocking check; for each structure its drawing, parameters and their relations, the
+    map with the demand, the number of cells in which the linear equation is wrong, and fragility curves under records; then the
+    command, versions and hashes. The page needs the extra: pip install 'rocking[report]'.
     """
     from ..dynamics.outcome import Outcome
     from ..reports.page import Subject, write_page

@@ -5,7 +5,7 @@ from itertools import chain
 
 from ..errors import UsageError
 from . import equations, ground, options
-from .command import argument, command, group, option, partly, refuse
+from .command import argument, command, flag, group, option, partly, refuse
 from .parameter_types import NUMBER, InputPath, quantity
 from .printing import emit, form, note, printed
 
@@ -14,7 +14,7 @@ from .printing import emit, form, note, printed
 class OneMotion(ground.Directed):
     """The demand, with --dt for the rows."""
 
-    motion_dt: float | None = option("--motion-dt", type=quantity("time"), metavar="TIME", help=ground.DT)
+    motion_dt: float | None = option("--motion-dt", ground.DT, type=quantity("time"))
 
 
 @command("rocking response configs/arch.yaml --pulse rectangular-impulse --a-g 0.9g --T-g 0.4 --model both --events", printed)
@@ -23,24 +23,21 @@ def response(
     asked: OneMotion = group(OneMotion),
     model: equations.Models = group(equations.Models),
     release: float = option(
-        "--release", type=NUMBER, default=0.0, metavar="RATIO", help="Release from theta/alpha = RATIO; without a motion: free rocking."
+        "--release", "Release from theta/alpha = RATIO; without a motion: free rocking.", type=NUMBER, default=0.0, metavar="RATIO"
     ),
-    duration: float | None = option(
-        "--duration", type=quantity("time"), metavar="TIME", help="Duration of the rows (default: the shaking and 30/p after it)."
-    ),
+    duration: float | None = option("--duration", "Duration of the rows (default: the shaking and 30/p after it).", type=quantity("time")),
     dt: float | None = option(
-        "--dt", type=quantity("time"), metavar="TIME", help="Time between two rows (default: the samples of a record, 500 rows of a pulse)."
+        "--dt", "Time between two rows (default: the samples of a record, 500 rows of a pulse).", type=quantity("time")
     ),
-    steps: bool = option("--steps", is_flag=True, help="Print a row at each step of the solver instead."),
-    events: bool = option("--events", is_flag=True, help="Print uplifts, impacts, peaks, rest and overturning instead."),
-    forces: bool = option("--forces", is_flag=True, help="Also print the forces on the ground, or on the joints of an arch, over m g."),
-    dimensionless: bool = option("--dimensionless", is_flag=True, help="Print theta/alpha over p t; --dt is in p t too."),
+    steps: bool = flag("--steps", "Print a row at each step of the solver instead."),
+    events: bool = flag("--events", "Print uplifts, impacts, peaks, rest and overturning instead."),
+    forces: bool = flag("--forces", "Also print the forces on the ground, or on the joints of an arch, over m g."),
+    dimensionless: bool = flag("--dimensionless", "Print theta/alpha over p t; --dt is in p t too."),
 ) -> None:
     """Time history of one structure: t [s], theta [rad], theta_dot [rad/s], ground_acceleration [m/s2].
 
     FILE holds one structure. An overturning body is followed to 3 alpha, or until it lies on its side or its linkage has
     collapsed. The speed of an impact in the events is the speed before it. With --json the last row of each model is a summary.
-    --forces: fx_ratio and fz_ratio, the horizontal and vertical force over m g, and the friction that they need.
     """
     from ..responses.time_history import NAMED, time_history
 

@@ -15,27 +15,19 @@ _SCAN = 17  # values of a range that states no number
 @command("rocking solve configs/block.yaml --vary width=0.5:0.8:4 --a-g 0.4g --f-g 1", printed)
 def solve(
     files: tuple[str, ...] = options.files(),
-    vary: str = option(
-        "--vary", required=True, metavar="KEY=START:STOP[:N]", help="The key and its range, scanned at N values (default 17)."
-    ),
-    margin: float = option(
-        "--margin", type=click.FloatRange(0.0, 100.0, min_open=True), default=1.0, show_default=True, help="Required capacity over demand."
-    ),
-    share: float = option(
-        "--share", type=click.FloatRange(0.0, 1.0, min_open=True), default=1.0, show_default=True, help="Share of motions to stand under."
-    ),
+    vary: str = option("--vary", "The key and its range, scanned at N values (default 17).", required=True, metavar="KEY=START:STOP[:N]"),
+    margin: float = option("--margin", "Required capacity over demand.", type=click.FloatRange(0.0, 100.0, min_open=True), default=1.0),
+    share: float = option("--share", "Share of motions to stand under.", type=click.FloatRange(0.0, 1.0, min_open=True), default=1.0),
     asked: ground.Demand = group(ground.Demand),
     sign: str = ground.sign(),
     workers: int | None = options.workers(),
 ) -> None:
     """Find the values of a key from which each structure stands under a motion with a margin.
 
-    One row for each boundary in the range: the value, rounded to six digits on the side on which the structure stands, that side, and
-    capacity_demand of the document with this value as rocking check finds it; without a boundary, a row with an empty value whose side is
-    "stands everywhere" or "stands nowhere". Under records the margin holds for a share of them; of a range of frequencies (--f-g 0.5:2)
-    the worst one counts, as in rocking check. The range is scanned first: two boundaries between neighbouring values of the scan may be
-    missed. The equation is the governing one: nonlinear for a known geometry in units (a_g, f_g, a record), linear on dimensionless axes
-    and for stated parameters.
+    One row for each boundary in the range: the value, the side on which the structure stands, and capacity_demand of the document with
+    this value; without a boundary, a row with an empty value whose side is "stands everywhere" or "stands nowhere". Under records the
+    margin holds for a share of them; of a range of frequencies (--f-g 0.5:2) the worst one counts. Two boundaries between neighbouring
+    values of the scan may be missed. The equation is the governing one, as in rocking check.
     """
     from ..responses.solving import boundaries
     from ..structures.family import parse_variation

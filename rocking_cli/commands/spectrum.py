@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from . import equations, ground, options
-from .command import command, group, option, partly, refuse
+from .command import command, flag, group, option, partly, refuse
 from .printing import emit, is_quiet, note, quiet
 from .progress import ProgressLine
 
@@ -15,25 +15,17 @@ from .progress import ProgressLine
 @command("rocking spectrum configs/block.yaml --grid a_g=0.1g:1g:50,f_g=0.5:5:40 -o block.h5", quiet)
 def spectrum(
     files: tuple[str, ...] = options.files(),
-    axes: str | None = option(
-        "--grid", metavar="AXES", help="a_g=START:STOP:N[:log],omega_g=… (or f_g, T_g), or A=…,Omega=…; for records see below."
-    ),
-    output: Path = options.output(required=True, help="The HDF5 file to write."),
-    impacts: bool = option(
-        "--impacts",
-        is_flag=True,
-        help="Also store the number of impacts during the shaking, without those of a last sequence of impacts below the peak.",
-    ),
+    axes: str | None = option("--grid", "a_g=START:STOP:N[:log],omega_g=… (or f_g, T_g), or A=…,Omega=…; see above.", metavar="AXES"),
+    output: Path = options.output("The HDF5 file to write.", required=True),
+    impacts: bool = flag("--impacts", "Store the impacts during the shaking, without those of a last sequence of impacts below the peak."),
     quantity: str | None = option(
-        "--quantity",
-        metavar="NAME,…",
-        help="Also store: condition (sensitivity to the input), friction, fz_min, linear, for records velocity_ratio.",
+        "--quantity", "Also store: condition (sensitivity to the input), friction, fz_min, linear, velocity_ratio.", metavar="NAME,…"
     ),
-    no_validity: bool = option("--no-validity", is_flag=True, help="Do not compare cells of a linear sweep with the nonlinear equation."),
-    chunk_cells: int | None = option("--chunk", type=click.IntRange(1), metavar="CELLS", help="Cells in one unit of work."),
-    check: int | None = option("--check", type=click.IntRange(0, 10_000), metavar="N", help="Cells to verify by an independent solver."),
+    no_validity: bool = flag("--no-validity", "Do not compare cells of a linear sweep with the nonlinear equation."),
+    chunk_cells: int | None = option("--chunk", "Cells in one unit of work.", type=click.IntRange(1), metavar="CELLS"),
+    check: int | None = option("--check", "Cells to verify by an independent solver.", type=click.IntRange(0, 10_000), metavar="N"),
     strict: bool = options.strict(),
-    json_: bool = option("--json", is_flag=True, help="The closing summary as a JSON record on standard output."),
+    json_: bool = flag("--json", "The closing summary as a JSON record on standard output."),
     sizeless: equations.Sizeless = group(equations.Sizeless),
     motions: ground.BothWays = group(ground.BothWays),
     model: equations.Equations = group(equations.Equations),
@@ -41,13 +33,12 @@ def spectrum(
 ) -> None:
     """Sweep every structure over a grid and write its rocking spectrum.
 
-    Units: bounds of a_g in m/s2, or with g; omega_g in rad/s, f_g in Hz, T_g in s. A = a_scale a_g/(alpha g) and
-    Omega = omega_g/p are dimensionless. NAME=VALUE gives an axis of one value. The file is OUTPUT.part until complete.
+    Bounds of a_g are in m/s2, or with g; omega_g in rad/s, f_g in Hz, T_g in s. A = a_scale a_g/(alpha g) and Omega = omega_g/p are
+    dimensionless. NAME=VALUE gives an axis of one value. The file is OUTPUT.part until complete.
 
     A record has its own time. Structures under records have an axis scale=START:STOP:N (factor of each record; 1 without --grid), A or
     a_g (the peak). Without structures --alpha gives the critical angles of blocks and the axis T=START:STOP:N their sizes as
-    2 pi/p in s (no period), or p in rad/s; --grid may also state alpha or tan_alpha. The file has the dimensions record, structure
-    and scale (A, a_g), or record, alpha and T. For a family of structures: rocking params FILE --vary KEY=START:STOP:N --json.
+    2 pi/p in s. For a family of structures: rocking params FILE --vary KEY=START:STOP:N --json.
     """
     from ..dynamics.method import direction_in_words
     from ..motions.grid import parse_grid
