@@ -1,11 +1,8 @@
-"""Text to YAML nodes with their places. The text holds YAML documents, or JSON objects one after the other.
-
-A text above a limit is refused before it costs time and memory.
-"""
+"""Text to YAML nodes with their places; a text above a limit is refused before it costs time and memory."""
 
 import json
 import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import yaml
@@ -21,7 +18,7 @@ _BLANKS = re.compile(r"\s*")
 
 @dataclass(frozen=True)
 class Place:
-    """The file, line and column of a key or a value; line 0 if the value comes from no file."""
+    """The file, line and column of a key or a value; line 0 if it comes from no file."""
 
     source: str
     line: int
@@ -30,14 +27,10 @@ class Place:
     def __str__(self) -> str:
         return f"{self.source}:{self.line}:{self.column}" if self.line else self.source
 
-    def below(self, lines: int) -> "Place":
-        """Return the place moved down by `lines` lines."""
-        return replace(self, line=self.line + lines)
-
 
 @dataclass(frozen=True)
 class Value:
-    """The content of a node: the text of a scalar, a list of values, or a mapping."""
+    """The text of a scalar, a list of values, or a mapping."""
 
     content: "str | list[Value] | dict[str, Value]"
     place: Place
@@ -51,7 +44,7 @@ class Value:
         return "a list" if isinstance(self.content, list) else "a mapping"
 
     def plain(self) -> Any:
-        """Return the value as JSON has it: a number, with a unit or without, is a float in SI; `true`, `false` and null stay."""
+        """Return the value as JSON has it, a number in SI units as a float."""
         if isinstance(self.content, list):
             return [v.plain() for v in self.content]
         if isinstance(self.content, dict):
@@ -73,15 +66,15 @@ def text_of(source: str, raw: bytes) -> str:
         raise DocumentError(f"{_place_in(before, len(before), source)}: not a UTF-8 text (byte {error.start})") from None
 
 
-def compose(text: str, source: str) -> list[tuple[yaml.Node, int]]:
-    """Return (root node, line offset) of each document of a text; add the offset to the line numbers of the node. Raises DocumentError."""
-    return _compose_json(text, source) if text.lstrip().startswith("{") else _compose_yaml(text, source, 0)
+def compose(text: str, source: str, first: int = 0) -> list[yaml.Node]:
+    """Return the root node of each document of a text, with its places in the file; first: lines before the text. Raises DocumentError."""
+    return _compose_json(text, source) if text.lstrip().startswith("{") else _compose_yaml(text, source, first)
 
 
-def _place_in(text: str, at: int, source: str) -> Place:
+def _place_in(text: str, at: int, source: str, first: int = 0) -> Place:
     """Return the place of character number `at` of a text."""
     before = text[:at]
-    return Place(source, before.count("\n") + 1, len(before) - before.rfind("\n"))
+    return Place(source, first + before.count("\n") + 1, len(before) - before.rfind("\n"))
 
 
 class _Unlikely(yaml.MarkedYAMLError):
@@ -91,11 +84,12 @@ class _Unlikely(yaml.MarkedYAMLError):
 class _Composer(yaml.SafeLoader):
     """PyYAML's composer with limits on depth and number of values; it raises _Unlikely beyond them."""
 
-    def __init__(self, stream: str) -> None:
-        super().__init__(stream)
+    def __init__(self, text: str, source: str, first: int) -> None:
+        super().__init__(text)
+        self.name, self.line = source, first
         self.values = self.depth = 0
 
-    def compose_document(self) -> yaml.Node | None:
+    def compose_document(self) -> Any:
         self.values = 0
         return super().compose_document()
 
@@ -111,29 +105,30 @@ class _Composer(yaml.SafeLoader):
         return node
 
 
-def _compose_yaml(text: str, source: str, first: int) -> list[tuple[yaml.Node, int]]:
+def _compose_yaml(text: str, source: str, first: int = 0) -> list[yaml.Node]:
     if len(text) > LONGEST:
-        place = _place_in(text, LONGEST, source).below(first)
+        place = _place_in(text, LONGEST, source, first)
         raise DocumentError(f"{place}: longer than {LONGEST >> 20} MiB, the limit of a structure document")
+    nodes: list[yaml.Node] = []
     try:
-        return [(node, first) for node in yaml.compose_all(text, Loader=_Composer)]
-    except _Unlikely as error:
-        raise DocumentError(f"{_marked(error, source, first)}: {error.problem} to be a structure document") from None
+        composer = _Composer(text, source, first)
+        while composer.check_node():
+            nodes.append(composer.compose_document())
     except yaml.MarkedYAMLError as error:
-        raise DocumentError(f"{_marked(error, source, first)}: not valid YAML: {error.problem or error.context}") from None
+        mark = error.problem_mark or error.context_mark
+        place = Place(source, mark.line + 1, mark.column + 1) if mark else Place(source, first + 1, 1)
+        if isinstance(error, _Unlikely):
+            raise DocumentError(f"{place}: {error.problem} to be a structure document") from None
+        raise DocumentError(f"{place}: not valid YAML: {error.problem or error.context}") from None
     except yaml.reader.ReaderError as error:
-        place = _place_in(text, error.position, source)
-        raise DocumentError(f"{place.below(first)}: not valid YAML: holds the control character U+{error.character:04X}") from None
+        place = _place_in(text, error.position, source, first)
+        raise DocumentError(f"{place}: not valid YAML: holds the control character U+{error.character:04X}") from None
+    return nodes
 
 
-def _marked(error: yaml.MarkedYAMLError, source: str, first: int) -> Place:
-    mark = error.problem_mark or error.context_mark
-    return Place(source, first + mark.line + 1, mark.column + 1) if mark else Place(source, first + 1, 1)
-
-
-def _compose_json(text: str, source: str) -> list[tuple[yaml.Node, int]]:
+def _compose_json(text: str, source: str) -> list[yaml.Node]:
     """Return the nodes of JSON objects one after the other: a JSON decoder finds the end of each, YAML's composer the places in it."""
-    nodes: list[tuple[yaml.Node, int]] = []
+    nodes: list[yaml.Node] = []
     decoder, at = json.JSONDecoder(), _after_blanks(text, 0)
     first = text.count("\n", 0, at)
     while at < len(text):
@@ -141,7 +136,7 @@ def _compose_json(text: str, source: str) -> list[tuple[yaml.Node, int]]:
             _, end = decoder.raw_decode(text, at)
         except json.JSONDecodeError as error:
             if not nodes:  # a YAML flow mapping also begins with a brace
-                return _compose_yaml(text, source, 0)
+                return _compose_yaml(text, source)
             raise DocumentError(f"{source}:{error.lineno}:{error.colno}: not valid JSON: {error.msg.removesuffix(' at')}") from None
         except RecursionError:
             end = len(text)  # the composer reports the place that is too deep

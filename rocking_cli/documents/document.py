@@ -27,9 +27,10 @@ _ITEM = re.compile(r"([a-z_]+)_(\d{1,4})_([a-z_]+)")  # a CSV column for an item
 @dataclass
 class Document:
     """One document: its values by key. Each reading method marks its key as asked; `finish` refuses the other keys.
-    keys: the place of each key; index: number of the document in its file; asked: keys that were asked for; inner: documents inside the
-    lists of this one; dimensions: the dimension of each quantity that was read, such as `height` or `ties.0.height`; within: the document
-    around this one, and the path of this one in it."""
+
+    keys: the place of each key; index: number of the document in its file; inner: documents inside the lists of this one; dimensions: of
+    each quantity that was read, such as `ties.0.height`; within: the document around this one, and the path of this one in it.
+    """
 
     source: str
     place: Place
@@ -43,16 +44,14 @@ class Document:
     within: tuple[Document, str] | None = None
 
     def has(self, key: str) -> bool:
-        """True if the document has the key and its value is not null."""
+        """True if the key has a value that is not null."""
         self.asked.add(key)
         value = self.values.get(key)
         return value is not None and (value.quoted or value.content not in ("", "~", "null"))
 
     def fault(self, key: str | None, found: str, wanted: str) -> DocumentError:
-        """Return the error for a key (None: for the document), with its place, the value found and the values accepted."""
-        place = self.place
-        if key is not None and key in self.keys:
-            place = self.values[key].place if key in self.values else self.keys[key]
+        """Return the error for the value of a key (None: for the document)."""
+        place = self.place if key is None else self.values[key].place if key in self.values else self.keys.get(key, self.place)
         return DocumentError(f"{place}: {key + ': ' if key else ''}found {found}; expected {wanted}")
 
     def missing(self, key: str, wanted: str) -> DocumentError:
@@ -67,8 +66,7 @@ class Document:
         self, key: str, dimension: str, *, above: float = -math.inf, below: float = math.inf, least: float = -math.inf,
         most: float = math.inf, where: str = "", default: float | None = None,
     ) -> float:  # fmt: skip
-        """Return the SI value of a key, `default` if the key is absent; where: the range in words. Raises DocumentError if the value
-        has a wrong unit or is out of range, or if the key is absent and has no default."""
+        """Return the SI value of a key, `default` if it is absent; where: the range in words. Raises DocumentError."""
         self.dimensions[key] = dimension
         if self.within:
             self.within[0].dimensions[f"{self.within[1]}.{key}"] = dimension
@@ -89,11 +87,11 @@ class Document:
         return number
 
     def length(self, key: str) -> float:
-        """Return the value of a key that must be a positive length [m]. Raises DocumentError."""
+        """Return the value of a key that must be a positive length [m]."""
         return self.quantity(key, "length", least=SMALLEST_LENGTH, where=f"a positive length, from {SMALLEST_LENGTH:g} m")
 
     def choice(self, key: str, options: Sequence[str], default: str | None = None) -> str:
-        """Return the value of a key, one of the words `options`; `default` if the key is absent. Raises DocumentError."""
+        """Return the value of a key, one of the words `options`."""
         if not self.has(key):
             if default is None:
                 raise self.missing(key, f"one of {', '.join(options)}")
@@ -104,7 +102,7 @@ class Document:
         return str(value.content)
 
     def flag(self, key: str) -> bool:
-        """Return the value of a key that is true or false; False if the key is absent. Raises DocumentError for another value."""
+        """Return the value of a key that is true or false; False if it is absent."""
         if not self.has(key):
             return False
         value = self.values[key]
@@ -113,14 +111,15 @@ class Document:
         return value.content == "true"
 
     def integer(self, key: str, least: int, most: int) -> int:
-        """Return the value of a key, a whole number from `least` to `most`. Raises DocumentError."""
-        number = self.quantity(key, "number", least=least, most=most, where=f"a whole number from {least} to {most}")
+        """Return the value of a key, a whole number from `least` to `most`."""
+        wanted = f"a whole number from {least} to {most}"
+        number = self.quantity(key, "number", least=least, most=most, where=wanted)
         if number != int(number):
-            raise self.fault(key, str(self.values[key]), f"a whole number from {least} to {most}")
+            raise self.fault(key, str(self.values[key]), wanted)
         return int(number)
 
     def word(self, key: str, default: str) -> str:
-        """Return the value of a key, a text of printable characters that is not empty; `default` if absent. Raises DocumentError."""
+        """Return the value of a key, a text of printable characters that is not empty."""
         if not self.has(key):
             return default
         content = self.values[key].content
@@ -129,7 +128,7 @@ class Document:
         return content
 
     def pair(self, key: str, value: Value, dimension: str, name: str, wanted: str) -> tuple[float, float]:
-        """Return the SI values of a list of two quantities inside the value of `key`; name: the name of the pair. Raises DocumentError."""
+        """Return the SI values of a list of two quantities inside the value of `key`; name: the name of the pair."""
         if isinstance(value.content, list) and len(value.content) == 2:
             try:
                 first, second = (parse_quantity(v.content, dimension) for v in value.content if isinstance(v.content, str))
@@ -140,13 +139,13 @@ class Document:
         raise self.fault(key, f"a {name} that is not a pair of {dimension}s (line {value.place.line})", wanted)
 
     def part(self, key: str, value: Value, path: str = "") -> Document:
-        """Return a mapping inside the value of `key` as a document. Raises DocumentError if `value` is not a mapping."""
+        """Return a mapping inside the value of `key` as a document."""
         if not isinstance(value.content, dict):
             raise DocumentError(f"{value.place}: {key}: found {value}; expected a mapping of keys to values")
         return Document(self.source, value.place, value.content, {k: v.place for k, v in value.content.items()}, within=(self, path or key))
 
     def parts(self, key: str, wanted: str) -> list[Document]:
-        """Return each mapping of a non-empty list as a document; `finish` of this document finishes them too. Raises DocumentError."""
+        """Return each mapping of a non-empty list as a document; `finish` of this document finishes them too."""
         value = self.values[key] if self.has(key) else None
         if value is None:
             raise self.missing(key, wanted)
@@ -169,7 +168,7 @@ class Document:
                 raise DocumentError(f"{place}: unknown key {key!r}{meant}; known keys of this kind: {', '.join(known)}")
 
     def value_at(self, key: str) -> Value | None:
-        """Return the value of a key, or the value at a path such as `ties.0.yield`; None without it."""
+        """Return the value of a key, or at a path such as `ties.0.yield`; None without it."""
         head, *path = [key] if key in self.values else key.split(".")
         found = self.values.get(head)
         for name in path:
@@ -178,8 +177,7 @@ class Document:
         return found
 
     def with_value(self, key: str, text: str, source: str) -> Document:
-        """Return a copy of the document with the value of a key, or at a path such as `ties.0.yield`, replaced or added; source: the place
-        of the value in error messages. Raises DocumentError if the path does not exist."""
+        """Return a copy with the value of a key, or at a path such as `ties.0.yield`, replaced or added; source: its place in errors."""
         head, *path = key.split(".")
         new, keys = Value(text, Place(source, 0, 0)), self.keys
         if path and head in self.values:
@@ -190,12 +188,10 @@ class Document:
 
 
 def _item(content: object, name: str) -> Value | None:
-    """Return the item of a list with this number (a text), None without it."""
     return content[int(name)] if isinstance(content, list) and name.isdigit() and int(name) < len(content) else None
 
 
 def _with_inner(value: Value, path: Sequence[str], new: Value) -> Value:
-    """Return a copy of a list or mapping with the value at a path in it replaced."""
     name, *rest = path
     if isinstance(value.content, dict) and (not rest or name in value.content):
         return replace(value, content={**value.content, name: _with_inner(value.content[name], rest, new) if rest else new})
@@ -212,8 +208,7 @@ def _range_text(above: float, below: float, least: float, most: float) -> str:
 
 
 def read_documents(path: str | Path) -> list[Document]:
-    """Read all documents of a YAML, JSON or CSV file; `-` is standard input. Raises UsageError if the file cannot be read, DocumentError if
-    it holds no valid document."""
+    """Read all documents of a YAML, JSON or CSV file; `-` is standard input. Raises UsageError (no such file) or DocumentError."""
     return documents_of(*read_bytes(path))
 
 
@@ -223,37 +218,33 @@ def documents_of(source: str, raw: bytes) -> list[Document]:
 
 
 def parse_documents(text: str, source: str = "<text>") -> list[Document]:
-    """All documents of a text: YAML documents, JSON objects one after the other, or the rows of a CSV table. Raises DocumentError.
+    """Return all documents of a text: YAML documents, JSON objects one after the other, or rows of a CSV table. Raises DocumentError.
 
     >>> [document.values['kind'].content for document in parse_documents('{"kind": "block"} {"kind": "arch"}')]
     ['block', 'arch']
     """
-    documents = _rows(text, source) if any(x in text.lstrip().partition("\n")[0] for x in ",;\t") else None
-    if documents is None:
-        documents = [_document(node, source, i, first) for i, (node, first) in enumerate(compose(text, source))]
+    rows = None
+    if any(x in text.lstrip().partition("\n")[0] for x in ",;\t"):
+        from .table import rows_of_structures
+
+        rows = rows_of_structures(text, source)
+    if rows is None:
+        documents = [_document(node, source, i) for i, node in enumerate(compose(text, source))]
+    else:
+        documents = [document_of(cells, source, i) for i, cells in enumerate(rows)]
     if not documents:
         raise DocumentError(f"{Place(source, 1, 1)}: empty; expected a structure document, such as `kind: block` with width and height")
     return documents
 
 
-def _rows(text: str, source: str) -> list[Document] | None:
-    """Return the documents of a CSV table, None for any other text. Raises DocumentError for a table without a column `kind`."""
-    from .table import delimiter_of, require_no_table, rows_of
-
-    if delimiter := delimiter_of(text):
-        return [document_of(cells, source, i) for i, cells in enumerate(rows_of(text, source, delimiter))]
-    require_no_table(text, source)
-    return None
-
-
 def document_of(cells: Sequence[tuple[str, str, Place]], source: str, index: int = 0) -> Document:
-    """Return the document with these keys and texts, such as the cells of a CSV row. Raises DocumentError."""
+    """Return the document with these keys, texts and places, such as the cells of a CSV row. Raises DocumentError."""
     values: dict[str, Value] = {}
     keys: dict[str, Place] = {}
     for key, text, place in cells:
         value = Value(text, place)
         if text.startswith(("[", "{")):
-            value = replace(_value(_only_node(text, place), place.source, place.line - 1, 1, [0]), place=place)
+            value = replace(_value(_only_node(text, place), 1, [0]), place=place)
         if item := _ITEM.fullmatch(key):
             name, number, part = item.groups()
             whole = values.setdefault(name, Value([], place))
@@ -275,50 +266,50 @@ def document_of(cells: Sequence[tuple[str, str, Place]], source: str, index: int
 
 def _only_node(text: str, place: Place) -> yaml.Node:
     try:
-        ((node, _),) = compose(text, place.source)
+        (node,) = compose(text, place.source, place.line - 1)
     except (DocumentError, ValueError):
         raise DocumentError(f"{place}: found {text[:60]}; expected a YAML list, such as [[0, 0], [1, 0], [1, 3]]") from None
     return node
 
 
-def _document(node: yaml.Node, source: str, index: int, first: int) -> Document:
-    value = _value(node, source, first, 0, [0])
+def _document(node: yaml.Node, source: str, index: int) -> Document:
+    value = _value(node, 0, [0])
     if not isinstance(value.content, dict):
         raise DocumentError(f"{value.place}: found {value}; expected a mapping of keys to values, such as `kind: block`")
-    keys = {str(key.value): _place(key, source, first) for key, _ in node.value}
+    keys = {str(key.value): _place(key) for key, _ in node.value}
     mark = node.start_mark
     text = mark.buffer[mark.pointer : node.end_mark.pointer] if mark.buffer else ""
     return Document(source, value.place, value.content, keys, index, text.rstrip("\0").strip())
 
 
-def _place(node: yaml.Node, source: str, first: int) -> Place:
-    return Place(source, first + node.start_mark.line + 1, node.start_mark.column + 1)
+def _place(node: yaml.Node) -> Place:
+    return Place(node.start_mark.name, node.start_mark.line + 1, node.start_mark.column + 1)
 
 
-def _value(node: yaml.Node, source: str, first: int, depth: int, count: list[int]) -> Value:
-    place = _place(node, source, first)
+def _value(node: yaml.Node, depth: int, count: list[int]) -> Value:
+    place = _place(node)
     count[0] += 1
     if depth > DEEPEST or count[0] > MOST_VALUES:
         raise DocumentError(f"{place}: {'nested too deeply' if depth > DEEPEST else 'too many values'} to be a structure document")
     if isinstance(node, yaml.ScalarNode):
         return Value(_whole_characters(node.value, place), place, quoted=node.style is not None)
     if isinstance(node, yaml.SequenceNode):
-        return Value([_value(child, source, first, depth + 1, count) for child in node.value], place)
+        return Value([_value(child, depth + 1, count) for child in node.value], place)
     content: dict[str, Value] = {}
     for key, child in node.value:
-        where = _place(key, source, first)
+        where = _place(key)
         if not isinstance(key, yaml.ScalarNode):
             raise DocumentError(f"{where}: a key must be a word")
         if key.value in content:
             raise DocumentError(f"{where}: duplicate key {key.value!r}, first given at line {content[key.value].place.line}")
         if key.value == "<<":
             raise DocumentError(f"{where}: merge keys (<<) are not part of structure documents")
-        content[_whole_characters(key.value, where)] = _value(child, source, first, depth + 1, count)
+        content[_whole_characters(key.value, where)] = _value(child, depth + 1, count)
     return Value(content, place)
 
 
 def _whole_characters(text: str, place: Place) -> str:
-    """Return the text with each pair of surrogates joined to one character. Raises DocumentError for a lone surrogate."""
+    """Return the text with each pair of surrogates joined to one character."""
     if text.isascii() or not any("\ud800" <= c <= "\udfff" for c in text):
         return text
     try:

@@ -14,7 +14,7 @@ _PATIENCE = 2.0  # s that a pipe may be without a writer
 
 
 def read_bytes(path: str | Path) -> tuple[str, bytes]:
-    """Return (source name, content) of a file. Raises UsageError if it cannot be read, and DocumentError if it is too large."""
+    """Return (source name, content) of a file. Raises UsageError (it cannot be read) or DocumentError (it is too large)."""
     source = STDIN if str(path) == "-" else str(path)
     try:
         if source == STDIN:
@@ -34,7 +34,7 @@ def read_bytes(path: str | Path) -> tuple[str, bytes]:
 
 
 def _with_a_writer(path: str, flags: int) -> int:
-    """Open a file. Raises UsageError for a pipe without a writer, for which reading would wait without end."""
+    """Open a file. Raises UsageError for a pipe without a writer, on which reading would not end."""
     if not stat.S_ISFIFO(os.stat(path).st_mode):
         return os.open(path, flags)
     descriptor = os.open(path, flags | os.O_NONBLOCK)

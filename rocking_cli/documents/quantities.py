@@ -33,16 +33,14 @@ UNITS: dict[str, dict[str, float]] = {
     "stress": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9},
     "number": {},
 }
-FACTORS = {unit: factor for units in UNITS.values() for unit, factor in units.items()}
-"""The factor to SI of every unit."""
+FACTORS = {unit: factor for units in UNITS.values() for unit, factor in units.items()}  # to SI
 
 _NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*\Z", re.DOTALL)
 
 
 def split_quantity(text: str) -> tuple[float, str] | None:
-    """Split a quantity into (number, unit text); None if the text does not begin with a decimal number. `1e-3` is a number, `010` is ten;
-    `no`, `.inf` and `nan` are not numbers, `0x10` and `1:30` have no valid unit."""
+    """Split a quantity into (number, unit text); None if the text does not begin with a decimal number."""
     match = _QUANTITY.match(text)
     return None if match is None else (float(match[1]), match[2])
 
@@ -76,12 +74,12 @@ def parse_whole(text: str) -> int | None:
 
 
 def si_unit(dimension: str | None) -> str:
-    """Return the SI unit of a dimension, empty for a number without dimension."""
+    """Return the SI unit of a dimension, empty for a plain number."""
     return next(iter(UNITS.get(dimension or "number", {})), "")
 
 
 def headed(name: str, unit: str) -> str:
-    """Return the heading of a column: its name, and its unit in brackets if it has one."""
+    """Return the heading of a column: its name, and its unit in brackets."""
     return f"{name} [{unit}]" if unit else name
 
 

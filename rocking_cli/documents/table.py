@@ -1,8 +1,7 @@
 """CSV files: rows by column name, and tables of structures.
 
-In a table of structures a row is a document, a column is a key, and the heading may state the unit. The columns `pieces_1_width`,
-`pieces_1_height`, `pieces_2_width` ... form a list of mappings. A cell that begins with a bracket is a YAML list. An empty cell
-means that the key is absent.
+In a table of structures a row is a document, a column a key, and the heading may state the unit; columns `pieces_1_width`,
+`pieces_2_width` form a list of mappings, a cell that begins with a bracket is a YAML list, an empty cell means no key.
 """
 
 import csv
@@ -36,7 +35,7 @@ class Cell(NamedTuple):
 
 
 def delimiter_of(text: str) -> str | None:
-    """Return the delimiter of a table of structures, whose first line names a column `kind` and at least one more; None for other texts."""
+    """Return the delimiter of a text whose first line names a column `kind` and at least one more; None for other texts."""
     match = _FIRST_LINE.match(text)
     first = match[1] if match else ""
     for delimiter in _DELIMITERS if KIND in first else ():
@@ -49,8 +48,10 @@ def delimiter_of(text: str) -> str | None:
     return None
 
 
-def require_no_table(text: str, source: str) -> None:
-    """Raise DocumentError for a table without a column `kind`: two lines or more of equal columns, with words in the first line."""
+def rows_of_structures(text: str, source: str) -> Iterator[list[Cell]] | None:
+    """Return the rows of a table of structures, None for a text that is no table. Raises DocumentError without a column `kind`."""
+    if delimiter := delimiter_of(text):
+        return rows_of(text, source, delimiter)
     first, _, rest = text.lstrip().partition("\n")
     for delimiter in _DELIMITERS if len(first) <= _LONGEST_HEADING and not _NO_HEADING.search(first) else ():
         names = first.split(delimiter)
@@ -59,6 +60,7 @@ def require_no_table(text: str, source: str) -> None:
             shown = found if len(found) <= 60 else found[:57] + "..."
             wanted = "expected a heading such as kind,name,width"
             raise DocumentError(f"{Place(source, 1, 1)}: CSV without a column {KIND!r}; found {shown}; {wanted}")
+    return None
 
 
 def rows_of(text: str, source: str, delimiter: str) -> Iterator[list[Cell]]:
@@ -88,8 +90,7 @@ def rows_of(text: str, source: str, delimiter: str) -> Iterator[list[Cell]]:
 
 
 def named_rows(path: str | Path) -> tuple[list[str], list[tuple[int, dict[str, str]]]]:
-    """Return (column names, rows) of any CSV file; a row is (line number, cells by column). An empty file has no columns. Raises UsageError
-    if the file cannot be read, and DocumentError if it is not CSV."""
+    """Return (column names, rows) of any CSV file; a row is (line number, cells by column). Raises UsageError, DocumentError."""
     source, raw = read_bytes(path)
     reader = csv.DictReader(io.StringIO(text_of(source, raw), newline=""), strict=True)
     try:
@@ -99,7 +100,7 @@ def named_rows(path: str | Path) -> tuple[list[str], list[tuple[int, dict[str, s
 
 
 def split_heading(heading: str) -> tuple[str, str]:
-    """Split the heading of a column into (name, unit); the unit, in brackets, may be absent."""
+    """Split the heading of a column into (name, unit)."""
     match = _HEADING.fullmatch(heading)
     return (match["key"], match["unit"] or "") if match else (heading, "")
 
@@ -120,7 +121,6 @@ def _columns(row: list[str], source: str, line: int) -> list[tuple[str, str]]:
 
 
 def _with_unit(cell: str, unit: str) -> str:
-    """Return the cell with the unit of its column added."""
     parts = split_quantity(cell)
     bare = parts is not None and not parts[1]
     return f"{cell} {unit}" if bare and unit not in _BARE else _WORDS.get(cell, cell)
