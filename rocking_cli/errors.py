@@ -49,22 +49,15 @@ class Interrupted(RockingError):
     exit_code = 130
 
 
-FAULTS = (OSError, LookupError, ValueError, RuntimeError, TypeError, AttributeError, OverflowError)
-"""The errors of h5py for a file that is not a whole spectra file."""
-
-
 def counted(number: int, thing: str) -> str:
-    """`1 level`, `2 levels`."""
+    """Return a number with its thing, such as `1 level` or `2 levels`."""
     return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
 def did_you_mean(word: str, known: Iterable[str], meant: Mapping[str, str] | None = None) -> str:
-    """` (did you mean 'x'?)` for an unknown word, or an empty text.
-
+    """Return ` (did you mean 'x'?)` for an unknown word, or an empty text.
     x is the word that `meant` gives for it, else the same word in other letters (a_g for a-g) and the known words that begin with it,
-    else a known word of similar spelling.
-    """
-
+    else a known word of similar spelling."""
     from difflib import get_close_matches
 
     def plain(text: str) -> str:

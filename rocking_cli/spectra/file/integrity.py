@@ -16,9 +16,8 @@ from contextlib import suppress
 from itertools import chain
 from typing import Any, BinaryIO
 
-_LAST = re.compile(rb"\nrocking seal 1 (\d{10})\n")
-_LAST_LENGTH = 27
-_BLOCK = 1 << 24  # bytes that are read at once
+_LAST, _LAST_LENGTH = re.compile(rb"\nrocking seal 1 (\d{10})\n"), 27
+_BLOCK = 1 << 24  # bytes of a digest that are read at once
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 NOTE = -1  # index of an entry about the whole, as JSON
@@ -29,15 +28,11 @@ _MAGIC = b"rock"
 def read(file: BinaryIO, offset: int, length: int) -> bytes:
     """Return `length` bytes of an open file from an offset; fewer at the end of the file."""
     file.seek(offset)
-    pieces = []
-    while length > 0 and (piece := file.read(min(length, _BLOCK))):
-        pieces.append(piece)
-        length -= len(piece)
-    return b"".join(pieces)
+    return file.read(length)
 
 
 def write(file: BinaryIO, offset: int, content: bytes) -> None:
-    """Write all of the content, in several calls, since an unbuffered file may accept only some bytes. Raises OSError."""
+    """Write all of the content; an unbuffered file may accept only some bytes at once. Raises OSError."""
     file.seek(offset)
     view = memoryview(content)
     while view:

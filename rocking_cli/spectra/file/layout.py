@@ -21,7 +21,7 @@ GZIP_LEVEL = 1  # on these data level 4 takes three times as long and saves 2 %
 Packed = Mapping[str, bytes]
 """A chunk: the stored, compressed bytes of each variable, in the order of VARIABLES."""
 
-BOOKKEEPING = "bookkeeping"  # name of the group
+BOOKKEEPING = "bookkeeping"  # group of CHUNK_TABLES, the variables of each chunk
 
 _FLAGS = {"flag_values": np.array([0, 1], dtype="u1"), "flag_meanings": "open done"}
 CHUNK_TABLES = {
@@ -29,7 +29,6 @@ CHUNK_TABLES = {
     "chunk_done": Variable(np.dtype("u1"), {"units": "1", "long_name": "whether this chunk's data are written", **_FLAGS}),
     "chunk_checksum": Variable(np.dtype("<u4"), {"units": "1", "long_name": "CRC-32 of this chunk's stored bytes"}),
 }
-"""The variables of each chunk in the group of bookkeeping."""
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ import h5py
 import numpy as np
 
 from ...dynamics.outcome import Outcome
-from ...errors import FAULTS, OutputError, UsageError
+from ...errors import OutputError, UsageError
 from ...motions import Harmonic, Motion, Piece
 from ...motions.grid import Axis, Grid
 from ...structures.parameters import RockingParameters
@@ -22,8 +22,8 @@ from ..dimensions import VARIABLES, Frame, Values, varied_units
 from .integrity import SIGNATURE, Log, checked_digest, read, reason
 from .layout import BOOKKEEPING, CHUNK_TABLES, ChunkGrid, Packed, checksum, split, unpack
 
-_FAULTS = (*FAULTS, UsageError)
-UNPACKED = 8  # chunks that are kept as arrays
+# of h5py and this module for a file that is not a whole spectra file
+_FAULTS = (OSError, LookupError, ValueError, RuntimeError, TypeError, AttributeError, OverflowError, UsageError)
 
 
 class SpectraFile(ExitStack[None]):
@@ -50,10 +50,10 @@ class SpectraFile(ExitStack[None]):
                 found = f"changed by another one, or damaged ({reason(error)})"
                 raise OutputError(f"{path}: is not a spectra file as this program wrote it: {found}") from None
             raise
-        self._arrays = lru_cache(UNPACKED)(self._unpacked)
+        self._arrays = lru_cache(8)(self._unpacked)  # chunks that are kept as arrays
 
     def _open(self, raw: io.FileIO) -> None:
-        """Check the bytes, and read the lists and attributes. Raises OutputError, one of FAULTS, or UsageError."""
+        """Check the bytes, and read the lists and attributes. Raises OutputError, one of _FAULTS."""
         if read(raw, 0, len(SIGNATURE)) != SIGNATURE:
             raise OutputError(f"{self.path}: is not an HDF5 file, or is damaged")
         self.digest = checked_digest(raw)
@@ -67,7 +67,7 @@ class SpectraFile(ExitStack[None]):
         dimensions = {axis[0].name[1:]: _values(axis[0]) for axis in file["outcome"].dims}
         others = [name for name in names if name not in VARIABLES and name not in dimensions]
         lists = {name: (file[name].dims[0][0].name[1:], _values(file[name])) for name in others}
-        self.attributes = {key: _plain(file.attrs[key]) for key in file.attrs}
+        self.attributes = {key: x.tolist() if isinstance(x, np.generic | np.ndarray) else x for key, x in file.attrs.items()}
         self.scene: dict[str, Any] = json.loads(self.attributes["scene"])
         self.structures = tuple(RockingParameters.from_row(row) for row in self.scene.get("structures", ()))
         self.frame = Frame(dimensions, lists, varied_units(self.structures))
@@ -165,18 +165,13 @@ class SpectraFile(ExitStack[None]):
         (first, places), (second, frequencies), (third, columns) = (
             (name, values if isinstance(values, list) else values.tolist()) for name, values in self.frame.dimensions.items()
         )
-        height = self.cut.chunk[1]
+        height, names = self.cut.chunk[1], ["outcome", *(name for name in self.names if name != "outcome")]
         for i, place in enumerate(places):
             for begin in range(0, len(frequencies), height):
                 block = self.block(i, slice(begin, begin + height))
                 for r, c in np.argwhere(block["outcome"] != Outcome.NOT_COMPUTED).tolist():
-                    row = {
-                        first: place,
-                        second: frequencies[begin + r],
-                        third: columns[c],
-                        "outcome": _cell_value("outcome", block["outcome"][r, c]),
-                    }
-                    yield row | {name: _cell_value(name, block[name][r, c]) for name in self.names if name != "outcome"}
+                    row = {first: place, second: frequencies[begin + r], third: columns[c]}
+                    yield row | {name: _cell_value(name, block[name][r, c]) for name in names}
 
 
 def _within(cells: Sequence[slice], some: Sequence[slice]) -> tuple[slice, ...]:
@@ -190,11 +185,6 @@ def _cell_value(name: str, value: np.generic) -> float | int | str | None:
         return codes(int(value.item())).flag
     number: float | int = value.item()
     return number if np.isfinite(number) else None
-
-
-def _plain(value: Any) -> Any:
-    """Return the value of an attribute as a type of Python instead of one of NumPy."""
-    return value.tolist() if isinstance(value, np.generic | np.ndarray) else value
 
 
 def _require_own(group: h5py.Group, name: str) -> None:

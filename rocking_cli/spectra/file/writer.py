@@ -9,7 +9,7 @@ import io
 import json
 import os
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
@@ -146,7 +146,7 @@ class SpectraWriter:
             raise OutputError(f"{self.part}: is not a sweep that can go on ({error}); it is kept, `overwrite` begins anew") from None
 
     def _begin(self, layout: Layout, overwrite: bool, resume: bool, strict: bool) -> None:
-        """Begin the partial file, or continue it. Raises UsageError, OutputError, OSError, or ValueError if it cannot be continued."""
+        """Begin the partial file, or continue it. Raises UsageError, OutputError, OSError, or ValueError where it cannot go on."""
         head = read(self.file, 0, len(SIGNATURE))
         if any(head) and head != SIGNATURE:
             raise UsageError(f"{self.part}: is no partial file of this program; move it away, or give another output")
@@ -272,14 +272,13 @@ def difference(one: Any, other: Any, place: str = "") -> tuple[str, str, str] | 
     A difference in the first text of a list counts as one of the list; a list without lists or mappings is one value."""
     if one == other:
         return None
-    inner: Iterable[tuple[str, Any, Any]]
     if isinstance(one, Mapping) and isinstance(other, Mapping):
-        inner = ((f"{place}.{key}" if place else key, one.get(key), other.get(key)) for key in {**one, **other})
+        inner = [(f"{place}.{key}" if place else key, one.get(key), other.get(key)) for key in {**one, **other}]
     elif isinstance(one, list) and isinstance(other, list) and any(isinstance(x, list | Mapping) for x in (*one, *other)):
         if len(one) != len(other):
             return f"number of {place}", str(len(one)), str(len(other))
-        pairs = zip(one, other, strict=True)
-        inner = ((f"{place}[{i}]" if i or not isinstance(a, str) else place, a, b) for i, (a, b) in enumerate(pairs))
+        places = [f"{place}[{i}]" if i or not isinstance(a, str) else place for i, a in enumerate(one)]
+        inner = list(zip(places, one, other, strict=True))
     else:
         first, second = (text if len(text) <= 60 else f"{text[:57]}..." for text in (json.dumps(one), json.dumps(other)))
         return place, first, second
