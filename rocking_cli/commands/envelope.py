@@ -87,18 +87,19 @@ def _of_pulse(
     varied: dict[str, dict[str, float]],
 ) -> None:  # fmt: skip
     """Print the intervals of each structure by each equation under a pulse; lines: the lines to print after them."""
+    from ..envelopes.amplitudes import limit_of
     from ..envelopes.intervals import INTERVAL_COLUMNS, NAMED, NARROWEST, NONE, check_intervals, misjudged, structure_intervals
 
     for structure in structures:  # all of them, before the first row is printed
         for method in methods:
-            check_intervals(structure, motion, axis, method=method, a_max=wanted.a_max.of(structure), sign=wanted.sign)
+            check_intervals(structure, motion, axis, method=method, a_max=limit_of(wanted.a_max, structure), sign=wanted.sign)
     both = len(methods) > 1
     failed = 0
 
     def rows() -> Iterator[dict[str, Any]]:
         nonlocal failed
         for structure in structures:
-            compared, most = [], wanted.a_max.of(structure)
+            compared, most = [], limit_of(wanted.a_max, structure)
             for method in methods:
                 found, none = [], set()
                 for row in structure_intervals(

@@ -21,26 +21,22 @@ class Limit(NamedTuple):
     value: float
     acceleration: bool = False
 
-    def of(self, structure: RockingParameters) -> float:
-        """Returns the limit as A for a structure. Raises UsageError for an acceleration if the structure has no units."""
-        if not self.acceleration:
-            return self.value
-        if structure.dimensionless:
-            raise UsageError("`a_max`: found an acceleration; expected a number A for a structure without units")
-        return float(structure.dimensionless_amplitude(self.value))
-
 
 def limit_of(a_max: float | Limit, structure: RockingParameters) -> float:
-    """Returns the limit as A for a structure; a number is returned as it is. Raises UsageError as `Limit.of`."""
-    return a_max.of(structure) if isinstance(a_max, Limit) else a_max
+    """Return the limit as A for a structure; a number is returned as it is. Raises UsageError for an acceleration without units."""
+    if not isinstance(a_max, Limit):
+        return a_max
+    if not a_max.acceleration:
+        return a_max.value
+    if structure.dimensionless:
+        raise UsageError("`a_max`: found an acceleration; expected a number A for a structure without units")
+    return float(structure.dimensionless_amplitude(a_max.value))
 
 
 @dataclass(frozen=True)
 class ScanGrid:
     """The amplitudes of a scan: SCAN_STEP apart, and closer just above uplift, where slow pulses have many intervals.
-
-    near: the first points one by one; after them point n is start + (n - near.size) step.
-    """
+    near: the first points one by one; after them point n is start + (n - near.size) step."""
 
     near: Array
     start: float

@@ -50,10 +50,8 @@ class ScanPoints(NamedTuple):
 @dataclass(frozen=True)
 class Search:
     """The outcomes of a model with one restitution under one motion, up to an amplitude.
-
     a_min: first amplitude of the search, unless uplift is above it; ratio: ratio of neighbouring amplitudes of the scan minus 1, in
-    place of SCAN_STEP and of the finer scan; digits: relative width to which changes are traced; parts: parts of a bracket in one cut.
-    """
+    place of SCAN_STEP and of the finer scan; digits: relative width to which changes are traced; parts: parts of a bracket in one cut."""
 
     system: System
     motion: Motion

@@ -38,12 +38,10 @@ _PARTS = 256  # parts of a bracket in one cut: there are few brackets, and a bat
 @dataclass(frozen=True)
 class Capacity:
     """The capacity of a body against a demand; amplitudes A [-].
-
     first: the lowest amplitude that overturns, None if there is none; safe_to: the end of the safe interval around the demand, None if the
     body falls under the demand or no larger amplitude overturns it; uplift: the lowest amplitude that lifts the body, None if there is
     none. share_of_falls: under a record or a pulse of several cycles, the share of amplitudes up to 5 % above `first` that fall, if they
-    form more than one interval, otherwise 0.
-    """
+    form more than one interval, otherwise 0."""
 
     first: float | None
     safe_to: float | None

@@ -33,14 +33,11 @@ class Brackets(Arrays):
 
 
 def narrowed(outcome: Callable[[Array, Array], Array], brackets: Brackets, digits: float, parts: int, lowest: bool) -> Brackets:
-    """Narrows the brackets to a relative width of `digits`; returns the narrowed brackets.
-
+    """Return the brackets narrowed to a relative width of `digits`.
     outcome: function from amplitudes and rows, of shapes that broadcast, to outcomes; parts: parts of a bracket in one cut. The first
     cut keeps every change that it uncovers, unless a row has too many; if `lowest`, it keeps the lowest change of each bracket. Later
-    cuts keep a chain of changes from the outcome below to the outcome above.
-    """
-    done = []
-    first = True
+    cuts keep a chain of changes from the outcome below to the outcome above."""
+    done, first = [], True
     while True:
         low, high = brackets.low, brackets.high
         middle = 0.5 * (low + high)
@@ -74,10 +71,7 @@ def _changes(labels: Array, row: Array) -> tuple[Array, Array]:
 
 
 def _one_way(labels: Array) -> tuple[Array, Array]:
-    """(lane, index) of a chain of changes from the first label to the last; each label is left at its last place.
-
-    The other changes are dropped: after many impacts the outcome of neighbouring amplitudes may be noise.
-    """
+    """(lane, index) of a chain of changes from the first label to the last, each label left at its last place; others may be noise."""
     lane, now = np.arange(len(labels)), labels[:, 0]
     found, places = [], []
     while lane.size:

@@ -1,11 +1,8 @@
-"""Overturning envelopes: for each frequency, every interval of amplitudes that overturns, traced by root finding.
+"""Overturning envelopes: for each frequency, every interval of amplitudes that overturns, traced by root finding (`boundaries`).
 
-A safe window separates the interval that overturns after an impact from the one that overturns without impact, so one threshold is not
-enough. The outcome is computed at amplitudes A that are 1e-3 apart, and closer just above uplift; every change between neighbours is traced
-to the last digits (`boundaries`). So no interval wider than 1e-3 is missed; narrower intervals, safe or overturning, may be missed. Slow
-pulses (Omega below 1) have narrow intervals just above uplift; motions of several cycles have them at any amplitude that leads to many
-impacts. Under several cycles a finer scan, 1e-4 apart, covers the surroundings of every change of the outcome or of the number of impacts.
-Narrow intervals gather there, but this is no proof.
+A safe window may separate the interval that overturns after an impact from the one that overturns without impact. Intervals narrower than
+1e-3 in A, safe or overturning, may be missed. Slow pulses (Omega below 1) have them just above uplift, motions of several cycles wherever a
+body has many impacts; so the scan is finer there, which is no proof.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -58,8 +55,7 @@ def trace_envelope(
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Interval]:
-    """Every interval of amplitudes A up to `a_max` that overturns a structure, wider than 1e-3, for each Omega [-].
-
+    """Return every interval of amplitudes A up to `a_max` that overturns a structure, wider than 1e-3, for each Omega [-].
     `dimensionless_oscillator(eta)` is a structure of which only the restitution is known. Boundaries are traced to the last digits of the
     model's outcome. Intervals that touch but differ in mode are listed apart. sign: of the ground acceleration, for a body with unequal
     sides: "+", "-", or "worse", which lists the intervals of either sign; omegas: under a record only 1/p, since a record has its own time;
@@ -84,7 +80,7 @@ def trace_envelope(
     parts = [omegas[i::shares] for i in range(shares)]
     for i, rows in enumerate(in_turn(partial(merged, searches), parts, min(workers, shares))):
         for at, steps in zip(range(i, omegas.size, shares), rows, strict=True):
-            found[at] = list(_intervals(float(omegas[at]), steps))
+            found[at] = list(intervals_of(float(omegas[at]), steps))
         if progress:
             progress((i + 1) * omegas.size // shares, omegas.size)
     return [interval for row in found for interval in row]
@@ -94,12 +90,14 @@ def merged(searches: Sequence[Search], omegas: np.ndarray) -> list[Steps]:
     """The outcomes of several searches at each Omega; each amplitude has the worst of their outcomes. Empty without searches."""
     rows: list[Steps] = [[] for _ in omegas]
     for search in searches:
-        rows = [worse(one, other) if one else other for one, other in zip(rows, search.rows(omegas), strict=True)]
+        rows = [worse(one, other) for one, other in zip(rows, search.rows(omegas), strict=True)]
     return rows
 
 
 def worse(one: Steps, other: Steps) -> Steps:
     """The worse of two outcomes at each amplitude: safe if both are safe, failed if one has failed and the other is safe."""
+    if not one:
+        return other
     order = [o.value for o in sorted(Outcome, key=lambda o: (not o.safe, o.overturned, o))]
     merged: Steps = []
     for amplitude in sorted({a for a, _ in (*one, *other)}):
@@ -148,7 +146,8 @@ def in_turn(search: Callable[[Any], Any], shares: Sequence[Any], workers: int) -
         yield from run(shares)
 
 
-def _intervals(omega: float, steps: Steps) -> Iterator[Interval]:
+def intervals_of(omega: float, steps: Steps) -> Iterator[Interval]:
+    """Yield the intervals that overturn."""
     for n, (begin, label) in enumerate(steps):
         end = steps[n + 1][0] if n + 1 < len(steps) else None
         if not Outcome(label).safe:
@@ -181,12 +180,9 @@ def structure_intervals(
     lowest: bool = False,
     **more: Any,
 ) -> Iterator[dict[str, Any]]:
-    """Yields rows of a structure's overturning intervals, with units if it has any; mode is `NONE` at a frequency without overturning.
-
-    sign: as of `trace_envelope`, or "both", which adds the sign, 1 or -1, to each row, None if the sides of the body are equal.
-
-    lowest: only the lowest interval of each frequency; more: arguments of `trace_envelope`. Raises as `trace_envelope`.
-    """
+    """Yield the rows of a structure's overturning intervals, with units if it has any; mode is `NONE` where nothing overturns.
+    sign: as of `trace_envelope`, or "both", which adds the sign, 1 or -1, to each row, None if its sides are equal; lowest: only
+    the lowest interval of each frequency; more: arguments of `trace_envelope`. Raises as `trace_envelope`."""
     omegas = _scaled(structure, axis)
     apart = sign == BOTH and not method.system_of(structure).alike
     for one in ("+", "-") if apart else ("worse" if sign == BOTH else sign,):
@@ -206,10 +202,8 @@ def structure_intervals(
 
 
 def misjudged(linear: Sequence[Mapping[str, Any]], nonlinear: Sequence[Mapping[str, Any]], *, a_max: float) -> str:
-    """A sentence that states over which length in A, summed over the frequencies, the two equations give different outcomes.
-
-    linear, nonlinear: the rows of `structure_intervals` up to a_max.
-    """
+    """Return a sentence that states over which length in A, summed over the frequencies, the two equations give different outcomes.
+    linear, nonlinear: the rows of `structure_intervals` up to a_max."""
 
     def intervals(records: Sequence[Mapping[str, Any]], key: Any) -> list[tuple[float, float]]:
         mine = [r for r in records if (r["Omega"], r.get("sign")) == key and r["mode"] != NONE]

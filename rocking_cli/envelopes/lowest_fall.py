@@ -34,12 +34,10 @@ _STRETCH = 1000  # amplitudes of the first stretch of a search by the march: few
 @dataclass
 class FallSearch:
     """The search for the lowest amplitude at which one body falls, where falls may be narrow.
-
     falls: function that returns True for amplitudes at which the body falls, by the march; approximate_falls: the same for many amplitudes,
     perhaps approximate, to tell where to look; digits: relative width of a traced boundary; scan: the approximate scan, None without one;
     by_march: True if `approximate_falls` is the march (bodies with restraints); computed: (amplitudes `COARSE` apart that were computed,
-    True where the body seems to fall).
-    """
+    True where the body seems to fall)."""
 
     falls: Callable[[Array], Array]
     approximate_falls: Callable[[Array], Array]

@@ -12,11 +12,10 @@ from typing import Any
 import numpy as np
 
 from ..dynamics.method import Method, governing_method
-from ..dynamics.outcome import Outcome
 from ..envelopes.amplitudes import Limit, limit_of
 from ..envelopes.boundaries import Search, Steps
 from ..envelopes.capacity import RATIO, tracing_width
-from ..envelopes.intervals import A_MAX, BOTH, HIGHEST, NONE, SIGNS, frequency_axis, in_turn, structure_intervals, worse
+from ..envelopes.intervals import A_MAX, BOTH, HIGHEST, NONE, SIGNS, frequency_axis, in_turn, intervals_of, structure_intervals, worse
 from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Axis
@@ -30,7 +29,6 @@ Array = np.ndarray
 
 _PARTS = 128  # parts of a bracket in one cut: there are few brackets, and a batch costs the same for any size
 _SMALL = 20_000  # cells below which starting processes takes longer than they save
-QUANTILES = (16, 50, 84)
 
 
 @dataclass(frozen=True)
@@ -86,7 +84,7 @@ class Tracing:
             search = Search(system, under, structure.eta, most, ratio=RATIO, digits=digits, parts=_PARTS)
             if search.lowest < most:
                 rows = search.first_falls(omegas) if self.first else search.rows(omegas)
-                found = [worse(known, steps) if known else steps for known, steps in zip(found, rows, strict=True)]
+                found = [worse(known, steps) for known, steps in zip(found, rows, strict=True)]
         return found
 
 
@@ -155,12 +153,9 @@ def _rows(scene: RecordScene, task: Task, column: int, steps: Steps, first: bool
     if signed:
         of["sign"] = None if scene.method.system_of(structure).alike else int(SIGNS[task.sign][0])
     own = float(structure.dimensionless_amplitude(recording.acceleration))
-    ends = [*(a for a, _ in steps), None][1:] if steps else []
-    falls = [({"from": a, "to": end}, Outcome(label)) for (a, label), end in zip(steps, ends, strict=True) if not Outcome(label).safe]
-    intervals: list[tuple[dict[str, float | None], str]] = [(dict(bounds), outcome.mode) for bounds, outcome in falls]
-    if first:
-        intervals = [({"from": intervals[0][0]["from"]}, intervals[0][1])] if intervals else [({"from": None}, NONE)]
-    for bounds, mode in intervals:
+    found: list[tuple[float | None, float | None, str]] = [interval[1:] for interval in intervals_of(math.nan, steps)]
+    for begin, end, mode in (found[:1] or [(None, None, NONE)]) if first else found:
+        bounds = {"from": begin} if first else {"from": begin, "to": end}
         row: dict[str, Any] = {**of, **{f"A_{key}": a for key, a in bounds.items()}, "mode": mode}
         row |= {f"a_{key}": None if a is None else float(structure.ground_acceleration(a)) for key, a in bounds.items()}
         yield row | {f"scale_{key}": None if a is None else a / own for key, a in bounds.items()} | {"model": scene.method.model}
@@ -183,7 +178,7 @@ def overturning_spectrum(scene: RecordScene, records: Iterable[Mapping[str, Any]
         yield {
             **dict(zip(keys, place, strict=True)),
             "p": 2.0 * math.pi / place[1] if scene.over_angles else body.p,
-            **{f"pga_ratio_{q}": _quantile(ratio, q / 100.0) for q in QUANTILES},
+            **{f"pga_ratio_{q}": _quantile(ratio, q / 100.0) for q in (16, 50, 84)},
             "overturned": int(np.isfinite(ratio).sum()),
             "records": ratio.size,
         }
