@@ -31,7 +31,7 @@ def accuracy(
     motion = motions.one().motion
     assert motion is not None
     grid = parse_grid(axes, own_time=motion.acceleration is not None)
-    structures = options.structures_of(files, sizeless.etas)
+    structures, _ = options.structures_of(files, sizeless.etas)
     if len(structures) > 1:
         raise click.UsageError(f"found {len(structures)} structures; expected one")
     methods = model.methods(structures, grid.dimensionless)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,23 +21,16 @@ if TYPE_CHECKING:
 INSET = 0.05  # of the width, whose effect on the capacity is stated
 
 
-@dataclass(frozen=True)
-class Code:
-    """A code to check by, and its demand."""
-
-    code: str | None = option("--code", "Check by the Italian code as well: code_linear, code_slv, …", type=click.Choice(["ntc2018"]))
-    spectrum: str | None = option("--spectrum", "Spectrum for --code: CSV of T and S_a at 5 % (default: the motion's).", type=InputPath())
-    floor: tuple[str, ...] = option(
-        "--floor", "For --code: a mode of the building below the body; repeatable.", multiple=True, metavar="T=…,xi=…,gamma_psi=…"
-    )
-    fc: float | None = option("--fc", "Confidence factor of --code (default 1).", type=NUMBER)
-
-
 @command("rocking check configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 --sort capacity", printed)
 def check(
     files: tuple[str, ...] = options.files(),
     asked: ground.Directed = group(ground.Directed),
-    coded: Code = group(Code),
+    code: str | None = option("--code", "Check by the Italian code as well: code_linear, code_slv, …", type=click.Choice(["ntc2018"])),
+    spectrum: str | None = option("--spectrum", "Spectrum for --code: CSV of T and S_a at 5 % (default: the motion's).", type=InputPath()),
+    floor: tuple[str, ...] = option(
+        "--floor", "For --code: a mode of the building below the body; repeatable.", multiple=True, metavar="T=…,xi=…,gamma_psi=…"
+    ),
+    fc: float | None = option("--fc", "Confidence factor of --code (default 1).", type=NUMBER),
     a_max: Limit = options.a_max(),
     sign: str = ground.sign(),
     verdict_only: bool = flag("--verdict-only", "Skip the search; first_overturning_a and safe_to stay empty."),
@@ -75,17 +67,17 @@ def check(
     structures, varied = options.members_of(files, vary)
     azimuths = asked.azimuths()
     by_code = None
-    if coded.code is None:
+    if code is None:
         refuse("goes with --code", "spectrum", "floor", "fc")
         if verdict_only:
             refuse("needs the capacities, which --verdict-only does not search", "sort", "output")
     else:
         from .code_rows import CodeRows
 
-        by_code = CodeRows(coded.spectrum, coded.floor, coded.fc)
+        by_code = CodeRows(spectrum, floor, fc)
     if output is not None:
         options.check_target(output, overwrite)
-    if by_code and coded.spectrum and not shaken.shakes:
+    if by_code and spectrum and not shaken.shakes:
         refuse("needs a motion: under --spectrum alone nothing is shaken", "fail_on", "sort")
         by_code.alone(structures, varied, output, overwrite)
         return 0
@@ -171,8 +163,7 @@ def _in_g(asked: str) -> bool:
 
 
 def _of_an_inset(judged: list[Verdict], demands: Sequence[Demand], a_max: Limit) -> str | None:
-    """Return a line on the structure of least capacity: how much of it is lost if the pivots lie inside the edges; None if no structure
-    has both a capacity and a geometry."""
+    """Return a line on the least capacity: how much of it is lost if the pivots lie inside the edges."""
     from ..envelopes.amplitudes import limit_of
     from ..responses.check import first_overturning
     from ..structures.mechanics.single_body import worn

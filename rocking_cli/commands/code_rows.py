@@ -16,11 +16,8 @@ from .printing import emit, note
 
 
 class CodeRows:
-    """The checks by the code in one call of the command.
-
-    given: the arguments of `code_check`; checks: for each structure and motion (check, demand, True if an equation of motion describes
-    the body); lines: the remarks to print below the table.
-    """
+    """The checks by the code in one call. given: the arguments of `code_check`; checks: for each structure and motion (check, demand,
+    True if an equation of motion describes the body); lines: the remarks to print below the table."""
 
     def __init__(self, spectrum: str | None, floor: Sequence[str], fc: float | None) -> None:
         """Read the options. Raises UsageError, DocumentError."""
@@ -73,8 +70,8 @@ class CodeRows:
                 yield {**_head(check), "motion": motion.name, **check.row()}
 
     def said(self) -> list[str]:
-        """Return the lines to print. Under several records they state the mean theta_ratio of each body without ties (C8.7.1.2.1.9); d/d0
-        of such a body is at most theta/alpha."""
+        """Return the lines to print, under several records with the mean theta_ratio of each body without ties, of which d/d0 is at most
+        theta/alpha."""
         found = []
         for name, verdicts in self.verdicts.items():
             structure = next(s for _, (s, _, _), _ in self.checks.values() if s.name == name)
@@ -82,12 +79,10 @@ class CodeRows:
                 continue
             falls = sum(v.falls or v.theta_ratio is None or v.theta_ratio >= 1.0 for v in verdicts)
             mean = sum(v.theta_ratio or 0.0 for v in verdicts) / len(verdicts)
-            met = (
-                " and ".join(key for key, state in (("SLV", SLV), ("SLC", SLC)) if not falls and mean <= state.share)
-                or "neither SLV nor SLC"
-            )
+            met = [key for key, state in (("SLV", SLV), ("SLC", SLC)) if not falls and mean <= state.share]
             result = f"{falls} pass alpha" if falls else f"none passes alpha, the mean of theta_ratio is {mean:.3g}"
-            found.append(f"{name}: dynamics (C8.7.1.2.1.9), {len(verdicts)} motions: {result}: {met} met")
+            states = " and ".join(met) or "neither SLV nor SLC"
+            found.append(f"{name}: dynamics (C8.7.1.2.1.9), {len(verdicts)} motions: {result}: {states} met")
         return [*self.lines, *found]
 
     def draw(self, output: Path, overwrite: bool) -> None:

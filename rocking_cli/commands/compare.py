@@ -26,7 +26,7 @@ def compare(
     from ..responses import comparison
 
     shaken = shaking.of(motions.one())
-    structures = options.structures_of(files)
+    structures, _ = options.structures_of(files)
     if shaken.grid is None or shaken.motion is None:
         raise ground.no_shaking("--A and --Omega")
     if eta is not None:

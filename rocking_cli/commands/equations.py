@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING
 import click
 
 from .command import option
-from .parameter_types import NUMBER, Parsed, Registered, model_names, restitution
+from .parameter_types import NUMBER, Parsed, Registered, restitution
 
 if TYPE_CHECKING:
     from ..dynamics.method import Method
     from ..structures import RockingParameters
 
+_MODELS = "dynamics.method.MODELS"
 _RULE = (
     "Equation of motion{both}. Default: nonlinear for a known geometry in units (a_g, f_g, a record), linear on dimensionless axes "
     "(A, Omega) and for stated parameters."
@@ -45,7 +46,7 @@ class Sizeless(Oscillators):
 class Model:
     """The option --model of a command with one equation; `model` None: the governing equation."""
 
-    model: str | None = option("--model", _RULE.format(both=""), type=Registered(model_names))
+    model: str | None = option("--model", _RULE.format(both=""), type=Registered(_MODELS))
     tolerance: float = option("--tolerance", "Error of theta/alpha that the nonlinear equation aims at.", type=NUMBER, default=1e-9)
 
     @property
@@ -60,7 +61,7 @@ class Model:
         return [governing_method(*structures, model=one, tolerance=self.tolerance, dimensionless=dimensionless) for one in self.models]
 
     def in_words(self, methods: Sequence[Method], structures: Sequence[RockingParameters], dimensionless: bool = False) -> list[str]:
-        """Return the line that names the equation of each structure."""
+        """Return the lines that name the equations."""
         from ..dynamics.method import model_in_words
 
         pairs = zip(methods, self.models, strict=True)
@@ -71,11 +72,10 @@ class Model:
 class Models(Model):
     """The option --model of a command that can use both equations."""
 
-    model: str | None = option("--model", _RULE.format(both=", or both"), type=Registered(lambda: (*model_names(), "both")))
+    model: str | None = option("--model", _RULE.format(both=", or both"), type=Registered(_MODELS, "both"))
 
     @property
     def models(self) -> tuple[str | None, ...]:
-        """The requested equations; (None,) lets `governing_method` choose one."""
         from ..dynamics.method import MODELS
 
         return MODELS if self.model == "both" else (self.model,)
@@ -89,11 +89,10 @@ class Equations(Models):
 
     @property
     def models(self) -> tuple[str | None, ...]:
-        """The requested equations, (None,) for the governing one; --linear-uplift lambda requests the linear one."""
         return ("linear",) if self.model is None and self.linear_uplift == "lambda" else super().models
 
     def lifting(self, structures: list[RockingParameters]) -> list[RockingParameters]:
-        """Return the structures with the requested uplift. Raises click.UsageError with --model nonlinear, or without structures."""
+        """Return the structures with the requested uplift. Raises click.UsageError."""
         if self.linear_uplift == "lambda" and not structures:
             raise click.UsageError("--linear-uplift lambda goes with structures: give FILE")
         if self.linear_uplift == "lambda" and self.models != ("linear",):

@@ -23,12 +23,6 @@ if TYPE_CHECKING:
     from ..fragility.study import Fit, Study
 
 
-def _measures() -> list[str]:
-    from ..fragility.measures import MEASURES
-
-    return list(MEASURES)
-
-
 _WITH_COUNTS = ("counts", "curve", "samples", "seed", "workers", "overwrite")
 _IN_G = re.compile(r"g(?![a-z])", re.IGNORECASE)  # and not in gal
 
@@ -38,7 +32,7 @@ class Fits:
     """The options of `rocking fragility`."""
 
     pulses: str | None = option("--pulses", "Site pulses instead of records: CSV of a_g, f_g, weight.", type=InputPath())
-    im: str = option("--im", "Intensity measure of the curves.", default="PGA", type=Registered(_measures))
+    im: str = option("--im", "Intensity measure of the curves.", default="PGA", type=Registered("fragility.measures.MEASURES"))
     levels: str | None = option("--levels", "Levels: START:STOP:N[:log] or a list, with units: 0.1g:1g:10.", metavar="LEVELS")
     limits: str = option("--limit", "Limit states: |theta|/alpha beyond these.", default="0.1,0.5,1,overturning")
     methods: str = option("--method", "One or more of stripes, first and cloud.", default="stripes")
@@ -91,7 +85,7 @@ def fragility(
         refuse("does not go with --counts", *(click.get_current_context().params.keys() - set(_WITH_COUNTS)))
         _emit(counted(wanted.counts, Resampling(wanted.samples, wanted.seed)), [], wanted)
         return
-    structures, texts = options.structures_and_texts(files)
+    structures, texts = options.structures_of(files)
     if bool(shaken.recordings) == (wanted.pulses is not None):
         raise click.UsageError("no set of motions: give either --motion with records, or --pulses with a table of pulses")
     if wanted.pulses is not None:

@@ -1,10 +1,10 @@
-"""The options of the ground motion: pulses, records, the vertical motion, and the demand, which has one amplitude and one frequency."""
+"""The options of the ground motion: pulses, records, the vertical motion, and the demand of one amplitude and frequency."""
 
 from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
@@ -14,7 +14,7 @@ import click
 from ..errors import RockingError, UsageError
 from .command import option, partly, refuse
 from .options import remark_on
-from .parameter_types import NUMBER, STATION, InputPath, PulseOrPath, Registered, pulse_names, quantity
+from .parameter_types import NUMBER, PULSE, STATION, InputPath, PulseOrPath, quantity
 from .printing import note, warn
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ DT = "Time between the values of a record in a single column."
 
 @contextmanager
 def named(**names: str) -> Iterator[None]:
-    """Context in which errors name the options of the command instead of the arguments of the library."""
+    """Context in which errors name these options instead of the arguments of the library."""
     try:
         yield
     except RockingError as error:
@@ -78,7 +78,7 @@ class Ground:
         return replace(self, motion=motion, recordings=tuple(replace(r, factor=-r.factor) for r in self.recordings))
 
     def needed(self, *instead: str) -> list[tuple[Motion, Grid]]:
-        """Return the motions with their demands. Raises click.UsageError, which names the options `instead`, without a motion."""
+        """Return `shakes`. Raises click.UsageError, which names the options `instead`, if there is none."""
         if not self.shakes:
             raise no_shaking("--motion FILE", *instead)
         return self.shakes
@@ -95,9 +95,7 @@ class Ground:
 class Source:
     """A pulse by name, or files of motions."""
 
-    pulse: str | None = option(
-        "--pulse", "Ground motion (default: sine); see `rocking help motions`.", type=Registered(pulse_names), metavar="NAME"
-    )
+    pulse: str | None = option("--pulse", "Ground motion (default: sine); see `rocking help motions`.", type=PULSE, metavar="NAME")
     cycles: float | None = option("--cycles", "Cycles of a sine or cosine, in half cycles (default 1).", type=NUMBER)
     gamma: float | None = option("--gamma", "Duration over period of a mavroeidis-papageorgiou pulse (default 2).", type=NUMBER)
     phase: float | None = option("--phase", "Phase of a mavroeidis-papageorgiou pulse (default 0 rad).", type=quantity("angle"))
@@ -113,63 +111,55 @@ class Motions(Reading, Source):
 
     def one(self) -> Ground:
         """Return the motion that the options describe. Raises UsageError for a set of records."""
+        from ..motions.reading import read_motion
+
         if len(self.motion) > 1 or any(map(os.path.isdir, self.motion)):
             raise click.UsageError(f"--motion: found {' '.join(self.motion)}; expected one motion")
-
-        def read(paths: tuple[str, ...], **given: Any) -> Motion:
-            from ..motions.reading import read_motion
-
-            return read_motion(paths[0], **given)
-
         upwards, station = self.upwards()
-        return Ground(self._read(read, station)).with_upwards(upwards)
+        if not self.motion:
+            return Ground(self._pulse(station)).with_upwards(upwards)
+        with named(dt="motion_dt"):
+            return Ground(read_motion(self.motion[0], **self._choices(station))).with_upwards(upwards)
 
     def several(self, files: tuple[str, ...], one_upwards: bool = False) -> tuple[tuple[str, ...], Ground]:
         """Return (the structure files, the motion or set of records); one_upwards: refuse a vertical motion for a set.
 
         Records among the files belong to the set, so that a shell pattern after --motion works. Raises UsageError.
         """
-
-        def read(paths: tuple[str, ...], **given: Any) -> Motion | tuple[Recording, ...]:
-            from ..motions.reading import holds_records, read_motions
-
-            nonlocal files
-            own = [path for path in files if holds_records(path)]
-            files = tuple(path for path in files if path not in own)
-            if "-" in paths and "-" in files:
-                raise click.UsageError("standard input is given both as structure and as motion; expected only one")
-            return read_motions((*paths, *own), unread=leave_out, **given)
-
         upwards, station = self.upwards()
-        found = self._read(read, station)
+        if not self.motion:
+            return files, Ground(self._pulse(station)).with_upwards(upwards)
+        from ..motions.reading import holds_records, read_motions
+
+        own = [path for path in files if holds_records(path)]
+        files = tuple(path for path in files if path not in own)
+        if "-" in self.motion and "-" in files:
+            raise click.UsageError("standard input is given both as structure and as motion; expected only one")
+        with named(dt="motion_dt"):
+            found = read_motions((*self.motion, *own), unread=leave_out, **self._choices(station))
         if one_upwards and upwards is not None and isinstance(found, tuple):
             raise click.UsageError("--vertical goes with one pulse or motion document here, not with a set of records")
         ground = Ground(None, found) if isinstance(found, tuple) else Ground(found)
         return files, ground.with_upwards(upwards)
 
     def upwards(self) -> tuple[Upwards | None, float | None]:
-        """Return (the vertical motion of a pulse or a file, the factor of the vertical component of the same file), None for each that
-        the options do not state. Raises UsageError."""
+        """Return (the vertical motion of a pulse or a file, the factor of the vertical component of the same file), None if not stated."""
         return None, None
 
-    def _read(self, read: Callable[..., Any], station: float | None) -> Any:
-        given = {one.name: getattr(self, one.name) for one in fields(Motions) if one.name != "motion"} | {"vertical": station}
-        given = {key: value for key, value in given.items() if value is not None}
-        shape = {key: given.pop(key) for key in _PULSE if key in given}
-        if self.motion:
-            refuse("does not go with --motion", *_PULSE)
-            if "motion_dt" in given:
-                given["dt"] = given.pop("motion_dt")
-            with named(dt="motion_dt"):
-                return read(self.motion, tell=note, **given)
+    def _choices(self, station: float | None) -> Any:
+        """Return the choices for the motion of a file."""
+        refuse("does not go with --motion", *_PULSE)
+        same = {key: getattr(self, key) for key in ("component", "unit", "scale", "scale_to")}
+        return {**same, "dt": self.motion_dt, "vertical": station, "tell": note}
+
+    def _pulse(self, station: float | None) -> Motion:
         from ..motions import pulse
 
-        factor = given.pop("scale", None)
         refuse("goes with a record: give --motion", "component", "unit", "motion_dt", "scale_to")
-        if "vertical" in given:
+        if station is not None:
             raise click.UsageError(f"--vertical {STATION} goes with a record: give --motion")
-        found = pulse(shape.pop("pulse", "sine"), **shape)
-        return found if factor is None else found.scaled(factor)
+        found = pulse(self.pulse or "sine", **{key: value for key in _PULSE[1:] if (value := getattr(self, key)) is not None})
+        return found if self.scale is None else found.scaled(self.scale)
 
 
 @dataclass(frozen=True)
@@ -227,10 +217,7 @@ class Shaking:
     Omega: str | None = option("--Omega", "Dimensionless frequency omega_g/p.", metavar="VALUE")
 
     def of(self, ground: Ground) -> Ground:
-        """Return the motion and its demand, a grid of one cell, None if the options state no value; a negative a_g reverses the motion.
-
-        A record has its own time, so the options may only state its peak. Raises UsageError.
-        """
+        """Return the motion and its demand, a grid of one cell, None if the options state no value. Raises UsageError."""
         from ..motions.grid import parse_grid
 
         given = {one.name: value for one in fields(Shaking) if (value := getattr(self, one.name)) is not None}
@@ -248,10 +235,9 @@ class Shaking:
             if "," in value or ":" in value:
                 also = "" if key in ("a_g", "A") else " (rocking check and solve take FROM:TO)"
                 raise click.UsageError(f"--{key.replace('_', '-')}: found {value!r}; expected one value{also}")
+        axes = ",".join(f"{key}={value}" for key, value in given.items())
         try:
-            grid = parse_grid(
-                ",".join(f"{key}={value}" for key, value in given.items()), own_time=own is not None or bool(ground.recordings)
-            )
+            grid = parse_grid(axes, own_time=own is not None or bool(ground.recordings))
         except UsageError as error:
             text = str(error).replace("`grid`: ", "")  # the axes are options of their own here
             raise UsageError(re.sub(r"`grid` (\w+):", r"`\1`:", text)) from None
@@ -264,8 +250,7 @@ class Demand(Shaking, BothWays):
     """The ground motion, a vertical one, and the demand."""
 
     def ends(self) -> list[Demand]:
-        """Return the demands at both ends of a range of frequencies FROM:TO; none without a range. Raises click.UsageError for an amplitude
-        alone."""
+        """Return the demands at both ends of a range of frequencies FROM:TO, if there is one. Raises click.UsageError."""
         given = {key: getattr(self, key) for key in ("omega_g", "f_g", "T_g", "Omega")}
         if (self.a_g or self.A) and not self.motion and not any(given.values()):
             ways = "a range of frequencies such as --f-g 0.5:5, records by --motion FILE --scale-to PGA=0.3g"
@@ -283,7 +268,7 @@ class Directed(Demand):
     )
 
     def azimuths(self) -> np.ndarray | None:
-        """Return the directions that --azimuth states [rad]; None without it. Raises UsageError."""
+        """Return the directions that --azimuth states [rad]. Raises UsageError."""
         if self.azimuth is None:
             return None
         import numpy as np
@@ -304,21 +289,17 @@ def sign() -> Any:
 
 
 def note_demand(shakes: Sequence[tuple[Motion, Grid]]) -> None:
-    """Print the amplitude and frequency of the demand, with the acceleration in m/s2 and g."""
+    """Print the amplitude and frequency of the demand."""
     from ..motions.grid import demand_in_words
     from ..reports.plausibility import bare_remarks
 
-    note(f"demand: {demand_in_words(shakes)}")
     asked = click.get_current_context().params
-    for remark in bare_remarks(f"a_g={asked['a_g']}" if asked["a_g"] else asked.get("scale_to") or ""):
-        note(remark)
+    note(f"demand: {demand_in_words(shakes)}", *bare_remarks(f"a_g={asked['a_g']}" if asked["a_g"] else asked.get("scale_to") or ""))
 
 
 def note_governing(structures: Iterable[RockingParameters], dimensionless: bool) -> None:
     """Print the governing equation of each structure."""
     from ..dynamics.method import governing_method, model_in_words
 
-    for line in dict.fromkeys(
-        model_in_words(governing_method(one, dimensionless=dimensionless), one, dimensionless=dimensionless) for one in structures
-    ):
-        note(line)
+    lines = (model_in_words(governing_method(one, dimensionless=dimensionless), one, dimensionless=dimensionless) for one in structures)
+    note(*dict.fromkeys(lines))

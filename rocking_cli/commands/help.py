@@ -22,9 +22,11 @@ TOPICS = {
     "changes": "Stable interfaces, and changes by version.",
 }
 
+_NAMES = Registered("commands.help.TOPICS", *COMMANDS)
+
 
 @command("rocking help documents")
-def help(name: str | None = argument(required=False, type=Registered(lambda: [*COMMANDS, *TOPICS]), metavar="[COMMAND|TOPIC]")) -> None:
+def help(name: str | None = argument(required=False, type=_NAMES, metavar="[COMMAND|TOPIC]")) -> None:
     """Print the reference of a command, its options and examples, or of a topic.
 
     Without a name, list the commands and the topics.
@@ -40,7 +42,10 @@ def help(name: str | None = argument(required=False, type=Registered(lambda: [*C
             formatter.write_dl([(topic.ljust(max(map(len, COMMANDS))), summary) for topic, summary in TOPICS.items()])
         text = f"{group.get_help()}\n\n{formatter.getvalue()}"
     else:
-        text = "\n\n".join(part for part in (_options(group, name), page(name)) if part)
+        text = page(name)
+        assert isinstance(group.command, click.Group)
+        if command := group.command.get_command(group, name):
+            text = f"{command.get_help(click.Context(command, parent=group, info_name=name))}\n\n{text}"
     streams.put(*text.rstrip().splitlines())
 
 
@@ -48,13 +53,3 @@ def page(name: str) -> str:
     """Return the page of a command or a topic; empty for a command that has only its --help."""
     found = files(__package__) / "pages" / f"{name}.txt"
     return found.read_text(encoding="utf-8") if found.is_file() else ""
-
-
-def _options(group: click.Context, name: str) -> str:
-    """Return the text of --help for a command; empty for a topic."""
-    if name not in COMMANDS:
-        return ""
-    assert isinstance(group.command, click.Group)
-    command = group.command.get_command(group, name)
-    assert command is not None
-    return command.get_help(click.Context(command, parent=group, info_name=name))

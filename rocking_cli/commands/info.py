@@ -88,8 +88,7 @@ def _documents(file: "SpectraFile") -> list[dict[str, Any]]:
 
 
 def _command(path: str, file: "SpectraFile") -> str | None:
-    """Return the command that computes a file again, from the documents in it and the motions that its own command names; None if the file
-    states no command."""
+    """Return the command that computes a file again from the documents in it and the motions of its own command, if it states one."""
     from ..motions.reading import holds_records
 
     name, *arguments = shlex.split(str(file.attributes.get("history", "")).partition("rocking ")[2]) or [""]

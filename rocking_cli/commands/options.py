@@ -93,13 +93,8 @@ class Sweep:
         return {**vars(self), "shard": shard, "documents": documents, "tell": note}
 
 
-def structures_of(files: tuple[str, ...], etas: tuple[float | None, ...] = ()) -> list[RockingParameters]:
-    """Return the structures of the documents in these files, and a dimensionless oscillator for each restitution."""
-    return structures_and_texts(files, etas)[0]
-
-
-def structures_and_texts(files: tuple[str, ...], etas: tuple[float | None, ...] = ()) -> tuple[list[RockingParameters], str]:
-    """Return the structures of `structures_of`, and the texts of their documents."""
+def structures_of(files: tuple[str, ...], etas: tuple[float | None, ...] = ()) -> tuple[list[RockingParameters], str]:
+    """Return (structures, texts): those of the documents in these files, and a dimensionless oscillator for each restitution."""
     from ..structures import build_structure, with_distinct_names
     from ..structures.parameters import dimensionless_oscillator
 
@@ -107,10 +102,7 @@ def structures_and_texts(files: tuple[str, ...], etas: tuple[float | None, ...] 
     if None in etas:
         raise click.UsageError("--eta block goes with --alpha")
     structures = [build_structure(document) for document in documents]
-    try:
-        oscillators = [dimensionless_oscillator(eta) for eta in etas if eta is not None]
-    except ValueError as error:
-        raise click.UsageError(f"--eta: {error}") from None
+    oscillators = [dimensionless_oscillator(eta) for eta in etas if eta is not None]
     found = with_distinct_names([*structures, *oscillators])
     remark_on(found)
     return found, "\n---\n".join(d.text for d in documents)
@@ -119,12 +111,10 @@ def structures_and_texts(files: tuple[str, ...], etas: tuple[float | None, ...] 
 def members_of(
     files: tuple[str, ...], vary: tuple[str, ...], etas: tuple[float | None, ...] = ()
 ) -> tuple[list[RockingParameters], dict[str, dict[str, float]]]:
-    """Return (structures, columns): those of `structures_of`, or of the families of --vary, and for each name the varied values as columns.
-
-    A column such as `varied_width` is in SI; tables and CSV state its unit. Members without a solution are reported and left out.
-    """
+    """Return (structures, columns): those of `structures_of`, or of the families of --vary, and for each name the varied values in SI as
+    columns such as `varied_width`. Members without a solution are reported and left out."""
     if not vary:
-        return structures_of(files, etas), {}
+        return structures_of(files, etas)[0], {}
     from ..documents.quantities import headed
     from ..structures import with_distinct_names
     from ..structures.family import family, members, parse_variation

@@ -1,8 +1,9 @@
 """Types of option values, with shell completion."""
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from contextlib import suppress
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,10 +29,8 @@ class OutputPath(click.Path):
 
 
 class InputPath(click.Path):
-    """The name of a file to read, or - for standard input, with shell completion; the library reports its faults.
-
-    A name below `configs` that is not in this folder is that of a file which is shipped with the package.
-    """
+    """The name of a file to read, or - for standard input; the library reports its faults. A name below `configs` that is not in this
+    folder is that of a file which is shipped with the package."""
 
     def __init__(self) -> None:
         super().__init__(readable=False, allow_dash=True)
@@ -47,18 +46,23 @@ class InputPath(click.Path):
 
 
 class Registered(click.ParamType):
-    """A word of a registry. The registry is imported only to list or complete its words; the library refuses other words."""
+    """A word of a registry, such as `motions.pulses.PULSES`, or of `more`. The registry is imported only to list or complete its words; the
+    library refuses other words."""
 
     name = "choice"
 
-    def __init__(self, registry: Callable[[], Iterable[str]]) -> None:
-        self.registry = registry
+    def __init__(self, registry: str, *more: str) -> None:
+        self.registry, self.more = registry, more
+
+    def words(self) -> list[str]:
+        module, _, name = self.registry.rpartition(".")
+        return [*getattr(import_module(f"rocking_cli.{module}"), name), *self.more]
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context) -> str:
-        return f"[{'|'.join(self.registry())}]"
+        return f"[{'|'.join(self.words())}]"
 
     def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-        return [CompletionItem(word) for word in self.registry() if word.startswith(incomplete)]
+        return [CompletionItem(word) for word in self.words() if word.startswith(incomplete)]
 
 
 class Parsed(click.ParamType):
@@ -108,25 +112,12 @@ def limit(text: str) -> "Limit":
 
 
 STATION = "station"
+PULSE = Registered("motions.pulses.PULSES")
 
 
 class PulseOrPath(InputPath):
     """A pulse by name, `station` or the name of a file, with shell completion."""
 
     def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-        return [
-            *Registered(lambda: (*pulse_names(), STATION)).shell_complete(ctx, param, incomplete),
-            *super().shell_complete(ctx, param, incomplete),
-        ]
-
-
-def pulse_names() -> Iterable[str]:
-    from ..motions.pulses import PULSES
-
-    return PULSES
-
-
-def model_names() -> tuple[str, ...]:
-    from ..dynamics.method import MODELS
-
-    return MODELS
+        words = Registered(PULSE.registry, STATION).shell_complete(ctx, param, incomplete)
+        return [*words, *super().shell_complete(ctx, param, incomplete)]

@@ -66,8 +66,7 @@ def params(
 
 
 def _rows(row: dict[str, Any], form: str | None, varied: dict[str, float] | None = None) -> Iterator[dict[str, Any]]:
-    """Yield the rows of a structure: for JSON its row, for CSV one with the columns of its sides, for a table one for each side or
-    interface."""
+    """Yield the rows of a structure: for CSV one with the columns of its sides, for a table one for each side or interface."""
     from ..structures.parameters import VARIED
 
     if form == "json":

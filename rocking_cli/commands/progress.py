@@ -46,11 +46,8 @@ def reporting() -> Iterator[None]:
 
 
 class ProgressLine:
-    """A line with the units done and in total, and the time left.
-
-    The line is not shown with --quiet, if standard error is no terminal, or if rows appear on the terminal one by one; then `reporting`
-    prints lines instead. Any other output first ends this line.
-    """
+    """A line with the units done and in total, and the time left; any other output first ends it. It is not shown with --quiet, if standard
+    error is no terminal, or if rows appear on the terminal one by one; then `reporting` prints lines instead."""
 
     def __init__(self, label: str, unit: str) -> None:
         self._label, self._unit, self._start, self._first = label, unit, monotonic(), 0

@@ -39,21 +39,12 @@ def report(
     options.check_target(output, overwrite, (".html", ".htm"), shaken.recordings)
     structures = with_distinct_names([build_structure(document) for document in documents])
     options.remark_on(structures)
+    subjects = [Subject(document, structure) for document, structure in zip(documents, structures, strict=True)]
     verdicts = write_page(
-        [Subject(document, structure) for document, structure in zip(documents, structures, strict=True)],
-        shakes,
-        output,
-        recordings=shaken.recordings,
-        vertical=asked.vertical,
-        command=options.command_line(),
-        made=options.now(),
-        title=title,
-        summary=summary,
-        by_capacity=sort is not None,
-        overwrite=overwrite,
-        workers=workers,
+        subjects, shakes, output, recordings=shaken.recordings, vertical=asked.vertical, command=options.command_line(),
+        made=options.now(), title=title, summary=summary, by_capacity=sort is not None, overwrite=overwrite, workers=workers,
         progress=ProgressLine("report", "stages"),
-    )
+    )  # fmt: skip
     ground.note_demand(shakes)
     ground.note_governing(structures, shakes[0][1].dimensionless)
     note(f"{output}: {tally(verdicts)}")

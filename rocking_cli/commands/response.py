@@ -51,7 +51,7 @@ def response(
             raise UsageError(f"--azimuth: found {asked.azimuth}; expected one angle (rocking check takes a span)")
         recordings = asked.several(())[1].recordings
         shaken = asked.of(ground.Ground(at_azimuth(recordings, float(azimuths[0])).motion))
-    structures = options.structures_of((file,))
+    structures, _ = options.structures_of((file,))
     if len(structures) != 1:
         raise UsageError(f"{file} holds {len(structures)} structures; expected one (rocking compare takes several)")
     if shaken.grid is None and (asked.pulse or asked.motion or not release):

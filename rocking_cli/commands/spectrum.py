@@ -61,28 +61,22 @@ def spectrum(
     scene: Scene
     model = replace(model, model=model.models[-1])
     if grid is not None and shaken.motion is not None:
-        structures, texts = options.structures_and_texts(files, sizeless.etas)
+        structures, texts = options.structures_of(files, sizeless.etas)
         structures = model.lifting(structures)
         scene = PulseScene(tuple(structures), grid, shaken.motion, model.methods(structures, grid.dimensionless)[0])
     else:
         from ..spectra.record_scene import scene_of_words
 
-        structures, texts = options.structures_and_texts(files, sizeless.etas) if files else ([], "")
+        structures, texts = options.structures_of(files, sizeless.etas) if files else ([], "")
         structures = model.lifting(structures)
         equation: dict[str, Any] = {"model": model.model, "tolerance": model.tolerance}
         scene = scene_of_words(structures, shaken.recordings, axes=axes, alphas=sizeless.alphas, etas=sizeless.etas, **equation)
     options.remark_on(grid=grid, spans=axes or "")
     settings = SweepOptions(
-        chunk_cells=chunk_cells or CHUNK_CELLS,
-        check=check,
-        impacts=impacts,
-        quantities=quantities,
-        strict=strict,
-        history=f"{options.now()}: {options.command_line()}",
-        sample_validity=not (no_validity or is_quiet()),
-        progress=ProgressLine("spectrum", "chunks"),
-        **sweep.writing(texts),
-    )
+        chunk_cells=chunk_cells or CHUNK_CELLS, check=check, impacts=impacts, quantities=quantities, strict=strict,
+        history=f"{options.now()}: {options.command_line()}", sample_validity=not (no_validity or is_quiet()),
+        progress=ProgressLine("spectrum", "chunks"), **sweep.writing(texts),
+    )  # fmt: skip
     summary = write_scene(scene, output, settings)
     lines = model.in_words([scene.method], structures, grid is not None and grid.dimensionless)
     note(*lines, *direction_in_words(*structures), *summary_lines(summary, str(output)))

@@ -61,10 +61,8 @@ def say(line: str) -> None:
 
 @contextmanager
 def guarded() -> Iterator[None]:
-    """Context of a call: a closed pipe on standard output ends it without an error; any other failure of the output is reported once.
-
-    A closed or full standard error has no effect.
-    """
+    """Context of a call: a closed pipe on standard output ends it without an error; any other failure of the output is reported once. A
+    closed or full standard error has no effect."""
     descriptor = 0
     while descriptor <= 2:  # else the next opened file gets the number of a closed stream, and a C library would print into it
         descriptor = os.open(os.devnull, os.O_RDWR)
@@ -74,10 +72,8 @@ def guarded() -> Iterator[None]:
 
 
 class _Stream:
-    """Standard error, or None if it is closed. Characters that its encoding lacks are escaped, and failures are ignored.
-
-    It has no `buffer`, so all output goes through `write`.
-    """
+    """Standard error, or None if it is closed. Characters that its encoding lacks are escaped, and failures are ignored. It has no
+    `buffer`, so all output goes through `write`."""
 
     def __init__(self, stream: TextIO | None) -> None:
         self._stream = stream
