@@ -51,11 +51,3 @@ def test_free_rocking_and_records_have_units(rocking):
         NONLINEAR,
         "model: linear, since the geometry of Measured arch is not known",
     ]
-
-
-def test_the_functions_follow_the_rule():
-    from rocking_cli import load_structures, parse_grid, sine, spectrum
-
-    column = load_structures("configs/block.yaml")
-    for axes, model in (("a_g=0.3g,f_g=2", "nonlinear"), ("A=2,Omega=3", "linear")):
-        assert spectrum(column, sine(), parse_grid(axes), check=0).scene.identity()["model"] == model

@@ -37,9 +37,7 @@ class Failing(io.StringIO):
     ("text", "shown"),
     [
         ("Säule α ≤ 3°, 石", "Säule α ≤ 3°, 石"),
-        ("\x1b[31mred\x07", r"\x1b[31mred\x07"),
-        ("two\nlines\r\t", r"two\nlines\r\t"),
-        ("\x9b31m\x7f", r"\x9b31m\x7f"),
+        ("\x1b[31mred\x07\n\x9b31m\x7f", r"\x1b[31mred\x07\n\x9b31m\x7f"),
         ("right \u202e to left \u2028", r"right \u202e to left \u2028"),
         ("not UTF-8: \udcff", r"not UTF-8: \udcff"),
     ],
@@ -85,18 +83,17 @@ def test_what_the_encoding_lacks_is_escaped(encoding, shown, monkeypatch):
     assert raw.getvalue().decode(encoding) == f"{shown}\n"
 
 
-@pytest.mark.parametrize("encoding", ["ascii", "latin-1", "utf-8"])
-def test_json_is_json_in_every_encoding(encoding, tmp_path):
+def test_json_is_json_in_ascii(tmp_path):
     (tmp_path / "b.yaml").write_text('kind: block\nname: "Säule β \U0001f5fc"\nwidth: 1\nheight: 5\n', encoding="utf-8")
-    env = {**os.environ, "PYTHONIOENCODING": encoding}
+    env = {**os.environ, "PYTHONIOENCODING": "ascii"}
     done = subprocess.run([*PROGRAM.split(), "params", "b.yaml", "--json"], cwd=tmp_path, env=env, capture_output=True, check=True)
-    assert json.loads(done.stdout.decode(encoding))["name"] == "Säule β \U0001f5fc"
+    assert json.loads(done.stdout.decode("ascii"))["name"] == "Säule β \U0001f5fc"
 
 
-MORE = [pytest.param(call, marks=pytest.mark.soak) for call in ("--version", "params --help", "info s.h5", "plot s.h5 --text")]
+MORE = [pytest.param(call, marks=pytest.mark.soak) for call in ("--version", "params b.yaml", "info s.h5", "plot s.h5 --text")]
 
 
-@pytest.mark.parametrize("call", ["--help", "params b.yaml", "convert s.h5", *MORE])
+@pytest.mark.parametrize("call", ["--help", "convert s.h5", *MORE])
 def test_every_output_ends_alike(call, tmp_path, spectrum_file):
     (tmp_path / "b.yaml").write_text("kind: block\nwidth: 1\nheight: 5\n")
     (tmp_path / "s.h5").symlink_to(spectrum_file)
