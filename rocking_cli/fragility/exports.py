@@ -30,15 +30,13 @@ FORMS = {"openquake": ".xml", "pelicun": ".csv"}  # and the suffix of each
 _NRML = "http://openquake.org/xmlns/nrml/0.5"
 _DEMANDS = {"PGA": ("Peak Ground Acceleration", "g"), "PGV": ("Peak Ground Velocity", "cmps")}
 _NEAR = 1e-3  # the share rises from 0 within this part below its first level
-_APART = 1e-6  # relative distance of levels
-_LEAST, _MOST = 4.0, 3.0  # standard deviations of ln x below and above the medians that a lognormal curve spans
 _SHARE = "running maximum of the exact share of overturning motions"
 
 
 @dataclass(frozen=True, eq=False)
 class Share:
-    """The exact share of motions that overturn a structure: points (x [SI], p) joined by straight lines, and the level [SI] up to which the
-    body stays at rest, 0 if that level is not known."""
+    """The exact share of overturning motions: points (x [SI], p) joined by straight lines, and the level [SI] up to which the body stays at
+    rest, 0 if unknown."""
 
     structure: str
     no_damage: float
@@ -48,7 +46,6 @@ class Share:
 
 
 State = Fit | Share
-"""One limit state of a structure."""
 
 
 def share_of(study: Study) -> Share:
@@ -58,7 +55,7 @@ def share_of(study: Study) -> Share:
     rises = np.flatnonzero(np.diff(most, prepend=0.0) > 1e-9)
     if not rises.size:
         raise UsageError(f"{study.structure.name}: no motion overturns it at these levels; found nothing to export")
-    far = rises[np.append(x[rises[1:]] > x[rises[:-1]] * (1.0 + _APART), True)]  # the last of equal levels
+    far = rises[np.append(x[rises[1:]] > x[rises[:-1]] * (1.0 + 1e-6), True)]  # the last of equal levels
     first = (1.0 - _NEAR) * x[rises[0]]
     return Share(study.structure.name, min(study.no_damage, first), np.append(first, x[far]), np.append(0.0, most[far]))
 
@@ -68,9 +65,9 @@ def export_fragility(
 ) -> list[str]:
     """Write fragility curves for another program, and return a sentence on each difference between the file and the curves.
 
-    curves: fits, one for each structure and limit state, with levels in SI; form: `openquake` (NRML 0.5) or
-    `pelicun` (CSV, and JSON of the same name); im: their measure. Limit states that a structure lacks are left out. Raises UsageError for
-    a measure that the program does not know, and OutputError if a file cannot be written.
+    curves: one for each structure and limit state, with levels in SI; limit states that a structure lacks are left out; form: `openquake`
+    (NRML 0.5) or `pelicun` (CSV, and JSON of the same name). Raises UsageError for a measure that the program does not know, and
+    OutputError.
 
     >>> export_fragility([], 'f.xml')
     Traceback (most recent call last):
@@ -83,8 +80,7 @@ def export_fragility(
 
 
 def write(states: Sequence[State], target: Path, form: str, measure: Measure, overwrite: bool) -> list[str]:
-    """Write fits, or exact shares of overturning motions (`Share`), for another program; the caller has called `check_export`. Return a
-    sentence on each difference between the file and the curves."""
+    """Write fits or exact shares after `check_export`; return a sentence on each difference between the file and the curves."""
     if not states:
         raise UsageError("found no fragility curve to export")
     grouped: dict[str, dict[str, State]] = {}
@@ -97,8 +93,7 @@ def write(states: Sequence[State], target: Path, form: str, measure: Measure, ov
     if not common:
         raise UsageError(f"found no limit state that all of {', '.join(grouped)} have")
     remarks = [f"{limit}: not all structures have this limit state; left out of {target}" for limit in every if limit not in common]
-    shares = [state for state in states if isinstance(state, Share)]
-    if shares:
+    if shares := [state for state in states if isinstance(state, Share)]:
         remarks.append(f"{target}: holds the {_SHARE}")
     kept = [[found[limit] for limit in common] for found in grouped.values()]
     if form == "openquake":
@@ -147,7 +142,6 @@ def _number(x: float) -> str:
 
 
 def _nrml(structures: Sequence[Sequence[State]], measure: Measure) -> str:
-    """Return the text of a file in NRML 0.5."""
     scale, states = openquake_unit(measure)[1], structures[0]
     limits = _names(state.limit if state.limit == "overturning" else f"theta_{state.limit}" for state in states)
     imt = re.sub(r"\((.*)\)", lambda found: f"({float(found[1])})", "IA" if measure.name == "Arias" else measure.name)
@@ -176,8 +170,8 @@ def _nrml(structures: Sequence[Sequence[State]], measure: Measure) -> str:
         if curves:
             function.set("format", "continuous")
             function.set("shape", "logncdf")
-            least = no_damage or min(c.theta * math.exp(-_LEAST * c.beta) for c in curves) / scale
-            most = max(c.theta * math.exp(_MOST * c.beta) for c in curves) / scale
+            least = no_damage or min(c.theta * math.exp(-4.0 * c.beta) for c in curves) / scale
+            most = max(c.theta * math.exp(3.0 * c.beta) for c in curves) / scale
             imls.set("minIML", _number(least))
             imls.set("maxIML", _number(max(most, 2.0 * least)))
     ET.indent(root)
@@ -185,7 +179,7 @@ def _nrml(structures: Sequence[Sequence[State]], measure: Measure) -> str:
 
 
 def _pelicun(structures: Sequence[Sequence[State]], measure: Measure) -> tuple[str, str]:
-    """Return the texts (CSV, JSON) of the two files of pelicun."""
+    """Return the texts of (the CSV, the JSON)."""
     period = "" if measure.name in _DEMANDS else f"|{measure.periods[0]:.2f}"
     demand, unit = _DEMANDS.get(measure.name, (f"Spectral Acceleration{period}", "g"))
     scale, table = openquake_unit(measure)[1], io.StringIO()

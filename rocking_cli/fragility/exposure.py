@@ -26,8 +26,6 @@ Array = np.ndarray
 Interval = tuple[float, float]
 Progress = Callable[[int, int], None]
 
-_PARTS = 16  # parts of a bracket in one cut
-
 
 @dataclass(frozen=True, eq=False)
 class Exposure:
@@ -51,7 +49,7 @@ class Exposure:
 
 @dataclass(frozen=True, eq=False)
 class MotionSet:
-    """The motions of a study, the measure by which they are scaled, its levels [SI], (n,), and the equation of motion."""
+    """The motions of a study, the measure that scales them, its levels [SI], (n,), and the equation of motion."""
 
     members: Sequence[Member]
     measure: Measure
@@ -65,16 +63,15 @@ class MotionSet:
 
     @property
     def scales(self) -> Array:
-        """The factors of a motion whose measure is 1 that give the levels, (n,)."""
+        """The factors that bring a motion of measure 1 to the levels, (n,)."""
         return self.levels ** (1.0 / self.measure.power)
 
     @property
     def of_records(self) -> bool:
-        """True if the motions are records."""
         return all(m.recording is not None for m in self.members)
 
     def factor(self, structure: RockingParameters, member: Member) -> float:
-        """Return the factor of a motion that makes its measure 1."""
+        """Return the factor that makes the measure of a motion 1."""
         return member.measured(self.measure, structure) ** (-1.0 / self.measure.power)
 
     def unit(self, structure: RockingParameters, member: Member) -> float:
@@ -88,9 +85,8 @@ def exposures(
 ) -> list[Exposure]:
     """Return the exposure of each structure: every motion scaled to each level.
 
-    path: the spectra file to write for records; sweep: options of the computation and of this file. With `resume` a complete file of the
-    same scene, such as a merged one, is read; for a shard the result is empty. Raises UsageError for a path with pulses, or with several
-    structures under a measure that depends on the structure.
+    path: the spectra file to write for records; with `resume` a complete file of the same scene is read; for a shard the result is empty.
+    Raises UsageError for a path with pulses, or with several structures under a measure that depends on the structure.
     """
     if not motions.of_records:
         if path is not None:
@@ -129,11 +125,8 @@ def _under_records(
 
 def _under_each(structure: RockingParameters, motions: MotionSet, amplitudes: Sequence[Array]) -> Exposure:
     """Return the exposure of a structure to each motion at its amplitudes A."""
-    system = motions.method.system_of(structure)
-    found = [
-        response(system, m.motion, a, np.array([m.omega / structure.p]), structure.eta)
-        for m, a in zip(motions.members, amplitudes, strict=True)
-    ]
+    system, pairs = motions.method.system_of(structure), zip(motions.members, amplitudes, strict=True)
+    found = [response(system, m.motion, a, np.array([m.omega / structure.p]), structure.eta) for m, a in pairs]
     return Exposure(np.array([f.theta_ratio for f in found]), np.array([f.outcome for f in found]))
 
 
@@ -146,8 +139,8 @@ def as_recorded(structure: RockingParameters, motions: MotionSet) -> Exposure:
 def traced(
     structure: RockingParameters, motions: MotionSet, workers: int | None = None, progress: Progress | None = None
 ) -> list[list[Interval]]:
-    """Return for each motion the intervals of the measure (SI) that overturn the structure, up to the highest level. An interval that goes
-    on beyond it has an infinite end. The search is that of an envelope; under records it may miss intervals narrower than 0.5 %."""
+    """Return for each motion the intervals of the measure (SI) that overturn the structure, up to the highest level; the end of one that
+    goes on beyond it is infinite. Under records intervals narrower than 0.5 % may be missed."""
     workers = min(workers or (available_cpus() if motions.of_records else 1), len(motions.members))
     found = []
     for intervals in in_turn(partial(_trace, structure, motions), motions.members, workers):
@@ -158,12 +151,11 @@ def traced(
 
 
 def _trace(structure: RockingParameters, motions: MotionSet, member: Member) -> list[Interval]:
-    """Return the intervals of one motion."""
     unit, method = motions.unit(structure, member), motions.method
     long = len(member.motion.segments) > LONGEST_FINE
     search = Search(
         method.system_of(structure), member.motion, structure.eta, unit * float(motions.levels[-1]) ** (1.0 / motions.measure.power),
-        ratio=RATIO if long else 0.0, digits=tracing_width(method, member.motion), parts=_PARTS,
+        ratio=RATIO if long else 0.0, digits=tracing_width(method, member.motion), parts=16,
     )  # fmt: skip
     if not search.lowest < search.a_max:
         return []
@@ -179,9 +171,7 @@ def first_of(intervals: Sequence[Sequence[Interval]]) -> Array:
 
 def share_overturned(intervals: Sequence[Sequence[Interval]], weight: Array) -> tuple[Array, Array]:
     """Return (the levels at which the exact share of overturning motions changes, the share from each level to the next)."""
-    steps = [
-        (edge, sign * w) for found, w in zip(intervals, weight, strict=True) for i in found for edge, sign in zip(i, (1, -1), strict=True)
-    ]
+    steps = [step for found, w in zip(intervals, weight, strict=True) for low, high in found for step in ((low, w), (high, -w))]
     steps = sorted(step for step in steps if np.isfinite(step[0]))
     x = np.array([edge for edge, _ in steps])
     share = np.cumsum([change for _, change in steps]) / float(np.sum(weight))

@@ -1,10 +1,6 @@
-"""Fits of fragility curves: the probability that a structure passes a limit state at the intensity x is a lognormal curve
-
-    P(x) = Phi(ln(x/theta)/beta)
-
-A curve is fitted to counts at levels (stripes, Baker 2015), to the intensities at which each record first overturns the body (incremental
-dynamic analysis; a record that never overturns it is censored), or to rotations under unscaled records (cloud). The fits take arrays of
-many samples at once, (..., k), so that a bootstrap is one call.
+"""Fits of fragility curves, P(x) = Phi(ln(x/theta)/beta) at the intensity x: to counts at levels (stripes, Baker 2015), to the
+intensities of first overturning (a record that never overturns the body is censored), or to rotations under unscaled records (cloud).
+The fits take arrays of many samples at once, (..., k), so that a bootstrap is one call.
 """
 
 from collections.abc import Callable
@@ -20,7 +16,6 @@ Estimate = tuple[Array, Array]  # ln theta and beta, each (...)
 LEAST = 1e-4  # data with a dispersion below this count as data without scatter
 MOST = 1e3
 FEWEST = 4  # least number of records for a fit
-_ROUNDS = 200
 _STRIDE = 2.0  # largest change of the argument of Phi in one step of Newton's method; the slope changes by half at most
 
 
@@ -54,10 +49,10 @@ class Band:
 
 
 def stripes(x: Array, n: Array, z: Array) -> Estimate:
-    """Return the maximum-likelihood curve of counts: z of n beyond the limit state at each level x; n and z may be sums of weights.
+    """Return the maximum-likelihood curve of counts: z of n beyond the limit state at each level x, (k,); n, z: (..., k), or weights.
 
-    x: (k,), positive; n, z: (..., k). Maximises sum z ln Phi(u) + (n - z) ln Phi(-u), u = ln(x/theta)/beta (Baker 2015,
-    Eq. 11). If the counts do not rise, beta is its upper bound; if they change from none to all, its lower bound.
+    Maximises sum z ln Phi(u) + (n - z) ln Phi(-u), u = ln(x/theta)/beta (Baker 2015, Eq. 11). If the counts do not rise, beta is its upper
+    bound; if they change from none to all, its lower bound.
     """
     from scipy.special import ndtri
 
@@ -74,9 +69,9 @@ def stripes(x: Array, n: Array, z: Array) -> Estimate:
 def first_overturning(r: Array, limit: Array | float, weight: Array | None = None) -> Estimate:
     """Return the curve of the intensities r at which records first overturn the body; NaN or infinite for a record without overturning.
 
-    r: (..., k); limit: the highest intensity computed; weight: 1 by default; both of the same shape or one number. If all records
-    overturn the body, theta = exp(mean ln r) and beta is the standard deviation of ln r with k - 1. Otherwise the curve maximises
-    sum [ln phi(u) - ln beta] + sum ln(1 - Phi(u_limit)), the second sum over the records that do not overturn the body.
+    r: (..., k); limit: the highest intensity computed; both it and weight of the same shape or one number. If all records overturn the
+    body, theta = exp(mean ln r) and beta is the standard deviation of ln r with k - 1. Otherwise the curve maximises
+    sum [ln phi(u) - ln beta] + sum ln(1 - Phi(u_limit)), the second sum over the records without overturning.
     """
     r = np.asarray(r, dtype=float)
     y_limit, w = (np.broadcast_to(np.asarray(x, dtype=float), r.shape) for x in (np.log(limit), 1.0 if weight is None else weight))
@@ -101,15 +96,12 @@ def _likeliest(
     start: Array, slope: Array, y: Array, below: Array, above: Array, m: Array | float = 0.0, first: Array | float = 0.0,
     second: Array | float = 0.0,
 ) -> Estimate:  # fmt: skip
-    """Return the (mu, beta) of largest likelihood, by Newton's method in slope = 1/beta and start = -mu/beta (Olsen 1978).
-
-    below, above: weights of the records known to be below and above each y, (..., k); m, first, second: the sums of weight, y and y^2 of
-    the exact records. With u = start + slope y the log-likelihood is the sum of below ln Phi(u) + above ln Phi(-u), and over the exact
-    records of ln slope - u^2/2.
-    """
+    """Return the (mu, beta) of largest likelihood, by Newton's method in slope = 1/beta and start = -mu/beta (Olsen 1978)."""
+    # below, above: weights of records known to be below and above each y, (..., k); m, first, second: sums of weight, y, y^2 of exact ones.
+    # With u = start + slope y maximise the sum of below ln Phi(u) + above ln Phi(-u), and over the exact records of ln slope - u^2/2.
     from scipy.special import log_ndtr
 
-    for _ in range(_ROUNDS):
+    for _ in range(200):
         u = start[..., None] + slope[..., None] * y
         log_density = -0.5 * u * u - 0.5 * np.log(2.0 * np.pi)
         up, down = np.exp(log_density - log_ndtr(u)), np.exp(log_density - log_ndtr(-u))
@@ -151,7 +143,7 @@ def cloud(x: Array, theta_ratio: Array, limit: float, weight: Array | None = Non
 
 
 def check_levels(x: Array) -> Array:
-    """Return the levels of an intensity measure as an array. Raises UsageError unless they are positive and rise."""
+    """Return the levels as an array. Raises UsageError unless they are positive and rise."""
     x = np.asarray(x, dtype=float)
     if x.ndim != 1 or x.size < 2 or not np.all(np.isfinite(x)) or not x[0] > 0.0 or np.any(np.diff(x) <= 0.0):
         raise UsageError("levels: expected two or more, positive and rising")
@@ -176,8 +168,7 @@ def fit_stripes(x: Array, n: Array, z: Array) -> Curve:
 
 
 def fit_cells(x: Array, n: Array, z: Array) -> Curve:
-    """Return the curve of cells at any x, in any order: of the weight n of each cell z is beyond the limit state. Raises UsageError if the
-    share beyond it does not rise with x."""
+    """Return the curve of cells of weight n at any x, z of it beyond the limit state. Raises UsageError if the share does not rise."""
     return _curve(stripes(x, n, z), np.max(n), "the share beyond the limit state does not rise with the levels; a fit")
 
 
@@ -228,10 +219,9 @@ def bootstrap(
     records: int, estimate: Callable[[Array], Estimate], how: Resampling, x: Array | None = None,
     rate: Callable[[Array, Array], Array] | None = None,
 ) -> Band | None:  # fmt: skip
-    """Return the band of an estimate over resampled records (see `interval`).
+    """Return the band of an estimate over resampled records (see `interval`), None if the samples do not vary.
 
-    estimate: function from indices of records, (..., records), to curves; x: intensities for the band of the probability; rate: function
-    from ln theta and beta to an annual rate. None if the samples do not vary.
+    estimate: from indices of records, (..., records), to curves; x: intensities of the band; rate: from ln theta and beta to a rate.
     """
     return _band(*interval(records, lambda index: _drawn(estimate(index), x, rate), how), rated=rate is not None)
 
@@ -240,8 +230,7 @@ def interval(records: int, statistic: Callable[[Array], Array], how: Resampling)
     """Return the lower and upper ends of statistics over resampled records, (k,) each, bias-corrected and accelerated.
 
     Samples of few records vary too little, so the level is widened from the normal to Student's t, and by the root of n/(n - 1)
-    (Hesterberg 2015, section 3.6). statistic: function from indices of records, (..., records), to numbers, (k, ...). NaN for a
-    statistic whose samples do not vary.
+    (Hesterberg 2015, section 3.6). statistic: from indices of records, (..., records), to numbers, (k, ...); NaN if they do not vary.
     """
     import warnings
 
@@ -262,7 +251,7 @@ def interval(records: int, statistic: Callable[[Array], Array], how: Resampling)
 
 
 def bootstrap_counts(levels: Array, n: Array, z: Array, how: Resampling, x: Array | None = None) -> Band | None:
-    """Return the band of given counts, whose records are not known: the counts of each level are drawn independently."""
+    """Return the band of given counts: those of each level are drawn independently."""
     random = np.random.default_rng(how.seed)
     whole = np.rint(np.asarray(n)).astype(np.int64)
     draws = random.binomial(whole, np.asarray(z, dtype=float) / n, size=(how.samples, np.size(n)))
@@ -272,7 +261,6 @@ def bootstrap_counts(levels: Array, n: Array, z: Array, how: Resampling, x: Arra
 
 
 def _drawn(estimate: Estimate, x: Array | None, rate: Callable[[Array, Array], Array] | None = None) -> Array:
-    """Return ln theta, beta, the annual rate if `rate` is given, and ln(x/theta)/beta at each x, stacked."""
     centre, beta = estimate
     rates = [] if rate is None else [rate(centre, beta)]
     return np.stack([centre, beta, *rates, *((np.log(value) - centre) / beta for value in ([] if x is None else x))])

@@ -35,13 +35,10 @@ RATE_COLUMNS = (
 )  # fmt: skip
 _OPENQUAKE = {"PGV": ("cm/s", 0.01), "PGD": ("cm", 0.01), "Arias": ("m/s", 1.0), "CAV": ("g s", DEFAULT_GRAVITY)}
 _TABLE = "a measure with its unit, and annual_rate or p_50_years: PGA [g],annual_rate"
-_NEAR = 1e-4  # degrees within which a site is the one asked for
-_LITTLE = 0.1  # part of a rate that may be missed without a remark
-_COMMON = 0.01  # probability at the first level without a remark
 
 
 class Point(NamedTuple):
-    """A row of a file: its place, text and value [SI] of its level, text and value [1/year] of its rate."""
+    """A row of a file; level in SI, rate in 1/year."""
 
     place: str
     text: str
@@ -90,7 +87,7 @@ class HazardCurve:
         return -np.diff(np.log(self.rate)) / np.diff(np.log(self.x))
 
     def density(self, x: Array) -> Array:
-        """Return -dH/d(ln x) [1/year] at levels x [SI], at a point that of the line to its right; 0 outside the points."""
+        """Return -dH/d(ln x) [1/year] at levels x [SI], of the line to the right of a point; 0 outside the points."""
         line = np.searchsorted(self.x, x, side="right") - 1
         inside = (line >= 0) & (line < self.slope.size)
         return np.where(inside, self.slope[np.clip(line, 0, self.slope.size - 1)] * self(x), 0.0)
@@ -111,15 +108,14 @@ class HazardCurve:
         return np.asarray(np.clip(ends[..., 0] - ends[..., -1] + np.nan_to_num(part).sum(-1), 0.0, self.rate[0] - self.rate[-1]))
 
     def of_intervals(self, intervals: Sequence[Sequence[tuple[float, float]]], highest: float = math.inf) -> Array:
-        """Return the annual rate [1/year] that each motion adds: the sum of H(x_from) - H(x_to) over its overturning intervals, (members,).
-        Levels above `highest` add nothing."""
+        """Return the annual rate [1/year] of each motion, (members,): sum of H(x_from) - H(x_to) over its intervals up to `highest`."""
         return np.array([float(sum(self(min(a, highest)) - self(min(b, highest)) for a, b in found)) for found in intervals])
 
 
 @dataclass(frozen=True)
 class Rate:
-    """An annual rate [1/year] of passing a limit state, its 95 % band (None: not known), the most that motions beyond the last level add
-    to it, that level [SI], and the probability at the first level of the hazard curve, below which nothing is counted."""
+    """An annual rate [1/year] of passing a limit state, its 95 % band, the most that motions beyond the last level add, that level [SI],
+    and the probability at the first level of the hazard curve."""
 
     annual: float
     low: float | None
@@ -141,13 +137,12 @@ class Rate:
     record = row  # the old name
 
     def remarks(self, hazard: HazardCurve) -> list[str]:
-        """Return a sentence for each end of the levels beyond which a good part of the rate may be missed."""
+        """Return a sentence for each end of the levels beyond which more than a tenth of the rate, or P > 0.01, is not counted."""
         in_words, found = measure_of(hazard.im).in_words, []
-        if self.beyond > _LITTLE * self.annual:
-            found.append(
-                f"{self.annual:.3g} a year up to {in_words(self.last)}; stronger motions, not counted, add {self.beyond:.3g} at most"
-            )
-        if self.first > _COMMON:
+        if self.beyond > 0.1 * self.annual:
+            rate = f"{self.annual:.3g} a year up to {in_words(self.last)}"
+            found.append(f"{rate}; stronger motions, not counted, add {self.beyond:.3g} at most")
+        if self.first > 0.01:
             place = f"{in_words(float(hazard.x[0]))}, where the hazard curve begins"
             found.append(f"the probability is {self.first:.2g} at {place}; weaker motions, not counted, add to the rate")
         return found
@@ -204,7 +199,6 @@ def read_hazard(path: str | Path, im: str = "PGA", site: str | None = None) -> H
 
 
 def _require_measure(place: str, found: str, wanted: Measure) -> None:
-    """Raise UsageError if the levels of a file belong to another measure than `wanted`."""
     try:
         name = measure_of("Arias" if found == "IA" else found).name
     except UsageError:
@@ -228,7 +222,6 @@ def _rate(place: str, text: str, years: float | None) -> float:
 
 
 def _openquake(source: str, rows: Rows, measure: Measure, site: str | None) -> list[Point]:
-    """Return the points of one site in a file of OpenQuake."""
     first, first_row = f"{source}, line {rows[0][0]}", " ".join(rows[0][1])
     imt, time = re.search(r"\bimt='([^']*)'", first_row), re.search(r"\binvestigation_time=([\d.eE+-]+)", first_row)
     if imt is None or time is None or len(rows) < 2 or not any(name.startswith("poe-") for name in rows[1][1]):
@@ -263,11 +256,10 @@ def _is_at(place: str, site: str, row: dict[str, str]) -> bool:
         lon, lat = (parse_quantity(part, "number") for part in site.split(","))
     except ValueError:
         raise UsageError(f"`site`: found {site!r}; expected LON,LAT in degrees, such as 9.15,45.15") from None
-    return all(abs(_number(place, row.get(key, "")) - value) < _NEAR for key, value in (("lon", lon), ("lat", lat)))
+    return all(abs(_number(place, row.get(key, "")) - value) < 1e-4 for key, value in (("lon", lon), ("lat", lat)))
 
 
 def _two_columns(source: str, rows: Rows, measure: Measure) -> list[Point]:
-    """Return the points of a table with a heading: levels, and annual rates or probabilities."""
     (line, names), body = rows[0], rows[1:]
     (im, unit), (kind, _) = (split_heading(name) for name in names) if len(names) == 2 else (("", ""), ("", ""))
     years = re.fullmatch(r"p_([\d.]+)_years?", kind)

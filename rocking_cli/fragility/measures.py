@@ -21,15 +21,13 @@ from ..motions.recording import Recording
 from ..motions.response_spectra import mean_acceleration, periods_of
 from ..structures.parameters import RockingParameters
 
-_STEPS = 4096  # steps of the trapezium rule over a piece of a pulse, for measures to 1e-6
 Value = Callable[[Intensity, RockingParameters], float]
 SPECTRAL = ("SA(0.5)", "SA(1)", "SA(2)", "AvgSA(1)")  # measures of records that are compared with MEASURES
 
 
 @dataclass(frozen=True)
 class Measure:
-    """An intensity measure: its name, its unit and dimension (a word of `quantities.UNITS`), the value of a motion for a structure,
-    the power of the scale factor, and True if it depends on the structure."""
+    """An intensity measure; dimension: a word of `quantities.UNITS`; value: of a motion for a structure; power: of the scale factor."""
 
     name: str
     unit: str
@@ -41,8 +39,9 @@ class Measure:
 
     def in_words(self, value: float) -> str:
         """Return a value of the measure [SI] in words; accelerations are in g."""
-        in_g = self.dimension == "acceleration"
-        return f"{value / DEFAULT_GRAVITY:.4g} g" if in_g else f"{value:.4g} {self.unit}".rstrip()
+        if self.dimension == "acceleration":
+            return f"{value / DEFAULT_GRAVITY:.4g} g"
+        return f"{value:.4g} {self.unit}".rstrip()
 
 
 def _tan(s: RockingParameters) -> float:
@@ -62,7 +61,6 @@ MEASURES = {
         Measure("nPGD", "", "number", lambda i, s: s.p**2 * i.pgd / _tan(s), of_structure=True),
     )
 }
-"""nPGA is PGA/(lambda g), nPGV p PGV/(g tan alpha), nPGD p^2 PGD/(g tan alpha)."""
 
 
 def measure_of(name: str) -> Measure:
@@ -83,8 +81,8 @@ def compared(members: "Sequence[Member]", own: Measure) -> Collection[Measure]:
 
 @dataclass(frozen=True, eq=False)
 class Member:
-    """A motion of a set: a pulse or a record (`recording`), whose motion is computed on request. acceleration: peak [m/s2]; omega: circular
-    frequency [rad/s], 1 for a record; intensity: its measures, PGA and others; weight: in means over the set."""
+    """A motion of a set: a pulse or a record. acceleration: peak [m/s2]; omega: circular frequency [rad/s], 1 for a record; weight: in
+    means over the set."""
 
     label: str
     acceleration: float
@@ -96,7 +94,7 @@ class Member:
 
     @property
     def motion(self) -> Motion:
-        """The motion over its phase."""
+        """The motion over its phase; that of a record is computed on request."""
         if self.pulse is not None:
             return self.pulse
         assert self.recording is not None
@@ -116,8 +114,8 @@ class Member:
 
 
 def shaken_upwards(members: Sequence[Member], upwards: Upwards) -> tuple[Member, ...]:
-    """Return the motions with a vertical motion added to each; the measures stay those of the horizontal motion. Raises UsageError if one
-    is a record and the other a pulse."""
+    """Return the motions with a vertical motion added to each; the measures stay. Raises UsageError if one is a record and the other a
+    pulse."""
     upwards(members[0].motion)  # the motions of records are computed later
     return tuple(
         replace(m, pulse=upwards(m.motion)) if m.recording is None else replace(m, recording=replace(m.recording, upwards=upwards))
@@ -137,10 +135,9 @@ def members_of(recordings: Sequence[Recording]) -> tuple[Member, ...]:
 
 def site_pulses(path: str | Path, factor: float | None = None) -> tuple[Member, ...]:
     """Read the pulses of a site: CSV with columns a_g, one of f_g, T_g, omega_g, optionally weight (default 1) and pulse (default sine).
-    factor: of each pulse; a negative one reverses it.
 
-    Cells are numbers in SI, or with a unit. Weights are scaled to a mean of 1. Raises UsageError for an unreadable file, DocumentError
-    with file, line and column for its faults.
+    factor: of each pulse. Cells are numbers in SI, or with a unit; weights are scaled to a mean of 1. Raises UsageError for an unreadable
+    file, DocumentError with file, line and column for its faults.
     """
     columns, rows = named_rows(path)
     frequencies = {"f_g": "frequency", "T_g": "time", "omega_g": "angular frequency"}
@@ -150,10 +147,9 @@ def site_pulses(path: str | Path, factor: float | None = None) -> tuple[Member, 
             raise DocumentError(f"{path}, line 1: unknown column {name!r}; expected {', '.join(known)}{did_you_mean(name, known)}")
     given = [name for name in columns if name in frequencies]
     if "a_g" not in columns or len(given) != 1:
-        raise DocumentError(
-            f"{path}, line 1: found the columns {', '.join(columns) or 'none'}; expected a_g and one of {', '.join(frequencies)}"
-        )
-    found: list[Member] = []
+        found = ", ".join(columns) or "none"
+        raise DocumentError(f"{path}, line 1: found the columns {found}; expected a_g and one of {', '.join(frequencies)}")
+    members: list[Member] = []
     for line, row in rows:
         stated = _positive(path, line, row, given[0], frequencies[given[0]])
         omega = stated if given[0] == "omega_g" else 2.0 * math.pi * (stated if given[0] == "f_g" else 1.0 / stated)
@@ -165,11 +161,11 @@ def site_pulses(path: str | Path, factor: float | None = None) -> tuple[Member, 
         motion = motion if factor is None else motion.scaled(factor)
         weight = _positive(path, line, row, "weight", "number") if "weight" in columns else 1.0
         label = f"{motion.name}, {a_g:.4g} m/s2, {omega / (2.0 * math.pi):.4g} Hz"
-        found.append(Member(label, a_g * motion.largest, omega, pulse_intensity(motion, a_g, omega), weight, pulse=motion))
-    if not found:
+        members.append(Member(label, a_g * motion.largest, omega, pulse_intensity(motion, a_g, omega), weight, pulse=motion))
+    if not members:
         raise DocumentError(f"{path}: holds no pulse")
-    mean = sum(m.weight for m in found) / len(found)
-    return tuple(replace(m, weight=m.weight / mean) for m in found)
+    mean = sum(m.weight for m in members) / len(members)
+    return tuple(replace(m, weight=m.weight / mean) for m in members)
 
 
 def cell(path: str | Path, line: int, row: dict[str, str], column: str, dimension: str) -> float:
@@ -188,7 +184,7 @@ def pulse_intensity(motion: Motion, a_g: float, omega: float) -> Intensity:
     """Return the measures of a pulse of amplitude a_g [m/s2] and frequency omega [rad/s], by the trapezium rule on each piece."""
     from scipy.integrate import cumulative_trapezoid
 
-    phases = [np.linspace(piece.start, piece.stop, _STEPS + 1) for piece in motion.pieces]
+    phases = [np.linspace(piece.start, piece.stop, 4097) for piece in motion.pieces]  # for measures to 1e-6
     t = np.concatenate(phases) / omega
     a = a_g * np.concatenate([piece.value(phase) for piece, phase in zip(motion.pieces, phases, strict=True)])
     v, energy, cav = (cumulative_trapezoid(y, t, initial=0.0) for y in (a, a * a, np.abs(a)))

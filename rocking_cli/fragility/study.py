@@ -20,7 +20,7 @@ from . import fits
 from .exposure import Exposure, Interval, MotionSet, Progress, as_recorded, exposures, first_of, share_overturned, traced
 from .fits import Band, Curve, Resampling, check_levels
 from .hazard import HazardCurve, Rate
-from .measures import MEASURES, Measure, cell, compared, measure_of, members_of
+from .measures import Measure, cell, compared, measure_of, members_of
 
 Array = np.ndarray
 Fitted = tuple[Curve, Callable[[Array], fits.Estimate], dict[float, float]]  # with the estimate of samples, and the points of the data
@@ -34,7 +34,6 @@ HAZARD_COLUMNS = ("hazard", "deaggregation", "annual_rate")  # of the points of 
 CURVE_COLUMNS = ("structure", "im", "limit_state", "method", "x", "probability", "low", "high", "fraction")
 CELL_COLUMNS = ("structure", "motion", "pga", "pgv_pga", "theta_ratio", "outcome")
 EFFICIENCY_COLUMNS = ("structure", "im", "median", "beta", "efficiency", "n", "theta")
-_POINTS = 61  # of a curve
 
 
 def word_of(limit: float | None) -> str:
@@ -44,10 +43,7 @@ def word_of(limit: float | None) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A fitted curve with its band and data points: x and the fraction beyond the limit state.
-
-    With a hazard curve: the annual rate of the fit, and of overturning that of the traced intervals, without a fit.
-    """
+    """A fitted curve with its band at x, the fraction beyond the limit state by level, and with a hazard curve its annual rate."""
 
     structure: str
     im: str
@@ -60,14 +56,14 @@ class Fit:
     hazard: HazardCurve | None = None
     rate: Rate | None = None
     rate_without_fit: Rate | None = None
-    no_damage: float = 0.0  # the level [SI] up to which the structure stays at rest, 0 if that is not known
+    no_damage: float = 0.0  # the level [SI] up to which the structure stays at rest, 0 if unknown
 
     def row(self) -> dict[str, Any]:
         """Return the fit as one row."""
         c, b = self.curve, self.band
         low, high, *beta = (None,) * 4 if b is None else (b.theta_low, b.theta_high, b.beta_low, b.beta_high)
-        values = (c.theta, c.beta, low, high, *beta, round(c.n), c.theta, low, high)
-        row = {**self._names(), **dict(zip(FRAGILITY_COLUMNS[4:], values, strict=True))}
+        values = (*self._names().values(), c.theta, c.beta, low, high, *beta, round(c.n), c.theta, low, high)
+        row: dict[str, Any] = dict(zip(FRAGILITY_COLUMNS, values, strict=True))
         if self.rate is not None:
             row |= {**self.rate.row(), "rate_without_fit": self.rate_without_fit and self.rate_without_fit.annual}
         return row
@@ -75,7 +71,7 @@ class Fit:
     record = row  # the old name
 
     def points_of_curve(self) -> Iterator[dict[str, Any]]:
-        """Yield the curve as rows, with the band, and the fraction beyond the limit state at the levels."""
+        """Yield the curve as rows."""
         probability = self.curve(self.x)
         hazard = hazard_points(self.hazard, self.x, probability, self.rate)
         for i, (x, more) in enumerate(zip(self.x.tolist(), hazard, strict=True)):
@@ -88,8 +84,7 @@ class Fit:
 
 
 def _with_more(levels: Array, first: float, last: float) -> Array:
-    """Return the levels together with _POINTS further ones from `first` to `last`, in rising order."""
-    return np.union1d(np.geomspace(first, last, _POINTS), levels)
+    return np.union1d(np.geomspace(first, last, 61), levels)
 
 
 def hazard_points(hazard: HazardCurve | None, x: Array, probability: Array, rate: Rate | None) -> list[dict[str, Any]]:
@@ -103,11 +98,8 @@ def hazard_points(hazard: HazardCurve | None, x: Array, probability: Array, rate
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """A structure under a set of motions.
-
-    exposure: its responses at the levels; intervals: its overturning intervals of the measure, if traced; recorded: its responses to the
-    unscaled motions; hazard: the hazard curve of the site.
-    """
+    """A structure under a set of motions: its responses at the levels (exposure) and to the unscaled motions (recorded), and its
+    overturning intervals of the measure, if traced."""
 
     structure: RockingParameters
     motions: MotionSet
@@ -119,7 +111,6 @@ class Study:
 
     @property
     def highest(self) -> float:
-        """The highest level."""
         return float(self.motions.levels[-1])
 
     def own(self, measure: Measure) -> Array:
@@ -128,8 +119,7 @@ class Study:
 
     @property
     def no_damage(self) -> float:
-        """The level [SI] up to which the structure stays at rest: for PGA without a vertical motion the uplift by the equation of the
-        study, otherwise 0."""
+        """The level [SI] of uplift by the equation of the study for PGA without a vertical motion, otherwise 0."""
         lifted = any(m.recording.upwards is not None if m.recording else m.motion.vertical is not None for m in self.motions.members)
         s, linear = self.structure, self.motions.method.model == LINEAR.model
         return 0.0 if lifted or self.motions.measure.name != "PGA" else s.gravity * (s.linear_uplift if linear else s.uplift)
@@ -178,10 +168,8 @@ class Study:
 
     @cached_property
     def rate_without_fit(self) -> Rate | None:
-        """The annual rate of overturning from the traced intervals, without a fit: the mean over the motions, each with its weight.
-
-        Nothing is counted beyond the highest level or the last of the hazard curve. None without a hazard curve, or without intervals.
-        """
+        """The annual rate of overturning: the weighted mean of that of the traced intervals, up to the highest level and the last of the
+        hazard curve. None without a hazard curve, or without intervals."""
         if self.hazard is None or self.intervals is None:
             return None
         highest, w = min(self.highest, float(self.hazard.x[-1])), self.motions.weight
@@ -194,7 +182,7 @@ class Study:
         return Rate(float(of_each.sum() / w.sum()), low, high, float(self.hazard(highest)), highest, first)
 
     def exact_row(self) -> dict[str, Any]:
-        """Return the annual rate of overturning without a fit as one row. Raises UsageError if there is no such rate."""
+        """Return `rate_without_fit` as one row. Raises UsageError if there is none."""
         if (rate := self.rate_without_fit) is None:
             missing = "hazard curve" if self.hazard is None else "traced overturning intervals"
             raise UsageError(f"{self.structure.name}: found no {missing}; expected a hazard curve and traced overturning intervals")
@@ -202,7 +190,7 @@ class Study:
         return {**row, "rate_without_fit": rate.annual}
 
     def exact_rows(self) -> Iterator[dict[str, Any]]:
-        """Yield the exact share of overturning motions as rows, one for each change."""
+        """Yield the exact share of overturning motions as a row for each change."""
         assert self.intervals is not None
         x, share = share_overturned(self.intervals, self.motions.weight)
         for at, part, more in zip(x, share, hazard_points(self.hazard, x, share, self.rate_without_fit), strict=True):
@@ -213,7 +201,7 @@ class Study:
 
     @property
     def resurrections(self) -> int:
-        """The number of motions that overturn the structure at one level and not at a higher one; exact if the intervals are traced."""
+        """The number of motions that overturn the structure at one level and not at a higher one."""
         if self.intervals is None:
             beyond = self.exposure.beyond(None)[0]
             return int((beyond[:, :-1] & ~beyond[:, 1:]).any(axis=1).sum())
@@ -222,8 +210,8 @@ class Study:
     def efficiency(self) -> list[dict[str, Any]]:
         """Return rows with the dispersion for each measure, the smallest first; efficiency: the smallest dispersion over that of the row.
 
-        If the intervals are traced, the dispersion comes from the first overturnings, otherwise from the cells at the levels: a cell has a
-        value of each measure. Raises UsageError for too few overturnings.
+        The dispersion is that of the first overturnings, if traced, otherwise of the cells at the levels. Raises UsageError for too few
+        overturnings.
         """
         found: list[tuple[str, Curve]] = []
         (gone, known), motions, weight = self.exposure.beyond(None), self.motions, self.motions.weight
@@ -246,14 +234,13 @@ class Study:
 
     def cells(self) -> Iterator[dict[str, Any]]:
         """Yield the cells as rows over PGA [m/s2] and PGV/PGA [s]; a factor of the motion does not change PGV/PGA."""
-        measure, levels, pga = self.motions.measure, self.motions.levels, MEASURES["PGA"]
-        for m, own, ratios, codes in zip(
-            self.motions.members, self.own(measure), self.exposure.theta_ratio, self.exposure.outcome, strict=True
-        ):
-            at = m.intensity.pga * (levels / own) ** (pga.power / measure.power)
-            for x, theta, outcome in zip(at, ratios, codes, strict=True):
-                row = {"structure": self.structure.name, "motion": m.label, "pga": float(x), "pgv_pga": m.intensity.pgv / m.intensity.pga}
-                yield {**row, "theta_ratio": float(theta), "outcome": Outcome(int(outcome)).flag}
+        motions, exposure = self.motions, self.exposure
+        for m, own, *cells in zip(motions.members, self.own(motions.measure), exposure.theta_ratio, exposure.outcome, strict=True):
+            i = m.intensity
+            pga = i.pga * (motions.levels / own) ** (1.0 / motions.measure.power)
+            for x, theta, outcome in zip(pga, *cells, strict=True):
+                values = (self.structure.name, m.label, float(x), i.pgv / i.pga, float(theta), Outcome(int(outcome)).flag)
+                yield dict(zip(CELL_COLUMNS, values, strict=True))
 
 
 def fragility(
@@ -263,9 +250,9 @@ def fragility(
 ) -> list[Fit]:  # fmt: skip
     """Return the fragility curves of structures under records, as `rocking fragility` fits them.
 
-    levels: those of the measure im, in SI; limits: values of |theta|/alpha, None for overturning; methods: some of `METHODS`; method: the
-    equation of motion, None for `governing_method`; how: options of the bootstrap; hazard: the hazard curve for annual rates, of the same
-    measure. A limit state with too few data is left out. Raises UsageError for bad levels or another measure, and if no fit is left.
+    levels: of the measure im, in SI; limits: values of |theta|/alpha, None for overturning; methods: some of `METHODS`; method: the
+    equation of motion, None for `governing_method`; hazard: a curve of the same measure, for annual rates. A limit state with too few data
+    is left out. Raises UsageError for bad levels or another measure, and if no fit is left.
 
     >>> fragility(load_structures('configs/block.yaml'), load_records('configs/motions/synthetic.at2'), [1.0, 2.0])
     Traceback (most recent call last):
@@ -277,9 +264,8 @@ def fragility(
         raise UsageError(f"found a hazard curve of {hazard.im}; expected {measure.name}, the measure `im`")
     motions = MotionSet(members_of(records), measure, x, method or governing_method(*structures))
     exact, sweep = hazard is not None and None in limits, SweepOptions(workers=workers)
-    found, refused = fitted(
-        list(studies(structures, motions, methods, how or Resampling(), exact=exact, hazard=hazard, sweep=sweep)), limits, methods
-    )
+    each = list(studies(structures, motions, methods, how or Resampling(), exact=exact, hazard=hazard, sweep=sweep))
+    found, refused = fitted(each, limits, methods)
     if not found and refused:
         raise UsageError(refused[0])
     return found
@@ -290,20 +276,17 @@ def studies(
     path: Path | None = None, exact: bool = False, hazard: HazardCurve | None = None,
     line: Callable[[str, str], Progress | None] = lambda name, unit: None,
 ) -> Iterator[Study]:  # fmt: skip
-    """Each structure under a set of motions; fits: the methods of fitting; sweep, path: as of `exposures`; exact: trace every overturning
-    interval; hazard: for rates; line: the progress of work by its name and unit."""
+    """Yield each structure under a set of motions; sweep, path: as of `exposures`; exact: trace every overturning interval; line: the
+    progress of work by its name and unit."""
     found = exposures(structures, motions, path, replace(sweep, progress=line("fragility", "chunks")))
     for s, exposure in zip(structures, found, strict=False):
-        intervals = recorded = None
-        if exact or "first" in fits:
-            intervals = traced(s, motions, sweep.workers, line(s.name, "motions"))
-        if "cloud" in fits:
-            recorded = as_recorded(s, motions)
+        intervals = traced(s, motions, sweep.workers, line(s.name, "motions")) if exact or "first" in fits else None
+        recorded = as_recorded(s, motions) if "cloud" in fits else None
         yield Study(s, motions, how, exposure, intervals, recorded, hazard)
 
 
 def fitted(studies: Sequence[Study], limits: Iterable[float | None], methods: Iterable[str]) -> tuple[list[Fit], list[str]]:
-    """Return (the fits, a sentence on each fit for which there are too few data)."""
+    """Return (the fits, a sentence on each that has too few data)."""
     found, refused = [], []
     for study, method, limit in product(studies, methods, limits):
         if (method == "first") != (limit is None) and method != "stripes":
@@ -316,15 +299,12 @@ def fitted(studies: Sequence[Study], limits: Iterable[float | None], methods: It
 
 
 def counted(path: str | Path, how: Resampling) -> list[Fit]:
-    """Return the curves of given counts: CSV with the columns im (a level), n (motions) and z (motions beyond the limit state).
-
-    Raises UsageError if the data do not support a fit, DocumentError with file, line and column for faults of the file.
-    """
+    """Return the curve of given counts: CSV with the columns im (a level), n (motions) and z (motions beyond the limit state). Raises
+    UsageError if the data do not support a fit, DocumentError with file, line and column."""
     columns, rows = named_rows(path)
     if set(columns) != {"im", "n", "z"}:
         raise DocumentError(f"{path}, line 1: found the columns {', '.join(columns) or 'none'}; expected im, n and z")
-    values = {key: np.array([cell(path, line, row, key, "number") for line, row in rows]) for key in ("im", "n", "z")}
-    x, n, z = values["im"], values["n"], values["z"]
+    x, n, z = (np.array([cell(path, line, row, key, "number") for line, row in rows]) for key in ("im", "n", "z"))
     for at in np.flatnonzero((n <= 0.0) | (z < 0.0) | (z > n))[:1].tolist():
         raise DocumentError(f"{path}, line {rows[at][0]}: found n = {n[at]:g}, z = {z[at]:g}; expected n above 0 and z from 0 to n")
     try:
