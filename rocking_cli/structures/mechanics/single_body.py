@@ -85,7 +85,7 @@ class RigidBody:
             found = RockingParameters.of_sides(**more, left=sides[0], right=sides[1], eta_source=source)
         if not [key for key in RESTRAINTS if document.has(key)]:
             return found
-        from ..restraint_keys import restrained
+        from ..restraints import restrained
 
         (_, (x_left, level)), *_, (_, (x_right, _)) = body.drawing.pivots
         z = [z for outline in (*body.drawing.still, *body.drawing.bodies) for _, z in outline]
