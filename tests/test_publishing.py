@@ -76,7 +76,7 @@ def test_a_link_to_a_file_stays_and_the_file_is_replaced(tmp_path):
 
 def test_a_full_disk_names_the_file_and_leaves_nothing(tmp_path):
     """A limit on the length of files is what the system offers; a figure is longer."""
-    call = f"ulimit -f 1; exec {sys.executable} -m rocking_cli draw block:0.5x2 -o o.svg"
+    call = f"ulimit -f 1; PYTHONDONTWRITEBYTECODE=1 exec {sys.executable} -m rocking_cli draw block:0.5x2 -o o.svg"
     done = subprocess.run(["bash", "-c", call], cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False)
     assert (done.returncode, done.stderr) == (1, "rocking: o.svg: cannot be written: File too large\n")
     assert names(tmp_path) == []

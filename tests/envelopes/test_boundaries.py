@@ -7,7 +7,6 @@ import math
 import numpy as np
 import pytest
 from bench.intervals import misjudged
-from scipy.integrate import trapezoid
 
 from rocking_cli import (
     LinearEquation,
@@ -46,7 +45,7 @@ BODIES = {
 
 
 @pytest.mark.parametrize("name", BODIES)
-@pytest.mark.parametrize("motion", [sine(), sine(0.5), sine(2), pulse("rectangular-impulse"), MOTIONS[-1]], ids=lambda m: m.name)
+@pytest.mark.parametrize("motion", [sine(), sine(0.5), MOTIONS[-1]], ids=lambda m: m.name)
 def test_nothing_overturns_where_the_scan_does_not_look_below(motion, name):
     """And half a sine that is short overturns some bodies at half as much again."""
     (system, eta), omegas = BODIES[name], np.geomspace(0.5, 60.0, 20)
@@ -56,17 +55,6 @@ def test_nothing_overturns_where_the_scan_does_not_look_below(motion, name):
     assert np.all(below == Outcome.ROCKED)
     if motion.name == sine(0.5).name:
         assert np.count_nonzero(~safe(search.outcome(1.5 * bound, omegas))) > 3
-
-
-def test_an_impulse_overturns_just_above_that_bound():
-    traced = trace_envelope(dimensionless_oscillator(0.9), sine(0.5), [60.0], a_max=40.0)
-    assert traced[0].a_from == pytest.approx(60.0 / path(sine(0.5)), rel=0.05, abs=0)
-
-
-def path(motion):
-    """int |s| dphi by the trapezium rule."""
-    phase = np.linspace(0.0, motion.duration, 200_001)
-    return float(trapezoid(np.abs(motion.value(phase)), phase))
 
 
 @pytest.mark.parametrize("motion", MOTIONS[:6], ids=lambda m: m.name)
@@ -170,11 +158,6 @@ def test_no_interval_wider_than_1e_4_is_missed_under_several_cycles(motion, eta,
     wide, missed, _ = misjudged(motion, eta, omega, a_max)
     assert wide >= least
     assert missed == []
-
-
-def test_a_finer_scan_is_for_motions_that_change_their_sign_more_than_once():
-    for motion, count in ((sine(0.5), 0), (sine(), 1), (cosine(1), 2), (sine(1.5), 2), (sine(5), 9), (pulse("rectangular-impulse"), 1)):
-        assert motion.segments.sign_changes == count
 
 
 def test_amplitudes_beyond_any_whole_number_lie_above_the_last_point():

@@ -23,7 +23,7 @@ def fate(motion, amplitude, omega, eta):
 @pytest.fixture(scope="module")
 def three_cycles(tmp_path_factory):
     path = tmp_path_factory.mktemp("spectra") / "three.h5"
-    write_spectrum([dimensionless_oscillator(0.8)], sine(3), parse_grid("A=1:8:71,Omega=1:8:71"), path, workers=1)
+    write_spectrum([dimensionless_oscillator(0.8)], sine(3), parse_grid("A=1:8:8,Omega=1:8:8"), path, workers=1)
     with SpectraFile(path) as file:
         yield file
 
@@ -83,7 +83,7 @@ def test_two_ways_to_fall_that_meet_are_no_boundary():
 
 
 def test_a_cell_that_the_spectrum_knows_is_interpolated_exactly(three_cycles):
-    found = predict(dimensionless_oscillator(0.8), three_cycles, cell(float(np.linspace(1, 8, 71)[3]), 7.0))
+    found = predict(dimensionless_oscillator(0.8), three_cycles, cell(2.0, 7.0))
     assert found["interpolation_error"] == 0.0
 
 
