@@ -140,10 +140,6 @@ def test_the_limit_of_the_search_is_written_as_for_an_envelope(rocking):
     both = [rocking("check", STATED, "--a-g", "0.1g", "--f-g", "1.2", "--a-max", most, "--csv").stdout for most in ("0.3g", "1.5")]
     assert both[0] == both[1]
     assert csv_rows(both[0])[0]["first_overturning_a"] == ""
-    record = ("--motion", "configs/motions/synthetic.at2")
-    traced = [rocking("envelope", STATED, *record, "--a-max", most, "--first", "--csv") for most in ("0.3g", "1.5")]
-    assert traced[0].stdout == traced[1].stdout != ""
-    assert "up to 2.943 m/s2" in traced[0].stderr
 
 
 def test_a_varied_value_is_a_column_and_members_without_a_solution_are_left_out(rocking):
@@ -236,7 +232,6 @@ def test_the_opposite_direction_of_a_body_with_one_side_is_told(rocking):
 
 def test_a_further_hinge_of_an_arch_is_named(rocking):
     call = ("check", "configs/block.yaml", "configs/arch.yaml", "--a-g", "0.4g", "--f-g", "1", "--verdict-only")
-    assert [row.get("opens") for row in rocking(*call, "--json").records] == [None, True]
-    assert [line.rpartition(",")[2] for line in rocking(*call, "--csv").stdout.splitlines()] == ["opens", "", "True"]
-    done = rocking(*call)
+    done = rocking(*call, "--csv")
+    assert [line.rpartition(",")[2] for line in done.stdout.splitlines()] == ["opens", "", "True"]
     assert "open a further hinge (see response --forces), so that another mechanism follows: Oppenheim" in done.stderr

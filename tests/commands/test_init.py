@@ -10,10 +10,6 @@ def test_it_prints_a_commented_document_that_is_valid(rocking, kind):
     done = rocking("init", kind)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.startswith("# ")
+    assert kind in rocking("init", "--help").stdout
     record = rocking("params", "-", "--json", stdin=done.stdout).record
     assert record["structure_kind"] == kind
-
-
-def test_its_help_names_all_kinds(rocking):
-    text = " ".join(rocking("init", "--help").stdout.split())
-    assert all(kind in text for kind in KINDS)

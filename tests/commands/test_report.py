@@ -235,10 +235,3 @@ def test_the_worst_of_several_motions_speaks_for_a_structure():
 )
 def test_a_demand_in_words(motion, axes, words):
     assert demand_plainly([(motion, parse_grid(axes))], "up.at2" if "up.at2" in words else None) == words
-
-
-@pytest.mark.soak
-def test_fragility_where_records_are_given(tmp_path):
-    found = Page(page([subject(STATED)], [STANDS], recordings=recordings(tmp_path, 5), demand="", command="x", made="today", workers=1))
-    assert len([row for row in found.rows if row[0].strip() == "overturning"]) == 1
-    assert len(found.sources) == 2  # capacities and curves

@@ -41,6 +41,7 @@ def test_every_boundary_of_the_range_and_a_range_without_one(rocking, judged):
     judged(capacity)
     call = ("solve", "block:0.6x1", *SHAKING, "--json", "--vary")
     low, high = rocking(*call, "height=1.3:6:5").records
+    assert rocking(*call, "height=6:1.3:5").records == [low, high]
     assert (low["side"], high["side"]) == ("stands above", "stands below")
     assert 2.0 <= low["value"] < 2.00002
     assert 4.99998 < high["value"] <= 5.0

@@ -85,18 +85,6 @@ def test_an_input_is_never_the_output(refused, tmp_path):
         assert f"{output} is an input of this call" in refused(2, *shaken, motion, "-o", output)
 
 
-def test_nonlinear_sweep_of_the_reference_block(rocking, tmp_path):
-    # Boundaries at A = 3.03234, 6.74302, 7.49300 for Omega = 5.
-    block, grid = "block:radius=1.6065814,alpha=0.25,restitution=0.9", ("--grid", "A=3.03:7.5:448,Omega=5")
-    done = rocking("spectrum", block, *grid, "--model", "nonlinear", "-o", "s.h5", "--json", "--impacts")
-    assert done.record["estimated_error"] < 5e-9
-    with h5py.File(tmp_path / "s.h5") as f:
-        a, outcome = f["A"][...], f["outcome"][0, 0]
-        assert f.attrs["model"] == "nonlinear"
-    expected = np.where(((a > 3.03234) & (a < 6.74302)), 4, np.where(a > 7.493, 3, 2))
-    assert np.array_equal(outcome, expected)
-
-
 @pytest.mark.parametrize(
     ("workers", "stop"), [("1", signal.SIGTERM), ("2", signal.SIGINT), pytest.param("2", signal.SIGTERM, marks=pytest.mark.soak)]
 )

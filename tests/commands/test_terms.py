@@ -11,7 +11,6 @@ from rocking_cli.commands import cli
 from rocking_cli.commands.printing import in_options
 
 PACKAGE = Path(__file__).resolve().parents[2] / "rocking_cli"
-LIBRARY = sorted(path for path in PACKAGE.rglob("*.py") if path.relative_to(PACKAGE).parts[0] != "commands")
 
 
 @pytest.mark.parametrize(
@@ -29,9 +28,9 @@ def test_arguments_become_the_options_of_the_command(command, text, said):
     assert in_options(text, found) == said
 
 
-@pytest.mark.parametrize("path", LIBRARY, ids=lambda path: str(path.relative_to(PACKAGE)))
-def test_no_sentence_of_the_library_names_an_option(path):
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    explained = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
-    said = [n.value for n in ast.walk(tree) if isinstance(n, ast.Constant) and isinstance(n.value, str) and id(n) not in explained]
-    assert [text for text in said if re.search(r"--[a-z]", text)] == []
+def test_no_sentence_of_the_library_names_an_option():
+    for path in PACKAGE.rglob("*.py"):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        explained = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+        said = [n.value for n in ast.walk(tree) if isinstance(n, ast.Constant) and isinstance(n.value, str) and id(n) not in explained]
+        assert path.parent.name == "commands" or [text for text in said if re.search(r"--[a-z]", text)] == [], path
