@@ -89,14 +89,12 @@ code-study: $(STAMPS)/dev ## How often the methods of the Italian code are unsaf
 bench: $(STAMPS)/dev ## Speed and error of every scene
 	.venv/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
 	.venv/bin/python tests/bench/bench.py
-	.venv/bin/python tests/bench/waiting.py
 	PYTHONPATH=tests .venv/bin/python tests/support/shown_commands.py
 	.venv/bin/python tests/bench/left_out.py
-	.venv/bin/python tests/bench/database.py
 
 # Records at the scale of a database, minutes: 200 x 10^4 cells, the nonlinear equation, first and all intervals of overturning.
 database: $(STAMPS)/dev ## Records at the scale of a database, minutes
-	.venv/bin/python tests/bench/database.py 200 --long
+	.venv/bin/python tests/bench/database.py
 
 # Which results of a commit the working tree changes, by bits: make golden BASE=HEAD.
 BASE ?= HEAD

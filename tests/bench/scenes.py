@@ -43,7 +43,6 @@ UPWARDS = Motion("up", (Piece(0.0, 2.0 * math.pi, (Harmonic(1.0, 2.3, 0.3),)),))
 LEFT, RIGHT = Side("left", 2.0, 0.2, math.tan(0.2), 1.0, ETA), Side("right", 2.1, 0.22, math.tan(0.22), 1.0, ETA)
 PLAIN = RockingParameters("symmetric", "block", 2.0, 0.2, ETA, math.tan(0.2), 1.0)
 BODIES = {
-    "symmetric": PLAIN,
     "unequal": RockingParameters.of_sides("unequal", "prism", LEFT, RIGHT),
     "one-sided": replace(PLAIN, eta=-0.45, one_sided=True),
     "damped": replace(PLAIN, damping=0.05),
