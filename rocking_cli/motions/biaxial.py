@@ -13,8 +13,8 @@ from .polyline import Polyline
 
 
 def with_vertical(motion: Motion, vertical: Motion, scale: float = 1.0) -> Motion:
-    """Return a horizontal motion with a vertical one times `scale`, which may be negative. Two records keep the ratio of their amplitudes.
-    Two pulses or motion documents share a_g and phase. Raises UsageError if only one of the two motions is a record."""
+    """Return a horizontal motion with a vertical one times `scale`; two records keep the ratio of their amplitudes, others share a_g and
+    phase. Raises UsageError if only one of them is a record."""
     own, other = motion.acceleration, vertical.acceleration
     if (own is None) != (other is None):
         raise UsageError("only one of the horizontal and the vertical motion is a record; expected two records, or none")
@@ -33,11 +33,11 @@ class Upwards:
     scale: float = 1.0
 
     def __call__(self, motion: Motion) -> Motion:
-        """Return the horizontal motion `motion` with this vertical one, see `with_vertical`."""
+        """Return the motion with this vertical one, see `with_vertical`."""
         return with_vertical(motion, self.vertical, self.scale)
 
     def identity(self) -> list[Any]:
-        """Return what a result takes from this vertical motion: name, hash of its samples, amplitude of a record [m/s2], factor `scale`."""
+        """Return name, hash of the samples, amplitude of a record [m/s2] and factor: the data on which a result depends."""
         lines, found = self.vertical, hashlib.sha256()
         if isinstance(lines, Polyline):
             for part in blocks(lines.start.size):  # one after the other, as in files of earlier versions
@@ -47,7 +47,7 @@ class Upwards:
 
 
 def combined(motion: Motion, factor: float) -> Motion:
-    """Return one motion, the sum of the horizontal motion and `factor` times its vertical one."""
+    """Return the sum of the horizontal motion and `factor` times its vertical one."""
     up = motion.vertical
     assert up is not None
     if isinstance(motion, Polyline) and isinstance(up, Polyline):

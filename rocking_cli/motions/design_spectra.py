@@ -1,8 +1,7 @@
 """Elastic spectra for the check by a code: that of a motion, of a file, and of a floor (Circolare 7/2019, section C7.2.3).
 
-A spectrum has `pga`, the peak acceleration [m/s2], `acceleration`, S_a [m/s2] at periods [s] of shape (n,), and `demand`, the
-displacement [m] that the code compares with the displacement of a limit state: the largest S_d up to the secant period, since the
-stiffness falls to the secant one.
+A spectrum has `pga` [m/s2], `acceleration`, S_a [m/s2] at periods [s] of shape (n,), and `demand`: the largest S_d [m] up to the secant
+period, since the stiffness falls to the secant one.
 """
 
 import math
@@ -41,7 +40,7 @@ class MotionSpectrum:
 
     @classmethod
     def of(cls, motion: Motion, amplitude: float, omega: float) -> Self:
-        """Return the spectrum of a motion with this amplitude a_g [m/s2] and frequency omega [rad/s], without its vertical part."""
+        """Return the spectrum of the horizontal motion with amplitude a_g [m/s2] and frequency omega [rad/s]."""
         if motion.samples is not None:
             dt, values = motion.samples.step / omega, motion.samples.values
         else:
@@ -56,7 +55,7 @@ class MotionSpectrum:
         return largest(self.record.acceleration)
 
     def acceleration(self, periods: Array, damping: float) -> Array:
-        """Return S_a [m/s2] as `acceleration_spectrum` does."""
+        """Return S_a [m/s2] at these periods."""
         return acceleration_spectrum(self.record, periods, damping)
 
     def demand(self, period: float, damping: float) -> float:
@@ -71,10 +70,8 @@ class MotionSpectrum:
 
 @dataclass(frozen=True, eq=False)
 class SpectrumFile:
-    """S_a [m/s2] over T [s] at 5 % damping as a file states it, straight lines between its points.
-
-    For another damping S_a is multiplied by sqrt(10/(5 + xi)) from its peak on, and stays as it is before the peak, which is safe.
-    """
+    """S_a [m/s2] over T [s] at 5 % damping as a file states it, straight lines between its points. For another damping S_a is multiplied by
+    sqrt(10/(5 + xi)) from its peak on, and stays as it is before the peak, which is safe."""
 
     name: str
     periods: Array
@@ -100,7 +97,7 @@ class SpectrumFile:
         return np.asarray(np.interp(periods, self.periods, self.values) * factor)
 
     def demand(self, period: float, damping: float) -> float:
-        """Return the largest S_d [m] up to the period, at the points of the file and where S_d has its top on the lines between them."""
+        """Return the largest S_d [m] up to the period: at points of the file, or at its top on a line between them."""
         slope = np.diff(self.values) / np.diff(self.periods)
         tops = self.periods[:-1] - self.values[:-1] / np.where(slope < 0.0, slope, np.nan)  # where a line falls to zero
         periods = np.concatenate([self.periods, 2.0 / 3.0 * tops, [period]])
@@ -119,7 +116,7 @@ class FloorMode:
 
 @dataclass(frozen=True)
 class FloorSpectrum:
-    """The spectrum on a floor of a building with these modes, on a ground with this spectrum."""
+    """The spectrum on a floor of a building with these modes, over that of the ground."""
 
     ground: MotionSpectrum | SpectrumFile
     modes: Sequence[FloorMode]
@@ -162,9 +159,8 @@ def damping_factor(damping: float) -> float:
 
 
 def read_spectrum(path: str | Path) -> SpectrumFile:
-    """Read the spectrum of a CSV file with columns T [s] and S_a (or Se), whose heading or cells state a unit; other columns are ignored.
-
-    Raises UsageError if the file cannot be read, DocumentError with file, line and column for its faults.
+    """Read a CSV file with columns T [s] and S_a (or Se), whose heading or cells state a unit; other columns are ignored. Raises
+    UsageError if the file cannot be read, DocumentError with file, line and column for its faults.
 
     >>> from pathlib import Path
     >>> _ = Path('site.csv').write_text('T,S_a [g]\\n0,0.2\\n0.5,0.5\\n4,0.1')
@@ -209,7 +205,7 @@ def _fault(cell: Cell, wanted: str, lacks: str = "") -> DocumentError:
 
 
 def parse_floor(text: str) -> FloorMode:
-    """Return the mode that a text such as `T=0.4,xi=0.05,gamma_psi=1.3` states. Raises UsageError."""
+    """Return the mode that `T=0.4,xi=0.05,gamma_psi=1.3` states. Raises UsageError."""
     parts = [part.partition("=") for part in text.split(",")]
     given = {key.strip(): value for key, _, value in parts}
     if len(parts) != 3 or given.keys() != _FLOOR_KEYS.keys():

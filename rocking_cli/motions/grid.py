@@ -51,8 +51,7 @@ _PAIRS = (("A", "Omega"), ("a_g", "omega_g"), ("A", "omega_g"))  # the last one 
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """One axis: its name in the file (`A`, `a_g`, `Omega`, `omega_g`, or for records `scale`, `T`, `alpha`) and its rising values in SI
-    units. Raises UsageError if the values are not valid for this axis."""
+    """An axis: its name in the file, one of AXES, and its rising values in SI units. Raises UsageError for values that are not valid."""
 
     name: str
     values: np.ndarray
@@ -113,8 +112,7 @@ def scaled_frequency(axis: Axis, structure: RockingParameters) -> np.ndarray:
 
 
 def parse_axes(text: str, *, records: bool = False) -> dict[str, Axis]:
-    """Return the axes by name of a text such as `a_g=0.1g:1g:50,omega_g=1:20:40:log`; records: accept the axes of records instead. Raises
-    UsageError."""
+    """Return the axes by name of a text such as `a_g=0.1g:1g:50,omega_g=1:20:40:log`; records: those of records. Raises UsageError."""
     axes: dict[str, Axis] = {}
     known = _RECORD_AXES if records else _PULSE_AXES
     for part in text.split(","):
@@ -141,7 +139,7 @@ def parse_axes(text: str, *, records: bool = False) -> dict[str, Axis]:
 
 
 def written_axes(text: str) -> str:
-    """Return the names of the axes as the user wrote them, for messages; `parse_axes` gives the names in the file."""
+    """Return the names of the axes as the user wrote them."""
     return " and ".join(part.partition("=")[0].strip() for part in text.split(","))
 
 
@@ -149,7 +147,7 @@ OWN_TIME = Axis("omega_g", np.array([1.0]))  # rad/s; then the phase of a record
 
 
 def as_recorded(acceleration: float) -> Grid:
-    """Return the grid of one cell for a motion in its own time with this peak acceleration [m/s2]."""
+    """Return the grid of one cell of a record with this peak acceleration [m/s2]."""
     return Grid(Axis("a_g", np.array([acceleration])), OWN_TIME)
 
 
@@ -162,8 +160,7 @@ class HasMotion(Protocol):
 
 
 def demand_of(motion: Motion | HasMotion, shaking: Grid | None) -> tuple[Motion, Grid]:
-    """Return a motion, or the motion of a record, with its grid. A record without a grid has its own amplitude. Raises UsageError for
-    another motion without a grid."""
+    """Return the motion and its grid; a record without a grid has its own amplitude. Raises UsageError for another motion without one."""
     found = motion if isinstance(motion, Motion) else motion.motion
     if shaking is None and found.acceleration is None:
         raise UsageError(f"{found.name}: no grid; expected one, such as parse_grid('a_g=0.3g,f_g=1'), which only a record does not need")
@@ -171,7 +168,7 @@ def demand_of(motion: Motion | HasMotion, shaking: Grid | None) -> tuple[Motion,
 
 
 def demand_in_words(shakes: Sequence[tuple[Motion, Grid]]) -> str:
-    """Return a text on the amplitude and frequency of motions with a grid of one cell each; accelerations in m/s2 and g."""
+    """Return a text on the amplitude and frequency of motions, each with a grid of one cell."""
     values = [float(grid.amplitude.values[0]) for _, grid in shakes]
     motion, grid = shakes[0]
     name, own_time = grid.amplitude.name, motion.acceleration is not None
@@ -190,8 +187,7 @@ def demand_in_words(shakes: Sequence[tuple[Motion, Grid]]) -> str:
 
 
 def parse_grid(text: str, *, own_time: bool = False) -> Grid:
-    """Return the grid that a text states: two axes, both with units or both dimensionless. Raises UsageError. own_time: True for a record,
-    whose grid has only one axis, A or a_g of its peak.
+    """Return the grid of two axes that a text states; own_time: of a record, which has one axis, A or a_g. Raises UsageError.
 
     >>> parse_grid('a_g=0.1g:1g:50,f_g=0.5:5:40').shape  # frequencies, amplitudes
     (40, 50)
@@ -212,8 +208,7 @@ def parse_grid(text: str, *, own_time: bool = False) -> Grid:
 
 
 def parse_angles(text: str) -> Axis:
-    """Return the axis of critical angles that `10,15,20deg` or START:STOP:N states. Raises UsageError. A number without a unit takes the
-    next unit to its right."""
+    """Return the axis alpha of `10,15,20deg` (a unit serves the numbers to its left) or START:STOP:N. Raises UsageError."""
     if ":" in text:
         return Axis("alpha", parse_span("`alpha`", text, "angle"))
     unit, found = "", []
@@ -231,7 +226,7 @@ def parse_angles(text: str) -> Axis:
 
 
 def parse_span(key: str, span: str, dimension: str) -> np.ndarray:
-    """Return the values that START:STOP:N[:log] or a single VALUE states, in SI units, of any sign. Raises UsageError."""
+    """Return the values of START:STOP:N[:log] or of a single VALUE, in SI units, of any sign. Raises UsageError."""
     parts = span.split(":")
     if len(parts) not in (1, 3, 4) or (len(parts) == 4 and parts[3] != "log"):
         raise UsageError(f"{key}: found {span!r}; expected START:STOP:N[:log] or a single VALUE")

@@ -1,8 +1,4 @@
-"""Intensity measures of a record: exact integrals of its samples joined by straight lines, without any correction.
-
-In an interval dt the velocity is a parabola and the displacement a cubic. Their largest values are at samples, or at a zero of a (or
-of v) inside an interval.
-"""
+"""Intensity measures of a record: exact integrals of its samples joined by straight lines, without any correction."""
 
 import math
 from dataclasses import dataclass
@@ -18,8 +14,8 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Intensity:
-    """The measures of a record: peak ground acceleration [m/s2] and its time [s], peak velocity [m/s] and displacement [m], Arias
-    intensity [m/s], cumulative absolute velocity [m/s], and the durations from 5 % to 75 and 95 % of the Arias intensity [s]."""
+    """Peak acceleration [m/s2] and its time [s], peak velocity [m/s] and displacement [m], Arias intensity and cumulative absolute
+    velocity [m/s], and the durations from 5 % to 75 and 95 % of the Arias intensity [s]."""
 
     pga: float
     pga_time: float
@@ -65,7 +61,7 @@ def _sums(gains: Array) -> Array:
 
 
 def _largest_displacement(a: Array, v: Array, d: Array, dt: float) -> float:
-    """Return max |d| over samples and over the roots of v = v0 + a0 s + (a1 - a0)/dt s^2/2 inside intervals, without cancellation."""
+    """max |d| over samples and over the roots of v = v0 + a0 s + (a1 - a0)/dt s^2/2 inside intervals, without cancellation."""
     most = largest(d)
     # v has a root inside only if it changes its sign, or if the vertex of its parabola is inside.
     i = np.flatnonzero((v[:-1] * v[1:] <= 0.0) | (a[:-1] * a[1:] < 0.0))
@@ -82,7 +78,7 @@ def _largest_displacement(a: Array, v: Array, d: Array, dt: float) -> float:
 
 
 def _reached(a: Array, dt: float, energy: Array, part: float) -> float:
-    """Return the time [s] at which the integral of a^2 (`energy` at samples) reaches `part` of its final value; 0 for a zero record."""
+    """The time [s] at which the integral of a^2 (`energy` at samples) reaches `part` of its final value; 0 for a zero record."""
     target = part * float(energy[-1])
     if not target > 0.0:
         return 0.0

@@ -1,7 +1,6 @@
-"""A motion: ground acceleration over its amplitude a_g, as exact pieces over the phase phi = omega_g t.
+"""A motion: ground acceleration over its amplitude a_g, as exact pieces over the phase phi = omega_g t, so that one serves every frequency.
 
-One motion serves every frequency. For s(phi) of a `Piece` the linear oscillator has a closed-form solution.
-`Segments` cuts the pieces at the extremes of s. On a segment s is monotone, and so the engine can prove where roots are.
+`Segments` cuts the pieces at the extremes of s: on a segment s is monotone, and so the engine can prove where roots are.
 """
 
 from __future__ import annotations
@@ -64,10 +63,9 @@ def plus(a: Piece, b: Piece) -> Piece:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A named motion: contiguous pieces from phase 0; the ground acceleration is a_g s(phi).
-    vertical: the vertical motion on the same pieces, positive upwards, over the same amplitude; None if there is none; acceleration: the
-    amplitude a_g of a record [m/s2], which runs in its own time (omega_g = 1 rad/s); None for any other motion. Raises MotionError if there
-    is no piece, if pieces overlap or leave a gap, or if a number is not finite."""
+    """Contiguous pieces from phase 0; the ground acceleration is a_g s(phi). vertical: the vertical motion on the same pieces, over
+    the same amplitude, positive upwards; acceleration: a_g of a record [m/s2], which runs in its own time (omega_g = 1 rad/s), else
+    None. Raises MotionError if there is no piece, if pieces overlap or leave a gap, or if a number is not finite."""
 
     name: str
     pieces: Sequence[Piece]
@@ -76,7 +74,7 @@ class Motion:
 
     @property
     def samples(self) -> Samples | None:
-        """The samples of a motion of straight lines at equal steps; None for any other motion."""
+        """The samples of straight lines at equal steps; None for any other motion."""
         return None
 
     @property
@@ -120,8 +118,8 @@ class Motion:
         return np.array([0.0, *(p.stop for p in self.pieces)])
 
     def on(self, marks: np.ndarray, vertical: Motion | None = None) -> Motion:
-        """Return the same motion with a piece between each two of these phases [rad], which must include all its own marks; after its end s
-        is zero. vertical: a vertical motion on the same pieces to add."""
+        """Return the motion with a piece between each two phases [rad], which include its own marks, at rest after its end; vertical:
+        on the same."""
         pieces = []
         for start, stop in pairwise(marks.tolist()):
             middle = 0.5 * (start + stop)
@@ -130,13 +128,11 @@ class Motion:
         return Motion(self.name.removesuffix(upwards(vertical)) + upwards(vertical), tuple(pieces), vertical)
 
     def scaled(self, factor: float, name: str | None = None) -> Motion:
-        """Return the motion times a factor. A negative factor reverses the horizontal motion only; the vertical one is multiplied by
-        |factor|. name: by default the old name with the factor. Raises MotionError, see `checked_scale`."""
+        """Return the motion times a factor, and its vertical one times |factor|; name: by default with the factor. Raises MotionError."""
         scaled_name, up = self._scaled_name(factor)
         return Motion(name or scaled_name, tuple(p.scaled(factor) for p in self.pieces), up)
 
     def _scaled_name(self, factor: float) -> tuple[str, Motion | None]:
-        """Return the name and the vertical motion of the motion times a factor."""
         own = f"{self.name.removesuffix(upwards(self.vertical))}, times {checked_scale(self.name, factor):g}"
         up = self.vertical if self.vertical is None or abs(factor) == 1.0 else self.vertical.scaled(abs(factor))
         return own + upwards(up), up
@@ -166,7 +162,7 @@ class Motion:
         return self.cut([extremes(piece) for piece in self.pieces])
 
     def cut(self, inner: Sequence[Sequence[float]]) -> Segments:
-        """Return the segments of the pieces; inner: for each piece the phases [rad] of the cuts inside it, which include its extremes."""
+        """Return the segments of the pieces; inner: the phases [rad] of the cuts inside each piece, among them its extremes."""
         marks = [[piece.start, *within, piece.stop] for piece, within in zip(self.pieces, inner, strict=True)]
         index = np.repeat(np.arange(len(marks)), [len(m) - 1 for m in marks])
         start, stop = np.concatenate([m[:-1] for m in marks]), np.concatenate([m[1:] for m in marks])
@@ -215,19 +211,19 @@ def extremes(piece: Piece) -> list[float]:
 
 
 def upwards(vertical: Motion | None) -> str:
-    """Return the words that the name of a motion gets for this vertical motion."""
+    """Return what the name of a motion gets for this vertical motion."""
     return "" if vertical is None else f" with {vertical.name} upwards"
 
 
 def checked_scale(name: str, factor: float) -> float:
-    """Return the factor. Raises MotionError, with the motion's name, if the factor is zero, not finite or above LARGEST_SCALE."""
+    """Return the factor. Raises MotionError if it is zero, not finite or above LARGEST_SCALE."""
     if 0.0 < abs(factor) <= LARGEST_SCALE:
         return factor
     raise MotionError(f"motion {name!r}: a scale of {factor:g}; expected a number that is not zero, up to {LARGEST_SCALE:g}")
 
 
 def _quarters(h: Harmonic, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Split the argument of a sinusoid into (quarter turns, rest [rad]); a rest within rounding is 0."""
+    """(quarter turns, rest [rad]) of the argument of a sinusoid; a rest within rounding is 0."""
     argument = h.frequency * phase + h.phase
     quarter = np.rint(argument / (np.pi / 2))
     rest = argument - quarter * (np.pi / 2)
@@ -235,7 +231,7 @@ def _quarters(h: Harmonic, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _sin_cos(h: Harmonic, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return C sin and C cos of the argument; sin and cos are exact (0 or 1) at quarter turns, so that 10^4 cycles do not drift."""
+    """C sin and C cos of the argument, exact (0 or 1) at quarter turns, so that 10^4 cycles do not drift."""
     quarter, rest = _quarters(h, phase)
     turn = quarter.astype(np.int64) % 4
     sin, cos = np.sin(rest), np.cos(rest)
@@ -243,7 +239,6 @@ def _sin_cos(h: Harmonic, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _exact_value(piece: Piece, phase: np.ndarray) -> np.ndarray:
-    """Return s [-] of a piece at phases [rad], with exact sines at quarter turns."""
     total = piece.constant + piece.slope * (phase - piece.start)
     for h in piece.harmonics:
         total = total + _sin_cos(h, phase)[0]

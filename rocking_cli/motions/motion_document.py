@@ -1,8 +1,5 @@
-"""Motions from a YAML or JSON document: exact pieces, or points joined by straight lines.
-
-Times are in periods T_g = 2 pi / omega_g and accelerations in a_g, so that one document serves every amplitude and frequency. With
-T_g = 1 s and a_g = 1 m/s2 they are in s and m/s2.
-"""
+"""Motions from a YAML or JSON document, as exact pieces or as points joined by straight lines. Times are in periods T_g = 2 pi / omega_g
+and accelerations in a_g; with T_g = 1 s and a_g = 1 m/s2 they are in s and m/s2."""
 
 from itertools import pairwise
 from pathlib import Path

@@ -1,7 +1,4 @@
-"""Motions of straight lines, as arrays: records, and points joined by straight lines.
-
-All extremes are at points, so each interval is one segment and needs no search.
-"""
+"""Motions of straight lines, as arrays: records, and points joined by straight lines. All extremes are at points."""
 
 from collections.abc import Sequence
 from functools import cached_property
@@ -20,9 +17,8 @@ _ROUNDING = 4e-16  # rounding of equal steps over the duration, and of joined li
 
 
 class Polyline(Motion):
-    """Straight lines over contiguous intervals of phase: s = constant + slope (phase - start).
-    start, stop [rad], constant [-], slope [1/rad]: arrays of shape (n,), start[0] = 0; acceleration: see `Motion.acceleration`. Raises
-    MotionError if an interval is empty or a number is not finite."""
+    """Straight lines over contiguous intervals of phase, s = constant + slope (phase - start); start, stop [rad], constant [-], slope
+    [1/rad] of shape (n,), start[0] = 0. Raises MotionError if an interval is empty or a number is not finite."""
 
     start: Array
     stop: Array
@@ -55,14 +51,14 @@ class Polyline(Motion):
         return float(self.stop[-1])
 
     def value(self, phase: Array | float) -> Array:
-        """Return s [-] at phases [rad] of any shape; at a jump the value after it, outside the motion zero."""
+        """See `Motion.value`."""
         phase = np.asarray(phase, dtype=float)
         i = self._at(phase)
         inside = (phase >= self.start[0]) & (phase < self.stop[-1])
         return np.where(inside, self.constant[i] + self.slope[i] * (phase - self.start[i]), 0.0)
 
     def _at(self, phase: Array) -> Array:
-        """Return the index of the interval that holds each phase [rad], or of the nearest interval."""
+        """The index of the interval that holds each phase [rad], or of the nearest one."""
         return np.asarray(np.clip(np.searchsorted(self.start, phase, side="right") - 1, 0, self.start.size - 1))
 
     def scaled(self, factor: float, name: str | None = None) -> "Polyline":
@@ -87,7 +83,7 @@ class Polyline(Motion):
 
     @cached_property
     def samples(self) -> Samples | None:
-        """Step and samples; None if the intervals are unequal beyond rounding or the lines not joined, here or in the vertical motion."""
+        """Step and samples; None if intervals are unequal beyond rounding or lines not joined, here or in the vertical motion."""
         if self.vertical is not None and self.vertical.samples is None:
             return None
         count, last, end = self.start.size, self.duration, self.segments.s_end
@@ -100,7 +96,7 @@ class Polyline(Motion):
 
     @cached_property
     def coarsest(self) -> "Polyline":
-        """The same lines in the fewest equal intervals with a point at every kink, which removes interpolated samples."""
+        """The same lines in the fewest equal intervals with a point at every kink, without interpolated samples."""
         if self.samples is None or self.vertical is not None:
             return self
         s = self.samples.values

@@ -1,7 +1,5 @@
-"""The pulses of the literature by name, over phi = omega_g t; for a pulse with a duration, omega_g = 2 pi / duration.
-
-A new pulse is one line in PULSES, and a function that returns its motion where the line does not hold it.
-"""
+"""The pulses of the literature by name, over phi = omega_g t; for a pulse with a duration, omega_g = 2 pi / duration. A new pulse is
+one line in PULSES, and a function that returns its motion where the line does not hold it."""
 
 import math
 from collections.abc import Callable
@@ -38,7 +36,7 @@ def cosine(cycles: float = 1.0) -> Motion:
 
 def ricker(antisymmetric: bool = False) -> Motion:
     """Return the symmetric Ricker wavelet (1 - x^2) exp(-x^2/2), x = (phi - phi_0)/sqrt(2), or its derivative x (x^2 - 3) exp(-x^2/2),
-    x = (phi - phi_0)/sqrt(3), over its largest value. omega_g is the predominant frequency; a sum of 23 sinusoids gives it to 1e-13."""
+    x = (phi - phi_0)/sqrt(3), over its largest value, as 23 sinusoids (to 1e-13). omega_g is the predominant frequency."""
     unit, x2, harmonics = math.sqrt(3.0 if antisymmetric else 2.0), 3.0 - math.sqrt(6.0), []
     largest = math.sqrt(x2) * (3.0 - x2) * math.exp(-0.5 * x2)
     for n in range(1, int(_TAIL * _TAIL / np.pi) + 1):  # the Fourier series on |x| <= _TAIL
@@ -51,11 +49,8 @@ def ricker(antisymmetric: bool = False) -> Motion:
 
 
 def mavroeidis_papageorgiou(gamma: float = 2.0, phase: float = 0.0) -> Motion:
-    """Return the near-fault pulse of Mavroeidis and Papageorgiou (2003), scaled to a peak acceleration of 1.
-
-    Its velocity is cos(phi' + phase) (1 + cos(phi'/gamma))/2 with phi' = phi - pi gamma. gamma >= 1 is the ratio of duration to
-    period; phase is in rad. The acceleration is a sum of three sinusoids. Raises MotionError.
-    """
+    """Return the near-fault pulse of Mavroeidis and Papageorgiou (2003), scaled to a peak acceleration of 1. Its velocity is
+    cos(phi' + phase) (1 + cos(phi'/gamma))/2, phi' = phi - pi gamma; gamma >= 1, duration over period; phase [rad]. Raises MotionError."""
     if not 1.0 <= gamma <= MOST_CYCLES:
         raise MotionError(f"mavroeidis-papageorgiou pulse: gamma is {gamma:g}; expected a number from 1 to {MOST_CYCLES}")
     if not math.isfinite(phase):
@@ -91,7 +86,7 @@ PULSES: dict[str, Callable[..., Motion]] = {
 
 
 def pulse(name: str, **parameters: Any) -> Motion:
-    """Return the pulse of a name; parameters: `cycles`, or `gamma` and `phase`. Raises MotionError if the pulse does not take one of them.
+    """Return the pulse of a name with its parameters (`cycles`, or `gamma` and `phase`). Raises MotionError for other names or parameters.
 
     >>> pulse('mavroeidis-papageorgiou', gamma=2.0, phase=0.5).name
     'Mavroeidis-Papageorgiou, gamma 2, phase 0.5'

@@ -1,4 +1,4 @@
-"""Reads and scales the motions and records of files. The content of a file shows if it is a motion document or a record."""
+"""Reads and scales the motions and records of files; the content of a file shows which of the two it holds."""
 
 import io
 import math
@@ -29,9 +29,9 @@ MEASURES = {"PGA": "acceleration", "PGV": "velocity", "PGD": "length", "Arias": 
 
 
 class MotionChoices(TypedDict, total=False):
-    """Choices for the motion of a file: its factor `scale`, which may be negative, and `tell`, called with each remark.
-    For records only: component by name or number; unit and dt [s] of plain numbers; scale_to, instead of `scale`: a text such as
-    `PGA=0.35g`; vertical: factor of the vertical component of the same file, which is added."""
+    """Choices for the motion of a file: factor `scale`, which may be negative, and `tell`, called with each remark. For records only:
+    component by name or number; unit and dt [s] of plain numbers; scale_to, instead of `scale`: a text such as `PGA=0.35g`; vertical:
+    factor of the vertical component of the file, which is added."""
 
     component: str | None
     unit: str | None
@@ -43,8 +43,8 @@ class MotionChoices(TypedDict, total=False):
 
 
 def read_motion(path: str | Path, **given: Unpack[MotionChoices]) -> Motion:
-    """Return the motion of a motion document or a record; path `-` is standard input; given: see `MotionChoices`. Raises UsageError if the
-    file cannot be read or an option does not apply, and DocumentError.
+    """Return the motion of a motion document or a record; path `-` is standard input. Raises UsageError if the file cannot be read or
+    a choice does not apply, and DocumentError.
 
     >>> read_motion('configs/motions/two_pulses.yaml').name
     'Two pulses'
@@ -63,10 +63,9 @@ def read_motion(path: str | Path, **given: Unpack[MotionChoices]) -> Motion:
 def read_motions(
     paths: Sequence[str], *, unread: Callable[[str], None] | None = None, **given: Unpack[MotionChoices]
 ) -> Motion | tuple[Recording, ...]:
-    """Return the motion of a single motion document, or the records of files, directories and lists of files (see `record_files`).
-    unread: called with each file of a directory that cannot be read; None: such a file is an error; given: see `MotionChoices`; component
-    may also be `horizontal`, `all`, or None for each horizontal component of each file. Raises UsageError and DocumentError as
-    `read_motion` does, and UsageError without a record."""
+    """Return the motion of a single document, or the records of a set (see `record_files`). unread: called with each file of a
+    directory that cannot be read (None: an error). component may also be `horizontal`, `all`, or None for each horizontal one of each
+    file. Raises as `read_motion`, and UsageError without a record."""
 
     tell = given.get("tell") or (lambda text: None)
     try:
@@ -91,7 +90,7 @@ def read_motions(
 def load_records(
     paths: str | Path | Sequence[str | Path], *, unread: Callable[[str], None] | None = None, **given: Unpack[MotionChoices]
 ) -> tuple[Recording, ...]:
-    """Return the records of a folder, of files, or of lists of files; arguments and errors as `read_motions`; UsageError for a document.
+    """Return the records of a folder, of files, or of lists of files, as `read_motions`. Raises UsageError for a document.
 
     >>> (record,) = load_records('configs/motions/synthetic.at2', scale=0.5)
     >>> record.label, round(record.acceleration, 3)
@@ -111,16 +110,14 @@ def holds_records(path: str) -> bool:
 
 
 def _recordings(records: list[Record], taken: Sequence[Record], given: MotionChoices) -> list[Recording]:
-    """Return recordings of the records `taken`; if a factor of the vertical motion is given, each has the vertical one of `records`, which
-    are all records of the file."""
+    """Recordings of the records `taken`, each with the vertical one among `records` of the file if its factor is given."""
     vertical = given.get("vertical")
     up = None if vertical is None else Upwards(record_motion(vertical_of(records)), vertical)
     return [Recording(record, upwards=up) for record in taken]
 
 
 def _scaled(recording: Recording, given: MotionChoices) -> Recording:
-    """Return the recording with its factor, after its remarks are told. With `scale_to` only scale = -1 is allowed, which reverses the
-    record. Raises UsageError."""
+    """The recording with its factor, after its remarks are told."""
     record, scale, scale_to = recording.record, given.get("scale"), given.get("scale_to")
     if tell := given.get("tell"):
         for remark in record.remarks:
@@ -136,7 +133,6 @@ def _scaled(recording: Recording, given: MotionChoices) -> Recording:
 
 
 def _of_document(source: str, raw: bytes, given: MotionChoices) -> Motion:
-    """Return the motion of the bytes of a document, times `scale`. Raises DocumentError, and UsageError for a choice for records only."""
     try:
         documents = documents_of(source, raw)
     except DocumentError as error:
@@ -151,7 +147,7 @@ def _of_document(source: str, raw: bytes, given: MotionChoices) -> Motion:
 
 
 def factor_to(record: Record, text: str) -> float:
-    """Return the factor that scales a record to an intensity measure, such as PGA=0.35g. Raises UsageError."""
+    """Return the factor that scales a record to a measure, such as PGA=0.35g. Raises UsageError."""
     name, equals, value = (x.strip() for x in text.partition("="))
     spectral = periods_of(name)
     measure = next((m for m in MEASURES if m.casefold() == name.casefold()), None) if spectral is None else spectral[0]
@@ -180,10 +176,9 @@ def read_set(
     paths: Sequence[str], take: Callable[[list[Record]], Sequence[Taken]], *, unit: str | None = None, dt: float | None = None,
     tell: Callable[[str], None], unread: Callable[[str], None] | None = None,
 ) -> Iterator[Taken]:  # fmt: skip
-    """Yield the results of `take` on the records of each file; for the paths see `record_files`. unit, dt [s]: those of plain numbers.
-    tell: called for each file of a directory that is no record or lacks an acceleration or the component, and for each file without
-    results; unread: called for each file of a directory that cannot be read or taken; None: such a file is an error, as a named file
-    always is. Raises UsageError, DocumentError and the errors of `take`."""
+    """Yield the results of `take` on the records of each file (see `record_files`); unit, dt [s]: of plain numbers. tell: called for
+    each file without results and, in a directory, without a record, acceleration or the component; unread: for each file of a
+    directory that cannot be read or taken (None: an error). Raises UsageError, DocumentError and the errors of `take`."""
     require_unit(unit)
     for path, named, held in record_files(paths):
         try:
@@ -207,9 +202,9 @@ def read_set(
 
 
 def record_files(paths: Sequence[str]) -> Iterator[tuple[str, bool, tuple[str, bytes] | None]]:
-    """Yield (path, True if the user or a list names it, (source, content) if it is read already: standard input) of each file of a set.
-    A directory gives its files in order of name, with False. A list file has a path on each line, relative to the folder of the list, and
-    gives these files. Any other path is the file itself. Raises UsageError."""
+    """Yield (path, True if the user or a list names it, (source, content) of standard input, else None) of each file of a set. A
+    directory gives its files by name; a list file has a path on each line, relative to its folder; any other path is the file itself.
+    Raises UsageError."""
     for path in paths:
         if path != "-" and os.path.isdir(path):
             inside = sorted(os.path.join(path, name) for name in os.listdir(path) if not name.startswith("."))
@@ -228,7 +223,7 @@ def record_files(paths: Sequence[str]) -> Iterator[tuple[str, bool, tuple[str, b
 
 
 def _listed(file: BinaryIO, folder: str) -> list[str]:
-    """Return the files that a list names, one on each line, relative to a folder; none if the first does not exist, so it is no list."""
+    """The files that a list names, one on each line; none if the first does not exist, so it is no list."""
     head = file.read(HEAD)
     names = _names(head, folder)
     return _names(head + file.read(), folder) if b"\0" not in head and names and os.path.isfile(names[0]) else []

@@ -18,8 +18,7 @@ from .records.record import Record, record_motion
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """A record times a factor, which may be negative. label: its name in a set; upwards: the vertical motion. Raises MotionError if the
-    record is zero throughout, or the factor is zero or not finite."""
+    """A record times a factor, which may be negative, named in a set by its label. Raises MotionError for a zero record or a bad factor."""
 
     record: Record
     factor: float = 1.0
@@ -50,8 +49,7 @@ class Recording:
 
     @property
     def motion(self) -> Motion:
-        """The motion in its own time (omega_g = 1 rad/s), named by its label, with "times -1" if it is reversed. Only the last two motions
-        are kept in memory."""
+        """The motion in its own time (omega_g = 1 rad/s). Only the last two motions are kept in memory."""
         return _motion(self)
 
     def identity(self) -> list[Any]:
@@ -67,7 +65,7 @@ def _motion(recording: Recording) -> Motion:
 
 
 def with_distinct_labels(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
-    """Return the same recordings with distinct labels: equal labels get a number."""
+    """Return the recordings with a number at equal labels."""
     times, found = Counter(r.label for r in recordings), []
     taken = set(times)
     for r in recordings:

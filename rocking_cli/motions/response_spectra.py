@@ -29,8 +29,8 @@ _MEAN = np.linspace(0.2, 1.5, 10)  # periods over T1 of AvgSA(T1)
 
 
 def displacement_spectrum(record: Record, periods: Sequence[float] | Array, damping: float = DAMPING) -> Array:
-    """S_d [m] of the unscaled record at periods [s] of shape (n,). Raises UsageError for bad periods or damping, and for periods below the
-    step of the record whose steps would need more than 2^24 samples.
+    """Return S_d [m] of the unscaled record at periods [s], (n,). Raises UsageError for bad periods or damping, and for periods that
+    would cut the record into more than 2^24 samples.
 
     >>> displacement_spectrum(read_record('configs/motions/synthetic.at2'), [0.5, 1.0]).round(4).tolist()
     [0.0621, 0.367]
@@ -61,8 +61,8 @@ def acceleration_spectrum(record: Record, periods: Sequence[float] | Array, damp
 
 
 def periods_of(name: str) -> tuple[str, Array] | None:
-    """Return the name and the periods [s] of SA(T), AvgSA(T1) (ten from 0.2 to 1.5 T1; T1 = 1 s if not stated) or AvgSA(T, T, ...); None
-    for another measure. Raises UsageError for a period that is not positive."""
+    """Return the name and the periods [s] of SA(T), AvgSA(T1) (ten from 0.2 to 1.5 T1; by default 1 s) or AvgSA(T, T, ...), None for
+    another measure. Raises UsageError for a period that is not positive."""
     if (match := _NAME.fullmatch(name.strip())) is None:
         return None
     mean, text = match[1].casefold() != "sa", match[2] or ("1" if match[1].casefold() != "sa" else "")
@@ -83,7 +83,7 @@ def mean_acceleration(record: Record, periods: Array) -> float:
 
 
 def _largest(record: Record, finer: int, w: Array, damping: float) -> Array:
-    """Return max |u| [m] of oscillators of frequency w [rad/s], with each step of the record cut into `finer` equal ones."""
+    """max |u| [m] of oscillators of frequency w [rad/s], with each step of the record cut into `finer` equal ones."""
     steps = finer * (record.npts - 1)
     a = np.interp(np.arange(steps + 1) / finer, np.arange(record.npts), record.acceleration)[:, None]
     h, s = record.dt / finer, w * complex(-damping, math.sqrt(1.0 - damping**2))

@@ -1,4 +1,4 @@
-"""Segments: a motion cut at the extremes of s, as arrays; s is monotone on a segment. Fast search for large values of s."""
+"""Segments: a motion cut at the extremes of s, as arrays; s is monotone on a segment."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
@@ -23,10 +23,10 @@ class Wave:
 
 @dataclass(frozen=True)
 class Segments:
-    """The K monotone segments of a motion. Arrays have the shape (K,), or (harmonics, K) for sin, cos and frequency.
-    start, length [rad]; s_start, s_end: s at the ends, inside the segment; sin, cos: of the argument of each sinusoid at the start, times
-    its amplitude; frequency: over omega_g; slope [1/rad]; joins: the next segment belongs to the same piece; later_max, later_min: largest
-    and least s from the start of the segment on, with 0 for the ground at rest after the motion."""
+    """The K monotone segments of a motion, arrays of shape (K,), or (harmonics, K) for sin, cos and frequency. start, length [rad];
+    s_start, s_end: s at the ends, inside the segment; sin, cos: of each sinusoid at the start, times its amplitude; frequency: over
+    omega_g; slope [1/rad]; joins: the next segment is of the same piece; later_max, later_min: largest and least s from the segment
+    on, 0 for the ground at rest."""
 
     start: np.ndarray
     length: np.ndarray
@@ -87,7 +87,7 @@ class Segments:
 
     @cached_property
     def _blocks(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(largest s, largest -s, first index of each level j) over blocks of 2^j segments, level by level up to a single block."""
+        """(largest s, largest -s, first index of each level j) over blocks of 2^j segments, up to a single block."""
         found, levels = [], list[np.ndarray]()
         for values in (np.maximum(self.s_start, self.s_end), np.maximum(-self.s_start, -self.s_end)):
             levels = [values]

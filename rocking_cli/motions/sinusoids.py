@@ -1,17 +1,14 @@
 """Sums of sinusoids and a ramp: their extremes, and Taylor polynomials, which are faster than a sine and a cosine for each sinusoid.
 
-The search proves that it misses no extreme, however close two are. An interval of half width d about m is tested with the Taylor series
-of r = ds/dphase, T_n = r^(n)(m) d^n/n!. Its remainder follows from the bound sum_j |C_j| w_j^(n+1) of the derivatives:
+The search misses no extreme, however close two are. An interval of half width d about m is tested with the Taylor series of r = ds/dphase,
+T_n = r^(n)(m) d^n/n!, whose remainder follows from |r^(n)| <= sum_j |C_j| w_j^(n+1), and is halved if it passes no test:
 
     free      |T_0| > sum_{n>=1} |T_n|               r has no root
     monotone  |T_1| > sum_{n>=2} n |T_n|             r has one root or none; its signs at the ends decide
     flat      sum |T_n| below rounding               s is constant
 
-An interval that passes no test is halved. Ends at which r is zero within rounding decide nothing: two extremes about 1e-7 apart, or an
-inflection with a level tangent, are no extremes, and s is monotone there in double precision.
-
-For the polynomials a segment is cut into equal patches. On a patch of half width d the remainder is at most
-sum_j |C_j| (w_j d)^(n+1)/(n+1)!, which is below rounding.
+Ends at which r is zero within rounding decide nothing: an inflection, or two extremes about 1e-7 apart, between which s is constant in
+double precision. On a patch of half width d the remainder of a polynomial, sum_j |C_j| (w_j d)^(n+1)/(n+1)!, is below rounding.
 """
 
 import math
@@ -31,8 +28,8 @@ _MOST_PATCHES = 50_000  # above it there is no table
 
 
 def isolated_extremes(start: float, stop: float, slope: float, waves: Array) -> Array:
-    """Phases [rad] from start to stop, in order, at which s has extremes. slope: of the ramp [1/rad]; waves: amplitude [-], frequency and
-    phase [rad] of each sinusoid, (sinusoids, 3)."""
+    """Return the phases [rad] of the extremes of s; slope: of the ramp [1/rad]; waves: amplitude, frequency, phase [rad], (sinusoids,
+    3)."""
     edges = np.linspace(start, stop, math.ceil((stop - start) * waves[:, 1].max() / (2.0 * math.pi) * _CELLS) + 2)
     low, high = edges[:-1], edges[1:]
     ends = [edges]
@@ -76,7 +73,7 @@ def _series(slope: float, waves: Array, low: Array, high: Array) -> tuple[Array,
 
 
 def _bisected(slope: float, waves: Array, low: Array, high: Array) -> Array:
-    """Phases [rad] where ds/dphase changes its sign between two ends, to the last bit; without a change one of the ends."""
+    """Phases [rad] where ds/dphase changes its sign between two ends, to the last bit."""
     amplitude, w, f = waves.T[:, :, None]
 
     def rises(phase: Array) -> Array:
@@ -92,8 +89,8 @@ def _bisected(slope: float, waves: Array, low: Array, high: Array) -> Array:
 
 @dataclass(frozen=True)
 class Table:
-    """The polynomials of K segments with P patches. first, last: first and last patch of a segment, (K,); half: half width of its patches
-    [rad], (K,); terms: coefficients of the powers of (u - centre)/half, (DEGREE + 1, P)."""
+    """The polynomials of K segments in P patches: first and last patch of a segment and half width of its patches [rad], (K,); terms:
+    coefficients of the powers of (u - centre)/half, (DEGREE + 1, P)."""
 
     first: Array
     last: Array

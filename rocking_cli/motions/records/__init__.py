@@ -49,14 +49,13 @@ _UNCORRECTED = re.compile(
 
 @cache
 def _formats() -> tuple[Any, ...]:
-    """Return the formats of the modules of FORMATS, imported when the first file is read."""
     modules = (import_module(f"{__name__}.{name}") for name in FORMATS)
     return tuple(found for module in modules for found in getattr(module, "FORMATS", (module,)))
 
 
 @cache
 def _entries(_: tuple[str, ...]) -> "tuple[EntryPoint, ...]":
-    """Return the entry points of formats, read once for each search path of modules."""
+    """The entry points of formats, read once for each search path of modules."""
     return tuple(installed(GROUP).values())
 
 
@@ -67,8 +66,7 @@ def _blamed(source: str, entry: "EntryPoint | None") -> AbstractContextManager[N
 
 
 def _format_of(source: str, head: str) -> "tuple[Any, EntryPoint | None]":
-    """Return the format that recognises a file, and the entry point of the package that adds the format; (None, None) for a file without
-    records. Raises DocumentError for a package that fails."""
+    """(format, entry point of the package that adds it) of a file; (None, None) for a file without records."""
     for found in _formats():
         if found.recognise(head):
             return found, None
@@ -91,10 +89,9 @@ def require_unit(unit: str | None) -> None:
 
 
 def records_of(source: str, raw: bytes, *, unit: str | None = None, dt: float | None = None, named: bool = True) -> list[Record] | None:
-    """Every component of a file, or None if it has no record format; unit, dt [s]: of plain numbers.
-    named: false for a file of a directory, where uncorrected accelerograms may lie beside the corrected ones, and records that state their
-    unit beside plain numbers. Raises DocumentError if a file of a record format is not valid or holds counts, NoAcceleration for an
-    uncorrected one that is not named, and UsageError for an unknown unit."""
+    """Return every component of a file, or None if it has no record format; unit, dt [s]: of plain numbers; named: False for a file
+    of a directory, where uncorrected accelerograms and units beside plain numbers are no fault. Raises DocumentError for a file that
+    is not valid or holds counts, NoAcceleration for an uncorrected one that is not named, and UsageError for an unknown unit."""
     require_unit(unit)
     unpacked = _unpack(source, raw)
     _refuse_binary(source, unpacked)
@@ -137,14 +134,14 @@ def read_record(path: str | Path, *, component: str | None = None, unit: str | N
 
 
 def unknown(source: str, raw: bytes) -> str:
-    """Return the message for a file whose format `records_of` does not recognise."""
+    """Return the message for a file of no known format."""
     first = raw[:200].decode("latin-1").strip().split("\n", 1)[0].strip()[:60]
     formats = f"{', '.join(f.NAME for f in _formats())} and plain columns of numbers"
     return f"{source}: no record format (it begins with {first!r}); expected {formats}"
 
 
 def is_record(path: str) -> bool:
-    """True if a file begins as a record does; only its beginning is read. Structure and motion documents are not records."""
+    """True if a file begins as a record does, and not as a structure or a motion document."""
     with open(path, "rb") as file:
         packed = file.read(2) == _PACKED
         file.seek(0)
@@ -156,7 +153,7 @@ def is_record(path: str) -> bool:
 
 
 def _distinct(series: list[Series]) -> list[Series]:
-    """Return the series with distinct names of components: an equal or absent name among several becomes its number in the file."""
+    """The series with distinct components: an equal or absent name among several becomes its number in the file."""
     names = [s.component for s in series]
     if names == [None]:
         return series
@@ -165,7 +162,6 @@ def _distinct(series: list[Series]) -> list[Series]:
 
 
 def _unpack(source: str, raw: bytes) -> bytes:
-    """Return the bytes of a file, unpacked if it is a gzip file. Raises DocumentError."""
     if not raw.startswith(_PACKED):
         return raw
     try:
@@ -179,7 +175,7 @@ def _unpack(source: str, raw: bytes) -> bytes:
 
 
 def _refuse_binary(source: str, raw: bytes) -> None:
-    """Raise DocumentError for an empty file, NoAcceleration for archives, SAC and miniSEED, and for all else that is no text."""
+    """Raise DocumentError for an empty file, NoAcceleration for archives, SAC, miniSEED and all else that is no text."""
     if not (raw[:HEAD].strip() or raw.strip()):
         raise DocumentError(f"{source}: empty; expected a record or a motion document")
     if raw.startswith(b"PK\x03\x04") or raw[257:262] == b"ustar":

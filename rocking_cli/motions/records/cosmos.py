@@ -1,7 +1,5 @@
-"""COSMOS V1 and V2: the header says how many lines of text, integers, reals and comments there are, and how numbers stand in them.
-
-The step is real-header value 62 in ms; value 34 is that of the raw record. Points, step and duration have to agree.
-"""
+"""COSMOS V1 and V2: the header counts its lines of text, integers, reals and comments, and states how numbers stand in them. The step is
+real-header value 62 in ms (34 is that of the raw record). Points, step and duration have to agree."""
 
 import re
 
@@ -54,7 +52,7 @@ def read(text: RecordText) -> list[Series]:
 
 
 def _unit(text: RecordText, word: str, code: str | None) -> str:
-    """Return the unit of a block by its code, or by its word if it has none. Raises DocumentError if they contradict each other."""
+    """The unit of a block by its code, or by its word if it has none."""
     known = unit_of(word)
     unit = known if code is None else _UNITS.get(int(code))
     if unit is None:
@@ -65,7 +63,6 @@ def _unit(text: RecordText, word: str, code: str | None) -> str:
 
 
 def _header(text: RecordText, kind: str) -> np.ndarray:
-    """Return the integer or real values of the header. Raises DocumentError."""
     line = re.compile(rf"^\s*(\d+)\s*{kind}-header values follow on\s*\d+\s*lines.*?{FORTRAN}", re.IGNORECASE)
     said = text.like(line, f"100 {kind}-header values follow on 10 lines, Format= (10I8)")
     values = text.numbers(int(said[1]), Layout.of(said))
@@ -75,8 +72,7 @@ def _header(text: RecordText, kind: str) -> np.ndarray:
 
 
 def _step(text: RecordText, reals: np.ndarray, count: int, line: str) -> float:
-    """Return the step dt [s]. line: that before the values, which may state their duration. Raises DocumentError if the number of points,
-    the step and the duration do not agree."""
+    """The step dt [s]; line: that before the values, which may state their duration."""
     dt = text.step(f"{reals[_STEP_MS] if reals[_STEP_MS] != _NONE else 1e3 * reals[_RAW_STEP]:.12g}") / 1e3
     if reals[_LENGTH] > 0.0:
         text.agree(count, dt, f"{reals[_LENGTH]:.6g}")

@@ -1,8 +1,5 @@
-"""CSMIP and CESMD volume 2: corrected accelerograms in fixed columns, several channels a file.
-
-Each channel is a text header, numbers, and blocks of acceleration, velocity and displacement that announce themselves, as in
-`2980 points of accel data equally spaced at  .020 sec, in cm/sec2. (8f10.6)`. Numbers touch, so the columns of the format part them.
-"""
+"""CSMIP and CESMD volume 2: corrected accelerograms in fixed columns, several channels a file. Each is a header of text and numbers,
+then blocks that announce themselves, as `2980 points of accel data equally spaced at .020 sec, in cm/sec2. (8f10.6)`. Numbers touch."""
 
 import re
 
@@ -57,7 +54,7 @@ def read(text: RecordText) -> list[Series]:
 
 
 def _precise(dt: float, above: list[str]) -> float:
-    """Return the step of the real header if it agrees with the step `dt` of the text and has more digits, such as 1/128 s."""
+    """The step of the real header if it agrees with that of the text and has more digits, such as 1/128 s."""
     row, columns = _STEP
     try:
         precise = float(above[-row][columns])

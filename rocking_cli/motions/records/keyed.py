@@ -36,8 +36,7 @@ def _esm(text: RecordText) -> list[Series]:
 
 
 def _knet(text: RecordText) -> list[Series]:
-    """Lines up to the memo, then counts about an offset of the recorder; the header's scale makes them gal. The reader removes their mean:
-    the header's Max. Acc. is the peak after that."""
+    """Lines up to the memo, then counts; the header's Max. Acc. is the peak after their mean is removed."""
     keys = text.keys(_KNET_KEY, _KNET_MEMO)
     stated, line = text.value(keys, "Scale Factor", "a scale such as 7845(gal)/8223790, since counts have no unit")
     scale = _KNET_SCALE.search(stated)

@@ -37,11 +37,9 @@ class Series(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """One component of a ground motion as recorded.
-    name: of the file, without its extension; format: as `rocking records` prints it; component: as the file calls it, or None; dt [s];
-    acceleration [m/s2], shape (npts,); header_pga [m/s2]: the peak that the file's header states; unit: of the file; source: path; sha256:
-    of the file. Raises DocumentError if there are fewer than two samples, if one is not finite or beyond 1e6 m/s2, or if dt is not from
-    1e-7 to 1000 s."""
+    """One component as recorded: name of the file, format, component as the file calls it, dt [s], acceleration [m/s2] of shape
+    (npts,), the peak [m/s2] that the header states, unit and sha256 of the file. Raises DocumentError for fewer than two samples, for
+    one that is not finite or beyond 1e6 m/s2, and for dt outside 1e-7 to 1000 s."""
 
     name: str
     format: str
@@ -85,8 +83,8 @@ class Record:
 
 
 def record_motion(record: Record, scale: float = 1.0, name: str = "") -> Polyline:
-    """Return the motion of a record in its own time, times `scale`: omega_g = 1 rad/s, max |s| = 1, `acceleration` = |scale| PGA [m/s2].
-    name: by default the label of the record. Raises MotionError if all samples are zero, or for the scale."""
+    """Return the motion of a record in its own time, omega_g = 1 rad/s, max |s| = 1, `acceleration` = |scale| PGA [m/s2]; name: by
+    default the label. Raises MotionError if all samples are zero, or for the scale."""
     pga = largest(record.acceleration)
     if not pga > 0.0:
         raise MotionError(f"motion {record.label!r}: zero throughout; the motion must have a non-zero value")
@@ -103,7 +101,7 @@ def unit_of(word: str) -> str | None:
 
 
 def record_of(series: Series, name: str, format_: str, source: str, sha256: str) -> Record:
-    """Return the record of a series in SI units. A remark says if the peak contradicts the header or the unit. Raises DocumentError."""
+    """Return the record of a series, with remarks if its peak contradicts the header or the unit. Raises DocumentError."""
     factor = UNITS["acceleration"][series.unit]
     with np.errstate(over="ignore"):  # the record refuses infinite values
         acceleration = series.samples * factor
@@ -137,8 +135,8 @@ def pick(records: Sequence[Record], component: str | None) -> Record:
 
 
 def chosen(records: Sequence[Record], component: str | None) -> list[Record]:
-    """Return the chosen records of a file: `horizontal` (which may be none), `all`, or one by its name or its number from 1; None: the
-    horizontal ones of a station. Raises NoComponent for an unknown name, and UsageError for None if more than two are horizontal."""
+    """Return the records `horizontal`, `all`, or one by name or number from 1; None: the horizontal ones of a station. Raises
+    NoComponent for an unknown name, and UsageError for None if more than two are horizontal."""
     source, word = records[0].source, None if component is None else component.strip().casefold()
     if word == ALL:
         return list(records)
@@ -166,5 +164,4 @@ def vertical_of(records: Sequence[Record]) -> Record:
 
 
 def names_of(records: Sequence[Record]) -> str:
-    """Return the names of these components in their file."""
     return ", ".join(r.component or "one without a name" for r in records)

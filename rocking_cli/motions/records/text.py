@@ -1,8 +1,5 @@
-"""The text of a record file: its lines, the values of its header, and its blocks of numbers.
-
-Numbers stand between blanks, or in columns of a fixed width (Fortran), where neighbours may touch. A block is parsed as a whole, at
-the speed of NumPy. If that fails, it is read line by line, to name the place of the fault.
-"""
+"""The text of a record file: lines, values of its header, and blocks of numbers, which stand between blanks or in columns of a fixed width
+(Fortran), where neighbours may touch. A block is parsed as a whole; if that fails, line by line, to name the place of the fault."""
 
 import re
 from collections.abc import Callable, Iterable, Iterator
@@ -35,7 +32,7 @@ def stated(pattern: re.Pattern[str], lines: Iterable[str], group: int = 1) -> st
 
 
 class Format(NamedTuple):
-    """A format of a module that holds several, with the names that a module of one format has."""
+    """A format of a module that holds several."""
 
     NAME: str
     recognise: Callable[[str], bool]
@@ -61,8 +58,7 @@ def fortran_layout(text: str) -> Layout | None:
 
 
 class RecordText:
-    """The text of one file and the place up to which it has been read; `line` is the number of the next line, from 1. unit, dt [s]: as the
-    user states them for plain numbers."""
+    """The text of one file and the place up to which it is read; line: number of the next line; unit, dt [s]: as the user states them."""
 
     def __init__(self, source: str, raw: bytes, unit: str | None = None, dt: float | None = None) -> None:
         self.source, self.unit_given, self.dt_given = source, unit, dt
@@ -116,7 +112,6 @@ class RecordText:
         return found
 
     def _take(self, lines: int) -> bytes:
-        """Return the bytes of the next lines, as many as there are."""
         begin = end = self.at
         while lines and end < len(self.raw):
             end = self.raw.find(b"\n", end) + 1 or len(self.raw)
@@ -127,8 +122,8 @@ class RecordText:
     # Values of the header
 
     def keys(self, pattern: re.Pattern[str], end: re.Pattern[str] | None = None) -> Keys:
-        """Return each key (first group, in capitals) with its value (second group) and its line, up to a line that matches
-        `end`, whose key is "", or by default up to a line that begins with a number. Raises DocumentError without such a line."""
+        """Return each key (first group, in capitals) with its value (second group) and line, up to a line that matches `end`, whose
+        key is "", or by default that begins with a number. Raises DocumentError without such a line."""
         found: Keys = {}
         while end is not None or not self.more_numbers():
             (line,) = self.lines(1)
@@ -205,8 +200,8 @@ class RecordText:
             raise self.fault(f"found a line of numbers after the {count} values declared", self.line + blank)
 
     def numbers(self, count: int, layout: Layout) -> Array:
-        """The next `count` numbers, from as many lines as hold them. Raises DocumentError at a line that holds something else, and in
-        columns of a fixed width at a line that is not full."""
+        """Return the next `count` numbers. Raises DocumentError at a line that holds something else, or is not full in columns of a
+        fixed width."""
         if count > len(self.raw) - self.at + 1:
             raise self.fault(f"{count} values are declared, more than a file of {len(self.raw)} bytes holds")
         at, first = self.at, self.line
@@ -228,7 +223,7 @@ class RecordText:
                     raise self.fault(f"found {shown(token)}; expected {count} numbers")
 
     def _rows(self, count: int, layout: Layout) -> Iterator[list[bytes]]:
-        """Yield the numbers of each line as printed, `count` in all. Raises DocumentError at a line of fixed width that is not full."""
+        """The numbers of each line as printed, `count` in all."""
         done = 0
         while done < count:
             line, wanted, width = self._take(1), min(layout.columns, count - done), layout.width

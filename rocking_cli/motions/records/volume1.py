@@ -1,8 +1,6 @@
 """Volume 1, uncorrected accelerograms of CSMIP, RENADIC and BHRC: a channel is 13 lines of text, 14 of numbers, and its samples.
-
-If the text says G/10, a line holds five pairs of time and acceleration (F7.3), or ten accelerations (E13.6) in files that begin with
-`* VOL1DS`; else the samples announce themselves, as in `13200 Accelerogram points at 200 pts/sec in units of g. Format: (8f9.6)`.
-"""
+Below the text G/10 a line holds five pairs of time and acceleration, or ten accelerations in files that begin with `* VOL1DS`; else
+the samples announce themselves, as in `13200 Accelerogram points at 200 pts/sec in units of g. Format: (8f9.6)`."""
 
 import re
 
