@@ -8,7 +8,7 @@ import numpy as np
 from ..errors import MotionError
 from .blocks import largest
 from .motion import Motion, Piece, upwards
-from .segments import Samples, Segments, line_segments
+from .segments import Samples, Segments, largest_from
 
 Array = np.ndarray
 
@@ -47,7 +47,7 @@ class Polyline(Motion):
 
     @property
     def duration(self) -> float:
-        """Phase at which the shaking ends [rad]."""
+        """See `Motion.duration`."""
         return float(self.stop[-1])
 
     def value(self, phase: Array | float) -> Array:
@@ -110,4 +110,10 @@ class Polyline(Motion):
     @cached_property
     def segments(self) -> Segments:
         """The monotone segments of the motion, one for each interval."""
-        return line_segments(self.start, self.stop, self.constant, self.slope)
+        length, none = self.stop - self.start, np.zeros((0, self.start.size))
+        end = self.constant + self.slope * length
+        return Segments(
+            start=self.start, length=length, s_start=self.constant, s_end=end, sin=none, cos=none, frequency=none, slope=self.slope,
+            joins=np.broadcast_to(np.False_, end.size), later_max=largest_from(np.maximum(self.constant, end)),
+            later_min=-largest_from(-np.minimum(self.constant, end)),
+        )  # fmt: skip

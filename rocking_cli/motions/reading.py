@@ -66,18 +66,13 @@ def read_motions(
     """Return the motion of a single document, or the records of a set (see `record_files`). unread: called with each file of a
     directory that cannot be read (None: an error). component may also be `horizontal`, `all`, or None for each horizontal one of each
     file. Raises as `read_motion`, and UsageError without a record."""
+    tell, unit, dt = given.get("tell") or (lambda text: None), given.get("unit"), given.get("dt")
 
-    tell = given.get("tell") or (lambda text: None)
+    def take(records: list[Record]) -> list[Recording]:
+        return _recordings(records, chosen(records, given.get("component")), given)
+
     try:
-        taken = read_set(
-            paths,
-            lambda records: _recordings(records, chosen(records, given.get("component")), given),
-            unit=given.get("unit"),
-            dt=given.get("dt"),
-            tell=tell,
-            unread=unread,
-        )
-        found = [_scaled(recording, given) for recording in taken]
+        found = [_scaled(r, given) for r in read_set(paths, take, unit=unit, dt=dt, tell=tell, unread=unread)]
     except NoRecord as error:
         if len(paths) > 1 or error.source not in (paths[0], STDIN):
             raise DocumentError(f"{error}; a set holds records only") from None

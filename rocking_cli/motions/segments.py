@@ -169,8 +169,7 @@ class Segments:
     @cached_property
     def largest_later(self) -> np.ndarray:
         """The largest |s| after the end of each segment, (K,)."""
-        sizes = np.maximum(np.abs(self.s_start), np.abs(self.s_end))
-        return np.append(np.maximum.accumulate(sizes[::-1])[::-1][1:], 0.0)
+        return np.append(largest_from(np.maximum(np.abs(self.s_start), np.abs(self.s_end)))[1:], 0.0)
 
     @cached_property
     def largest(self) -> float:
@@ -224,18 +223,6 @@ class Samples(NamedTuple):
 
     step: float
     values: np.ndarray
-
-
-def line_segments(start: np.ndarray, stop: np.ndarray, constant: np.ndarray, slope: np.ndarray) -> Segments:
-    """Return the segments of straight lines s = constant + slope (phase - start)."""
-    count, length = start.size, stop - start
-    end = constant + slope * length
-    none = np.zeros((0, count))
-    return Segments(
-        start=start, length=length, s_start=constant, s_end=end, sin=none, cos=none, frequency=none, slope=slope,
-        joins=np.broadcast_to(np.False_, count), later_max=largest_from(np.maximum(constant, end)),
-        later_min=-largest_from(-np.minimum(constant, end)),
-    )  # fmt: skip
 
 
 def largest_from(values: np.ndarray) -> np.ndarray:
