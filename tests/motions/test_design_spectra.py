@@ -45,7 +45,7 @@ def test_the_displacement_on_a_floor_does_not_fall_below_that_of_its_first_mode(
     assert floor.demand(3.0, 0.08) == pytest.approx(later * (3.0 / (2 * math.pi)) ** 2)
 
 
-@pytest.mark.parametrize("name", ["sine", "rectangular-impulse", "ricker-symmetric"])
+@pytest.mark.parametrize("name", ["sine", "rectangular-impulse"])
 def test_the_displacement_under_a_pulse_by_another_integrator(name):
     motion, amplitude, omega, period, xi = pulse(name), 3.0, 5.0, 1.4, 0.08
     w, end = 2 * math.pi / period, motion.duration / omega
@@ -61,7 +61,7 @@ def test_the_displacement_under_a_pulse_by_another_integrator(name):
 def test_the_demand_of_a_motion_is_the_largest_up_to_the_period(pytestconfig):
     record = read_record(pytestconfig.rootpath / "configs/motions/synthetic.at2")
     spectrum = MotionSpectrum.of(record.motion, 0.5 * record.motion.acceleration, 1.0)
-    periods = np.linspace(0.03, 1.6, 1500)
+    periods = np.linspace(0.03, 1.6, 700)
     assert spectrum.pga == pytest.approx(0.5 * np.abs(record.acceleration).max())
     most = (spectrum.acceleration(periods, 0.08) * (periods / (2 * math.pi)) ** 2).max()
     assert spectrum.demand(1.6, 0.08) == pytest.approx(most, rel=1e-4)

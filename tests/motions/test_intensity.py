@@ -34,20 +34,6 @@ def test_extremes_between_the_samples():
     assert found.pgd == pytest.approx(2.0 / 3.0, rel=1e-14, abs=0)
 
 
-def test_a_sine_sampled_finely_at_second_order():
-    """sin(t) for one period: PGV = 2, PGD = 2 pi, the integral of a^2 is pi, CAV 4."""
-    errors = []
-    for n in (400, 800):
-        t = np.linspace(0.0, 2.0 * math.pi, n + 1)
-        found = intensity(record(np.sin(t), t[1]))
-        wanted = (1.0, 2.0, 2.0 * math.pi, math.pi**2 / (2.0 * 9.81), 4.0)
-        got = (found.pga, found.pgv, found.pgd, found.arias, found.cav)
-        errors.append([abs(g / w - 1.0) for g, w in zip(got, wanted, strict=True)])
-    assert errors[1][0] == 0.0
-    for coarse, fine in zip(errors[0][1:], errors[1][1:], strict=True):
-        assert coarse / fine == pytest.approx(4.0, rel=0.01, abs=0)
-
-
 def test_a_quadrature_in_many_small_steps():
     """Each interval in 400 parts by Simpson's rule, and durations by interpolation: within the error of that."""
     samples, dt, parts = wave(300, 2.0) + 0.01, 0.02, 400

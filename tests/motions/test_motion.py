@@ -35,18 +35,6 @@ def test_half_cycles_are_pi_long_whatever_came_before(motion):
     assert np.array_equal(half_cycles, np.full(half_cycles.size, math.pi))
 
 
-def test_every_segment_is_monotone():
-    harmonics = (Harmonic(0.5, 1, 0.3), Harmonic(0.3, 1.7, 1.0), Harmonic(-0.4, 0.6, 0.2))
-    motion = Motion("mixed", (Piece(0, 12, harmonics, 0.1, 0.02), Piece(12, 13, (), -1.0, 2.0)))
-    segments = motion.segments
-    for k in range(len(segments)):
-        phase = segments.start[k] + np.linspace(1e-9, 1 - 1e-9, 500) * segments.length[k]
-        steps = np.diff(motion.value(phase))
-        assert np.all(steps >= -4e-15) or np.all(steps <= 4e-15)
-        assert motion.value(phase)[0] == pytest.approx(segments.s_start[k], abs=1e-8)
-        assert motion.value(phase)[-1] == pytest.approx(segments.s_end[k], abs=1e-7)
-
-
 def test_value_is_zero_outside():
     assert cosine(1).value(np.array([-0.1, 0.0, 1.0, 6.2, 6.3])).tolist() == [0.0, 1.0, math.cos(1.0), math.cos(6.2), 0.0]
 
@@ -130,11 +118,6 @@ def test_every_root_of_the_rate_is_found(amplitudes, phases, slope):
     if (close.sum() != circle.size) or (apart < 1e-3).any() or (circle < 1e-6).any() or (circle > 2.0 * math.pi - 1e-6).any():
         return  # what a companion matrix cannot tell
     assert extremes(piece) == pytest.approx(circle, abs=1e-9)
-
-
-@pytest.mark.parametrize(("name", "extremes"), [("ricker-antisymmetric", 4), ("mavroeidis-papageorgiou", 6)])
-def test_pulses_turn_where_they_do(name, extremes):
-    assert len(pulse(name).segments) == extremes + 1
 
 
 TWO_TONES = Motion("two tones", (Piece(0.0, 5.0, (Harmonic(1.0), Harmonic(0.3, 7.0, 1.0)), 0.1, 0.2), Piece(5.0, 6.0, slope=-0.5)))

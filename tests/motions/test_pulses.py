@@ -27,9 +27,9 @@ SHAPES = {
 @pytest.mark.parametrize("name", list(PULSES))
 def test_amplitude_of_every_pulse_is_one(name):
     motion = pulse(name)
-    fine = np.linspace(0.0, motion.duration, 400_001)[:-1]
+    fine = np.linspace(0.0, motion.duration, 40_001)[:-1]
     assert motion.largest == pytest.approx(1.0, abs=1e-13)
-    assert np.abs(motion.value(fine)).max() == pytest.approx(1.0, abs=1e-9)
+    assert np.abs(motion.value(fine)).max() == pytest.approx(1.0, abs=1e-7)
 
 
 @pytest.mark.parametrize(("name", "tolerance"), [("ricker-symmetric", 5e-14), ("ricker-antisymmetric", 1e-11)])

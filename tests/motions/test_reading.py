@@ -69,22 +69,12 @@ def test_of_a_directory_the_records_are_taken(folder):
     assert sorted(line.partition(":")[0] for line in said) == ["./binary.h5", "./block.yaml", "./list", "./pulse.yaml"]
 
 
-def test_of_a_directory_velocities_are_left_out_and_said(folder):
-    (folder / "set").mkdir()
-    at2 = (folder / "a.AT2").read_text()
-    (folder / "set" / "a.AT2").write_text(at2)
-    (folder / "set" / "a.VT2").write_text(at2.replace("ACCELERATION", "VELOCITY"))
-    said: list[str] = []
-    assert labels(read_motions(["set"], tell=said.append)) == ["a"]
-    assert [(line.split(":")[0], line[-8:]) for line in said] == [("set/a.VT2", "left out")]
-    with pytest.raises(DocumentError, match="VELOCITY"):
-        read_motions(["set/a.VT2"])
-
-
 def test_of_a_directory_uncorrected_accelerograms_are_left_out_and_said(folder):
-    """The corrected ones may lie beside them, and would be counted twice."""
+    """The corrected ones may lie beside them, and would be counted twice; velocities are left out too."""
     (folder / "set").mkdir()
-    (folder / "set" / "a.AT2").write_text((folder / "a.AT2").read_text())
+    text = (folder / "a.AT2").read_text()
+    (folder / "set" / "a.AT2").write_text(text)
+    (folder / "set" / "z.VT2").write_text(text.replace("ACCELERATION", "VELOCITY"))
     for name, first in (
         ("b.V1", "Uncorrected Accelerogram Data"),
         ("c.V1A", "Uncorrected accelerogram 1 GNS Science"),
@@ -99,8 +89,9 @@ def test_of_a_directory_uncorrected_accelerograms_are_left_out_and_said(folder):
     said: list[str] = []
     assert labels(read_motions(["set"], tell=said.append)) == ["a"]
     left_out = ["b.V1", "c.V1A", "d.V1", "e.V1c", "f.V1c", "g.smc", "h.DAT", "i.ASC"]
-    assert [line.split(":")[0] for line in said] == [f"set/{name}" for name in left_out]
-    assert all(line.endswith("an uncorrected accelerogram, which is taken where the file itself is named; left out") for line in said)
+    assert [line.split(":")[0] for line in said] == [f"set/{name}" for name in (*left_out, "z.VT2")]
+    assert all(line.endswith("an uncorrected accelerogram, which is taken where the file itself is named; left out") for line in said[:-1])
+    assert "VELOCITY" in said[-1]
     with pytest.raises(DocumentError, match="the file ends within its header"):
         read_motions(["set/b.V1"])
 

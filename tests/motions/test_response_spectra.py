@@ -31,7 +31,7 @@ def integrated(samples, dt, period, damping):
 
 @pytest.mark.parametrize(
     ("period", "damping"),
-    [(0.015, 0.05), (0.015, 0.6), (0.04, 0.0), (0.3, 0.05), (0.3, 0.6), (1.0, 0.0), (1.0, 0.05), (7.0, 0.0), (7.0, 0.6)],
+    [(0.015, 0.6), (0.04, 0.0), (0.3, 0.05), (1.0, 0.0), (7.0, 0.6)],
 )
 def test_spectra_are_those_of_an_integration(period, damping):
     samples = SAMPLES[:60] if period < 0.1 else SAMPLES

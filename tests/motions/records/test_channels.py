@@ -290,7 +290,7 @@ REFUSED = [
 test_bad_files_are_told_with_file_and_line = refuses(read_records, DocumentError, REFUSED, file="a", literal=True)
 
 
-@pytest.mark.parametrize("count", [37, 40, *(pytest.param(count, marks=pytest.mark.soak) for count in (45, 48))])
+@pytest.mark.parametrize("count", [13, *(pytest.param(count, marks=pytest.mark.soak) for count in (37, 40, 45, 48))])
 def test_a_line_of_numbers_missing_or_twice_loses_no_channel(tmp_path, count):
     long = {"length": count / 100}
     texts = [geonet("N", wave(count, 900.0)) + geonet("E", wave(count, 800.0)) + geonet("Up", wave(count, 70.0))]
