@@ -25,8 +25,6 @@ from .response_spectra import DAMPING, acceleration_spectrum, displacement_spect
 Array = np.ndarray
 
 _SAMPLES = 4000  # of a pulse; their lines change S_d by less than 1e-5 of it, with a jump inside the pulse by 1e-3
-_PERIODS, _SHORTEST = 100, 0.02  # periods up to T of which the largest S_d is looked for, and the shortest over T
-_NEAR = 9  # periods around the largest, twice
 _FIRST = 0.03  # s, the longest first period of a file, whose S_a is the peak ground acceleration
 _A, _B = 0.8, 1.1  # of T_k: the plateau of a floor spectrum (C7.2.6-8)
 _FLOOR, _FLOOR_KEYS = "T=TIME,xi=RATIO,gamma_psi=NUMBER", {"T": "time", "xi": "number", "gamma_psi": "number"}
@@ -60,11 +58,11 @@ class MotionSpectrum:
 
     def demand(self, period: float, damping: float) -> float:
         """Return the largest S_d [m] at periods from 0.02 `period` to `period`."""
-        periods = period * np.geomspace(_SHORTEST, 1.0, _PERIODS)
-        for _ in range(3):
+        periods = period * np.geomspace(0.02, 1.0, 100)
+        for _ in range(3):  # then twice nine periods around the largest
             found = displacement_spectrum(self.record, periods, damping)
             i = int(found.argmax())
-            periods = np.linspace(periods[max(0, i - 1)], periods[min(i + 1, periods.size - 1)], _NEAR)
+            periods = np.linspace(periods[max(0, i - 1)], periods[min(i + 1, periods.size - 1)], 9)
         return float(found[i])
 
 

@@ -56,7 +56,6 @@ def intensity(record: Record) -> Intensity:
 
 
 def _sums(gains: Array) -> Array:
-    """Return the running sum, at each sample, of the contributions of the intervals."""
     return np.cumsum(np.concatenate([[0.0], gains]))
 
 

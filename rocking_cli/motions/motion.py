@@ -87,10 +87,9 @@ class Motion:
             raise MotionError(f"motion {self.name!r}: no pieces; a motion needs at least one")
         at = 0.0
         for i, piece in enumerate(self.pieces):
-            numbers = [piece.start, piece.stop, piece.constant, piece.slope]
-            numbers += [x for h in piece.harmonics for x in (h.amplitude, h.frequency, h.phase)]
+            waves = [x for h in piece.harmonics for x in (h.amplitude, h.frequency, h.phase)]
             found = ""
-            if not np.all(np.isfinite(numbers)):
+            if not np.all(np.isfinite([piece.start, piece.stop, piece.constant, piece.slope, *waves])):
                 found = "holds a number that is not finite"
             elif any(h.frequency <= 0.0 for h in piece.harmonics):
                 found = "has a frequency that is not positive"

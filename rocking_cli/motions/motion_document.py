@@ -39,7 +39,7 @@ def build_motion(document: Document) -> Motion:
 def _children(document: Document, key: str, wanted: str, least: int) -> list[Value]:
     content = document.values[key].content
     if not isinstance(content, list) or len(content) < least:
-        raise document.fault(key, str(document.values[key]) if not isinstance(content, list) else f"{len(content)} entries", wanted)
+        raise document.fault(key, f"{len(content)} entries" if isinstance(content, list) else str(document.values[key]), wanted)
     return content
 
 

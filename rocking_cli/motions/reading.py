@@ -118,8 +118,8 @@ def _scaled(recording: Recording, given: MotionChoices) -> Recording:
         for remark in record.remarks:
             tell(f"{record.source}: {remark}")
         if record.npts >= LONG:
-            gigabytes = f"{_BYTES * record.npts / 1e9:.2g} GB"
-            tell(f"{record.source}: {record.npts:,} samples; a response to them takes about {gigabytes} of memory")
+            gigabytes = _BYTES * record.npts / 1e9
+            tell(f"{record.source}: {record.npts:,} samples; a response to them takes about {gigabytes:.2g} GB of memory")
     if scale_to is None:
         return recording if scale is None else replace(recording, factor=scale)
     if scale not in (None, -1.0):

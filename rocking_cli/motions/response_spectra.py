@@ -25,7 +25,6 @@ _STEPS = 12  # in the shortest period, at least: then a step holds one turning p
 _SIZE = 1 << 21  # samples times periods that are computed at once
 _FINEST = 1 << 24  # samples, to which a short period cuts the steps of a record
 _NAME = re.compile(r"(SA|AvgSA)(?:\((.*)\))?", re.IGNORECASE)
-_MEAN = np.linspace(0.2, 1.5, 10)  # periods over T1 of AvgSA(T1)
 
 
 def displacement_spectrum(record: Record, periods: Sequence[float] | Array, damping: float = DAMPING) -> Array:
@@ -73,7 +72,7 @@ def periods_of(name: str) -> tuple[str, Array] | None:
     if not np.all(periods > 0.0) or (periods.size > 1 and not mean):
         raise UsageError(f"{name}: expected {'positive periods' if mean else 'one positive period'} in s, as in SA(1.0) or AvgSA(0.5,1)")
     name = f"{'AvgSA' if mean else 'SA'}({','.join(f'{x:g}' for x in periods)})"
-    return name, periods[0] * _MEAN if mean and periods.size == 1 else periods
+    return name, periods[0] * np.linspace(0.2, 1.5, 10) if mean and periods.size == 1 else periods
 
 
 def mean_acceleration(record: Record, periods: Array) -> float:
@@ -109,7 +108,6 @@ def _largest(record: Record, finer: int, w: Array, damping: float) -> Array:
 
 
 def _gain(s: Array, h: Array | float) -> Array:
-    """(exp(s h) - 1)/s."""
     return np.expm1(s * h) / s
 
 

@@ -23,7 +23,6 @@ _TERMS = 12  # of the Taylor series
 _CELLS = 4  # first intervals for each period of the fastest sinusoid
 _HALVINGS = 64
 DEGREE = 17
-_REMAINDER = 1e-17  # of a polynomial, over the largest |s|
 _MOST_PATCHES = 50_000  # above it there is no table
 
 
@@ -131,7 +130,7 @@ def table_of(segments: Any) -> Table | None:
     counts, over = np.ones(segments.length.size, dtype=np.int64), float(np.prod(np.arange(2.0, DEGREE + 2.0)))
     for _ in range(64):
         half = 0.5 * length / counts
-        wide = (size * (w * half) ** (DEGREE + 1)).sum(axis=0) > _REMAINDER * largest * over
+        wide = (size * (w * half) ** (DEGREE + 1)).sum(axis=0) > 1e-17 * largest * over  # the remainder
         if not wide.any():
             break
         counts[wide] = counts[wide] * 5 // 4 + 1

@@ -59,9 +59,7 @@ def _entries(_: tuple[str, ...]) -> "tuple[EntryPoint, ...]":
     return tuple(installed(GROUP).values())
 
 
-def _blamed(source: str, entry: "EntryPoint | None") -> AbstractContextManager[None]:
-    if entry is None:
-        return nullcontext()
+def _blamed(source: str, entry: "EntryPoint") -> AbstractContextManager[None]:
     return blamed(entry, lambda found: DocumentError(f"{source}: the record format {found}; expected a package that works"))
 
 
@@ -106,7 +104,7 @@ def records_of(source: str, raw: bytes, *, unit: str | None = None, dt: float | 
         raise NoAcceleration(f"{source}: an uncorrected accelerogram, which is taken where the file itself is named")
     sha256 = hashlib.sha256(raw).hexdigest()
     name = "record" if source == STDIN else Path(Path(source).name.removesuffix(".gz")).stem
-    with _blamed(source, entry):
+    with nullcontext() if entry is None else _blamed(source, entry):
         read = found.read(text)
         if not (isinstance(read, list) and read and all(isinstance(s, Series) for s in read)):
             raise TypeError(f"read returns {type(read).__name__}; expected a list of Series, one or more")

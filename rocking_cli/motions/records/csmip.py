@@ -14,7 +14,7 @@ _PGA = re.compile(r"Peak\s+accel\w*\s*=\s*([-+.\dEe]+)\s*([a-z/0-9^]+)", re.IGNO
 _POINTS = re.compile(r"^\s*(\d+)\s+points of instrument", re.IGNORECASE)
 _LENGTH = re.compile(r"Record length\s*=\s*([.\d]+)\s*sec", re.IGNORECASE)
 _UNIT = re.compile(r"(?:\bin\b|units?:?)\s*(?:units of\s*)?([a-z]+(?:/[a-z0-9/^]+)?)", re.IGNORECASE)
-_STEP = 6, slice(40, 50)  # the real header has the step with more digits: lines above the block, columns
+_ROW, _COLUMNS = 6, slice(40, 50)  # the real header has the step with more digits: lines above the block, columns
 
 recognise = begins(rf"(?!.*(?:GNS Science|\(format v))(?:{_SPECTRA.pattern}|.*{_FIRST.pattern})")
 
@@ -55,9 +55,8 @@ def read(text: RecordText) -> list[Series]:
 
 def _precise(dt: float, above: list[str]) -> float:
     """The step of the real header if it agrees with that of the text and has more digits, such as 1/128 s."""
-    row, columns = _STEP
     try:
-        precise = float(above[-row][columns])
+        precise = float(above[-_ROW][_COLUMNS])
     except (IndexError, ValueError):
         return dt
     return precise if precise > 0.0 and abs(precise - dt) < 6e-4 else dt

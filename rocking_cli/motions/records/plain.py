@@ -15,11 +15,8 @@ _SEPARATORS = b",;\t"
 _ROW = re.compile(r"^\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?(?:[\s,;]|$)")
 _WORD = re.compile(r"(?!(?:nan|inf)\b)[a-z]{2,}", re.IGNORECASE)
 _MOST_TITLE_LINES = 40
-_FEW = 10  # values, fewer than which may be as many as the first of them says
-_LONG = 1.0  # s, from which on a column may number its values, or hold times in ms
 _BRACKETED = re.compile(r"[\[(]([^\])]*)[\])]")
 _TIMES = {"ms": 1e-3, "msec": 1e-3, "µs": 1e-6, "us": 1e-6, "min": 60.0, "minutes": 60.0}  # s; any other word leaves times in s
-_UNEVEN = 0.1  # part of a step by which printed times may lie off an even grid
 
 
 def recognise(head: str) -> bool:
@@ -60,14 +57,14 @@ def read(text: RecordText) -> list[Series]:
     if columns == 1:
         if dt is None:
             raise DocumentError(f"{text.source}: one column of numbers without times; give their step as `dt`")
-        if values[0] > _FEW and values[0] in (values.size - 1, values.size - 2):
+        if values[0] > 10 and values[0] in (values.size - 1, values.size - 2):
             raise text.fault(f"found {values[0]:g}, the number of the values below it; expected accelerations alone", first)
         return [Series(None, dt, values, unit)]
     if dt is not None:
         raise DocumentError(f"{text.source}: two columns, of which the first is the time; `dt` goes with one column")
     factor = next((_TIMES[word] for word in stated if word in _TIMES), 1.0)
     step = even_step(factor * values[0::2], text, first)
-    remark = f"a step of {step:g} s, where the first column is taken for times in s" if step >= _LONG else ""
+    remark = f"a step of {step:g} s, where the first column is taken for times in s" if step >= 1.0 else ""
     return [Series(None, step, values[1::2], unit, remark=remark)]
 
 
@@ -76,7 +73,7 @@ def even_step(time: np.ndarray, text: RecordText, line: int, in_a_line: int = 1)
     if time.size < 2:
         raise text.fault(f"found {time.size} values; expected at least two", line)
     step = float(f"{(time[-1] - time[0]) / (time.size - 1):.10g}")
-    off = np.abs(time - (time[0] + step * np.arange(time.size))) > _UNEVEN * abs(step)
+    off = np.abs(time - (time[0] + step * np.arange(time.size))) > 0.1 * abs(step)  # printed times
     if off.any() or not step > 0.0 or np.any(np.diff(time) <= 0.0):
         bad = int(np.argmax(off))
         raise text.fault(f"times that do not rise in even steps, such as {time[bad]:g} s", line + bad // in_a_line)

@@ -18,10 +18,8 @@ LARGEST = 1e6  # m/s2, beyond which no ground shakes
 STEPS = (1e-7, 1e3)  # s, from the shortest to the longest
 WRITTEN_UNITS = ("g", "gal", "cm/s2", "m/s2", "mm/s2")
 _PEAKS = (0.002, 5.0)  # g; the largest recorded is about 4 g. A record in gal that is read as g lies above, one in g read as gal below
-_PGA_AGREES = 0.01  # part of a header's peak by which the samples' own may differ without a word
 HORIZONTAL, ALL, STATION = "horizontal", "all", "station"
 _VERTICAL = re.compile(r"\b(?:up|u-d|ud|dn|down|dwn|ver|vrt|vert\w*)\b|^(?:[uvz]|[a-z]{2}z)(?: \(\d+\))?$", re.IGNORECASE)
-_OF_A_STATION = 2  # horizontal components; a file of a building or an array has more
 
 
 class Series(NamedTuple):
@@ -115,7 +113,7 @@ def record_of(series: Series, name: str, format_: str, source: str, sha256: str)
         stated, found = abs(float(series.pga)), pga / factor
         header = stated * factor
         half_a_digit = 0.5 * 10.0 ** float(Decimal(series.pga).as_tuple().exponent)
-        if abs(found - stated) > max(_PGA_AGREES * stated, half_a_digit):
+        if abs(found - stated) > max(0.01 * stated, half_a_digit):
             remarks.append(f"the header states a peak{where} of {stated:g} {series.unit}, the samples have {found:.6g} {series.unit}")
     return Record(name, format_, series.component, series.dt, acceleration, header, series.unit, source, sha256, tuple(remarks))
 
@@ -142,7 +140,7 @@ def chosen(records: Sequence[Record], component: str | None) -> list[Record]:
         return list(records)
     if word in (None, HORIZONTAL):
         found = [r for r in records if not is_vertical(r)]
-        if word is None and len(found) > _OF_A_STATION:
+        if word is None and len(found) > 2:  # a file of a building or an array
             raise UsageError(f"{source}: holds the components {names_of(records)}; give one as component, or {HORIZONTAL} for all of those")
         return found
     for record in records:
