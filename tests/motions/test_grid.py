@@ -33,7 +33,6 @@ def test_scaling_to_a_structure():
 
 
 REFUSED = [
-    ("", "expected NAME=START"),
     ("A", "expected NAME=START"),
     ("A=1:2:3", "found A; expected A and Omega"),
     ("A=1:2:3,f_g=1:2:3", "found A and f_g"),
@@ -45,8 +44,6 @@ REFUSED = [
     ("A=2:1:3,Omega=1:2:3", "found START 2 above STOP 1"),
     ("A=1:1:3,Omega=1:2:3", "a single value is written"),
     ("A=1:2:1,Omega=1:2:3", "N = '1'"),
-    ("A=1:2:0,Omega=1:2:3", "N = '0'"),
-    ("A=1:2:-3,Omega=1:2:3", "N = '-3'"),
     ("A=1:2:2.5,Omega=1:2:3", "N = '2.5'"),
     ("A=1:2:²,Omega=1:2:3", "N = '²'"),
     (f"A=1:2:{'9' * 5000},Omega=1:2:3", "N = '999"),
@@ -54,7 +51,6 @@ REFUSED = [
     ("A=1:2:3,Omega=0:2:3", "positive values"),
     ("A=0:2:3:log,Omega=1:2:3", "a positive START"),
     ("A=1:inf:3,Omega=1:2:3", "found 'inf'"),
-    ("A=1:nan:3,Omega=1:2:3", "found 'nan'"),
     ("A=1:2g:3,Omega=1:2:3", "without a unit"),
     ("a_g=1:2kg:3,omega_g=1:2:3", "an acceleration"),
     ("A=1:2:1000000,Omega=1:2:1000000", "1e.12 cells"),

@@ -33,7 +33,6 @@ REFUSED = [
     ("pieces: [{from: 0, to: 1, sines: [{amplitude: 1, frequency: 0}]}]", "a positive multiple"),
     ("pieces: [{from: 0, to: 1, sines: [{amplitude: nan}]}]", "a number without a unit"),
     ("points: [[0, 1]]", "two or more points"),
-    ("points: [[0, 1], [0, 2]]", "times that rise"),
     ("points: [[1, 1], [2, 2]]", "begins at 0"),
     ("points: [[0, 1], [1, x]]", "not a pair of numbers"),
     ("points: [[0, 1], [1, 1]]\nunits: g", "unknown key 'units'"),

@@ -80,16 +80,13 @@ REFUSED = [
     (TITLE + "NPTS= 1003, DT= .005 SEC\n" + body()[:4000], "the file ends after"),
     (TITLE + "NPTS= 1003, DT= .005 SEC\n", "1003 values are declared, more than a file of"),
     (TITLE + "NPTS= 1003, DT= 0.000 SEC\n" + body(), "a.AT2:4: a time step of 0.000"),
-    (TITLE + "NPTS= 9999999999, DT= .005 SEC\n" + body(), "9999999999 values are declared"),
     (TITLE.replace("ACCELERATION", "VELOCITY") + "NPTS= 1003, DT= .005 SEC\n" + body(), "a.AT2:3: found 'VELOCITY"),
     (TITLE.replace("UNITS OF G", "UNITS OF CM/S") + "NPTS= 1003, DT= .005 SEC\n" + body(), "unit 'CM/S'"),
-    (TITLE.replace("UNITS OF G", "UNITS OF IN/S/S") + "NPTS= 1003, DT= .005 SEC\n" + body(), "a.AT2:3: found the unit 'IN/S/S'"),
     ("Acceleration in mg\nNPTS= 1003, DT= .005 SEC\n" + body(), "a.AT2:1: found the unit 'mg'"),
     (TITLE + "NPTS= 1003, DT= .005 SEC\n" + body() + "\x1a" + "velocity", "found '\\x1avelocity' after the 1003 values"),
     (broken(7, "  0.1 -0.2 0.3-0.4 0.5 0.6"), "a.AT2:12: found '0.3-0.4', two numbers run together, after 37 of 1003"),
     (broken(7, "  0.1 -0.2 0.30.4 0.5 0.6"), "a.AT2:12: found '0.30.4', two numbers run together"),
     (broken(7, "  0.1 -0.2 ******* 0.5 0.6"), "a.AT2:12: found '*******', stars in place of a number"),
-    (broken(7, "  0.1 -0.2 NaN 0.5 0.6"), "a.AT2:12: found 'NaN', which is no finite number"),
     (broken(7, "  0.1 -0.2 1e999 0.5 0.6"), "a.AT2:12: found '1e999'"),
 ]
 test_bad_files_are_told_with_file_and_line = refuses(read_records, DocumentError, REFUSED, file="a.AT2", literal=True)

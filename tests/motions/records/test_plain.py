@@ -22,18 +22,15 @@ def test_two_columns(tmp_path, separator, title):
 
 
 ROWS = [f"{0.01 * i:.2f} {x:.6f}" for i, x in enumerate(SAMPLES)]
+IN_MS = "".join(f"{10 * i} {x:.6f}\n" for i, x in enumerate(SAMPLES))
 SAME = {
     "a title that begins with a number": ("1940 Nowhere NS\n2 400 points every 0.02 s\n" + COLUMN, {"unit": "m/s2", "dt": 0.02}, 1.0),
     "one column": (COLUMN, {"unit": "g", "dt": 0.02}, 9.81),
     "decimal commas between semicolons": ("".join(f"{row}\n" for row in ROWS).replace(" ", ";").replace(".", ","), {"unit": "m/s2"}, 1.0),
     "blank lines between the numbers": ("Time,Accel\n\n" + "\n".join([*ROWS[:200], "", "", *ROWS[200:]]), {"unit": "m/s2"}, 1.0),
     "a heading with units": ("Waveform\nTime [s],Acc [g]\n" + "\n".join(ROWS).replace(" ", ","), {}, 9.81),
-    "a heading with times in ms": ("t (ms) a (cm/sec^2)\n" + "".join(f"{10 * i} {x:.6f}\n" for i, x in enumerate(SAMPLES)), {}, 0.01),
-    "a heading with times in ms alone": (
-        "t [ms], a\n# by hand\n" + "".join(f"{10 * i} {x:.6f}\n" for i, x in enumerate(SAMPLES)),
-        {"unit": "m/s2"},
-        1.0,
-    ),
+    "a heading with times in ms": ("t (ms) a (cm/sec^2)\n" + IN_MS, {}, 0.01),
+    "a heading with times in ms alone": ("t [ms], a\n# by hand\n" + IN_MS, {"unit": "m/s2"}, 1.0),
     "a heading above a remark": ("Time,Acc\n(s),(g)\n# filtered\n" + "\n".join(ROWS), {}, 9.81),
     "a heading of one column": ("a (g)\n" + COLUMN, {"dt": 0.02, "unit": "g"}, 9.81),
     "a heading with another unit": ("Time (s) Pulse (unfiltered)\n" + "\n".join(ROWS), {"unit": "g"}, 9.81),
