@@ -31,14 +31,12 @@ def available_cpus() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-_MOST = 1e14  # cells times segments: years of a processor by the quickest equation
-
-
 def refuse_endless(cells: float, segments: int) -> None:
     """Raise UsageError if these cells under a motion of so many segments would take years of a processor."""
-    if cells * segments > _MOST:
+    most = 1e14  # cells times segments: years of a processor by the quickest equation
+    if cells * segments > most:
         found = f"{cells:.3g} cells under {segments} segments of shaking"
-        raise UsageError(f"found {found}, which would take years; expected up to {_MOST / segments:.3g} cells")
+        raise UsageError(f"found {found}, which would take years; expected up to {most / segments:.3g} cells")
 
 
 def in_order(submit: Callable[[Any], Any], wait: Callable[[Any], Any], items: Iterable[Any], ahead: int) -> Iterator[Any]:
@@ -57,11 +55,9 @@ def in_order(submit: Callable[[Any], Any], wait: Callable[[Any], Any], items: It
 
 @contextmanager
 def processes(workers: int, task: Callable[[Any], Any], advice: str) -> Iterator[Run]:
-    """A function from items to task(item) of each, in their order; the task itself travels to each process once.
-
+    """Context of a function from items to task(item) of each, in their order; the task itself travels to each process once.
     An exception of the task is raised here, in its turn. The processes end with the block, at once. Raises OutputError, with the
-    advice, when a process cannot be started or dies.
-    """
+    advice, when a process cannot be started or dies."""
     from concurrent.futures import Future, ProcessPoolExecutor
     from concurrent.futures.process import BrokenProcessPool
     from multiprocessing import active_children, get_context

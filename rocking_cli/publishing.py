@@ -55,11 +55,9 @@ def check_target(path: Path, overwrite: bool, suffixes: tuple[str, ...] = ()) ->
 
 @contextmanager
 def published(path: Path, overwrite: bool, partial: Path | None = None) -> Iterator[BinaryIO]:
-    """A new file to write to, which takes its name when the block ends, and is removed when the block fails.
-
+    """Context of a new file to write to, which takes its name when the block ends, and is removed when the block fails.
     partial: its name until then; a file of this name was left by a kill, and is removed. Without overwrite no file is replaced, not even
-    one that has appeared meanwhile. Raises OutputError.
-    """
+    one that has appeared meanwhile. Raises OutputError."""
     target = followed(path)
     try:
         if partial is None:

@@ -15,7 +15,7 @@ from ..structures.parameters import RockingParameters
 
 Values = np.ndarray | list[str]
 
-_FLOAT, _WHOLE, _TEXT = np.dtype("<f8"), np.dtype("<i8"), None
+_TEXT = None  # the type of a list of texts
 
 
 class About(NamedTuple):
@@ -24,7 +24,7 @@ class About(NamedTuple):
     units: str
     long_name: str
     get: Callable[[Any], Any] = str
-    dtype: np.dtype | None = _FLOAT
+    dtype: np.dtype | None = np.dtype("<f8")
 
 
 PARAMETERS = {
@@ -61,7 +61,7 @@ RECORDED = {
     "cav": About("m s-1", "cumulative absolute velocity of the record, before its factor", lambda r: r.intensity.cav),
     "d5_75": About("s", "duration from 5 to 75 % of the Arias intensity", lambda r: r.intensity.d5_75),
     "d5_95": About("s", "duration from 5 to 95 % of the Arias intensity", lambda r: r.intensity.d5_95),
-    "npts": About("1", "number of samples", lambda r: r.record.npts, _WHOLE),
+    "npts": About("1", "number of samples", lambda r: r.record.npts, np.dtype("<i8")),
     "dt": About("s", "time between samples", lambda r: r.record.dt),
     "format": About("1", "format of the file", lambda r: r.record.format, _TEXT),
     "component": About("1", "component as the file calls it", lambda r: r.record.component or "", _TEXT),

@@ -70,17 +70,13 @@ class Summary:
 
     def row(self) -> dict[str, Any]:
         """Return the fields as one flat mapping, for JSON and for the file's attributes."""
-        work = asdict(self.work)
-        work.pop("cells")
+        compared = {"compared_cells": self.compared, "differing_cells": self.differing, "otherwise_cells": self.differing}
+        work = {key: n for key, n in asdict(self.work).items() if key != "cells"}
         return {
             **{name: getattr(self, name) for name in _RECORDED if name != "records" or self.records},
             "misjudged_cells": self.misjudged,
             "beyond_tolerance": self.beyond_tolerance,
-            **(
-                {"compared_cells": self.compared, "differing_cells": self.differing, "otherwise_cells": self.differing}
-                if self.compared
-                else {}
-            ),
+            **(compared if self.compared else {}),
             **{f"cells_{k}": v for k, v in self.outcomes.items()},
             **({} if self.validity is None else {f"nonlinear_{k}": v for k, v in asdict(self.validity).items()}),
             **{f"cells_{k}": v for k, v in self.differences.items() if k.startswith("linear")},
@@ -92,7 +88,6 @@ class Summary:
         }
 
     record = row  # the old name
-
     otherwise = property(attrgetter("differing"))  # the old name
     elsewhere = property(attrgetter("machine_differences"))  # the old name
 

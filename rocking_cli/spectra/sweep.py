@@ -26,7 +26,7 @@ from .work.jobs import Block, Job, local_crew, unit_reports
 
 _MOST_UNITS = 1_000_000
 CHUNK_CELLS = 131072
-SMALL_SWEEP = 100_000  # cells below which starting processes takes longer than they save
+_SMALL = 100_000  # cells below which starting processes takes longer than they save
 
 Progress = Callable[[int, int], None]
 
@@ -34,18 +34,13 @@ Progress = Callable[[int, int], None]
 @dataclass(frozen=True)
 class SweepOptions:
     """Options of a sweep, checked at construction.
-
     workers: processes, None for all cores; scheduler: address of a dask.distributed cluster to compute on instead; chunk_cells: cells
     in one unit of work; check: cells computed again by the reference, None for a few; quantities: names of `QUANTITIES` to compute as
     well; sample_validity: compare some cells of a linear sweep with the nonlinear equation; progress: called with (units done, units);
     tell: called with a line while the sweep waits for its cluster.
-
     Of a file: impacts: store their number; overwrite: replace an output; resume: continue the partial file PATH.part of an
     interrupted sweep of the same scene; strict: refuse one of a machine whose results may differ in the last digits; shard: (i, n)
-    computes the i-th of n parts, for `merge`; documents, history: texts to keep.
-
-    Raises UsageError.
-    """
+    computes the i-th of n parts, for `merge`; documents, history: texts to keep. Raises UsageError."""
 
     workers: int | None = None
     scheduler: str | None = None
@@ -76,7 +71,7 @@ class SweepOptions:
 
     def processes(self, scene: Scene) -> int:
         """Return the number of processes for a scene: `workers` if given, otherwise one for a small scene."""
-        return self.workers or (1 if scene.cells < SMALL_SWEEP else available_cpus())
+        return self.workers or (1 if scene.cells < _SMALL else available_cpus())
 
     def chunk(self, scene: Scene) -> tuple[int, int]:
         """Return (rows, columns) of a unit of work: whole rows if they fit."""
@@ -193,9 +188,8 @@ def write_scene(scene: Scene, path: str | Path, options: SweepOptions | None = N
             if not kept:
                 raise Interrupted("interrupted before the first chunk was done; nothing is kept") from None
             raise Interrupted(f"interrupted; {kept} of {writer.cut.size} chunks are kept in {writer.part}; `resume` goes on") from None
-        summary = replace(
-            summary, machine_differences=writer.machine_differences, validity=validity(scene) if options.sample_validity else None
-        )
+        judged = validity(scene) if options.sample_validity else None
+        summary = replace(summary, machine_differences=writer.machine_differences, validity=judged)
         writer.finish(summary.row())
     return summary
 
@@ -238,8 +232,7 @@ def _run(
         from .work.cluster import cluster
 
         crew = cluster(job, options.scheduler, options.tell)
-    total, shared, differences = Work(), 0, np.zeros(len(Difference), dtype=np.int64)
-    outcomes = before.copy()
+    total, shared, differences, outcomes = Work(), 0, np.zeros(len(Difference), dtype=np.int64), before.copy()
     for done, (unit, report) in enumerate(unit_reports(job, todo, crew, verification), 1 + len(units) - len(todo)):
         with deferred():
             keep(unit, report.data)

@@ -16,8 +16,6 @@ from .layout import Layout, Packed, unpack
 from .reader import SpectraFile
 from .writer import SpectraWriter, difference
 
-KEPT = ("history", "documents", "motion", "model", "tolerance")
-
 
 @dataclass(frozen=True)
 class Merged:
@@ -54,7 +52,7 @@ def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = 
         machines = together([f.machines for f in files])
         if strict and unlike(machines):
             raise UsageError(f"{output}: its shards come from machines that compute differently ({unlike(machines)})")
-        kept = {key: value for key, value in first.attributes.items() if key in KEPT}
+        kept = {key: first.attributes[key] for key in ("history", "documents", "motion", "model", "tolerance") if key in first.attributes}
         layout = Layout(first.frame, first.cut.chunk[1:], first.names, first.scene, kept)
         writer = stack.enter_context(SpectraWriter(Path(output), layout, overwrite=overwrite, machines=machines))
         try:
@@ -81,8 +79,9 @@ def _missing_shards(files: Sequence[SpectraFile]) -> tuple[str, ...]:
     if len({of for _, of in shards}) != 1 or not all(part.isdecimal() and of.isdecimal() for part, of in shards):
         return ()
     count, chunks = int(shards[0][1]), files[0].cut.size
-    there = {i: max((int(f.done.sum()) for f, (part, _) in zip(files, shards, strict=True) if int(part) == i), default=0) for i in
-             range(1, min(count, chunks) + 1)}  # fmt: skip
+    there = dict.fromkeys(range(1, min(count, chunks) + 1), 0)
+    for file, (part, _) in zip(files, shards, strict=True):
+        there[int(part)] = max(there.get(int(part), 0), int(file.done.sum()))
     return tuple(f"{i}/{count}" for i, done in there.items() if done < len(range(i - 1, chunks, count)))
 
 
