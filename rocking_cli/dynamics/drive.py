@@ -1,7 +1,5 @@
-"""The drive along a motion: its value and its crossings of a level inside a segment, positions from segment to segment, and the integral
-of its size to the end of the motion.
-
-A position in the motion is a segment k and the phase u since that segment's start.
+"""The drive along a motion: its value and its crossings of a level inside a segment, positions (k, u) from segment to segment, and the
+integral of its size to the end of the motion.
 """
 
 from typing import NamedTuple, Self
@@ -86,8 +84,7 @@ def _change_at(segments: Segments, k: Array, u: Array) -> tuple[Array, Array, Ar
 
 
 def _bracketed_crossing(segments: Segments, k: Array, level: Array, length: Array) -> Array:
-    """The phase at which a monotone segment of any shape meets a level: Halley's method inside a bracket that only shrinks. A step leaves
-    an error of the third power of the step over the square of the distance at which the rate changes, 2 |rate/second derivative|."""
+    """The phase at which a monotone segment of any shape meets a level: Halley's method inside a bracket that only shrinks."""
     low, high = np.zeros_like(length), length.copy()
     start, end = segments.s_start[k], segments.s_end[k]
     share = np.clip((level - start) / np.where(end == start, 1.0, end - start), 0.0, 1.0)

@@ -1,7 +1,4 @@
-"""Chooses equation, contact and reference solver for a structure; a new equation is one entry of EQUATIONS.
-
-Equations that few structures need are imported where they are used.
-"""
+"""Chooses equation, contact and reference solver for a structure; a new equation is one entry of EQUATIONS, imported where it is used."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -85,8 +85,7 @@ def _batch(system: System, motion: Motion, cells: Cells, peaks: bool) -> Batch:
 def _marched(
     system: System, motion: Motion, cells: Cells, batch: Batch, *observers: Observer, pool: int | None = None, propagation: bool = True
 ) -> Run:
-    """Run a batch of these cells to the end, and mark those that lost the ground; returns the run. propagation: False if the observers have
-    to see the arcs or Taylor steps of every lane."""
+    """Run a batch to the end and mark cells that lost the ground; propagation: False if observers must see every arc or Taylor step."""
     march, pool = _march_of(system, [motion], pool, propagation)
     run = Run(batch, pool, observers)
     run.all(march)

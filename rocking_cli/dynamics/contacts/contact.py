@@ -1,7 +1,4 @@
-"""The contact with the ground: it decides where a body lifts off, what an impact does, and how the free motion ends.
-
-`Symmetric`, `Unequal` and `OneSided` are the contacts; `Contact` holds their common part.
-"""
+"""The contact with the ground: `Symmetric`, `Unequal` and `OneSided`; `Contact` holds their common part."""
 
 import math
 from abc import ABC, abstractmethod

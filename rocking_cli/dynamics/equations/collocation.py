@@ -1,8 +1,7 @@
 """Collocation: a polynomial whose y'' meets Eq. 3.4 at Chebyshev's points gives a mechanism's motion over a step, without Taylor series.
 
-A sweep integrates y'' at the points twice. The first two sweeps use parabolas of F and G about the start, the next two their series about
-the marks nearest to y, the last ones the slope of the equation at these y. A step that has not converged is halved. A step costs no more
-than a Taylor step, which is limited by the convergence of its powers, and is twice as long.
+A sweep integrates y'' at the points twice, first with parabolas of F and G about the start, then with their series about the marks nearest
+to y, then with the slope of the equation at these y. It costs no more than a Taylor step and is twice as long.
 """
 
 from functools import lru_cache
@@ -92,8 +91,7 @@ def collocated(marks: Marks, tolerance: float, segments: Segments, lanes: Lanes)
 def _step(
     marks: Marks, tolerance: float, segments: Segments, lanes: Lanes, w: Array, start: Array, drive: Array, length: Array
 ) -> tuple[Array, Array]:
-    """(terms of y in powers of time over `length`, (count + 3, lanes); True for lanes where they hold). It needs at least two lanes: NumPy
-    sums a single lane in another order, and no digit may depend on a lane's neighbours."""
+    """(terms of y in powers of time over `length`; True where they hold), of two lanes or more: NumPy sums one in another order."""
     rule = points(order_for(tolerance, _POINTS))
     count = len(rule.at)
     time = rule.at * length

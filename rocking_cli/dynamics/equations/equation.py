@@ -1,8 +1,7 @@
-"""`Equation`, the interface of an equation of motion to the march, and the records that it uses. The drive is the outward drive a.
+"""`Equation`, the interface of an equation of motion to the march, and the records that it uses.
 
-All equations have one form, which `dynamics.lemmas` states. The linear oscillator has l = 1 - y, m = 1 (Eq. 2.4), a rigid body
-l = sin(alpha - theta)/sin alpha, m = cos(alpha - theta)/cos alpha (Eq. 2.3), a mechanism the forces of Eq. 3.4 in its canonical
-coordinate. Uplift, windows and impacts need only this form.
+The linear oscillator has l = 1 - y, m = 1 (Eq. 2.4), a rigid body l = sin(alpha - theta)/sin alpha, m = cos(alpha - theta)/cos alpha
+(Eq. 2.3), a mechanism the forces of Eq. 3.4 in its canonical coordinate. Uplift, windows and impacts need only this form.
 """
 
 import math
@@ -173,7 +172,6 @@ class SeriesEquation(Equation):
         it for n = 0, 1 ... in this order."""
 
     def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
-        """See `Equation.ramp_terms`."""
         terms = np.empty((len(ramp.factors) + 2, y.size))
         terms[0] = y
         np.multiply(v, ramp.unit, out=terms[1])

@@ -70,7 +70,6 @@ class LinearEquation(Equation):
         return series(y, known.fastest, WEIGHED, self.damping)
 
     def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
-        """See `Equation.ramp_terms`."""
         terms = np.empty((len(ramp.factors) + 2, y.size))
         terms[0] = y
         np.multiply(v, ramp.unit, out=terms[1])

@@ -72,8 +72,7 @@ class MechanismEquation(SeriesEquation):
         return TaylorSeries(y, 1.0 / fastest, self._longest(y, fastest), fastest, self.damping)
 
     def _longest(self, terms: Array, fastest: Array) -> Array:
-        """The longest step [tau] that the tolerance allows and on which y stays where its patch was fitted: beyond that the terms do not
-        show the error of F and G."""
+        """The longest step [tau] that the tolerance allows and on which y stays where its patch was fitted."""
         step = longest(terms, fastest, self.tolerance)
         sizes = powers(step * fastest, len(terms))
         sizes *= terms
@@ -105,7 +104,6 @@ class MechanismEquation(SeriesEquation):
         return known.fastest
 
     def along(self, y: Array) -> Callable[[int], Array]:
-        """See `SeriesEquation.along`; the terms come from the series of F and G about each y."""
         return _composed(self._near(y[0], len(y) - 2), y, 1.0)[0]
 
     def law(self, side: float) -> Law:
@@ -176,7 +174,7 @@ class MechanismEquation(SeriesEquation):
         return inverse(self.table, self.table.turn, rotation, self.limit)
 
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
-        """See `Equation.fall`. The energy K = v^2/2 + int F/F0 dy is constant between impacts; the barrier is at phi = alpha."""
+        """The energy K = v^2/2 + int F/F0 dy is constant between impacts; the barrier is at phi = alpha."""
         energy = 0.5 * v * v + self.table.value(self.table.work, y)
         return falls_by_energy(v, energy, self.barrier, y > self.top), energy
 
@@ -206,8 +204,7 @@ class MechanismEquation(SeriesEquation):
 
 
 def _composed(local: Array, y: Array, over: Array | float) -> tuple[Callable[[int], Array], Array]:
-    """(function that computes term n of F and G along a motion from its terms of y; array (2, terms, lanes) that the function fills).
-    local: series of F and G in powers of (y - y0) `over`, (2, terms, lanes)."""
+    """(function of n that returns term n of F and G along a motion; the array that it fills); local: their series in (y - y0) `over`."""
     _, count, lanes = local.shape
     power = np.zeros((count, count, lanes))  # [j, n]: term n of power j; it is zero for n < j
     found = np.empty(local.shape)

@@ -1,7 +1,5 @@
-"""The functions of a mechanism's equation as power series in y on patches, fitted to the linkage to rounding.
-
-A patch is short against the distance to the linkage's nearest lock-up; its series is fitted there. The patch is then cut into narrow
-patches, on which a value needs a few terms only.
+"""The functions of a mechanism's equation as power series in y on patches, fitted to the linkage to rounding. A patch is short against the
+distance to the linkage's nearest lock-up. It is then cut into narrow patches, on which a value needs a few terms only.
 """
 
 from dataclasses import dataclass

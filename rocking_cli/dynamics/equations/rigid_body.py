@@ -1,11 +1,10 @@
-"""The nonlinear equation of a rigid body (Eq. 2.3), by Taylor series.
-
-With y = |theta| / sin(alpha), z = alpha - y sin(alpha) and a the outward drive over g tan(alpha),
+"""The nonlinear equation of a rigid body (Eq. 2.3), by Taylor series. With y = |theta| / sin(alpha), z = alpha - y sin(alpha) and a the
+outward drive over g tan(alpha),
 
     y'' = -sin z / sin(alpha) + a cos z / cos(alpha) - 2 zeta y'
 
-A recurrence gives the series of y, sin z and cos z together. Below the ground tan z > tan alpha, so under a subcritical drive (a < 1) a
-body that has crossed y = 0 stays below it. Under a supercritical drive f > 0 for y >= 0. So Lemmas 1 and 2 hold.
+Below the ground tan z > tan alpha, so under a subcritical drive (a < 1) a body that has crossed y = 0 stays below it. Under a supercritical
+drive f > 0 for y >= 0. So Lemmas 1 and 2 hold.
 """
 
 import copy
@@ -59,7 +58,6 @@ class RigidBodyEquation(SeriesEquation):
         return there
 
     def on(self, side: Array, cell: Array | None = None) -> Self:
-        """See `Equation.on`."""
         if self._by_cell:
             return self if cell is None else self._at(cell)
         return self if len(self._each["alpha"]) == 1 else self._at((side < 0.0).astype(np.int64))
@@ -113,7 +111,6 @@ class RigidBodyEquation(SeriesEquation):
         return known.fastest
 
     def along(self, y: Array) -> Callable[[int], Array]:
-        """See `SeriesEquation.along`; the terms are those of sin z/sin(alpha) and cos z/cos(alpha)."""
         rows, lanes = len(y) - 2, y.shape[1]
         rate, turn, both = np.empty((rows, lanes)), np.empty((rows, 2, lanes)), np.empty((2, lanes))  # rate: n y_n
         half = np.tan(0.5 * (self.alpha - self.sin * y[0]))
@@ -151,7 +148,7 @@ class RigidBodyEquation(SeriesEquation):
         return a * np.cos(z) / self.cos - weight * (np.sin(z) / self.sin)
 
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
-        """See `Equation.fall`. The energy is K = v^2/2 + [cos z - cos(alpha)]/sin^2(alpha), 1/(1 + cos(alpha)) at the barrier."""
+        """The energy is K = v^2/2 + [cos z - cos(alpha)]/sin^2(alpha), 1/(1 + cos(alpha)) at the barrier."""
         turned = self.sin * y
         energy = 0.5 * v * v + 2.0 * np.sin(self.alpha - 0.5 * turned) * np.sin(0.5 * turned) / self.square
         return falls_by_energy(v, energy, self.barrier, turned > self.alpha), energy

@@ -1,6 +1,5 @@
-"""Taylor series of each lane's motion: the flow of equations without a closed form.
-
-The last terms of a series give the length of its step, so no step is rejected. Impacts and peaks are roots of the series.
+"""Taylor series of each lane's motion: the flow of equations without a closed form. The last terms of a series give the length of its step,
+so no step is rejected. Impacts and peaks are roots of the series.
 """
 
 import math

@@ -1,8 +1,7 @@
 """One round of the engine: each lane goes from its present state to the end of a window of the outward drive a, or to an impact.
 
-A window of the drive is a stretch of time on which one sign test proves whether y has a root: on one side y'' - y = a - 1 (linear), and the
-sign of a - 1 decides (Lemma 1 where a < 1, Lemma 2 where a >= 1). A window with a < 1 ends at any inner maximum of a, so that a falls and
-then rises once along it (Lemma 3). Boundaries are the crossings of a = 1 and the ends of pieces.
+The sign of a - 1 in a window proves whether y has a root in it (Lemmas 1 and 2). A window with a < 1 ends at any inner maximum of a, so
+that a falls and then rises once along it (Lemma 3). Boundaries are the crossings of a = 1 and the ends of pieces.
 """
 
 from typing import NamedTuple
@@ -73,8 +72,7 @@ def window_end(segments: Segments, k: Array, u: Array, side: Array, amplitude: A
 
 
 def _beyond_cuts(segments: Segments, window: Windows, side: Array, amplitude: Array) -> Windows:
-    """The same windows, extended past segment ends at which the drive of this edge does not turn (the segments are also cut where the drive
-    of the other edge turns). A subcritical window still ends at an inner maximum, so that its drive is largest at an end."""
+    """The same windows, extended past segment ends at which only the drive of the other edge turns, but not past inner maxima."""
     k, u, supercritical, over = window
     lanes = np.arange(k.size)
     while True:

@@ -1,7 +1,5 @@
-"""The march: cells (A, Omega, eta) under one motion, advanced arc by arc in a pool of lanes.
-
-In each round every lane goes to the end of a window of the drive, or to its impact (`advance`). Lanes that finish hand in their result and
-new cells take their places. The march skips cells that never leave the ground, times of rest, and lanes whose outcome a closing proves.
+"""The march: cells (A, Omega, eta) under one motion, advanced arc by arc in a pool of lanes. Lanes that finish hand in their result and new
+cells take their places. It skips cells that never leave the ground, times of rest, and lanes whose outcome a closing proves.
 """
 
 import ctypes

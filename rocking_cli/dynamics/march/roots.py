@@ -1,8 +1,6 @@
-"""Roots on an arc: impact times and peaks inside brackets that hold exactly one root, and brackets for the turning points of a series.
-
-`advance` proves beforehand that a bracket holds exactly one root. Each lane iterates by itself and stops when it has converged, so that
-its digits do not depend on its neighbours. Under a weight that varies, Bernstein coefficients of y' isolate its roots: the number of roots
-in (0, 1) equals the number of sign changes of the coefficients, or is less by an even number.
+"""Roots on an arc: impact times and peaks inside brackets that hold exactly one root, as `advance` proves, and brackets for the turning
+points of a series. Each lane iterates by itself, so that its digits do not depend on its neighbours. Bernstein coefficients of y' isolate
+its roots in (0, 1): their number equals the number of sign changes of the coefficients, or is less by an even number.
 """
 
 from functools import lru_cache

@@ -157,9 +157,9 @@ class ContactLoss(Observer):
         self._lost[lanes.cell[np.flatnonzero(self._least_to_come(lanes) <= 0.0)]] = True
 
     def _least_to_come(self, lanes: Lanes) -> Array:
-        """Least Fz/(m g) of the free motion, which occurs at the next impact on either edge; with damping a lower bound, -inf where none is
-        proved. With S = sin z (linear: z) and u'^2 = q at the next impact Fz >= 1 - kappa (S sin z + u'^2 cos z), which falls towards the
-        ground while 3 cos z > cos(alpha) + q/2 (linear: q < 1). Damping takes energy, and adds at most 2 zeta kappa u' to the force."""
+        """Least Fz/(m g) of the free motion, at the next impact on either edge; with damping a lower bound, -inf without a proof."""
+        # With S = sin z (linear: z) and u'^2 = q at the impact Fz >= 1 - kappa (S sin z + u'^2 cos z), which falls towards the ground while
+        # 3 cos z > cos(alpha) + q/2 (linear: q < 1). Damping takes energy, and adds at most 2 zeta kappa u' to the force.
         here, there = self.body.on(lanes.side), self.body.on(-lanes.side)
         square, least = self.body.squared_speed_at_ground(here, lanes.y, lanes.v), np.full(lanes.y.size, np.inf)
         for edge, q in ((here, square), (there, square * (lanes.eta * there.unit / here.unit) ** 2)):

@@ -1,7 +1,5 @@
-"""The largest value of a quantity along the motion of each cell, found to 1e-6, not proved.
-
-The values and slopes of a quantity at both ends of a short stretch give a cubic, which is near the quantity. The peak of the cubic has a
-closed form; the quantity is evaluated there, and the search repeats on the part of the stretch that holds its peak.
+"""The largest value of a quantity along the motion of each cell, found to 1e-6, not proved. Values and slopes at both ends of a short
+stretch give a cubic; the quantity is evaluated at its peak, and the search repeats on the part that holds the peak.
 """
 
 from collections.abc import Callable
@@ -102,8 +100,7 @@ def parts(along: Callable[[Array, Array], Values], whole: Stretches, start: Valu
 
 
 def _excess(s: Stretches, one: Ratio, other: Ratio, level: Array) -> Array:
-    """The largest top - level * bottom inside a stretch: the largest inner Bernstein coefficient of the cubic, plus an estimate of its
-    error."""
+    """The largest top - level * bottom inside a stretch: an inner Bernstein coefficient of the cubic, plus an estimate of its error."""
     h = s.high - s.low
     inner = [x.top - level * x.bottom + part * h * x.slope(level) for x, part in ((one, 1.0 / 3.0), (other, -1.0 / 3.0))]
     size = np.maximum(np.abs(one.top), np.abs(other.top)) + np.abs(level) * np.maximum(np.abs(one.bottom), np.abs(other.bottom))

@@ -1,7 +1,5 @@
 """The ground forces of each cell, to 1e-6: the least vertical force and the largest |Fx|/Fz of a rigid body (formulas in `body`).
-
-`GroundForces` observes a separate run. It searches the forces on every arc, at rest and in the free motion after the shaking for their
-extremes. A sequence of impacts is marched until its forces cannot be extremes, or nearly equal those of bounces without speed.
+A sequence of impacts is marched until its forces cannot be extremes, or nearly equal those of bounces without speed.
 """
 
 from collections.abc import Callable

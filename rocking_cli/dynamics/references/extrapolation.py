@@ -1,7 +1,5 @@
-"""Solves an equation of second order by the modified midpoint rule, extrapolated to step length 0 (Gragg, Bulirsch and Stoer).
-
-Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, II.9. SciPy's solvers take longer to import than a small sweep
-takes.
+"""Solves an equation of second order by the modified midpoint rule, extrapolated to step length 0 (Gragg, Bulirsch and Stoer; Hairer,
+Norsett and Wanner, Solving Ordinary Differential Equations I, II.9). SciPy's solvers take longer to import than a small sweep takes.
 """
 
 from collections.abc import Callable
@@ -104,8 +102,7 @@ def path(rate: Rate, start: Point, stop: float, limit: float) -> Path:
 
 
 def _passes_zero(rate: Rate, start: Point, end: Point, which: int, sense: float = 1.0) -> Point:
-    """The instant between `start` and `end` at which theta (which = 1) or w (2) falls (sense = 1) or rises (-1) through zero, to 1e-9 of
-    the time, by Newton's method in a bracket. One more tangent step of the caller improves it."""
+    """Where theta (which = 1) or w (2) falls (sense = 1) or rises (-1) through zero, to `_NEAR`; the caller adds a tangent step."""
     low, high = 0.0, end.time - start.time
     length, there = high, end
     for _ in range(_ROUNDS):

@@ -1,6 +1,6 @@
 """Exact propagation of the undamped linear oscillator over many samples of a record, where Lemma 11 proves that no impact occurs.
 
-Y'' = Y + s has one bounded solution Y. It is the sum of two modes, each integrated in the direction in which it decays:
+Y'' = Y + s has one bounded solution Y, of two modes, each integrated in the direction in which it decays:
 Y + Y' = -int_tau^T exp(tau - t) s dt and Y - Y' = -int_0^tau exp(t - tau) s dt. Every motion on one side is then
 y = 1 + c Y + up exp(tau) + down exp(-tau), c = -side A. So the state at any later sample costs two exponentials.
 """

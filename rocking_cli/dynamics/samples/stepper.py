@@ -1,7 +1,4 @@
-"""`SampleStepper` takes cells through a record with equal steps: over samples where a proof allows it, elsewhere by rounds of the march.
-
-The subclasses `exact.ExactStepper` and `taylor_steps.TaylorStepper` decide over how many samples they propagate a lane.
-"""
+"""Takes cells through a record with equal steps: over samples where a proof allows it, elsewhere by rounds of the march."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence

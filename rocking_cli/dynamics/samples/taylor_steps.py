@@ -1,7 +1,5 @@
-"""Taylor steps over samples, for cells of any equation under a record; rounds of the march where an event may happen.
-
-Between samples the drive is a straight line, over which a short Taylor series carries a lane (`equations.taylor`). A step is taken where
-Lemma 12 proves that it holds no impact and no peak above the highest one so far. Other lanes wait for a round of the march.
+"""Taylor steps over samples, for cells of any equation under a record; rounds of the march where an event may happen. A step is taken
+where Lemma 12 proves that it holds no impact and no peak above the highest one so far.
 """
 
 from collections.abc import Sequence

@@ -1,9 +1,5 @@
 """One body at a time, on plain Python floats: for commands in which a person waits for one structure under one motion.
 
-The body is at the displacement y >= 0 on its side, +1 right or -1 left, with v = dy/dtau, tau = p t, at the phase u since the start of
-segment k of the motion s. The drive is the ground acceleration over its value at uplift, positive outward. `Lane` is a body before its
-march; only in `scan` a lane is one of many bodies in arrays, (lanes,).
-
     recurrence    the Taylor recurrence of an equation of motion as text, compiled to straight-line code
     lane          what the march does not change: the motion as lists of floats, the sides of a body, and its compiled code on each
     state         the state of the body, and its events: uplift, impact, rest, overturning
@@ -12,6 +8,6 @@ march; only in `scan` a lane is one of many bodies in arrays, (lanes,).
     one_by_one    outcomes and rotations of cells, one after the other
     scan          approximate falls at many amplitudes of a record: a search looks there, but the march decides
 
-Every operation on an array costs a call, even for few cells: below a few hundred cells the march under a record is faster on floats. A
-command, or a step of its search, chooses by the kind of its question, so that no bit depends on the other cells.
+Every operation on an array costs a call: below a few hundred cells the march under a record is faster on floats. A command, or a step of
+its search, chooses by the kind of its question, so that no bit depends on the other cells.
 """

@@ -1,10 +1,8 @@
 """The march of one body on floats, from event to event.
 
-The drive here is the net drive c (`weight`), which is the outward drive a under a constant weight. A step ends at the latest where its
-segment ends, on which c is monotone, or where c = 1; so it lies in one window. Where c < 1, the sign of y at its end decides whether the
-body struck the ground (Lemma 1). Where c > 1, there is no impact while y' >= 0 (Lemma 2). Where y' < 0 and c > 1, and to find the time of
-an impact, the march goes on by the time for which y + y' t - K t^2/2 stays positive (Lemma 12), and so reaches the first root from the
-left. Compiled code (`recurrence`) takes whole segments of straight lines on which this bound stays positive.
+The drive here is the net drive c (`weight`). A step lies in one window: it ends at the latest where its segment ends or c = 1. Where c < 1,
+the sign of y at its end decides whether the body struck the ground (Lemma 1). Where c > 1, there is no impact while y' >= 0 (Lemma 2). For
+y' < 0 and c > 1, and for the time of an impact, the march goes on by the time for which y + y' t - K t^2/2 stays positive (Lemma 12).
 """
 
 import math
