@@ -1,7 +1,6 @@
 """Outcomes: codes, words and predicates."""
 
 import numpy as np
-import pytest
 
 from rocking_cli import Outcome, overturned, safe
 
@@ -24,12 +23,6 @@ def test_a_failed_or_missing_cell_is_neither_safe_nor_overturned():
     assert overturned(codes).tolist() == [[False, False, False], [True, True, False]]
     assert overturned(4)
     assert not overturned(np.uint8(5))
-
-
-def test_codes_are_outcomes_and_other_numbers_are_not():
-    assert [Outcome(code) for code in range(8)] == list(Outcome)
-    with pytest.raises(ValueError, match="8"):
-        Outcome(8)
 
 
 def test_each_outcome_has_a_look_of_its_own():

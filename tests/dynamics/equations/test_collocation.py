@@ -39,17 +39,6 @@ def lanes_of(equation, segments, count, seed):
     return references.lanes(amplitude=amplitude, omega=omega, k=k, u=u, side=side, y=y, v=v, b=b)
 
 
-@pytest.mark.parametrize("count", [8, 14, 17])
-def test_points_integrate_every_power_that_they_hold(count):
-    rule, n = collocation.points(count), np.arange(count + 1)[:, None]
-    t = np.append(0.0, rule.at)
-    twice = t ** (n + 2) / ((n + 1) * (n + 2))
-    assert np.abs(t**n @ rule.twice.T - twice[:, 1:]).max() < 1e-15
-    chebyshev, powers = t**n @ rule.chebyshev.T, t ** (n + 2)
-    sizes = (np.abs(chebyshev) @ np.abs(rule.terms.T)) @ powers  # the terms cancel: the sum is as good as they are large
-    assert np.all(np.abs((chebyshev @ rule.terms.T) @ powers - twice) <= count * np.finfo(float).eps * sizes)
-
-
 @pytest.mark.parametrize(
     ("name", "tolerance", "motion"),
     [*((name, tolerance, sine()) for name in ARCHES for tolerance in (1e-4, 1e-9)), ("voussoirs", 1e-9, pulse("ricker-symmetric"))],
@@ -123,18 +112,6 @@ def test_series_take_what_marks_or_points_do_not_hold(tolerance, damping):
     equation = MechanismEquation(mechanism("voussoirs"), tolerance, damping)
     segments = System(equation).segments(sine())
     assert len(equation.flow(segments, lanes_of(equation, segments, 3, 1)).terms) == equation.order + 1
-
-
-def test_marks_have_the_values_of_the_patches():
-    table = MechanismEquation(mechanism("thick")).table
-    y = np.linspace(0.0, table.edges[-1], 10_001)
-    at, near = table.marks.nearest(y)
-    assert np.abs(y - near).max() <= 0.5 * table.marks.step * (1.0 + 1e-9)
-    found = np.einsum("fkl,kl->fl", table.marks.rows[..., at], (y - near) ** np.arange(5)[:, None])
-    for values, function in zip(found, (table.lift, table.push), strict=True):
-        assert np.abs(values - table.value(function, y)).max() < 1e-13
-    for values, function in zip(table.marks.about(y)[:, 1], (table.lift, table.push), strict=True):
-        assert np.abs(values - table.slope(function, y)).max() < 1e-10
 
 
 def test_series_of_taylor_end_where_their_patch_was_fitted():

@@ -7,7 +7,7 @@ import pytest
 from support.references import LADDER, MIXED, lanes
 
 from rocking_cli import LinearEquation, RigidBodyEquation, cosine, pulse, sine
-from rocking_cli.dynamics.drive import crossing, drive_change, phase_between, place, segment_value
+from rocking_cli.dynamics.drive import crossing, drive_change, place, segment_value
 from rocking_cli.dynamics.march import advance
 from rocking_cli.dynamics.march.advance import window_end
 from rocking_cli.dynamics.weight import weighed
@@ -42,27 +42,6 @@ def test_grazing_is_decided_on_either_side(model):
                         break
                     body.u, body.y, body.v, body.b = event.step.u, event.end.y, event.end.v, event.end.b
                 assert hit == (least < 0.0), (offset, a, y0)
-
-
-@pytest.mark.parametrize(
-    ("side", "begins", "ends", "falls_until"),
-    [
-        (1.0, (0, 0.3), (2, 0.4), 1.5 * math.pi),  # into the last of the three segments of the sine: to where that begins
-        (1.0, (0, 0.3), (2, 0.0), 0.5 * math.pi),  # with the second
-        (1.0, (0, 0.3), (0, 0.7), 0.7),  # outwards is against the ground: the drive falls while the ground's acceleration grows
-        (-1.0, (0, 0.3), (0, 0.7), 0.3),
-        (-1.0, (1, 0.2), (1, 0.9), 0.5 * math.pi + 0.9),
-    ],
-)
-def test_the_drive_of_a_step_falls_until_its_last_segment_begins(side, begins, ends, falls_until):
-    segments = sine().segments
-    starts = 0.5 * math.pi * np.array([0.0, 1.0, 3.0])
-    body, none = lanes(amplitude=2.0, omega=3.0, k=begins[0], u=begins[1], side=side, y=0.4, v=0.1), np.zeros(1)
-    h = np.array([(starts[ends[0]] + ends[1] - starts[begins[0]] - begins[1]) / 3.0])
-    step = advance.Step(np.array([ends[0]]), np.array([ends[1]]), h, np.array([False]), none)
-    result = advance.StepResult(step, None, None, h, np.array([False]), none, none)
-    found = advance._bottom(segments, body, result, np.array([0]))
-    assert found[0] == pytest.approx((falls_until - starts[begins[0]] - begins[1]) / 3.0, abs=1e-14)
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.1])
@@ -160,16 +139,3 @@ def test_a_crossing_next_to_an_extremum_keeps_its_distance_to_it(short):
 
 
 WEIGHED = weighed(with_vertical(sine(2), Motion("fast", (Piece(0.0, 9.0, (Harmonic(0.6, 3.3, 0.4),)),))), 0.3, 0.5)
-
-
-@pytest.mark.parametrize("segments", [*(m.segments for m in (sine(2.5), MIXED, pulse("ricker-symmetric"))), WEIGHED])
-def test_the_phase_to_the_end_of_a_window_is_that_of_the_segments_between(segments):
-    random = np.random.default_rng(2)
-    side, amplitude = random.choice([-1.0, 1.0], 2000), random.uniform(0.5, 8.0, 2000)
-    k = random.integers(0, len(segments), 2000)
-    u = random.uniform(0.0, 1.0, 2000) * segments.length[k]
-    for _ in range(3):  # where a window ends the next one begins, and at its neighbours
-        end = window_end(segments, k, u, side, amplitude)
-        np.testing.assert_allclose(end.phase(u), phase_between(segments, k, u, end.k, end.u), rtol=0.0, atol=4e-15)
-        k, u = place(segments, end.k, np.nextafter(end.u, random.choice([-9.0, 9.0], 2000)))
-        k, u = np.minimum(k, len(segments) - 1), np.where(k < len(segments), u, 0.0)

@@ -109,13 +109,6 @@ def test_stiff_cells_equal_the_slower_path(motion, amplitude, omega, eta, alpha,
                 assert theta == pytest.approx(expected[1], rel=0, abs=most, nan_ok=True)
 
 
-def test_small_angles_are_the_linear_ones():
-    for alpha in (1e-6, 1e-3):
-        linear, rigid = both(np.array([1.0001, 1.5, 3.0, 8.0]), np.array([0.5, 2.0, 4.0, 20.0]), 0.9, alpha)
-        assert rigid.outcome.tolist() == linear.outcome.tolist()
-        assert rigid.theta_ratio == pytest.approx(linear.theta_ratio, abs=10 * alpha**2 + 1e-8, nan_ok=True)
-
-
 @pytest.mark.soak
 def test_ten_thousand_cycles_are_decided():
     assert_decided(linear_response(sine(10_000), np.array([1.0005, 1.2]), np.array([30.0, 400.0]), 0.2))

@@ -3,64 +3,10 @@
 import numpy as np
 import pytest
 
-from rocking_cli.dynamics.equations.equation import Point
 from rocking_cli.dynamics.equations.taylor import TaylorSeries
-from rocking_cli.dynamics.march.roots import falls_through_zero, impact_root, sense, turning_point
+from rocking_cli.dynamics.march.roots import falls_through_zero, sense
 
 EPS = np.finfo(float).eps
-
-
-class Polynomial:
-    """An arc that is a polynomial of the time, one a lane: coefficients (terms, lanes), the constant one first."""
-
-    damping = 0.0
-
-    def __init__(self, terms):
-        self.terms = np.asarray(terms, dtype=float)
-        self.fastest = np.ones(self.terms.shape[1])
-        self.longest = np.full(self.terms.shape[1], 10.0)
-
-    def take(self, lanes):
-        return Polynomial(self.terms[:, lanes])
-
-    def at(self, h):
-        rows = [np.polynomial.polynomial.polyder(self.terms, d) for d in range(4)]
-        return Point(*(np.polynomial.polynomial.polyval(h, r, tensor=False) for r in rows))
-
-
-def falling(root, other, count):
-    """-(h - root)(h - other)(h + 1.7) of `count` lanes, other > root: positive before, falling through the root."""
-    terms = np.array([np.polynomial.polynomial.polyfromroots([r, s, -1.7]) for r, s in zip(root, other, strict=True)]).T
-    return Polynomial(terms) if count else Polynomial(terms[:, :0])
-
-
-def test_impacts_are_found_to_rounding_with_their_velocity():
-    random = np.random.default_rng(1)
-    root = random.uniform(0.01, 2.0, 500)
-    other = root + random.uniform(1e-3, 3.0, 500)
-    arc = falling(root, other, 500)
-    low, high = np.zeros(500), root + random.uniform(0.0, 1.0, 500) * (other - root)
-    h, v = impact_root(arc, low, high, low + random.uniform(0.0, 1.0, 500) * (high - low))
-    slope = -(root - other) * (root + 1.7)
-    assert np.all(slope > 0.0)
-    flat = 10.0 * EPS * (1.0 + root) * (2.0 + other) * (3.0 + root) / np.abs(slope)  # the polynomial's own rounding over its slope
-    assert np.all(np.abs(h - root) <= flat + 4.0 * EPS * root)
-    assert v == pytest.approx(-slope, rel=1e-9, abs=1e-12)
-    assert np.all(v <= 0.0)
-
-
-@pytest.mark.parametrize("sense", [1.0, -1.0])
-def test_turning_points_are_found_with_the_height_there(sense):
-    """y' = -sense (h - t)(h + 1)(1 + h^2/9): the only turn is at t; y there is exact to the second order of what is left."""
-    random = np.random.default_rng(2)
-    turn = random.uniform(0.05, 3.0, 300)
-    slope = np.array([-sense * np.polynomial.polynomial.polymul([-t, 1.0 - t, 1.0], [1.0, 0.0, 1.0 / 9.0]) for t in turn]).T
-    arc = Polynomial(np.vstack([random.uniform(0.0, 1.0, 300), slope / np.arange(1, 6)[:, None]]))
-    low, high = np.zeros(300), turn + random.uniform(0.0, 1.0, 300)
-    h, y = turning_point(arc, low, high, 0.5 * (low + high), sense)
-    expected = arc.at(turn).y
-    assert np.abs(h - turn).max() < 1e-8
-    assert np.abs(y - expected).max() < 4.0 * EPS * np.abs(arc.terms).sum(axis=0).max() * 4.0**5
 
 
 @pytest.mark.parametrize("growth", [0.05, 0.5, 4.0])  # hardly, monotone, with several turns

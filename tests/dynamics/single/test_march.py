@@ -13,7 +13,7 @@ from rocking_cli import Method, Outcome, RigidBodyEquation, System, cosine, resp
 from rocking_cli.dynamics.outcome import safe
 from rocking_cli.dynamics.single.one_by_one import response_alone
 from rocking_cli.dynamics.single.scan import Scan, follow
-from rocking_cli.dynamics.single.series_roots import first_root, only_root, turns
+from rocking_cli.dynamics.single.series_roots import first_root, turns
 
 
 def test_a_body_that_bounces_for_ever_fails_as_on_arrays():
@@ -26,11 +26,6 @@ def test_the_first_of_two_roots_is_found():
     """y = (t - 0.3)(t - 0.5): both ends are above the ground."""
     assert first_root((0.15, -0.8, 1.0), 1.0, 4.0, 0.0) == pytest.approx(0.3, rel=1e-14)
     assert first_root((0.1500001 + 0.01, -0.8, 1.0), 1.0, 4.0, 0.0) is None
-
-
-def test_the_only_root_is_not_the_start():
-    """y = t (0.8 - t) after an impact."""
-    assert only_root((0.0, 0.8, -1.0, 0.0), 1.0, 5.0, 0.0) == pytest.approx(0.8, rel=1e-14)
 
 
 def test_a_pair_of_turns_within_a_step():
