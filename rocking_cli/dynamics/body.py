@@ -27,7 +27,6 @@ _PARTS = 32  # parts of the path from the ground to the peak; on each part the b
 _PUSHES = np.geomspace(1e-2, 1e2, 256)  # pushes [g] for which the proof is tried
 FAR = 100.0  # rotation [rad] beyond which no forces are computed: the body has left the ground
 _LOWEST = -0.5 * np.pi  # least z for which the bound is computed
-_ITERATIONS = 4  # iterations for the time that a sequence of impacts lasts
 
 
 class Edge(NamedTuple):
@@ -166,7 +165,7 @@ class Ground:
         here = self.body.on(lanes.side)
         room, later = (self.segments.length[lanes.k] - lanes.u) / lanes.omega, lanes.take(np.arange(lanes.cell.size))
         lasts = np.zeros(lanes.cell.size)
-        for _ in range(_ITERATIONS):
+        for _ in range(4):  # the push halfway depends on the time itself
             now = self.shaking(lanes, 0.5 * lasts)
             later.b = self.body.lifting(here, now.push, now.weight) / here.unit
             lasts = np.clip(contact.sequence_time(later, now.weight), 0.0, room)

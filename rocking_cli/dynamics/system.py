@@ -14,8 +14,6 @@ from .equations.equation import Equation
 if TYPE_CHECKING:
     from .tied.devices import Devices
 
-_SYMMETRIC = Symmetric()
-
 
 class System(NamedTuple):
     """An equation of motion on a contact, `Symmetric` unless given. scale: alpha/a_scale, the ground acceleration over g of A = 1 [-];
@@ -23,7 +21,7 @@ class System(NamedTuple):
     cells, if there are several structures; devices: ties and a tendon, None without them."""
 
     equation: Equation
-    contact: Contact = _SYMMETRIC
+    contact: Contact = Symmetric()
     scale: float | None = None
     body: Body | None = None
     own: tuple[tuple["System", int], ...] = ()

@@ -219,7 +219,6 @@ class Unequal(Contact):
         lanes.amplitude[at], lanes.omega[at], lanes.eta[at] = (values[row, cell] for values in cells)
 
     def speed(self, side: Array, rate: Array) -> Array:
-        """Convert rates to units of the reference edge."""
         return rate * self._of(self.pace, side)
 
     def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:

@@ -162,15 +162,12 @@ class MechanismEquation(SeriesEquation):
         return a * self.table.value(self.table.push, y) - weight * self.table.value(self.table.lift, y)
 
     def rotation(self, y: Array) -> Array:
-        """phi/alpha at y."""
         return self.table.value(self.table.turn, y)
 
     def rotation_rate(self, y: Array, v: Array) -> Array:
-        """Derivative of phi/alpha by tau."""
         return v * self.table.slope(self.table.turn, y)
 
     def displacement(self, rotation: Array) -> Array:
-        """The y at which phi/alpha = rotation."""
         return inverse(self.table, self.table.turn, rotation, self.limit)
 
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:

@@ -172,7 +172,6 @@ class ContactLoss(Observer):
         return least
 
     def lost(self, cell: Array) -> Array:
-        """True for those of these cells in which Fz <= 0 was found."""
         return self._lost[cell]
 
     def may_settle(self, lanes: Lanes, bounced: Array) -> Array:

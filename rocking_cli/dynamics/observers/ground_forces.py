@@ -22,7 +22,6 @@ _TOGETHER = 4096  # Taylor steps over samples that are searched at once
 _SEGMENTS = 1 << 16  # segments of times of rest that are searched at once
 _STILL = 1e-7  # if the speed of bounces changes a force over m g by less, the speed counts as zero
 _ROOM = 1.25  # largest later speed in a sequence of impacts, over the present speed
-_ARCS = 3  # arcs on still ground that are searched: after them each edge has had its fastest impact
 _LEAST = 1e-20  # least u'^2, for the top of an arc: slopes by u are slopes by time divided by u'
 _BY_TURN = 3.0  # rate of change of the forces on still ground, with u as the variable
 
@@ -118,7 +117,6 @@ class GroundForces(Observer):
         self._steps = np.empty((11, 0))
 
     def arcs(self, arcs: Arcs) -> None:
-        """Search the forces on these arcs."""
         unit = self.body.on(arcs.lanes.side).unit
         at = arcs.wanted[((unit * np.maximum(arcs.lanes.y, arcs.y) < FAR) & (arcs.stop > 0.0))[arcs.wanted]]
         lanes, flow, stop, y, v = arcs.lanes.take(at), arcs.flow.take(at), arcs.stop[at], arcs.y[at], arcs.v[at]
@@ -211,7 +209,7 @@ class GroundForces(Observer):
         top = np.where(lanes.v > 0.0, self.body.top(edge, square), edge.unit * lanes.y)
         kept = self.cells.eta[0, cell] * self.cells.eta[-1, cell]
         bounces = np.flatnonzero((kept > 0.0) & (kept < 1.0))
-        for _ in range(_ARCS):
+        for _ in range(3):
             edge = self.body.on(side)
             self._free_arc(cell, side, square, top)
             found = forces_on(self.body, edge, Shaking(zero, zero, 1.0, 0.0), zero, zero)

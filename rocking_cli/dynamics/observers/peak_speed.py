@@ -28,7 +28,6 @@ class PeakSpeed(Observer):
         return np.abs(self.contact.speed(side, self.equation.on(side, cell).rotation_rate(y, v)))
 
     def arcs(self, arcs: Arcs) -> None:
-        """Take in the speeds at the ends of arcs, and where the acceleration passes through zero."""
         lanes, arc, reach, y, v, b, _ = arcs
         b = b - 2.0 * arc.damping * v
         self.speed.include(lanes.cell, self._speed(lanes.side, lanes.cell, y, v))
@@ -83,7 +82,6 @@ class PeakSpeed(Observer):
         return at[(rise > 0.0) & (fall > 0.0) & (np.maximum(top, -bottom) > fastest[at])]  # y'' may be zero
 
     def free(self, lanes: Lanes) -> None:
-        """Take in the speed at the next impact."""
         zero, there = np.zeros(lanes.cell.size), self.equation.on(lanes.side, lanes.cell)
         at_ground = np.sqrt(there.fall(lanes.y, lanes.v)[1] / there.fall(zero, zero + 1.0)[1])
         self.speed.include(lanes.cell, self._speed(lanes.side, lanes.cell, zero, at_ground))

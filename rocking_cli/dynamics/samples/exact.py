@@ -129,13 +129,11 @@ class ExactStepper(SampleStepper[ExactLanes]):
             yield np.sort(waiting[some])
 
     def prepare(self, lanes: PooledLanes) -> ExactLanes:
-        """Add to lanes the coefficients of their modes, relative to the bounded response."""
         found = lanes.extended(ExactLanes, up=lanes.y, down=lanes.y, row=lanes.k, level=lanes.k)
         self._renew_modes(found)
         return found
 
     def after_round(self, lanes: ExactLanes) -> None:
-        """Renew the modes of lanes after a round of the march."""
         super().after_round(lanes)
         self._renew_modes(lanes)
 
@@ -156,7 +154,6 @@ class ExactStepper(SampleStepper[ExactLanes]):
         return np.minimum(np.frexp(LONGEST_STRETCH / pace)[1] - 1, self.stretches.start.size - 1).astype(np.int64)
 
     def can_propagate(self, lanes: ExactLanes) -> Array:
-        """True for lanes that have more samples to come and do not fall back to the ground within this interval."""
         ahead = self.step.take(lanes.cell) - lanes.u
         return (lanes.k < self.last.take(lanes.cell)) & ((lanes.y > 0.0) | (2.0 * lanes.v * lanes.omega >= -lanes.b * ahead))
 

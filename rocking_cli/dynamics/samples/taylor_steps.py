@@ -36,7 +36,6 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
         self.steepest = np.array([largest(gains(one)) for one in self.values])[self.motion]
 
     def prepare(self, lanes: PooledLanes) -> SteppingLanes:
-        """Give each lane the degree of its Taylor series, before its first step."""
         return lanes.extended(SteppingLanes, degree=self._degree(lanes))
 
     def _degree(self, lanes: PooledLanes) -> Array:
