@@ -52,16 +52,6 @@ def test_a_constant_weight_is_another_gravity(model):
     assert float(heavy.theta_ratio) == pytest.approx(float(plain.theta_ratio), abs=1e-11)
 
 
-@pytest.mark.parametrize("model", ["linear", "nonlinear"])
-def test_a_vertical_motion_that_is_next_to_none_changes_next_to_nothing(model):
-    body = block()
-    system = Method(model, 1e-12).system_of(body)
-    amplitude, omega = np.meshgrid(np.linspace(0.8, 5.0, 12), np.linspace(0.6, 8.0, 8))
-    plain, near = (response(system, m, amplitude, omega, body.eta) for m in (sine(1), with_vertical(sine(1), cosine(2), 1e-13)))
-    assert np.array_equal(plain.outcome, near.outcome)
-    assert np.nanmax(np.abs(plain.theta_ratio - near.theta_ratio)) < 1e-10
-
-
 def test_free_fall_is_an_outcome_of_its_own_at_its_instant():
     body = block()
     system = Method("nonlinear").system_of(body)

@@ -2,12 +2,9 @@
 
 import math
 
-import mpmath
 import numpy as np
 import pytest
-from support.references import LADDER, MIXED, lanes
 
-from rocking_cli import cosine, sine
 from rocking_cli.dynamics.equations import taylor
 
 EPS = np.finfo(float).eps
@@ -30,31 +27,6 @@ def test_how_far_a_term_is_bent_from_the_chord_is_the_most_that_it_is(n):
         off = np.abs(size * terms[n] * (h / unit) ** n * (t**m - t)).max(axis=0)  # of h y', h^2 y''
         assert np.all(off <= most[row] * (1.0 + 4 * EPS))
         assert off == pytest.approx(most[row], rel=1e-6, abs=1e-7)
-
-
-@pytest.mark.parametrize("motion", [sine(), cosine(1.5), LADDER, MIXED], ids=lambda m: m.name)
-def test_the_series_of_the_drive_is_the_drive(motion):
-    """Term by term against 40-digit derivatives of -side A s(phi + omega h), from positions inside the motion's segments."""
-    segments, random = motion.segments, np.random.default_rng(1)
-    n, order = 12, 14
-    k = random.integers(0, len(segments), n)
-    u = random.uniform(0.05, 0.95, n) * segments.length[k]
-    side, amplitude, omega = random.choice([-1.0, 1.0], n), random.uniform(0.5, 8.0, n), random.uniform(0.2, 15.0, n)
-    drive = taylor.drive_series(segments, lanes(amplitude=amplitude, omega=omega, k=k, u=u, side=side), order)
-    mpmath.mp.dps = 40
-    for i in range(n):
-        phase = float(segments.start[k[i]] + u[i])
-        (piece,) = (p for p in motion.pieces if p.start <= phase < p.stop)
-        scale = sum(abs(h.amplitude) * amplitude[i] for h in piece.harmonics) + abs(piece.slope) * amplitude[i] * omega[i]
-        for m in range(1, order + 1):
-            exact = mpmath.mpf(piece.slope) * omega[i] if m == 1 else mpmath.mpf(0)
-            for h in piece.harmonics:
-                rate = mpmath.mpf(h.frequency) * omega[i]
-                turned = mpmath.mpf(h.frequency) * mpmath.mpf(phase) + h.phase + m * mpmath.pi / 2
-                exact += h.amplitude * rate**m * mpmath.sin(turned) / mpmath.factorial(m)
-            exact *= -side[i] * amplitude[i] * mpmath.mpf(float(drive.unit[i])) ** m
-            largest = scale * max(1.0, phase) / math.factorial(m)
-            assert abs(float(drive.terms[m, i] / drive.unit[i] ** 2 - exact)) <= 40 * EPS * largest + 1e-300
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-8, 1e-12])

@@ -246,7 +246,7 @@ def test_neither_other_cells_nor_the_time_of_the_look_change_a_digit(model, moti
     body, _, _ = drawn("unequal", np.random.default_rng(2), (0.2, 0.4), ETAS, 0.3)
     amplitude, omega = np.concatenate([np.linspace(4.0, 6.0, 30), np.linspace(1.001, 1.05, 4)]), 4.0
     if motion.coarsest.samples is not None:
-        amplitude, omega = np.linspace(0.9, 3.0, 6), 0.6
+        amplitude, omega = np.linspace(0.9, 3.0, 4), 0.6
     cell = Method(model).system_of(body), motion
     found, together = response_with_ground_forces(*cell, amplitude, omega, body.eta)
     monkeypatch.setattr(ground_forces, "_TOGETHER", 3)
