@@ -47,14 +47,6 @@ def test_tables_are_the_linkage_to_rounding(arch):
     assert MechanismEquation(arch.mechanism).top == pytest.approx(expected, rel=1e-10, abs=0)
 
 
-def test_work_is_the_integral_of_the_force(oppenheim):
-    table = MechanismEquation(oppenheim.mechanism).table
-    y = np.random.default_rng(1).uniform(0.0, table.edges[-1], 500)
-    for integral, function in ((table.work, table.lift), (table.thrust, table.push)):
-        there = table.value(function, y)
-        assert np.abs(table.slope(integral, y) - there).max() < 1e-13 * np.abs(there).max()
-
-
 @pytest.mark.parametrize("start", [0.1, 0.5, 0.9])
 def test_free_quarter_period_equals_the_quadrature(arch, start):
     """T/4 = integral of sqrt(M) dphi / sqrt(2 g int L dphi), with the singularity taken out by phi = phi0 - u^2."""

@@ -116,18 +116,6 @@ def test_windows_tile_the_motion_and_state_the_sign_of_the_drive(motion):
     assert covered == pytest.approx(np.full(40, motion.duration), rel=1e-13)
 
 
-@pytest.mark.parametrize("motion", MOTIONS, ids=lambda m: m.name)
-def test_a_crossing_is_where_the_motion_has_the_level(motion):
-    segments, random = motion.segments, np.random.default_rng(2)
-    for share in (1e-12, 1e-6, 0.1, 0.5, 0.9, 1.0 - 1e-9):
-        k = random.integers(0, len(segments), 50)
-        k = k[segments.s_start[k] != segments.s_end[k]]
-        level = segments.s_start[k] + share * (segments.s_end[k] - segments.s_start[k])
-        u = crossing(segments, k, level)
-        assert np.all((u >= 0.0) & (u <= segments.length[k]))
-        assert segments.s_start[k] + segment_value(segments, k, u)[0] == pytest.approx(level, abs=5e-15)
-
-
 @pytest.mark.parametrize("short", [1e-4, 1e-8, 1e-12])
 def test_a_crossing_next_to_an_extremum_keeps_its_distance_to_it(short):
     """sin u = 1 - d at u = pi/2 - sqrt(2 d) (1 + d/12): the distance to the peak is off by no more than one rounding of the level."""
