@@ -24,8 +24,8 @@ SENSITIVE = 0.01  # of all cells, at the most: those that are only as sure as th
 
 
 def compared(kind, model, share, recorded, cells, seed):
-    """(cells judged by their condition, the largest difference of the others, outcomes); outcomes are equal where certain."""
-    random, method, sensitive, worst, seen = np.random.default_rng(seed), Method(model, 1e-11), 0, 0.0, set()
+    """(number of cells judged by their condition, outcomes); outcomes are equal where certain."""
+    random, method, sensitive, seen = np.random.default_rng(seed), Method(model, 1e-11), 0, set()
     while cells:
         structure, body, _ = drawn(f"{kind} {model}", random, (0.08, 0.4), (0.3, 0.98), 0.4, (0.01, 0.05, 0.2, 0.6))
         motion, amplitude, omega = shaken(random, structure, (share,), (0.8, 7.0), recorded)
@@ -42,33 +42,25 @@ def compared(kind, model, share, recorded, cells, seed):
             same = Outcome(int(found.outcome)).flag == answer.outcome
             gap = abs(answer.rotation - float(found.theta_ratio)) if same and not math.isnan(answer.rotation) else 0.0
             if same and gap <= ERROR:
-                worst = max(worst, gap)
                 continue
             condition = conditioning(body, shaking) if condition is None else condition
             assert gap <= ERROR * condition if same else math.isinf(condition), (kind, model, motion.name, amplitude, omega, structure)
         sensitive += condition is not None
         seen.add(answer.outcome)
-    return sensitive, worst, seen
+    return sensitive, seen
 
 
-@pytest.mark.parametrize(("share", "recorded", "cells"), [(0.0, False, 6), (0.8, False, 2), (0.0, True, 2), (0.5, True, 1)])
+FEW = [(0.0, False, 6, 1), (0.8, False, 2, 1), (0.0, True, 2, 1), (0.5, True, 1, 1)]
+MANY = [(0.0, False, 2000, 2), (0.8, False, 500, 2), (0.0, True, 500, 2), (0.5, True, 200, 2)]
+
+
+@pytest.mark.parametrize(("share", "recorded", "cells", "seed"), [*FEW, *(pytest.param(*x, marks=pytest.mark.soak) for x in MANY)])
 @pytest.mark.parametrize("model", ["linear", "nonlinear"])
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_body_answers_as_an_independent_integration(kind, model, share, recorded, cells):
-    sensitive, _, seen = compared(kind, model, share, recorded, cells, 1)
+def test_a_body_answers_as_an_independent_integration(kind, model, share, recorded, cells, seed):
+    sensitive, seen = compared(kind, model, share, recorded, cells, seed)
     assert sensitive <= max(1.0, SENSITIVE * cells)
     assert len(seen) > 1 or cells < 6
-
-
-@pytest.mark.soak
-@pytest.mark.parametrize(("share", "recorded", "cells"), [(0.0, False, 2000), (0.8, False, 500), (0.0, True, 500), (0.5, True, 200)])
-@pytest.mark.parametrize("model", ["linear", "nonlinear"])
-@pytest.mark.parametrize("kind", KINDS)
-def test_hundreds_of_cells_of_a_body(kind, model, share, recorded, cells, capsys):
-    sensitive, worst, _ = compared(kind, model, share, recorded, cells, 2)
-    with capsys.disabled():
-        print(f"\n{kind} {model}, {share} {recorded}: {sensitive} cells judged by their condition, the others within {worst:.1e}")
-    assert sensitive <= SENSITIVE * cells
 
 
 def test_a_one_sided_body_rocks_like_a_free_one_up_to_its_first_impact():
