@@ -43,8 +43,8 @@ def draw(
     a map, None for the first; cut: a slice of a spectra file, such as `Omega=5` or `f_g=1.5`; every: a panel for each structure; over:
     the abscissa of a family, `KEY` or `KEY/KEY`; log: x, y or xy; units: None for g and Hz; portrait: the phase portrait of a response;
     body: the structure of its separatrix, None for the block with its p and alpha; align: the time of each response counts from its
-    largest rotation; overwrite: an existing file may be replaced; tell: called with the characters that the font lacks. Raises UsageError
-    if the source is another file or has nothing to draw, and OutputError if matplotlib is not installed or the figure cannot be written.
+    largest rotation; tell: called with the characters that the font lacks. Raises UsageError for another file or nothing to draw, and
+    OutputError.
 
     >>> _ = write_spectrum([dimensionless_oscillator(0.9)], sine(), parse_grid('A=1:8:50,Omega=4:5:2'), 'd.h5', workers=1)
     >>> draw('d.h5', 'slice.svg', cut='Omega=5')
@@ -75,15 +75,12 @@ def draw(
         if not any(one.collections or one.patches for one in axes) and not any(np.isfinite(x).all(axis=1).any() for x in lines):
             raise UsageError(f"{source}: holds nothing to draw")
         for one in axes:
-            if "x" in log:
-                one.set_xscale("log")
-            if "y" in log:
-                one.set_yscale("log")
+            one.set(**{f"{axis}scale": "log" for axis in log})
     return remark if isinstance(target, str | Path) else target
 
 
 class OneAxes:
-    """Stands for a figure that has only the Axes of the caller, so that a drawing function draws into them."""
+    """Stands for a figure that has only the Axes of the caller."""
 
     def __init__(self, axes: Axes) -> None:
         self._axes = axes
@@ -106,7 +103,7 @@ class OneAxes:
 
 
 def _rows(sources: Sequence[Path]) -> Rows:
-    """Return the rows of one CSV, or of several responses with the names of their files. Raises UsageError for several other CSVs."""
+    """Return the rows of one CSV, or of several responses with the names of their files. Raises UsageError."""
     if len(sources) == 1:
         return rows_of(str(sources[0]))
     found = [{SOURCE: source.stem, **row} for source in sources for row in rows_of(str(source))]
@@ -121,16 +118,13 @@ def is_spectra_file(source: Path) -> bool:
 
 
 def _places(figure: Figure, file: SpectraFile, name: str | None, every: bool, units: Units) -> list[Axes]:
-    """Draw a spectra file: the map of one structure or record, or of all with `every`.
-
-    Records over structures are drawn as lines. Records over alpha and T are drawn as quantiles, unless a record is named.
-    """
-    names = next(iter(file.frame.dimensions.values()))
+    """Draw the map of one structure or record, or of all with `every`; records over structures as lines, over alpha and T as quantiles."""
+    names, *both = file.frame.dimensions.values()
     if "alpha" in file.frame.dimensions and name is None and not every:
         return record_spectra(figure, file, units)
     chosen = list(range(len(names))) if every else [place_of(file, name)]
     axes = panels(figure, len(chosen))
-    of_structures = any(isinstance(values, list) for values in list(file.frame.dimensions.values())[1:])
+    of_structures = any(isinstance(values, list) for values in both)
     entries: dict[str, Any] = {}
     for one, place in zip(axes, chosen, strict=True):
         if of_structures:
@@ -156,7 +150,6 @@ TABLES: tuple[Kind, ...] = (
 
 
 def _is_response(row: dict[str, str]) -> bool:
-    """True for a row of `rocking response`, which has a speed."""
     return any(key.startswith(("theta_dot", "theta_ratio_rate")) for key in row)
 
 
@@ -171,12 +164,12 @@ def _table(
             return curves.least_amplitudes(figure, rows, units, over)
         if portrait is not None or align or _is_response(rows[0]):
             return (portrait or partial(response, align=align))(figure, rows, units)
-        kinds: tuple[Kind, ...] = (*TABLES, ({"p", "alpha", "eta", "lambda"}, partial(family, over=over)))
-        for wanted, kind in kinds:
+        for wanted, kind in TABLES:
             if wanted <= there:
                 return kind(figure, rows, units)
+        if {"p", "alpha", "eta", "lambda"} <= there:
+            return family(figure, rows, units, over)
     except (ValueError, TypeError, KeyError) as error:
         raise UsageError(f"{source}: cannot be drawn: {error}") from None
-    raise UsageError(
-        f"{source}: found the columns {', '.join(sorted(there))[:80]}; expected the CSV table of one of these commands: {DRAWN}"
-    )
+    found = ", ".join(sorted(there))[:80]
+    raise UsageError(f"{source}: found the columns {found}; expected the CSV table of one of these commands: {DRAWN}")

@@ -1,7 +1,6 @@
-"""A report on structures under a motion as one HTML file: verdicts, drawings, parameters, maps, validity and fragility.
+"""A report on structures under a motion as one HTML file, which loads nothing from a network.
 
-The page loads nothing from a network: its figures are embedded, and its content policy forbids other sources. The template escapes
-every text of the user. jinja2 and matplotlib are the extra `report`.
+The template escapes every text of the user. jinja2 and matplotlib are the extra `report`.
 """
 
 import base64
@@ -49,7 +48,6 @@ from .figures.maps import outcome_map
 from .wording import OVERVIEW, capacity_left, demand_plainly, opposite_in_words, overview_row, parameter_rows, worst_of
 
 SIDE = 80  # values on each axis of a map
-LEVELS = 16  # PGA levels of a fragility curve
 HEADS = {
     "structure": "structure", "motion": "motion", "model": "model", "outcome": "sentence", "θ max/α": "theta_ratio",
     "demand [g]": "demand_a", "uplift [g]": "uplift_a", "overturns from [g]": "first_overturning_a",
@@ -57,8 +55,6 @@ HEADS = {
     "friction needed": "friction_needed", "least vertical force": "fz_min",
 }  # fmt: skip
 """The columns of the table of verdicts, and the attribute of a verdict in each."""
-_PACKAGES = ("numpy", "scipy", "h5py", "matplotlib", "jinja2")
-Plan = Callable[[Figure], object]
 
 
 @dataclass(frozen=True)
@@ -69,15 +65,6 @@ class Subject:
     structure: RockingParameters
 
 
-def _require_extra() -> None:
-    """Raise OutputError if a package of the extra `report` is not installed."""
-    for package in ("jinja2", "matplotlib"):
-        try:
-            import_module(package)
-        except ImportError:
-            raise OutputError(f"a report needs {package}: pip install 'rocking[report]'") from None
-
-
 def page(
     subjects: Sequence[Subject], verdicts: Sequence[Verdict], *, pulse: tuple[Motion, Grid] | None = None,
     recordings: Sequence[Recording] = (), vertical: str | None = None, demand: str, command: str, made: str, workers: int | None = None,
@@ -85,10 +72,9 @@ def page(
 ) -> str:  # fmt: skip
     """Return the page as HTML.
 
-    verdicts: those of `check`, for each structure and motion; pulse: a motion and the demand, a grid of one cell; recordings: the records
-    of the demand; vertical: name or file of the vertical motion; demand: the strength of the shaking in words; title: None for the names
-    of the structures; summary: begin with a page that has a sentence on each structure and a list of contents; by_capacity: put the
-    structures with the least capacity first; opposite: a remark on the opposite direction.
+    verdicts: those of `check`, for each structure and motion; pulse: a motion and its grid of one cell; vertical: name or file of the
+    vertical motion; demand: the strength of the shaking in words; title: None for the names of the structures; summary: begin with a
+    sentence on each structure and a list of contents; by_capacity: the least capacity first; opposite: a remark on that direction.
     """
     from jinja2 import Environment, StrictUndefined
 
@@ -100,9 +86,10 @@ def page(
         verdicts = sorted(verdicts, key=capacity_left)
         order = [v.structure for v in verdicts]
         subjects = sorted(subjects, key=lambda s: order.index(s.structure.name))
+    packages = ("numpy", "scipy", "h5py", "matplotlib", "jinja2")
     of = {s.structure.name: [v for v in verdicts if v.structure == s.structure.name] for s in subjects}
     return template.render(
-        title=title or f"Rocking of {', '.join(s.structure.name for s in subjects)}",
+        title=title or f"Rocking of {', '.join(of)}",
         opposite=opposite,
         lead=f"{tally(verdicts)}, under {demand}." if summary else f"{tally(verdicts)}, under {motions}: {demand}.",
         overview=[_row(OVERVIEW, overview_row(mine), worst_of(mine)) for mine in of.values()] if summary else [],
@@ -111,7 +98,7 @@ def page(
         structures=[_section(one, of[one.structure.name], pulse, recordings, workers) for one in subjects],
         command=command,
         made=made,
-        versions=[("rocking", __version__), ("Python", platform.python_version()), *((p, version(p)) for p in _PACKAGES)],
+        versions=[("rocking", __version__), ("Python", platform.python_version()), *((p, version(p)) for p in packages)],
         hashes=_hashes(subjects, recordings, vertical),
     )
 
@@ -143,17 +130,19 @@ def write_page(
     subjects: Sequence[Subject], shakes: Sequence[tuple[Motion, Grid]], target: str | Path, *, recordings: Sequence[Recording],
     overwrite: bool, workers: int | None, summary: bool, vertical: str | None = None, progress: Progress | None = None, **given: Any,
 ) -> list[Verdict]:  # fmt: skip
-    """Check the structures under motions with their demands, write the page and return the verdicts; given: more arguments of `page`.
-    Raises OutputError if jinja2 or matplotlib is not installed."""
-    _require_extra()
+    """Check the structures under motions, write the page and return the verdicts; given: more arguments of `page`. Raises OutputError."""
+    for package in ("jinja2", "matplotlib"):
+        try:
+            import_module(package)
+        except ImportError:
+            raise OutputError(f"a report needs {package}: pip install 'rocking[report]'") from None
     demands = [(one.structure, *shake) for shake in shakes for one in subjects]
     found = list(verdicts(demands, workers=workers, progress=progress))
     sided = [(s.name, outcome_alone(s, motion.scaled(-1.0), grid)) for s, motion, grid in demands if has_direction(s)]
     demand = demand_plainly(shakes, vertical) if summary else demand_in_words(shakes)
-    pulse = None if recordings else shakes[0]
     text = page(
-        subjects, found, pulse=pulse, recordings=recordings, vertical=vertical, demand=demand, workers=workers, summary=summary,
-        opposite=opposite_in_words(sided) if sided else "", **given,
+        subjects, found, pulse=None if recordings else shakes[0], recordings=recordings, vertical=vertical, demand=demand,
+        workers=workers, summary=summary, opposite=opposite_in_words(sided) if sided else "", **given,
     )  # fmt: skip
     with published(Path(target), overwrite) as file:
         file.write(text.encode())
@@ -162,21 +151,18 @@ def write_page(
 
 def _hashes(subjects: Sequence[Subject], recordings: Sequence[Recording], vertical: str | None) -> list[tuple[str, str]]:
     """Return (name, SHA-256) of each input: that of its file, or of the text of a document without a file."""
-    texts: dict[str, str] = {}
+    inputs: dict[str, bytes] = {}
     for s in subjects:
-        texts[s.document.source] = texts.get(s.document.source, "") + s.document.text
-    found = {source: hashlib.sha256(text.encode()).hexdigest() for source, text in texts.items()}
-    found |= {
-        source: hashlib.sha256(Path(source).read_bytes()).hexdigest() for source in (*texts, vertical or "") if Path(source).is_file()
-    }
-    found |= {r.record.source: r.record.sha256 for r in recordings}
-    return list(found.items())
+        inputs[s.document.source] = inputs.get(s.document.source, b"") + s.document.text.encode()
+    inputs |= {source: Path(source).read_bytes() for source in (*inputs, vertical or "") if Path(source).is_file()}
+    found = {source: hashlib.sha256(content).hexdigest() for source, content in inputs.items()}
+    return list((found | {r.record.source: r.record.sha256 for r in recordings}).items())
 
 
 def _section(
     subject: Subject, mine: Sequence[Verdict], pulse: tuple[Motion, Grid] | None, recordings: Sequence[Recording], workers: int | None
 ) -> dict[str, Any]:
-    """Return the values that the template needs for one structure; mine: its verdicts."""
+    """Return the template's values for one structure and its verdicts."""
     structure = subject.structure
     linear = all(v.model == LINEAR.model for v in mine)
     outcomes = np.array([(v.outcome, v.outcome_linear) for v in mine], dtype=np.uint8).reshape(-1, 2)
@@ -198,17 +184,16 @@ def _section(
 
 
 def _row(heads: Iterable[str], values: Iterable[str | float | None], v: Verdict) -> dict[str, Any]:
-    """Return the values that the template needs for a row of a table of verdicts."""
+    """Return the template's values for a row of a table of verdicts."""
     cells = []
     for head, x in zip(heads, values, strict=True):
-        number = not isinstance(x, str)
         text = "–" if x is None else x if isinstance(x, str) else f"{x / (DEFAULT_GRAVITY if '[g]' in head else 1.0):.4g}"
-        cells.append({"head": head, "text": text, "number": number})
+        cells.append({"head": head, "text": text, "number": not isinstance(x, str)})
     return {"falls": v.falls, "cells": cells}
 
 
-def _image(plan: Plan) -> str:
-    """Return a figure as a data URL for the page."""
+def _image(plan: Callable[[Figure], object]) -> str:
+    """Return a figure as a data URL."""
     look = Look()
     with styled(look) as figure:
         plan(figure)
@@ -217,7 +202,7 @@ def _image(plan: Plan) -> str:
 
 
 def _drawing(subject: Subject) -> str | None:
-    """Return a drawing of the structure as a data URL; None if its kind has no geometry."""
+    """Return a drawing of the structure as a data URL, None without geometry."""
     try:
         sketch = sketch_of(subject.document, subject.structure)
     except DocumentError:
@@ -228,7 +213,7 @@ def _drawing(subject: Subject) -> str | None:
 def _map(
     structure: RockingParameters, motion: Motion, demand: Grid, mine: Sequence[Verdict], workers: int | None
 ) -> tuple[str, np.ndarray]:
-    """Return (the map around the demand as a data URL, the `Difference` of each cell of the map, empty for the linear equation)."""
+    """Return (the map around the demand as a data URL, the `Difference` of each cell, empty for the linear equation)."""
     (omega,) = demand.frequency.values / (1.0 if demand.frequency.name == "omega_g" else 1.0 / structure.p)
     amplitude = mine[0].demand_a
     most = 2.0 * max([amplitude, *(v.first_overturning_a for v in mine if v.first_overturning_a is not None)])
@@ -258,7 +243,7 @@ def _map(
 
 
 def _agreement(codes: np.ndarray, cases: str) -> str:
-    """Return a sentence that compares the linear outcomes with the nonlinear ones; codes: `Difference` of each case; cases: their name."""
+    """Return a sentence that compares the outcomes of both equations; codes: `Difference` of each of the cases."""
     judged = codes[codes != Difference.NOT_COMPUTED]
     wrong, unsafe = (int(np.count_nonzero(x)) for x in (judged > Difference.AGREES, judged == Difference.LINEAR_UNSAFE))
     missing = codes.size - judged.size
@@ -271,12 +256,11 @@ def _agreement(codes: np.ndarray, cases: str) -> str:
 
 
 def _fragility(structure: RockingParameters, recordings: Sequence[Recording], workers: int | None) -> dict[str, Any]:
-    """Return the values that the template needs for fragility curves over PGA by stripes: figure, fitted parameters, remarks."""
+    """Return the template's values for fragility curves over PGA by stripes."""
     if len(recordings) < FEWEST:
         return {"figure": None, "fits": [], "remarks": [f"{len(recordings)} records; a fit needs {FEWEST}."]}
     measure, members = MEASURES["PGA"], members_of(recordings)
-    own = np.median([m.measured(measure, structure) for m in members])
-    levels = own * np.geomspace(0.25, 4.0, LEVELS)
+    levels = np.median([m.measured(measure, structure) for m in members]) * np.geomspace(0.25, 4.0, 16)
     motions = MotionSet(members, measure, levels, governing_method(structure))
     (exposure,) = exposures([structure], motions, sweep=SweepOptions(workers=workers))
     study = Study(structure, motions, Resampling(200, 0), exposure)
@@ -296,7 +280,6 @@ def _fragility(structure: RockingParameters, recordings: Sequence[Recording], wo
 
 
 def _fitted(fit: Fit) -> dict[str, str]:
-    """Return the parameters of a fitted curve as texts."""
     c, b, g = fit.curve, fit.band, DEFAULT_GRAVITY
     return {
         "limit": fit.limit,

@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from ..structures.parameters import RockingParameters
 
 LARGEST, SMALLEST = 100.0, 0.02  # m; half diagonals of blocks that were built or tested
-LEAST_RESTITUTION = 0.3
 _SPAN = re.compile(r"([^,=:]+):([^,=:]+):")
 _ACCELERATION = re.compile(r"\b(a_g|PGA)\s*=\s*([^,]+)", re.IGNORECASE)
 MOST_ACCELERATION = 10.0 * DEFAULT_GRAVITY  # several times the largest recorded acceleration
@@ -25,7 +24,7 @@ def structure_remarks(structure: "RockingParameters") -> Iterator[str]:
     if not SMALLEST <= radius <= LARGEST:
         size = "large" if radius > LARGEST else "small"
         yield f"{structure.name}: as {size} as a block of {2.0 * radius:.3g} m from corner to corner; a length without a unit is in m"
-    if not structure.one_sided and structure.eta < LEAST_RESTITUTION:
+    if not structure.one_sided and structure.eta < 0.3:
         lost = 1.0 - structure.eta**2
         yield f"{structure.name}: eta = {structure.eta:.3g}, so that every impact takes {lost:.0%} of the energy; tests mostly show less"
 

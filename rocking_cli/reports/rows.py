@@ -17,8 +17,7 @@ Rows = list[dict[str, str]]
 
 
 def rows_of(source: str) -> Rows:
-    """Return all rows of a CSV file, or of JSON Lines without summaries; `-` is standard input. Raises UsageError if the source is neither,
-    or has no rows."""
+    """Return the rows of a CSV file, or of JSON Lines without summaries; `-` is standard input. Raises UsageError for others or no rows."""
     try:
         name, raw = read_bytes(source)
         text = text_of(name, raw)
@@ -35,7 +34,7 @@ def rows_of(source: str) -> Rows:
 
 
 def _in_si(row: dict[str, str]) -> dict[str, str]:
-    """Return a row in SI units. The columns before `name` are the varied keys of a family; they keep their headings and units."""
+    """Return a row in SI units. The columns before `name`, the varied keys of a family, keep their headings and units."""
     found = {}
     varied = "name" in row and "structure" not in row  # the table of check has both
     for heading, text in row.items():
@@ -54,7 +53,7 @@ def column(rows: Iterable[dict[str, str]], key: str) -> np.ndarray:
 
 
 def groups(rows: Rows, *keys: str) -> dict[tuple[str, ...], Rows]:
-    """Return the rows grouped by their texts in the columns `keys` (absent columns are ignored), in order."""
+    """Return the rows grouped by their texts in those of the columns `keys` that they have, in order."""
     found: dict[tuple[str, ...], Rows] = {}
     for row in rows:
         found.setdefault(tuple(row[key] for key in keys if key in row), []).append(row)

@@ -16,25 +16,20 @@ from .units import Units
 Row = Mapping[str, Any]
 
 WIDTH = 100  # of a table, if no terminal says otherwise
-_UPRIGHT = 3  # rows at most
 _FORMULA = ("=", "+", "-", "@")  # a spreadsheet reads a text that begins so as a formula, after blanks and in full width too
 
 
 def json_line(row: Row, encoding: str = "utf-8") -> str:
-    """Return a row as a JSON object on one line; NaN and infinity become null.
-
-    All non-ASCII characters are escaped if one of them is not printable or not in the encoding.
-    """
+    """Return a row as a JSON object on one line; NaN and infinity become null. All non-ASCII characters are escaped if one of them is not
+    printable or not in the encoding."""
     line = json.dumps(_plain(row), ensure_ascii=False, allow_nan=False)
     fits = line.encode(encoding, "ignore").decode(encoding, "ignore") == line
     return line if fits and line.isprintable() else json.dumps(_plain(row), allow_nan=False)
 
 
 def csv_lines(rows: Iterable[Row], columns: Sequence[str] = ()) -> Iterator[str]:
-    """Yield CSV lines: a header with the columns of the first row (or `columns` if there is no row), then the rows.
-
-    A text that a spreadsheet reads as a formula gets a leading apostrophe.
-    """
+    """Yield CSV lines: a header, that of `columns` if there is no row, and the rows. A text that a spreadsheet reads as a formula gets a
+    leading apostrophe."""
     header: list[str] | None = None
     for row in rows:
         if header is None:
@@ -48,9 +43,8 @@ def csv_lines(rows: Iterable[Row], columns: Sequence[str] = ()) -> Iterator[str]
 def table_lines(rows: Iterable[Row], digits: int = 4, width: int = WIDTH, chosen: Sequence[str] = ()) -> Iterator[str]:
     """Yield the lines of an aligned table, none longer than `width`; numbers have `digits` significant digits.
 
-    chosen: the names of the columns to show, without units; if empty, all columns that have values. A table of up to three rows is turned,
-    with a line for each quantity. Columns beyond the width stand in further tables, each with the first column. Raises UsageError for an
-    unknown column.
+    chosen: names of columns without units; if empty, all columns that have values. A table of up to three rows has a line for each
+    quantity. Columns beyond the width stand in further tables, each with the first column. Raises UsageError for an unknown column.
     """
     body = list(rows)
     known = {key.partition(" [")[0]: key for row in body for key in row if key != "kind"}
@@ -58,7 +52,7 @@ def table_lines(rows: Iterable[Row], digits: int = 4, width: int = WIDTH, chosen
         raise UsageError(f"`columns`: found {unknown[0]!r}{did_you_mean(unknown[0], known)}; expected names among {', '.join(known)}")
     keys = [known[name] for name in chosen if body] or [k for k in known.values() if any(row.get(k) not in (None, "", []) for row in body)]
     cells = [[key, *(_text(row.get(key), digits) for row in body)] for key in keys]
-    if len(body) <= _UPRIGHT:
+    if len(body) <= 3:
         yield from _upright(cells, width)
         return
     numeric = [all(isinstance(row.get(key), int | float | None) for row in body) for key in keys]
@@ -102,11 +96,8 @@ def flat(row: Row) -> dict[str, Any]:
 def lines(
     rows: Iterable[Row], form: str, columns: Sequence[str] = (), *, encoding: str = "utf-8", units: Units | None = None, **table: Any
 ) -> Iterator[str]:
-    """Yield the rows as lines of `json`, `csv` or `table`.
-
-    columns: the header of CSV without rows; encoding: of the output; units: for tables and CSV (None: SI), stated in the headings;
-    table: arguments of `table_lines`.
-    """
+    """Yield the rows as lines of `json`, `csv` (columns: its header without rows) or `table` (with arguments of `table_lines`), the last
+    two in these units, None for SI."""
     if form == "json":
         return (json_line(r, encoding) for r in rows)
     units = units or Units()

@@ -1,7 +1,4 @@
-"""The unit of every printed column, and the units that the option `--units` offers.
-
-JSON and spectra files are always in SI units. Tables, CSV and figures show the units asked for and state them in their headings.
-"""
+"""The unit of every printed column, and the choices of `--units`, which change tables, CSV and figures; JSON and files stay in SI."""
 
 import math
 import re
@@ -18,8 +15,7 @@ SI = {
     "acceleration": "m/s2", "velocity": "m/s", "length": "m", "mass": "kg", "time": "s", "intensity": "m/s", "gravity": "m/s2",
     "frequency": "Hz", "force": "N", "stiffness": "N/m", "moment": "N m", "annual rate": "1/yr", "years": "yr",
 }  # fmt: skip
-"""The SI unit of each dimension (years for rates). Gravity and Arias intensity are separate dimensions, because `--units` must not change
-them."""
+"""The SI unit of each dimension (years for rates). `--units` must not change gravity and Arias intensity: they are separate dimensions."""
 
 COLUMNS = {
     **dict.fromkeys(("alpha", "alpha_geometric", "equilibrium", "theta", "theta_max", "angle", "azimuth"), "angle"),
@@ -62,10 +58,7 @@ HEADING = re.compile(r"(?P<column>.*?) \[(?P<unit>[^\]]*)\]")
 
 @dataclass(frozen=True)
 class Units:
-    """The units of a table.
-
-    chosen: unit and its factor to SI by dimension, SI for any other dimension; without: columns that have no unit in this table.
-    """
+    """The units of a table: (unit, factor to SI) by dimension, SI for any other; without: columns that have no unit here."""
 
     chosen: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     without: frozenset[str] = frozenset()
@@ -75,7 +68,7 @@ class Units:
         return self.chosen.get(dimension, (SI[dimension], 1.0))
 
     def column(self, name: str) -> tuple[str, str, float]:
-        """Return (name, unit, factor to SI) of a column; without a dimension the unit is empty and the factor 1."""
+        """Return (name, unit, factor to SI) of a column; without a dimension "" and 1."""
         dimension = None if name in self.without else dimension_of(name)
         if dimension is None:
             return name, "", 1.0
@@ -88,7 +81,7 @@ class Units:
         return headed(column, unit), factor
 
     def shown(self, records: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
-        """Yield the rows in these units; the headings state the units."""
+        """Yield the rows in these units, which the headings state."""
         heading = cache(self.heading)
         for record in records:
             out = {}
@@ -100,12 +93,12 @@ class Units:
 
 def dimension_of(column: str) -> str | None:
     """Return the dimension of a column, also of a side (left_p), a list item (hinges_1_angle) or an equation (theta_linear), or None."""
-    found = COLUMNS.get(column.partition("(")[0])  # SA(1) is SA at 1 s
-    if found is None and (match := _OF_A_RESTRAINT.fullmatch(column)) and match[1] in _RESTRAINT:
+    if found := COLUMNS.get(column.partition("(")[0]):  # SA(1) is SA at 1 s
+        return found
+    if (match := _OF_A_RESTRAINT.fullmatch(column)) and match[1] in _RESTRAINT:
         return _RESTRAINT[match[1]]
-    if found is None and (match := _OF_ONE.fullmatch(column)):
-        return dimension_of(match[1] or match[2])
-    return found
+    match = _OF_ONE.fullmatch(column)
+    return dimension_of(match[1] or match[2]) if match else None
 
 
 def parse_units(text: str) -> Units:
@@ -123,8 +116,7 @@ def parse_units(text: str) -> Units:
 
 
 def si_of(heading: str) -> tuple[str, float]:
-    """Return the column that a heading names, and the factor from its unit to SI; the heading itself and 1 without a unit. f_g [Hz] becomes
-    omega_g."""
+    """Return (column, factor of its unit to SI) of a heading; the heading itself and 1 without a unit. f_g [Hz] becomes omega_g."""
     match = HEADING.fullmatch(heading)
     if match is None:
         return heading, 1.0

@@ -22,8 +22,7 @@ _CYCLES = re.compile(r"(.+), ([\d.]+) cycles?")
 
 
 def demand_plainly(shakes: Sequence[tuple[Motion, Grid]], vertical: str | None = None) -> str:
-    """Return the demand in words, such as `one cycle of a sine of 0.3 g at 1 Hz`; shakes: motions with a grid of one cell each; vertical:
-    name of the vertical motion."""
+    """Return the demand in words, such as `one cycle of a sine of 0.3 g at 1 Hz`; shakes: motions with a grid of one cell each."""
     upwards = f", with the vertical motion {vertical}" if vertical else ""
     motion, grid = shakes[0]
     peaks = [abs(float(shake.amplitude.values[0])) for _, shake in shakes]
@@ -61,26 +60,26 @@ def verdict_plainly(v: Verdict) -> str:
 
 
 def capacity_left(v: Verdict) -> float:
-    """Return capacity over demand as a key for sorting: least for an unknown outcome, infinite if nothing overturns the structure."""
+    """Return capacity over demand for sorting: -1 for an unknown outcome, infinite if nothing overturns the structure."""
     if v.outcome == Outcome.FAILED:
         return -1.0
     return math.inf if v.capacity_demand is None else v.capacity_demand
 
 
 def worst_of(verdicts: Sequence[Verdict]) -> Verdict:
-    """Return the worst verdict: an unknown outcome or a fall before any that stands, then the least capacity."""
+    """Return the worst verdict: an unknown outcome or a fall first, then the least capacity."""
     return min(verdicts, key=lambda v: (v.outcome.safe, capacity_left(v)))
 
 
 def overview_row(verdicts: Sequence[Verdict]) -> tuple[str | float | None, ...]:
-    """Return the cells of OVERVIEW for one structure, from its verdicts under all motions."""
+    """Return the cells of OVERVIEW from the verdicts of one structure under all motions."""
     v, falls = worst_of(verdicts), sum(one.falls for one in verdicts)
     said = verdict_plainly(v) + (f" It falls under {falls} of {len(verdicts)} motions." if falls and len(verdicts) > 1 else "")
     return v.structure, said, v.motion, v.capacity_demand, v.first_overturning_a, v.friction_needed
 
 
 def opposite_in_words(outcomes: Sequence[tuple[str, Outcome]]) -> str:
-    """Return a remark on the worst outcomes in the opposite direction; outcomes: name and outcome of each body that may differ there."""
+    """Return a remark on the worst of the outcomes (name, outcome) in the opposite direction."""
     names: dict[str, dict[str, None]] = {}
     for name, outcome in outcomes:
         said = "overturns" if outcome.falls else "does not overturn" if outcome.safe else "is not known for"
@@ -90,7 +89,7 @@ def opposite_in_words(outcomes: Sequence[tuple[str, Outcome]]) -> str:
 
 
 def parameter_rows(s: RockingParameters) -> list[dict[str, str]]:
-    """Return the rows for p, alpha, eta, lambda and a_scale, of each edge if the edges differ, and for restraints and damping, if any."""
+    """Return the rows for p, alpha, eta, lambda and a_scale, of each edge if they differ, and for restraints and damping."""
     known = dict(_RELATIONS.get(s.structure, {}))
     if s.eta_source != "momentum" or s.one_sided:
         known.pop("eta", None)

@@ -22,15 +22,14 @@ from ..structures.parameters import RockingParameters
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
 SCIPY_METHODS = ("RK45", "LSODA", "DOP853")
 SCIPY_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
-TIMED_CELLS = 50_000  # the engine computes about so many cells at once to measure its time per cell
 
 
 def work_precision(scene: PulseScene, *, sample: int = 40, scipy: int = 10, seed: int = 0) -> Iterator[dict[str, Any]]:
     """Yield the accuracy of each method at each tolerance (None: exact) for the first structure of a scene, as rows.
 
-    time_per_cell [s]; error_max, error_99: maximum and 99th percentile of the error of theta/alpha over the cells with the right
-    outcome; misjudged: number of the other cells. sample: number of cells for the error of the engine; scipy: number of cells for each
-    SciPy solver, 0 for none. Raises UsageError if no cell of the grid lifts.
+    time_per_cell [s]; error_max, error_99: maximum and 99th percentile of the error of theta/alpha over the cells with the right outcome;
+    misjudged: number of the others. sample, scipy: number of cells of the engine and of each SciPy solver. Raises UsageError if no cell of
+    the grid lifts.
     """
     structure = scene.structures[0]
     one = PulseScene((structure,), scene.grid, scene.motion, scene.method)
@@ -44,7 +43,7 @@ def work_precision(scene: PulseScene, *, sample: int = 40, scipy: int = 10, seed
     known = [i for i, (outcome, _) in enumerate(truth) if outcome != Outcome.FAILED]
     cells, truth = [cells[i] for i in known], [truth[i] for i in known]
 
-    thin = max(1, math.ceil(math.sqrt(amplitude.size * omega.size / TIMED_CELLS)))
+    thin = max(1, math.ceil(math.sqrt(amplitude.size * omega.size / 50_000)))  # so many cells at once are timed
     a, w = (x.ravel() for x in np.meshgrid(amplitude[::thin], omega[::thin]))
     for tolerance in (None,) if one.method.exact else TOLERANCES:
         system = (one.method if tolerance is None else Method(one.method.model, tolerance)).system_of(structure)

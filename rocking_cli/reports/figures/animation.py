@@ -19,7 +19,7 @@ from .canvas import Look, styled
 from .drawing import GROUND, INK, STONE
 from .phase import block_of, scaled
 
-_FRAMES = 25  # in a second
+_FRAMES = 25  # a second
 _LONGEST = 60.0  # s
 
 
@@ -29,8 +29,8 @@ def animate(
 ) -> None:  # fmt: skip
     """Write the response in `rows`, those of `rocking response --csv`, as a GIF in real time.
 
-    body: the document of the structure; None: the block with the p and alpha of the response. The ground moves by the double integral of
-    its acceleration. Raises UsageError if the rows have no times or no rocking body, and OutputError if the GIF cannot be written.
+    body: None for the block with the p and alpha of the response. The ground moves by the double integral of its acceleration. Raises
+    UsageError if the rows have no times or no rocking body, and OutputError.
     """
     from scipy.integrate import cumulative_trapezoid
 
@@ -87,8 +87,7 @@ def animate(
 
 
 def shape_at(sketch: Sketch, angle: float, share: float) -> list[Outline]:
-    """Return the outlines of the bodies at theta = `angle` = `share` alpha: a body turned about its edge, or a linkage interpolated between
-    rest and alpha."""
+    """Return the outlines of the bodies at theta = `angle` = `share` alpha; a linkage is interpolated between rest and alpha."""
     if sketch.centre is not None:
         about = dict(sketch.pivots)["right" if angle > 0.0 else "left"]
         return [turned(outline, about, angle) for outline in sketch.bodies]

@@ -1,7 +1,6 @@
-"""Functions that all figures share: style, colours, labels, panels, legends and the output file.
+"""Functions that all figures share: style, colours, labels, panels, legends and the output file. matplotlib is the extra `plot`.
 
-The colours of Okabe and Ito are distinct for colour-blind readers; lines also differ in dash. No display is needed. matplotlib is
-the extra `plot`.
+The colours of Okabe and Ito are distinct for colour-blind readers; lines also differ in dash.
 """
 
 import io
@@ -38,11 +37,7 @@ WIDTH, PANEL = 5.6, (4.2, 3.2)  # inches
 _INCH = 0.0254  # m
 MOST_ACROSS, MOST_PANELS = 3, 24
 _UNDATED: dict[str, dict[str, Any]] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}  # equal figures give equal files
-_LEAST_TEXT = 0.6  # of a text's own size, in a narrow figure
-_FINE = 600  # dots per inch of a map inside an SVG or PDF
 _NO_GLYPH = r"Glyph (\d+) "  # the beginning of a warning of matplotlib
-_SHORT = 5  # a legend inside the axes has at most so many entries
-_NARROW = 28  # and so many characters in each
 FIGURE_UNITS = parse_units("g,Hz")  # the default
 SYMBOLS = {
     "A": r"$A = a_{scale}\,a_g/(\alpha g)$", "Omega": r"$\Omega = \omega_g/p$", "a_g": r"$a_g$", "omega_g": r"$\omega_g$", "f_g": r"$f_g$",
@@ -65,7 +60,7 @@ class Look:
     style: str | Path | None = None
 
     def finish(self, figure: Figure) -> None:
-        """Give the figure its title and its size. The title is that of the only panel, or stands above all of them."""
+        """Give the figure its title, that of the only panel or above all, and its size."""
         if self.title is not None and len(figure.axes) == 1:
             figure.axes[0].title.set_text(literal(self.title))
         elif self.title is not None:
@@ -76,14 +71,14 @@ class Look:
 
     @property
     def text(self) -> float:
-        """The factor of the text size in a figure of this width; 1 for the figure's own width."""
-        return 1.0 if self.width is None else min(1.0, max(_LEAST_TEXT, self.width / _INCH / WIDTH))
+        """The factor of the text size in a figure of this width."""
+        return 1.0 if self.width is None else min(1.0, max(0.6, self.width / _INCH / WIDTH))
 
 
 @contextmanager
 def styled(look: Look, instead: str = "") -> Iterator[Figure]:
-    """Context of an empty figure in the common style. instead: an alternative without matplotlib, for the error. Raises OutputError if
-    matplotlib is not installed, and UsageError if the style file cannot be read."""
+    """Context of an empty figure in the common style; instead: an alternative without matplotlib. Raises OutputError without matplotlib,
+    and UsageError if the style file cannot be read."""
     try:
         import matplotlib as mpl
         from matplotlib.figure import Figure
@@ -103,10 +98,8 @@ def styled(look: Look, instead: str = "") -> Iterator[Figure]:
 def canvas(
     target: str | Path, overwrite: bool = True, *, look: Look | None = None, tell: Callable[[str], None] | None = None, instead: str = ""
 ) -> Iterator[Figure]:
-    """Context of a `styled` figure, which writes it to `target` at its end. Without overwrite it replaces no file.
-
-    tell: called with the characters that the font lacks, in a sentence. Raises OutputError if the figure cannot be written.
-    """
+    """Context of a `styled` figure, written to `target` at its end; tell: called with the characters that the font lacks. Raises
+    OutputError."""
     target, look = Path(target), look or Look()
     with styled(look, instead) as figure:
         yield figure
@@ -118,10 +111,10 @@ def canvas(
 
 
 def drawn_as(figure: Figure, target: Path, look: Look) -> tuple[bytes, str]:
-    """Return (the bytes of the figure in the format of `target`, the characters that its font lacks). Raises OutputError."""
+    """Return (the figure in the format of `target`, the characters that its font lacks). Raises OutputError."""
     look.finish(figure)
     form, drawn = target.suffix[1:].lower(), io.BytesIO()
-    dpi = look.dpi or (_FINE if form in _UNDATED else figure.dpi)
+    dpi = look.dpi or (600 if form in _UNDATED else figure.dpi)  # that of a map inside an SVG or PDF
     with warnings.catch_warnings(record=True) as raised:
         warnings.filterwarnings("always", message=_NO_GLYPH)
         try:
@@ -133,7 +126,7 @@ def drawn_as(figure: Figure, target: Path, look: Look) -> tuple[bytes, str]:
 
 
 def literal(text: str) -> str:
-    """Return the text with its dollar signs escaped, so that matplotlib reads no formula in it."""
+    """Return the text with its dollar signs escaped: it has no formula."""
     return text.replace("$", r"\$")
 
 
@@ -144,7 +137,7 @@ def label(column: str, units: Units) -> str:
 
 
 def valued(column: str, value: float, units: Units) -> str:
-    """Return a column and its value (given in SI units) as text, such as `$f_g$ = 1.5 Hz`."""
+    """Return a column and its value (SI) as text, such as `$f_g$ = 1.5 Hz`."""
     name, unit, factor = units.column(column)
     short = {"A": "$A$", "Omega": r"$\Omega$", "T": "$T$"}.get(name) or SYMBOLS.get(name, name)
     return f"{short} = {value / factor:.4g} {PLAIN.get(unit, unit)}".rstrip()
@@ -156,7 +149,7 @@ def titled(name: str, eta: float) -> str:
 
 
 def heading(rows: Rows, *keys: str) -> str:
-    """Return the title of a figure: the texts that are the same in all rows, such as `Column, sine, 1 cycle, nonlinear equation`."""
+    """Return the texts that are the same in all rows as a title, such as `Column, sine, 1 cycle, nonlinear equation`."""
     texts = {key: rows[0][key] for key in keys if rows[0].get(key) and len(groups(rows, key)) == 1}
     return literal(", ".join(f"{text} equation{'s' * (' and ' in text)}" if key == "model" else text for key, text in texts.items()))
 
@@ -167,18 +160,18 @@ def values(rows: Rows, name: str, units: Units) -> np.ndarray:
 
 
 def series(rows: Rows, *keys: str) -> Iterator[tuple[Rows, dict[str, Any]]]:
-    """Yield (rows, arguments of `plot`) for each line: its label, which is the texts in the columns `keys`, its colour and dash."""
+    """Yield (rows, arguments of `plot`) for each line; its label is the texts in the columns `keys`."""
     for i, (texts, some) in enumerate(groups(rows, *keys).items()):
         yield some, {**line_style(i), "label": literal(", ".join(texts))}
 
 
 def line_style(number: int) -> dict[str, Any]:
-    """Return the colour (of the style) and the dash of line `number`, as arguments of `plot`."""
+    """Return the colour (of the style) and the dash of a line as arguments of `plot`."""
     return {"color": f"C{number}", "ls": DASHES[number % len(DASHES)]}
 
 
 def panels(figure: Figure, count: int) -> list[Axes]:
-    """Return `count` axes in rows of three; if there are several, each has the size PANEL. Raises UsageError for more than MOST_PANELS."""
+    """Return `count` axes in rows of three; several have the size PANEL each. Raises UsageError for more than MOST_PANELS."""
     if count > MOST_PANELS:
         raise UsageError(f"found {count} panels; expected up to {MOST_PANELS}")
     across = min(count, MOST_ACROSS)
@@ -197,10 +190,10 @@ def legend(axes: Axes, handles: Sequence[Any] | None = None) -> None:
     if not entries or (handles is None and len(entries) < 2):
         return
     figure: Any = axes.figure
-    short = len(entries) <= _SHORT and max(len(str(entry.get_label())) for entry in entries) <= _NARROW
-    if short or figure.get_layout_engine() is None:  # a figure of the caller, which makes no room outside
+    longest = max(len(str(entry.get_label())) for entry in entries)
+    if (len(entries) <= 5 and longest <= 28) or figure.get_layout_engine() is None:  # a figure of the caller, which makes no room outside
         axes.legend(handles=entries)
     else:
         figure.legend(handles=entries, loc="outside right upper")
         width, height = figure.get_size_inches()
-        figure.set_size_inches(width + 0.065 * max(len(str(entry.get_label())) for entry in entries) + 0.6, height)
+        figure.set_size_inches(width + 0.065 * longest + 0.6, height)

@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from ..rows import Rows
     from ..units import Units
 
-_ROW = 0.32  # inches
-_PERIODS = np.geomspace(0.03, 1.0, 200)  # over the longest secant period, of the demand
-_FARTHEST = 3.0  # times the capacity, up to which the axes show a demand
 _MM = 1000.0
 
 
@@ -30,8 +27,7 @@ def draw_capacities(
 ) -> None:  # fmt: skip
     """Draw the verdicts of a check into a PNG, SVG or PDF file.
 
-    in_g: accelerations in g, else in m/s2; overwrite: an existing file may be replaced; tell: called with characters that the font
-    lacks. Raises OutputError if matplotlib is not installed or the figure cannot be written.
+    in_g: accelerations in g, else in m/s2; tell: called with characters that the font lacks. Raises OutputError.
 
     >>> (arch,) = load_structures('configs/parameters.yaml')
     >>> draw_capacities([check(arch, sine(), parse_grid('a_g=0.35g,f_g=1.5'))], 'capacity.svg')
@@ -62,9 +58,8 @@ def _verdict(row: dict[str, str]) -> Verdict:
 
 
 def capacities(figure: Figure, verdicts: Sequence[Verdict], in_g: bool) -> Axes:
-    """Draw for each structure a bar up to its first overturning (none if that was not searched, or not found up to the end of the search),
-    marks at uplift and demand, and the outcome in words."""
-    figure.set_size_inches(6.4, 1.6 + _ROW * len(verdicts))
+    """Draw for each structure a bar up to its first overturning, if it was found, marks at uplift and demand, and the outcome in words."""
+    figure.set_size_inches(6.4, 1.6 + 0.32 * len(verdicts))
     axes = figure.add_subplot()
     unit = DEFAULT_GRAVITY if in_g else 1.0
     most = 1.15 * max(x for v in verdicts for x in (v.demand_a, v.uplift_a, v.first_overturning_a) if x is not None) / unit
@@ -99,8 +94,7 @@ def draw_capacity_curves(
 ) -> None:  # fmt: skip
     """Draw each check by a code in a panel of its own, into a PNG, SVG or PDF file.
 
-    overwrite: an existing file may be replaced; tell: called with characters that the font lacks. Raises UsageError for too many panels,
-    OutputError if matplotlib is not installed or the figure cannot be written.
+    tell: called with characters that the font lacks. Raises UsageError for too many panels, and OutputError.
 
     >>> (column,) = load_structures('configs/block.yaml')
     >>> draw_capacity_curves([code_check(column, sine(), parse_grid('a_g=0.3g,T_g=0.4'))], 'curve.svg')
@@ -113,14 +107,13 @@ def draw_capacity_curves(
 
 
 def _curve(axes: Axes, check: CodeCheck) -> None:
-    """Draw the capacity curve of a check by a code, d [mm] across and a [g] upwards; a cross marks the demand at each limit state."""
+    """Draw a capacity curve, d [mm] across and a [g] upwards; a cross marks the demand at each limit state."""
     d, a = _MM * check.curve.displacement, check.curve.multiplier * check.factor / DEFAULT_GRAVITY
     axes.plot(d, a, color="k", lw=1.8, label="capacity")
     asked = [(_MM * at.demand, (2.0 * np.pi / at.period) ** 2 * at.demand / DEFAULT_GRAVITY) for at in (check.slv, check.slc)]
-    right, top = (
-        1.1 * max(own.max(), *np.minimum(marks, _FARTHEST * own.max())) for own, marks in zip((d, a), zip(*asked, strict=True), strict=True)
-    )
-    periods = _PERIODS * max(check.slv.period, check.slc.period)
+    most = (d.max(), a.max())  # a demand beyond three times the capacity is not shown
+    right, top = (1.1 * max(x, *np.minimum(marks, 3.0 * x)) for x, marks in zip(most, zip(*asked, strict=True), strict=True))
+    periods = np.geomspace(0.03, 1.0, 200) * max(check.slv.period, check.slc.period)
     for i, (name, at, mark) in enumerate((("SLV", check.slv, asked[0]), ("SLC", check.slc, asked[1]))):
         x, y, colour = _MM * at.displacement, at.acceleration / DEFAULT_GRAVITY, f"C{i}"
         demand = check.spectrum.acceleration(periods, at.state.damping)

@@ -33,7 +33,7 @@ def text_map(file: SpectraFile, name: str | None, cut: str | None) -> list[str]:
 
 
 def place_of(file: SpectraFile, name: str | None) -> int:
-    """Return the index of a structure or record on the first dimension, 0 without a name. Raises UsageError for an unknown name."""
+    """Return the index of a structure or record, 0 without a name. Raises UsageError."""
     word, names = next(iter(file.frame.dimensions.items()))
     if name is None:
         return 0
@@ -43,7 +43,7 @@ def place_of(file: SpectraFile, name: str | None) -> int:
 
 
 def _slice_text(found: Slice) -> list[str]:
-    """Return bars of theta_max/alpha as lines of text, for as many structures as fit with at least two rows each."""
+    """Return bars of theta_max/alpha, for as many structures as fit with two rows each."""
     where = "" if found.where == "record" else f" at {found.where} = {found.value:.6g}"
     lines = [f"theta_max/alpha{where} over {found.along} {found.x[0]:.4g} to {found.x[-1]:.4g}; blank: fell"]
     room = HEIGHT - 2

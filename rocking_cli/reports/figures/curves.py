@@ -10,15 +10,12 @@ from ..rows import Rows, column, groups
 from ..units import HEADING, Units
 from .canvas import DASHES, MARKERS, SOURCE, Axes, Figure, heading, label, legend, line_style, literal, series, valued, values
 
-_JUMP = 8.0  # a step so many times larger than its neighbours is a jump of the motion
-_MOVED = 0.02  # rad; a hinge that moves less between two members is still the same hinge
-_LEAP = 4.0  # times the median step
 VARIED = "varied_"  # begins the columns of the varied values of check and envelope
 _X = "over"  # a column for the abscissa of a family
 
 
 def response(figure: Figure, rows: Rows, units: Units, align: bool = False) -> list[Axes]:
-    """Draw the rotation (a line for each file and equation), below it the forces if the rows have any, and the ground acceleration.
+    """Draw the rotation for each file and equation, below it the forces if there are any, and the ground acceleration.
 
     align: the time of each file counts from its largest rotation, or from theta = alpha if the body overturns.
     """
@@ -55,16 +52,15 @@ def response(figure: Figure, rows: Rows, units: Units, align: bool = False) -> l
 
 
 def with_jumps(t: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the samples with one more point at each jump, so that the line is vertical there, at the time of the later sample."""
+    """Return the samples with one more point at each jump, a step eight times larger than its neighbours: the line is vertical there."""
     step = np.abs(np.diff(a, prepend=a[:1], append=a[-1:]))
     neighbour = np.maximum(step[:-2], step[2:]) if a.size > 1 else np.zeros(0)
-    jumps = np.flatnonzero((step[1:-1] > _JUMP * neighbour) & (step[1:-1] > 0.05 * np.max(np.abs(a), initial=0.0))) + 1
+    jumps = np.flatnonzero((step[1:-1] > 8.0 * neighbour) & (step[1:-1] > 0.05 * np.max(np.abs(a), initial=0.0))) + 1
     return np.insert(t, jumps, t[jumps]), np.insert(a, jumps, a[jumps - 1])
 
 
 def comparison(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """Draw the ground acceleration if the rows have it, theta over t, and theta/alpha over p t, in which the responses coincide
-    (Figs. 8b to 8d)."""
+    """Draw the ground acceleration if the rows have it, theta over t, and theta/alpha over p t (Figs. 8b to 8d)."""
     shown = [("t", "theta"), ("tau", "theta_ratio")]
     shown[:0] = [("t", "ground_acceleration")] if "ground_acceleration" in rows[0] else []
     figure.set_size_inches(4.0 * len(shown), 3.6)
@@ -101,8 +97,7 @@ def closed_forms(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
 
 
 def family(figure: Figure, rows: Rows, units: Units, over: str | None = None) -> list[Axes]:
-    """Draw p, alpha, eta, lambda (and a_scale) over the first varied key, or over `KEY/KEY`; one line for each value of the others
-    (Figs. 4 and 6).
+    """Draw p, alpha, eta, lambda (and a_scale) over the first varied key, or over `KEY/KEY`, for each value of the others (Figs. 4, 6).
 
     Lines have a gap where the hinges change their places, and where members have no solution. Raises UsageError.
     """
@@ -136,8 +131,7 @@ def family(figure: Figure, rows: Rows, units: Units, over: str | None = None) ->
 def least_amplitudes(figure: Figure, rows: Rows, units: Units, over: str | None = None) -> list[Axes]:
     """Draw the least amplitude that overturns over the first varied key, or over `KEY/KEY`: the CSV of check or envelope with `vary`.
 
-    One line for each motion or frequency and for each value of the other varied keys; the demand is dashed. Lines have a gap where
-    nothing overturns. Raises UsageError.
+    One line for each motion or frequency and value of the other keys, with gaps where nothing overturns. Raises UsageError.
     """
     y = next(key for key in ("first_overturning_a", "a_from", "A_from") if key in rows[0])
     varied = [heading for heading in rows[0] if heading.startswith(VARIED)]
@@ -162,8 +156,7 @@ def least_amplitudes(figure: Figure, rows: Rows, units: Units, over: str | None 
 
 
 def _abscissa(rows: Rows, varied: list[str], over: str | None) -> tuple[str, list[str]]:
-    """Add the column _X of the abscissa to the rows; return its label and the other columns, which are constant along a line. Raises
-    UsageError."""
+    """Add the column _X of the abscissa to the rows; return its label and the other columns. Raises UsageError."""
     names = {heading.partition(" [")[0].removeprefix(VARIED): heading for heading in varied}
     keys = next(iter(names)).split("/") if over is None else over.split("/")
     if len(keys) > 2 or any(key not in names for key in keys):
@@ -191,7 +184,7 @@ def _broken(some: Rows, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     hinges = [key for key in some[0] if key.startswith("hinges_") and key.endswith("_angle")]
     if hinges and x.size > 1:
         steps = np.max(np.abs(np.diff(np.array([column(some, key)[order] for key in hinges]), axis=1)), axis=0)
-        gaps |= (steps > _MOVED) & (steps > _LEAP * np.nanmedian(steps))
+        gaps |= (steps > 0.02) & (steps > 4.0 * np.nanmedian(steps))  # rad; below it is the same hinge
     if x.size > 2:
         widths = np.diff(x)
         gaps |= widths > 1.5 * np.median(widths)
@@ -200,6 +193,6 @@ def _broken(some: Rows, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _valued(heading: str, value: str) -> str:
-    """Return a column heading and a value as text: `height = 8 m` from `height [m]` and 8."""
+    """Return a heading and a value as text: `height = 8 m`."""
     key, _, unit = heading.partition(" [")
     return f"{key.removeprefix(VARIED).replace('_', ' ')} = {float(value):.4g} {unit.removesuffix(']')}".rstrip()

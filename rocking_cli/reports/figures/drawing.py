@@ -16,7 +16,6 @@ from ..units import Units
 from .canvas import MOST_ACROSS, Axes, Look, canvas, literal, panels
 
 _WIDTH = 4.2  # inches, of a panel
-_NAME = 48  # characters of a line of a name above it
 STONE, GROUND, INK = "#D9CBB8", "#EFEFEF", "#333333"
 
 
@@ -26,11 +25,8 @@ def draw_structures(
 ) -> None:  # fmt: skip
     """Draw the structure of each document in its own panel of a PNG, SVG or PDF file, all at one scale.
 
-    A structure without geometry is left out. overwrite: an existing file may be replaced; tell: called with a sentence on each structure
-    left out, and on the characters that the font lacks.
-
-    Raises DocumentError if a document is not valid or if no structure has a geometry, and OutputError if matplotlib is not installed or
-    the figure cannot be written.
+    A structure without geometry is left out; tell: called with a sentence on it, and on characters that the font lacks. Raises
+    DocumentError if a document is not valid or no structure has a geometry, and OutputError.
 
     >>> draw_structures(read_documents('configs/arch.yaml'), 'arch.svg')
     """
@@ -58,7 +54,7 @@ def draw_structures(
 
 
 def structure_axes(axes: Axes, built: RockingParameters, sketch: Sketch, units: Units) -> None:
-    """Draw one structure; `units` sets the length unit of x and z and the angle unit of alpha."""
+    """Draw one structure."""
     unit, metre = units.of("length")
 
     def scaled(outline: Outline) -> list[Point]:
@@ -98,11 +94,11 @@ def structure_axes(axes: Axes, built: RockingParameters, sketch: Sketch, units: 
     axes.margins(0.08)
     axes.grid(visible=False)
     axes.set(xlabel=f"$x$ [{unit}]", ylabel=f"$z$ [{unit}]")
-    axes.set_title(f"{fill(literal(built.name), _NAME)}\n{_numbers(built, units)}{radius}", fontsize="small")
+    axes.set_title(f"{fill(literal(built.name), 48)}\n{_numbers(built, units)}{radius}", fontsize="small")
 
 
 def _mass_centre(axes: Axes, built: RockingParameters, sketch: Sketch, metre: float) -> float:
-    """Draw the mass centre, and R and alpha at the weaker edge (the right edge if both are equal); returns R in the unit of the axes."""
+    """Draw the mass centre, and R and alpha at the weaker edge, or the right one; return R in the unit of the axes."""
     assert sketch.centre is not None
     side = weaker_side(built.sides).side if built.sides else "right"
     (px, pz), (cx, cz) = ((x / metre, z / metre) for x, z in (dict(sketch.pivots)[side], sketch.centre))

@@ -18,10 +18,7 @@ Interval = tuple[float, float, float]  # frequency, lower and upper amplitude
 
 
 def bands(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """Draw overturning amplitudes over frequency, over T = 2 pi/p, or of each record.
-
-    Intervals of neighbouring frequencies that overlap are joined; others are bars.
-    """
+    """Draw overturning amplitudes over frequency, where overlapping intervals are joined, over T = 2 pi/p, or of each record."""
     over = next(key for key in ("omega_g", "Omega", "T", "record") if all(row.get(key) for row in rows))
     amplitude = "a" if over in ("omega_g", "record") else "A"
     found = groups(rows, *(key for key in _APART if key != over))
@@ -45,7 +42,7 @@ def bands(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
 
 
 def _draw(axes: Axes, some: Rows, ends: tuple[str, str], x: np.ndarray, units: Units, frequencies: list[float], width: float) -> None:
-    """Draw the intervals at each x, joined between neighbouring `frequencies`; only their lower ends if the rows have no upper end."""
+    """Draw the intervals at each x, joined between `frequencies`; only their lower ends if the rows have no upper end."""
     from matplotlib.collections import PolyCollection
     from matplotlib.patches import Patch
 

@@ -15,14 +15,12 @@ MEASURE_LABELS = {
     "Arias": "Arias intensity [m/s]", "CAV": "CAV [m/s]",
     "nPGA": r"PGA/$(\lambda g)$ [-]", "nPGV": r"$p$ PGV/$(g \tan\alpha)$ [-]", "nPGD": r"$p^2$ PGD/$(g \tan\alpha)$ [-]",
 }  # fmt: skip
-_DECADES = 5.0  # of annual rates that are shown at most
 
 
 def fragility_curves(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """Draw a fragility curve with its confidence band and the observed fractions for each structure, limit state and method.
+    """Draw a fragility curve with its band and the observed fractions for each structure, limit state and method.
 
-    A curve is dashed beyond the last level of its fractions. A method without a fitted curve is drawn as steps of its fractions. Rows
-    with a hazard curve have it on a second axis, and the annual rate over x.
+    A curve is dashed beyond its last fraction; fractions without a curve are drawn as steps. A hazard curve stands on a second axis.
     """
     axes = figure.add_subplot()
     im, keys = rows[0]["im"], ("structure", "limit_state", "method")
@@ -56,17 +54,13 @@ def fragility_curves(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
 
 
 def _with_hazard(axes: Axes, lines: Sequence[Rows], factor: float) -> None:
-    """Add the hazard curve of a site (right axis, logarithmic), and for each fitted curve the part of its annual rate per ln x, divided by
-    the largest of all such values. Without a fit the curve of the exact shares is used.
-
-    lines: the rows of each fragility curve; factor: that from the unit of the abscissa to SI.
-    """
+    """Add the hazard curve (right axis), and for each fitted curve, or the exact shares, its annual rate per ln x over the largest one."""
     x, h = (np.concatenate([column(some, name) for some in lines]) for name in ("x", "hazard"))
     x, first = np.unique(x[np.isfinite(h)], return_index=True)
     h = h[np.isfinite(h)][first]
     right: Any = axes.twinx()
     right.plot(x / factor, h, color="0.2", lw=1.2)
-    right.set(yscale="log", ylabel="annual rate of exceedance $H$ [1/yr]", ylim=(max(h[-1], h[0] * 10.0**-_DECADES), 2.0 * h[0]))
+    right.set(yscale="log", ylabel="annual rate of exceedance $H$ [1/yr]", ylim=(max(h[-1], h[0] * 1e-5), 2.0 * h[0]))
     right.grid(False)
     fitted = [i for i, some in enumerate(lines) if some[0]["probability"]]
     parts = {i: column(lines[i], "deaggregation") for i in fitted or range(len(lines))}
@@ -80,7 +74,7 @@ def _with_hazard(axes: Axes, lines: Sequence[Rows], factor: float) -> None:
 
 
 def two_measures(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """Draw the fragility over PGA and PGV/PGA, a panel for each structure: the cells, and lines of equal probability of overturning,
+    """Draw the cells over PGA and PGV/PGA, a panel for each structure, and lines of equal probability of overturning,
     P = Phi(a + b ln PGA + c ln(PGV/PGA)) of the largest likelihood."""
     from matplotlib.ticker import LogLocator, NullFormatter
     from scipy.optimize import minimize
@@ -110,7 +104,7 @@ def two_measures(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
 
 
 def overturning_spectra(figure: Figure, rows: Rows, _: Units) -> list[Axes]:
-    """Draw the first overturning PGA over p: the median of the records as a line, 16 to 84 % as a band, for each critical angle."""
+    """Draw the first overturning PGA over p for each critical angle: the median of the records, and 16 to 84 % as a band."""
     axes = figure.add_subplot()
     for i, (group, some) in enumerate(groups(rows, "alpha").items()):
         p = column(some, "p")

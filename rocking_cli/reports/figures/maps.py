@@ -12,16 +12,11 @@ from ..units import Units
 from .canvas import DASHES, Axes, label, literal, titled
 from .slices import plane
 
-_OMEGAS = 80  # points of a curve
-_END = 40  # points between the two in which it ends
 _ALONG = {"initiation": 0.7, "no_impact": 0.9, "after_impact_upper": 0.75, "after_impact_lower": 0.5}  # place of the name on a curve
 
 
 def outcome_map(axes: Axes, file: SpectraFile, place: int, units: Units) -> list[Any]:
-    """Draw the map of the structure or record with index `place`; returns the legend entries.
-
-    Raises UsageError if no cell is computed or an axis has no numbers.
-    """
+    """Draw the map of structure or record `place`; return legend entries. Raises UsageError if no cell is computed or an axis has names."""
     from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.patches import Patch
 
@@ -51,7 +46,7 @@ def outcome_map(axes: Axes, file: SpectraFile, place: int, units: Units) -> list
 
 
 def _differences(axes: Axes, x: np.ndarray, y: np.ndarray, codes: np.ndarray) -> list[Any]:
-    """Draw the cells for which the linear equation gives another outcome; codes: `Difference`, (up, across). Returns legend entries."""
+    """Draw the cells for which the linear equation differs, and return legend entries; codes: `Difference`, (up, across)."""
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
@@ -73,7 +68,7 @@ def _title(file: SpectraFile, place: int) -> str:
 
 
 def _closed_form(axes: Axes, file: SpectraFile, place: int, units: Units) -> None:
-    """Draw the curves i-iv of Fig. 2 with their names, if they apply: linear equation, plain body, a pulse with closed forms."""
+    """Draw the curves i-iv of Fig. 2 for the linear equation, a plain body and a pulse with closed forms."""
     from ...envelopes.closed_form import PULSES, closed_form_curves
     from ...motions import pulse
 
@@ -91,11 +86,11 @@ def _closed_form(axes: Axes, file: SpectraFile, place: int, units: Units) -> Non
         for point in closed_form_curves(omegas, s.eta, name):
             curves.setdefault(point.curve, {})[point.omega] = point.amplitude
 
-    omegas = np.linspace(low, high, _OMEGAS)
+    omegas = np.linspace(low, high, 80)
     add(omegas)
     there = [sum(w in points for points in curves.values()) for w in omegas.tolist()]
     for i in np.flatnonzero(np.diff(there)):  # curves end between these two, with an upright tangent
-        spacing = np.linspace(0.0, 1.0, _END) ** 2
+        spacing = np.linspace(0.0, 1.0, 40) ** 2
         add(omegas[i] + (omegas[i + 1] - omegas[i]) * (spacing if there[i + 1] > there[i] else 1.0 - spacing))
     for (curve, points), dash in zip(curves.items(), DASHES, strict=False):
         omega = np.array(sorted(points))

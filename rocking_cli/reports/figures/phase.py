@@ -14,22 +14,18 @@ from ..rows import Rows, column
 from ..units import Units
 from .canvas import Axes, Figure, heading, label, legend, line_style
 
-_ALIKE = 1e-6  # of alpha: those of both sides, which the rows have to their last digits
-
 
 def phase(figure: Figure, rows: Rows, units: Units, body: Document | None = None) -> list[Axes]:
-    """Draw the phase portrait of a response, theta_dot/(p alpha) over theta/alpha, with the separatrix of its equation. On still ground a
-    body inside the separatrix comes back by itself.
+    """Draw theta_dot/(p alpha) of a response over theta/alpha, with the separatrix inside which a body comes back on still ground.
 
-    body: the document of the structure; None: the block with the p and alpha of the response. Raises ValueError if the rows do not tell p
-    and alpha.
+    body: None for the block with the p and alpha of the response. Raises ValueError if the rows do not tell them.
     """
     axes, reach, found = figure.add_subplot(), 1.0, list[tuple[str, Document | None]]()
     for i, suffix in enumerate(s for s in ("", "_linear", "_nonlinear") if f"theta_ratio{s}" in rows[0]):
         block = None
         if "t" in rows[0]:
             ratio, alpha, p = scaled(rows, suffix)[1:]
-            block = block_of(float(alpha[0]), p) if np.ptp(alpha) <= _ALIKE * alpha[0] else None
+            block = block_of(float(alpha[0]), p) if np.ptp(alpha) <= 1e-6 * alpha[0] else None
             rate = column(rows, f"theta_dot{suffix}") / (p * alpha)
         else:
             ratio, rate = column(rows, f"theta_ratio{suffix}"), column(rows, f"theta_ratio_rate{suffix}")
@@ -66,7 +62,7 @@ def scaled(rows: Rows, suffix: str = "") -> tuple[np.ndarray, np.ndarray, np.nda
 
 
 def block_of(alpha: float, p: float) -> Document:
-    """Return the block with this alpha and p; its half diagonal is R = 3 g/(4 p^2)."""
+    """Return the block with this alpha and p, R = 3 g/(4 p^2)."""
     size = 1.5 * DEFAULT_GRAVITY / p**2
     (document,) = parse_documents(f"{{kind: block, width: {size * math.sin(alpha)!r}, height: {size * math.cos(alpha)!r}}}")
     return document

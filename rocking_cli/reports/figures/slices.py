@@ -1,7 +1,7 @@
 """Rocking spectra: theta_max/alpha along one axis of a spectra file (Fig. 2 right), and its quantiles over a set of records.
 
-Bars mark the overturning intervals. In a quantile a cell that overturns or loses contact counts as infinite, so a line ends where its
-quantile is infinite. The quantiles are observed values (the inverse of the empirical distribution), without interpolation.
+In a quantile a cell that overturns or loses contact counts as infinite, so a line ends where its quantile is infinite. The quantiles are
+observed values, without interpolation.
 """
 
 import math
@@ -18,15 +18,12 @@ from ...spectra.file.reader import SpectraFile
 from ..units import Units
 from .canvas import PANEL, SYMBOLS, Axes, Figure, label, legend, line_style, literal, titled, valued
 
-_SLACK = 1e-5  # rounding of a printed end value
 SHARES = (0.16, 0.5, 0.84)
-_LEVELS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0)
 
 
 @dataclass(frozen=True)
 class Slice:
-    """A line of cells: axis `where` = `value`, the axis `along` it with values `x` (SI units), and the name, theta_max/alpha and
-    outcome of each structure or record.
+    """A line of cells at `where` = `value` over `along` = `x` (SI), with theta_max/alpha and outcome of each structure or record.
 
     etas: the restitution of each structure if Eq. 2.7 holds: plain bodies under one cycle of a sine by the linear equation, over A.
     """
@@ -49,7 +46,7 @@ def slice_of(file: SpectraFile, cut: str) -> Slice:
     try:
         ((name, axis),) = parse_axes(cut, records=file.frame.of_records).items()
         (value,), values = axis.values, axes[name]
-        if not values[0] * (1.0 - _SLACK) <= value <= values[-1] * (1.0 + _SLACK):
+        if not values[0] * (1.0 - 1e-5) <= value <= values[-1] * (1.0 + 1e-5):  # the rounding of a printed end
             raise ValueError
     except (KeyError, ValueError, UsageError):
         wanted = " or ".join(_accepted(name, values) for name, values in axes.items())
@@ -85,7 +82,7 @@ def _accepted(name: str, values: np.ndarray) -> str:
 
 
 def of_record(file: SpectraFile, place: int) -> Slice:
-    """Return the responses of the structures to one record as a slice, from a file with the dimensions record, structure and amplitude."""
+    """Return the responses of the structures to one record as a slice of a file over record, structure and amplitude."""
     (_, records), (_, structures), (along, x) = file.frame.dimensions.items()
     block = file.block(place, slice(None))
     title = f"{literal(str(records[place]))}, {file.scene['model']} equation"
@@ -94,7 +91,7 @@ def of_record(file: SpectraFile, place: int) -> Slice:
 
 
 def plane(file: SpectraFile, place: int) -> tuple[tuple[str, np.ndarray], tuple[str, np.ndarray], dict[str, np.ndarray]]:
-    """Return ((name, values) of the horizontal axis, (name, values) of the vertical axis, arrays of cells) of a structure or record."""
+    """Return ((name, values) across, (name, values) upwards, arrays of cells) of a structure or record."""
     both = [(name, np.asarray(values)) for name, values in list(file.frame.dimensions.items())[1:]]
     block = file.block(place, slice(None))
     if file.frame.of_records:  # T and alpha
@@ -103,7 +100,7 @@ def plane(file: SpectraFile, place: int) -> tuple[tuple[str, np.ndarray], tuple[
 
 
 def spectrum_lines(axes: Axes, found: Slice, units: Units) -> None:
-    """Draw a line for each structure or record, and bars where it overturned or lost contact. Raises UsageError without a computed cell."""
+    """Draw a line for each structure or record, and bars where it falls. Raises UsageError without a computed cell."""
     if not any(np.any(outcome != Outcome.NOT_COMPUTED) for outcome in found.outcome):
         raise UsageError("holds no computed cell on this line, nothing to draw")
     x = found.x / units.column(found.along)[2]
@@ -115,8 +112,7 @@ def spectrum_lines(axes: Axes, found: Slice, units: Units) -> None:
 
             peaks = [peak_after_impact(a, found.value, found.etas[i]) if a >= 1.0 else math.nan for a in found.x.tolist()]
             axes.plot(x, peaks, color=style["color"], lw=0.8, ls=(0, (1, 1)), label="Eq. 2.7, after the first impact" if i == 0 else None)
-        bars = _spans(x, falls(outcome))
-        if bars:
+        if bars := _spans(x, falls(outcome)):
             axes.broken_barh(bars, (1.01 + 0.02 * i, 0.014), transform=axes.get_xaxis_transform(), color=style["color"], clip_on=False)
     raised = 6.0 + 4.5 * len(found.names)
     where = "" if found.where == "record" else f", {valued(found.where, found.value, units)}"
@@ -129,7 +125,7 @@ def spectrum_lines(axes: Axes, found: Slice, units: Units) -> None:
 
 
 def _spans(x: np.ndarray, where: np.ndarray) -> list[tuple[float, float]]:
-    """Return (start, width) of the intervals in which `where` is true; an interval ends halfway to the next point outside."""
+    """Return (start, width) of the intervals in which `where` is true, which end halfway to the next point outside."""
     edges = np.concatenate([x[:1], 0.5 * (x[1:] + x[:-1]), x[-1:]])
     steps = np.flatnonzero(np.diff(np.concatenate([[0], where.astype(int), [0]])))
     return [(float(edges[a]), float(edges[b] - edges[a])) for a, b in zip(steps[::2], steps[1::2], strict=True)]
@@ -172,9 +168,8 @@ def record_spectra(figure: Figure, file: SpectraFile, units: Units) -> list[Axes
 def _contours(axes: Axes, alpha: np.ndarray, period: np.ndarray, median: np.ndarray) -> None:
     """Draw the median over tan alpha and p; grey where half of the records overturn."""
     x, y = np.tan(alpha), 2.0 * np.pi / period[::-1]
-    z = median[:, ::-1].T
     axes.set_facecolor("0.8")
-    drawn = axes.contourf(x, y, np.ma.masked_invalid(z), levels=_LEVELS, extend="max", cmap="viridis")
-    figure = axes.figure
-    figure.colorbar(drawn, ax=axes, label=f"median of {SYMBOLS['theta_max_ratio']}; grey: half of them fall")
+    levels = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0)
+    drawn = axes.contourf(x, y, np.ma.masked_invalid(median[:, ::-1].T), levels=levels, extend="max", cmap="viridis")
+    axes.figure.colorbar(drawn, ax=axes, label=f"median of {SYMBOLS['theta_max_ratio']}; grey: half of them fall")
     axes.set(xlabel=r"$\tan\alpha$ [-]", ylabel="$p$ [rad/s]")
