@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .parameters import MOST_DAMPING, RockingParameters, Side
-from .shared_keys import RESTRAINTS, damping_of, mass_of
+from .shared_keys import damping_of, mass_of, restraints_in
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -165,7 +165,7 @@ def restrained(
 ) -> RockingParameters:  # fmt: skip
     """Return the body with the ties, the tendon and the dampers of its document, and their statics in its details. Raises DocumentError.
     crown, width: of the body [m]; level, inset: of its pivots [m]; radius: R of a body without an arm [m]; share: m g R over mass g R."""
-    mass, given = mass_of(document) or body.details.get("mass"), [key for key in RESTRAINTS if document.has(key)]
+    mass, given = mass_of(document) or body.details.get("mass"), restraints_in(document)
     if mass is None:
         raise document.missing("mass", f"the mass [kg], which {given[0]} need")
     both: tuple[Side | RockingParameters, ...] = body.sides or (body, body)
@@ -254,4 +254,6 @@ def _stiffness(part: Document) -> float:
 
 
 def _force(part: Document, key: str, default: float) -> float:
-    return part.quantity(key, "force", least=0.0, where="a force from 0", default=default)
+    above = 0.0 if key == "yield" else -math.inf
+    where = "a force above 0" if key == "yield" else "a force from 0"
+    return part.quantity(key, "force", least=0.0, above=above, where=where, default=default)

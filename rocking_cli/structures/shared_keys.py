@@ -21,6 +21,14 @@ def gravity_of(document: Document) -> float:
     return document.quantity("gravity", "acceleration", above=0.0, where="a positive acceleration", default=DEFAULT_GRAVITY)
 
 
+def restraints_in(document: Document) -> list[str]:
+    """Return the document's keys of restraints. Raises DocumentError for one without a value, which would silently leave them out."""
+    for key in (given := [key for key in RESTRAINTS if document.has(key) or key in document.values]):
+        if not document.has(key):
+            raise document.fault(key, "nothing", f"the {key}, or no such key")
+    return given
+
+
 def restitution_of(document: Document, momentum: float, limit: str) -> tuple[float, str]:
     """Return (eta, its source): the document's value, or `momentum`, the value from conservation of angular momentum. limit: a text on the
     bodies for which the momentum model holds. Raises DocumentError if eta is not given and `momentum` is negative."""

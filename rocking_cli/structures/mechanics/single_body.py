@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 from ...documents.document import Document
 from ..parameters import RockingParameters, Side
-from ..shared_keys import RESTRAINTS, gravity_of, mass_of, one_sided_restitution_of, restitution_of
+from ..shared_keys import gravity_of, mass_of, one_sided_restitution_of, restitution_of, restraints_in
 from ..sketch import Point, Sketch, rectangle, redrawn, rocker
 from .moments import Moments, spin_about
 
@@ -83,7 +83,7 @@ class RigidBody:
             details |= body.leaning
             sides = left.side("left", eta_left), right.side("right", eta_right)
             found = RockingParameters.of_sides(**more, left=sides[0], right=sides[1], eta_source=source)
-        if not [key for key in RESTRAINTS if document.has(key)]:
+        if not restraints_in(document):
             return found
         from ..restraints import restrained
 

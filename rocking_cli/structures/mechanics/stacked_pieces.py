@@ -11,7 +11,7 @@ from itertools import accumulate
 from typing import NamedTuple
 
 from ...documents.document import Document
-from ..shared_keys import RESTRAINTS, gravity_of
+from ..shared_keys import gravity_of, restraints_in
 from ..sketch import rocker
 from .moments import Moments
 from .single_body import RigidBody, body_on_edges, edges_of, symmetric_body
@@ -115,7 +115,7 @@ def stacked(document: Document, key: str, word: str, pieces: Sequence[Piece], in
     if len(pieces) > 1:
         if document.has("rocks_on"):
             weakest = document.integer("rocks_on", 0, len(beds) - 1)
-        elif held := [name for name in RESTRAINTS if document.has(name)]:
+        elif held := restraints_in(document):
             wanted = f"0 for its base, or the number from below of the {word} on which it rocks"
             raise document.missing("rocks_on", f"{wanted}: {held[0]} hold each interface differently, so check each one")
         bed = beds[weakest]
