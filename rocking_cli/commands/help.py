@@ -32,7 +32,8 @@ def help(name: str | None = argument(required=False, type=_NAMES, metavar="[COMM
     Without a name, list the commands and the topics.
     """
     if name is not None and name not in COMMANDS | TOPICS:
-        pages = [f"`rocking help {topic}`" for topic in [*TOPICS, *COMMANDS] if name.lower() in page(topic).lower().split()]
+        names = dict.fromkeys(["words", *TOPICS, *COMMANDS])  # the glossary first
+        pages = [f"`rocking help {topic}`" for topic in names if name.lower() in page(topic).lower().split()]
         found = did_you_mean(name, COMMANDS | TOPICS) + (f"; it stands in {', '.join(pages[:3])}" if pages else "")
         raise click.UsageError(f"No such command or topic {name!r}{found}")
     group = click.get_current_context().find_root()
