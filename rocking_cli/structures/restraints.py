@@ -202,7 +202,8 @@ def _ties(document: Document, crown: float, level: float, inset: float, width: f
         height = part.quantity("height", "length", above=0.0, most=crown * (1.0 + 1e-9), where=where) - level
         where, least = f"a length from 0 to {width:g} m, the width of the body", 0.0 if width < math.inf else -math.inf
         behind = part.quantity("behind", "length", least=least, most=width, where=where, default=0.0)
-        stiffness, prestress, force = _stiffness(part), _force(part, "prestress", 0.0), _force(part, "yield", math.inf)
+        stiffness, prestress = _stiffness(part), _force(part, "prestress", 0.0)
+        force = part.quantity("yield", "force", above=0.0, where="a force above 0", default=math.inf)
         if prestress >= force:
             raise part.fault("prestress", f"{prestress:g} N, not below the yield of {force:g} N", "a prestress below the yield")
         most = math.hypot(height, behind) + behind  # of any rotation
@@ -254,6 +255,4 @@ def _stiffness(part: Document) -> float:
 
 
 def _force(part: Document, key: str, default: float) -> float:
-    above = 0.0 if key == "yield" else -math.inf
-    where = "a force above 0" if key == "yield" else "a force from 0"
-    return part.quantity(key, "force", least=0.0, above=above, where=where, default=default)
+    return part.quantity(key, "force", least=0.0, where="a force from 0", default=default)

@@ -23,10 +23,10 @@ def gravity_of(document: Document) -> float:
 
 def restraints_in(document: Document) -> list[str]:
     """Return the document's keys of restraints. Raises DocumentError for one without a value, which would silently leave them out."""
-    for key in (given := [key for key in RESTRAINTS if document.has(key) or key in document.values]):
-        if not document.has(key):
+    for key in RESTRAINTS:
+        if not document.has(key) and key in document.values:
             raise document.fault(key, "nothing", f"the {key}, or no such key")
-    return given
+    return [key for key in RESTRAINTS if document.has(key)]
 
 
 def restitution_of(document: Document, momentum: float, limit: str) -> tuple[float, str]:
