@@ -296,6 +296,8 @@ def integrate(
             hit, highest = None, _events(step)[1]
         peak = max(peak, float(highest) / edge.alpha)
         last = step if hit is None else _advance(body, shaking, side, (t, u, v), hit * step.h)
+        if hit is not None and last.h < 0.75 * hit * step.h:  # it was halved, and ends before the impact
+            step, hit = last, None
         if seen is not None and last.h > 0.0:
             seen(side, last)
         if hit is None:
