@@ -56,7 +56,9 @@ def judged(structure, motion, demand, a_max=A_MAX):
     if history.peak is not None and not verdict.falls:
         assert verdict.theta_ratio == pytest.approx(abs(history.peak.theta_ratio), rel=1e-7, abs=1e-12)
     first = falls[0][0] if falls else None
-    assert verdict.first_overturning_a == (None if first is None else pytest.approx(first, rel=2e-9, abs=0))
+    assert (verdict.first_overturning_a is None) == (first is None)
+    if first is not None:  # four digits, rounded down, where many narrow intervals overturn
+        assert first * (1.0 - (1e-3 if verdict.share_of_falls else 2e-9)) <= verdict.first_overturning_a <= first * (1.0 + 2e-9)
     above = [low for low, _ in falls if low > verdict.demand_a]
     assert verdict.safe_to == (None if inside or not above else pytest.approx(above[0], rel=2e-9, abs=0))
     if inside:

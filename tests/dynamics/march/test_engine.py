@@ -27,9 +27,9 @@ def test_outcome_changes_where_the_reference_table_says(omega, begin, end, no_im
 
 
 def compare(motion, *cells):
-    """Every cell to what errors of 1e-15 come to in it."""
+    """Every cell to what errors of 4e-15 come to in it."""
     found, (outcome, theta, impacts) = linear_response(motion, *cells), answers(motion, *cells)
-    assert_same(found, theta, outcome, 1e-3 * allowance(motion, *cells))
+    assert_same(found, theta, outcome, 4e-3 * allowance(motion, *cells))
     few = impacts < 10  # the oracle ends a sequence of impacts by a threshold
     np.testing.assert_array_equal(found.impacts[few], impacts[few])
 
