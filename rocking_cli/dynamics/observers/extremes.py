@@ -13,7 +13,7 @@ from ..lanes import Array, Arrays
 Values = TypeVar("Values", bound=Arrays)
 
 _CUT = 1.6  # longest stretch, times the rate of change of the quantity
-_CUTS = 5  # largest number of evaluations inside a stretch, at peaks of cubics
+_CUTS = 7  # largest number of evaluations inside a stretch, at peaks of cubics
 
 
 @dataclass
