@@ -23,8 +23,3 @@ def grows(path: Path, size: int, process: subprocess.Popen[str]) -> bool:
         time.sleep(0.002)
     process.kill()
     raise AssertionError(f"{path.name} has not grown beyond {size} bytes within {PATIENCE:.0f} s")
-
-
-def children(process: subprocess.Popen[str]) -> list[int]:
-    """The processes that a process has started, by their ids."""
-    return [int(p) for t in Path(f"/proc/{process.pid}/task").iterdir() for p in (t / "children").read_text().split()]
