@@ -34,8 +34,9 @@ def help(name: str | None = argument(required=False, type=_NAMES, metavar="[COMM
     if name is not None and name not in COMMANDS | TOPICS:
         names = dict.fromkeys(["words", *TOPICS, *COMMANDS])  # the glossary first
         pages = [f"`rocking help {topic}`" for topic in names if name.lower() in page(topic).lower().split()]
-        found = did_you_mean(name, COMMANDS | TOPICS) + (f"; it stands in {', '.join(pages[:3])}" if pages else "")
-        raise click.UsageError(f"No such command or topic {name!r}{found}")
+        begins = any(known.startswith(name.lower()) for known in names)
+        meant = did_you_mean(name, names) if begins or not pages else ""  # a word of the pages is not a misspelt command
+        raise click.UsageError(f"No such command or topic {name!r}{meant}" + (f"; it stands in {', '.join(pages[:3])}" if pages else ""))
     group = click.get_current_context().find_root()
     if name is None:
         formatter = group.make_formatter()

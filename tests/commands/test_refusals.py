@@ -36,7 +36,7 @@ REFUSED = {
         (2, "response c.yaml --motion a.txt b.txt", "Got unexpected extra argument (b.txt); expected one FILE after each --motion"),
         (2, "help document", "No such command or topic 'document' (did you mean 'documents'?)"),
         (2, "help dampers", "No such command or topic 'dampers'; it stands in `rocking help documents`, `rocking help ties`"),
-        (2, "help eta", "No such command or topic 'eta'; it stands in `rocking help words`, "),
+        (2, "help Omega", "No such command or topic 'Omega'; it stands in `rocking help words`, "),
         (2, "init", "Missing argument 'KIND'. Choose from: block, point_mass, "),
     ],
     "accuracy": [(2, "pair.yaml --grid A=1:2:2,Omega=1:2:2", "found 2 structures; expected one")],
