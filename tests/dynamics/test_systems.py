@@ -78,16 +78,6 @@ def test_a_one_sided_body_rocks_like_a_free_one_up_to_its_first_impact():
         assert np.any(both.at(after)[0] < 0.0)
 
 
-def test_an_inward_drive_holds_a_one_sided_body():
-    wall = RockingParameters("wall", "block", 1.35, 0.149, -0.4, math.tan(0.149), 1.0, one_sided=True)
-    inward = Motion("inward", (Piece(0.0, TURN, (), 1.0),))
-    outward = Motion("outward", (Piece(0.0, TURN, (), -1.0),))
-    system = Method().system_of(wall)
-    assert response(system, inward, 50.0, 0.5, wall.eta).outcome == Outcome.NO_UPLIFT
-    assert response(system, outward, 50.0, 0.5, wall.eta).outcome == Outcome.OVERTURNED_NO_IMPACT
-    assert system.least_uplift(inward) == math.inf
-
-
 def test_two_equal_sides_given_apart_are_the_symmetric_body():
     plain = RockingParameters("body", "block", 2.0, 0.2, 0.8, math.tan(0.2), 1.0)
 
