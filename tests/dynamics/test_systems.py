@@ -6,13 +6,9 @@ import numpy as np
 import pytest
 from oracles.collocation import conditioning, integrate
 from support.bodies import drawn, shaken, shaking_of
-from support.synthetic_records import allowance
 
-from rocking_cli import Method, Motion, Outcome, RockingParameters, response, sine
-from rocking_cli.dynamics.contacts.contact import Unequal
-from rocking_cli.dynamics.equations.rigid_body import RigidBodyEquation
+from rocking_cli import Method, Motion, Outcome, RockingParameters, response
 from rocking_cli.dynamics.single.one_by_one import response_alone
-from rocking_cli.dynamics.system import System
 from rocking_cli.motions import Harmonic, Piece
 from rocking_cli.responses.history import history
 
@@ -76,21 +72,3 @@ def test_a_one_sided_body_rocks_like_a_free_one_up_to_its_first_impact():
         after = np.linspace(end, one.end, 500)[1:]
         assert np.all(one.at(after)[0] >= 0.0)
         assert np.any(both.at(after)[0] < 0.0)
-
-
-def test_two_equal_sides_given_apart_are_the_symmetric_body():
-    plain = RockingParameters("body", "block", 2.0, 0.2, 0.8, math.tan(0.2), 1.0)
-
-    random = np.random.default_rng(5)
-    cells = random.uniform(0.9, 6.0, 120), random.uniform(1.0, 8.0, 120), np.full(120, 0.8)
-    for model in ("linear", "nonlinear"):
-        system = Method(model).system_of(plain)
-        turn = float(system.equation.rotation(np.ones(1))[0])
-        drive = 1.0 / float(system.equation.uplift_amplitude)
-        equation = system.equation if model == "linear" else RigidBodyEquation((0.2, 0.2))
-        apart = System(equation, Unequal((drive, drive), (1.0, 1.0), (0.8, 0.8), (turn, turn)))
-        one, other = response(system, sine(3), *cells), response(apart, sine(3), *cells)
-        assert one.outcome.tolist() == other.outcome.tolist()
-        differ = np.abs(one.theta_ratio - other.theta_ratio)
-        assert not np.any(differ > 2e-3 * allowance(sine(3), *cells, system))
-        assert np.array_equal(np.isnan(differ), np.isnan(one.theta_ratio))
