@@ -63,20 +63,6 @@ def test_restitutions_out_of_range_are_refused(contact, eta, expected):
 
 
 @pytest.mark.parametrize("model", ["linear", "nonlinear"])
-def test_units_of_the_edges_come_from_their_geometry(model):
-    """A and Omega are those of the left edge, which lifts first; speeds change by eta alpha_1 p_1/(alpha_2 p_2), sines where nonlinear."""
-    system = Method(model).system_of(BODY)
-    contact = system.contact
-    unit = (lambda x: x) if model == "linear" else math.sin
-    lift = (lambda x: x) if model == "linear" else math.tan
-    assert contact.drive == pytest.approx((0.2 / lift(0.3), 0.2 / lift(0.2)), rel=1e-14, abs=0)
-    assert contact.omega == pytest.approx((2.0 / 1.6, 1.0), rel=1e-14, abs=0)
-    ratio = unit(0.3) * 1.6 / (unit(0.2) * 2.0)
-    assert contact.eta == pytest.approx((0.7 * ratio, 0.9 / ratio), rel=1e-14, abs=0)
-    assert contact.eta[0] * contact.eta[1] == pytest.approx(0.63, rel=1e-14, abs=0)
-
-
-@pytest.mark.parametrize("model", ["linear", "nonlinear"])
 def test_impacts_that_take_nothing_take_nothing_in_the_units_of_the_edges_either(model):
     """A product above 1 would be refused, and bouncing settle under one below; as they are multiplied a quarter of such pairs are off."""
     random, products = np.random.default_rng(1), set()

@@ -14,7 +14,6 @@ from rocking_cli.dynamics.response import response
 from rocking_cli.dynamics.system import System
 from rocking_cli.responses.history import history, quarter_period
 
-EPS = np.finfo(float).eps
 ARCHES = {
     "oppenheim": "radius: 10 m\nthickness: 1.5 m\nangle: 157.5 deg\nvoussoirs: 7",
     "continuous": "radius: 10 m\nthickness: 1.5 m\nangle: 157.5 deg",
