@@ -4,28 +4,22 @@ import numpy as np
 
 from rocking_cli import Outcome, overturned, safe
 
-EXPECTED = {  # code, safe, overturned, the word of an envelope's interval
-    "not_computed": (0, False, False, "not_computed"),
-    "no_uplift": (1, True, False, "no_uplift"),
-    "rocked": (2, True, False, "rocked"),
-    "overturned_no_impact": (3, False, True, "no_impact"),
-    "overturned_after_impact": (4, False, True, "after_impact"),
-    "failed": (5, False, False, "failed"),
-    "lost_contact": (6, False, False, "lost_contact"),
-    "leaning": (7, False, False, "leaning"),
-}
-
 
 def test_a_failed_or_missing_cell_is_neither_safe_nor_overturned():
-    assert {o.flag: (int(o), o.safe, o.overturned, o.mode) for o in Outcome} == EXPECTED
+    assert {o.flag: (int(o), o.safe, o.overturned, o.mode) for o in Outcome} == {  # mode: the word of an envelope's interval
+        "not_computed": (0, False, False, "not_computed"),
+        "no_uplift": (1, True, False, "no_uplift"),
+        "rocked": (2, True, False, "rocked"),
+        "overturned_no_impact": (3, False, True, "no_impact"),
+        "overturned_after_impact": (4, False, True, "after_impact"),
+        "failed": (5, False, False, "failed"),
+        "lost_contact": (6, False, False, "lost_contact"),
+        "leaning": (7, False, False, "leaning"),
+    }
     codes = np.array([[0, 1, 2], [3, 4, 5]], dtype=np.uint8)
     assert safe(codes).tolist() == [[False, True, True], [False, False, False]]
     assert overturned(codes).tolist() == [[False, False, False], [True, True, False]]
-    assert overturned(4)
-    assert not overturned(np.uint8(5))
-
-
-def test_each_outcome_has_a_look_of_its_own():
+    assert (overturned(4), overturned(np.uint8(5))) == (True, False)
     for look in ("sentence", "colour", "sign"):
         assert len({getattr(o, look) for o in Outcome}) == len(Outcome)
     assert all(len(o.sign) == 1 for o in Outcome)

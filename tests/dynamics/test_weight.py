@@ -10,7 +10,6 @@ from support.bodies import shaking_of
 from support.documents import built
 
 from rocking_cli import Motion, Outcome, RockingParameters, cosine, pulse, response, sine
-from rocking_cli.dynamics.drive import segment_value
 from rocking_cli.dynamics.method import Method
 from rocking_cli.dynamics.outcome import FALLEN
 from rocking_cli.dynamics.response import response_with_ground_forces
@@ -36,20 +35,6 @@ def test_a_rectangular_impulse_on_ground_that_sways_upwards(model):
 
 def block(alpha=0.2, eta=0.9):
     return RockingParameters("b", "block", 2.0, alpha, eta, math.tan(alpha), 1.0)
-
-
-@pytest.mark.parametrize("model", ["linear", "nonlinear"])
-def test_a_constant_weight_is_another_gravity(model):
-    """w g in the place of g: p grows by sqrt(w), so A and Omega fall by w and sqrt(w) while it lasts, and here it lasts."""
-    still = Piece(0.0, 40.0 * math.pi)
-    across = Motion("long", (sine(1).pieces[0], Piece(2 * math.pi, 40.0 * math.pi)))
-    body, amplitude, omega, w = block(), 2.2, 6.0, 1.3
-    up = Motion("constant", (Piece(0.0, still.stop, (), (w - 1.0) / (amplitude * body.alpha)),))
-    system = Method(model, 1e-12).system_of(body)
-    heavy = response(system, with_vertical(across, up), amplitude, omega, body.eta)
-    plain = response(system, across, amplitude / w, omega / math.sqrt(w), body.eta)
-    assert heavy.outcome == plain.outcome == Outcome.ROCKED
-    assert float(heavy.theta_ratio) == pytest.approx(float(plain.theta_ratio), abs=1e-11)
 
 
 def test_free_fall_is_an_outcome_of_its_own_at_its_instant():
@@ -133,16 +118,6 @@ def test_records_keep_the_ratio_of_their_amplitudes_and_others_do_not_go_with_th
     assert (float(both.value(0.05)), both.duration) == pytest.approx((0.5, 0.3), rel=1e-14)
     with pytest.raises(UsageError, match="two records, or none"):
         with_vertical(one, sine(1))
-
-
-def test_segments_are_monotone_for_both_edges():
-    found = weighed(FAST, 0.3, 0.5)
-    assert isinstance(found, WeighedSegments)
-    k = np.arange(len(found))
-    for edge in (found.right, found.left, found.vertical):
-        inner = [edge.s_start + segment_value(edge, k, part * found.length)[0] for part in np.linspace(0.0, 1.0, 41)]
-        steps = np.diff(inner, axis=0) * np.sign(edge.s_end - edge.s_start)
-        assert steps.min() > -1e-12
 
 
 def test_the_strongest_drive_to_come_is_no_less_than_any_of_it():

@@ -7,17 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.documents import built
 from support.references import INTERVALS
 
 from rocking_cli import (
     RockingParameters,
     UsageError,
-    build_structure,
     cosine,
     dimensionless_oscillator,
     linear_response,
     overturned,
-    parse_documents,
     pulse,
     response,
     sine,
@@ -27,9 +26,17 @@ from rocking_cli.dynamics.method import Method
 from rocking_cli.envelopes.intervals import misjudged
 
 
-def test_traced_intervals_are_those_of_the_reference_table():
-    traced = trace_envelope(dimensionless_oscillator(0.9), sine(), [row[0] for row in INTERVALS])
-    for omega, begin, end, no_impact, digit in INTERVALS:
+@pytest.mark.parametrize(
+    ("structure", "model", "rows"),
+    [
+        (dimensionless_oscillator(0.9), "linear", INTERVALS),
+        (built("kind: block\nradius: 1.6065814 m\nalpha: 0.25\nrestitution: 0.9"), "nonlinear", [(5.0, 3.03234, 6.74302, 7.49300, 1e-5)]),
+    ],
+    ids=["linear", "a block, by two independent programs"],
+)
+def test_traced_intervals_are_those_of_the_reference_tables(structure, model, rows):
+    traced = trace_envelope(structure, sine(), [row[0] for row in rows], method=Method(model))
+    for omega, begin, end, no_impact, digit in rows:
         mine = [i for i in traced if i.omega == omega]
         assert [i.mode for i in mine] == ["after_impact", "no_impact"]
         assert (mine[0].a_from, mine[0].a_to, mine[1].a_from) == pytest.approx((begin, end, no_impact), abs=0.51 * digit)
@@ -74,7 +81,7 @@ def test_a_max_must_make_sense(a_max):
 def test_a_column_against_discrete_elements():
     # Multi-drum column 1.11/0.90 m wide and 5.95 m high under the rectangular impulse: collapse on a raster of 0.01 g by UDEC,
     # LMGC90 and HybriDFEM, at t_p = 0.4, 0.5, 0.6, 0.8, 1.0 s.
-    column = build_structure(parse_documents("kind: prism\ncorners: [[0, 0], [1.11, 0], [1.005, 5.95], [0.105, 5.95]]")[0])
+    column = built("kind: prism\ncorners: [[0, 0], [1.11, 0], [1.005, 5.95], [0.105, 5.95]]")
     series = [(0.31, 0.30, 0.29), (0.27, 0.25, 0.25), (0.25, 0.24, 0.23), (0.22, 0.22, 0.22), (0.20, 0.21, 0.21)]
     omegas = 2 * math.pi / np.array([0.4, 0.5, 0.6, 0.8, 1.0]) / column.p
     found = trace_envelope(column, pulse("rectangular-impulse"), omegas, method=Method("nonlinear", 1e-8), a_max=2.5)
@@ -85,8 +92,8 @@ def test_a_column_against_discrete_elements():
         assert [ours] * 3 == pytest.approx(theirs, rel=0.05 + 1e-12, abs=0)
 
 
-UNEQUAL = build_structure(parse_documents("kind: prism\ncorners: [[0, 0], [1.2, 0], [0.9, 5], [0.2, 5]]")[0])
-WALL = build_structure(parse_documents("kind: block\nwidth: 1.2\nheight: 8\none_sided: true")[0])
+UNEQUAL = built("kind: prism\ncorners: [[0, 0], [1.2, 0], [0.9, 5], [0.2, 5]]")
+WALL = built("kind: block\nwidth: 1.2\nheight: 8\none_sided: true")
 
 
 @pytest.mark.parametrize("structure", [UNEQUAL, WALL], ids=["unequal", "one side"])

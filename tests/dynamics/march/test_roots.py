@@ -6,8 +6,6 @@ import pytest
 from rocking_cli.dynamics.equations.taylor import TaylorSeries
 from rocking_cli.dynamics.march.roots import falls_through_zero, sense
 
-EPS = np.finfo(float).eps
-
 
 @pytest.mark.parametrize("growth", [0.05, 0.5, 4.0])  # hardly, monotone, with several turns
 def test_every_fall_of_the_speed_through_zero_has_a_bracket_of_its_own(growth):

@@ -35,26 +35,3 @@ def test_peak_and_impact_of_a_free_arc(v, stretch):
     end = found.end
     assert abs(end.time - end.theta / end.w - 2.0 * rise) < near * rise
     assert abs(end.w + end.theta / end.w - -v) < near * v
-
-
-def test_a_hop_from_rest_within_one_step_is_met():
-    """y'' = 2 c t - t^2 from rest: the peak is at 3 c, 9/4 c^4 high, the impact at 4 c."""
-    c = 1e-3
-    found = path(lambda t, y, v: (v, 2.0 * c * t - t * t), Point(0.0, 0.0, 0.0), 1.0, math.inf)
-    (top,) = found.peaks
-    assert found.struck
-    assert abs(top.time / (3.0 * c) - 1.0) < 2e-9
-    assert abs(top.theta / (2.25 * c**4) - 1.0) < 1e-12
-    assert abs((found.end.time - found.end.theta / found.end.w) / (4.0 * c) - 1.0) < 1e-12
-
-
-@pytest.mark.parametrize("depth", [1e-4, 1e-9, -1e-9])
-def test_a_dip_to_the_ground_within_one_step_is_met(depth):
-    """y = (t - c)^2 - depth."""
-    c = 0.13
-    found = path(lambda t, y, v: (v, 2.0), Point(0.0, c * c - depth, -2.0 * c), 1.0, math.inf)
-    assert found.struck == (depth > 0.0)
-    if found.struck:
-        time, y, v = found.end
-        assert abs(time - y / v - (c - math.sqrt(depth))) < 1e-15 / math.sqrt(depth)  # rounding of y over the speed
-        assert abs(v - 2.0 * y / v + 2.0 * math.sqrt(depth)) < 1e-15 / math.sqrt(depth)
