@@ -63,6 +63,13 @@ def subject(text: str) -> Subject:
     return Subject(document, build_structure(document))
 
 
+@pytest.fixture(scope="module", autouse=True)
+def coarse_maps():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("rocking_cli.reports.page.SIDE", 20)
+        yield
+
+
 @pytest.fixture(scope="module")
 def verdict() -> Verdict:
     """On the block under a sine that overturns it."""

@@ -52,13 +52,14 @@ def test_tables_that_cannot_be_drawn(drawn, text, words):
         drawn(text)
 
 
-@pytest.mark.parametrize("form", ["png", "svg", "pdf"])
-def test_a_figure_is_written_whole_or_not_at_all_and_alike_each_time(tmp_path, monkeypatch, form):
+@pytest.mark.parametrize(("form", "begins"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")])
+def test_a_figure_is_written_whole_or_not_at_all_and_alike_each_time(tmp_path, monkeypatch, form, begins):
     target, again = tmp_path / f"x.{form}", tmp_path / f"y.{form}"
     for path in (target, again):
         with canvas(path) as figure:
             figure.add_subplot().plot([0, 1], [0, 1])
     assert target.read_bytes() == again.read_bytes()
+    assert target.read_bytes().startswith(begins)
 
     def full(source, to):
         raise OSError(28, "No space left on device")

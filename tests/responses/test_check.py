@@ -93,33 +93,6 @@ def test_verdicts_agree_with_envelope_and_history_for_500():
     assert sum(window for _, window in fell) >= 5
 
 
-@pytest.mark.parametrize("structure", [BLOCK, built("kind: parameters\np: 2.1\nalpha: 0.2\neta: 0.8\nlambda: 0.25")])
-def test_an_independent_solver_agrees_just_below_and_above_the_first_overturning(structure):
-    first = check(structure, sine(), parse_grid("a_g=4.2,f_g=1.2")).first_overturning_a
-    method = governing_method(structure)
-    for factor, falls in ((1.0 - 1e-6, False), (1.0 + 1e-6, True)):
-        amplitude = float(structure.dimensionless_amplitude(first * factor))
-        outcome, _ = method.reference_of(structure)(sine(), amplitude, 2.0 * np.pi * 1.2 / structure.p, structure.eta)
-        assert outcome.overturned == falls
-
-
-def test_the_geometry_decides_which_equation_governs():
-    assert governing_method(BLOCK).model == "nonlinear"
-    assert governing_method(built("kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg")).model == "nonlinear"
-    assert governing_method(built("kind: parameters\np: 2\nalpha: 0.2\neta: 0.9\na_scale: 1")).model == "linear"
-
-
-def test_a_fallen_statue_says_how_little_it_takes():
-    """The upper end of the interval that fells it is the nearer boundary; its capacity is the lower one."""
-    block = built("kind: block\nwidth: 0.5\nheight: 1.8\nrestitution: 0.9")
-    nearly = trace_envelope(block, sine(), [3.0], method=governing_method(block), sign="+")[0]
-    a_g, omega_g = block.ground_acceleration(0.99 * nearly.a_to), 3.0 * block.p
-    verdict = check(block, sine(), Grid(Axis("a_g", np.array([a_g])), Axis("omega_g", np.array([omega_g]))))
-    assert verdict.outcome == Outcome.OVERTURNED_AFTER_IMPACT
-    assert verdict.capacity_demand == pytest.approx(nearly.a_from / (0.99 * nearly.a_to), rel=1e-8, abs=0)
-    assert verdict.capacity_demand < 0.6
-
-
 def test_the_record_has_the_columns_the_uplift_and_the_top():
     record = check(BLOCK, sine(), DEMAND, a_max=None).record()
     assert tuple(record) == CHECK_COLUMNS

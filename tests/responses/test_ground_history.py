@@ -7,7 +7,7 @@ import pytest
 from support.record_layouts import wave
 from support.synthetic_records import shaken
 
-from rocking_cli import Motion, sine
+from rocking_cli import Motion
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.responses.chebyshev import Extent
 from rocking_cli.responses.ground_history import Ground
@@ -38,8 +38,3 @@ def test_lines_at_once_are_lines_one_by_one(motion, low, high):
 def test_a_ground_without_a_weight_says_so_without_a_warning():
     weight, _ = Ground(MOTIONS["with a vertical motion"], 4.0, 0.5).lines(0.0, 20.0)
     assert weight.least < 0.0
-
-
-def test_other_motions_have_no_lines():
-    assert Ground(sine(), 1.0, 1.0).lines(0.0, 1.0) is None
-    assert Ground(with_vertical(sine(), sine(), 0.5), 1.0, 1.0).lines(0.0, 1.0) is None
