@@ -10,7 +10,7 @@ from support.record_layouts import wave
 from support.refusals import refuses
 
 from rocking_cli import MotionError, linear_response
-from rocking_cli.motions import Motion, Piece, sine
+from rocking_cli.motions import Motion, Piece
 from rocking_cli.motions.polyline import Polyline
 from rocking_cli.motions.records.record import record_motion
 
@@ -63,19 +63,6 @@ test_bad_lines_are_refused = refuses(
     MotionError,
     [(([], []), "no pieces"), (([0.0, 1.0], [1.0, 1.0]), "is empty"), (([0.0, 1.0], [1.0, np.nan]), "not finite")],
 )
-
-
-def test_a_pulse_sampled_finely_converges_to_the_pulse_at_second_order():
-    """One cycle of sin 5t in the record's own time (Omega = 1, p = 1 rad/s) against the exact sine at Omega = 5."""
-    amplitude = np.array([1.5, 2.0, 2.5, 6.8])  # rocking with and without an impact, and the safe window between the intervals
-    exact = linear_response(sine(), amplitude, 5.0, 0.9).theta_ratio
-    errors = []
-    for count in (1000, 2000):
-        t = np.linspace(0.0, 2.0 * np.pi / 5.0, count + 1)
-        motion = record_motion(record(np.sin(5.0 * t), t[1]))
-        errors.append(np.abs(linear_response(motion, amplitude * motion.acceleration, 1.0, 0.9).theta_ratio - exact))
-    assert np.all(np.isfinite(exact))
-    np.testing.assert_allclose(errors[0] / errors[1], 4.0, rtol=0.02)
 
 
 def test_a_record_that_was_sampled_more_finely_is_the_record():
