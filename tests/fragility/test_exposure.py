@@ -64,19 +64,6 @@ def test_cells_lie_in_the_traced_intervals_and_shares_are_those_of_the_cells(nam
     assert [np.isfinite(r) for r in first] == [bool(mine) for mine in intervals]
 
 
-def test_a_file_of_cells_is_read_again_and_another_scene_refused(tmp_path):
-    path, again = tmp_path / "cells.h5", SweepOptions(resume=True)
-    motions = MotionSet(RECORDS[:1], MEASURES["PGA"], np.array([2.0, 4.0, 6.0]), LINEAR)
-    (fresh,), (same,) = exposures([BLOCK], motions, path), exposures([BLOCK], motions, path, again)
-    assert same.outcome.tolist() == fresh.outcome.tolist()
-    with pytest.raises(UsageError, match="belongs to another scene"):
-        exposures([BLOCK], replace(motions, levels=2 * motions.levels), path, again)
-    with pytest.raises(UsageError, match="holds one structure only"):
-        exposures([BLOCK, BLOCK], replace(motions, measure=MEASURES["nPGA"]), tmp_path / "two.h5")
-    with pytest.raises(UsageError, match="goes with records"):
-        exposures([BLOCK], replace(motions, members=PULSES), tmp_path / "pulses.h5")
-
-
 UPWARDS = {"records": Upwards(record(7).motion, 0.6), "pulses": Upwards(cosine(), -0.4)}
 
 
@@ -96,14 +83,21 @@ def test_cells_are_single_responses_to_the_scaled_motions(up):
         assert alone.theta_ratio == pytest.approx([*found.theta_ratio[i], *recorded.theta_ratio[i]], rel=1e-9, nan_ok=True)
 
 
-def test_a_file_of_cells_with_a_vertical_motion_is_read_again_for_it_alone(tmp_path):
-    path, again = tmp_path / "up.h5", SweepOptions(resume=True)
-    shaken = shaken_upwards(RECORDS[:1], UPWARDS["records"])
-    motions = MotionSet(shaken, MEASURES["PGA"], np.array([2.6, 4.0]), Method("nonlinear"))
-    (kept,), (same,) = exposures([BLOCK], motions, path), exposures([BLOCK], motions, path, again)
-    assert same.outcome.tolist() == kept.outcome.tolist()
-    with pytest.raises(UsageError, match="belongs to another scene"):
-        exposures([BLOCK], replace(motions, members=RECORDS[:1]), path, again)
+def test_a_file_of_cells_is_read_again_and_another_scene_refused(tmp_path):
+    level = MotionSet(RECORDS[:1], MEASURES["PGA"], np.array([2.0, 4.0, 6.0]), LINEAR)
+    upwards = replace(level, members=shaken_upwards(RECORDS[:1], UPWARDS["records"]), method=Method("nonlinear"))
+    for path, motions, other in (
+        (tmp_path / "level.h5", level, replace(level, levels=2 * level.levels)),
+        (tmp_path / "up.h5", upwards, replace(upwards, members=RECORDS[:1])),
+    ):
+        (fresh,), (same,) = exposures([BLOCK], motions, path), exposures([BLOCK], motions, path, SweepOptions(resume=True))
+        assert same.outcome.tolist() == fresh.outcome.tolist()
+        with pytest.raises(UsageError, match="belongs to another scene"):
+            exposures([BLOCK], other, path, SweepOptions(resume=True))
+    with pytest.raises(UsageError, match="holds one structure only"):
+        exposures([BLOCK, BLOCK], replace(level, measure=MEASURES["nPGA"]), tmp_path / "two.h5")
+    with pytest.raises(UsageError, match="goes with records"):
+        exposures([BLOCK], replace(level, members=PULSES), tmp_path / "pulses.h5")
     with pytest.raises(UsageError, match="expected two records, or none"):
         shaken_upwards(RECORDS, UPWARDS["pulses"])
 

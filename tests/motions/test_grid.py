@@ -7,7 +7,7 @@ import pytest
 from support.documents import built
 from support.refusals import refuses
 
-from rocking_cli import Axis, Grid, UsageError, build_structure, dimensionless_oscillator, parse_documents, parse_grid
+from rocking_cli import Axis, Grid, UsageError, dimensionless_oscillator, parse_grid
 
 
 def test_units_and_spacing():
@@ -15,19 +15,16 @@ def test_units_and_spacing():
     np.testing.assert_allclose(grid.amplitude.values, np.linspace(0.981, 9.81, 10))
     np.testing.assert_allclose(grid.frequency.values, [1, 10, 100])
     assert grid.shape == (3, 10)
-
-
-def test_hertz_and_periods_become_angular_frequencies_that_rise():
     hertz = parse_grid("f_g=0.5:2:4,a_g=1:2:2").frequency
     np.testing.assert_allclose(hertz.values, 2 * math.pi * np.linspace(0.5, 2, 4))
     period = parse_grid("a_g=1:2:2,T_g=0.5:2:4").frequency
-    np.testing.assert_allclose(period.values, 2 * math.pi / np.array([2, 1.5, 1, 0.5]))
+    np.testing.assert_allclose(period.values, 2 * math.pi / np.array([2, 1.5, 1, 0.5]))  # they rise
     assert period.name == "omega_g"
 
 
 def test_scaling_to_a_structure():
-    (document,) = parse_documents("kind: parameters\np: 2\nalpha: 0.1\neta: 0.9\nlambda: 0.2\ngravity: 10")
-    a, omega = parse_grid("a_g=2:4:2,omega_g=6:8:2").scaled(build_structure(document))
+    body = built("kind: parameters\np: 2\nalpha: 0.1\neta: 0.9\nlambda: 0.2\ngravity: 10")
+    a, omega = parse_grid("a_g=2:4:2,omega_g=6:8:2").scaled(body)
     np.testing.assert_allclose(a, np.array([2, 4]) * 0.5 / (0.1 * 10))
     np.testing.assert_allclose(omega, [3, 4])
 

@@ -23,19 +23,9 @@ def test_sine_and_cosine_are_cut_at_their_extremes_without_rounding():
     assert segments.s_end.tolist() == [1, -1, 0]
     long = cosine(10_000).segments
     assert set(np.abs(long.s_start)) == {1.0}
-    assert len(long) == 20_000
-    assert long.later_max[-1] == 1.0
-    assert long.later_min[-1] == -1.0
-
-
-@pytest.mark.parametrize("motion", [cosine(5), cosine(10_000), sine(300.5)])
-def test_half_cycles_are_pi_long_whatever_came_before(motion):
-    """As the difference of two phases they would be off by the rounding of those, against sines that are exact there."""
-    half_cycles = motion.segments.length[1:-1]
-    assert np.array_equal(half_cycles, np.full(half_cycles.size, math.pi))
-
-
-def test_value_is_zero_outside():
+    assert (len(long), long.later_max[-1], long.later_min[-1]) == (20_000, 1.0, -1.0)
+    for motion in (cosine(5), cosine(10_000), sine(300.5)):  # half cycles, which no difference of two phases rounds
+        assert set(motion.segments.length[1:-1]) == {math.pi}
     assert cosine(1).value(np.array([-0.1, 0.0, 1.0, 6.2, 6.3])).tolist() == [0.0, 1.0, math.cos(1.0), math.cos(6.2), 0.0]
 
 
@@ -81,17 +71,12 @@ def test_two_extremes_close_together_are_both_found(apart):
     assert len(segments) == 3
 
 
-@pytest.mark.parametrize("at", [0.5, AT, 3.0])
-def test_a_double_extreme_is_none(at):
-    """s' = 1 - cos(phi - c) touches zero: s rises throughout."""
-    piece = Piece(0.0, 6.0, (Harmonic(-1.0, 1.0, -at),), 0.0, 1.0)
-    assert extremes(piece) == []
-
-
-def test_a_triple_extreme_is_one():
-    """s' = sin^3(phi - c) = (3 sin - sin 3)/4 crosses zero with no slope, known to the cube root of its rounding."""
+def test_a_double_extreme_is_none_and_a_triple_one_is_one():
+    """s' = 1 - cos(phi - c) touches zero: s rises throughout; s' = sin^3(phi - c) = (3 sin - sin 3)/4 crosses it with no slope."""
+    for at in (0.5, AT, 3.0):
+        assert extremes(Piece(0.0, 6.0, (Harmonic(-1.0, 1.0, -at),), 0.0, 1.0)) == []
     piece = Piece(0.0, 4.0, (Harmonic(-0.75, 1.0, math.pi / 2 - AT), Harmonic(1.0 / 12.0, 3.0, math.pi / 2 - 3.0 * AT)))
-    assert extremes(piece) == pytest.approx([AT], abs=1e-5)
+    assert extremes(piece) == pytest.approx([AT], abs=1e-5)  # the cube root of its rounding
 
 
 @given(
@@ -125,9 +110,8 @@ MOTIONS = [pulse("ricker-symmetric"), pulse("ricker-antisymmetric"), pulse("mavr
 
 
 @pytest.mark.parametrize("motion", MOTIONS, ids=lambda m: m.name)
-def test_polynomials_are_the_sums_of_sinusoids_and_their_derivatives(motion):
-    segments = motion.segments
-    random = np.random.default_rng(1)
+def test_polynomials_are_the_sums_of_sinusoids_and_cross_each_level_where_the_drive_has_it(motion):
+    segments, random = motion.segments, np.random.default_rng(1)
     k = random.integers(0, len(segments), 3000)
     u = random.uniform(0.0, 1.0, k.size) * segments.length[k]
     u[:100] = 0.0
@@ -138,12 +122,6 @@ def test_polynomials_are_the_sums_of_sinusoids_and_their_derivatives(motion):
     assert np.abs(near - change).max() < 2e-15
     assert np.abs(rate - (w * cos).sum(axis=0) - segments.slope[k]).max() < 1e-14
     assert np.abs(second_derivative + (w * w * sin).sum(axis=0)).max() < 5e-13
-
-
-@pytest.mark.parametrize("motion", MOTIONS, ids=lambda m: m.name)
-def test_crossings_are_where_the_drive_has_the_level(motion):
-    segments = motion.segments
-    random = np.random.default_rng(2)
     rises = np.abs(segments.s_end - segments.s_start) > 1e-3
     k = random.choice(np.flatnonzero(rises), 2000)
     share = np.concatenate([10.0 ** -np.arange(1.0, 13.0), 1.0 - 10.0 ** -np.arange(1.0, 13.0), random.uniform(0.0, 1.0, 1976)])
@@ -158,7 +136,7 @@ def test_a_motion_of_too_many_patches_is_summed_term_by_term(monkeypatch):
     monkeypatch.setattr(sinusoids, "_MOST_PATCHES", 5)
     segments = Motion(TWO_TONES.name, TWO_TONES.pieces).segments
     assert segments.table is None
-    k = np.full(5, 1)
+    k = np.ones(5, dtype=int)
     level = np.linspace(segments.s_start[1], segments.s_end[1], 7)[1:-1]
     u = crossing(segments, k, level)
     assert np.abs(segments.s_start[k] + segment_value(segments, k, u)[0] - level).max() < 1e-15

@@ -10,7 +10,7 @@ from support.record_layouts import wave
 from support.refusals import refuses
 
 from rocking_cli import MotionError, linear_response
-from rocking_cli.motions import Motion, Piece, sine
+from rocking_cli.motions import Motion, Piece
 from rocking_cli.motions.polyline import Polyline
 from rocking_cli.motions.records.record import record_motion
 
@@ -65,19 +65,6 @@ test_bad_lines_are_refused = refuses(
 )
 
 
-def test_a_pulse_sampled_finely_converges_to_the_pulse_at_second_order():
-    """One cycle of sin 5t in the record's own time (Omega = 1, p = 1 rad/s) against the exact sine at Omega = 5."""
-    amplitude = np.array([1.5, 2.0, 2.5, 6.8])  # rocking with and without an impact, and the safe window between the intervals
-    exact = linear_response(sine(), amplitude, 5.0, 0.9).theta_ratio
-    errors = []
-    for count in (1000, 2000):
-        t = np.linspace(0.0, 2.0 * np.pi / 5.0, count + 1)
-        motion = record_motion(record(np.sin(5.0 * t), t[1]))
-        errors.append(np.abs(linear_response(motion, amplitude * motion.acceleration, 1.0, 0.9).theta_ratio - exact))
-    assert np.all(np.isfinite(exact))
-    np.testing.assert_allclose(errors[0] / errors[1], 4.0, rtol=0.02)
-
-
 def test_a_record_that_was_sampled_more_finely_is_the_record():
     samples = wave(37, 2.0)
     fine = np.interp(np.arange(5 * 36 + 1) / 5.0, np.arange(37), samples)
@@ -91,18 +78,3 @@ def test_a_record_that_was_sampled_more_finely_is_the_record():
     assert late.coarsest is late
     ramp = record_motion(record(np.arange(9.0), 0.1)).coarsest
     assert ramp.samples.values.tolist() == [0.0, 1.0]
-
-
-@pytest.mark.parametrize("count", [2, 8, 9, 10, 66, 701])
-def test_the_next_interval_beyond_a_level_is_the_first_there_is(count):
-    random = np.random.default_rng(count)
-    level, time = random.standard_normal(count) ** 3, np.arange(count) * 1.0
-    segments = Polyline("p", time[:-1], time[1:], level[:-1], np.diff(level)).segments
-    k = random.integers(0, count, 200)
-    above, below = random.uniform(0.0, np.abs(level).max() * 1.1, (2, 200))
-    above[:20] = np.inf
-    high, low = np.maximum(segments.s_start, segments.s_end), np.minimum(segments.s_start, segments.s_end)
-    wanted = [
-        next((n for n in range(i, count - 1) if high[n] > a or -low[n] > b), count - 1) for i, a, b in zip(k, above, below, strict=True)
-    ]
-    np.testing.assert_array_equal(segments.next_beyond(k, above, below), wanted)

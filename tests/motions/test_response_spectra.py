@@ -29,10 +29,7 @@ def integrated(samples, dt, period, damping):
     return most
 
 
-@pytest.mark.parametrize(
-    ("period", "damping"),
-    [(0.015, 0.6), (0.04, 0.0), (0.3, 0.05), (1.0, 0.0), (7.0, 0.6)],
-)
+@pytest.mark.parametrize(("period", "damping"), [(0.015, 0.6), (0.04, 0.0), (0.3, 0.05), (1.0, 0.0), (7.0, 0.6)])
 def test_spectra_are_those_of_an_integration(period, damping):
     samples = SAMPLES[:60] if period < 0.1 else SAMPLES
     found = displacement_spectrum(record(samples, 0.02), np.array([period]), damping)
@@ -69,12 +66,8 @@ def test_measures_have_names_and_periods():
 
 NONE = ("SA", "SA()", "SA(0)", "SA(-1)", "SA(1,2)", "SA(x)", "AvgSA(0)", "AvgSA(1 m)")
 test_what_is_no_period_is_refused = refuses(periods_of, UsageError, [(text, "expected") for text in NONE])
-
-
-def spectrum_at(given):
-    return displacement_spectrum(record(SAMPLES, 0.02), np.array(given[0]), given[1])
-
-
 BAD = [((times, 0.05), "`periods`: expected one or more positive times") for times in ([0.0], [], [math.nan])]
 BAD += [(([1.0], ratio), "`damping`: found .*; expected a number from 0 to below 1") for ratio in (1.0, -0.1)]
-test_bad_periods_and_damping_are_refused = refuses(spectrum_at, UsageError, BAD)
+test_bad_periods_and_damping_are_refused = refuses(
+    lambda given: displacement_spectrum(record(SAMPLES, 0.02), np.array(given[0]), given[1]), UsageError, BAD
+)

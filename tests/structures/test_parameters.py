@@ -14,22 +14,22 @@ from rocking_cli.structures.parameters import Side
 LEFT = Side("left", 2.1, 0.3, 0.31, 1.0, 0.8)
 RIGHT = Side("right", 1.9, 0.2, 0.21, 1.0, 0.9)
 TWO = RockingParameters.of_sides("Statue", "rigid", LEFT, RIGHT)
+STATUE = "kind: rigid\nleft: 0.42\nright: 31 cm\nheight: 1.15\ngyration: 0.68\n"
 NUMBER = RockingParameters("x", "block", 1.0, 0.2, 0.9, 0.2, 1.0)
 
 
 def test_an_unequal_body_has_the_numbers_of_the_edge_that_lifts_first():
     assert (TWO.p, TWO.alpha, TWO.eta, TWO.uplift, TWO.a_scale) == (1.9, 0.2, 0.9, 0.21, 1.0)
     assert TWO.sides == (LEFT, RIGHT)
-
-
-def test_edges_of_equal_numbers_make_a_symmetric_body():
     same = RockingParameters.of_sides("Statue", "rigid", replace(RIGHT, side="left"), RIGHT)
-    assert same.sides == ()
-    assert (same.p, same.eta) == (RIGHT.p, RIGHT.eta)
+    assert (same.sides, same.p, same.eta) == ((), RIGHT.p, RIGHT.eta)  # a symmetric body
 
 
-def test_defaults_are_not_printed():
-    assert not {"sides", "one_sided", "damping"} & set(NUMBER.row())
+def test_defaults_are_not_printed_and_a_record_of_an_earlier_file_is_read():
+    now = NUMBER.row()
+    before = {("structure" if key == "structure_kind" else key): value for key, value in now.items()}
+    assert RockingParameters.from_row(now) == RockingParameters.from_row(before) == NUMBER
+    assert not {"sides", "one_sided", "damping"} & set(now)
 
 
 REFUSED = [
@@ -57,22 +57,13 @@ test_numbers_that_cannot_be = refuses(lambda given: replace(given[0], **given[1]
 
 def test_dimensionless_oscillator_scales_nothing():
     o = dimensionless_oscillator(0.9)
-    assert o.dimensionless
-    assert not TWO.dimensionless
-    assert o.dimensionless_amplitude(3.0) == 3.0
-    assert (o.p, o.name) == (1.0, "eta=0.9")
-
-
-def test_a_record_of_an_earlier_file_is_read():
-    now = NUMBER.row()
-    before = {("structure" if key == "structure_kind" else key): value for key, value in now.items()}
-    assert RockingParameters.from_row(now) == RockingParameters.from_row(before) == NUMBER
+    assert (o.dimensionless, TWO.dimensionless) == (True, False)
+    assert (o.dimensionless_amplitude(3.0), o.p, o.name) == (3.0, 1.0, "eta=0.9")
 
 
 def test_a_linear_oscillator_can_lift_where_the_body_does():
     """Eq. 3.9 for a rigid body: a_g at A = 1 is then lambda g; unequal edges each by itself, and mechanisms as they are."""
-    texts = ("kind: block\nwidth: 1\nheight: 2", "kind: rigid\nleft: 0.42\nright: 0.31\nheight: 1.15\ngyration: 0.68")
-    for text in texts:
+    for text in ("kind: block\nwidth: 1\nheight: 2", STATUE):
         body = built(text)
         lifted = body.lifting_at_lambda()
         assert body.linear_uplift == body.alpha
@@ -83,7 +74,6 @@ def test_a_linear_oscillator_can_lift_where_the_body_does():
     assert stated.lifting_at_lambda() == stated
 
 
-STATUE = "kind: rigid\nleft: 0.42\nright: 31 cm\nheight: 1.15\ngyration: 0.68\n"
 TEXTS = [STATUE + more for more in ("", "mass: 3 t", "restitution: 0.7\ndamping: 0.05", "one_sided: true\nrestitution: -0.3")]
 TEXTS += ["kind: block\nwidth: 0.5\nheight: 2", "kind: spire\nbase_radius: 1\nheight: 9\nname: Ö 'x'"]
 

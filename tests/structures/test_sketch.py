@@ -1,7 +1,6 @@
 """What is drawn of a structure is its geometry: mass centre, pivots, cracks, hinges, and the shape at alpha."""
 
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -22,13 +21,6 @@ def sketched(text):
 def area(outline):
     x, z = np.array(outline).T
     return 0.5 * float(np.sum(x * np.roll(z, -1) - np.roll(x, -1) * z))
-
-
-def centroid(outline):
-    """Of a polygon, by triangles from its first corner."""
-    first = np.array(outline[0])
-    parts = [(area((first, a, b)), (first + a + b) / 3) for a, b in zip(np.array(outline[1:-1]), np.array(outline[2:]), strict=True)]
-    return sum(weight * place for weight, place in parts) / sum(weight for weight, _ in parts)
 
 
 @pytest.mark.parametrize("kind", [*DRAWN, "spire_cracked"])
@@ -65,11 +57,6 @@ def test_an_outline_is_the_section_and_turns_rigidly_about_the_right_edge(text, 
     assert np.array(found.moved[0]) == pytest.approx(turned, abs=1e-13)
 
 
-def test_a_homogeneous_section_has_its_mass_centre_where_it_is_marked():
-    found, _ = sketched("kind: prism\ncorners: [[0, 0], [1, 0], [0.9, 3], [0.3, 4]]")
-    assert np.array(found.centre) == pytest.approx(centroid(found.bodies[0]), rel=1e-13)
-
-
 def test_a_stack_stands_on_what_does_not_rock():
     found, built = sketched("kind: stack\npieces: [{width: 2, height: 0.5}, {width: 0.4, height: 1}, {width: 0.4, height: 1}]")
     assert [area(outline) for outline in found.still] == pytest.approx([1.0], rel=1e-14)
@@ -88,11 +75,8 @@ def test_a_spire_shows_its_crack_and_the_mirror_image():
     assert found.hollows == (((-1.35, 0.0), (1.35, 0.0), (0.0, 12 * 0.9)),)
 
 
-OPPENHEIM = "kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\nvoussoirs: 7"
-
-
 def test_an_arch_is_its_voussoirs_and_its_linkage_holds_together_at_alpha():
-    found, _ = sketched(OPPENHEIM)
+    found, _ = sketched("kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\nvoussoirs: 7")
     assert len(found.bodies) == 7
     step = math.radians(157.5) / 7 / 14  # faces are drawn in chords of up to 0.03 rad
     ring = 0.5 * (10.75**2 - 9.25**2) * 7 * 14 * math.sin(step)
@@ -123,17 +107,3 @@ def test_a_continuous_arch_is_its_three_links_and_what_stays_beside_them():
     assert (len(found.bodies), len(found.moved), len(found.still)) == (3, 3, (a > 0.0) + (d < ring.angle))
     drawn = sum(abs(area(outline)) for outline in (*found.bodies, *found.still))
     assert drawn == pytest.approx(34.0 / 6.0 * ring.angle, rel=1.5e-4)  # R = (5^2 + 3^2)/(2 * 3); chords take 0.03^2/6 of it at most
-
-
-def test_at_alpha_the_centre_of_mass_of_an_arch_is_as_high_as_it_comes():
-    """alpha is where V' = 0: the centroid of the drawn linkage rises until there."""
-    _, built = sketched(OPPENHEIM)
-
-    def height(phi):
-        links = [built.mechanism.ring.sector(a, b) for a, b in pairwise(built.mechanism.hinges)]
-        moves = built.mechanism.displaced(phi)
-        return sum(m.mass * move(float(m.x / m.mass), float(m.z / m.mass))[1] for m, move in zip(links, moves, strict=True))
-
-    step = 1e-3 * built.alpha
-    slope = (height(built.alpha + step) - height(built.alpha - step)) / (2 * step)
-    assert abs(slope) < 1e-5 * (height(step) - height(0.0)) / step

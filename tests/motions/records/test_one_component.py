@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from support.record_layouts import as_printed, refusal, rows, wave
+from support.record_layouts import as_printed, rows, wave
 from support.refusals import refuses
 
 from rocking_cli import DocumentError
@@ -69,9 +69,9 @@ def test_the_unit_wherever_the_header_states_it(tmp_path, line, factor):
     np.testing.assert_allclose(read_record(path).acceleration, READ / DEFAULT_GRAVITY * factor, rtol=1e-15)
 
 
-def broken(line, text):
+def broken(text):
     lines = body().splitlines()
-    lines[line] = text
+    lines[7] = text
     return TITLE + "NPTS= 1003, DT= .005 SEC\n" + "\n".join(lines) + "\n"
 
 
@@ -84,10 +84,10 @@ REFUSED = [
     (TITLE.replace("UNITS OF G", "UNITS OF CM/S") + "NPTS= 1003, DT= .005 SEC\n" + body(), "unit 'CM/S'"),
     ("Acceleration in mg\nNPTS= 1003, DT= .005 SEC\n" + body(), "a.AT2:1: found the unit 'mg'"),
     (TITLE + "NPTS= 1003, DT= .005 SEC\n" + body() + "\x1a" + "velocity", "found '\\x1avelocity' after the 1003 values"),
-    (broken(7, "  0.1 -0.2 0.3-0.4 0.5 0.6"), "a.AT2:12: found '0.3-0.4', two numbers run together, after 37 of 1003"),
-    (broken(7, "  0.1 -0.2 0.30.4 0.5 0.6"), "a.AT2:12: found '0.30.4', two numbers run together"),
-    (broken(7, "  0.1 -0.2 ******* 0.5 0.6"), "a.AT2:12: found '*******', stars in place of a number"),
-    (broken(7, "  0.1 -0.2 1e999 0.5 0.6"), "a.AT2:12: found '1e999'"),
+    (broken("  0.1 -0.2 0.3-0.4 0.5 0.6"), "a.AT2:12: found '0.3-0.4', two numbers run together, after 37 of 1003"),
+    (broken("  0.1 -0.2 0.30.4 0.5 0.6"), "a.AT2:12: found '0.30.4', two numbers run together"),
+    (broken("  0.1 -0.2 ******* 0.5 0.6"), "a.AT2:12: found '*******', stars in place of a number"),
+    (broken("  0.1 -0.2 1e999 0.5 0.6"), "a.AT2:12: found '1e999'"),
 ]
 test_bad_files_are_told_with_file_and_line = refuses(read_records, DocumentError, REFUSED, file="a.AT2", literal=True)
 GAL = wave(805, -104.4)
@@ -100,50 +100,36 @@ def short(x):
     return f"{mantissa:>7}E{int(exponent):+d}"
 
 
-def smc(path, *, values=GAL, kind="2 CORRECTED ACCELEROGRAM", count=None, rate=200.0, peak=104.4, comments=3, lines=None, digits=-32768):
+def smc(*, kind="2 CORRECTED ACCELEROGRAM", count=805, rate=200.0, comments=3, digits=-32768):
     text = [kind, "*", "ABCD", "     1900  10  18    0004 Nowhere", "Moment Mag=      7.1", "station = Somewhere, F  component=    360"]
-    text += [f"epicentral dist =     89.0       pk     = {peak:8.1f}", "inst type=SMA-1      data source = USGS", "*", "*", "*"]
+    text += ["epicentral dist =     89.0       pk     =    104.4", "inst type=SMA-1      data source = USGS", "*", "*", "*"]
     integers = np.full(48, -32768)
-    integers[15], integers[16] = comments, len(values) if count is None else count
-    integers[46] = digits
+    integers[15], integers[16], integers[46] = comments, count, digits
     reals = np.full(50, NONE)
-    reals[1], reals[29], reals[31] = rate, peak, -0.5 * peak
-    body = "\n".join(text) + "\n" + rows(integers, 8, "{:10d}") + rows(reals, 5, "{:15.7E}") + "| a comment\n" * comments
-    printed = [short(x) for x in values]
-    standard = "".join("".join(printed[i : i + 8]) + "\n" for i in range(0, len(printed), 8))
-    body += rows(values, 5, "{:14.7E}") if digits == 8 else standard
-    path.write_text("\n".join(body.splitlines()[:lines]) + "\n")
-    return path
-
-
-def test_numbers_of_ten_characters(tmp_path):
-    record = read_record(smc(tmp_path / "0001a.smc"))
-    assert (record.format, record.component, record.dt, record.remarks) == ("SMC", "360", 0.005, ())
-    np.testing.assert_allclose(record.acceleration, 1e-2 * np.array([float(short(x)) for x in GAL]), rtol=1e-15)
-    assert record.header_pga == pytest.approx(1.044, rel=1e-6, abs=0)
-
-
-def test_numbers_of_eight_digits_where_the_header_says_so(tmp_path):
-    record = read_record(smc(tmp_path / "a", digits=8))
-    np.testing.assert_allclose(record.acceleration, 1e-2 * as_printed(GAL, "{:14.7E}"), rtol=1e-15)
-
-
-def test_a_name_padded_with_nulls_and_no_comments(tmp_path):
-    path = smc(tmp_path / "a", comments=0)
-    path.write_bytes(path.read_bytes().replace(b"ABCD", b"AB\0\0"))
-    assert read_record(path).npts == 805
+    reals[1], reals[29], reals[31] = rate, 104.4, -52.2
+    head = "\n".join(text) + "\n" + rows(integers, 8, "{:10d}") + rows(reals, 5, "{:15.7E}") + "| a comment\n" * comments
+    return head + (rows(GAL, 5, "{:14.7E}") if digits == 8 else rows(map(short, GAL), 8, "{}"))
 
 
 @pytest.mark.parametrize(
-    ("changed", "words"),
-    [
-        ({"kind": "3 VELOCITY"}, "a:1: found '3 VELOCITY'; expected an accelerogram"),
-        ({"kind": "0 UNKNOWN"}, "a:1: found '0 UNKNOWN'; expected an accelerogram"),
-        ({"count": 806}, "a:131: found 5 numbers on a line; expected 6 (the header announces 806 values)"),
-        ({"rate": 0.0}, "a sampling frequency of 0"),
-        ({"rate": NONE}, "no sampling rate"),
-        ({"lines": 60}, "a:60: the file ends after 240 of 805 values"),
-    ],
+    ("text", "printed"),
+    [(smc(), short), (smc(comments=0).replace("ABCD", "AB\0\0"), short), (smc(digits=8), "{:14.7E}".format)],
+    ids=["ten characters", "no comments and a name padded with nulls", "eight digits where the header says so"],
 )
-def test_bad_files_of_smc_are_told_with_file_and_line(tmp_path, changed, words):
-    assert words in refusal(smc(tmp_path / "a", **changed))
+def test_numbers_of_smc(tmp_path, text, printed):
+    (tmp_path / "0001a.smc").write_text(text)
+    record = read_record(tmp_path / "0001a.smc")
+    assert (record.format, record.component, record.dt, record.remarks) == ("SMC", "360", 0.005, ())
+    np.testing.assert_allclose(record.acceleration, 1e-2 * np.array([float(printed(x)) for x in GAL]), rtol=1e-15)
+    assert record.header_pga == pytest.approx(1.044, rel=1e-6, abs=0)
+
+
+REFUSED = [
+    (smc(kind="3 VELOCITY"), "a:1: found '3 VELOCITY'; expected an accelerogram"),
+    (smc(kind="0 UNKNOWN"), "a:1: found '0 UNKNOWN'; expected an accelerogram"),
+    (smc(count=806), "a:131: found 5 numbers on a line; expected 6 (the header announces 806 values)"),
+    (smc(rate=0.0), "a sampling frequency of 0"),
+    (smc(rate=NONE), "no sampling rate"),
+    ("\n".join(smc().splitlines()[:60]) + "\n", "a:60: the file ends after 240 of 805 values"),
+]
+test_bad_files_of_smc_are_told_with_file_and_line = refuses(read_records, DocumentError, REFUSED, file="a", literal=True)

@@ -29,8 +29,8 @@ AT2 = at2(wave(500, 0.2))
 def test_a_packed_file_is_read_and_told_by_its_own_bytes(tmp_path):
     path = tmp_path / "r.V2.gz"  # the content decides, not the name
     path.write_bytes(gzip.compress(AT2.encode()))
-    packed = read_record(path)
-    assert (packed.format, packed.name, packed.sha256) == ("PEER AT2", "r", hashlib.sha256(path.read_bytes()).hexdigest())
+    found = read_record(path)
+    assert (found.format, found.name, found.sha256) == ("PEER AT2", "r", hashlib.sha256(path.read_bytes()).hexdigest())
 
 
 def test_a_set_is_files_a_directory_or_a_list(tmp_path):
@@ -103,12 +103,6 @@ def test_a_spoilt_file_is_a_record_or_one_sentence(at, length, put):
     assert not refused or (refused.startswith("a:") and "\n" not in refused)
 
 
-def test_a_unit_is_for_plain_numbers(tmp_path):
-    (tmp_path / "a").write_text(AT2)
-    with pytest.raises(UsageError, match=r"states its own `unit` and `dt` \(PEER AT2\)"):
-        read_record(tmp_path / "a", unit="g")
-
-
 OURS = """
 import numpy as np
 
@@ -140,16 +134,12 @@ def install(tmp_path, monkeypatch):
     return install
 
 
-def test_an_installed_package_adds_a_format(install, tmp_path, rocking):
+def test_an_installed_package_adds_a_format_which_says_its_own_fault(install, tmp_path, rocking):
     install()
     first, second = read_records(tmp_path / "a.txt")
     assert (first.format, first.component, second.component, first.dt, list(first.acceleration)) == ("ours", "N", "E", 0.01, [0, 0.5, -0.2])
     assert records.is_record(str(tmp_path / "a.txt"))
     assert [row["format"] for row in rocking("records", "a.txt", "--json").records] == ["ours"] * 2
-
-
-def test_an_installed_format_says_its_own_fault(install, tmp_path):
-    install()
     (tmp_path / "a.txt").write_text("OURS\nmany\n")
     with pytest.raises(DocumentError, match=r"a.txt:2: found 'many' in the header; expected a number"):
         read_records(tmp_path / "a.txt")
@@ -179,6 +169,8 @@ def test_own_formats_never_look_for_packages(tmp_path, monkeypatch):
     monkeypatch.setattr(records, "_entries", looked)
     (tmp_path / "a").write_text(AT2)
     assert read_record(tmp_path / "a").npts == 500
+    with pytest.raises(UsageError, match=r"states its own `unit` and `dt` \(PEER AT2\)"):
+        read_record(tmp_path / "a", unit="g")
 
 
 def record(component, form="COSMOS"):
@@ -192,23 +184,12 @@ def test_vertical_components():
     assert [name for name in "123456" if is_vertical(record(name, "K-NET"))] == ["3", "6"]  # of two instruments
 
 
-@pytest.fixture
-def station(tmp_path):
-    (tmp_path / "a").write_text(of_a_station(wave(50, 200.0), wave(50, 150.0), wave(50, 90.0)))
-    return tmp_path / "a"
-
-
-@pytest.mark.parametrize(
-    ("component", "names"),
-    [
-        (None, ["N-S", "E-W"]), ("horizontal", ["N-S", "E-W"]), ("ALL", ["N-S", "E-W", "U-D"]), ("u-d", ["U-D"]), ("2", ["E-W"]),
-    ],
-)  # fmt: skip
-def test_what_a_set_takes_of_a_file(station, component, names):
-    assert [r.component for r in chosen(read_records(station), component)] == names
-
-
-def test_one_is_not_taken_for_another(station):
+def test_what_is_taken_of_a_file(tmp_path):
+    station = tmp_path / "a"
+    station.write_text(of_a_station(wave(50, 200.0), wave(50, 150.0), wave(50, 90.0)))
+    level, every = ["N-S", "E-W"], ["N-S", "E-W", "U-D"]
+    for component, names in ((None, level), ("horizontal", level), ("ALL", every), ("u-d", ["U-D"]), ("2", ["E-W"])):
+        assert [r.component for r in chosen(read_records(station), component)] == names
     with pytest.raises(UsageError, match=r"a: component: found 'NS'; expected N-S, E-W, U-D, horizontal and all"):
         chosen(read_records(station), "NS")
     for several in (None, "horizontal", "all"):

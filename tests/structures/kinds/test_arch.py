@@ -10,7 +10,7 @@ from oracles.thrust_line import largest_tilt
 from support.documents import built
 
 from rocking_cli import DocumentError, parse_documents
-from rocking_cli.structures.kinds.arch import find_mechanism, ring_of
+from rocking_cli.structures.kinds.arch import ring_of
 
 OPPENHEIM = "kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\n"
 
@@ -27,13 +27,10 @@ def test_oppenheims_seven_voussoirs_have_the_reference_values():
     assert [math.degrees(h["angle"]) for h in a.details["hinges"]] == pytest.approx([0, 67.5, 112.5, 157.5], abs=1e-12)
     assert [h["face"] for h in a.details["hinges"]] == ["intrados", "extrados", "intrados", "extrados"]
     for hinge, (rho, degrees) in zip(a.details["hinges"], [(9.25, 168.75), (10.75, 101.25), (9.25, 56.25), (10.75, 11.25)], strict=True):
-        x, z = rho * math.cos(math.radians(degrees)), rho * math.sin(math.radians(degrees))
-        assert (hinge["x"], hinge["z"]) == pytest.approx((x, z), rel=1e-13, abs=0)
+        polar = math.radians(degrees)
+        assert (hinge["x"], hinge["z"]) == pytest.approx((rho * math.cos(polar), rho * math.sin(polar)), rel=1e-13, abs=0)
 
-
-def test_multiplier_in_displaced_positions():
-    (document,) = parse_documents(OPPENHEIM + "voussoirs: 7")
-    at = find_mechanism(document)[0].coefficients(np.array([0.01, 0.03, 0.05]))
+    at = a.mechanism.coefficients(np.array([0.01, 0.03, 0.05]))
     assert at.lift / at.push == pytest.approx([0.28776, 0.16554, 0.07310], abs=1e-5)
 
 
@@ -67,14 +64,11 @@ def test_very_thick_arches_are_solved_or_refused(beta, eta):
 
 
 def test_scale_moves_only_p_and_the_mirror_image_moves_nothing():
-    small, large = (
-        built("kind: arch\nradius: 1\nthickness: 0.15\nangle: 160 deg"),
-        built("kind: arch\nradius: 25\nthickness: 3.75\nangle: 160 deg"),
-    )
+    small, large = (built(f"kind: arch\nradius: {size}\nthickness: {0.15 * size}\nangle: 160 deg") for size in (1, 25))
     assert large.p * 5 == pytest.approx(small.p, rel=1e-11, abs=0)
     for name in ("alpha", "uplift", "a_scale", "eta"):
         assert getattr(large, name) == pytest.approx(getattr(small, name), rel=1e-10, abs=0)
-    given = "kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\nvoussoirs: 7\nhinges: "
+    given = OPPENHEIM + "voussoirs: 7\nhinges: "
     right = built(given + "[0, 67.5 deg, 112.5 deg, 157.5 deg]")
     faces = ["extrados", "intrados"] * 2
     left = built(given + str([{"angle": f"{s} deg", "face": f} for s, f in zip((0, 45, 90, 157.5), faces, strict=True)]))

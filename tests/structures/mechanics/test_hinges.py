@@ -1,11 +1,10 @@
 """Where an arch hinges: the search against its line of thrust, brute force and published values."""
 
-import itertools
 import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from oracles.thrust_line import largest_tilt
 from scipy.optimize import brentq
@@ -35,18 +34,6 @@ def test_search_equals_the_static_theorem(beta, thickness, count):
     ring = Ring(1.0, thickness, math.radians(beta))
     _, uplift = search_joints(ring, np.linspace(0, ring.angle, count + 1))
     assert uplift == pytest.approx(largest_tilt(1.0, thickness, ring.angle, count), abs=1e-12)
-
-
-def test_search_equals_brute_force():
-    ring, joints = Ring(1.0, 0.16, math.radians(165)), np.linspace(0, math.radians(165), 13)
-    every = []
-    for some in itertools.combinations(range(13), 4):
-        at = FourBar(ring, tuple(joints[list(some)])).at_rest()
-        if at.admissible and at.push > 0:
-            every.append((float(at.lift / at.push), some))
-    found, uplift = search_joints(ring, joints)
-    assert uplift == pytest.approx(min(every)[0], rel=1e-13, abs=0)
-    assert found == tuple(joints[list(min(every)[1])])
 
 
 def test_semicircle_of_least_thickness():
@@ -79,21 +66,13 @@ def test_minimum_is_not_above_any_admissible_mechanism(beta, thickness, seed):
 
 
 @given(st.floats(60, 270), st.floats(0.06, 0.9), st.integers(3, 40))
+@example(149.336, 0.95, 30)  # whose joints open over their whole depth
 def test_forces_of_the_joints_and_line_of_thrust_agree(angle, thickness, voussoirs):
     ring = Ring(10.0, 10.0 * thickness, math.radians(angle))
     found = static_uplift(ring, np.linspace(0.0, ring.angle, voussoirs + 1))
     expected = largest_tilt(1.0, thickness, ring.angle, voussoirs)
     assert (found is None) == (expected is None)
     assert found is None or found == pytest.approx(expected, rel=1e-9, abs=1e-9)
-
-
-def test_an_arch_whose_joints_open_whole_carries_less_than_its_least_linkage():
-    """Short and thick: the bound from below and the bound from above part."""
-    ring = Ring(1.0, 0.95, math.radians(149.336))
-    joints = np.linspace(0.0, ring.angle, 31)
-    carried, found = static_uplift(ring, joints), search_joints(ring, joints)
-    assert carried == pytest.approx(largest_tilt(1.0, 0.95, ring.angle, 30), abs=1e-9)
-    assert found is None or found[1] >= carried - 1e-9
 
 
 @settings(max_examples=20)
@@ -108,9 +87,12 @@ def test_a_thrust_through_the_hinges_that_stays_inside_is_the_largest_there_is(a
 
 def test_the_thrust_through_other_hinges_leaves_a_joint():
     """Oppenheim's arch: its own hinges carry, those one joint further on do not."""
-    ring = Ring(10.0, 1.5, math.radians(157.5))
-    joints = np.linspace(0.0, ring.angle, 8)
-    own = joints[[0, 3, 5, 7]]
-    assert carried_through(ring, joints, own)
-    assert not carried_through(ring, joints, joints[[0, 2, 5, 7]])
-    assert not carried_through(ring, joints, joints[[1, 3, 5, 7]])
+    joints = np.linspace(0.0, RING.angle, 8)
+    for hinges, carries in (([0, 3, 5, 7], True), ([0, 2, 5, 7], False), ([1, 3, 5, 7], False)):
+        assert carried_through(RING, joints, joints[hinges]) == carries
+
+
+def test_an_arch_whose_joints_open_whole_carries_less_than_its_least_linkage():
+    ring = Ring(1.0, 0.95, math.radians(149.336))
+    joints = np.linspace(0.0, ring.angle, 31)
+    assert search_joints(ring, joints)[1] > static_uplift(ring, joints) + 1e-3
