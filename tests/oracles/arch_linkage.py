@@ -13,7 +13,8 @@ import numpy as np
 from numpy.polynomial import Chebyshev
 from oracles.collocation import Body, Edge
 
-FIRST = {1: 4 / 5, 2: -1 / 5, 3: 4 / 105, 4: -1 / 280}  # of the first derivative: weights over the step, +- so many steps off
+FIRST = {1: 4 / 5, 2: -1 / 5, 3: 4 / 105, 4: -1 / 280}  # derivatives: weights over the step, +- so many steps off
+SECOND = {0: -205 / 72, 1: 8 / 5, 2: -1 / 5, 3: 8 / 315, 4: -1 / 560}
 
 
 def places(points: np.ndarray, phi: float) -> np.ndarray:

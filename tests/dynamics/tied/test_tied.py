@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -194,6 +195,49 @@ def test_a_vanishing_tie_tends_to_the_free_body_which_is_marched_otherwise():
             apart = np.abs(one.theta_ratio - other.theta_ratio)[same]
             assert np.median(apart) < 1e-11
             assert np.quantile(apart, 0.98) < 1e-7
+
+
+def test_a_stiff_tie_of_a_yield_tends_to_a_constant_force():
+    ratios = []
+    for stiffness in (1e8, 1e9, 1e10):
+        _, found = marched(WALL + f"ties: [{{height: 5.5, stiffness: {stiffness}, yield: 8 kN}}]", OUTWARDS, 0.5, 0.8)
+        ratios.append(found.theta_ratio[0])
+    _, constant = marched(WALL + "ties: [{height: 5.5, stiffness: 0, prestress: 8 kN}]", OUTWARDS, 0.5, 0.8)
+    apart = [abs(ratio - constant.theta_ratio[0]) for ratio in ratios]
+    assert apart[1] < 0.2 * apart[0]
+    assert apart[2] < 0.2 * apart[1]
+    assert apart[2] < 1e-4
+
+
+@pytest.mark.parametrize("text", [WALL + YIELDING, WALL.replace("true", "false") + TIE % ", yield: 15 kN, behind: 0.4, ultimate: 90 cm"])
+def test_the_energy_is_balanced_with_the_plastic_work(text):
+    """Kinetic energy, weight and springs between uplift and the first impact, against the work of the ground."""
+    period, a_g = 0.8, 0.9
+    body = built(text)
+    found = time_history(body, OUTWARDS, parse_grid(f"a_g={a_g}g,T_g={period}"), [Method("nonlinear", 1e-13)]).histories["nonlinear"]
+    (tie,) = body.restraints.ties
+    begin, end = (next(e.tau for e in found.events if e.event == word) for word in ("uplift", "impact"))
+    marks = [begin, *(e.tau for e in found.events if begin < e.tau < end), end]
+    marks = np.unique([*marks, *found.steps()[(found.steps() > begin) & (found.steps() < end)]])
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    ground = elastic = plastic = 0.0
+    permanent = next((e for e in found.events if e.event == "unloading"), None)
+    for low, high in pairwise(marks):
+        tau = low + 0.5 * (high - low) * (nodes + 1)
+        ratio, rate = found.at(tau)
+        theta, speed = ALPHA * ratio, ALPHA * rate * body.p
+        push = a_g * G * np.sin(2 * np.pi / period * tau / body.p) * (tau / body.p < period)
+        ground += 0.5 * (high - low) / body.p * np.sum(weights * MASS * push * RADIUS * np.cos(ALPHA - theta) * speed)
+    top = ALPHA * permanent.theta_ratio
+    u = tie.behind * (1 - math.cos(top)) + tie.height * math.sin(top)
+    stretched = u - (tie.yield_force - tie.prestress) / tie.stiffness
+    plastic = tie.yield_force * stretched
+    left = max(0.0, tie.prestress - tie.stiffness * stretched) ** 2 / (2 * tie.stiffness) if tie.stiffness else 0.0
+    elastic = left - tie.prestress**2 / (2 * tie.stiffness)
+    speed = ALPHA * body.p * next(e.rate for e in found.events if e.event == "impact")
+    kinetic = 0.5 * 4 / 3 * MASS * RADIUS**2 * speed**2
+    assert found.devices[0]["permanent"] >= stretched * (1 - 1e-12)
+    assert ground == pytest.approx(kinetic + plastic + elastic, rel=1e-10)
 
 
 BLOCK = "kind: block\nwidth: 1\nheight: 5\ngravity: 9.8\nmass: 2551.0204081632653\n"
