@@ -78,3 +78,18 @@ def test_a_record_that_was_sampled_more_finely_is_the_record():
     assert late.coarsest is late
     ramp = record_motion(record(np.arange(9.0), 0.1)).coarsest
     assert ramp.samples.values.tolist() == [0.0, 1.0]
+
+
+@pytest.mark.parametrize("count", [2, 8, 9, 10, 66, 701])
+def test_the_next_interval_beyond_a_level_is_the_first_there_is(count):
+    random = np.random.default_rng(count)
+    level, time = random.standard_normal(count) ** 3, np.arange(count) * 1.0
+    segments = Polyline("p", time[:-1], time[1:], level[:-1], np.diff(level)).segments
+    k = random.integers(0, count, 200)
+    above, below = random.uniform(0.0, np.abs(level).max() * 1.1, (2, 200))
+    above[:20] = np.inf
+    high, low = np.maximum(segments.s_start, segments.s_end), np.minimum(segments.s_start, segments.s_end)
+    wanted = [
+        next((n for n in range(i, count - 1) if high[n] > a or -low[n] > b), count - 1) for i, a, b in zip(k, above, below, strict=True)
+    ]
+    np.testing.assert_array_equal(segments.next_beyond(k, above, below), wanted)

@@ -54,6 +54,30 @@ def test_the_angular_acceleration_is_that_of_the_equation_of_motion():
     assert forces.hinges(state).acceleration == pytest.approx(wanted, rel=1e-9)
 
 
+def test_the_springings_give_the_links_their_momentum():
+    """H_A - H_D and the weight, against second differences of the mass centres on the way of that instant."""
+    structure, forces = arch(WHOLE)
+    state, m = swaying(structure), structure.mechanism
+    hinges, acceleration = forces.hinges(state)
+    h = 2e-3
+
+    def first_moments(t):
+        phi = state.phi + state.rate * t + 0.5 * acceleration * t * t
+        angles = (phi, *m._angles(phi))
+        start, total = np.tile(m.points[0], (phi.size, 1)), np.zeros((phi.size, 2))
+        for i, (angle, body) in enumerate(zip(angles, m.links, strict=True)):
+            turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]]).transpose(2, 0, 1)
+            total += body.mass * start + turn @ (np.array([body.x, body.z]) - body.mass * m.points[i])
+            start = start + turn @ (m.points[i + 1] - m.points[i])
+        return total
+
+    weights = {0: -205 / 72, 1: 8 / 5, 2: -1 / 5, 3: 8 / 315, 4: -1 / 560}
+    change = sum(w * first_moments(s * i * h) for i, w in weights.items() for s in ((1, -1) if i else (1,))) / h**2
+    mass = sum(body.mass for body in m.links)
+    wanted = change + mass * np.stack([state.across, G + state.up], axis=-1)
+    assert hinges[:, 0] - hinges[:, 3] == pytest.approx(wanted, rel=1e-7)
+
+
 def test_joints_on_the_ground_carry_what_stands_on_them():
     """Between a springing and the next hinge nothing moves: the thrust differs by the weight between two sections."""
     structure, forces = arch(WHOLE)

@@ -93,6 +93,16 @@ def test_verdicts_agree_with_envelope_and_history_for_500():
     assert sum(window for _, window in fell) >= 5
 
 
+@pytest.mark.parametrize("structure", [BLOCK, built("kind: parameters\np: 2.1\nalpha: 0.2\neta: 0.8\nlambda: 0.25")])
+def test_an_independent_solver_agrees_just_below_and_above_the_first_overturning(structure):
+    first = check(structure, sine(), parse_grid("a_g=4.2,f_g=1.2")).first_overturning_a
+    method = governing_method(structure)
+    for factor, falls in ((1.0 - 1e-6, False), (1.0 + 1e-6, True)):
+        amplitude = float(structure.dimensionless_amplitude(first * factor))
+        outcome, _ = method.reference_of(structure)(sine(), amplitude, 2.0 * np.pi * 1.2 / structure.p, structure.eta)
+        assert outcome.overturned == falls
+
+
 def test_the_record_has_the_columns_the_uplift_and_the_top():
     record = check(BLOCK, sine(), DEMAND, a_max=None).record()
     assert tuple(record) == CHECK_COLUMNS

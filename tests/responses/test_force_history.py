@@ -1,4 +1,4 @@
-"""Forces of a rigid body on the ground, against closed forms and the balance of momentum."""
+"""Forces of a rigid body on the ground, against closed forms, the balance of momentum, and an integration of another kind."""
 
 import math
 from itertools import pairwise
@@ -99,6 +99,33 @@ def test_the_impulse_of_the_ground_is_the_change_of_momentum(text, grid, model):
     shaken = min(history.end, 2 * math.pi / omega)
     moved[0] += a_g * (1 - math.cos(omega * shaken)) / omega
     assert total == pytest.approx(moved, abs=1e-9)
+
+
+def test_forces_are_those_of_an_integration_of_another_kind():
+    """DOP853 from uplift to the first impact; forces from differences of the momentum that it finds."""
+    structure, found, forces = answer(BLOCK, sine(1), "a_g=0.45g,f_g=1.5")
+    uplift, impact = (next(e.tau for e in found.histories["nonlinear"].events if e.event == word) for word in ("uplift", "impact"))
+    g, p, alpha, arm, omega = 9.81, structure.p, structure.alpha, math.hypot(0.3, 1.5), 3 * math.pi
+
+    def push(t):
+        return 0.45 * math.sin(omega * t)
+
+    def rate(t, state):  # |theta| on the left edge: a positive push lifts it
+        z = alpha - state[0]
+        return [state[1], p * p * (-math.sin(z) + push(t) * math.cos(z))]
+
+    path = solve_ivp(rate, (uplift / p, impact / p), [0.0, 0.0], method="DOP853", rtol=1e-13, atol=1e-15, max_step=1e-3, dense_output=True)
+
+    def momentum(t):
+        u, w = path.sol(t)
+        return np.array([-arm * w * np.cos(alpha - u), arm * w * np.sin(alpha - u)])
+
+    times = np.linspace(uplift / p + 0.01, impact / p - 0.01, 7)
+    h = 2e-3
+    change = (8 * (momentum(times + h) - momentum(times - h)) - (momentum(times + 2 * h) - momentum(times - 2 * h))) / (12 * h * g)
+    fx, fz = forces.at(times * p)
+    assert fx == pytest.approx(change[0] + [push(t) for t in times], abs=1e-8)
+    assert fz == pytest.approx(change[1] + 1.0, abs=1e-8)
 
 
 def test_extremes_are_no_samples():

@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from support.documents import built
 from support.refusals import refuses
 
@@ -18,6 +19,33 @@ EQUATIONS = {"linear": LinearEquation(), "rigid body": RigidBodyEquation(0.3, 1e
 MODELS = {name: System(equation) for name, equation in EQUATIONS.items()}
 every_model = pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
 ACROSS = [sine(), cosine(1.5), pulse("rectangular-impulse"), pulse("mavroeidis-papageorgiou")]
+
+
+def test_linear_history_is_the_equation_in_si_units():
+    """Eq. 2.4 with p, alpha, a_g in SI units by DOP853, through uplift and one impact."""
+    p, alpha, eta, a_g, w = 2.1, 0.22, 0.85, 3.0, 9.0
+    scale = a_g / (alpha * 9.81)
+
+    def rate(t, z, side):
+        ground = a_g * math.sin(w * t) if t * w < math.pi else 0.0
+        return [z[1], p * p * (z[0] - alpha * side - ground / 9.81)]
+
+    def ground(t, z, side):
+        return z[0]
+
+    ground.terminal, ground.direction = True, 1
+    lift, close = math.asin(1 / scale) / w, {"method": "DOP853", "rtol": 1e-13, "atol": 1e-15}
+    first = solve_ivp(rate, (lift, math.pi / w), [0.0, 0.0], args=(-1,), max_step=0.01, **close)
+    fall = solve_ivp(rate, (math.pi / w, 5.0), first.y[:, -1], args=(-1,), events=ground, max_step=0.01, **close)
+    strike = fall.t_events[0][0]
+    second = solve_ivp(rate, (strike, strike + 0.1), [0.0, eta * fall.y_events[0][0][1]], args=(1,), max_step=0.01, **close)
+    found = history(System(LinearEquation()), pulse("half-sine"), scale, w / p, eta, duration=20.0)
+    events = {m.event: m.tau / p for m in reversed(found.events)}
+    assert (events["uplift"], events["impact"]) == pytest.approx((lift, strike), abs=1e-9)
+    ratio, speed = found.at(np.array([0.6 * strike, strike + 0.1]) * p)
+    middle = solve_ivp(rate, (lift, math.pi / w), [0.0, 0.0], args=(-1,), t_eval=[0.6 * strike], max_step=0.01, **close)
+    assert ratio * alpha == pytest.approx([middle.y[0, 0], second.y[0, -1]], abs=1e-9)
+    assert speed * alpha * p == pytest.approx([middle.y[1, 0], second.y[1, -1]], abs=1e-8)
 
 
 @every_model

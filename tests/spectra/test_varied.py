@@ -1,5 +1,6 @@
 """What a family varied is a coordinate of its spectra."""
 
+import h5py
 import numpy as np
 import pytest
 import xarray as xr
@@ -25,3 +26,14 @@ def test_the_varied_keys_are_coordinates_in_si(rocking, tmp_path, family):
         assert d.varied_width.dims == ("structure",)
     with SpectraFile(tmp_path / "f.h5") as file:
         assert file.structures[2].details["varied"] == pytest.approx({"width": 0.5, "restitution": 0.8}, rel=1e-14)
+
+
+def test_shards_keep_them(rocking, tmp_path, family):
+    call = ("spectrum", "-", "--grid", "a_g=1:3:4,f_g=1:2:2", "-q", "--chunk", "4")
+    for part in ("1/2", "2/2"):
+        assert rocking(*call, "--shard", part, "-o", f"{part[0]}.h5", stdin=family).returncode == 0
+    assert rocking("merge", "1.h5", "2.h5", "-o", "both.h5").returncode == 0
+    with h5py.File(tmp_path / "both.h5") as file:
+        np.testing.assert_allclose(file["varied_width"][...], [0.4, 0.4, 0.5, 0.5, 0.6, 0.6], rtol=1e-14)
+        assert file["varied_width"].attrs["units"] == "m"
+    assert rocking("info", "both.h5", "--verify").returncode == 0

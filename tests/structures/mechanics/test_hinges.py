@@ -1,4 +1,4 @@
-"""Where an arch hinges: the search against its line of thrust, brute force and published values."""
+"""Where an arch hinges: the search against its line of thrust and published values."""
 
 import math
 
