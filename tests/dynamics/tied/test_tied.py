@@ -254,7 +254,7 @@ def test_a_block_with_a_tendon_against_another_integration(linear, a_g, period, 
     oracle = TiedBody(mass, radius, math.atan(0.2), 4 / 3 * mass * radius**2, body.eta, devices, gravity=9.8, linear=linear)
     omega_g = 2 * math.pi / period
     largest, fell = oracle.run(shaking(sine().still_until(omega_g * (period + 3 / body.p)), a_g * 9.8, omega_g))
-    assert bool((found.phase == BROKEN).any()) == devices[0].broken == breaks
+    assert (found.phase == BROKEN).ravel().tolist() == [device.broken for device in devices] == [breaks, breaks]  # on both sides
     assert Outcome(int(found.outcome[0])).overturned == fell != stands
     at = body.dimensionless_amplitude(a_g * 9.8), omega_g / body.p, body.eta
     answer = Method("linear" if linear else "nonlinear").reference_of(body)(sine(), *at)
@@ -396,3 +396,7 @@ def test_the_ground_is_lost_where_another_integration_says():
     )  # fmt: skip
     assert event.tau / body.p == pytest.approx(found.t_events[0][0], abs=1e-11)
     assert -event.theta_ratio * alpha == pytest.approx(found.y_events[0][0][0], abs=1e-11)
+    cells = body.dimensionless_amplitude(np.array([1.4, 3.0]) * G), omega / body.p, body.eta
+    swept = response(EXACT.system_of(body), sine(), *cells)
+    assert swept.outcome.tolist() == [Outcome.ROCKED, Outcome.LOST_CONTACT]
+    assert np.isnan(swept.theta_ratio).tolist() == [False, True]
