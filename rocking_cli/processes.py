@@ -55,9 +55,11 @@ def in_order(submit: Callable[[Any], Any], wait: Callable[[Any], Any], items: It
 
 @contextmanager
 def processes(workers: int, task: Callable[[Any], Any], advice: str) -> Iterator[Run]:
-    """Context of a function from items to task(item) of each, in their order; the task itself travels to each process once.
-    An exception of the task is raised here, in its turn. The processes end with the block, at once. Raises OutputError, with the
-    advice, when a process cannot be started or dies."""
+    """Context manager: a function from items to task(item) of each, in their order, computed by `workers` processes. The task itself is
+    sent to each process once.
+
+    An exception of the task is raised here, in its turn. The processes end with the block, at once. Raises OutputError, with the advice,
+    when a process cannot be started or dies."""
     from concurrent.futures import Future, ProcessPoolExecutor
     from concurrent.futures.process import BrokenProcessPool
     from multiprocessing import active_children, get_context

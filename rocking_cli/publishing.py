@@ -50,7 +50,7 @@ def check_target(path: Path, overwrite: bool, suffixes: tuple[str, ...] = ()) ->
     except OSError as error:
         raise UsageError(f"{path}: cannot be written: {error.strerror}") from None
     if os.path.lexists(target) and not overwrite:
-        raise UsageError(f"{path}: exists; `overwrite` replaces it")
+        raise UsageError(f"{path}: exists; use `overwrite` to replace it")
 
 
 @contextmanager
@@ -82,17 +82,18 @@ def published(path: Path, overwrite: bool, partial: Path | None = None) -> Itera
 
 
 def put_in_place(partial: Path, target: Path, overwrite: bool) -> None:
-    """Give a complete file its final name. Raises OutputError where the name is taken and overwrite is false, OSError."""
+    """Give a complete file its final name. Raises OutputError if the name is taken and `overwrite` is false, and OSError if the file system
+    refuses."""
     if not overwrite:
         try:
             os.link(partial, target)  # fails where the name is taken; a rename would replace the file there
         except FileExistsError:
-            raise OutputError(f"{target}: has appeared meanwhile; `overwrite` replaces it") from None
+            raise OutputError(f"{target}: has appeared meanwhile; use `overwrite` to replace it") from None
         except OSError:  # a file system without links: an empty file of this name is taken first
             try:
                 open(target, "xb").close()
             except FileExistsError:
-                raise OutputError(f"{target}: has appeared meanwhile; `overwrite` replaces it") from None
+                raise OutputError(f"{target}: has appeared meanwhile; use `overwrite` to replace it") from None
             overwrite = True
         else:
             os.unlink(partial)

@@ -25,7 +25,7 @@ def write(target: Path, content: bytes, overwrite: bool = False) -> None:
 
 def test_a_file_that_appears_meanwhile_is_kept(tmp_path):
     target = tmp_path / "o.svg"
-    with pytest.raises(OutputError, match=r"o\.svg: has appeared meanwhile; `overwrite` replaces it"), published(target, overwrite=False):
+    with pytest.raises(OutputError, match=r"o\.svg: has appeared meanwhile; use `overwrite`"), published(target, overwrite=False):
         target.write_bytes(b"theirs")
     assert target.read_bytes() == b"theirs"
     assert names(tmp_path) == ["o.svg"]
@@ -110,7 +110,7 @@ def test_what_cannot_be_written_is_refused_before_the_work(tmp_path, monkeypatch
         ("folder.svg", "is a folder; expected the name of a file"),
         ("pipe.svg", "is a pipe; expected"),
         ("lost.svg", "is a link that leads nowhere; expected"),
-        ("there.svg", "exists; `overwrite` replaces it"),
+        ("there.svg", "exists; use `overwrite` to replace it"),
         ("nowhere/x.svg", "the folder .*nowhere does not exist"),
         ("x" * 250 + ".svg", "File name too long"),
         ("x.jpg", r"expected a name that ends in \.png or \.svg"),

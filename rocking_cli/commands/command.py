@@ -66,7 +66,8 @@ def partly(lacks: object = True) -> None:
 
 
 def command(example: str, *shared: Callable[[F], F]) -> Callable[[F], click.Command]:
-    """Return a decorator that turns a function into a command; shared: further decorators, which add the options of the output.
+    """Return a decorator that turns a function into a command. example: a call for its help; shared: further decorators, which add the
+    options of the output.
 
     >>> @command("rocking greet Ada --loud", printed)
     ... def greet(name: str = argument(), loud: bool = flag("--loud", "Shout."), model: Model = group(Model)) -> None:

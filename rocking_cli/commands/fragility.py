@@ -134,7 +134,9 @@ def fragility(
     exact = wanted.exact or (hazard is not None and None in states)
     found = list(studies(structures, shaking, methods, how, sweep=settings, path=path, exact=exact, hazard=hazard, line=ProgressLine))
     if not found:
-        note(f"{wanted.output}: {sweep.shard} is written; join the shards by rocking merge, then repeat the call with --resume")
+        note(
+            f"{wanted.output}: {sweep.shard} is written; join all shards by rocking merge, then repeat the call with --resume, without --shard"
+        )
         return
     direction = direction_in_words(*structures)
     refused: list[str] = []

@@ -24,7 +24,7 @@ def merge(
     from ..spectra.file.merging import merge as put_together
 
     merged = put_together(files, output, overwrite=overwrite, strict=strict)
-    note(f"{output}: {merged.chunks} of {merged.all_chunks} chunks")
+    note(f"{output}: has {merged.chunks} of the {merged.all_chunks} chunks of the sweep")
     if merged.machine_differences:
         note(f"computed on machines that differ: {merged.machine_differences}; the last digits of cells may differ")
     if merged.missing:

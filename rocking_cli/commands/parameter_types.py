@@ -46,8 +46,8 @@ class InputPath(click.Path):
 
 
 class Registered(click.ParamType):
-    """A word of a registry, such as `motions.pulses.PULSES`, or of `more`. The registry is imported only to list or complete its words; the
-    library refuses other words."""
+    """The type of an option that takes a word of a registry, such as `motions.pulses.PULSES`, or a word of `more`. The registry is imported
+    only to list or complete its words; the library refuses other words."""
 
     name = "choice"
 

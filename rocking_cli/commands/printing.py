@@ -75,9 +75,9 @@ def emit(
     rows: Iterable[Mapping[str, Any]], columns: Sequence[str] = (), *, form: str | None = None, table_units: str | None = None,
     without: Sequence[str] = (), unseen: Sequence[str] = (), varied: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> None:  # fmt: skip
-    """Print rows, each as soon as it is computed. columns: the CSV header without a row; form: that without --json and --csv; table_units:
-    those of a table without --units; without: columns that have no unit here; unseen: columns that only JSON and CSV have; varied: for
-    each structure the columns of its varied values, which come first."""
+    """Print rows, each as soon as it is computed. columns: the header of a CSV without rows; form: the form of the output if neither --json
+    nor --csv is given; table_units: the units of a table if --units is not given; without: columns that have no unit here; unseen: columns
+    that only JSON and CSV have; varied: for each structure the columns of its varied values, which come first."""
     from shutil import get_terminal_size
 
     from ..reports.tables import WIDTH, lines

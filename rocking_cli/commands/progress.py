@@ -46,8 +46,8 @@ def reporting() -> Iterator[None]:
 
 
 class ProgressLine:
-    """A line with the units done and in total, and the time left; any other output first ends it. It is not shown with --quiet, if standard
-    error is no terminal, or if rows appear on the terminal one by one; then `reporting` prints lines instead."""
+    """A line on a terminal that states the units of work done, their number and the time left; any other output first ends it. With
+    --quiet, without a terminal, or if rows appear on it one by one, there is no line, and `reporting` prints its own."""
 
     def __init__(self, label: str, unit: str) -> None:
         self._label, self._unit, self._start, self._first = label, unit, monotonic(), 0

@@ -26,11 +26,11 @@ _ITEM = re.compile(r"([a-z_]+)_(\d{1,4})_([a-z_]+)")  # a CSV column for an item
 
 @dataclass
 class Document:
-    """One document: its values by key. Each reading method marks its key as asked; `finish` refuses the other keys.
+    """One document: its values by key. Each reading method marks its key as asked for; `finish` refuses the other keys.
 
-    keys: the place of each key; index: number of the document in its file; inner: documents inside the lists of this one; dimensions: of
-    each quantity that was read, such as `ties.0.height`; within: the document around this one, and the path of this one in it.
-    """
+    keys: the place of each key; index: number of the document in its file; inner: the documents in the lists of this one; dimensions: the
+    dimension of each quantity that was read, by its path, such as `ties.0.height`; within: the document around this one, and the path
+    there."""
 
     source: str
     place: Place

@@ -30,7 +30,7 @@ _LOWEST = -0.5 * np.pi  # least z for which the bound is computed
 
 
 class Edge(NamedTuple):
-    """Numbers of one edge of the base, floats or arrays over lanes: alpha [rad]; kappa = m R^2/I [-]; unit, the u of y = 1 [rad]; uplift,
+    """Numbers of one edge of the base, floats or arrays over lanes: alpha [rad]; kappa = m R^2/I [-]; unit: |theta| at y = 1 [rad]; uplift:
     the static uplift acceleration lambda of the equation [-]."""
 
     alpha: Any
@@ -98,8 +98,8 @@ class Body(NamedTuple):
         return edge.alpha - np.arccos(np.minimum(np.cos(edge.alpha) + 0.5 * square, 1.0))
 
     def pressed(self, edge: Edge, push: Array, turn: Array, sway: Array | float = 0.0, fastest: Array | float = np.inf) -> Array:
-        """True where contact (Fz > 0) is proved for every push up to `push` [g] of either sign, |theta| up to `turn` [rad], u' up to
-        `fastest` [rad], and weights over m g from 1 - sway to 1 + sway."""
+        """Return True where contact (Fz > 0) is proved for every push up to `push` [g] of either sign, every |theta| up to `turn` [rad],
+        every |dtheta/dtau| up to `fastest` [rad], and every weight over m g from 1 - sway to 1 + sway."""
         light, heavy, alpha = 1.0 - sway, 1.0 + sway, edge.alpha
         lowest = alpha - turn
         kept = (light > 0.0) & (lowest >= _LOWEST)
@@ -123,8 +123,8 @@ class Body(NamedTuple):
 
 @lru_cache(maxsize=256)
 def safe_push(body: Body, edge: int, ratio: float) -> float:
-    """The largest push [g], of either sign, under which a body that does not overturn is proved to keep contact (Fz > 0). edge: 0 right,
-    1 left; ratio: largest |w - 1| over the push."""
+    """Return the largest push [g], of either sign, under which a body that does not overturn is proved to keep contact (Fz > 0). edge: 0
+    right, 1 left; ratio: the largest |w - 1| over the largest push, w the weight over m g."""
     sway = ratio * _PUSHES
     with np.errstate(all="ignore"):
         slope = np.where(sway < 1.0, _PUSHES / (1.0 - sway), np.inf)  # without overturning u stays below the equilibrium

@@ -45,9 +45,9 @@ def _taken(x: Any, at: Any) -> Any:
 
 
 class Cells(NamedTuple):
-    """The drive of each cell, a row a side: (1, cells) if the sides are alike, else (2, cells): right edge (theta > 0), left edge.
-    amplitude: over the side's uplift acceleration; omega: omega_g / p of the side; eta: speed after over speed before an impact on leaving
-    the side, both in the sides' own units."""
+    """The drive of each cell. Each array has one row, (1, cells), if the sides are alike, otherwise two, (2, cells): right edge (theta >
+    0), left edge. amplitude: the amplitude of the ground over the uplift acceleration of the side; omega: omega_g / p of the side; eta:
+    speed after over speed before the impact that leaves the side, each in the unit of its side."""
 
     amplitude: Array
     omega: Array

@@ -202,8 +202,8 @@ def has_direction(structure: RockingParameters) -> bool:
 
 
 def direction_in_words(*structures: RockingParameters, opposite: str = "the other sign of `scale` (1 if not given)") -> list[str]:
-    """The line that names the structures with a direction, in a run that computes one direction only; no line without them. opposite: the
-    option that gives the other one."""
+    """Return the lines for a run that computes one direction of the motion only: one that names the structures for which the opposite
+    direction may have another result, none without such a structure. opposite: the option that computes the other direction."""
     names = [s.name for s in structures if has_direction(s)]
     some = f"{', '.join(names[:3])}{' and others' * (len(names) > 3)}"
     return [f"one direction of the motion only, though the sides differ: {some}; {opposite} gives the opposite one"] if names else []

@@ -52,33 +52,36 @@ def narrowed(outcome: Callable[[Array, Array], Array], brackets: Brackets, digit
         points = np.column_stack([brackets.low, inner, brackets.high])
         labels = np.column_stack([brackets.below, outcome(inner, brackets.row[:, None]), brackets.above])
         if first and lowest:
-            lane = np.arange(len(labels))
+            of = np.arange(len(labels))
             at = (labels[:, 1:] != labels[:, :1]).argmax(axis=1)
         else:
-            lane, at = _changes(labels, brackets.row) if first else _one_way(labels)
-        brackets = Brackets(brackets.row[lane], points[lane, at], points[lane, at + 1], labels[lane, at], labels[lane, at + 1])
+            of, at = _changes(labels, brackets.row) if first else _one_way(labels)
+        brackets = Brackets(brackets.row[of], points[of, at], points[of, at + 1], labels[of, at], labels[of, at + 1])
         first = False
 
 
 def _changes(labels: Array, row: Array) -> tuple[Array, Array]:
-    """(lane, index) of every change between neighbours; in a row with more than `_MOST_CHANGES` only of the changes of `_one_way`."""
-    lane, at = np.nonzero(labels[:, 1:] != labels[:, :-1])
-    many = (np.bincount(row[lane], minlength=row.max() + 1) > _MOST_CHANGES)[row]
+    """Return every change of the outcome inside the brackets as (number of the bracket, number of the section whose two ends differ).
+    labels: outcomes at the ends of the sections, (brackets, sections + 1); row: the row of each bracket. In a row with more than
+    `_MOST_CHANGES` changes only those of `_one_way` are returned."""
+    of, at = np.nonzero(labels[:, 1:] != labels[:, :-1])
+    many = (np.bincount(row[of], minlength=row.max() + 1) > _MOST_CHANGES)[row]
     if not many.any():
-        return lane, at
+        return of, at
     through, place = _one_way(labels[many])
-    return np.concatenate([lane[~many[lane]], np.flatnonzero(many)[through]]), np.concatenate([at[~many[lane]], place])
+    return np.concatenate([of[~many[of]], np.flatnonzero(many)[through]]), np.concatenate([at[~many[of]], place])
 
 
 def _one_way(labels: Array) -> tuple[Array, Array]:
-    """(lane, index) of a chain of changes from the first label to the last, each label left at its last place; others may be noise."""
-    lane, now = np.arange(len(labels)), labels[:, 0]
+    """Return (bracket, section) of changes that lead from the first label of a bracket to its last one, leaving each label at its last
+    place. Changes in between may be noise and are left out."""
+    of, now = np.arange(len(labels)), labels[:, 0]
     found, places = [], []
-    while lane.size:
-        at = labels.shape[1] - 1 - (labels[lane, ::-1] == now[:, None]).argmax(axis=1)
-        found.append(lane)
+    while of.size:
+        at = labels.shape[1] - 1 - (labels[of, ::-1] == now[:, None]).argmax(axis=1)
+        found.append(of)
         places.append(at)
-        now = labels[lane, at + 1]
-        going = np.flatnonzero(now != labels[lane, -1])
-        lane, now = lane[going], now[going]
+        now = labels[of, at + 1]
+        going = np.flatnonzero(now != labels[of, -1])
+        of, now = of[going], now[going]
     return np.concatenate(found), np.concatenate(places)

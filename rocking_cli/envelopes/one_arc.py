@@ -58,7 +58,8 @@ def modes_at_end(segments: Segments, amplitude: Array, omega: Array) -> Modes:
 
 
 def bounded_response(segments: Segments, k: Array, u: Array, omega: Array, sense: float) -> Array:
-    """The bounded solution g of g' - sense g = s on segment k, by tau: exp(-sense tau) g is an antiderivative of exp(-sense tau) s."""
+    """Return the bounded solution g of dg/dtau - sense g = s at phase u of segment k; sense is 1 or -1. exp(-sense tau) g is then an
+    antiderivative of exp(-sense tau) s."""
     _, sin, cos = segment_value(segments, k, u)
     w = segments.frequency.take(k, axis=1) * omega
     level = segments.s_start[k] - summed(segments.sin.take(k, axis=1))
@@ -67,8 +68,8 @@ def bounded_response(segments: Segments, k: Array, u: Array, omega: Array, sense
 
 
 def undecided(segments: Segments, grid: ScanGrid, omegas: Array, eta: float, row: Array, low: Array, high: Array) -> Array:
-    """(gaps, 2): row and lower scan point of the gaps, between points `low` and `high` of rows, in which the outcome of bodies that fall
-    back after the shaking may change."""
+    """Return (gaps, 2): row and lower scan point of each gap between neighbouring scan points in which the outcome may change, for bodies
+    that fall back after the shaking. row, low, high: rows, and the scan points between which to look."""
     found = [np.zeros((0, 2), dtype=np.int64)]
     at = np.flatnonzero(low < high)
     row, low, high = row[at], low[at], high[at]

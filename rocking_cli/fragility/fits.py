@@ -188,7 +188,7 @@ def fit_first(r: Array, limit: Array | float, weight: Array | None = None) -> Cu
     """
     falls = int(np.count_nonzero(np.isfinite(r)))
     if falls < FEWEST:
-        raise UsageError(f"{falls} of {np.size(r)} records overturn the body; a fit of first overturnings needs {FEWEST}")
+        raise UsageError(f"{falls} of {np.size(r)} records overturn the body; a fit of first overturnings needs at least {FEWEST}")
     return _curve(first_overturning(r, limit, weight), np.size(r))
 
 
@@ -202,7 +202,7 @@ def fit_cloud(x: Array, theta_ratio: Array, limit: float, weight: Array | None =
     """
     there = int(np.count_nonzero(np.isfinite(theta_ratio) & (np.asarray(theta_ratio) > 0.0)))
     if there < FEWEST:
-        raise UsageError(f"{there} of {np.size(x)} records rock the body without overturning; a regression needs {FEWEST}")
+        raise UsageError(f"{there} of {np.size(x)} records rock the body without overturning; a regression needs at least {FEWEST}")
     return _curve(cloud(x, theta_ratio, limit, weight), there, "the rotation does not grow with the intensity measure; a regression")
 
 

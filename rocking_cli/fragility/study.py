@@ -127,7 +127,7 @@ class Study:
     def fit(self, method: str, limit: float | None) -> Fit:
         """Return the fit of a limit state by a method. Raises UsageError if there are too few data."""
         if (count := len(self.motions.members)) < fits.FEWEST:
-            raise UsageError(f"{count} records; a fit needs {fits.FEWEST}")
+            raise UsageError(f"{count} records; a fit needs at least {fits.FEWEST}")
         curve, estimate, points = {"stripes": self._stripes, "first": self._first, "cloud": self._cloud}[method](limit)
         levels, hazard, rate = self.motions.levels, self.hazard, None
         if hazard is None:
@@ -257,7 +257,7 @@ def fragility(
     >>> fragility(load_structures('configs/block.yaml'), load_records('configs/motions/synthetic.at2'), [1.0, 2.0])
     Traceback (most recent call last):
         ...
-    rocking_cli.errors.UsageError: Column, 0.1, stripes: 1 records; a fit needs 4
+    rocking_cli.errors.UsageError: Column, 0.1, stripes: 1 records; a fit needs at least 4
     """
     measure, x = measure_of(im), check_levels(np.asarray(levels, dtype=float))
     if hazard is not None and hazard.im != measure.name:

@@ -25,7 +25,7 @@ class Wave:
 class Segments:
     """The K monotone segments of a motion, arrays of shape (K,), or (harmonics, K) for sin, cos and frequency. start, length [rad];
     s_start, s_end: s at the ends, inside the segment; sin, cos: of each sinusoid at the start, times its amplitude; frequency: over
-    omega_g; slope [1/rad]; joins: the next segment is of the same piece; later_max, later_min: largest and least s from the segment
+    omega_g; slope [1/rad]; joins: True if the next segment is of the same piece; later_max, later_min: largest and least s from the segment
     on, 0 for the ground at rest."""
 
     start: np.ndarray

@@ -258,7 +258,7 @@ def _agreement(codes: np.ndarray, cases: str) -> str:
 def _fragility(structure: RockingParameters, recordings: Sequence[Recording], workers: int | None) -> dict[str, Any]:
     """Return the template's values for fragility curves over PGA by stripes."""
     if len(recordings) < FEWEST:
-        return {"figure": None, "fits": [], "remarks": [f"{len(recordings)} records; a fit needs {FEWEST}."]}
+        return {"figure": None, "fits": [], "remarks": [f"{len(recordings)} records; a fit needs at least {FEWEST}."]}
     measure, members = MEASURES["PGA"], members_of(recordings)
     levels = np.median([m.measured(measure, structure) for m in members]) * np.geomspace(0.25, 4.0, 16)
     motions = MotionSet(members, measure, levels, governing_method(structure))

@@ -85,8 +85,8 @@ ABOUT: dict[str, About] = {
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """Where a file's cells are. dimensions: the values on each of the three dimensions, in their order; extra: further lists by name,
-    each with its dimension; units: the units of the varied keys of a family, which are not in ABOUT."""
+    """The axes of a spectra file. dimensions: the values on each of the three dimensions, in their order; extra: further lists of values by
+    name, each with its dimension; units: the units of the varied keys of a family, which are not in ABOUT."""
 
     dimensions: Mapping[str, Values]
     extra: Mapping[str, tuple[str, Values]]

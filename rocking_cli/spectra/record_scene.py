@@ -196,6 +196,6 @@ def scene_of_words(
         method = governing_method(model=model, tolerance=tolerance)
         return angles_scene(found["alpha"], found["T"], recordings, etas[0] if etas else None, method)
     if len(found) > 1:
-        raise UsageError(f"`grid`: found {written_axes(axes or '')}; expected one of scale, A and a_g")
+        raise UsageError(f"`grid`: found {written_axes(axes or '')}; expected one axis: scale, A or a_g")
     columns = next(iter(found.values()), AS_RECORDED)
     return structures_scene(structures, recordings, columns, governing_method(*structures, model=model, tolerance=tolerance))

@@ -63,7 +63,7 @@ class Cell(NamedTuple):
 
 
 class Scene(ABC):
-    """All that a sweep computes: the interface of every kind of scene."""
+    """The structures, motions and method of a sweep, on a grid of three dimensions: the interface of every kind of scene."""
 
     structures: tuple[RockingParameters, ...]
     method: Method

@@ -33,14 +33,17 @@ Progress = Callable[[int, int], None]
 
 @dataclass(frozen=True)
 class SweepOptions:
-    """Options of a sweep, checked at construction.
-    workers: processes, None for all cores; scheduler: address of a dask.distributed cluster to compute on instead; chunk_cells: cells
-    in one unit of work; check: cells computed again by the reference, None for a few; quantities: names of `QUANTITIES` to compute as
-    well; sample_validity: compare some cells of a linear sweep with the nonlinear equation; progress: called with (units done, units);
-    tell: called with a line while the sweep waits for its cluster.
-    Of a file: impacts: store their number; overwrite: replace an output; resume: continue the partial file PATH.part of an
-    interrupted sweep of the same scene; strict: refuse one of a machine whose results may differ in the last digits; shard: (i, n)
-    computes the i-th of n parts, for `merge`; documents, history: texts to keep. Raises UsageError."""
+    """Options of a sweep, checked at construction. Raises UsageError.
+
+    workers: number of processes, None for all cores; scheduler: address of a dask.distributed cluster that computes instead; chunk_cells:
+    number of cells in one unit of work; check: number of cells to compute again by the reference, None for a few; quantities: names of
+    `QUANTITIES` to compute as well; sample_validity: compare some cells of a linear sweep with the nonlinear equation; progress: called
+    with (units done, all units); tell: called with a line while the sweep waits for its cluster.
+
+    For the file of `write_spectrum`: impacts: store the number of impacts; overwrite: replace an existing output; resume: continue the
+    partial file PATH.part of an interrupted sweep of the same scene; strict: refuse a partial file that another machine began whose results
+    may differ in the last digits; shard: (i, n), compute the i-th of n parts, for `merge`; documents, history: texts to store in the
+    file."""
 
     workers: int | None = None
     scheduler: str | None = None

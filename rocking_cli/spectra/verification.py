@@ -141,8 +141,9 @@ def reference(scene: Scene, place: Place) -> Answer:
 
 
 class Verification:
-    """The cells of some units, of `size` rows and columns, that the reference computes again. sensitive: their places, with True for a cell
-    chosen for its sensitivity; seen: outcome and theta/alpha of each cell in the sweep; answers: those of the reference."""
+    """The cells of some units of work that the reference computes again. chunk: (rows, columns) of a unit. sensitive: the places of these
+    cells, each with True if it was chosen for its sensitivity, False if it was drawn by chance; seen: outcome and theta/alpha that the
+    sweep found there; answers: those that the reference found."""
 
     def __init__(self, scene: Scene, check: int, chunk: tuple[int, int], units: Sequence[Unit]) -> None:
         (rows, columns), there = chunk, {(unit.places[0], unit.row, unit.column) for unit in units}

@@ -52,7 +52,7 @@ REFUSED = {
         (2, "stated.yaml --a-g 1:2:3 --f-g 1", "--a-g: found '1:2:3'; expected one value"),
         (2, f"stated.yaml {AT} --fc 1.2", "--fc goes with --code"),
         (2, f"stated.yaml {AT} --a-max nan", "expected a number A, or an acceleration"),
-        (2, f"stated.yaml {AT} -o there.svg", "exists; --overwrite"),
+        (2, f"stated.yaml {AT} -o there.svg", "exists; use --overwrite"),
         (2, f"stated.yaml {AT} -o check.txt", "ends in .png"),
         (2, f"stated.yaml --vertical station {AT}", "--vertical station goes with a record: give --motion"),
         (2, f"stated.yaml --vertical station {AT2} --vertical-unit g", "--vertical-unit does not go with --vertical station"),
@@ -72,7 +72,7 @@ REFUSED = {
         (2, "block:0.5x2,one_sided=true --A 2 --Omega 4 --eta 0.5", "--eta: "),
     ],
     "draw": [
-        (2, "block:0.5x2 -o there.svg", "exists; --overwrite"),
+        (2, "block:0.5x2 -o there.svg", "exists; use --overwrite"),
         (3, "configs/parameters.yaml -o x.svg", "states no geometry to draw"),
         (2, f"{'block:0.5x2 ' * 13} -o x.svg", "found 13 structures; expected at most 12 for a figure"),
     ],
@@ -160,7 +160,7 @@ REFUSED = {
         (2, f"{AT2.split()[1]} --export-spectrum --periods 1e-9:1:3", "--periods: found 1e-09 s; expected times from 1.14e-05 s"),
     ],
     "report": [
-        (2, f"configs/parameters.yaml {AT} -o there.html", "exists; --overwrite replaces it"),
+        (2, f"configs/parameters.yaml {AT} -o there.html", "exists; use --overwrite to replace it"),
         (2, f"configs/parameters.yaml {AT} -o r.pdf", "ends in .html"),
         (2, "configs/parameters.yaml -o r.html", "no shaking"),
     ],

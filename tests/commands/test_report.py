@@ -115,7 +115,7 @@ STANDS = Verdict("Arch", "0", "linear", Outcome.ROCKED, 0.5, 4.0, 3.6, None, Non
 def test_a_few_records_bear_no_curve(tmp_path):
     records = recordings(tmp_path, 2)
     text = page([subject(STATED)], [STANDS], recordings=records, demand="", command="rocking report", made="today")
-    assert "2 records; a fit needs 4" in text
+    assert "2 records; a fit needs at least 4" in text
     assert [(row[0].strip(), row[1].strip()) for row in Page(text).rows[-2:]] == [(r.record.source, r.record.sha256) for r in records]
 
 

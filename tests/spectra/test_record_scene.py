@@ -213,7 +213,7 @@ def test_without_geometry_the_default_is_linear():
 
 
 REFUSED = [
-    (([BLOCK], {"axes": "scale=1,A=2"}), "expected one of scale, A and a_g"),
+    (([BLOCK], {"axes": "scale=1,A=2"}), "expected one axis: scale, A or a_g"),
     (([BLOCK], {"axes": "T=1:2:2"}), "alpha or T with structures, which have their own"),
     (([BLOCK], {"alphas": "10deg"}), "alpha or T with structures, which have their own"),
     (([], {"alphas": "10deg"}), "found alpha; expected .* together"),

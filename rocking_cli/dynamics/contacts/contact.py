@@ -32,8 +32,8 @@ class FreeMotion(NamedTuple):
 
 
 class Contact(ABC):
-    """How a body stands on the ground. The methods of this class hold for two equal edges and for a single edge. alike: True if the body
-    has two free and equal edges; left: 1 if the body may lift off onto its left edge, else 0."""
+    """How a body stands on the ground. The methods of this class hold for two equal edges and for a single edge; `Unequal` overrides them.
+    alike: True if the body has two free and equal edges; left: 1 if the body can lift off onto its left edge, otherwise 0."""
 
     alike = False
     left = 1.0
@@ -185,11 +185,13 @@ def reciprocal_ratios(one: float, other: float) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Unequal(Contact):
-    """Two edges that differ. drive, omega: A = 1 and Omega = 1 of the reference edge in the units of each edge, (right, left), amplitude
-    over the edge's uplift and omega_g over its p; eta: speed y' after over y' before an impact on leaving the edge; rotation: |theta|/alpha
-    of y = 1; pace: |theta'| of d(|theta|/alpha)/dtau = 1 over that of the reference. With y = |theta| over its unit and tau = p t on each
-    side, an impact multiplies y' by eta_12 (unit_1 p_1)/(unit_2 p_2), which may exceed 1; eta_12 eta_21 < 1. Raises ValueError when a
-    number is out of range."""
+    """Two edges that differ. Each pair of numbers is (right edge, left edge). A and Omega are those of the reference edge; on either side y
+    and tau = p t have the unit and the p of that side.
+
+    drive: uplift acceleration of the reference edge over that of the edge; omega: p of the reference edge over that of the edge; eta: |y'|
+    after over |y'| before the impact that leaves the edge, each in the units of its side, so that one of the two may exceed 1, their
+    product may not; rotation: |theta|/alpha at y = 1; pace: alpha p of the edge over alpha p of the reference edge. Raises ValueError for a
+    number out of range."""
 
     drive: tuple[float, float]
     omega: tuple[float, float]

@@ -28,9 +28,10 @@ _SAFE_SHARE = 1.0 - 1e-6  # share of a bound that is used; the rest is room for 
 
 @dataclass
 class OtherSide(Arrays):
-    """The side of the next arc, in units of this side. drive: its outward drive is -drive times the outward drive a here; time: duration of
-    an arc there over that of the same arc here; eta, back: speed after over speed before an impact on leaving this side, and on leaving the
-    other side; the speed ratio of a cycle is their product; rotation: |theta|/alpha of y = 1 there over that here."""
+    """The side of the next arc (the motion between two impacts), compared with the present side. drive: the outward drive there is -drive
+    times the outward drive a here; time: duration of an arc there over that of the same arc here; eta: speed after over speed before the
+    impact that leaves the present side; back: the same for the impact that leaves the other side; rotation: |theta|/alpha of y = 1 there
+    over that here. From one arc on this side to the next one the speed is multiplied by eta times back."""
 
     drive: Array | float
     time: Array | float
@@ -40,8 +41,9 @@ class OtherSide(Arrays):
 
 
 def sequence_ends(segments: Segments, lanes: Lanes, equation: Equation, there: OtherSide | None, more: float = 0.0) -> Array:
-    """True for lanes whose sequence of impacts ends in rest (Lemma 7 of `lemmas`) without an arc above the lane's peak so far, (lanes,).
-    there: the side of the next arc, None if it is this one; more: amount by which the restraints of a tied body raise |df/dy|."""
+    """Return True for lanes that are proved to come to rest by a sequence of impacts before any other event, without an arc higher than
+    their peak so far (Lemma 7 of `lemmas`), (lanes,). there: the side of the next arc, None if it is the same side; more: amount by which
+    ties and a tendon raise |df/dy|."""
     v, speed_ratio = lanes.v, lanes.eta if there is None else there.eta * there.back
     slow = np.flatnonzero((lanes.b < 0.0) & ((v * v < 0.05 * lanes.b * lanes.b) | (v < BELOW_ROUNDING)))
     gap = np.zeros(v.shape)
@@ -118,9 +120,9 @@ def stays_below_peak(segments: Segments, lanes: Lanes) -> Array:
 
 
 def too_many_impacts(segments: Segments, lanes: Lanes, most: int) -> Array:
-    """True for undamped lanes on equal edges, just after an impact, that have more than `most` impacts until their segment ends: two arcs
-    last 4 v/(1 - a^2), and v^3 goes with 1 - a^2 (Lemma 14). An estimate, no proof: it asks for twice `most`, and the march gives them up.
-    """
+    """Return True for undamped lanes on equal edges, just after an impact, that would have more than `most` impacts until their segment
+    ends; the march then gives them up. This is an estimate, not a proof, so it requires twice as many: two arcs last 4 v/(1 - a^2), and v^3
+    goes with 1 - a^2 (Lemma 14)."""
     found = np.zeros(lanes.v.shape, dtype=bool)
     at = _tested(lanes)
     if not at.size:

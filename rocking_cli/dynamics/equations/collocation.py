@@ -58,8 +58,8 @@ def points(count: int) -> Points:
 
 
 def collocated(marks: Marks, tolerance: float, segments: Segments, lanes: Lanes) -> tuple[TaylorSeries, Array]:
-    """(the motion of undamped lanes under a steady weight, each over its own step; the indices of lanes whose shortest step still errs too
-    much). marks: points y at which the functions F and G of the equation are tabulated as series."""
+    """Return (the motion of undamped lanes under a constant weight, each over a step of its own length; the indices of lanes whose error is
+    too large even on the shortest step). marks: points y at which the functions F and G of the equation are tabulated as series."""
     count = order_for(tolerance, _POINTS)
     w = segments.frequency.take(lanes.k, axis=1) * lanes.omega
     fastest = 1.0 + w.max(axis=0, initial=0.0)

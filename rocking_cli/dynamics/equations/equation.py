@@ -53,9 +53,10 @@ class Flow(Protocol):
 
 
 class Ramp(NamedTuple):
-    """A straight line of the drive of each lane over its unit of time [tau]. drive, gain: the drive now and its growth until the unit is
-    over, (lanes,); factors: unit^2/((n + 1)(n + 2)) for the terms n + 2 of y, 0 beyond a lane's degree, (degrees, lanes); force: f now,
-    given where it is known to more digits than the drive tells (at uplift it is 0); weight: w now and its growth, if it varies."""
+    """A drive that is a straight line in time, for each lane. unit: duration of the line [tau]; drive: its value at the start; gain: its
+    increase over the unit, (lanes,); factors: unit^2/((n + 1)(n + 2)) for the terms n + 2 of y, 0 beyond a lane's degree, (degrees, lanes);
+    force: f at the start, if it is known to more digits than follow from the drive (it is 0 at uplift); weight: (weight over m g at the
+    start, its increase over the unit), None if it is constant."""
 
     drive: Array
     gain: Array
@@ -87,25 +88,20 @@ class Law(NamedTuple):
 
 
 class Equation(ABC):
-    """An equation of motion; y, v in its own unit, per tau. Its numbers are floats, or (lanes,) arrays where the two sides of a body differ
-    or every cell has a body of its own (`on`). damping: zeta [-]; without damping the motion after the shaking has a closed form.
-    tolerance: error of theta/alpha that a series may have; gain: bound of the growth of f with y, near the ground and for |a| <= 1, on
-    either side; uplift_amplitude: the dimensionless amplitude A at which a drive of s = 1 lifts the body; limit: y from which the body
-    counts as overturned under any later drive (it lies on its side, the linkage has collapsed); barrier: energy (`fall`) of a body that
-    leaves the ground and just reaches its unstable equilibrium; bounds: the largest l and m from the ground up to the limit; bounded: True
-    if an envelope may use Lemmas 9 and 10; pool: lanes that the march advances together; per_y, per_rotation: |theta|/alpha of y = 1, and y
-    of |theta|/alpha = 1, where they are proportional."""
+    """An equation of motion, y'' = f - 2 zeta y', in a displacement y of its own unit, with derivatives by tau = p t. Its numbers are
+    floats, or (lanes,) arrays if the two sides of a body differ or every cell has a body of its own (`on`). damping: zeta [-]; without
+    damping the motion after the shaking has a closed form. The comments state the other attributes."""
 
-    tolerance: float
-    gain: Any
-    uplift_amplitude: Any = 1.0
-    limit: Any
-    barrier: Any
-    bounds: tuple[Any, Any]
-    bounded = False
-    per_y: Any = 1.0
-    per_rotation: Any = 1.0
-    pool = 16384  # fewer rounds against arrays that no longer fit the caches, measured with series of 24 terms
+    tolerance: float  # largest error of theta/alpha that a series may have
+    gain: Any  # upper bound of |df/dy| near the ground on either side, for drives |a| <= 1
+    uplift_amplitude: Any = 1.0  # the dimensionless amplitude A at which a drive of s = 1 lifts the body
+    limit: Any  # y from which the body counts as overturned under any drive: it lies on its side, the linkage has collapsed
+    barrier: Any  # energy, as `fall` returns it, of a body that leaves the ground and just reaches its unstable equilibrium
+    bounds: tuple[Any, Any]  # the largest l and the largest m between the ground and `limit`
+    bounded = False  # True if the search for overturning amplitudes may use Lemmas 9 and 10
+    per_y: Any = 1.0  # |theta|/alpha at y = 1, if they are proportional
+    per_rotation: Any = 1.0  # y at |theta|/alpha = 1, if they are proportional
+    pool = 16384  # lanes that the march advances together: fewer rounds against arrays that no longer fit the caches (24 terms)
 
     def __init__(self, damping: float) -> None:
         if not 0.0 <= damping < math.inf:

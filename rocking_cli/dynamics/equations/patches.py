@@ -24,9 +24,9 @@ _SMALL = 3e-14
 
 @dataclass(frozen=True)
 class Marks:
-    """Series of F/F0 (l of `lemmas`) and G/G0 (m) about equally spaced values of y, the marks. low: the lowest mark; step: their distance;
-    rows: coefficients of powers of y less the mark, (2, powers, marks); halves: fitted half width of the patch at each mark; left: size of
-    the first omitted term, two steps away from a mark."""
+    """Series of F/F0 (l of `lemmas`) and G/G0 (m) about equally spaced values of y, the marks. low: the lowest mark; step: the distance
+    between marks; rows: coefficients of the powers of (y - mark), (2, powers, marks); halves: half width of the fitted patch at each mark;
+    left: size of the first omitted term at a distance of two steps from a mark."""
 
     low: float
     step: float
@@ -148,7 +148,7 @@ def tabulate(mechanism: Mechanism) -> Patches:
 
 
 def _narrowed(wide: Patches) -> Patches:
-    """The same functions on patches so narrow that a value, or a series about any y of the patch, needs a few of their terms only."""
+    """Return the functions of `wide` on narrower patches, so that a value, or a series about any y of a patch, needs only a few terms."""
     share, width = (np.arange(_PARTS) + 0.5) / _PARTS, np.diff(wide.edges)
     edges = np.append((wide.edges[:-1, None] + width[:, None] * (share - 0.5 / _PARTS)).ravel(), wide.edges[-1])
     centre, half = (wide.edges[:-1, None] + width[:, None] * share).ravel(), wide.half.repeat(_PARTS)

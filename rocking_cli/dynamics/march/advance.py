@@ -19,8 +19,9 @@ _SAFE_SHARE = 1.0 - 1e-9  # a bound counts if it holds with this much room, whic
 
 
 class Windows(NamedTuple):
-    """The end of the present window of every lane. k, u: segment and phase in it; supercritical: True if the drive is supercritical; over:
-    phase of the whole segments between the present one and k."""
+    """The end of the present window of each lane. A window is an interval in which the drive stays subcritical, or stays supercritical. k,
+    u: segment and phase of the end; supercritical: True if the drive is supercritical; over: phase of the whole segments between the
+    present one and k."""
 
     k: Array
     u: Array

@@ -54,9 +54,9 @@ class FreeFall:
 
 
 class Batch(NamedTuple):
-    """Cells with one kind of body. segments: of the motion, followed by still ground if damping leaves the free motion without a closed
-    form; first: index of the segment with which the motion of each cell begins; shaken: index of the segment from which on the ground is
-    still; peaks: True if the largest rotations are wanted; most_steps: a cell with more steps fails."""
+    """Cells with one kind of body. segments: the segments of the motion, then still ground if damping leaves the free motion without a
+    closed form; first: index of the segment with which the motion of each cell begins; shaken: index of the segment from which on the
+    ground is still; peaks: True if the largest rotations are wanted; most_steps: a cell with more steps fails."""
 
     equation: Equation
     contact: Contact

@@ -23,8 +23,8 @@ class Closed(NamedTuple):
 
 
 class Closing(NamedTuple):
-    """A proof and how the run uses it. closes(batch, lanes): returns the lanes that the proof closes, among lanes just after an impact;
-    counts: field of `Work` that counts them; still: True for proofs on still ground, where the run first tells the observers."""
+    """A proof that ends the march of lanes early. closes(batch, lanes): returns those lanes, just after an impact, whose outcome it proves;
+    counts: the field of `Work` that counts them; still: True for a proof about still ground, before which the run calls its observers."""
 
     closes: Callable[[Batch, Lanes], Closed]
     counts: str = ""

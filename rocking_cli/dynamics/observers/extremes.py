@@ -38,8 +38,8 @@ class Ratio(Arrays):
 
 @dataclass
 class Stretches(Arrays):
-    """Stretches of motions, (n,). own: index of the motion; low, high: start and end [tau, or another time]; rate: at which the quantities
-    change at most, as the circular frequency of a sinusoid [1/time]."""
+    """Intervals of time of several motions, (n,). own: index of the motion; low, high: start and end [tau, or another time]; rate: how fast
+    the quantities change at most, as the circular frequency of a sinusoid [1/time]."""
 
     own: Array
     low: Array

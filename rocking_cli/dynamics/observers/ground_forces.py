@@ -239,8 +239,9 @@ class GroundForces(Observer):
         return self.may_close(lanes)
 
     def may_close(self, lanes: Lanes) -> Array:
-        """True for lanes whose forces until they rest cannot exceed the extremes so far, or are within `_STILL` of those of bounces without
-        speed: at the fastest impact and at the highest point, under push and weight of now and of the time of rest."""
+        """Return True for lanes whose forces until they rest cannot exceed the largest ones so far, or differ by at most `_STILL` from
+        those of bounces without speed. It compares the forces at the fastest impact and at the highest point, under the drive and the
+        weight of now and of the time of rest."""
         cell, count, lasts = lanes.cell, lanes.cell.size, self.ground.sequence_time(lanes, self.batch.contact)
         here, shaking = self.body.on(lanes.side), self.ground.shaking(lanes.join(lanes), np.append(np.zeros(count), lasts))
         push, weight = (np.broadcast_to(x, 2 * count).reshape(2, count) for x in (shaking.push, shaking.weight))

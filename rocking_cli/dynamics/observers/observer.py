@@ -59,8 +59,8 @@ class Observer:
         needs the march instead."""
 
     def propagates(self, lanes: Lanes, step: Propagation, proved: Array, strongest: Callable[[Array], Array]) -> Array:
-        """Called before the lanes that are `proved`, (lanes,), are propagated over samples. Returns indices of lanes that must go half as
-        far. strongest: function of indices that returns an upper bound of the outward drive on their propagations."""
+        """Called before lanes are propagated over samples; proved: True for these lanes, (lanes,). Returns the indices of lanes that must
+        go only half as far. strongest: function of indices that returns an upper bound of the outward drive on their way."""
         return np.zeros(0, dtype=np.int64)
 
     def may_close(self, lanes: Lanes) -> Array:

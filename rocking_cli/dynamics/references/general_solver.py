@@ -46,7 +46,7 @@ class Arm(NamedTuple):
 class Rates(NamedTuple):
     """An equation of motion on one edge. alpha: critical angle [rad]; uplift: static lambda [-]; limit: theta [rad] from which the body
     counts as overturned; of: function of theta, w, the inward ground acceleration [g] and the weight over m g that returns (theta', w') by
-    tau; returns: False if a cell fails whose body loses contact beyond alpha, since its outcome is unknown."""
+    tau; returns: False if a body that loses contact beyond alpha has an unknown outcome, so that its cell fails."""
 
     alpha: float
     uplift: float
@@ -93,9 +93,9 @@ def mechanism_rates(structure: RockingParameters, edge: Edge) -> Rates:
 
 class Problem(NamedTuple):
     """A structure for a general solver. edges: the equation of each side, +1 for theta > 0, and -1 unless the body rocks to the right only;
-    scale: ground acceleration of A = 1 [g]; eta: theta' after over before an impact on leaving each edge, empty if the eta of the cell
-    holds; arms: the `Arm` of each edge of a rigid body, empty if its forces are not known; body: builds a body with ties or a tendon,
-    None of a free body."""
+    scale: ground acceleration of A = 1 [g]; eta: theta' after over theta' before the impact that leaves each edge, empty if the eta of the
+    cell holds; arms: the `Arm` of each edge of a rigid body, empty if its forces are not known; body: function that builds a body with ties
+    or a tendon, None for a free body."""
 
     edges: dict[int, Rates]
     scale: float

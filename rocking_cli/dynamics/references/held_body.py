@@ -69,8 +69,8 @@ class _Device:
 
 
 class Held:
-    """The devices of a body while it moves. paces: p of each side, +1 and -1, over the p of tau; arm: R [m]; linear: True for the linear
-    equation, whose levers are constant."""
+    """The ties and the tendon of a body that moves. A side is +1 (right) or -1 (left). paces: for each side, its p over the p of tau = p t;
+    arm: R, the distance from the edge to the mass centre [m]; linear: True for the linear equation, in which levers do not change."""
 
     def __init__(self, restraints: Restraints, paces: Mapping[int, float], arm: float, linear: bool) -> None:
         stands = dict(zip((-1, 1), restraints.stands, strict=True))

@@ -33,7 +33,8 @@ _FINE = 3  # stretches of 2^k samples begin at every sample up to this k, at eve
 
 
 def bounded_response(samples: Array, pace: Array) -> Array:
-    """Y + iY' at the samples, (paces, samples); pace: interval between samples [tau], (paces,), at most `stepper.LONGEST`."""
+    """Return Y + i Y' at the samples, Y the bounded solution of Y'' = Y + s, (paces, samples). pace: time between samples [tau], (paces,),
+    at most `stepper.LONGEST`."""
     total = -np.expm1(-pace)  # int_0^h exp(-t) dt
     far = np.zeros_like(pace)  # int_0^h exp(-t) t/h dt
     for k in range(_TERMS, -1, -1):

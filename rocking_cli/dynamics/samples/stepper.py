@@ -43,7 +43,8 @@ class SampleStepper(ABC, Generic[Pooled]):
         self.step = np.array([one.step for one in samples])[self.motion]
 
     def march(self, waiting: Array) -> None:
-        """March these cells to their end, cells of similar pace together; by windows where samples are far apart."""
+        """March these cells to their end. Cells with about the same time tau between samples go together; those with more than `LONGEST` go
+        from window to window of the drive."""
         pace = (self.step[waiting] / self.cells.omega[:, waiting]).max(axis=0)
         by_windows(self.run, waiting[pace > LONGEST])
         waiting, pace = waiting[pace <= LONGEST], pace[pace <= LONGEST]

@@ -93,7 +93,8 @@ class Devices:
         return cls(stiffness, prestress, force, ultimate, height, behind, unit, moment, tendon, names, linear, body, weight)
 
     def row(self, side: Array) -> Array:
-        """The index in arrays of sides, 0 right and 1 left, of sides +1 and -1."""
+        """Return the row of each side, +1 or -1, in the arrays of this class: 0 for the right, 1 for the left; 0 if there is one row
+        only."""
         return np.zeros(side.size, dtype=np.int64) if len(self.stiffness) == 1 else (side < 0.0).astype(np.int64)
 
     def lever_ends(self) -> Array:

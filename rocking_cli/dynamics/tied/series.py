@@ -69,7 +69,8 @@ class Law:
         return taylor.series(terms, fastest, self.tolerance, self.damping)
 
     def _fill(self, terms: Array, segments: Segments, lanes: Lanes, row: Array, now: Phase, exact: Array) -> Array:
-        """Fill the terms of y in powers of rate h, (terms, lanes); returns the rate [1/tau]."""
+        """Fill `terms`, (terms, lanes), with the Taylor terms of y in powers of (rate times h), h the time from now; return the rate
+        [1/tau]."""
         stiffest = np.sqrt(self.devices.linear_terms(row, now)[1])
         known = taylor.drive_series(segments, lanes, self.order - 2, rate=1.0 + stiffest)
         drive, unit, unit2 = known.terms, known.unit, known.unit**2

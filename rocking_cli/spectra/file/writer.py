@@ -53,7 +53,7 @@ def _refuse_existing(path: Path, partial: Path | None, overwrite: bool, resume: 
     if os.path.lexists(path):
         if resume:
             _require_whole(path)
-        raise UsageError(f"{path}: exists{' and is complete' if resume else ''}; `overwrite` replaces it")
+        raise UsageError(f"{path}: exists{' and is complete' if resume else ''}; use `overwrite` to replace it")
     if partial is not None and not resume:
         raise UsageError(f"{partial}: exists, left by a sweep that did not finish; `resume` goes on with it, `overwrite` begins anew")
 
@@ -69,7 +69,7 @@ def _require_whole(path: Path) -> None:
             if damaged := file.damaged_chunks():
                 raise OutputError(f"{path}: is damaged: {len(damaged)} of its chunks are not as they were written")
     except OutputError as error:
-        raise OutputError(f"{error}; `overwrite` replaces it") from None
+        raise OutputError(f"{error}; use `overwrite` to replace it") from None
 
 
 def _locked(file: BinaryIO) -> bool:

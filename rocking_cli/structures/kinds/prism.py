@@ -18,7 +18,8 @@ Corner = tuple[float, float]
 
 
 def polygon_moments(corners: Sequence[Corner]) -> Moments:
-    """Moments of a polygon of unit density by Green's theorem; corners (x, z) [m], counterclockwise for a positive mass."""
+    """Return mass, first moments and polar moment of a polygon of unit density, by Green's theorem. corners: (x, z) [m], counterclockwise;
+    in clockwise order all four have the opposite sign."""
     mass = x = z = polar = 0.0
     for (x1, z1), (x2, z2) in pairwise([*corners, corners[0]]):
         cross = x1 * z2 - x2 * z1

@@ -135,7 +135,7 @@ def test_resume_calls_no_damaged_file_complete(output, whole):
     flipped[chunk.byte_offset + chunk.size // 2] ^= 1
     for content, said in ((data[:-1000], r"or damaged \("), (b"", "is not an HDF5 file, or is damaged"), (flipped, "1 of its chunks")):
         output.write_bytes(content)
-        with pytest.raises(OutputError, match=f"{said}.*; `overwrite` replaces it$"):
+        with pytest.raises(OutputError, match=f"{said}.*; use `overwrite` to replace it$"):
             sweep(output, resume=True)
         assert output.read_bytes() == content
 
@@ -313,7 +313,7 @@ def test_without_locks_a_sweep_goes_on_all_the_same(output, monkeypatch):
 
 def test_outputs_are_never_replaced_unasked(output, tmp_path):
     output.write_text("mine")
-    with pytest.raises(UsageError, match="exists; `overwrite`"):
+    with pytest.raises(UsageError, match="exists; use `overwrite`"):
         sweep(output)
     assert output.read_text() == "mine"
     sweep(output, overwrite=True)
