@@ -28,13 +28,13 @@ LEANING = RockingParameters.of_sides(
 MOTION = record_motion(Record("a", "text", None, 0.05, wave(40, 3.0), None, "m/s2", "a", "a"))
 
 
-def fastest(model, body, amplitude, omega, eta):
+def fastest(model, body, amplitude, omega, eta, motion=MOTION):
     """max |d theta/d tau|/alpha by another integration in the record's own time, in which p is 1/omega."""
     edges = [(side.p / body.p / omega, side.alpha, side.eta) for side in reversed(body.sides)] or [(1.0 / omega, body.alpha, eta)] * 2
     solved, speeds = Body(*(Edge(*e) for e in edges), body.damping, model == "nonlinear"), [0.0]
     answer = integrate(
         solved,
-        shaking(MOTION, float(body.ground_acceleration(amplitude)), 1.0),
+        shaking(motion, float(body.ground_acceleration(amplitude)), 1.0),
         seen=lambda _side, step: speeds.append(np.abs(step.speed(np.linspace(0.0, 1.0, 100))).max()),
     )
     assert answer.outcome == "rocked"
@@ -88,6 +88,14 @@ def test_a_step_throws_a_body_that_falls_back_as_its_energy_says():
     assert y[1:].min() > 0.0 > y[-1] + v[-1] - 1.0, "it neither lands before the end nor overturns after it"
     at_ground = math.sqrt(v[-1] ** 2 + y[-1] * (2.0 - y[-1]))
     assert speed[0] == pytest.approx(max(float(v.max()), at_ground), rel=1e-8)
+
+
+@pytest.mark.parametrize("model", ["linear", "nonlinear"])
+def test_a_damped_body_that_falls_back_after_the_shaking_is_fastest_at_its_impact(model):
+    short = record_motion(Record("s", "text", None, 0.1, np.array([0.0, -1.0, 0.0]), None, "m/s2", "s", "s"))
+    body = replace(BLOCK, damping=0.02)
+    _, (speed,) = response_with_speed(Method(model).system_of(body), short, np.array([1.8]), np.array([0.3]), ETA)
+    assert speed == pytest.approx(fastest(model, body, 1.8, 0.3, ETA, short), rel=1e-5)
 
 
 @pytest.mark.parametrize("model", ["linear", "nonlinear"])

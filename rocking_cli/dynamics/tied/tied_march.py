@@ -5,7 +5,8 @@ of the phase before or after the turn, the step ends there: the bracket holds on
 slack, a rupture or an impact. A peak ends a step only if a restraint yields there.
 
 After the shaking the body goes on over still ground until its outcome is proved. The energy that a body needs to come back to a peak,
-from which it has returned, is what it had there; impacts, damping and yielding only take energy, and a rupture begins the count anew. So
+from which it has returned, is what it had there. Impacts, damping, yielding and ruptures only take energy: a tendon that breaks beyond
+this peak, on the other side, takes at least what it had stored at the peak. So
 
 - a body that has returned to the ground from a peak on each of its sides never exceeds these peaks again: it rocked;
 - a body that turns back outwards above the ground after such a peak goes to and fro between both: it leans;
@@ -273,8 +274,6 @@ class March:
         breaks = reached & (following == BROKEN)
         kept = np.where(breaks, self.devices.stretched(row[at], ultimate), plastic)
         lanes.phase[row[at], :, at], lanes.plastic[row[at], :, at] = following.T, kept.T
-        torn = at[breaks.any(axis=0)]
-        lanes.turned[torn] = 0
         for device in np.flatnonzero(self.devices.tendon):  # a tendon breaks on both sides
             lanes.phase[:, device, at[breaks[device]]] = BROKEN
         if self.recorder is not None:

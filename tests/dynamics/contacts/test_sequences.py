@@ -136,6 +136,7 @@ DRIVES = {
     "swings": (0.8 * np.cos(0.2 * np.arange(40)), 0.05),
     "towards uplift": (np.linspace(0.0, 0.9, 4), 0.1),
     "away from uplift": (np.linspace(0.9, -0.5, 4), 0.02),
+    "hardly any": (np.full(40, 1e-3), 0.2),  # only the height of the arcs bounds the speed
 }
 
 
