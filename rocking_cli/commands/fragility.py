@@ -135,7 +135,7 @@ def fragility(
     found = list(studies(structures, shaking, methods, how, sweep=settings, path=path, exact=exact, hazard=hazard, line=ProgressLine))
     if not found:
         note(
-            f"{wanted.output}: {sweep.shard} is written; join all shards by rocking merge, then repeat the call with --resume, without --shard"
+            f"{wanted.output}: {sweep.shard} is written; join all shards by rocking merge, then repeat this with --resume, without --shard"
         )
         return
     direction = direction_in_words(*structures)
