@@ -29,7 +29,7 @@ class EquationKind(NamedTuple):
     """An equation of motion in the registry. model: the word of `--model` and of files; serves: returns True for a structure for which the
     equation holds; build: returns the equation of a structure at a tolerance, raises ValueError; shares: returns the numbers, besides
     restitution and damping, that structures must have in common to share a dimensionless computation; rates: name of its form in
-    `references.general_solver`; exact: True if it has no tolerance; of_cells: returns one equation for cells of plain bodies with these
+    `references.problems`; exact: True if it has no tolerance; of_cells: returns one equation for cells of plain bodies with these
     alphas at a tolerance, None if there is none."""
 
     model: str
@@ -162,9 +162,9 @@ class Method:
 
     def problem_of(self, structure: RockingParameters) -> "Problem":
         """Builds the problem of a structure for the reference solver."""
-        from .references import general_solver
+        from .references import problems
 
-        return general_solver.problem_of(structure, getattr(general_solver, self.kind_of(structure).rates))
+        return problems.problem_of(structure, getattr(problems, self.kind_of(structure).rates))
 
 
 LINEAR = Method()

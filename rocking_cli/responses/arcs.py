@@ -14,7 +14,7 @@ from ..dynamics.outcome import LOST, Outcome
 from ..motions.blocks import blocks
 
 if TYPE_CHECKING:
-    from .tied_history import DeviceForces
+    from ..dynamics.tied.devices import Devices
 
 Array = np.ndarray
 
@@ -58,11 +58,30 @@ class Event(NamedTuple):
     device: str = ""
 
 
+class DeviceForces(NamedTuple):
+    """The forces of ties and the tendon over time, fixed + rate e from each time start [tau] on: arrays (times,), of fixed [N] and rate
+    [N/m] (devices, times). row: of the side, as in `Devices`. At rest a tie of both sides has the larger of its two forces."""
+
+    devices: "Devices"
+    start: Array
+    row: Array
+    fixed: Array
+    rate: Array
+
+    def columns(self, tau: Array, theta: Array) -> dict[str, Array]:
+        """Return the force [N] of each device at times tau, with rotations theta [rad] of either sign, as tie_1_force, tendon_force."""
+        at = np.searchsorted(self.start, tau, side="right") - 1
+        row = self.row[at]
+        elongation = self.devices.elongation(row, np.abs(theta) / self.devices.unit[row, 0])
+        force = np.maximum(self.fixed[:, at] + self.rate[:, at] * elongation, 0.0)
+        return {f"{name.replace(' ', '_')}_force": of for name, of in zip(self.devices.names, force, strict=True)}
+
+
 @dataclass(frozen=True)
 class History:
     """A response in time: arcs, events, the time tau at which they end; the outcome and the largest |theta|/alpha of the whole motion,
-    which may come later (NaN if the body overturned); devices: a row for each tie and tendon, and device_forces:
-    their forces over time (`tied_history`)."""
+    which may come later (NaN if the body overturned); devices: a row for each tie and tendon, and device_forces: their
+    forces over time."""
 
     equation: Equation
     arcs: Arcs
@@ -71,7 +90,7 @@ class History:
     outcome: Outcome
     highest: float
     devices: tuple[dict[str, Any], ...] = ()
-    device_forces: "DeviceForces | None" = None
+    device_forces: DeviceForces | None = None
 
     def at(self, tau: Array) -> tuple[Array, Array]:
         """Return theta/alpha [-] and its derivative by tau [-] at times tau, in the shape of tau; zero at rest, NaN after the end."""

@@ -1,7 +1,7 @@
 """The response in time of a body with ties or a tendon: it listens to the march of one such body (`dynamics.tied`)."""
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -9,32 +9,13 @@ from ..dynamics.equations.taylor import TaylorSeries
 from ..dynamics.lanes import Lanes
 from ..dynamics.outcome import Outcome
 from ..dynamics.system import System
-from ..dynamics.tied.devices import BROKEN, YIELDING, Devices, Phase
+from ..dynamics.tied.devices import BROKEN, YIELDING, Phase
 from ..dynamics.tied.tied_lanes import TiedLanes
 from ..dynamics.tied.tied_march import March
 from ..motions.motion import Motion
-from .arcs import INVISIBLE, History, Writer
+from .arcs import INVISIBLE, DeviceForces, History, Writer
 
 STATES = ("elastic", "yielded", "broken")  # of ties and tendons
-
-
-class DeviceForces(NamedTuple):
-    """The forces of ties and the tendon over time, fixed + rate e from each time start [tau] on: arrays (times,), of fixed [N] and rate
-    [N/m] (devices, times). row: of the side, as in `Devices`. At rest a tie of both sides has the larger of its two forces."""
-
-    devices: Devices
-    start: np.ndarray
-    row: np.ndarray
-    fixed: np.ndarray
-    rate: np.ndarray
-
-    def columns(self, tau: np.ndarray, theta: np.ndarray) -> dict[str, np.ndarray]:
-        """Return the force [N] of each device at times tau, with rotations theta [rad] of either sign, as tie_1_force, tendon_force."""
-        at = np.searchsorted(self.start, tau, side="right") - 1
-        row = self.row[at]
-        elongation = self.devices.elongation(row, np.abs(theta) / self.devices.unit[row, 0])
-        force = np.maximum(self.fixed[:, at] + self.rate[:, at] * elongation, 0.0)
-        return {f"{name.replace(' ', '_')}_force": of for name, of in zip(self.devices.names, force, strict=True)}
 
 
 class _Recorder(Writer):

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..errors import StructureError
+from .restraints import Restraints
 
 if TYPE_CHECKING:
     from .mechanics.kinematics import Mechanism
-    from .restraints import Restraints
 
 VARIED = ("varied", "varied_units")  # details of a member of a family: SI value by key, and SI unit by key
 DIMENSIONLESS = "dimensionless"  # `structure` of an oscillator without units
@@ -145,8 +145,6 @@ class RockingParameters:
         more = {key: row[key] for key in ("one_sided", "damping", "friction", "arm") if key in row}
         more |= {"eta_source": row["eta_source"], "gravity": row["gravity"]}
         if "ties" in row or "tendon" in row:
-            from .restraints import Restraints
-
             more["restraints"] = Restraints.from_row(row)
         details = {key: row[key] for key in (*VARIED, "restrained") if key in row}
         return cls(row["name"], kind, **fields_in(row), sides=sides, details=details, **more)

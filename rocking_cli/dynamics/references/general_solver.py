@@ -11,17 +11,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from ...motions.motion import Motion, Piece, extremes, plus
 from ..outcome import FALLEN, Outcome
 from .extrapolation import Path, Point, Rate, path, step
-
-if TYPE_CHECKING:
-    from ...structures.parameters import RockingParameters, Side
-
-    Edge = Side | RockingParameters  # with p, alpha and a_scale
-
 
 _MOST, _A_SEGMENT = 5_000, 50  # limit of the number of stretches of a cell: a constant, and an addition for each segment of the motion
 _SCRIPT_STRETCH = 10.0  # tau between two tests of overturning where the solver chooses its steps
@@ -55,42 +49,6 @@ class Rates(NamedTuple):
     returns: bool = True
 
 
-def linear_rates(structure: RockingParameters, edge: Edge) -> Rates:
-    """The rates of Eq. 2.4 or 3.6 on an edge: theta'' = theta - alpha - a_scale push - 2 zeta theta', time by p of the edge."""
-    pace, alpha, a_scale, damping = edge.p / structure.p, edge.alpha, edge.a_scale, structure.damping
-
-    def rates(theta: float, w: float, push: float, weight: float) -> tuple[float, float]:
-        return w, pace**2 * (weight * (theta - alpha) - a_scale * push) - 2.0 * damping * pace * w
-
-    return Rates(alpha, alpha / a_scale, math.inf, rates)
-
-
-def rigid_body_rates(structure: RockingParameters, edge: Edge) -> Rates:
-    """The rates of Eq. 2.3 on an edge: theta'' = -sin(alpha - theta) - push cos(alpha - theta) - 2 zeta theta', time by p of the edge."""
-    pace, alpha, damping = edge.p / structure.p, edge.alpha, structure.damping
-
-    def rates(theta: float, w: float, push: float, weight: float) -> tuple[float, float]:
-        z = alpha - theta
-        return w, pace**2 * (-weight * math.sin(z) - push * math.cos(z)) - 2.0 * damping * pace * w
-
-    return Rates(alpha, math.tan(alpha), 0.5 * math.pi, rates)
-
-
-def mechanism_rates(structure: RockingParameters, edge: Edge) -> Rates:
-    """The rates of Eq. 3.4: theta' = w/sqrt(M), w' = -(L + push B)/sqrt(M) - 2 zeta w, over p^2/g, with the mechanism's coefficients."""
-    from ...structures.mechanics.kinematics import linearise
-
-    assert structure.mechanism is not None  # called only for mechanisms
-    mechanism, form, damping = structure.mechanism, linearise(structure.mechanism), structure.damping
-
-    def rates(theta: float, w: float, push: float, weight: float) -> tuple[float, float]:
-        c = mechanism.coefficients(theta)
-        root = math.sqrt(c.inertia)
-        return w / root, -float(weight * c.lift + push * c.push) / root / form.stiffness - 2.0 * damping * w
-
-    return Rates(form.alpha, form.uplift, 0.5 * math.pi, rates, returns=False)
-
-
 class Problem(NamedTuple):
     """A structure for a general solver. edges: the equation of each side, +1 for theta > 0, and -1 unless the body rocks to the right only;
     scale: ground acceleration of A = 1 [g]; eta: theta' after over theta' before the impact that leaves each edge, empty if the eta of the
@@ -102,22 +60,6 @@ class Problem(NamedTuple):
     eta: Mapping[int, float] = {}
     arms: Mapping[int, Arm] = {}
     body: Callable[..., Body] | None = None
-
-
-def problem_of(structure: RockingParameters, rates: Callable[[RockingParameters, Edge], Rates]) -> Problem:
-    """Returns the problem of a structure; rates: function that gives the equation on an edge, such as `linear_rates`."""
-    sides: dict[int, Edge] = dict(zip((-1, 1), structure.sides, strict=False))
-    scale, own = structure.alpha / structure.a_scale, sides or dict.fromkeys((1,) if structure.one_sided else (1, -1), structure)
-    arms = {i: Arm(e.alpha, e.arm * structure.p**2 / structure.gravity) for i, e in own.items() if e.arm is not None}
-    arms = arms if len(arms) == len(own) else {}
-    body = None
-    if structure.restraints:
-        from .held_body import body_with
-
-        body = body_with(structure.restraints, {i: e.p / structure.p for i, e in own.items()}, own[1].arm, linear=rates is linear_rates)
-    if sides:
-        return Problem({i: rates(structure, s) for i, s in sides.items()}, scale, {i: s.eta for i, s in sides.items()}, arms, body)
-    return Problem(dict.fromkeys(own, rates(structure, structure)), scale, arms=arms, body=body)
 
 
 def solve_cell(

@@ -20,7 +20,7 @@ def build(document: Document, name: str) -> RockingParameters:
     found = _free(document, name)
     if not (document.has("ties") | document.has("tendon")):
         return found
-    from ..restraints import restrained
+    from ..restraint_keys import restrained
 
     for key in ("restrained", "stands"):  # what params printed is derived anew
         document.has(key)

@@ -85,7 +85,7 @@ class RigidBody:
             found = RockingParameters.of_sides(**more, left=sides[0], right=sides[1], eta_source=source)
         if not restraints_in(document):
             return found
-        from ..restraints import restrained
+        from ..restraint_keys import restrained
 
         (_, (x_left, level)), *_, (_, (x_right, _)) = body.drawing.pivots
         z = [z for outline in (*body.drawing.still, *body.drawing.bodies) for _, z in outline]
