@@ -148,7 +148,7 @@ def check(
         note(remark)
     width = " or ".join(dict.fromkeys(narrowest(shake) for shake, _ in shakes))
     if not verdict_only:
-        note(f"intervals narrower than {width} may be missed, except around the demand")
+        note(f"intervals narrower than {width} may be missed, also far below the capacity, but not around the demand")
     outcomes = [*(v.outcome for v in judged), *(outcome for _, outcome in opposite)]
     partly(Outcome.FAILED in outcomes)
     return 5 if fail_on and any(outcome.falls for outcome in outcomes) else 0
