@@ -133,7 +133,7 @@ def test_a_file_of_records_is_labelled(tmp_path):
         for name in ("pga", "pgv", "pgd", "arias", "cav", "d5_75", "d5_95"):
             assert float(second[name]) == getattr(measured, name)
             assert "units" in data[name].attrs
-        assert (int(second.npts), float(second.dt), str(second.sha256.values)) == (50, 0.02, "b" * 64)
+        assert (int(second.npts), float(second["dt"]), str(second.sha256.values)) == (50, 0.02, "b" * 64)
         assert data.p.values == pytest.approx(2.0 * np.pi / PERIODS.values, rel=1e-14, abs=0.0)
         assert data.tan_alpha.dims == data.eta.dims == ("alpha",)
     with SpectraFile(tmp_path / "s.h5") as file:
