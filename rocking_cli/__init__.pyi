@@ -89,6 +89,7 @@ from .spectra.sweep import spectrum as spectrum
 from .spectra.sweep import write_spectrum as write_spectrum
 from .structures import build_structure as build_structure
 from .structures import load_structures as load_structures
+from .structures import on_each_interface as on_each_interface
 from .structures import read_documents as read_documents
 from .structures.family import Member as Member
 from .structures.family import Variation as Variation

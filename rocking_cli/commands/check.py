@@ -45,12 +45,13 @@ def check(
 ) -> int:
     """Check which structures stand under a motion, and find the lowest amplitude that overturns each.
 
-    One row for each structure and motion: the outcome and theta_max/alpha by the governing equation (nonlinear for a known geometry in
-    units: a_g, f_g, a record; linear on dimensionless axes, A, Omega, and for stated parameters); top_displacement from the position of
-    rest; demand_a, the amplitude of the motion; uplift_a and first_overturning_a, the lowest amplitudes that lift and overturn the body;
-    capacity_demand, first_overturning_a over demand_a, empty if no amplitude up to --a-max and twice the demand overturns; safe_to, the
-    end of the safe interval around the demand; outcome_linear; friction_needed and fz_min of a rigid body; opens, if a further hinge of
-    an arch opens. Accelerations are in m/s2 (JSON, CSV) or in the unit of the request (table), unless --units says otherwise.
+    One row for each structure (a stack: for each interface) and motion: the outcome and theta_max/alpha by the governing equation
+    (nonlinear for a known geometry in units: a_g, f_g, a record; linear on dimensionless axes, A, Omega, and for stated parameters);
+    top_displacement from the position of rest; demand_a, the amplitude of the motion; uplift_a and first_overturning_a, the lowest
+    amplitudes that lift and overturn the body; capacity_demand, first_overturning_a over demand_a, empty if no amplitude up to --a-max and
+    twice the demand overturns; safe_to, the end of the safe interval around the demand; outcome_linear; friction_needed and fz_min of a
+    rigid body; opens, if a further hinge of an arch opens. Accelerations are in m/s2 (JSON, CSV) or in the unit of the request (table),
+    unless --units says otherwise.
     """
     from ..dynamics.method import has_direction
     from ..dynamics.outcome import Outcome
@@ -64,7 +65,7 @@ def check(
     if sign != "+" and (ends or asked.azimuth):
         raise click.UsageError(f"--sign {sign} does not go with {'a range of frequencies' if ends else '--azimuth'}")
     shaken = shaken.reversed if sign == "-" else shaken
-    structures, varied = options.members_of(files, vary)
+    structures, varied = options.members_of(files, vary, each=True)
     azimuths = asked.azimuths()
     by_code = None
     if code is None:

@@ -93,28 +93,30 @@ class Sweep:
         return {**vars(self), "shard": shard, "documents": documents, "tell": note}
 
 
-def structures_of(files: tuple[str, ...], etas: tuple[float | None, ...] = ()) -> tuple[list[RockingParameters], str]:
-    """Return (structures, texts): those of the documents in these files, and a dimensionless oscillator for each restitution."""
+def structures_of(files: tuple[str, ...], etas: tuple[float | None, ...] = (), each: bool = False) -> tuple[list[RockingParameters], str]:
+    """Return (structures, texts): those of the documents in these files, and a dimensionless oscillator for each restitution;
+    each: a stack is a structure for each of its interfaces, see `on_each_interface`."""
     from ..structures import build_structure, with_distinct_names
     from ..structures.parameters import dimensionless_oscillator
 
-    documents = [] if etas and not files else documents_of(files)
+    documents = [] if etas and not files else documents_of(files, each=each)
     if None in etas:
         raise click.UsageError("--eta block goes with --alpha")
     structures = [build_structure(document) for document in documents]
     oscillators = [dimensionless_oscillator(eta) for eta in etas if eta is not None]
     found = with_distinct_names([*structures, *oscillators])
     remark_on(found)
+    note_interfaces(found)
     return found, "\n---\n".join(d.text for d in documents)
 
 
 def members_of(
-    files: tuple[str, ...], vary: tuple[str, ...], etas: tuple[float | None, ...] = ()
+    files: tuple[str, ...], vary: tuple[str, ...], etas: tuple[float | None, ...] = (), each: bool = False
 ) -> tuple[list[RockingParameters], dict[str, dict[str, float]]]:
     """Return (structures, columns): those of `structures_of`, or of the families of --vary, and for each name the varied values in SI as
-    columns such as `varied_width`. Members without a solution are reported and left out."""
+    columns such as `varied_width`; each: see `structures_of`. Members without a solution are reported and left out."""
     if not vary:
-        return structures_of(files, etas)[0], {}
+        return structures_of(files, etas, each)[0], {}
     from ..documents.quantities import headed
     from ..structures import with_distinct_names
     from ..structures.family import family, members, parse_variation
@@ -123,7 +125,7 @@ def members_of(
     refuse("does not go with --vary", "etas")
     documents, variations = documents_of(files), [parse_variation(text) for text in vary]
     members(variations)
-    every = [member for document in documents for member in family(document, variations)]
+    every = [member for document in documents for member in family(document, variations, each)]
     found = with_distinct_names([member.parameters for member in every if member.parameters is not None])
     columns = {}
     for structure in found:
@@ -133,6 +135,7 @@ def members_of(
         if member.parameters is None:
             note_no_solution(member)
     remark_on(found)
+    note_interfaces(found)
     return found, columns
 
 
@@ -143,9 +146,10 @@ def note_no_solution(member: Member) -> None:
     note(f"no solution for {varied}: {member.fault}")
 
 
-def documents_of(files: tuple[str, ...], most: int | None = None, place: str = "") -> list[Any]:
-    """Return the structure documents of the files. Raises click.UsageError for more than `most`; place: what limits them, in words."""
-    from ..structures import read_documents
+def documents_of(files: tuple[str, ...], most: int | None = None, place: str = "", each: bool = False) -> list[Any]:
+    """Return the structure documents of the files; each: see `structures_of`. Raises click.UsageError for more than `most`; place: what
+    limits them, in words."""
+    from ..structures import on_each_interface, read_documents
 
     if not files:
         sizeless = any(parameter.name == "etas" for parameter in click.get_current_context().command.params)
@@ -154,7 +158,13 @@ def documents_of(files: tuple[str, ...], most: int | None = None, place: str = "
     found = [document for path in files for document in read_documents(path)]
     if most is not None and len(found) > most:
         raise click.UsageError(f"found {len(found)} structures; expected at most {most} for {place}")
-    return found
+    return [one for document in found for one in on_each_interface(document)] if each else found
+
+
+def note_interfaces(structures: Iterable[RockingParameters]) -> None:
+    """Print a line on the stacks: each is followed on one interface, although another one may overturn first."""
+    if names := [s.name for s in structures if "interfaces" in s.details]:
+        below(f"followed on one interface, as if no other opened (rocks_on; check of a stack has a row for each): {', '.join(names)}")
 
 
 def remark_on(structures: Iterable[RockingParameters] = (), grid: Grid | None = None, spans: str = "") -> None:

@@ -34,11 +34,12 @@ def report(
 
     files, shaken = asked.several(files)
     shaken = asked.of(shaken)
-    documents = options.documents_of(files, MOST, "a page")
+    documents = options.documents_of(files, MOST, "a page", each=True)
     shakes = shaken.needed()
     options.check_target(output, overwrite, (".html", ".htm"), shaken.recordings)
     structures = with_distinct_names([build_structure(document) for document in documents])
     options.remark_on(structures)
+    options.note_interfaces(structures)
     subjects = [Subject(document, structure) for document, structure in zip(documents, structures, strict=True)]
     verdicts = write_page(
         subjects, shakes, output, recordings=shaken.recordings, vertical=asked.vertical, command=options.command_line(),

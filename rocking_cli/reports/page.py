@@ -38,7 +38,7 @@ from ..responses.check import Progress, Verdict, outcome_alone, tally, verdicts
 from ..responses.tied_history import remarks
 from ..spectra.file.reader import SpectraFile
 from ..spectra.sweep import SweepOptions, write_spectrum
-from ..structures import RockingParameters, build_structure, with_distinct_names
+from ..structures import RockingParameters, build_structure, on_each_interface, with_distinct_names
 from ..structures.kinds import sketch_of
 from .figures.canvas import FIGURE_UNITS, Figure, Look, drawn_as, literal, styled
 from .figures.capacities import capacities
@@ -117,6 +117,7 @@ def report(
     ['no_uplift']
     """
     motions = list(motion) if isinstance(motion, Sequence) else [motion]
+    documents = [one for document in documents for one in on_each_interface(document)]
     structures = with_distinct_names([build_structure(document) for document in documents])
     return write_page(
         [Subject(document, s) for document, s in zip(documents, structures, strict=True)],

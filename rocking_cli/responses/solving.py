@@ -7,6 +7,8 @@ from functools import cache
 from itertools import pairwise
 from typing import Any
 
+import numpy as np
+
 from ..documents.document import Document
 from ..dynamics.method import direction_in_words
 from ..dynamics.outcome import Outcome
@@ -59,8 +61,8 @@ def boundaries(
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[list[Boundary], list[str]]:
     """Return (boundaries, remarks); without a boundary one row, which says whether the structure stands at all values. On one side of a
-    boundary the first overturning amplitude is at least `margin` times the demand under this share of the motions. Two boundaries between
-    neighbouring values of `varied` may be missed.
+    boundary the first overturning amplitude, of a stack the least of its interfaces, is at least `margin` times the demand under this share
+    of the motions. Two boundaries between neighbouring values of `varied` may be missed.
 
     shakes: motions with grids of one cell, the demands; opposite: the same motions in the opposite direction, if both count; up_to: the
     demand at the other end of a range of frequencies, of which the worst counts; progress: called with the number of finished values and
@@ -83,14 +85,14 @@ def boundaries(
     @cache
     def excess(value: float) -> float:
         """Return ln(capacity_demand/margin) for a value of the key; NaN if there is no such structure, or no verdict."""
-        (member,) = family(document, [varied._replace(values=(value,))])
-        if member.parameters is None:
-            remarks.append(f"no solution for {varied.key} = {value:g}: {member.fault}")
+        members = list(family(document, [varied._replace(values=(value,))], each=True))
+        structures = [member.parameters for member in members if member.parameters is not None]
+        if not structures:
+            remarks.append(f"no solution for {varied.key} = {value:g}: {members[0].fault}")
             return math.nan
-        if not opposite:
-            named = replace(member.parameters, name=own_name(member.parameters))
-            remarks.extend(direction_in_words(named, opposite="the other `sign`"))
-        demands = [(member.parameters, *shake) for shake in (*shakes, *opposite)]
+        for one in () if opposite else structures:
+            remarks.extend(direction_in_words(replace(one, name=own_name(one)), opposite="the other `sign`"))
+        demands = [(one, *shake) for shake in (*shakes, *opposite) for one in structures]
         if up_to is not None:
             demands = [(s, motion, at_worst_frequency(s, motion, low, up_to, reach)[0]) for s, motion, low in demands]
         found = list(verdicts(demands, a_max=reach, workers=workers))
@@ -101,7 +103,7 @@ def boundaries(
             min(_BEYOND * margin, math.inf if (c := v.capacity_demand) is None else c, math.nextafter(1.0, 0.0) if v.falls else math.inf)
             for v in found
         ]
-        capacities = sorted(map(min, least, least[len(shakes) :]) if opposite else least)
+        capacities = np.sort(np.reshape(least, (-1, len(shakes), len(structures))).min(axis=(0, 2)))  # of each motion
         return math.log(capacities[math.floor(len(capacities) * (1.0 - share) + 1e-9)] / margin)
 
     def boundary(low: float, high: float, above: bool) -> Boundary | None:

@@ -51,6 +51,26 @@ def read_documents(path: str | Path) -> list[Document]:
     return of_file(path) if stated is None else [stated]
 
 
+def on_each_interface(document: Document) -> list[Document]:
+    """Return a document for each interface on which a stack can rock, the weakest one first under the name of the stack. A stack that
+    states `rocks_on`, and any other structure, has one document. Raises DocumentError.
+
+    >>> (statue,) = parse_documents('{name: Statue, kind: stack, pieces: [{width: 1, height: 4}, {width: 0.1, height: 0.38}]}')
+    >>> [build_structure(document).name for document in on_each_interface(statue)]
+    ['Statue', 'Statue on piece 1 from below']
+    """
+    built = build_structure(document)
+    if document.has("rocks_on") or not (interfaces := built.details.get("interfaces")):
+        return [document]
+    found = [document]
+    for i, one in enumerate(interfaces):
+        rocks = one["eta"] is not None or document.has("restitution")  # else it is too squat to rock there
+        if rocks and one["on"] != built.details["rocks_on"]:
+            named = document.with_value("name", f"{built.name} on {one['on']}", document.source)
+            found.append(named.with_value("rocks_on", str(i), document.source))
+    return found
+
+
 def load_structures(paths: str | Path | Iterable[str | Path]) -> list[RockingParameters]:
     """Return the rocking parameters of every document of these paths, in order; `read_documents` lists the accepted forms of a path. Raises
     UsageError if a file cannot be read, and DocumentError if a document is not valid.
@@ -76,4 +96,4 @@ def with_distinct_names(structures: Iterable[RockingParameters]) -> list[Rocking
     return named
 
 
-__all__ = ["KINDS", "RockingParameters", "Side", "build_structure", "load_structures", "read_documents"]
+__all__ = ["KINDS", "RockingParameters", "Side", "build_structure", "load_structures", "on_each_interface", "read_documents"]

@@ -68,15 +68,16 @@ def members(variations: Sequence[Variation]) -> int:
     return count
 
 
-def family(document: Document, variations: Sequence[Variation | str]) -> Iterator[Member]:
+def family(document: Document, variations: Sequence[Variation | str], each: bool = False) -> Iterator[Member]:
     """Yield a member for each combination of the varied values; the last key varies fastest. A variation may be a text, see
-    `parse_variation`. Raises DocumentError if a key is unknown, and UsageError if a key takes a text.
+    `parse_variation`; each: a stack has a member for each interface, see `on_each_interface`. Raises DocumentError if a key is unknown,
+    and UsageError if a key takes a text.
 
     >>> (document,) = read_documents('configs/block.yaml')
     >>> [round(member.parameters.p, 4) for member in family(document, ['height=2:4:3'])]
     [2.6717, 2.1996, 1.9106]
     """
-    from . import build_structure
+    from . import build_structure, on_each_interface
 
     parsed = [parse_variation(v) if isinstance(v, str) else v for v in variations]
     keys = [v.key for v in parsed]
@@ -86,21 +87,23 @@ def family(document: Document, variations: Sequence[Variation | str]) -> Iterato
         for key, text in texts.items():
             varied = varied.with_value(key, text, f"{document.source} with {key}={text}")
         try:
-            built, fault = build_structure(varied), None
+            found = [build_structure(one) for one in (on_each_interface(varied) if each else [varied])]
+            fault = None
         except DocumentError as error:
             if any(key not in varied.asked and key not in varied.dimensions for key in keys):
                 raise
-            built, fault = None, str(error)
+            found, fault = [], str(error)
         dimensions = varied.dimensions
-        if built and (words := [key for key in keys if key not in dimensions]):
+        if found and (words := [key for key in keys if key not in dimensions]):
             raise UsageError(f"`vary` {words[0]}: found a key that takes a text; expected a key that takes a number")
         shown = {headed(key, unit or si_unit(dimensions.get(key))): value for key, unit, value in zip(keys, units, values, strict=True)}
-        si = {key: parse_quantity(text, dimensions[key]) for key, text in texts.items()} if built else {}
-        if built:
+        si = {key: parse_quantity(text, dimensions[key]) for key, text in texts.items()} if found else {}
+        for built in found:
             name = " ".join([built.name, *(f"{key}={value:g}{unit}" for key, value, unit in zip(keys, values, units, strict=True))])
             more = {"varied": si, "varied_units": {key: si_unit(dimensions[key]) for key in keys}}
-            built = replace(built, name=name, details={**built.details, **more})
-        yield Member(si, shown, built, fault)
+            yield Member(si, shown, replace(built, name=name, details={**built.details, **more}), None)
+        if fault is not None:
+            yield Member(si, shown, None, fault)
 
 
 def _own_unit(document: Document, key: str) -> str:

@@ -154,6 +154,33 @@ def test_a_varied_value_is_a_column_and_members_without_a_solution_are_left_out(
     assert (header[0].split(",")[:3], len(header)) == (["varied_width [m]", "varied_damping", "structure"], 5)
 
 
+def test_a_stack_has_a_row_for_each_interface_and_one_that_falls_fails_the_check(rocking, tmp_path):
+    """Two rigid bodies that open at both interfaces, integrated by another program: the statue falls at 1.5 to 4 g. The stack as one body
+    on its base, where it lifts first, stands up to 4.1 g."""
+    stack = tmp_path / "statue.yaml"
+    stack.write_text("kind: stack\npieces: [{width: 1, height: 4}, {width: 0.1, height: 0.38}]")
+    motion = ("--a-g", "1.5g", "--f-g", "2.5", "--json", "--fail-on", "overturning")
+    done = rocking("check", str(stack), *motion)
+    assert done.returncode == 5
+    rows = {row.pop("structure"): row for row in done.records}
+    (alone,) = rocking("check", "block:0.1x0.38", *motion).records
+    assert (rows["statue"]["outcome"], rows["statue"]["capacity_demand"] > 2.0) == ("rocked", True)
+    for key in ("uplift_a", "first_overturning_a", "friction_needed", "fz_min"):
+        assert rows["statue on piece 1 from below"][key] == pytest.approx(alone[key], rel=1e-9), key
+    assert "1 of 2 overturn: statue on piece 1 from below" in done.stderr
+    assert "followed on one interface, as if no other opened" in rocking("envelope", str(stack), "--grid", "f_g=2.5").stderr
+
+    wider = rocking("check", str(stack), *motion, "--vary", "pieces.0.width=0.5:1.2:2", "--verdict-only").records
+    assert [row["structure"].partition(" pieces")[0] for row in wider] == [
+        "statue",
+        "statue on piece 1 from below",
+        "statue",
+        "statue on its base",
+    ]
+    squat = "kind: stack\npieces: [{width: 3, height: 0.5}, {width: 0.4, height: 2}]"
+    assert len(rocking("check", "-", *motion, stdin=squat).records) == 1
+
+
 def test_csv_has_the_columns_of_ties_that_the_first_structure_lacks(rocking):
     call = ("check", "configs/block.yaml", "configs/wall_tied.yaml", "--vary", "height=6:6:1", *SHAKING, "--verdict-only")
     (free, tied), records = rocking(*call, "--csv").rows, rocking(*call, "--json").records

@@ -104,3 +104,12 @@ def test_the_worst_frequency_of_a_range_counts(rocking):
     assert found[0]["capacity_demand"] == pytest.approx(row["capacity_demand"], rel=1e-9)
     assert found[0]["capacity_demand"] >= 1.0 > found[1]["capacity_demand"]
     assert "f_g 0.7 to 1.5 Hz" in done.stderr
+
+
+def test_a_stack_stands_if_it_stands_on_each_of_its_interfaces(rocking, tmp_path):
+    """The piece on top is what falls: by itself it needs the same width."""
+    stack = "kind: stack\npieces: [{width: 1, height: 4}, {width: 0.1, height: 0.38}]"
+    motion = ("--a-g", "0.5g", "--f-g", "2.5", "--json")
+    of_stack = rocking("solve", "-", *motion, "--vary", "pieces.1.width=0.05:0.3:6", stdin=stack).record
+    alone = rocking("solve", "block:0.1x0.38", *motion, "--vary", "width=0.05:0.3:6").record
+    assert (of_stack["side"], of_stack["value"]) == ("stands above", alone["value"])
