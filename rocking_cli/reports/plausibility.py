@@ -20,6 +20,8 @@ def structure_remarks(structure: "RockingParameters") -> Iterator[str]:
     """Yield remarks on the size and restitution of a structure; the size is that of the block with equal p, R = 3 g/(4 p^2)."""
     if structure.dimensionless:
         return
+    if not 0.1 * DEFAULT_GRAVITY <= structure.gravity <= 10.0 * DEFAULT_GRAVITY:
+        yield f"{structure.name}: gravity of {structure.gravity:g} m/s2; a gravity without a unit is in m/s2"
     radius = 0.75 * (structure.gravity / structure.p) / structure.p  # p^2 may overflow
     if not SMALLEST <= radius <= LARGEST:
         size = "large" if radius > LARGEST else "small"

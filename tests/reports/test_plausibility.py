@@ -11,6 +11,7 @@ def test_a_block_500_wide_is_said_to_be_large():
     (said,) = structure_remarks(built("kind: block\nname: Column\nwidth: 500\nheight: 2000"))
     # p^2 = 3 g/(4 R), so the block of equal p is itself, 2062 m from corner to corner.
     assert said == "Column: as large as a block of 2.06e+03 m from corner to corner; a length without a unit is in m"
+    assert "gravity of 981 m/s2" in next(structure_remarks(built("kind: block\nwidth: 0.5\nheight: 2\ngravity: 981")))
     assert "as small as a block of 0.00206 m" in next(structure_remarks(built("kind: block\nwidth: 0.5 mm\nheight: 2 mm")))
     for p, said in ((1e200, "small as a block of 0 m"), (1e-200, "large as a block of inf m")):  # p^2 is no double
         assert said in next(structure_remarks(RockingParameters("Column", "block", p, 0.2, 0.9, 0.2, 1.0)))

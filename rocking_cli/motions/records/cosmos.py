@@ -41,7 +41,10 @@ def read(text: RecordText) -> list[Series]:
             unit, dt = _unit(text, block[3], block[4]), _step(text, reals, count, block.string)
             component = stated(_CODE, lines) or stated(_CHANNEL, lines) or None
             pga = f"{reals[_PGA]:.6f}" if reals[_PGA] not in (_NONE, 0.0) else None
-            found.append(Series(component, dt, text.numbers(count, layout), unit, pga))
+            samples = text.numbers(count, layout)
+            if (samples == _NONE).any():
+                raise text.fault(f"sample {np.argmax(samples == _NONE) + 1} is {_NONE}, which marks an unknown value")
+            found.append(Series(component, dt, samples, unit, pga))
         else:
             others = f"{block[2]} in {block[3]}"
             text.skip(count, layout)

@@ -16,6 +16,7 @@ from ..polyline import Polyline
 
 LARGEST = 1e6  # m/s2, beyond which no ground shakes
 STEPS = (1e-7, 1e3)  # s, from the shortest to the longest
+_LONG_STEP = 1.0  # s; recorders sample every 0.001 to 0.02 s
 WRITTEN_UNITS = ("g", "gal", "cm/s2", "m/s2", "mm/s2")
 _PEAKS = (0.002, 5.0)  # g; the largest recorded is about 4 g. A record in gal that is read as g lies above, one in g read as gal below
 HORIZONTAL, ALL, STATION = "horizontal", "all", "station"
@@ -109,6 +110,8 @@ def record_of(series: Series, name: str, format_: str, source: str, sha256: str)
     small = series.pga is None and series.unit != "g" and 0.0 < pga < _PEAKS[0] * DEFAULT_GRAVITY  # no unit is larger than g
     if pga > _PEAKS[1] * DEFAULT_GRAVITY or small:
         remarks.append(f"a peak{where} of {pga / DEFAULT_GRAVITY:.3g} g, where the unit is taken to be {series.unit}")
+    if series.dt > _LONG_STEP and not series.remark:
+        remarks.append(f"a time step{where} of {series.dt:g} s, which is unusually long")
     if series.pga is not None:
         stated, found = abs(float(series.pga)), pga / factor
         header = stated * factor

@@ -9,6 +9,7 @@ from .text import Layout, RecordText, begins, stated
 NAME = "SMC"
 _KINDS = "UNCORRECTED ACCELEROGRAM|CORRECTED ACCELEROGRAM|VELOCITY|DISPLACEMENT|RESPONSE SPECTRA|FOURIER AMPLITUDE SPECTRA|UNKNOWN"
 _FIRST = re.compile(rf"([0-9])\s+({_KINDS})", re.IGNORECASE)
+_MORE = re.compile(r"\S.*")
 _COMPONENT = re.compile(r"component\s*=\s*(\S.*?)\s*$", re.IGNORECASE)
 _TEXT, _INTEGERS, _REALS = 11, 48, 50
 _POINTS, _DIGITS = 16, 46  # places among the integers, from 0
@@ -31,4 +32,6 @@ def read(text: RecordText) -> list[Series]:
     dt = text.step_of_rate(f"{reals[_RATE]:.10g}")
     pga = max((abs(reals[i]) for i in (_MAXIMUM, _MINIMUM) if reals[i] != reals[_NONE]), default=0.0)
     samples = text.numbers(count, Layout(5, 14) if integers[_DIGITS] == 8 else Layout(8, 10))
-    return [Series(stated(_COMPONENT, lines), dt, samples, "cm/s2", f"{pga:.6e}" if pga > 0.0 else None, text.surplus(count))]
+    if (more := text.find(_MORE)) is not None:
+        raise text.fault(f"found {more[0].strip()[:60]!r} after the {count} values declared; expected the end of the file")
+    return [Series(stated(_COMPONENT, lines), dt, samples, "cm/s2", f"{pga:.6e}" if pga > 0.0 else None)]

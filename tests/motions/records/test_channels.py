@@ -257,6 +257,7 @@ REFUSED = [
     (head(csmip(1, 90, TENTH), 100, "\n/& End of data"), "a:101: found '/&"),
     (cosmos(step=5.0), "a:46: 2000 values every 0.005 s make 10 s, where the header states 20 s"),
     (cosmos(length=72.0), "2000 values every 0.01 s make 20 s, where the header states 72 s"),
+    (cosmos(np.where(np.arange(2000) == 5, -999.0, LONG)), "a:296: sample 6 is -999.0, which marks an unknown value"),
     (cosmos(step=0.0), "a:46: a time step of 0"),
     (cosmos(quantity="velocity", unit="cm/sec(05)"), "no acceleration, only velocity in cm/sec"),
     (cosmos(unit="counts(50)"), "found the unit 'counts' (50)"),

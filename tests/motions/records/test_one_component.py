@@ -128,8 +128,16 @@ REFUSED = [
     (smc(kind="3 VELOCITY"), "a:1: found '3 VELOCITY'; expected an accelerogram"),
     (smc(kind="0 UNKNOWN"), "a:1: found '0 UNKNOWN'; expected an accelerogram"),
     (smc(count=806), "a:131: found 5 numbers on a line; expected 6 (the header announces 806 values)"),
+    (smc() + smc(), "found '2 CORRECTED ACCELEROGRAM' after the 805 values declared; expected the end of the file"),
     (smc(rate=0.0), "a sampling frequency of 0"),
     (smc(rate=NONE), "no sampling rate"),
     ("\n".join(smc().splitlines()[:60]) + "\n", "a:60: the file ends after 240 of 805 values"),
 ]
+
+
+def test_a_rate_in_seconds_is_a_remark(tmp_path):
+    (tmp_path / "a").write_text(smc(rate=0.005))
+    assert "a time step of component 360 of 200 s, which is unusually long" in read_record(tmp_path / "a").remarks
+
+
 test_bad_files_of_smc_are_told_with_file_and_line = refuses(read_records, DocumentError, REFUSED, file="a", literal=True)
