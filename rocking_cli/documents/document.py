@@ -198,7 +198,7 @@ def _with_inner(value: Value, path: Sequence[str], new: Value) -> Value:
     if isinstance(value.content, list) and rest and (old := _item(value.content, name)):
         return replace(value, content=[_with_inner(x, rest, new) if x is old else x for x in value.content])
     wanted = f"a number from 0 to {len(value.content) - 1} and a key" if isinstance(value.content, list) else "a key of a mapping"
-    raise DocumentError(f"{new.place}: found {name!r} in {value} (line {value.place.line}); expected {wanted}")
+    raise DocumentError(f"{new.place}: found {name!r} in {value} of line {value.place.line}; expected {wanted}")
 
 
 def _range_text(above: float, below: float, least: float, most: float) -> str:

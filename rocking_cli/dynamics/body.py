@@ -79,20 +79,20 @@ class Body(NamedTuple):
         return edge.alpha if self.linear else np.sin(edge.alpha)
 
     def lifting(self, edge: Edge, push: Array | float, weight: Array | float) -> Any:
-        """Returns u'' of a body on the ground under this outward push [g] and this weight over m g."""
+        """Return u'' of a body on the ground under this outward push [g] and this weight over m g."""
         return (push if self.linear else push * np.cos(edge.alpha)) - weight * self.pull(edge)
 
     def fall(self, edge: Edge, u: Array) -> Array:
-        """Returns by how much u'^2 grows on the way down from u to the impact, on still ground, undamped."""
+        """Return by how much u'^2 grows on the way down from u to the impact, on still ground, undamped."""
         z = edge.alpha - u
         return edge.alpha**2 - z * z if self.linear else 2.0 * (np.cos(z) - np.cos(edge.alpha))
 
     def squared_speed_at_ground(self, edge: Edge, y: Array, v: Array) -> Array:
-        """Returns u'^2 at the next impact of bodies that are now at y, v [units of the edge], on still ground, undamped."""
+        """Return u'^2 at the next impact of bodies that are now at y, v [units of the edge], on still ground, undamped."""
         return (edge.unit * v) ** 2 + self.fall(edge, edge.unit * y)
 
     def top(self, edge: Edge, square: Array) -> Array:
-        """Returns the largest u, on still ground, of a body that leaves the ground with u'^2 = square, undamped."""
+        """Return the largest u, on still ground, of a body that leaves the ground with u'^2 = square, undamped."""
         if self.linear:
             return edge.alpha - np.sqrt(np.maximum(edge.alpha**2 - square, 0.0))
         return edge.alpha - np.arccos(np.minimum(np.cos(edge.alpha) + 0.5 * square, 1.0))

@@ -15,7 +15,7 @@ class Arrays:
     """Base of groups of lanes. A field is an array with the lanes on its last axis, another such group, or one value for all lanes."""
 
     def take(self, at: Array | slice) -> Self:
-        """Returns these lanes only: copies if `at` holds indices, views if it is a slice."""
+        """Return these lanes only: copies if `at` holds indices, views if it is a slice."""
         return type(self)(*[_taken(getattr(self, name), at) for name in self.__dataclass_fields__])
 
     def put(self, places: Array, others: Self) -> None:
@@ -24,7 +24,7 @@ class Arrays:
             getattr(self, name)[places] = getattr(others, name)
 
     def extended(self, kind: type[Extended], **more: Array) -> Extended:
-        """Returns these lanes as a subclass, which takes the values of its additional fields from the arguments."""
+        """Return these lanes as a subclass, which takes the values of its additional fields from the arguments."""
         return kind(**vars(self), **more)
 
     @classmethod

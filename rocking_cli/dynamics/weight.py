@@ -43,7 +43,7 @@ class WeighedSegments(Segments):
 
     @property
     def weighed(self) -> Self:
-        """Returns this object; plain `Segments` return None."""
+        """Return this object; plain `Segments` return None."""
         return self
 
     def offset(self, side: Array) -> Array:

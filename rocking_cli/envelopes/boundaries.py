@@ -39,7 +39,8 @@ _STRETCH = 80  # points computed together in a search for the first fall
 
 
 class ScanPoints(NamedTuple):
-    """Computed cells in the order of row and amplitude: their outcomes, and their numbers of impacts until the outcome was certain."""
+    """Amplitudes that a scan has computed, by row (Omega) and amplitude: the outcomes, and the numbers of impacts until the outcome was
+    certain."""
 
     row: Array
     amplitude: Array

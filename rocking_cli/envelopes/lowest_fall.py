@@ -147,7 +147,8 @@ class FallSearch:
         return high
 
     def share_of_falls(self, first: float) -> float:
-        """The share of falls among amplitudes `COARSE` apart up to 5 % above the first fall; 0 if the falls are one interval."""
+        """The share of overturning amplitudes, 0 to 1, from the first to 5 % above it, by a scan in steps of `COARSE`; 0 if they are one
+        interval."""
         falls = self.computed[1][(first < self.computed[0]) & (self.computed[0] < _ABOVE * first)].tolist()
         single = sum(one != other for one, other in pairwise([True, *falls])) <= 1
         return 0.0 if single else 0.5 * sum(falls) / len(falls)

@@ -29,7 +29,7 @@ Progress = Callable[[int, int], None]
 
 @dataclass(frozen=True, eq=False)
 class Exposure:
-    """A structure under each motion of a set at levels of its measure.
+    """Responses of one structure to each motion of a set (members), scaled to each level of the intensity measure.
 
     theta_ratio: max |theta|/alpha, NaN where it falls; outcome: codes of `Outcome`; (members, levels).
     """

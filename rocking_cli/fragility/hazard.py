@@ -251,7 +251,7 @@ def _openquake(source: str, rows: Rows, measure: Measure, site: str | None) -> l
 
 
 def _is_at(place: str, site: str, row: dict[str, str]) -> bool:
-    """True for the row of a site `LON,LAT`. Raises UsageError for another text."""
+    """True if a row of a hazard table belongs to the site `LON,LAT` [deg]. Raises UsageError for a site of another form."""
     try:
         lon, lat = (parse_quantity(part, "number") for part in site.split(","))
     except ValueError:

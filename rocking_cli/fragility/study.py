@@ -190,7 +190,7 @@ class Study:
         return {**row, "rate_without_fit": rate.annual}
 
     def exact_rows(self) -> Iterator[dict[str, Any]]:
-        """Yield the exact share of overturning motions as a row for each change."""
+        """Yield the share of motions that overturn the structure, without a fit: a row for each intensity at which it changes."""
         assert self.intervals is not None
         x, share = share_overturned(self.intervals, self.motions.weight)
         for at, part, more in zip(x, share, hazard_points(self.hazard, x, share, self.rate_without_fit), strict=True):

@@ -116,7 +116,7 @@ class Edge(NamedTuple):
 def edges_of(structure: RockingParameters) -> tuple[Edge, Edge]:
     """Return the right and the left edge. Raises UsageError if the structure is no rigid body, or if its mass centre is not known."""
     if structure.arm is None:
-        raise UsageError(f"{structure.name}: forces need one rigid body on its edges, and arm, the distance of its mass centre from them")
+        raise UsageError(f"{structure.name}: forces need a single rigid body, and `arm`, the distance from its mass centre to its edges")
     edges = []
     for side in (*reversed(structure.sides),) or (structure, structure):
         if side.arm is None:

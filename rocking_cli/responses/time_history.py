@@ -45,7 +45,7 @@ class TimeHistory:
 
     @property
     def end(self) -> float:
-        """The end [tau] of the longest history, at most `shown`."""
+        """The time [tau] at which the longest history ends, at most `shown`."""
         return min(self.shown, max(h.end for h in self.histories.values()))
 
     @property

@@ -94,7 +94,7 @@ class Scene(ABC):
 
     @abstractmethod
     def bands(self, unit: Unit, size: tuple[int, int]) -> Iterator[Band]:
-        """Yield the bands of a unit in the order of their rows; size: (rows, columns) of the unit."""
+        """Yield the parts of a unit that have one structure each, in the order of their rows; size: (rows, columns) of the unit."""
 
     @abstractmethod
     def frame(self) -> Frame:

@@ -155,7 +155,7 @@ def test_a_backing_bears_what_nobody_knows():
     "text", ["kind: frame\ncolumns: 2\nwidth: 1\nheight: 6\ncap_ratio: 0.5\n", "kind: parameters\np: 2\nalpha: 0.2\neta: 0.9\na_scale: 1\n"]
 )
 def test_what_is_not_one_rigid_body_has_no_forces(text):
-    with pytest.raises(UsageError, match="arm, the distance of its mass centre"):
+    with pytest.raises(UsageError, match="a single rigid body, and `arm`"):
         answer(text, release=0.5)
 
 

@@ -229,7 +229,7 @@ def test_solve_varies_a_tie():
 
 REFUSED = [
     ("ties.0.yeild", r"unknown key 'yeild' .did you mean 'yield'"),
-    ("ties.3.yield", "found '3' in a list .line 7.; expected a number from 0 to 0 and a key"),
+    ("ties.3.yield", "found '3' in a list of line 7; expected a number from 0 to 0 and a key"),
     ("ties.0", "found '0' in a list"),
     ("ties.0.height.x", "found 'x' in 5.5 m"),
 ]

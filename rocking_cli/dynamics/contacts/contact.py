@@ -40,7 +40,7 @@ class Contact(ABC):
 
     @abstractmethod
     def cells(self, equation: Equation, amplitude: Array, omega: Array, eta: Array) -> Cells:
-        """Returns the drive of each cell on each side, from A, Omega, eta (each (cells,)). Raises ValueError if an eta is out of range."""
+        """Return the drive of each cell on each side, from A, Omega, eta (each (cells,)). Raises ValueError if an eta is out of range."""
 
     @abstractmethod
     def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
@@ -48,7 +48,7 @@ class Contact(ABC):
 
     @abstractmethod
     def other_side(self, lanes: Lanes) -> OtherSide | None:
-        """Returns the side on which lanes land at their next impact; None if they land on the same side again."""
+        """Return the side on which lanes land at their next impact; None if they land on the same side again."""
 
     def strongest(self, cells: Cells, segments: Segments, first: Array | int = 0) -> Array:
         """The strongest drive of each cell from segment `first` on, over the drive at uplift, (cells,). Above 1 the body lifts off."""
@@ -135,7 +135,7 @@ class Symmetric(Contact):
     alike = True
 
     def cells(self, equation: Equation, amplitude: Array, omega: Array, eta: Array) -> Cells:
-        """Returns one row, which holds for both sides."""
+        """Return one row, which holds for both sides."""
         if not np.all((eta >= 0.0) & (eta <= 1.0)):
             raise ValueError("eta must be within [0, 1]")
         return Cells((amplitude / equation.uplift_amplitude)[None], omega[None], eta[None])
@@ -147,7 +147,7 @@ class Symmetric(Contact):
         lanes.b = -2.0 - b  # b = -1 + a at y = 0, and a changes its sign
 
     def other_side(self, lanes: Lanes) -> OtherSide:
-        """Returns the other side, whose numbers equal those of this one."""
+        """Return the other side, whose numbers equal those of this one."""
         return OtherSide(1.0, 1.0, lanes.eta, lanes.eta, 1.0)
 
 
@@ -159,7 +159,7 @@ class OneSided(Contact):
     left = 0.0
 
     def cells(self, equation: Equation, amplitude: Array, omega: Array, eta: Array) -> Cells:
-        """Returns one row, for the right edge; the eta of the lanes is -e."""
+        """Return one row, for the right edge; the eta of the lanes is -e."""
         if not np.all((eta > -1.0) & (eta <= 0.0)):
             raise ValueError("eta of a one-sided body must be within (-1, 0]")
         return Cells((amplitude / equation.uplift_amplitude)[None], omega[None], np.abs(eta)[None])
@@ -170,11 +170,11 @@ class OneSided(Contact):
         lanes.b = b.copy()
 
     def other_side(self, lanes: Lanes) -> None:
-        """Returns None: every arc is on the same side."""
+        """Return None: every arc is on the same side."""
 
 
 def reciprocal_ratios(one: float, other: float) -> tuple[float, float]:
-    """Returns one/other and other/one of positive units, so that their product is 1 to every digit (each is exact to a few roundings): an
+    """Return one/other and other/one of positive units, so that their product is 1 to every digit (each is exact to a few roundings): an
     impact without loss then has no loss in these units either."""
     there, back = one / other, other / one
     while 0.0 < abs(there * back - 1.0) < 1.0:
@@ -209,7 +209,7 @@ class Unequal(Contact):
         return np.where(side > 0.0, *pair)
 
     def cells(self, equation: Equation, amplitude: Array, omega: Array, eta: Array) -> Cells:
-        """Returns a row for each edge. eta is that of this contact; the argument `eta` is ignored."""
+        """Return a row for each edge. eta is that of this contact; the argument `eta` is ignored."""
         drive, frequency, own = (np.array(pair)[:, None] for pair in (self.drive, self.omega, self.eta))
         return Cells(drive * amplitude, frequency * omega, np.broadcast_to(own, (2, omega.size)))
 
@@ -231,7 +231,7 @@ class Unequal(Contact):
         self.turn(cells, lanes, np.arange(lanes.side.size), -lanes.side)
 
     def other_side(self, lanes: Lanes) -> OtherSide:
-        """Returns the other edge, in units of this one."""
+        """Return the other edge, in units of this one."""
         here, there = lanes.side, -lanes.side
         drive, omega, rotation = (self._of(pair, there) / self._of(pair, here) for pair in (self.drive, self.omega, self.rotation))
         return OtherSide(drive, omega, lanes.eta, self._of(self.eta, there), rotation)

@@ -39,7 +39,7 @@ class Points(NamedTuple):
 
 @lru_cache(maxsize=16)
 def points(count: int) -> Points:
-    """Returns the rule with `count` points besides the start."""
+    """Return the rule with `count` points besides the start."""
     n = np.arange(count + 1.0)
     values = np.cos(np.pi / count * np.fmod(np.outer(n, n), 2.0 * count))
     values[1::2] *= -1.0  # T_n at the points and the start

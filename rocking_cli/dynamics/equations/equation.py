@@ -43,7 +43,7 @@ class Flow(Protocol):
     def fastest(self) -> Array: ...
 
     def take(self, lanes: Array) -> Self:
-        """Returns the flow of the lanes with these indices."""
+        """Return the flow of the lanes with these indices."""
 
     def at(self, h: Array) -> Point:
         """The state of each lane h >= 0 [tau] after the start; h: (lanes,)."""
@@ -109,12 +109,12 @@ class Equation(ABC):
         self.damping = damping
 
     def on(self, side: Array, cell: Array | None = None) -> Self:
-        """Returns the equation with the numbers of these lanes: of the sides, +1 or -1, that they are on, and of their cells."""
+        """Return the equation with the numbers of these lanes: of the sides, +1 or -1, that they are on, and of their cells."""
         return self
 
     @abstractmethod
     def flow(self, segments: Segments, lanes: Lanes) -> Flow:
-        """Returns the flow of the lanes from their present state."""
+        """Return the flow of the lanes from their present state."""
 
     @abstractmethod
     def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
@@ -122,11 +122,11 @@ class Equation(ABC):
 
     @abstractmethod
     def law(self, side: float) -> Law:
-        """Returns the equation of one side as text."""
+        """Return the equation of one side as text."""
 
     @abstractmethod
     def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
-        """Returns the force f at displacement y, under the outward drive a and the weight over m g."""
+        """Return the force f at displacement y, under the outward drive a and the weight over m g."""
 
     def rotation(self, y: Array) -> Array:
         """|theta|/alpha at displacement y, of any shape."""
@@ -164,7 +164,7 @@ class SeriesEquation(Equation):
 
     @abstractmethod
     def along(self, y: Array) -> Callable[[int], Array]:
-        """Returns a function of n that returns terms n of l and m, (2, lanes), from the terms 0 to n of y, (terms, lanes). The caller calls
+        """Return a function of n that returns terms n of l and m, (2, lanes), from the terms 0 to n of y, (terms, lanes). The caller calls
         it for n = 0, 1 ... in this order."""
 
     def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:

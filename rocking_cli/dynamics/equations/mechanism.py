@@ -117,7 +117,7 @@ class MechanismEquation(SeriesEquation):
         return Law("mechanism", ("F, G = local", "F0 = F[0]", "G0 = G[0]"), term, {}, local=self._about)
 
     def _about(self, y: float, count: int) -> tuple[float, tuple[tuple[float, ...], ...]]:
-        """(half the fitted half width of the patch at y, the first terms of F and G in powers of y less this one)."""
+        """(distance from y up to which the series hold; the first `count` terms of F and of G as series about this y)."""
         at, x = self.table.of(np.array([y]))
         half = float(self.table.half[at[0]])
         rows = self._local(at, x, count)[:, :, 0] / half ** np.arange(count)
@@ -171,7 +171,7 @@ class MechanismEquation(SeriesEquation):
         return inverse(self.table, self.table.turn, rotation, self.limit)
 
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
-        """The energy K = v^2/2 + int F/F0 dy is constant between impacts; the barrier is at phi = alpha."""
+        """The energy is K = v^2/2 + int F/F0 dy, constant between impacts; the barrier is at phi = alpha."""
         energy = 0.5 * v * v + self.table.value(self.table.work, y)
         return falls_by_energy(v, energy, self.barrier, y > self.top), energy
 

@@ -24,9 +24,9 @@ _SMALL = 3e-14
 
 @dataclass(frozen=True)
 class Marks:
-    """Series of F/F0 (l of `lemmas`) and G/G0 (m) about equally spaced values of y, the marks. low: the lowest mark; step: the distance
-    between marks; rows: coefficients of the powers of (y - mark), (2, powers, marks); halves: half width of the fitted patch at each mark;
-    left: size of the first omitted term at a distance of two steps from a mark."""
+    """Tabulated power series of F/F0 and of G/G0 (l and m of `lemmas`) about equally spaced values of y, called marks. low: the lowest one;
+    step: the distance between marks; rows: coefficients of the powers of (y - mark), (2, powers, marks); halves: half width of the patch
+    from which the series of a mark comes; left: size of the first omitted term at a distance of two steps from a mark."""
 
     low: float
     step: float
@@ -212,7 +212,7 @@ def _collapse(mechanism: Mechanism, alpha: float) -> float:
 
 
 def _fit(path: _Path, start: float, stop: float, depth: int) -> list[tuple[float, float, float, list[Array]]]:
-    """Returns patches from start to stop, halved until their series converge."""
+    """Return patches from start to stop, halved until their series converge."""
     if depth > 16:
         raise ValueError("the nonlinear model does not hold: the linkage locks too close to rest")
     centre, half = 0.5 * (start + stop), 0.5 * _WIDEN * (stop - start)

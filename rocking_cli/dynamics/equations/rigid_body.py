@@ -49,7 +49,7 @@ class RigidBodyEquation(SeriesEquation):
         self.bounds = 1.0, 1.0 / self.cos
 
     def _at(self, lanes: Array | slice) -> Self:
-        """Returns the equation with the numbers at these indices, of cells, of edges or of lanes."""
+        """Return the equation with the numbers at these indices, of cells, of edges or of lanes."""
         there = copy.copy(self)
         there._each = {key: x[lanes] for key, x in self._each.items()}
         for key, x in there._each.items():

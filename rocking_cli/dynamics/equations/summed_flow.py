@@ -75,7 +75,7 @@ class SummedFlow(NamedTuple):
         return np.full(self.y.shape, 24.0)
 
     def take(self, lanes: Array) -> "SummedFlow":
-        """Returns the arcs of some lanes."""
+        """Return the arcs of some lanes."""
         return SummedFlow._make([*(x.take(lanes, axis=-1) for x in self[:-2]), *self[-2:]])
 
     def at(self, h: Array) -> Point:

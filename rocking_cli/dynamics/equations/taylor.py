@@ -171,12 +171,13 @@ def _fill(terms: Array, segments: Segments, lanes: Lanes, here: tuple[Array, Arr
 
 
 def series(terms: Array, fastest: Array, tolerance: float, damping: float = 0.0) -> TaylorSeries:
-    """Build the series from its terms in powers of `fastest` h, with the longest step that the tolerance allows."""
+    """Build the series from its terms, with the longest step that the tolerance allows; arguments as of `longest`."""
     return TaylorSeries(terms, 1.0 / fastest, longest(terms, fastest, tolerance), fastest, damping)
 
 
 def longest(terms: Array, fastest: Array, tolerance: float) -> Array:
-    """The longest step [tau] that the tolerance allows; terms: in powers of `fastest` h; fastest: rate of the fastest change [1/tau]."""
+    """The longest step [tau] that the tolerance allows. fastest: rate of the fastest change [1/tau]; terms: coefficients of the powers of
+    (fastest h), (terms, lanes)."""
     # Four terms, since one or two can be small by accident: after a jump from rest the series has even powers only.
     last = np.arange(terms.shape[0] - 4.0, terms.shape[0])[:, None]
     size = np.abs(terms[-4:])

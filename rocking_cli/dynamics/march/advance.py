@@ -145,7 +145,7 @@ def next_step(segments: Segments, lanes: Lanes, longest: Array) -> Step:
 
 
 def advance(segments: Segments, lanes: Lanes, equation: Equation, until: Array | float = np.inf) -> StepResult:
-    """Take the step, and find out whether and when the body hit the ground in it; until: the longest step [tau] that other events allow."""
+    """Move each lane by one step, or to the impact in it, if there is one. until: the longest step [tau] that other events allow."""
     arc = equation.flow(segments, lanes)
     step = next_step(segments, lanes, np.minimum(arc.longest, until))
     if segments.weighed is not None and isinstance(arc, TaylorSeries):
@@ -235,7 +235,7 @@ def _slope(b: Array, v: Array, damping: float) -> Array:
 
 
 def _bottom(segments: Segments, lanes: Lanes, result: StepResult, at: Array) -> Array:
-    """How long [tau] the drive falls in these steps: until the start of the last segment; 0 where it only rises."""
+    """The time [tau] for which the drive falls in these steps: until their last segment begins; 0 where the drive only rises."""
     k, u = lanes.k[at], lanes.u[at]
     to_k, to_u = result.step.k[at], result.step.u[at]
     to_k = np.where(to_u > 0.0, to_k, to_k - 1)

@@ -35,7 +35,7 @@ class FreeFall:
         return cls(segments, first, occurs) if occurs.any() else None
 
     def time_left(self, lanes: Lanes) -> Array:
-        """Returns the time [tau] left until the ground falls away; 0 after this instant, infinite if it never comes."""
+        """Return the time [tau] left until the ground falls away; 0 after this instant, infinite if it never comes."""
         k, start = self.k[lanes.cell], self.segments.start
         last = len(self.segments) - 1
         ahead = start[np.minimum(k, last)] - start[np.minimum(lanes.k, last)]  # its rounding is far below `_INSTANT`

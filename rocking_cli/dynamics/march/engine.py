@@ -78,7 +78,7 @@ class Run:
         march(self, waiting)
 
     def start(self, cell: Array) -> Lanes:
-        """Returns lanes for these cells, at their first uplift from rest; k is the number of segments if there is no uplift."""
+        """Return lanes for these cells, at their first uplift from rest; k is the number of segments if there is no uplift."""
         zero, count, begin = np.zeros(cell.size), np.zeros(cell.size, dtype=np.int32), self.batch.first[cell]
         first, to = self.batch.rests_until(cell, begin, zero)
         for observer in self.observers if cell.size else ():
@@ -134,7 +134,7 @@ class Run:
         return self.end_free_fall(in_air.join(struck_lanes))
 
     def _in_the_air(self, lanes: AnyLanes, result: StepResult, k: Array, u: Array, at: Array) -> AnyLanes:
-        """Returns the lanes `at`, which reached the end of their step in the air, with their new state."""
+        """Return the lanes `at`, which reached the end of their step in the air, with their new state."""
         lanes = lanes.take(at)
         lanes.k, lanes.u = k[at], u[at]
         lanes.y, lanes.v, lanes.b = result.end.y[at], result.end.v[at], result.force[at]
@@ -142,7 +142,7 @@ class Run:
         return lanes
 
     def _after_impact(self, lanes: AnyLanes, h: Array, v: Array, b: Array) -> AnyLanes:
-        """Returns the lanes after impacts h [tau] from now, with velocity v <= 0 and force b, without those that the impact finishes."""
+        """Return the lanes after impacts h [tau] from now, with velocity v <= 0 and force b, without those that the impact finishes."""
         batch, seg = self.batch, self.batch.segments
         lanes.k, lanes.u = place(seg, lanes.k, lanes.u + lanes.omega * h)
         lanes.y = np.zeros(h.size)

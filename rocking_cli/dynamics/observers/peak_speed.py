@@ -68,7 +68,7 @@ class PeakSpeed(Observer):
         self.speed.include(cell[go], speed[go])
 
     def propagates(self, lanes: Lanes, step: Propagation, proved: Array, strongest: Callable[[Array], Array]) -> Array:
-        """Returns propagations that may hold a larger speed. With c - 1 <= y'' <= r, v is below the lines of slope r from the start and c -
+        """Return propagations that may hold a larger speed. With c - 1 <= y'' <= r, v is below the lines of slope r from the start and c -
         1 to the end, and above those of slope c - 1 from the start and r to the end."""
         cell, side, at = lanes.cell, lanes.side, np.flatnonzero(proved)
         self.speed.include(cell[at], np.abs(self.contact.speed(side[at], step.v[at])))

@@ -125,7 +125,7 @@ class Script:
     tolerance: float
 
     def __call__(self, rate: Rate, start: Point, stop: float, limit: float) -> Path:
-        """Returns the same as `path`."""
+        """Return the same as `path`."""
         from scipy.integrate import solve_ivp
 
         events: tuple[Any, ...] = (lambda t, state: state[0], lambda t, state: state[1], lambda t, state: state[0] - limit)

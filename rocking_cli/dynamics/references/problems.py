@@ -52,7 +52,7 @@ def mechanism_rates(structure: RockingParameters, edge: Edge) -> Rates:
 
 
 def problem_of(structure: RockingParameters, rates: Callable[[RockingParameters, Edge], Rates]) -> Problem:
-    """Returns the problem of a structure; rates: function that gives the equation on an edge, such as `linear_rates`."""
+    """Return the problem of a structure; rates: function that gives the equation on an edge, such as `linear_rates`."""
     sides: dict[int, Edge] = dict(zip((-1, 1), structure.sides, strict=False))
     scale, own = structure.alpha / structure.a_scale, sides or dict.fromkeys((1,) if structure.one_sided else (1, -1), structure)
     arms = {i: Arm(e.alpha, e.arm * structure.p**2 / structure.gravity) for i, e in own.items() if e.arm is not None}

@@ -106,7 +106,7 @@ class ExactLanes(PooledLanes):
 
 
 class ExactStepper(SampleStepper[ExactLanes]):
-    """Takes a run of the undamped linear oscillator through a record."""
+    """Advances the cells of a `Run` of the undamped linear oscillator over many samples of a record at once."""
 
     def __init__(self, run: Run, samples: Sequence[Samples]) -> None:
         super().__init__(run, samples)
@@ -151,7 +151,7 @@ class ExactStepper(SampleStepper[ExactLanes]):
         lanes.level = np.clip(level, 0, self._top(lanes.pace)).astype(np.int64)
 
     def _top(self, pace: Array) -> Array:
-        """The level of the longest stretch over which lanes of this pace are propagated."""
+        """The largest level of `Stretches` (2^level samples) over which lanes of this pace are propagated."""
         return np.minimum(np.frexp(LONGEST_STRETCH / pace)[1] - 1, self.stretches.start.size - 1).astype(np.int64)
 
     def can_propagate(self, lanes: ExactLanes) -> Array:

@@ -30,7 +30,7 @@ Pooled = TypeVar("Pooled", bound=PooledLanes)
 
 
 class SampleStepper(ABC, Generic[Pooled]):
-    """Takes the cells of a run along the samples of a record."""
+    """Advances the cells of a `Run` along the samples of a record, in a pool of lanes."""
 
     def __init__(self, run: Run, samples: Sequence[Samples]) -> None:
         """samples: of each motion, in the order of the segments. They give every cell its motion, first and last sample, and step."""
@@ -58,7 +58,7 @@ class SampleStepper(ABC, Generic[Pooled]):
 
     @abstractmethod
     def prepare(self, lanes: PooledLanes) -> Pooled:
-        """Returns lanes with the additional fields that a subclass needs in the pool."""
+        """Return lanes with the additional fields that a subclass needs in the pool."""
 
     def can_propagate(self, lanes: Pooled) -> Array:
         """True for lanes that are at a sample before the last one, from which a propagation may be tried."""
@@ -103,7 +103,7 @@ class SampleStepper(ABC, Generic[Pooled]):
                 lanes.slot = np.arange(keep.size)
 
     def _begin(self, cells: Array, slot: Array) -> Pooled:
-        """Returns lanes for these cells at their first uplift."""
+        """Return lanes for these cells at their first uplift."""
         lanes = self.run.start(cells)
         lanes.k, lanes.u = place(self.segments, lanes.k, lanes.u)
         pace = self.step.take(lanes.cell) / lanes.omega

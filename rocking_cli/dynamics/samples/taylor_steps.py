@@ -29,7 +29,7 @@ class SteppingLanes(PooledLanes):
 
 
 class TaylorStepper(SampleStepper[SteppingLanes]):
-    """Takes a run of any equation from sample to sample of a record."""
+    """Advances the cells of a `Run` by Taylor steps from sample to sample of a record; for every equation."""
 
     def __init__(self, run: Run, samples: Sequence[Samples]) -> None:
         super().__init__(run, samples)

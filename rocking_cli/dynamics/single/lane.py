@@ -39,7 +39,7 @@ class Wave(NamedTuple):
 
     @classmethod
     def of(cls, segments: Segments, k: int) -> Self:
-        """Returns the wave of segment k."""
+        """Return the wave of segment k."""
         columns = (x[:, k].tolist() for x in (segments.sin, segments.cos, segments.frequency))
         return cls([row for row in zip(*columns, strict=True) if row[0] or row[1]], float(segments.slope[k]))
 
@@ -156,7 +156,7 @@ class Lane:
         self._unit = {side: self._edge(cells, side) for side in ((1.0,) if self._strike(cells, 1.0)[0] > 0.0 else (1.0, -1.0))}
 
     def edges(self, amplitude: float) -> dict[float, Edge]:
-        """Returns the edges, by the sign of their side, under a motion of this amplitude A."""
+        """Return the edges, by the sign of their side, under a motion of this amplitude A."""
         edges = {}
         for side, edge in self._unit.items():
             drive, sway = amplitude * edge.drive, amplitude * edge.sway
@@ -166,7 +166,7 @@ class Lane:
         return edges
 
     def _edge(self, cells: Cells, side: float) -> Edge:
-        """Returns the edge of a side under A = 1."""
+        """Return the edge of a side under A = 1."""
         equation, seg, at = self.system.equation.on(np.array([side])), self.segments, np.array([side])
         row = cells.row(at)
         amplitude, omega, eta = (float(np.ravel(values[row, 0])[0]) for values in cells)
@@ -200,7 +200,7 @@ class Lane:
         return self._codes[key]
 
     def lanes(self, cells: Cells, side: float) -> Lanes:
-        """Returns a lane for each cell on a side, at rest at the start of the motion."""
+        """Return a lane for each cell on a side, at rest at the start of the motion."""
         at = np.arange(cells.amplitude.shape[1])
         sides, zero, count = np.full(at.size, side), np.zeros(at.size), np.zeros(at.size, dtype=np.int64)
         amplitude, omega, eta = (np.broadcast_to(values, cells.amplitude.shape)[cells.row(sides), at].astype(float) for values in cells)

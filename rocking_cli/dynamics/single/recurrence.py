@@ -87,7 +87,8 @@ def _product(of: str, n: int, straight: bool, line: tuple[str, str], terms: str,
 
 
 def _march_lines(law: Law, order: int, damped: bool, weighed: bool, numbers: str) -> list[str]:
-    """Source of a march from phase u of segment k over straight lines, to (segment, phase, y, y', True after an impact)."""
+    """Source lines of a function that marches a body from phase u of segment k over straight lines, up to an impact or the last line. It
+    returns (segment, phase, y, y', True after an impact)."""
     # A step is taken if its series holds, Lemma 12 or the sign of y at its end (Lemma 1) decides on an impact, and no turn is above `peak`.
     lists, lifts = (", W, E", "w") if weighed else ("", "1.0")
     head = f"k, u, last, y, v, force, S, R, L{lists}, m, pace, fall, top, peak, least, keep, sway=0.0, root=only_root, at=value{numbers}"

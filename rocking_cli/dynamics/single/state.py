@@ -60,7 +60,7 @@ class Body:
         self.free_fall = FreeFall.of(lane.segments, cells, lane.shaken)
 
     def _lanes(self) -> Lanes:
-        """Returns this body as `Lanes` with one lane."""
+        """Return this body as `Lanes` with one lane."""
         lanes = self.lane.lanes(self.cells, self.edge.side)
         lanes.k[0], lanes.u[0], lanes.y[0], lanes.v[0] = self.k, self.u, self.y, self.v
         lanes.b[0] = self._net(self.edge, self.k, self.u) - 1.0 if self.force is None else self.force

@@ -38,7 +38,7 @@ class Phase(NamedTuple):
     yields: Array
 
     def take(self, at: Array | slice) -> Phase:
-        """Returns the phases of these lanes."""
+        """Return the phases of these lanes."""
         return Phase(*(x[..., at] for x in self))
 
 

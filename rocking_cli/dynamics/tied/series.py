@@ -89,7 +89,7 @@ class Law:
         return known.fastest
 
     def _linear(self, terms: Array, row: Array, now: Phase, drive: Array, unit2: Array) -> Callable[[int], Array]:
-        """Returns a function of n that gives unit^2 times term n of y'', from n = 1 on."""
+        """Return a function of n that gives unit^2 times term n of y'', from n = 1 on."""
         soft = unit2 * (1.0 - self.devices.linear_terms(row, now)[1])
         return lambda n: soft * terms[n] + drive[n] if n < len(drive) else soft * terms[n]
 

@@ -40,8 +40,8 @@ KINDS = ("block", "point_mass", "spire", "arch", "frame", "prism", "drum", "rigi
 
 
 def build(document: Document, name: str) -> RockingParameters:
-    """Return the parameters of a document of any kind. Raises DocumentError and StructureError as the kind does, and DocumentError for an
-    unknown kind and for a package that does not load, raises another error, exits, or returns something else."""
+    """Return the parameters of a document of any kind. Raises DocumentError for an unknown kind, and for the kind of an
+    installed package that does not load, raises another error, exits, or returns something else; otherwise what the kind raises."""
     value = document.values.get("kind")
     found = {} if value is not None and isinstance(value.content, str) and value.content in KINDS else installed(GROUP)
     word = document.choice("kind", [*KINDS, *found])

@@ -16,7 +16,7 @@ _WEIGHTS = (4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0)  # central differe
 
 
 class Coefficients(NamedTuple):
-    """M(phi) [kg m2], V'(phi)/g [kg m] and B(phi) > 0 [kg m] of Eq. 3.4, for any density."""
+    """Coefficients of Eq. 3.4 at a rotation phi, for any density. inertia: M [kg m2]; lift: V'/g [kg m]; push: B > 0 [kg m]."""
 
     inertia: Any
     lift: Any
