@@ -164,7 +164,8 @@ def documents_of(files: tuple[str, ...], most: int | None = None, place: str = "
 def note_interfaces(structures: Iterable[RockingParameters]) -> None:
     """Print a line on the stacks: each is followed on one interface, although another one may overturn first."""
     if names := [s.name for s in structures if "interfaces" in s.details]:
-        below(f"followed on one interface, as if no other opened (rocks_on; check of a stack has a row for each): {', '.join(names)}")
+        where = "rocks_on; check of a stack's own document has a row for each, its parameters hold one"
+        below(f"followed on one interface, as if no other opened ({where}): {', '.join(names)}")
 
 
 def remark_on(structures: Iterable[RockingParameters] = (), grid: Grid | None = None, spans: str = "") -> None:
