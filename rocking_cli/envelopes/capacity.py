@@ -106,8 +106,8 @@ class CapacitySearch(NamedTuple):
 
 
 def fall_searches(searches: Sequence[CapacitySearch]) -> list[FallSearch | None]:
-    """The search for narrow falls of each capacity under a record, else None; one scan first computes what they all need. Raises UsageError
-    as `CapacitySearch.ends`."""
+    """Return for each capacity the search for narrow overturning intervals, None if its motion needs none; one scan serves all searches.
+    Raises UsageError as `CapacitySearch.ends`."""
     found: list[FallSearch | None] = []
     scanned = []
     for one in searches:

@@ -153,7 +153,7 @@ class Study:
 
     def _first(self, limit: float | None) -> Fitted:
         if limit is not None:
-            raise UsageError(f"limit state {limit:g}: the method first needs the limit state overturning")
+            raise UsageError(f'limit state {limit:g}: the method "first" fits only the limit state overturning')
         assert self.intervals is not None
         r, highest, w = first_of(self.intervals), self.highest, self.motions.weight
         share = {float(x): float(w[r <= x].sum() / w.sum()) for x in self.motions.levels}

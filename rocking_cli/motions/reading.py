@@ -171,9 +171,9 @@ def read_set(
     paths: Sequence[str], take: Callable[[list[Record]], Sequence[Taken]], *, unit: str | None = None, dt: float | None = None,
     tell: Callable[[str], None], unread: Callable[[str], None] | None = None,
 ) -> Iterator[Taken]:  # fmt: skip
-    """Yield the results of `take` on the records of each file (see `record_files`); unit, dt [s]: of plain numbers. tell: called for
-    each file without results and, in a directory, without a record, acceleration or the component; unread: for each file of a
-    directory that cannot be read or taken (None: an error). Raises UsageError, DocumentError and the errors of `take`."""
+    """Yield the results of the function `take` on the records of each file (see `record_files`); unit, dt [s]: of files of plain numbers.
+    tell: called for each file without results and, in a directory, without a record, acceleration or the component; unread: for each file
+    of a directory that cannot be read or taken (None: an error). Raises UsageError, DocumentError and the errors of `take`."""
     require_unit(unit)
     for path, named, held in record_files(paths):
         try:

@@ -58,7 +58,8 @@ def extent(f: Callable[[Array], Array], low: float, high: float, depth: int = 0)
 
 
 def first_below(f: Callable[[Array], Array], low: float, high: float, level: float) -> float | None:
-    """Return the first instant of [low, high] with f <= level, None without one; f as in `extent`, level far above its rounding."""
+    """Return the first instant of [low, high] with f <= level, None without one. f as in `extent`; the level must be far above the
+    rounding error of f."""
     reach = extent(f, low, high)
     if reach.least > level:
         return None

@@ -160,7 +160,8 @@ def bounces_to_end(segments: Segments, lanes: Lanes, equation: Equation) -> Arra
 
 
 def bound_of_peaks(segments: Segments, lane: Lanes, gain: float) -> float:
-    """A bound of all later peaks [y] of one body just after an impact if nothing lifts it again (Lemma 14); infinite if none is proved."""
+    """Return an upper bound of all later peaks [y] of one body just after an impact, if nothing lifts it again (Lemma 14); infinite if
+    none is proved. gain: that of the equation, a bound of |df/dy|."""
     (k,), (u,), (amplitude,), (omega,), (v,), (b,) = (x.tolist() for x in (lane.k, lane.u, lane.amplitude, lane.omega, lane.v, lane.b))
     jump = _JOINED * amplitude * max(float(segments.later_max[0]), -float(segments.later_min[0]))
     now, sums, most, steepest, gain_sum = abs(1.0 + b), 0.0, 0.0, 0.0, 0.0

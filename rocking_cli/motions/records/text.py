@@ -148,7 +148,8 @@ class RecordText:
         return value
 
     def count(self, text: str, line: int | None = None, same: int | None = None) -> int:
-        """Return a count of values in the header; same: the count in another place of the header. Raises DocumentError if they differ."""
+        """Return the number of values that a text of the header states; same: the number that another place of the header states. Raises
+        DocumentError if the two differ."""
         value = self.number(text, line)
         if value != int(value) or value < 0.0:
             raise self.fault(f"a number of values of {text.strip()}; expected a whole number", line)
