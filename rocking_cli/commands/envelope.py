@@ -69,7 +69,7 @@ def envelope(
         return
     refuse("goes with records: give --motion", "alphas", "median")
     motion, axis = shaken.motion, frequency_axis(wanted.axes)
-    structures, varied = options.members_of(files, wanted.vary, sizeless.etas)
+    structures, varied = options.members_of(files, wanted.vary, sizeless.etas, each=True)
     structures = model.lifting(structures)
     if wanted.closed_form:
         for structure in structures:  # all of them, before the first row is printed
@@ -147,7 +147,7 @@ def _of_records(
         raise click.UsageError("--median does not go with --sign both")
     if len(model.models) > 1:
         raise click.UsageError("--model both goes with a pulse; records use the nonlinear equation")
-    structures, varied = options.members_of(files, wanted.vary, sizeless.etas) if files else ([], {})
+    structures, varied = options.members_of(files, wanted.vary, sizeless.etas, each=True) if files else ([], {})
     structures = model.lifting(structures)
     equation: dict[str, Any] = {"model": model.models[0], "tolerance": model.tolerance}
     scene = scene_of_words(structures, shaken.recordings, axes=wanted.axes, alphas=sizeless.alphas, etas=sizeless.etas, **equation)

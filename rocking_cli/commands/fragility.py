@@ -85,7 +85,7 @@ def fragility(
         refuse("does not go with --counts", *(click.get_current_context().params.keys() - set(_WITH_COUNTS)))
         _emit(counted(wanted.counts, Resampling(wanted.samples, wanted.seed)), [], wanted)
         return
-    structures, texts = options.structures_of(files)
+    structures, texts = options.structures_of(files, each=True)
     if bool(shaken.recordings) == (wanted.pulses is not None):
         raise click.UsageError("no set of motions: give either --motion with records, or --pulses with a table of pulses")
     if wanted.pulses is not None:

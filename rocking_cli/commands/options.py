@@ -164,8 +164,7 @@ def documents_of(files: tuple[str, ...], most: int | None = None, place: str = "
 def note_interfaces(structures: Iterable[RockingParameters]) -> None:
     """Print a line on the stacks: each is followed on one interface, although another one may overturn first."""
     if names := [s.name for s in structures if "interfaces" in s.details]:
-        where = "rocks_on; check of a stack's own document has a row for each, its parameters hold one"
-        below(f"followed on one interface, as if no other opened ({where}): {', '.join(names)}")
+        below(f"followed on one interface, as if no other opened (a stack's parameters hold one): {', '.join(names)}")
 
 
 def remark_on(structures: Iterable[RockingParameters] = (), grid: Grid | None = None, spans: str = "") -> None:

@@ -30,7 +30,7 @@ def predict(
     from ..spectra.prediction import predict as read_off
     from ..spectra.prediction import predict_exactly
 
-    structures, _ = options.structures_of(files)
+    structures, _ = options.structures_of(files, each=True)
     with SpectraFile(spectrum) as file:
         motion = file.motion()
         shaken = shaking.of(ground.Ground(motion))

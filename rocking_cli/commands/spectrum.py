@@ -61,13 +61,13 @@ def spectrum(
     scene: Scene
     model = replace(model, model=model.models[-1])
     if grid is not None and shaken.motion is not None:
-        structures, texts = options.structures_of(files, sizeless.etas)
+        structures, texts = options.structures_of(files, sizeless.etas, each=True)
         structures = model.lifting(structures)
         scene = PulseScene(tuple(structures), grid, shaken.motion, model.methods(structures, grid.dimensionless)[0])
     else:
         from ..spectra.record_scene import scene_of_words
 
-        structures, texts = options.structures_of(files, sizeless.etas) if files else ([], "")
+        structures, texts = options.structures_of(files, sizeless.etas, each=True) if files else ([], "")
         structures = model.lifting(structures)
         equation: dict[str, Any] = {"model": model.model, "tolerance": model.tolerance}
         scene = scene_of_words(structures, shaken.recordings, axes=axes, alphas=sizeless.alphas, etas=sizeless.etas, **equation)

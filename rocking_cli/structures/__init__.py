@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -62,12 +63,14 @@ def on_each_interface(document: Document) -> list[Document]:
     built = build_structure(document)
     if document.has("rocks_on") or not (interfaces := built.details.get("interfaces")):
         return [document]
-    found = [document]
+    found: list[Document] = []
     for i, one in enumerate(interfaces):
-        rocks = one["eta"] is not None or document.has("restitution")  # else it is too squat to rock there
-        if rocks and one["on"] != built.details["rocks_on"]:
-            named = document.with_value("name", f"{built.name} on {one['on']}", document.source)
-            found.append(named.with_value("rocks_on", str(i), document.source))
+        weakest = one["on"] == built.details["rocks_on"]
+        if weakest or one["eta"] is not None or document.has("restitution"):  # else it is too squat to rock there
+            name = built.name if weakest else f"{built.name} on {one['on']}"
+            here = document.with_value("name", name, document.source).with_value("rocks_on", str(i), document.source)
+            text = json.dumps({key: value.plain() for key, value in here.values.items()})
+            found.insert(0 if weakest else i, replace(here, text=text))
     return found
 
 

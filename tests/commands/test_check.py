@@ -181,6 +181,28 @@ def test_a_stack_has_a_row_for_each_interface_and_one_that_falls_fails_the_check
     assert len(rocking("check", "-", *motion, stdin=squat).records) == 1
 
 
+def test_commands_over_many_motions_follow_each_interface_of_a_stack(rocking, tmp_path):
+    """The least amplitude that overturns the upper piece is that of this piece as a block on the ground."""
+    (tmp_path / "statue.yaml").write_text("kind: stack\npieces: [{width: 1, height: 4}, {width: 0.1, height: 0.38}]")
+    stack, first, again = (str(tmp_path / file) for file in ("statue.yaml", "first.h5", "again.h5"))
+    names, axes = ("statue", "statue on piece 1 from below"), ("--grid", "a_g=0.2g:0.8g:3,f_g=2.5")
+    lowest = [rocking("envelope", body, "--grid", "f_g=2.5", "--lowest", "--json").records for body in (stack, "block:0.1x0.38")]
+    assert [row["structure"] for row in lowest[0]] == [*names]
+    assert lowest[0][1]["a_from"] == pytest.approx(lowest[1][0]["a_from"], rel=1e-9)
+    rocking("spectrum", stack, *axes, "-o", first)
+    rocking("spectrum", "-", *axes, "-o", again, stdin=rocking("info", first, "--documents").stdout)
+    cells = rocking("convert", first).rows
+    assert cells == rocking("convert", again).rows
+    assert [(row["structure"], row["outcome"]) for row in cells] == [
+        *[("statue", outcome) for outcome in ("no_uplift", "rocked", "rocked")],
+        *[("statue on piece 1 from below", outcome) for outcome in ("no_uplift", "overturned_after_impact", "rocked")],
+    ]
+    pulses = ("--pulses", "configs/motions/site_pulses.csv", "--levels", "0.1g:1g:10", "--limit", "overturning", "--json")
+    base, above = rocking("fragility", stack, *pulses).records
+    assert (base["structure"], above["structure"]) == names
+    assert above["median"] < 0.6 * base["median"]
+
+
 def test_csv_has_the_columns_of_ties_that_the_first_structure_lacks(rocking):
     call = ("check", "configs/block.yaml", "configs/wall_tied.yaml", "--vary", "height=6:6:1", *SHAKING, "--verdict-only")
     (free, tied), records = rocking(*call, "--csv").rows, rocking(*call, "--json").records
