@@ -222,7 +222,7 @@ class Shaking:
 
         given = {one.name: value for one in fields(Shaking) if (value := getattr(self, one.name)) is not None}
         if given:
-            refuse("does not go with an amplitude: expected one of them for the peak of the record", "scale_to")
+            refuse("does not go with an amplitude: expected one of them for the PGA of the record", "scale_to")
         own = None if ground.motion is None else ground.motion.acceleration
         if given.get("a_g", "").startswith("-"):
             given["a_g"] = given["a_g"][1:]

@@ -1,7 +1,7 @@
 """Writes fragility curves as files for other programs: NRML 0.5 of OpenQuake, CSV and JSON of pelicun.
 
 A fit is lognormal. OpenQuake takes the mean and the standard deviation of the level, not of its logarithm:
-mean = theta exp(beta^2/2), stddev = mean sqrt(exp(beta^2) - 1). An exact share is written as points joined by straight lines, from each
+mean = median exp(beta^2/2), stddev = mean sqrt(exp(beta^2) - 1). An exact share is written as points joined by straight lines, from each
 of its rises to the next: its running maximum, since these programs want probabilities that do not fall. The lines lie above the share.
 """
 
@@ -165,13 +165,13 @@ def _nrml(structures: Sequence[Sequence[State]], measure: Measure) -> str:
                 ET.SubElement(function, "poes", ls=limit).text = " ".join(map(_number, state.p))
             else:
                 curves.append(c := state.curve)
-                mean = c.theta / scale * math.exp(0.5 * c.beta**2)
+                mean = c.median / scale * math.exp(0.5 * c.beta**2)
                 ET.SubElement(function, "params", ls=limit, mean=_number(mean), stddev=_number(mean * math.sqrt(math.expm1(c.beta**2))))
         if curves:
             function.set("format", "continuous")
             function.set("shape", "logncdf")
-            least = no_damage or min(c.theta * math.exp(-4.0 * c.beta) for c in curves) / scale
-            most = max(c.theta * math.exp(3.0 * c.beta) for c in curves) / scale
+            least = no_damage or min(c.median * math.exp(-4.0 * c.beta) for c in curves) / scale
+            most = max(c.median * math.exp(3.0 * c.beta) for c in curves) / scale
             imls.set("minIML", _number(least))
             imls.set("maxIML", _number(max(most, 2.0 * least)))
     ET.indent(root)
@@ -200,7 +200,7 @@ def _pelicun(structures: Sequence[Sequence[State]], measure: Measure) -> tuple[s
                 ends = x / scale, np.append(p[:-1], 1.0)
                 row += ["multilinear_CDF", "|".join(",".join(map(_number, end)) for end in ends), "", ""]
             else:
-                row += ["lognormal", _number(state.curve.theta / scale), _number(state.curve.beta), ""]
+                row += ["lognormal", _number(state.curve.median / scale), _number(state.curve.beta), ""]
         writer.writerow(row)
         share = f", the {_SHARE}" if isinstance(states[0], Share) else ""
         model[name] = {

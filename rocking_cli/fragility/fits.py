@@ -1,17 +1,18 @@
-"""Fits of fragility curves, P(x) = Phi(ln(x/theta)/beta) at the intensity x: to counts at levels (stripes, Baker 2015), to the
+"""Fits of fragility curves, P(x) = Phi(ln(x/median)/beta) at the intensity x: to counts at levels (stripes, Baker 2015), to the
 intensities of first overturning (a record that never overturns the body is censored), or to rotations under unscaled records (cloud).
 The fits take arrays of many samples at once, (..., k), so that a bootstrap is one call.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 
 from ..errors import UsageError, counted
 
 Array = np.ndarray
-Estimate = tuple[Array, Array]  # ln theta and beta, each (...)
+Estimate = tuple[Array, Array]  # ln of the median, and beta, each (...)
 
 LEAST = 1e-4  # data with a dispersion below this count as data without scatter
 MOST = 1e3
@@ -21,37 +22,42 @@ _STRIDE = 2.0  # largest change of the argument of Phi in one step of Newton's m
 
 @dataclass(frozen=True)
 class Curve:
-    """A fragility curve: median theta [unit of the intensity measure], dispersion beta [-], and number of records."""
+    """A fragility curve: median [unit of the intensity measure], dispersion beta [-], and number n of records."""
 
-    theta: float
+    median: float
     beta: float
     n: float
+
+    theta = property(attrgetter("median"))  # the old name
 
     def __call__(self, x: Array | float) -> Array:
         """Return the probability at intensities x, in the shape of x."""
         from scipy.special import ndtr
 
         with np.errstate(divide="ignore"):
-            return np.asarray(ndtr(np.log(np.asarray(x, dtype=float) / self.theta) / self.beta))
+            return np.asarray(ndtr(np.log(np.asarray(x, dtype=float) / self.median) / self.beta))
 
 
 @dataclass(frozen=True)
 class Band:
     """A confidence band of a curve's two parameters, of its probability at some intensities, (k,), and of its annual rate."""
 
-    theta_low: float
-    theta_high: float
+    median_low: float
+    median_high: float
     beta_low: float
     beta_high: float
     low: Array
     high: Array
     rate: tuple[float, float] | None = None
 
+    theta_low = property(attrgetter("median_low"))  # the old name
+    theta_high = property(attrgetter("median_high"))  # the old name
+
 
 def stripes(x: Array, n: Array, z: Array) -> Estimate:
     """Return the maximum-likelihood curve of counts: z of n beyond the limit state at each level x, (k,); n, z: (..., k), or weights.
 
-    Maximises sum z ln Phi(u) + (n - z) ln Phi(-u), u = ln(x/theta)/beta (Baker 2015, Eq. 11). If the counts do not rise, beta is its upper
+    Maximises sum z ln Phi(u) + (n - z) ln Phi(-u), u = ln(x/median)/beta (Baker 2015, Eq. 11). If the counts do not rise, beta is its upper
     bound; if they change from none to all, its lower bound.
     """
     from scipy.special import ndtri
@@ -70,7 +76,7 @@ def first_overturning(r: Array, limit: Array | float, weight: Array | None = Non
     """Return the curve of the intensities r at which records first overturn the body; NaN or infinite for a record without overturning.
 
     r: (..., k); limit: the highest intensity computed; both it and weight of the same shape or one number. If all records overturn the
-    body, theta = exp(mean ln r) and beta is the standard deviation of ln r with k - 1. Otherwise the curve maximises
+    body, the median is exp(mean ln r) and beta is the standard deviation of ln r with k - 1. Otherwise the curve maximises
     sum [ln phi(u) - ln beta] + sum ln(1 - Phi(u_limit)), the second sum over the records without overturning.
     """
     r = np.asarray(r, dtype=float)
@@ -123,7 +129,7 @@ def _likeliest(
 def cloud(x: Array, theta_ratio: Array, limit: float, weight: Array | None = None) -> Estimate:
     """Return the curve for |theta|/alpha > `limit` from the regression ln(theta_max/alpha) = a + b ln x + sigma e over unscaled records.
 
-    x, theta_ratio: (..., k); records without a positive finite rotation are left out. theta = exp((ln limit - a)/b), beta = sigma/b, sigma
+    x, theta_ratio: (..., k); records without a positive finite rotation are left out. median = exp((ln limit - a)/b), beta = sigma/b, sigma
     with k - 2.
     """
     x, rotation = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(theta_ratio, dtype=float))
@@ -155,7 +161,7 @@ def fit_stripes(x: Array, n: Array, z: Array) -> Curve:
     records are beyond it and some are not.
 
     >>> curve = fit_stripes([1.0, 1.5, 2.0], [54, 54, 54], [2, 25, 43])
-    >>> round(curve.theta, 7), round(curve.beta, 7)
+    >>> round(curve.median, 7), round(curve.beta, 7)
     (1.5724765, 0.2700332)
     """
     x, n, z = check_levels(x), np.asarray(n, dtype=float), np.asarray(z, dtype=float)
@@ -183,7 +189,7 @@ def fit_first(r: Array, limit: Array | float, weight: Array | None = None) -> Cu
     """Return the curve of first overturnings r, NaN for a record without overturning up to `limit`. Raises UsageError for too few records.
 
     >>> curve = fit_first([0.2, 0.3, 0.4, 0.5], 1.0)
-    >>> round(curve.theta, 4), round(curve.beta, 4)
+    >>> round(curve.median, 4), round(curve.beta, 4)
     (0.331, 0.3956)
     """
     falls = int(np.count_nonzero(np.isfinite(r)))
@@ -197,7 +203,7 @@ def fit_cloud(x: Array, theta_ratio: Array, limit: float, weight: Array | None =
     or if they do not grow with x.
 
     >>> curve = fit_cloud([1.0, 2.0, 3.0, 4.0], [0.1, 0.25, 0.3, 0.45], 0.5)
-    >>> round(curve.theta, 4), round(curve.beta, 4)
+    >>> round(curve.median, 4), round(curve.beta, 4)
     (4.4542, 0.1223)
     """
     there = int(np.count_nonzero(np.isfinite(theta_ratio) & (np.asarray(theta_ratio) > 0.0)))
@@ -221,7 +227,7 @@ def bootstrap(
 ) -> Band | None:  # fmt: skip
     """Return the band of an estimate over resampled records (see `interval`), None if the samples do not vary.
 
-    estimate: from indices of records, (..., records), to curves; x: intensities of the band; rate: from ln theta and beta to a rate.
+    estimate: from indices of records, (..., records), to curves; x: intensities of the band; rate: from ln median and beta to a rate.
     """
     return _band(*interval(records, lambda index: _drawn(estimate(index), x, rate), how), rated=rate is not None)
 
@@ -273,5 +279,5 @@ def _band(low: Array, high: Array, rated: bool = False) -> Band | None:
     low, high = (np.delete(end, 2) if rated else end for end in (low, high))
     if not (np.all(np.isfinite(low)) and np.all(np.isfinite(high))):
         return None
-    theta = np.exp([low[0], high[0]])
-    return Band(float(theta[0]), float(theta[1]), float(low[1]), float(high[1]), ndtr(low[2:]), ndtr(high[2:]), rate)
+    median = np.exp([low[0], high[0]])
+    return Band(float(median[0]), float(median[1]), float(low[1]), float(high[1]), ndtr(low[2:]), ndtr(high[2:]), rate)

@@ -1,10 +1,10 @@
 """Seismic hazard: how many times a year a site exceeds each level of a measure, and a structure passes a limit state.
 
 The annual rate of a limit state is the integral of P(x) over |dH(x)|, where P is the fragility and H the hazard curve. Between its
-points H is a straight line in log-log, H = H_i (x/x_i)^-k, so that a lognormal P gives a closed form on each of them (integration by
-parts, and Cornell's H(theta) exp(k^2 beta^2/2) for a line without ends):
+points H is a straight line in log-log, H = H_i (x/x_i)^-k, so that a lognormal P of median m gives a closed form on each (integration by
+parts, and Cornell's H(m) exp(k^2 beta^2/2) for a line without ends):
 
-    -[P H] + H_i (x_i/theta)^k exp(k^2 beta^2/2) [Phi(u_i+1 + k beta) - Phi(u_i + k beta)],   u = ln(x/theta)/beta
+    -[P H] + H_i (x_i/m)^k exp(k^2 beta^2/2) [Phi(u_i+1 + k beta) - Phi(u_i + k beta)],   u = ln(x/m)/beta
 
 Nothing is counted outside the points; H(x_last) bounds the part beyond the last.
 """
@@ -92,18 +92,18 @@ class HazardCurve:
         inside = (line >= 0) & (line < self.slope.size)
         return np.where(inside, self.slope[np.clip(line, 0, self.slope.size - 1)] * self(x), 0.0)
 
-    def rate_of(self, ln_theta: Array, beta: Array) -> Array:
-        """Return the annual rate [1/year] of lognormal fragilities, in the shape of ln theta and beta."""
+    def rate_of(self, ln_median: Array, beta: Array) -> Array:
+        """Return the annual rate [1/year] of lognormal fragilities, in the shape of ln median and beta."""
         from scipy.special import log_ndtr, ndtr
 
         y, k = np.log(self.x), self.slope
-        ln_theta, beta = np.asarray(ln_theta, dtype=float)[..., None], np.asarray(beta, dtype=float)[..., None]
-        u = (y - ln_theta) / beta
+        ln_median, beta = np.asarray(ln_median, dtype=float)[..., None], np.asarray(beta, dtype=float)[..., None]
+        u = (y - ln_median) / beta
         low, high = u[..., :-1] + k * beta, u[..., 1:] + k * beta
         low, high = np.where(low > 0.0, -high, low), np.where(low > 0.0, -low, high)  # the same difference of Phi, without cancellation
         with np.errstate(divide="ignore", invalid="ignore"):
             between = log_ndtr(high) + np.log1p(-np.exp(log_ndtr(low) - log_ndtr(high)))
-        part = np.exp(np.log(self.rate[:-1]) + k * (y[:-1] - ln_theta) + 0.5 * (k * beta) ** 2 + between)
+        part = np.exp(np.log(self.rate[:-1]) + k * (y[:-1] - ln_median) + 0.5 * (k * beta) ** 2 + between)
         ends = ndtr(u) * self.rate
         return np.asarray(np.clip(ends[..., 0] - ends[..., -1] + np.nan_to_num(part).sum(-1), 0.0, self.rate[0] - self.rate[-1]))
 
@@ -148,15 +148,15 @@ class Rate:
         return found
 
 
-def annual_rate(theta: float, beta: float, hazard: HazardCurve) -> float:
-    """Return the annual rate [1/year] of a limit state: the integral of Phi(ln(x/theta)/beta) over |dH(x)|; theta in SI.
+def annual_rate(median: float, beta: float, hazard: HazardCurve) -> float:
+    """Return the annual rate [1/year] of a limit state: the integral of Phi(ln(x/median)/beta) over |dH(x)|; median in SI.
 
     >>> round(annual_rate(0.43, 0.35, HazardCurve([1e-4, 1.0, 1e4], [5e5, 5e-5, 5e-15])), 8)
     0.00060472
     """
-    if not (theta > 0.0 and beta > 0.0 and math.isfinite(theta) and math.isfinite(beta)):
-        raise UsageError(f"found theta = {theta:g} and beta = {beta:g}; expected positive numbers")
-    return float(hazard.rate_of(np.array(math.log(theta)), np.array(beta)))
+    if not (median > 0.0 and beta > 0.0 and math.isfinite(median) and math.isfinite(beta)):
+        raise UsageError(f"found median = {median:g} and beta = {beta:g}; expected positive numbers")
+    return float(hazard.rate_of(np.array(math.log(median)), np.array(beta)))
 
 
 def read_hazard(path: str | Path, im: str = "PGA", site: str | None = None) -> HazardCurve:

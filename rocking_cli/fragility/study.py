@@ -61,8 +61,8 @@ class Fit:
     def row(self) -> dict[str, Any]:
         """Return the fit as one row."""
         c, b = self.curve, self.band
-        low, high, *beta = (None,) * 4 if b is None else (b.theta_low, b.theta_high, b.beta_low, b.beta_high)
-        values = (*self._names().values(), c.theta, c.beta, low, high, *beta, round(c.n), c.theta, low, high)
+        low, high, *beta = (None,) * 4 if b is None else (b.median_low, b.median_high, b.beta_low, b.beta_high)
+        values = (*self._names().values(), c.median, c.beta, low, high, *beta, round(c.n), c.median, low, high)
         row: dict[str, Any] = dict(zip(FRAGILITY_COLUMNS, values, strict=True))
         if self.rate is not None:
             row |= {**self.rate.row(), "rate_without_fit": self.rate_without_fit and self.rate_without_fit.annual}
@@ -138,7 +138,7 @@ class Study:
         band = fits.bootstrap(count, estimate, self.how, x, of) if self.how.samples else None
         if hazard is not None:
             low, high = (None, None) if band is None or band.rate is None else band.rate
-            annual = float(hazard.rate_of(np.log(curve.theta), np.array(curve.beta)))
+            annual = float(hazard.rate_of(np.log(curve.median), np.array(curve.beta)))
             rate = Rate(annual, low, high, float(hazard.rate[-1]), float(hazard.x[-1]), float(curve(hazard.x[0])))
         names = self.structure.name, self.motions.measure.name, word_of(limit), method
         free = self.rate_without_fit if limit is None else None
@@ -229,7 +229,7 @@ class Study:
             found.append((measure.name, curve))
         found.sort(key=lambda pair: pair[1].beta)
         least = found[0][1].beta
-        rows = ((self.structure.name, im, c.theta, c.beta, least / c.beta, round(c.n), c.theta) for im, c in found)
+        rows = ((self.structure.name, im, c.median, c.beta, least / c.beta, round(c.n), c.median) for im, c in found)
         return [dict(zip(EFFICIENCY_COLUMNS, row, strict=True)) for row in rows]
 
     def cells(self) -> Iterator[dict[str, Any]]:

@@ -69,7 +69,7 @@ class MotionSpectrum:
 @dataclass(frozen=True, eq=False)
 class SpectrumFile:
     """S_a [m/s2] over T [s] at 5 % damping as a file states it, straight lines between its points. For another damping S_a is multiplied by
-    sqrt(10/(5 + xi)) from its peak on, and stays as it is before the peak, which is safe."""
+    sqrt(10/(5 + xi)) from the largest S_a on, and stays as it is before, which is safe."""
 
     name: str
     periods: Array

@@ -147,7 +147,7 @@ OWN_TIME = Axis("omega_g", np.array([1.0]))  # rad/s; then the phase of a record
 
 
 def as_recorded(acceleration: float) -> Grid:
-    """Return the grid of one cell of a record with this peak acceleration [m/s2]."""
+    """Return the grid of one cell of a record with this PGA [m/s2]."""
     return Grid(Axis("a_g", np.array([acceleration])), OWN_TIME)
 
 

@@ -49,7 +49,7 @@ def ricker(antisymmetric: bool = False) -> Motion:
 
 
 def mavroeidis_papageorgiou(gamma: float = 2.0, phase: float = 0.0) -> Motion:
-    """Return the near-fault pulse of Mavroeidis and Papageorgiou (2003), scaled to a peak acceleration of 1. Its velocity is
+    """Return the near-fault pulse of Mavroeidis and Papageorgiou (2003), scaled to a largest acceleration of 1. Its velocity is
     cos(phi' + phase) (1 + cos(phi'/gamma))/2, phi' = phi - pi gamma; gamma >= 1, duration over period; phase [rad]. Raises MotionError."""
     if not 1.0 <= gamma <= MOST_CYCLES:
         raise MotionError(f"mavroeidis-papageorgiou pulse: gamma is {gamma:g}; expected a number from 1 to {MOST_CYCLES}")

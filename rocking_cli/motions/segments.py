@@ -127,7 +127,7 @@ class Segments:
 
     @cached_property
     def _ends(self) -> tuple[np.ndarray, np.ndarray]:
-        """(largest s, least s) on each segment, and 0 behind the last, (K + 1,)."""
+        """The largest s and the least s on each segment, each (K + 1,); the last value of both is 0, for the time after the motion."""
         return np.append(np.maximum(self.s_start, self.s_end), 0.0), np.append(np.minimum(self.s_start, self.s_end), 0.0)
 
     @cached_property

@@ -284,8 +284,8 @@ def _fitted(fit: Fit) -> dict[str, str]:
     c, b, g = fit.curve, fit.band, DEFAULT_GRAVITY
     return {
         "limit": fit.limit,
-        "theta": f"{c.theta / g:.4g}",
-        "theta_band": f"{b.theta_low / g:.3g} to {b.theta_high / g:.3g}" if b else "–",
+        "median": f"{c.median / g:.4g}",
+        "median_band": f"{b.median_low / g:.3g} to {b.median_high / g:.3g}" if b else "–",
         "beta": f"{c.beta:.3g}",
         "beta_band": f"{b.beta_low:.3g} to {b.beta_high:.3g}" if b else "–",
     }

@@ -29,7 +29,7 @@ def demand_plainly(shakes: Sequence[tuple[Motion, Grid]], vertical: str | None =
     with_unit, unit = ("{} g", DEFAULT_GRAVITY) if grid.amplitude.name == "a_g" else (grid.amplitude.name + " = {}", 1.0)
     size = with_unit.format(" to ".join(dict.fromkeys(f"{x / unit:.3g}" for x in (min(peaks), max(peaks)))))
     if motion.acceleration is not None:
-        return (f"{len(shakes)} records of peak {size}" if len(shakes) > 1 else f"the record {motion.name}, of peak {size}") + upwards
+        return (f"{len(shakes)} records of PGA {size}" if len(shakes) > 1 else f"the record {motion.name}, of PGA {size}") + upwards
     match, omega = _CYCLES.fullmatch(motion.name), float(grid.frequency.values[0])
     name, count = match.groups() if match else (motion.name, None)
     cycles = {None: "", "1": "one cycle of ", "0.5": "half a cycle of "}.get(count, f"{count} cycles of ")

@@ -38,7 +38,7 @@ def test_a_peak_that_the_header_contradicts_is_one_line_with_both_numbers(rockin
     row = done.record
     assert (done.returncode, row["component"], row["header_pga"], row["pga"]) == (0, "HNN", 0.505, 0.7025)
     assert row["header_difference"] == pytest.approx(70.25 / 50.5 - 1.0)
-    odd = "a.asc: the header states a peak of component HNN of 50.5 cm/s2, the samples have 70.25 cm/s2"
+    odd = "a.asc: the header states a PGA of component HNN of 50.5 cm/s2, the samples have 70.25 cm/s2"
     assert done.stderr.strip() == odd
     assert rocking("response", "configs/block.yaml", "--motion", "a.asc", "--json").stderr.splitlines()[0] == odd
 

@@ -40,9 +40,9 @@ def likeliest(loss):
 )
 def test_counts_of_the_literature(x, n, z, theta, beta):
     curve = fit_stripes(x, np.full(x.size, n), z)
-    assert (curve.theta, curve.beta, curve.n) == (pytest.approx(theta, abs=5.1e-8), pytest.approx(beta, abs=5.1e-8), n)
-    assert curve(curve.theta) == pytest.approx(0.5, abs=1e-15)
-    assert curve(curve.theta * np.exp(1.5 * curve.beta)) == pytest.approx(norm.cdf(1.5), rel=1e-13)
+    assert (curve.median, curve.beta, curve.n) == (pytest.approx(theta, abs=5.1e-8), pytest.approx(beta, abs=5.1e-8), n)
+    assert curve(curve.median) == pytest.approx(0.5, abs=1e-15)
+    assert curve(curve.median * np.exp(1.5 * curve.beta)) == pytest.approx(norm.cdf(1.5), rel=1e-13)
 
 
 def test_stripes_are_the_most_likely_by_another_optimiser():
@@ -52,13 +52,13 @@ def test_stripes_are_the_most_likely_by_another_optimiser():
         z = random.binomial(n, norm.cdf(np.log(LEVELS / 0.6) / 0.5))
         wanted = likeliest(lambda q, n=n, z=z: -binom.logpmf(z, n, norm.cdf((np.log(LEVELS) - q[0]) / np.exp(q[1]))).sum())
         curve = fit_stripes(LEVELS, n, z)
-        assert (curve.theta, curve.beta) == pytest.approx(tuple(wanted), rel=3e-7, abs=0)
+        assert (curve.median, curve.beta) == pytest.approx(tuple(wanted), rel=3e-7, abs=0)
 
 
 def test_first_overturnings_without_censoring_are_a_mean_and_a_standard_deviation():
     r = np.random.default_rng(5).lognormal(np.log(MEDIAN), DISPERSION, 30)
     curve = fit_first(r, 10.0)
-    assert (curve.theta, curve.beta) == pytest.approx((np.exp(np.log(r).mean()), np.log(r).std(ddof=1)), rel=1e-12, abs=0)
+    assert (curve.median, curve.beta) == pytest.approx((np.exp(np.log(r).mean()), np.log(r).std(ddof=1)), rel=1e-12, abs=0)
 
 
 @pytest.mark.parametrize("alike", [True, False])
@@ -73,7 +73,7 @@ def test_first_overturnings_with_censoring_are_the_most_likely_by_another_optimi
         return -np.where(falls, norm.logpdf(u) - q[1], norm.logsf(u)).sum()
 
     curve = fit_first(np.where(falls, r, np.nan), limit)
-    assert (curve.theta, curve.beta) == pytest.approx(tuple(likeliest(loss)), rel=3e-7, abs=0)
+    assert (curve.median, curve.beta) == pytest.approx(tuple(likeliest(loss)), rel=3e-7, abs=0)
 
 
 def test_a_cloud_is_a_line_in_logarithms():
@@ -83,7 +83,7 @@ def test_a_cloud_is_a_line_in_logarithms():
     b, a = np.polyfit(np.log(x), np.log(y), 1)
     sigma = np.sqrt(((np.log(y) - a - b * np.log(x)) ** 2).sum() / 23)
     curve = fit_cloud(np.append(x, [2.0, 0.1]), np.append(y, [np.nan, 0.0]), 0.5)
-    assert (curve.theta, curve.beta, curve.n) == pytest.approx((np.exp((np.log(0.5) - a) / b), sigma / b, 25), rel=1e-11, abs=0)
+    assert (curve.median, curve.beta, curve.n) == pytest.approx((np.exp((np.log(0.5) - a) / b), sigma / b, 25), rel=1e-11, abs=0)
 
 
 def test_weights_count_as_repetitions():
@@ -118,9 +118,9 @@ test_what_the_data_do_not_bear_is_refused = refuses(lambda call: call(), UsageEr
 
 def test_bands_follow_from_their_seed_and_hold_the_estimate():
     one, again, other = (bootstrap_counts(LEVELS, np.full(8, 40), COUNTS, Resampling(200, seed), LEVELS) for seed in (1, 1, 2))
-    assert (one.theta_low, one.beta_high) == (again.theta_low, again.beta_high) != (other.theta_low, other.beta_high)
+    assert (one.median_low, one.beta_high) == (again.median_low, again.beta_high) != (other.median_low, other.beta_high)
     curve = fit_stripes(LEVELS, np.full(8, 40), COUNTS)
-    assert one.theta_low < curve.theta < one.theta_high
+    assert one.median_low < curve.median < one.median_high
     assert one.beta_low < curve.beta < one.beta_high
     assert np.all((one.low <= curve(LEVELS)) & (curve(LEVELS) <= one.high))
 
@@ -142,7 +142,7 @@ def covered(seeds, samples):
         )
         for n, (estimate, (theta, beta)) in enumerate(zip(estimates, truth, strict=True)):
             band = bootstrap(records, estimate, Resampling(samples, seed))
-            hits[n] += (band.theta_low < theta < band.theta_high, band.beta_low < beta < band.beta_high)
+            hits[n] += (band.median_low < theta < band.median_high, band.beta_low < beta < band.beta_high)
     return hits / seeds
 
 

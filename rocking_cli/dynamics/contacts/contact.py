@@ -24,7 +24,8 @@ class Uplift(NamedTuple):
 
 
 class FreeMotion(NamedTuple):
-    """Outcome of the free motion: overturns without a further impact, or after one; largest y to come, NaN if the body overturns."""
+    """Outcome of the motion after the shaking, (lanes,) each: overturns without a further impact, or after one; peak: the largest
+    rotation y to come, NaN if the body overturns."""
 
     overturns: Array
     overturns_after_impact: Array

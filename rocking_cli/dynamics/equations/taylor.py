@@ -236,7 +236,7 @@ def ramp_flow(equation: Equation, segments: Segments, lanes: Lanes) -> TaylorSer
 
 
 def line_series(equation: Equation, y: Array, v: Array, ramp: Ramp) -> TaylorSeries:
-    """The series of lanes under ramps, whose `factors` it computes."""
+    """Return the Taylor series of lanes under shaking that varies linearly; `ramp` needs no `factors`: they are computed here."""
     unit = ramp.unit
     size = 2.0 + np.abs(ramp.drive) + np.abs(v) + np.abs(ramp.gain) / unit
     if ramp.weight is not None:

@@ -137,7 +137,7 @@ class _TiedBody(Body):
         self.follow()
 
     def restrained(self, side: int, edge: Rates) -> Callable[[float, float, float, float], tuple[float, float]]:
-        """The rates of an edge with the pull of the devices."""
+        """Return the rates of `edge` with the pull of the ties, tendon and dampers added."""
 
         def rates(theta: float, w: float, push: float, weight: float) -> tuple[float, float]:
             speed, force = edge.of(theta, w, push, weight)

@@ -56,7 +56,8 @@ class _March(Body):
         return self.end or self._finish(Outcome.FAILED)
 
     def _march_lines(self) -> bool:
-        """March over straight lines by compiled code, up to an impact, which is applied; False where it leaves a step to its caller."""
+        """March over the straight lines of a record by compiled code until an impact, and apply it. Return True after an impact or
+        at the end of the motion; otherwise the caller makes the next step."""
         block, edge = self.drive_lists.at(self.k), self.edge
         k, last = self.k - block.first, len(block.length)
         if edge.code.march_lines is None or (block.length[k] - self.u) / edge.omega > self.reach:

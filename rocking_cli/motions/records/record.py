@@ -18,13 +18,13 @@ LARGEST = 1e6  # m/s2, beyond which no ground shakes
 STEPS = (1e-7, 1e3)  # s, from the shortest to the longest
 _LONG_STEP = 1.0  # s; recorders sample every 0.001 to 0.02 s
 WRITTEN_UNITS = ("g", "gal", "cm/s2", "m/s2", "mm/s2")
-_PEAKS = (0.002, 5.0)  # g; the largest recorded is about 4 g. A record in gal that is read as g lies above, one in g read as gal below
+_PGA = (0.002, 5.0)  # g; the largest recorded is about 4 g. A record in gal that is read as g lies above, one in g read as gal below
 HORIZONTAL, ALL, STATION = "horizontal", "all", "station"
 _VERTICAL = re.compile(r"\b(?:up|u-d|ud|dn|down|dwn|ver|vrt|vert\w*)\b|^(?:[uvz]|[a-z]{2}z)(?: \(\d+\))?$", re.IGNORECASE)
 
 
 class Series(NamedTuple):
-    """One component as a format's reader finds it: samples in the file's unit, and the header's peak as printed."""
+    """One component as a format's reader finds it: samples in the file's unit, and the header's PGA as printed."""
 
     component: str | None
     dt: float
@@ -37,7 +37,7 @@ class Series(NamedTuple):
 @dataclass(frozen=True, eq=False)
 class Record:
     """One component as recorded: name of the file, format, component as the file calls it, dt [s], acceleration [m/s2] of shape
-    (npts,), the peak [m/s2] that the header states, unit and sha256 of the file. Raises DocumentError for fewer than two samples, for
+    (npts,), the PGA [m/s2] that the header states, unit and sha256 of the file. Raises DocumentError for fewer than two samples, for
     one that is not finite or beyond 1e6 m/s2, and for dt outside 1e-7 to 1000 s."""
 
     name: str
@@ -100,16 +100,16 @@ def unit_of(word: str) -> str | None:
 
 
 def record_of(series: Series, name: str, format_: str, source: str, sha256: str) -> Record:
-    """Return the record of a series, with remarks if its peak contradicts the header or the unit. Raises DocumentError."""
+    """Return the record of a series, with remarks if its PGA contradicts the header or the unit. Raises DocumentError."""
     factor = UNITS["acceleration"][series.unit]
     with np.errstate(over="ignore"):  # the record refuses infinite values
         acceleration = series.samples * factor
     remarks = [series.remark] if series.remark else []
     where = "" if series.component is None else f" of component {series.component}"
     pga, header = largest(acceleration), None
-    small = series.pga is None and series.unit != "g" and 0.0 < pga < _PEAKS[0] * DEFAULT_GRAVITY  # no unit is larger than g
-    if pga > _PEAKS[1] * DEFAULT_GRAVITY or small:
-        remarks.append(f"a peak{where} of {pga / DEFAULT_GRAVITY:.3g} g, where the unit is taken to be {series.unit}")
+    small = series.pga is None and series.unit != "g" and 0.0 < pga < _PGA[0] * DEFAULT_GRAVITY  # no unit is larger than g
+    if pga > _PGA[1] * DEFAULT_GRAVITY or small:
+        remarks.append(f"a PGA{where} of {pga / DEFAULT_GRAVITY:.3g} g, where the unit is taken to be {series.unit}")
     if series.dt > _LONG_STEP and not series.remark:
         remarks.append(f"a time step{where} of {series.dt:g} s, which is unusually long")
     if series.pga is not None:
@@ -117,7 +117,7 @@ def record_of(series: Series, name: str, format_: str, source: str, sha256: str)
         header = stated * factor
         half_a_digit = 0.5 * 10.0 ** float(Decimal(series.pga).as_tuple().exponent)
         if abs(found - stated) > max(0.01 * stated, half_a_digit):
-            remarks.append(f"the header states a peak{where} of {stated:g} {series.unit}, the samples have {found:.6g} {series.unit}")
+            remarks.append(f"the header states a PGA{where} of {stated:g} {series.unit}, the samples have {found:.6g} {series.unit}")
     return Record(name, format_, series.component, series.dt, acceleration, header, series.unit, source, sha256, tuple(remarks))
 
 

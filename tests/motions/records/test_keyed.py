@@ -98,7 +98,7 @@ def test_samples_peaks_and_components(tmp_path, text, form, dt, samples):
 
 def test_what_the_header_contradicts_is_a_remark(tmp_path):
     (record,) = written(tmp_path / "a", esm(DATA_TYPE="UNPROCESSED ACCELERATION", **{"PGA_CM/S^2": "-80.0"}))
-    contradicted = "the header states a peak of component HNE of 80 cm/s2, the samples have 87.5 cm/s2"
+    contradicted = "the header states a PGA of component HNE of 80 cm/s2, the samples have 87.5 cm/s2"
     assert record.remarks == ("an uncorrected accelerogram", contradicted)
     for record in written(tmp_path / "a", cwb() + "    12.000     0.000     0.000     0.000\n"):
         assert record.remarks == ("more values than the 600 declared, which are left out",)

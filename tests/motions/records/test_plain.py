@@ -57,9 +57,9 @@ def test_a_first_column_that_can_hardly_be_seconds_is_a_remark(tmp_path, step):
     [
         (0.3, "m/s2", ()),
         (0.3, "g", ()),
-        (0.3, "gal", ("a peak of 0.000765 g, where the unit is taken to be gal",)),  # m/s2 or g taken for gal
+        (0.3, "gal", ("a PGA of 0.000765 g, where the unit is taken to be gal",)),  # m/s2 or g taken for gal
         (1e-5, "g", ()),  # far from a small earthquake
-        (300.0, "g", ("a peak of 750 g, where the unit is taken to be g",)),
+        (300.0, "g", ("a PGA of 750 g, where the unit is taken to be g",)),
     ],
 )
 def test_a_peak_that_speaks_against_the_unit_is_a_remark(tmp_path, factor, unit, remarks):
