@@ -97,7 +97,7 @@ class Body(NamedTuple):
             return edge.alpha - np.sqrt(np.maximum(edge.alpha**2 - square, 0.0))
         return edge.alpha - np.arccos(np.minimum(np.cos(edge.alpha) + 0.5 * square, 1.0))
 
-    def pressed(self, edge: Edge, push: Array, turn: Array, sway: Array | float = 0.0, fastest: Array | float = np.inf) -> Array:
+    def contact_proved(self, edge: Edge, push: Array, turn: Array, sway: Array | float = 0.0, fastest: Array | float = np.inf) -> Array:
         """Return True where contact (Fz > 0) is proved for every push up to `push` [g] of either sign, every |theta| up to `turn` [rad],
         every |dtheta/dtau| up to `fastest` [rad], and every weight over m g from 1 - sway to 1 + sway."""
         light, heavy, alpha = 1.0 - sway, 1.0 + sway, edge.alpha
@@ -129,7 +129,7 @@ def safe_push(body: Body, edge: int, ratio: float) -> float:
     with np.errstate(all="ignore"):
         slope = np.where(sway < 1.0, _PUSHES / (1.0 - sway), np.inf)  # without overturning u stays below the equilibrium
         turn = body.alpha[edge] + (slope if body.linear else np.arctan(slope))
-        kept = body.pressed(body.edges[edge], _PUSHES, turn, sway)
+        kept = body.contact_proved(body.edges[edge], _PUSHES, turn, sway)
     return float(np.append(0.0, _PUSHES)[int(np.argmin(np.append(kept, False)))])
 
 

@@ -137,7 +137,7 @@ def cells_that_lose_contact(
     loss = ContactLoss(system.body, Batch.of(system, segments, *cells, peaks=False))
     at = np.flatnonzero(loss.open & doubtful)
     if theta_ratio is not None:
-        at = at[~loss.pressed(at, theta_ratio[at], None if fastest is None else fastest[at])]
+        at = at[~loss.contact_proved(at, theta_ratio[at], None if fastest is None else fastest[at])]
     if alone is not None:
         return at[[alone(i) for i in at.tolist()]]
     batch = Batch.of(system, segments, *_of(cells, at), peaks=False)

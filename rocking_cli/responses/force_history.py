@@ -274,8 +274,8 @@ class ForceHistory:
             found += [tau for tau, (_, fz) in self._low_bounces(bounces, rests) if fz <= 0.0]
         arcs, lows, _ = self._bounds
         for arc in arcs[lows <= 0.0].tolist():
-            pressed, low, high = self._on(arc, lambda forces: 1.0 + forces.fz)  # around 1 its series ends where Fz has a root
-            if low < min(found) and (first := first_below(pressed, low, high, 1.0)) is not None:
+            raised, low, high = self._on(arc, lambda forces: 1.0 + forces.fz)  # around 1 its series ends where Fz has a root
+            if low < min(found) and (first := first_below(raised, low, high, 1.0)) is not None:
                 found.append(first)
         return min(found)
 

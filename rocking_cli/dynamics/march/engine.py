@@ -62,7 +62,7 @@ class Run:
         self.outcome = np.full(batch.size, Outcome.NO_UPLIFT, dtype=np.uint8)
         self.impacts, self.bounced = np.zeros(batch.size, dtype=np.int32), np.zeros(batch.size, dtype=bool)
         self.work = Work(cells=batch.size)
-        if batch.free_fall is not None:  # a body pressed against its wall loses the ground too
+        if batch.free_fall is not None:  # a body that leans on its wall loses the ground too
             self._lose_contact(np.flatnonzero(batch.free_fall.occurs))
 
     def all(self, march: Callable[["Run", Array], None] = by_windows) -> None:

@@ -92,12 +92,12 @@ class ContactLoss(Observer):
         self.open = np.any(pushes > safe, axis=0)
         self._lost = np.zeros(self.open.size, dtype=bool)
 
-    def pressed(self, at: Array, theta_ratio: Array, fastest: Array | None = None) -> Array:
+    def contact_proved(self, at: Array, theta_ratio: Array, fastest: Array | None = None) -> Array:
         """True for those of these cells whose largest rotation, and u' [rad] if it is given, prove that they never lost the ground."""
         kept, speed = np.ones(at.size, dtype=bool), np.inf if fastest is None or not self.body.alike else _MARGIN * fastest
         for pushes, edge, ratio in zip(self.batch.cells.amplitude, self.body.edges, self.sway, strict=True):
             push = pushes[at] * (edge.uplift * self.across[0])
-            kept &= self.body.pressed(edge, push, edge.alpha * theta_ratio, ratio * push, speed)
+            kept &= self.body.contact_proved(edge, push, edge.alpha * theta_ratio, ratio * push, speed)
         return kept
 
     def arcs(self, arcs: Arcs) -> None:

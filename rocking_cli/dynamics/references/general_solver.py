@@ -210,19 +210,19 @@ class Body:
         if arm is None or self.contact_lost:
             return
 
-        def pressed(at: Point) -> tuple[float, float]:
+        def acceleration_and_fz(at: Point) -> tuple[float, float]:
             acceleration = rate(*at)[1]
             return acceleration, arm.fz(at.theta, at.w, acceleration, self.pressure(at))
 
-        after = pressed(steps[0])
+        after = acceleration_and_fz(steps[0])
         for one, other in pairwise(steps):
-            before, after, length = after, pressed(other), other.time - one.time
+            before, after, length = after, acceleration_and_fz(other), other.time - one.time
             theta, w = 0.5 * (one.theta + other.theta), 0.5 * (one.w + other.w)
             theta, w = theta + 0.125 * length * (one.w - other.w), w + 0.125 * length * (before[0] - after[0])
-            middle = pressed(Point(one.time + 0.5 * length, theta, w))
+            middle = acceleration_and_fz(Point(one.time + 0.5 * length, theta, w))
 
             def within(part: float, one: Point = one, length: float = length) -> float:
-                return pressed(step(rate, one, part * length) or one)[1]
+                return acceleration_and_fz(step(rate, one, part * length) or one)[1]
 
             self.contact_lost = self.contact_lost or falls_to_zero((before[1], middle[1], after[1]), within)
 

@@ -208,8 +208,8 @@ class March:
             after = int(np.argmax(fz <= 0.0))
             low, high = reach * instants[[max(after - 1, 0), after]][:, None]
             while (low < (middle := 0.5 * (low + high))) and (middle < high):
-                pressed = self._vertical_force(lanes, row, now, step, doubtful, middle)[0] > 0.0
-                low, high = (middle, high) if pressed else (low, middle)
+                in_contact = self._vertical_force(lanes, row, now, step, doubtful, middle)[0] > 0.0
+                low, high = (middle, high) if in_contact else (low, middle)
             then = step.arc.at(high)
             self._note(replace(lanes, u=lanes.u + lanes.omega * high), LOST, then.y, then.v)
 

@@ -123,7 +123,7 @@ def test_what_a_rotation_proves_to_press_does():
     loss = ContactLoss(system.body, batch)
     found, forces = response_with_ground_forces(system, *scene)
     at = np.flatnonzero(found.outcome == Outcome.ROCKED)
-    proved = loss.pressed(at, found.theta_ratio[at])
+    proved = loss.contact_proved(at, found.theta_ratio[at])
     assert forces["fz_min"][at[proved]].min() > 0.0
     assert 0.5 < proved.mean() < 1.0
     assert not np.any(loss.open & (amplitude <= system.safe_amplitude(sine())))

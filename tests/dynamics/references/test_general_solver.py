@@ -190,7 +190,7 @@ def test_a_sweep_counts_bodies_that_one_path_alone_sees_leave_the_ground(model, 
     with monkeypatch.context() as blind:
         blind.setattr(general_solver, "falls_to_zero", lambda rough, force: False)
         assert spectrum([pendulum()], motion, grid, method=method, check=6).summary.misjudged == lost
-    monkeypatch.setattr(ContactLoss, "pressed", lambda self, at, *peaks: np.ones(at.size, dtype=bool))
+    monkeypatch.setattr(ContactLoss, "contact_proved", lambda self, at, *peaks: np.ones(at.size, dtype=bool))
     monkeypatch.setattr(ContactLoss, "arcs", lambda self, *lanes: None)
     monkeypatch.setattr(ContactLoss, "free", lambda self, *lanes: None)
     monkeypatch.setattr(ContactLoss, "may_close", Observer.may_close)
