@@ -1,4 +1,4 @@
-"""Options that several commands share, each defined once, and the structures of a call."""
+"""Options that several commands share, each defined once; the structures of a call, its text and its time."""
 
 from __future__ import annotations
 
@@ -164,7 +164,7 @@ def documents_of(files: tuple[str, ...], most: int | None = None, place: str = "
 def note_interfaces(structures: Iterable[RockingParameters]) -> None:
     """Print a line on the stacks: each is followed on one interface, although another one may overturn first."""
     if names := [s.name for s in structures if "interfaces" in s.details]:
-        below(f"followed on one interface, as if no other opened (a stack's parameters hold one): {', '.join(names)}")
+        below(f"followed on one interface, as if no other opened: {', '.join(names)}")
 
 
 def remark_on(structures: Iterable[RockingParameters] = (), grid: Grid | None = None, spans: str = "") -> None:

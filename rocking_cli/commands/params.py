@@ -1,5 +1,6 @@
 """`rocking params`: rocking parameters of structure documents."""
 
+import json
 import math
 from collections.abc import Iterator
 from itertools import chain
@@ -23,12 +24,14 @@ def params(
     """Derive p, alpha, eta, lambda and a_scale of each structure.
 
     FILE is a YAML or JSON structure document, - for standard input. Bounds of --vary without a unit have the unit of that key in the
-    document. A body with unequal sides has the parameters of the edge that lifts first, and those of each edge. Members of a family
-    without a solution are reported and left out (exit code 4).
+    document. A body with unequal sides has the parameters of the edge that lifts first, and those of each edge. A stack has those of
+    each interface: as rows below it, with --json and --csv as `other_interfaces`. Members of a family without a solution are reported and
+    left out (exit code 4).
     """
     from ..reports.tables import flat
-    from ..structures import build_structure, with_distinct_names
+    from ..structures import build_structure, on_each_interface, with_distinct_names
     from ..structures.family import family, members, parse_variation
+    from ..structures.parameters import OTHERS
 
     documents = options.documents_of(files)
     variations = [parse_variation(text) for text in vary]
@@ -41,8 +44,10 @@ def params(
             built = equations.lifting(with_distinct_names([build_structure(document) for document in documents]), linear_uplift)
             options.remark_on(built)
             early.extend(s for s in built if shown is None and s.restraints is None and s.uplift > 1.01 * s.linear_uplift)
-            for structure in built:
-                yield from _rows(structure.row(), shown)
+            for document, structure in zip(documents, built, strict=True):
+                others = [build_structure(one) for one in on_each_interface(document)[1:]] if shown is not None else []
+                more = {OTHERS: [other.row() for other in equations.lifting(others, linear_uplift)]} if others else {}
+                yield from _rows({**structure.row(), **more}, shown)
             return
         progress = ProgressLine("params", "structures")
         for i, document in enumerate(documents):
@@ -67,7 +72,7 @@ def params(
 
 def _rows(row: dict[str, Any], form: str | None, varied: dict[str, float] | None = None) -> Iterator[dict[str, Any]]:
     """Yield the rows of a structure: for CSV one with the columns of its sides, for a table one for each side or interface."""
-    from ..structures.parameters import VARIED
+    from ..structures.parameters import OTHERS, VARIED
 
     if form == "json":
         yield row
@@ -77,12 +82,13 @@ def _rows(row: dict[str, Any], form: str | None, varied: dict[str, float] | None
     sides = row.pop("sides", [])
     if form == "csv":
         columns = {f"{side['side']}_{key}": value for side in sides for key, value in side.items() if key != "side"}
+        columns |= {OTHERS: json.dumps(row[OTHERS])} if OTHERS in row else {}
         row = {**row, **({key: row.get(key, absent) for key, absent in SHARED.items()} if varied else {}), **columns}
     below = [{"name": f"  {side.pop('side')} edge", **side} for side in sides]
     if form is None:
         below += [{"name": f"  on {one.pop('on')}", **one} for one in row.pop("interfaces", [])]
         below += [{"name": f"  restrained, {one['side']}", **one} for one in row.pop("restrained", [])]
-        row = {key: value for key, value in row.items() if key not in ("ties", "tendon", "stands")}
+        row = {key: value for key, value in row.items() if key not in ("ties", "tendon", "stands", OTHERS)}
         if "hinges" in row:
             row["hinges [deg]"] = ", ".join(f"{math.degrees(hinge['angle']):.6g}" for hinge in row.pop("hinges"))
     # alpha of a block is both a varied key and a parameter

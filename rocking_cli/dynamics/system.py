@@ -43,7 +43,7 @@ class System(NamedTuple):
             return motion.segments
         if self.scale is None:
             raise ValueError("a vertical motion needs the scale of A: the ground acceleration over g of A = 1")
-        from .weight import weighed
+        from .weighed_drive import weighed
 
         share = self.scale / self.contact.cells(self.equation, np.ones(1), np.ones(1), np.zeros(1)).amplitude[:, 0]
         return weighed(motion, float(share[0]), float(share[-1]))

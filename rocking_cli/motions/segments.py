@@ -60,7 +60,7 @@ class Segments:
 
     @property
     def weighed(self) -> Any:
-        """The segments of a motion under which the weight varies (`dynamics.weight`); None where it is constant."""
+        """The segments of a motion under which the weight varies (`dynamics.weighed_drive`); None where it is constant."""
         return None
 
     def weight(self, _side: np.ndarray, _amplitude: np.ndarray, _k: np.ndarray, _u: np.ndarray) -> np.ndarray | float:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import DocumentError, StructureError
 from .kinds import KINDS, build
-from .parameters import RockingParameters, Side
+from .parameters import OTHERS, RockingParameters, Side
 from .shared_keys import damping_of, friction_of
 
 if TYPE_CHECKING:
@@ -53,14 +53,18 @@ def read_documents(path: str | Path) -> list[Document]:
 
 
 def on_each_interface(document: Document) -> list[Document]:
-    """Return a document for each interface on which a stack can rock, the weakest one first under the name of the stack. A stack that
-    states `rocks_on`, and any other structure, has one document. Raises DocumentError.
+    """Return a document for each interface on which a stack can rock, the weakest one first under the name of the stack; also of its
+    parameters as `rocking params --json` prints them. A stack that states `rocks_on`, and any other structure, has one document. Raises
+    DocumentError.
 
     >>> (statue,) = parse_documents('{name: Statue, kind: stack, pieces: [{width: 1, height: 4}, {width: 0.1, height: 0.38}]}')
     >>> [build_structure(document).name for document in on_each_interface(statue)]
     ['Statue', 'Statue on piece 1 from below']
     """
     built = build_structure(document)
+    if others := document.values.get(OTHERS):
+        first = replace(others, content={key: value for key, value in document.values.items() if key != OTHERS})
+        return [_alone(document.part(OTHERS, value), document.index) for value in (first, *others.content)]
     if document.has("rocks_on") or not (interfaces := built.details.get("interfaces")):
         return [document]
     found: list[Document] = []
@@ -69,20 +73,27 @@ def on_each_interface(document: Document) -> list[Document]:
         if weakest or one["eta"] is not None or document.has("restitution"):  # else it is too squat to rock there
             name = built.name if weakest else f"{built.name} on {one['on']}"
             here = document.with_value("name", name, document.source).with_value("rocks_on", str(i), document.source)
-            text = json.dumps({key: value.plain() for key, value in here.values.items()})
-            found.insert(0 if weakest else i, replace(here, text=text))
+            found.insert(0 if weakest else i, _alone(here, document.index))
     return found
 
 
+def _alone(document: Document, index: int) -> Document:
+    """Return the document with its own text and this number in its file."""
+    text = json.dumps({key: value.content if key == "name" else value.plain() for key, value in document.values.items()})
+    return replace(document, text=text, index=index, within=None)
+
+
 def load_structures(paths: str | Path | Iterable[str | Path]) -> list[RockingParameters]:
-    """Return the rocking parameters of every document of these paths, in order; `read_documents` lists the accepted forms of a path. Raises
-    UsageError if a file cannot be read, and DocumentError if a document is not valid.
+    """Return the rocking parameters of every document of these paths, in order, of a stack on each of its interfaces (see
+    `on_each_interface`). `read_documents` lists the accepted forms of a path. Raises UsageError if a file cannot be read, and DocumentError
+    if a document is not valid.
 
     >>> [structure.name for structure in load_structures(['configs/block.yaml', 'configs/arch.yaml'])]
     ['Column', 'Oppenheim']
     """
     paths = [paths] if isinstance(paths, str | Path) else paths
-    return with_distinct_names([build_structure(document) for path in paths for document in read_documents(path)])
+    documents = [one for path in paths for document in read_documents(path) for one in on_each_interface(document)]
+    return with_distinct_names([build_structure(document) for document in documents])
 
 
 def with_distinct_names(structures: Iterable[RockingParameters]) -> list[RockingParameters]:

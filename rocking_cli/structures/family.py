@@ -9,7 +9,7 @@ from typing import NamedTuple
 from ..documents.document import Document
 from ..documents.quantities import headed, parse_quantity, parse_whole, si_unit, split_quantity
 from ..errors import DocumentError, UsageError
-from .parameters import RockingParameters
+from .parameters import OTHERS, RockingParameters
 
 MAX_MEMBERS = 1_000_000
 
@@ -79,6 +79,10 @@ def family(document: Document, variations: Sequence[Variation | str], each: bool
     """
     from . import build_structure, on_each_interface
 
+    if each and document.values.get(OTHERS):  # parameters: each interface has its own keys
+        for one in on_each_interface(document):
+            yield from family(one, variations)
+        return
     parsed = [parse_variation(v) if isinstance(v, str) else v for v in variations]
     keys = [v.key for v in parsed]
     units = [v.unit if v.unit is not None else _own_unit(document, v.key) for v in parsed]

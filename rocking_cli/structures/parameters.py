@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from .mechanics.kinematics import Mechanism
 
 VARIED = ("varied", "varied_units")  # details of a member of a family: SI value by key, and SI unit by key
+OTHERS = "other_interfaces"  # the detail of stated parameters of a stack: those on its other interfaces, each a document
 DIMENSIONLESS = "dimensionless"  # `structure` of an oscillator without units
 MOST_DAMPING = 1.0  # zeta stays below it
 _FIELDS = {"p": "p", "alpha": "alpha", "eta": "eta", "lambda": "uplift", "a_scale": "a_scale"}  # by the printed name

@@ -4,6 +4,8 @@ import pytest
 from support.documents import csv_rows
 from support.record_layouts import at2, of_a_station, wave
 
+from rocking_cli import load_structures
+
 STATED = "parameters:p=2.1,alpha=0.2,eta=0.8,lambda=0.2,name=stated"  # which the linear equation governs, which is quicker
 THREE = ("block:0.4x2,name=Slender", "block:1x2,name=Stocky,friction=0.3", STATED.replace("lambda=0.2", "lambda=0.25"))
 SHAKING = ("--a-g", "0.35g", "--f-g", "1.2")
@@ -189,6 +191,14 @@ def test_commands_over_many_motions_follow_each_interface_of_a_stack(rocking, tm
     lowest = [rocking("envelope", body, "--grid", "f_g=2.5", "--lowest", "--json").records for body in (stack, "block:0.1x0.38")]
     assert [row["structure"] for row in lowest[0]] == [*names]
     assert lowest[0][1]["a_from"] == pytest.approx(lowest[1][0]["a_from"], rel=1e-9)
+    assert tuple(structure.name for structure in load_structures(stack)) == names
+    stated = rocking("params", stack, "--json")
+    assert rocking("params", "-", "--json", stdin=stated.stdout).record == stated.record
+    motion = ("--a-g", "1.5g", "--f-g", "2.5", "--json", "--verdict-only")
+    piped = rocking("check", "-", *motion, "--vary", "eta=0.9:0.9:1", stdin=stated.stdout).records
+    assert [(row["structure"], row["outcome"]) for row in piped] == [
+        *zip((f"{name} eta=0.9" for name in names), ("rocked", "overturned_no_impact"), strict=True)
+    ]
     rocking("spectrum", stack, *axes, "-o", first)
     rocking("spectrum", "-", *axes, "-o", again, stdin=rocking("info", first, "--documents").stdout)
     cells = rocking("convert", first).rows

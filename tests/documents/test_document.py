@@ -60,6 +60,7 @@ REFUSED = [
     ("kind: block\n<<: {width: 1}\nheight: 5", "f.yaml:2:1: merge keys"),
     (BOMB, "too many values"),
     ("kind: parameters\np: 2\nalpha: 0.2\neta: 0.9", "neither lambda nor a_scale"),
+    ("kind: parameters\np: 2\nalpha: 0.2\neta: 0.9\nlambda: 0.2\nother_interfaces: 5", "other_interfaces: found 5; expected a list"),
     ("kind: parameters\np: 2\nalpha: 0.2\neta: 1.9\nlambda: 1", "eta: found 1.9; expected a number from 0 to 1"),
     ('{"kind":"block","width":1,"height":5}\n{"kind":"block","width":"2 kg","height":5}', "f.yaml:2:25: width: found \"2 kg\""),
 ]  # fmt: skip

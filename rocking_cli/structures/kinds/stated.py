@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 from ...documents.document import Document
-from ..parameters import DIMENSIONLESS, VARIED, RockingParameters, Side, numbers_of, weaker_side
+from ..parameters import DIMENSIONLESS, OTHERS, VARIED, RockingParameters, Side, numbers_of, weaker_side
 from ..shared_keys import ONE_SIDED_RESTITUTION, gravity_of
 
 REPORTS = ()
@@ -34,10 +34,12 @@ def _free(document: Document, name: str) -> RockingParameters:
     if structure == DIMENSIONLESS:
         raise document.fault("structure_kind", structure, "the kind of a structure, which has units")
     inset = ("inset", "alpha_geometric") if document.has("alpha_geometric") else ()  # the stated alpha is that with the inset
-    reported = (*reports_of(structure), "mass", *inset, *VARIED)
+    reported = (*reports_of(structure), "mass", OTHERS, *inset, *VARIED)
     details = {key: document.values[key].plain() for key in document.values if key in reported and document.has(key)}
     details |= {key: document.quantity(key, DIMENSIONS[key]) for key in details if key in DIMENSIONS}
     _check_varied(document, details)
+    if OTHERS in details and not isinstance(details[OTHERS], list):
+        raise document.fault(OTHERS, str(document.values[OTHERS]), "a list of parameters, as rocking params prints them")
     more: dict[str, Any] = {"eta_source": document.word("eta_source", "given"), "gravity": gravity_of(document), "details": details}
     one_sided = document.flag("one_sided")
     if not document.has("sides"):

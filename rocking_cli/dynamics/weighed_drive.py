@@ -91,16 +91,16 @@ def _value(segments: Segments, k: Array, u: Array) -> Array:
 
 def weighed(motion: Motion, right: float, left: float) -> Segments:
     """The segments of a motion that has a vertical part, for a body whose edges have these values of r."""
-    return (_last if len(motion.segments) > _LONG else _many)(motion, right, left)
+    return (_last_segments if len(motion.segments) > _LONG else _recent_segments)(motion, right, left)
 
 
-def _made(motion: Motion, right: float, left: float) -> Segments:
+def _cut_segments(motion: Motion, right: float, left: float) -> Segments:
     assert motion.vertical is not None
     signals = (motion, motion.vertical, combined(motion, right), combined(motion, -left))
     if all(isinstance(signal, Polyline) for signal in signals):
         parts = [signal.segments for signal in signals]
     else:
-        inner = [_apart(sorted(x for piece in pieces for x in extremes(piece)), pieces[0].stop - pieces[0].start)
+        inner = [_distinct(sorted(x for piece in pieces for x in extremes(piece)), pieces[0].stop - pieces[0].start)
                  for pieces in zip(*(signal.pieces for signal in signals[1:]), strict=True)]  # fmt: skip
         parts = [signal.cut(inner) for signal in signals]
     own = motion.segments  # its extremes lie between the common cuts
@@ -108,12 +108,13 @@ def _made(motion: Motion, right: float, left: float) -> Segments:
     return _weighed(parts, (own.later_max[at], own.later_min[at]), (right, left))
 
 
-_last, _many = lru_cache(maxsize=1)(_made), lru_cache(maxsize=64)(_made)
+_last_segments, _recent_segments = lru_cache(maxsize=1)(_cut_segments), lru_cache(maxsize=64)(_cut_segments)
 
 
-def _apart(marks: list[float], length: float) -> list[float]:
+def _distinct(instants: list[float], length: float) -> list[float]:
+    """Return rising instants of a piece of this length without those that count as one with the instant before them."""
     kept: list[float] = []
-    for x in marks:
+    for x in instants:
         if not kept or x - kept[-1] > _ALIKE * length:
             kept.append(x)
     return kept

@@ -13,7 +13,7 @@ from rocking_cli import Motion, Outcome, RockingParameters, cosine, pulse, respo
 from rocking_cli.dynamics.method import Method
 from rocking_cli.dynamics.outcome import FALLEN
 from rocking_cli.dynamics.response import response_with_ground_forces
-from rocking_cli.dynamics.weight import WeighedSegments, weighed
+from rocking_cli.dynamics.weighed_drive import WeighedSegments, weighed
 from rocking_cli.errors import UsageError
 from rocking_cli.motions import Harmonic, Piece
 from rocking_cli.motions.biaxial import with_vertical
