@@ -71,11 +71,11 @@ class MotionSet:
         return all(m.recording is not None for m in self.members)
 
     def factor(self, structure: RockingParameters, member: Member) -> float:
-        """Return the factor that makes the measure of a motion 1."""
+        """Return the factor of a motion with which its intensity measure is 1."""
         return member.measured(self.measure, structure) ** (-1.0 / self.measure.power)
 
     def unit(self, structure: RockingParameters, member: Member) -> float:
-        """Return the A at which the measure of a motion is 1."""
+        """Return the dimensionless amplitude A of a motion at which its intensity measure is 1."""
         own = float(structure.dimensionless_amplitude(member.acceleration)) / member.motion.largest
         return own * self.factor(structure, member)
 

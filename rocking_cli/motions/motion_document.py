@@ -84,7 +84,7 @@ def _lines(document: Document, name: str) -> Motion:
         raise document.fault("points", f"a first point at {points[0][0]:g}", "a motion that begins at 0")
     for (t0, s0), (t1, s1) in pairwise(points):
         if not (t1 >= t0 + SHORTEST and t1 <= MOST_CYCLES):
-            raise document.fault("points", f"a point at {t1:g} after one at {t0:g}", f"times that rise, up to {MOST_CYCLES:g} periods")
+            raise document.fault("points", f"a point at {t1:g} after one at {t0:g}", f"rising times, up to {MOST_CYCLES:g} cycles")
         if max(abs(s0), abs(s1)) > LARGEST:
             raise document.fault("points", f"an acceleration of {s0 if abs(s0) > abs(s1) else s1:g}", f"one up to {LARGEST:g} a_g")
     time, level = np.array(points).T

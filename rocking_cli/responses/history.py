@@ -46,7 +46,7 @@ def history(
     if not (omega > 0.0 and duration > 0.0 and release < 1.0):
         raise ValueError("omega and duration must be positive and release below 1")
     if motion.duration / omega > LONGEST:
-        raise ValueError(f"omega: found {omega:g}; expected a value with which the shaking ends before tau = {LONGEST:g}")
+        raise ValueError(f"omega: found {omega:g}; expected a larger one, so that the shaking ends before tau = {LONGEST:g}")
     duration = max(motion.duration / omega, duration)
     if system.devices is not None:
         from .tied_history import tied_history

@@ -39,8 +39,8 @@ REFUSED = [
     ("pieces: [{from: 0, to: 1, sines: [{amplitude: 1, frequency: 1e300}]}]", "frequency: found 1e300"),
     ("pieces: [{from: 0, to: 1, sines: [{amplitude: 1, phase: 1e20}]}]", "phase: found 1e20"),
     ("pieces: [{from: 0, to: 1, constant: 1e308, slope: 1e308}]", "constant: found 1e308"),
-    ("points: [[0, 1], [1e-300, 2]]", "times that rise"),
-    ("points: [[0, 0], [1e300, 1]]", "up to 100000 periods"),
+    ("points: [[0, 1], [1e-300, 2]]", "rising times"),
+    ("points: [[0, 0], [1e300, 1]]", "up to 100000 cycles"),
     ("points: [[0, 0], [1, 1e300]]", "acceleration"),
 ]
 test_faulty_motion_documents_name_the_fault = refuses(built_motion, DocumentError, REFUSED)
