@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import DocumentError, StructureError
-from .kinds import KINDS, build
+from .kinds import KINDS, build, reports_of
 from .parameters import OTHERS, RockingParameters, Side
 from .shared_keys import damping_of, friction_of
 
@@ -61,10 +61,14 @@ def on_each_interface(document: Document) -> list[Document]:
     >>> [build_structure(document).name for document in on_each_interface(statue)]
     ['Statue', 'Statue on piece 1 from below']
     """
-    built = build_structure(document)
-    if others := document.values.get(OTHERS):
+    kind = document.values["kind"].content if "kind" in document.values else ""
+    if kind == "parameters" and OTHERS in document.values and build_structure(document).details.get(OTHERS):
+        others = document.values[OTHERS]
         first = replace(others, content={key: value for key, value in document.values.items() if key != OTHERS})
         return [_alone(document.part(OTHERS, value), document.index) for value in (first, *others.content)]
+    if "interfaces" not in reports_of(str(kind)):
+        return [document]
+    built = build_structure(document)
     if document.has("rocks_on") or not (interfaces := built.details.get("interfaces")):
         return [document]
     found: list[Document] = []

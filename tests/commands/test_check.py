@@ -183,6 +183,14 @@ def test_a_stack_has_a_row_for_each_interface_and_one_that_falls_fails_the_check
     assert len(rocking("check", "-", *motion, stdin=squat).records) == 1
 
 
+@pytest.mark.parametrize("more", ["other_interfaces: null", "other_interfaces: []", "structure_kind: stack\ninterfaces: [{on: its base}]"])
+def test_stated_parameters_without_other_interfaces_are_one_structure(rocking, more):
+    stated = f"kind: parameters\np: 2\nalpha: 0.2\neta: 0.9\nlambda: 0.2\n{more}"
+    assert (
+        rocking("check", "-", "--a-g", "0.5g", "--f-g", "1", "--verdict-only", "--json", stdin=stated).record["outcome"].startswith("over")
+    )
+
+
 def test_commands_over_many_motions_follow_each_interface_of_a_stack(rocking, tmp_path):
     """The least amplitude that overturns the upper piece is that of this piece as a block on the ground."""
     (tmp_path / "statue.yaml").write_text("kind: stack\npieces: [{width: 1, height: 4}, {width: 0.1, height: 0.38}]")

@@ -57,7 +57,10 @@ def cells(count, seed):
     return amplitude, np.exp(random.uniform(np.log(0.5), np.log(12.0), count)) / (2.0 * np.pi)
 
 
-def allowance(motion, amplitude, omega, eta, system=System(LinearEquation())):  # noqa: B008
+LINEAR = System(LinearEquation())
+
+
+def allowance(motion, amplitude, omega, eta, system=LINEAR):
     """What rounding may come to in each cell of a system, 1e-12 of its condition, infinite next to a boundary of outcome."""
     cell = np.array(np.broadcast_arrays(amplitude, omega, np.abs(eta)))
     shifted = np.repeat(cell[None], 6, axis=0)

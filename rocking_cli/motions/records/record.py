@@ -18,7 +18,7 @@ LARGEST = 1e6  # m/s2, beyond which no ground shakes
 STEPS = (1e-7, 1e3)  # s, from the shortest to the longest
 _LONG_STEP = 1.0  # s; recorders sample every 0.001 to 0.02 s
 WRITTEN_UNITS = ("g", "gal", "cm/s2", "m/s2", "mm/s2")
-_PGA = (0.002, 5.0)  # g; the largest recorded is about 4 g. A record in gal that is read as g lies above, one in g read as gal below
+_USUAL_PGA = (0.002, 5.0)  # g; the largest recorded is about 4 g. A record in gal that is read as g lies above, one in g read as gal below
 HORIZONTAL, ALL, STATION = "horizontal", "all", "station"
 _VERTICAL = re.compile(r"\b(?:up|u-d|ud|dn|down|dwn|ver|vrt|vert\w*)\b|^(?:[uvz]|[a-z]{2}z)(?: \(\d+\))?$", re.IGNORECASE)
 
@@ -107,8 +107,8 @@ def record_of(series: Series, name: str, format_: str, source: str, sha256: str)
     remarks = [series.remark] if series.remark else []
     where = "" if series.component is None else f" of component {series.component}"
     pga, header = largest(acceleration), None
-    small = series.pga is None and series.unit != "g" and 0.0 < pga < _PGA[0] * DEFAULT_GRAVITY  # no unit is larger than g
-    if pga > _PGA[1] * DEFAULT_GRAVITY or small:
+    small = series.pga is None and series.unit != "g" and 0.0 < pga < _USUAL_PGA[0] * DEFAULT_GRAVITY  # no unit is larger than g
+    if pga > _USUAL_PGA[1] * DEFAULT_GRAVITY or small:
         remarks.append(f"a PGA{where} of {pga / DEFAULT_GRAVITY:.3g} g, where the unit is taken to be {series.unit}")
     if series.dt > _LONG_STEP and not series.remark:
         remarks.append(f"a time step{where} of {series.dt:g} s, which is unusually long")
