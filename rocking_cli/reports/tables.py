@@ -4,10 +4,11 @@ import csv
 import io
 import json
 import math
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import zip_longest
 from textwrap import wrap
-from typing import Any
+from typing import Any, NamedTuple
 from unicodedata import normalize
 
 from ..errors import UsageError, did_you_mean
@@ -16,6 +17,9 @@ from .units import Units
 Row = Mapping[str, Any]
 
 WIDTH = 100  # of a table, if no terminal says otherwise
+_GAP = "  "  # between two columns
+_LEAST = 4  # characters of a column that gives way to others
+_NUMBER = re.compile(r"(?:[<>] ?)?[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?")
 _FORMULA = ("=", "+", "-", "@")  # a spreadsheet reads a text that begins so as a formula, after blanks and in full width too
 
 
@@ -40,48 +44,178 @@ def csv_lines(rows: Iterable[Row], columns: Sequence[str] = ()) -> Iterator[str]
         yield _csv_row(list(columns))
 
 
-def table_lines(rows: Iterable[Row], digits: int = 4, width: int = WIDTH, chosen: Sequence[str] = ()) -> Iterator[str]:
-    """Yield the lines of an aligned table, none longer than `width`; numbers have `digits` significant digits.
+class _Column(NamedTuple):
+    """A column of a printed table."""
 
-    chosen: names of columns without units; if empty, all columns that have values. A table of up to three rows has a line for each
-    quantity. Columns beyond the width stand in further tables, each with the first column. Raises UsageError for an unknown column.
+    cells: list[str]  # the heading and the value of each row, as texts
+    numeric: bool  # True if every value is a number; numbers are aligned on the right
+    key: bool  # True if the column says which row it is
+
+    @property
+    def width(self) -> int:
+        """The number of characters of the longest cell."""
+        return max(map(len, self.cells))
+
+
+def table_lines(
+    rows: Iterable[Row],
+    digits: int = 4,
+    width: int = WIDTH,
+    chosen: Sequence[str] = (),
+    keys: Sequence[str] = (),
+) -> Iterator[str]:
+    """Yield the lines of an aligned table, none longer than `width`.
+
+    digits: significant digits of numbers; chosen: names of columns without units, if
+    empty all columns that have values; keys: names of the columns that say which row it
+    is, the first column if there is none. A table that is too wide is cut into blocks;
+    each block begins with the key columns. A table of up to three rows has a line for
+    each quantity, and its blocks hold as many rows as fit. Raises UsageError for an
+    unknown column.
     """
     body = list(rows)
-    known = {key.partition(" [")[0]: key for row in body for key in row if key != "kind"}
-    if unknown := [name for name in chosen if body and name not in known]:
-        raise UsageError(f"`columns`: found {unknown[0]!r}{did_you_mean(unknown[0], known)}; expected names among {', '.join(known)}")
-    keys = [known[name] for name in chosen if body] or [k for k in known.values() if any(row.get(k) not in (None, "", []) for row in body)]
-    cells = [[key, *(_text(row.get(key), digits) for row in body)] for key in keys]
-    if len(body) <= 3:
-        yield from _upright(cells, width)
+    table = []
+    for heading in _headings(body, chosen):
+        values = [row.get(heading) for row in body]
+        cells = [heading, *(_text(value, digits) for value in values)]
+        key = heading.partition(" [")[0] in keys
+        table.append(_Column(cells, all(map(_is_number, values)), key))
+
+    if not table:
         return
-    numeric = [all(isinstance(row.get(key), int | float | None) for row in body) for key in keys]
-    widths = [min(max(map(len, cells[0])), width // 2)]
-    widths += [min(max(map(len, column)), width - widths[0] - 2) for column in cells[1:]]
-    begin = 1
-    while begin <= len(keys) - (len(keys) > 1):
-        end, used = begin + 1, sum(widths[:1] + widths[begin : begin + 1]) + 2
-        while end < len(keys) and used + 2 + widths[end] <= width:
-            used += 2 + widths[end]
-            end += 1
-        if begin > 1:
+    yield from _upright(table, width) if len(body) <= 3 else _level(table, width)
+
+
+def _headings(body: Sequence[Row], chosen: Sequence[str]) -> list[str]:
+    """Return the headings of a table: the chosen ones, or those that have values."""
+    known = {key.partition(" [")[0]: key for row in body for key in row if key != "kind"}
+    if not body:
+        return []
+    for name in chosen:
+        if name not in known:
+            meant = did_you_mean(name, known)
+            expected = f"expected names among {', '.join(known)}"
+            raise UsageError(f"`columns`: found {name!r}{meant}; {expected}")
+    if chosen:
+        return [known[name] for name in chosen]
+    empty: tuple[Any, ...] = (None, "", [])
+    return [k for k in known.values() if any(row.get(k) not in empty for row in body)]
+
+
+def _level(table: Sequence[_Column], width: int) -> Iterator[str]:
+    """Yield a line for each row; columns beyond the width stand in further blocks.
+
+    A key that has no room continues on the next line, so that two rows never look alike;
+    any other text is cut.
+    """
+    for number, block in enumerate(_blocks(table, width)):
+        if number:
             yield ""
-        shown = (0, *range(begin, min(end, len(keys))))
-        for line in zip(*(cells[i] for i in shown), strict=True):
-            cut = [cell if len(cell) <= widths[i] else f"{cell[: widths[i] - 3]}..." for i, cell in zip(shown, line, strict=True)]
-            yield "  ".join(f"{cell:{'>' if numeric[i] else '<'}{widths[i]}}" for i, cell in zip(shown, cut, strict=True)).rstrip()
-        begin = end
+        for cells in zip(*(column.cells for column, _ in block), strict=True):
+            parts = []
+            for cell, (column, room) in zip(cells, block, strict=True):
+                parts.append(_wrapped(cell, room) if column.key else [_cut(cell, room)])
+            for line in zip_longest(*parts, fillvalue=""):
+                aligned = [
+                    text.rjust(room) if column.numeric else text.ljust(room) for text, (column, room) in zip(line, block, strict=True)
+                ]
+                yield _GAP.join(aligned).rstrip()
 
 
-def _upright(cells: Sequence[Sequence[str]], width: int) -> Iterator[str]:
-    """Yield a line for each quantity, its heading and values; a value that is too long continues on the next line."""
-    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    most = (width - widths[0]) // max(len(widths) - 1, 1) - 2 if sum(widths) + 2 * len(widths) - 2 > width else width
-    widths[1:] = [min(w, most) for w in widths[1:]]
-    for heading, *values in cells:
-        parts = zip_longest([heading], *(wrap(value, w) for value, w in zip(values, widths[1:], strict=True)), fillvalue="")
-        for line in parts:
-            yield "  ".join(x.ljust(w) for x, w in zip(line, widths, strict=True)).rstrip()
+def _blocks(table: Sequence[_Column], width: int) -> Iterator[list[tuple[_Column, int]]]:
+    """Yield the columns of each block, the key columns first, with their widths."""
+    if _together([column.width for column in table]) <= width:
+        yield [(column, column.width) for column in table]
+        return
+
+    if not any(column.key for column in table):
+        table = [table[0]._replace(key=True), *table[1:]]
+    keys = [column for column in table if column.key]
+    others = [column for column in table if not column.key]
+
+    # The widest of the other columns takes up to half of the width, the keys the rest.
+    widest = max((column.width for column in others), default=-len(_GAP))
+    room = width - min(widest, width // 2) - len(_GAP)
+    narrowed = _narrowed([column.width for column in keys], room)
+    begin = list(zip(keys, narrowed, strict=True))
+    left = width - sum(narrowed) - len(_GAP) * len(keys)
+
+    block, used = list(begin), 0
+    for column in others:
+        needed = min(column.width, left)
+        if used and used + len(_GAP) + needed > left:
+            yield block
+            block, used = list(begin), 0
+        used += needed + (len(_GAP) if used else 0)
+        block.append((column, needed))
+    yield block
+
+
+def _upright(table: Sequence[_Column], width: int) -> Iterator[str]:
+    """Yield a line for each quantity: its heading, and its value in each row.
+
+    Rows that have no room beside the others stand in further blocks. A value that is
+    still too long continues on the next line.
+    """
+    headings = [column.cells[0] for column in table]
+    first = max(map(len, headings))
+    room = max(width - first - len(_GAP), 1)
+    rest = [list(row) for row in zip(*(column.cells[1:] for column in table), strict=True)]
+    begun = False
+    while rest:
+        count, widths = _abreast(rest, room)
+        block, rest = rest[:count], rest[count:]
+        if begun:
+            yield ""
+        begun = True
+        for heading, *values in zip(headings, *block, strict=True):
+            parts = [_wrapped(v, w) for v, w in zip(values, widths, strict=True)]
+            for line in zip_longest([heading], *parts, fillvalue=""):
+                cells = zip(line, [first, *widths], strict=True)
+                yield _GAP.join(text.ljust(w) for text, w in cells).rstrip()
+
+
+def _abreast(rows: Sequence[Sequence[str]], room: int) -> tuple[int, list[int]]:
+    """Return (number, widths) of the first rows that stand side by side: as many as fit
+    without a broken word, or one."""
+    natural = [max(map(len, cells)) for cells in rows]
+    for count in range(len(rows), 1, -1):
+        widths = _narrowed(natural[:count], room)
+        words = [max((len(w) for c in cells for w in c.split()), default=0) for cells in rows]
+        whole = all(w >= word for w, word in zip(widths, words[:count], strict=True))
+        if whole and _together(widths) <= room:
+            return count, widths
+    return 1, [min(natural[0], room)]
+
+
+def _together(widths: Sequence[int]) -> int:
+    """Return the width of columns of these widths side by side."""
+    return sum(widths) + len(_GAP) * (len(widths) - 1)
+
+
+def _narrowed(widths: Sequence[int], room: int) -> list[int]:
+    """Return widths of columns that together fit into `room`: the widest give way."""
+    found = list(widths)
+    while _together(found) > room and max(found) > _LEAST:
+        found[found.index(max(found))] -= 1
+    return found
+
+
+def _wrapped(cell: str, width: int) -> list[str]:
+    """Return the lines of a cell in this width."""
+    return [cell] if len(cell) <= width else wrap(cell, width)
+
+
+def _cut(cell: str, width: int) -> str:
+    """Return a cell, shortened to the width."""
+    return cell if len(cell) <= width else f"{cell[: width - 3]}..."
+
+
+def _is_number(value: Any) -> bool:
+    """True for a number, for none, and for a text such as `0.62` or `> 13`."""
+    if isinstance(value, str):
+        return _NUMBER.fullmatch(value) is not None
+    return value is None or isinstance(value, int | float)
 
 
 def flat(row: Row) -> dict[str, Any]:
@@ -94,16 +228,29 @@ def flat(row: Row) -> dict[str, Any]:
 
 
 def lines(
-    rows: Iterable[Row], form: str, columns: Sequence[str] = (), *, encoding: str = "utf-8", units: Units | None = None, **table: Any
+    rows: Iterable[Row],
+    form: str,
+    columns: Sequence[str] = (),
+    *,
+    encoding: str = "utf-8",
+    units: Units | None = None,
+    keys: Sequence[str] = (),
+    **table: Any,
 ) -> Iterator[str]:
-    """Yield the rows as lines of `json`, `csv` (columns: its header without rows) or `table` (with arguments of `table_lines`), the last
-    two in these units, None for SI."""
+    """Yield the rows as lines of `json`, `csv` or `table`, the last two in `units`.
+
+    columns: the header of a CSV without rows; units: None for SI; keys: the columns that
+    say which row it is, repeated in every block of a table; table: further arguments of
+    `table_lines`.
+    """
     if form == "json":
         return (json_line(r, encoding) for r in rows)
     units = units or Units()
     if form == "csv":
-        return csv_lines(units.shown(map(flat, rows)), [headed for headed, _ in map(units.heading, columns)])
-    return table_lines(units.shown(rows), **table)
+        headings = [heading for heading, _ in map(units.heading, columns)]
+        return csv_lines(units.shown(map(flat, rows)), headings)
+    named = [units.column(key)[0] for key in keys]
+    return table_lines(units.shown(rows), keys=named, **table)
 
 
 def _plain(value: Any) -> Any:

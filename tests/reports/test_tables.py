@@ -7,6 +7,7 @@ import pytest
 
 from rocking_cli.errors import UsageError
 from rocking_cli.reports.tables import csv_lines, json_line, lines, table_lines
+from rocking_cli.reports.units import parse_units
 
 FORMULAS = ["=1+1", "  =1+1", "\t=1+1", "＝1+1", "＋1", "\u3000＠SUM(A1)", "+1", "-1", "@SUM(A1)", '=HYPERLINK("http://x","y")']
 
@@ -63,3 +64,77 @@ def test_three_rows_stand_upright_and_four_below_each_other():
     assert list(table_lines([])) == []
     with pytest.raises(UsageError, match=r"`columns`: found 'P' .did you mean 'p'\?.; expected names among name, p, n"):
         list(table_lines(rows, chosen=["P"]))
+
+
+RECORDS = [
+    {"structure": "Column", "motion": f"RSN{i:04}_LOMA_PRIETA_{i}", "pga [g]": 0.1 * i} | {f"column_{k}": 1e3 * i + k for k in range(12)}
+    for i in range(1, 23)
+]
+
+
+def blocks(shown):
+    """Return the blocks of a table, each a list of lines."""
+    return [block.splitlines() for block in "\n".join(shown).split("\n\n")]
+
+
+@pytest.mark.parametrize("width", [60, 80, 120])
+def test_every_block_of_a_table_that_is_cut_says_which_row_it_is(width):
+    shown = list(table_lines(RECORDS, width=width, keys=("structure", "motion")))
+    assert max(map(len, shown)) <= width
+    found = blocks(shown)
+    assert len(found) > 1
+    for heading, *rows in found:
+        assert heading.split()[:2] == ["structure", "motion"]
+        names = [row.split()[:2] for row in rows]
+        assert names == [["Column", record["motion"]] for record in RECORDS]
+
+
+def test_keys_stand_first_where_a_table_is_cut_and_in_their_place_where_it_is_not():
+    rows = [{"width [m]": 0.4, "structure": f"S{i}", "motion": f"M{i}"} for i in range(4)]
+    (whole,) = blocks(table_lines(rows, keys=("structure", "motion")))
+    assert whole[0].split() == ["width", "[m]", "structure", "motion"]
+    wide = [{**row, "said": "a" * 30, "more": "b" * 30} for row in rows]
+    first, second = blocks(table_lines(wide, width=60, keys=("structure", "motion")))
+    assert first[0].split() == ["structure", "motion", "width", "[m]", "said"]
+    assert second[0].split() == ["structure", "motion", "more"]
+
+
+def test_a_key_without_room_goes_on_below_and_is_never_cut():
+    rows = [{"motion": "a long name of a record, and " * 3 + str(i), "x": LONG} for i in range(4)]
+    shown = list(table_lines(rows, width=60, keys=("motion",)))
+    assert max(map(len, shown)) <= 60
+    words = " ".join(line[:28] for line in shown).split()
+    assert [word for word in words if word.isdigit()] == ["0", "1", "2", "3"]
+
+
+def test_the_chosen_columns_are_all_that_a_table_has():
+    shown = list(table_lines(RECORDS, width=60, chosen=["pga", "motion"], keys=("motion",)))
+    assert shown[0].split() == ["pga", "[g]", "motion"]
+    cut = blocks(table_lines(RECORDS, width=30, chosen=["pga", "motion"], keys=("motion",)))
+    assert [heading.split()[0] for heading, *_ in cut] == ["motion"]
+
+
+@pytest.mark.parametrize(("width", "count"), [(40, 3), (60, 2), (90, 1)])
+def test_upright_rows_that_do_not_fit_stand_in_blocks_with_their_keys(width, count):
+    rows = [{"name": f"record_{i}" * 3, "x": i / 3.0, "y": 1e-9 * i} for i in (1, 2, 3)]
+    shown = list(table_lines(rows, digits=17, width=width, keys=("name",)))
+    assert max(map(len, shown)) <= width
+    found = blocks(shown)
+    assert len(found) == count
+    names = [name for block in found for name in block[0].split()[1:]]
+    assert names == [row["name"] for row in rows]
+    assert all(block[1].split()[0] == "x" for block in found)  # no number is broken
+
+
+def test_numbers_and_bounds_are_aligned_on_the_right():
+    rows = [{"n": "a", "c": c} for c in (1.5, "> 13", None, 0.02, -1e-9)]
+    lines_ = [line[3:] for line in table_lines(rows)]
+    assert lines_ == ["     c", "   1.5", "  > 13", "     -", "  0.02", "-1e-09"]
+    said = [{"n": "a", "c": c} for c in (1.5, "no", None, 0.02)]
+    assert [line[3:] for line in table_lines(said)] == ["c", "1.5", "no", "-", "0.02"]
+
+
+def test_keys_are_found_by_their_name_in_the_units_that_are_shown():
+    rows = [{"omega_g": float(i), "t": LONG, "u": LONG} for i in range(5)]
+    shown = lines(rows, "table", units=parse_units("Hz"), keys=("omega_g",), width=60)
+    assert [heading.split()[:2] for heading, *_ in blocks(shown)] == [["f_g", "[Hz]"]] * 2
