@@ -38,4 +38,4 @@ def accuracy(
     note(*model.in_words(methods, structures, grid.dimensionless))
     note(f"{structures[0].name}, {motion.name}; {sample} cells, seed {seed}; times in s a cell")
     scene = PulseScene(tuple(structures), grid, motion, methods[0])
-    emit(work_precision(scene, sample=sample, scipy=scipy, seed=seed))
+    emit(work_precision(scene, sample=sample, scipy=scipy, seed=seed), keys=("method", "tolerance"))

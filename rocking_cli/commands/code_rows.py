@@ -8,7 +8,7 @@ from ..dynamics.method import governing_method
 from ..errors import UsageError
 from ..motions.design_spectra import parse_floor, read_spectrum
 from ..reports.figures.capacities import draw_capacity_curves
-from ..responses.check import Demand, Verdict
+from ..responses.check import CHECK_KEYS, Demand, Verdict
 from ..responses.code_check import SLC, SLV, CodeCheck, code_check, first_beyond
 from ..structures import RockingParameters
 from ..structures.mechanics.capacity_curve import require_geometry
@@ -34,7 +34,7 @@ class CodeRows:
         require_geometry(structures)
         found = [code_check(structure, **self.given) for structure in structures]
         self._remark(found)
-        emit(({**_head(one), **one.row()} for one in found), table_units="g,mm,deg", varied=varied)
+        emit(({**_head(one), **one.row()} for one in found), keys=CHECK_KEYS, table_units="g,mm,deg", varied=varied)
         if output is not None:
             draw_capacity_curves(found, output, overwrite=overwrite, tell=note)
         note(*self.lines)

@@ -36,7 +36,10 @@ def compare(
             raise click.UsageError(f"--eta: {error}") from None
     methods = model.methods(structures, shaken.grid.dimensionless)
     responses = comparison.compare(structures, shaken.motion, shaken.grid, methods)
-    emit((comparison.curve_rows if curves else comparison.comparison_rows)(responses, methods))
+    if curves:
+        emit(comparison.curve_rows(responses, methods), keys=comparison.CURVE_KEYS)
+    else:
+        emit(comparison.comparison_rows(responses, methods), keys=comparison.KEYS)
     note(*model.in_words(methods, structures, shaken.grid.dimensionless), *direction_in_words(*structures))
     for method in methods:
         if len(structures) > 1:

@@ -61,7 +61,7 @@ def envelope(
 
     --model both traces the intervals of both equations, a row each with its model.
     """
-    from ..envelopes.intervals import CURVE_COLUMNS, NAMED, check_curves, frequency_axis, structure_curves
+    from ..envelopes.intervals import CURVE_COLUMNS, CURVE_KEYS, NAMED, check_curves, frequency_axis, structure_curves
 
     files, shaken = motions.several(files, one_upwards=True)
     if shaken.motion is None:
@@ -75,7 +75,7 @@ def envelope(
         for structure in structures:  # all of them, before the first row is printed
             check_curves(structure, motion, axis)
         rows = (row for structure in structures for row in structure_curves(structure, motion, axis))
-        emit(rows, CURVE_COLUMNS, unseen=NAMED, varied=varied)
+        emit(rows, CURVE_COLUMNS, keys=CURVE_KEYS, unseen=NAMED, varied=varied)
         return
     methods = model.methods(structures, axis.name == "Omega")
     lines = model.in_words(methods, structures, axis.name == "Omega")
@@ -88,7 +88,16 @@ def _of_pulse(
 ) -> None:  # fmt: skip
     """Print the intervals of each structure by each equation under a pulse; lines: the lines to print after them."""
     from ..envelopes.amplitudes import limit_of
-    from ..envelopes.intervals import INTERVAL_COLUMNS, NAMED, NARROWEST, NONE, check_intervals, misjudged, structure_intervals
+    from ..envelopes.intervals import (
+        INTERVAL_COLUMNS,
+        INTERVAL_KEYS,
+        NAMED,
+        NARROWEST,
+        NONE,
+        check_intervals,
+        misjudged,
+        structure_intervals,
+    )
 
     for structure in structures:  # all of them, before the first row is printed
         for method in methods:
@@ -120,7 +129,7 @@ def _of_pulse(
             if both and not wanted.lowest:
                 lines.append(f"{structure.name}: {misjudged(*compared, a_max=most)}")
 
-    emit(rows(), INTERVAL_COLUMNS, unseen=NAMED[: 1 if both else 2], varied=varied)
+    emit(rows(), INTERVAL_COLUMNS, keys=INTERVAL_KEYS, unseen=NAMED[: 1 if both else 2], varied=varied)
     _closing(lines, f"{NARROWEST:g} in A", failed)
 
 
@@ -138,7 +147,7 @@ def _of_records(
     """Print the intervals of scale of each record that overturn a structure, or with --median their quantiles."""
     from ..dynamics.method import model_in_words
     from ..envelopes.capacity import RATIO
-    from ..envelopes.intervals import NAMED, NONE
+    from ..envelopes.intervals import INTERVAL_KEYS, NAMED, NONE
     from ..spectra.record_envelope import Tracing, overturning_spectrum, tracing_rows
     from ..spectra.record_scene import scene_of_words
 
@@ -160,10 +169,16 @@ def _of_records(
             yield row
 
     if wanted.median:
-        emit(overturning_spectrum(scene, rows()))
+        emit(overturning_spectrum(scene, rows()), keys=INTERVAL_KEYS)
     else:
         places = ("record", "alpha", "T") if scene.over_angles else ("record", "structure")
-        emit(rows(), (*places, "A_from", *([] if tracing.first else ["A_to"]), "mode", "model"), unseen=NAMED, varied=varied)
+        emit(
+            rows(),
+            (*places, "A_from", *([] if tracing.first else ["A_to"]), "mode", "model"),
+            keys=INTERVAL_KEYS,
+            unseen=NAMED,
+            varied=varied,
+        )
     lines = [model_in_words(scene.method, *structures, model=model.models[0])]
     if modes[NONE]:
         lines.append(f"no overturning up to {tracing.most} in {modes[NONE]} searches")

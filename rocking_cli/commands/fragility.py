@@ -13,7 +13,7 @@ from ..errors import UsageError
 from . import equations, ground, options
 from .command import command, flag, group, option, partly, refuse, refuse_together
 from .parameter_types import InputPath, Registered, quantity
-from .printing import emit, form, note, printed, units_of
+from .printing import emit, form, note, printed, units_of, units_shown
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 
 _WITH_COUNTS = ("counts", "curve", "samples", "seed", "workers", "overwrite")
+OLD_NAMES = ("theta", "theta_low", "theta_high")
 _IN_G = re.compile(r"g(?![a-z])", re.IGNORECASE)  # and not in gal
 
 
@@ -78,7 +79,7 @@ def fragility(
     from ..fragility.fits import Resampling
     from ..fragility.hazard import read_hazard
     from ..fragility.measures import measure_of, members_of, shaken_upwards, site_pulses
-    from ..fragility.study import EFFICIENCY_COLUMNS, METHODS, counted, fitted, studies
+    from ..fragility.study import METHODS, counted, fitted, studies
 
     files, shaken = motions.several(files)
     if wanted.counts is not None:
@@ -142,11 +143,11 @@ def fragility(
     refused: list[str] = []
     remarks: list[str] = []
     if wanted.cells:
-        from ..fragility.study import CELL_COLUMNS
+        from ..fragility.study import CELL_COLUMNS, CELL_KEYS
 
-        emit([row for study in found for row in study.cells()], CELL_COLUMNS)
+        emit([row for study in found for row in study.cells()], CELL_COLUMNS, keys=CELL_KEYS)
     elif wanted.efficiency:
-        _in_units([row for study in found for row in study.efficiency()], EFFICIENCY_COLUMNS, wanted)
+        _emit_efficiency([row for study in found for row in study.efficiency()], wanted)
     else:
         fits, refused = fitted(found, states, methods)
         if not fits and not (exact and (wanted.curve or hazard)):
@@ -172,44 +173,83 @@ def fragility(
 
 
 def _emit(fits: "Sequence[Fit]", exact: "Sequence[Study]", wanted: Fits) -> None:
-    """Print the rows of fits, or with --curve those of curves. A table, and any output with --units, states the unit of the measure."""
+    """Print the rows of fits, or with --curve those of curves, in the unit of the measure."""
     from ..fragility.hazard import RATE_COLUMNS
-    from ..fragility.study import CURVE_COLUMNS, FRAGILITY_COLUMNS, HAZARD_COLUMNS
+    from ..fragility.study import CURVE_COLUMNS, CURVE_KEYS, FRAGILITY_COLUMNS, FRAGILITY_KEYS, HAZARD_COLUMNS
+    from ..reports.units import OF_THE_MEASURE, dimension_of_measure
 
+    columns: tuple[str, ...]
+    keys: tuple[str, ...]
+    measure = fits[0].im if fits else exact[0].motions.measure.name
     if wanted.curve:
-        rows = [row for fit in fits for row in fit.points_of_curve()] + [row for study in exact for row in study.exact_rows()]
-        emit(rows, CURVE_COLUMNS + (HAZARD_COLUMNS if wanted.hazard is not None else ()), without=("x",))
-        return
-    rows = [fit.row() for fit in fits]
+        rows = [row for fit in fits for row in fit.points_of_curve()]
+        rows += [row for study in exact for row in study.exact_rows()]
+        columns, keys = CURVE_COLUMNS, CURVE_KEYS
+        of_hazard: tuple[str, ...] = HAZARD_COLUMNS
+    else:
+        rows = [fit.row() for fit in fits]
+        if wanted.hazard is not None:
+            rows += [study.exact_row() for study in exact]
+        _add_rejected(rows, wanted.standing)
+        _name_the_unit(rows)
+        columns, keys, of_hazard = FRAGILITY_COLUMNS, FRAGILITY_KEYS, RATE_COLUMNS
+
     if wanted.hazard is not None:
-        rows += [study.exact_row() for study in exact]
-    if wanted.standing is not None:
-        for row in rows:
-            falls = row["limit_state"] == "overturning"
-            row |= {"rejected": -math.expm1(-row["annual_rate"] * wanted.standing) if falls else None}
-    _in_units(rows, FRAGILITY_COLUMNS + (RATE_COLUMNS if wanted.hazard is not None else ()), wanted)
+        columns = (*columns, *of_hazard)
+    in_its_unit = (*OF_THE_MEASURE, *OLD_NAMES)
+    emit(
+        rows,
+        columns,
+        keys=keys,
+        table_units=_table_units(wanted),
+        dimensions=dict.fromkeys(in_its_unit, dimension_of_measure(measure)),
+        unseen=OLD_NAMES,
+    )
 
 
-def _in_units(rows: list[dict[str, Any]], columns: tuple[str, ...], wanted: Fits) -> None:
-    """Print rows of a median in the unit of their measure. Tables do not show theta, the median under its old name."""
-    from ..documents.quantities import headed
-    from ..reports.units import Units, dimension_of, parse_units
-
-    asked, shown, shown_rows = units_of(), form(), []
-    shown_units = asked or (parse_units("g") if shown is None and _IN_G.search(wanted.levels or "") else Units())
+def _add_rejected(rows: list[dict[str, Any]], standing: float | None) -> None:
+    """Add the probability that a body would have fallen in the years that it has stood."""
+    if standing is None:
+        return
     for row in rows:
-        if shown != "json":
-            dimension = dimension_of(row["im"].lower())
-            unit, factor = ("", 1.0) if dimension is None else shown_units.of(dimension)
-            row |= {k: x / factor for k, x in row.items() if k.startswith(("median", "theta")) and x is not None}
-            if shown is None or asked is not None:
-                row["im"] = headed(row["im"], unit)
-            if shown is None:
-                row = {k: x for k, x in row.items() if not k.startswith("theta")}
-            else:
-                row = {headed(k, unit) if k.startswith("median") else k: x for k, x in row.items()}
-        shown_rows.append(row)
-    emit(shown_rows, () if shown_rows else columns, without=("theta",))  # the rows have units in their headings
+        falls = row["limit_state"] == "overturning"
+        row["rejected"] = -math.expm1(-row["annual_rate"] * standing) if falls else None
+
+
+def _name_the_unit(rows: list[dict[str, Any]]) -> None:
+    """State the unit beside the measure too, in a CSV whose units are asked for."""
+    from ..documents.quantities import headed
+    from ..reports.units import dimension_of_measure
+
+    units = units_of()
+    if form() != "csv" or units is None:
+        return
+    for row in rows:
+        dimension = dimension_of_measure(row["im"])
+        if dimension is not None:
+            row["im"] = headed(row["im"], units.of(dimension)[0])
+
+
+def _emit_efficiency(rows: list[dict[str, Any]], wanted: Fits) -> None:
+    """Print a row for each measure. In a table and in CSV, its unit stands beside its name,
+    because the medians of one column have several."""
+    from ..documents.quantities import headed
+    from ..fragility.study import EFFICIENCY_COLUMNS, EFFICIENCY_KEYS
+    from ..reports.units import OF_THE_MEASURE, dimension_of_measure
+
+    units = units_shown(_table_units(wanted))
+    for row in rows if form() != "json" else ():
+        dimension = dimension_of_measure(row["im"])
+        if dimension is not None:
+            unit, factor = units.of(dimension)
+            row |= {"im": headed(row["im"], unit), "median": row["median"] / factor}
+    dimensions = dict.fromkeys((*OF_THE_MEASURE, *OLD_NAMES))
+    emit(rows, EFFICIENCY_COLUMNS, keys=EFFICIENCY_KEYS, dimensions=dimensions, unseen=OLD_NAMES)
+
+
+def _table_units(wanted: Fits) -> str | None:
+    """Return the unit of a table: g if the levels are stated in it."""
+    return "g" if _IN_G.search(wanted.levels or "") else None
 
 
 def _each(flag: str, text: str, read: Callable[[str], Any], expected: str = "") -> list[Any]:

@@ -61,7 +61,7 @@ def info(
             rows.append(row)
     if documents:
         return 0
-    emit([{**row, "command": None} for row in rows] if form() is None else rows)
+    emit([{**row, "command": None} for row in rows] if form() is None else rows, keys=("file",))
     commands = [row["command"] for row in rows] if again else []
     for line in filter(None, commands if form() is None else []):
         parts = wrap(line, 96, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)

@@ -14,6 +14,7 @@ from .progress import ProgressLine
 if TYPE_CHECKING:
     from ..structures import RockingParameters
 
+KEYS = ("name",)  # the column that says which row it is
 SHARED = {"one_sided": False, "damping": 0.0, "friction": None, "arm": None}  # keys that some members have, and what stands for none
 
 
@@ -62,9 +63,9 @@ def params(
     if shown == "csv":  # a later row may have more columns than the first
         rows = [flat(row) for row in printed()]
         every = dict.fromkeys(chain.from_iterable(rows))
-        emit([every | row for row in rows])
+        emit([every | row for row in rows], keys=KEYS)
     else:
-        emit(printed())
+        emit(printed(), keys=KEYS)
     for s in early:
         lifts = f"lifts it at alpha/a_scale = {s.linear_uplift:.4g} g, the body at lambda = {s.uplift:.4g} g"
         note(f"{s.name}: the linear equation {lifts}")

@@ -41,7 +41,7 @@ def predict(
             read_off(s, file, shaken.grid) if held or not (exact or has_direction(s)) else predict_exactly(s, shaken.motion, shaken.grid)
             for s in structures
         ]
-    emit(rows)
+    emit(rows, keys=("structure",))
     note("model: linear, as the spectrum's", *direction_in_words(*structures, opposite="the other sign of `a_g`"))
     if failed := sum(r["outcome"] == Outcome.FAILED.flag for r in rows):
         note(f"{counted(failed, 'structure')} could not be decided (outcome failed)")

@@ -71,31 +71,59 @@ def form() -> str | None:
     return _kept("form")
 
 
+def units_shown(table_units: str | None = None) -> "Units":
+    """Return the units of the rows: --units, for a table else `table_units`, else SI."""
+    from ..reports.units import Units, parse_units
+
+    if (asked := units_of()) is not None:
+        return asked
+    tabular = form() is None and table_units is not None
+    return parse_units(str(table_units)) if tabular else Units()
+
+
 def emit(
-    rows: Iterable[Mapping[str, Any]], columns: Sequence[str] = (), *, form: str | None = None, table_units: str | None = None,
-    without: Sequence[str] = (), unseen: Sequence[str] = (), varied: Mapping[str, Mapping[str, Any]] | None = None,
-) -> None:  # fmt: skip
-    """Print rows, each as soon as it is computed. columns: the header of a CSV without rows; form: the form of the output if neither --json
-    nor --csv is given; table_units: the units of a table if --units is not given; without: columns that have no unit here; unseen: columns
-    that only JSON and CSV have; varied: for each structure the columns of its varied values, which come first."""
+    rows: Iterable[Mapping[str, Any]],
+    columns: Sequence[str] = (),
+    *,
+    keys: Sequence[str] = (),
+    form: str | None = None,
+    table_units: str | None = None,
+    dimensions: Mapping[str, str | None] | None = None,
+    unseen: Sequence[str] = (),
+    varied: Mapping[str, Mapping[str, Any]] | None = None,
+) -> None:
+    """Print rows: JSON and CSV each as soon as it is computed, a table at the end.
+
+    columns: the header of a CSV without rows; keys: the columns that say which row it is,
+    which a table that is cut into blocks repeats; form: the form of the output if neither
+    --json nor --csv is given; table_units: the units of a table if --units is not given;
+    dimensions: of columns that have another one here than elsewhere, None without a unit;
+    unseen: columns that only JSON and CSV have; varied: for each structure the columns of
+    its varied values, which come first.
+    """
     from shutil import get_terminal_size
 
     from ..reports.tables import WIDTH, lines
-    from ..reports.units import Units, parse_units
 
-    units, form = units_of(), _kept("form") or form
-    chosen = [name.strip() for name in (_kept("columns") or "").split(",") if name.strip()]
-    if units is None and form is None and table_units is not None:
-        units = parse_units(table_units)
+    units, form = units_shown(table_units), _kept("form") or form
+    asked = (_kept("columns") or "").split(",")
+    chosen = [name.strip() for name in asked if name.strip()]
     if varied:
         rows = ({**varied.get(str(row.get("structure")), {}), **row} for row in rows)
     if unseen and form is None:
-        rows = ({key: value for key, value in row.items() if key not in unseen or key in chosen} for row in rows)
-    if without:
-        units = replace(units or Units(), without=frozenset(without))
-    width = get_terminal_size((WIDTH, 0)).columns if sys.stdout.isatty() else WIDTH
-    table = {"digits": _kept("digits") or 4, "width": width, "chosen": chosen} if form is None else {}
-    for line in lines(rows, form or "table", columns, encoding=sys.stdout.encoding, units=units, **table):
+        hidden = set(unseen) - set(chosen)
+        rows = ({k: x for k, x in row.items() if k not in hidden} for row in rows)
+    if dimensions:
+        units = replace(units, dimensions=dimensions)
+
+    table: dict[str, Any] = {}
+    if form is None:
+        terminal = sys.stdout.isatty()
+        width = get_terminal_size((WIDTH, 0)).columns if terminal else WIDTH
+        digits = _kept("digits") or 4
+        table = {"digits": digits, "width": width, "chosen": chosen, "keys": keys}
+    encoding = sys.stdout.encoding
+    for line in lines(rows, form or "table", columns, encoding=encoding, units=units, **table):
         streams.put(line)
 
 

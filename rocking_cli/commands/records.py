@@ -14,6 +14,7 @@ from .printing import emit, note, printed
 if TYPE_CHECKING:
     from ..motions.records import Record
 
+KEYS = ("name", "component")  # the columns that say which row it is, of a spectrum with T
 SPECTRUM_COLUMNS = ("name", "component", "damping", "T", "S_a", "S_d")
 COLUMNS = (
     "name", "format", "component", "npts", "dt", "duration", "pga", "pga_time", "pgv", "pgd", "arias", "cav", "d5_75", "d5_95",
@@ -54,7 +55,10 @@ def records(
 
     with ground.named(dt="motion_dt"):
         taken = list(read_set(files, rows, unit=reading.unit, dt=reading.motion_dt, tell=notes.append, unread=unread.append))
-    emit(taken, SPECTRUM_COLUMNS if export_spectrum else COLUMNS)
+    if export_spectrum:
+        emit(taken, SPECTRUM_COLUMNS, keys=(*KEYS, "T"))
+    else:
+        emit(taken, COLUMNS, keys=KEYS)
     note(*dict.fromkeys(notes))
     for line in unread:
         ground.leave_out(line)

@@ -39,7 +39,7 @@ def response(
     FILE holds one structure. An overturning body is followed to 3 alpha, or until it lies on its side or its linkage has
     collapsed. The speed of an impact in the events is the speed before it. With --json the last row of each model is a summary.
     """
-    from ..responses.time_history import NAMED, time_history
+    from ..responses.time_history import EVENT_KEYS, IMPULSES, KEYS, NAMED, time_history
 
     azimuths = asked.azimuths()
     if azimuths is None:
@@ -66,7 +66,11 @@ def response(
     shown = {"dimensionless": dimensionless, "forces": forces}
     rows = found.events(**shown) if events else found.rows(dt=dt, steps=steps, **shown)
     closing = found.summaries(**shown) if events and form() == "json" else ()
-    emit(chain(rows, closing), ("model", "event") if events else (), unseen=() if events else NAMED)
+    dimensions = dict.fromkeys(IMPULSES) if dimensionless else None
+    if events:
+        emit(chain(rows, closing), ("model", "event"), keys=EVENT_KEYS, dimensions=dimensions)
+    else:
+        emit(rows, keys=KEYS, unseen=NAMED)
     if shaken.grid is not None:
         ground.note_demand(shaken.shakes)
     note(*model.in_words(methods, structures, bare), *found.summary(forces=forces))

@@ -9,6 +9,7 @@ from .command import command, group, option, partly
 from .printing import emit, form, note, printed
 from .progress import ProgressLine
 
+COLUMNS = ("structure", "key", "value", "side", "capacity_demand")
 _SCAN = 17  # values of a range that states no number
 
 
@@ -29,6 +30,7 @@ def solve(
     margin holds for a share of them; of a range of frequencies (--f-g 0.5:2) the worst one counts. Two boundaries between neighbouring
     values of the scan may be missed. The equation is the governing one, as in rocking check.
     """
+    from ..documents.quantities import headed
     from ..responses.solving import boundaries
     from ..structures.family import parse_variation
 
@@ -47,11 +49,13 @@ def solve(
         for one in found:
             row = one.row()
             name, key, value = (row.pop(column) for column in ("structure", "key", "value"))
-            shown = {heading: None if x is None else f"{x:.6g}" for heading, x in one.shown.items()}
-            at = {"key": key, "value": value} if form() else shown
+            if form() is None:
+                at = {heading: None if x is None else f"{x:.6g}" for heading, x in one.shown.items()}
+            else:
+                at = {"key": key, headed("value", one.unit if form() == "csv" else ""): value}
             rows.append({"structure": name, **at, **row})
         remarks += [f"{document.source}: {line}" if len(documents) > 1 else line for line in lines]
         partly(any(line.startswith("no ") for line in lines))
-    emit(rows, ("structure", "key", "value", "side", "capacity_demand"))
+    emit(rows, COLUMNS, keys=("structure", varied.key))
     ground.note_demand([*shakes, *(ends[1].shakes if ends else [])])
     note(*remarks, f"the scan has {len(varied.values)} values; two boundaries between neighbours of them may be missed")

@@ -28,6 +28,9 @@ SIGNS = {"+": (1.0,), "-": (-1.0,), "worse": (1.0, -1.0)}  # of the ground accel
 NONE = "none"  # the mode of a body that no amplitude overturns
 BOTH = "both"  # each sign by itself
 NAMED = ("motion", "model")  # columns for programs; a printed table has them only if their values differ
+# The columns that say which row it is: of an interval, and of a point of a curve.
+INTERVAL_KEYS = ("record", "structure", "alpha", "T", "model", "sign", "Omega", "A_from")
+CURVE_KEYS = ("structure", "curve", "Omega")
 INTERVAL_COLUMNS = ("structure", "Omega", "A_from", "A_to", "mode", *NAMED)
 CURVE_COLUMNS = ("structure", "curve", "Omega", "A", *NAMED)
 _IN_STEPS = 20  # number of amplitudes of an exact equation that take as long as one amplitude of another equation

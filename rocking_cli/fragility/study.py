@@ -30,6 +30,10 @@ FRAGILITY_COLUMNS = (
     "structure", "im", "limit_state", "method", "median", "beta", "median_low", "median_high", "beta_low", "beta_high",
     "n", "theta", "theta_low", "theta_high",
 )  # fmt: skip
+FRAGILITY_KEYS = ("structure", "limit_state", "method")  # they say which row it is
+CURVE_KEYS = (*FRAGILITY_KEYS, "x")
+CELL_KEYS = ("structure", "motion", "pga")
+EFFICIENCY_KEYS = ("structure", "im")
 HAZARD_COLUMNS = ("hazard", "deaggregation", "annual_rate")  # of the points of a curve
 CURVE_COLUMNS = ("structure", "im", "limit_state", "method", "x", "probability", "low", "high", "fraction")
 CELL_COLUMNS = ("structure", "motion", "pga", "pgv_pga", "theta_ratio", "outcome")

@@ -24,6 +24,7 @@ COLUMNS = {
     "first_overturning_a_free": "acceleration", "tie_elongation": "length", "permanent": "length",
     **dict.fromkeys(("ground_acceleration", "pga", "header_pga", "S_a", "sa", "avgsa"), "acceleration"),
     **dict.fromkeys(("t", "t_max", "dt", "duration", "pga_time", "d5_75", "d5_95", "T", "run_time", "time_per_cell", "pgv_pga"), "time"),
+    **dict.fromkeys(("impulse_x", "impulse_z"), "time"),
     "worst_f_g": "frequency", "pgv": "velocity", "arias": "intensity", "cav": "intensity", "gravity": "gravity", "mass": "mass",
     **dict.fromkeys(("pgd", "S_d", "top_displacement", "x", "z", "arm", "length", "tip_height", "crack_height", "inset"), "length"),
     **dict.fromkeys(("code_linear", "code_slv", "code_slc", "theta_04_a"), "acceleration"), "d_slv": "length", "d_slc": "length",
@@ -32,6 +33,9 @@ COLUMNS = {
     **dict.fromkeys(("hazard", "deaggregation"), "annual rate"), "return_period": "years",
 }  # fmt: skip
 """The dimension of each column that has a unit."""
+
+OF_THE_MEASURE = ("x", "median", "median_low", "median_high")
+"""The columns whose dimension is that of an intensity measure, which the row names."""
 
 _OF_A_RESTRAINT = re.compile(r"(?:(?:ties|stands)_\d+|tendon)_(.+)")
 _RESTRAINT = {
@@ -58,10 +62,13 @@ HEADING = re.compile(r"(?P<column>.*?) \[(?P<unit>[^\]]*)\]")
 
 @dataclass(frozen=True)
 class Units:
-    """The units of a table: (unit, factor to SI) by dimension, SI for any other; without: columns that have no unit here."""
+    """The units of a table."""
 
+    # (unit, factor to SI) by dimension; any other dimension is shown in SI
     chosen: Mapping[str, tuple[str, float]] = field(default_factory=dict)
-    without: frozenset[str] = frozenset()
+
+    # dimension of columns that have another one here than in `COLUMNS`; None: no unit
+    dimensions: Mapping[str, str | None] = field(default_factory=dict)
 
     def of(self, dimension: str) -> tuple[str, float]:
         """Return (unit, factor to SI) of a dimension."""
@@ -69,7 +76,8 @@ class Units:
 
     def column(self, name: str) -> tuple[str, str, float]:
         """Return (name, unit, factor to SI) of a column; without a dimension "" and 1."""
-        dimension = None if name in self.without else dimension_of(name)
+        own = name in self.dimensions
+        dimension = self.dimensions[name] if own else dimension_of(name)
         if dimension is None:
             return name, "", 1.0
         unit, factor = self.of(dimension)
@@ -115,13 +123,26 @@ def parse_units(text: str) -> Units:
     return Units(chosen)
 
 
+def dimension_of_measure(im: str) -> str | None:
+    """Return the dimension of an intensity measure such as PGA or SA(1), None without a unit."""
+    return dimension_of(im.lower())
+
+
 def si_of(heading: str) -> tuple[str, float]:
     """Return (column, factor of its unit to SI) of a heading; the heading itself and 1 without a unit. f_g [Hz] becomes omega_g."""
     match = HEADING.fullmatch(heading)
     if match is None:
         return heading, 1.0
+    if match["column"] in OF_THE_MEASURE:
+        return match["column"], _factor_of(match["unit"])
     for units in [Units(), *(Units(choice) for choice in _CHOICES.values())]:
         for column in (match["column"], *(name for name, shown in _FREQUENCY.items() if shown == match["column"])):
             if units.column(column)[:2] == (match["column"], match["unit"]):
                 return column, units.column(column)[2]
     return heading, 1.0
+
+
+def _factor_of(unit: str) -> float:
+    """Return the factor of a unit of tables to SI, 1 for an unknown one."""
+    chosen = [pair for choice in _CHOICES.values() for pair in choice.values()]
+    return dict(chosen).get(unit, 1.0)

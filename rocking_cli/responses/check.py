@@ -37,6 +37,7 @@ _SHIFTS = np.array([0.0, *(sign * 10.0**-n for n in (12, 9, 6) for sign in (-1.0
 _SAME = 0.01  # of theta/alpha: rotations under them that differ by less are one
 _TOGETHER = 10  # demands that share a scan
 _WORTH = 3  # demands for each process that is started, at least
+CHECK_KEYS = ("structure", "motion")  # the columns that say which row it is
 OLD_COLUMNS = ("name", "friction")  # of structure and friction_needed, for this version
 CHECK_COLUMNS = (
     "structure", "motion", "model", "outcome", "theta_ratio", "top_displacement", "demand_a", "uplift_a", "first_overturning_a",

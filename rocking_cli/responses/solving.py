@@ -40,10 +40,11 @@ class Boundary:
     side: str
     capacity_demand: float | None
     shown: dict[str, float | None]
+    unit: str = ""  # SI unit of the value, empty for a plain number
 
     def row(self) -> dict[str, Any]:
         """Return the boundary as `rocking solve --json` prints it."""
-        return {key: value for key, value in asdict(self).items() if key != "shown"}
+        return {key: value for key, value in asdict(self).items() if key not in ("shown", "unit")}
 
     record = row  # the old name
 
@@ -127,7 +128,8 @@ def boundaries(
         assert member.parameters is not None
         name, known = own_name(member.parameters), capacity_demand is not None
         at, shown = member.varied[varied.key] if known else None, {key: x if known else None for key, x in member.shown.items()}
-        return Boundary(name, varied.key, at, side, capacity_demand, shown)
+        unit = member.parameters.details["varied_units"][varied.key]
+        return Boundary(name, varied.key, at, side, capacity_demand, shown, unit)
 
     scanned = []
     for i, value in enumerate(sorted(varied.values), 1):

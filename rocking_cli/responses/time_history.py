@@ -26,6 +26,9 @@ FREE = 30.0  # tau for which a response is followed after the shaking, unless th
 POINTS = 500  # times of a history over its whole length, unless the user says
 MOST_POINTS = 10_000_000
 NAMED = ("structure", "motion", "model")  # columns that are the same in every row
+KEYS = ("t", "tau")  # the columns that say which row it is
+EVENT_KEYS = ("model", "event", *KEYS)
+IMPULSES = ("impulse_x", "impulse_z")  # over m g [s], over m g p if dimensionless
 STILL = Motion("free rocking", (Piece(0.0, 1.0),))
 
 

@@ -1,10 +1,15 @@
 """`rocking fragility` at the shell."""
 
+import csv
+import io
+import json
+
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
 from rocking_cli.reports.figures.fragility_curves import MEASURE_LABELS, fragility_curves
+from rocking_cli.reports.rows import rows_of
 from rocking_cli.reports.units import parse_units
 
 SITE = ("--pulses", "configs/motions/site_pulses.csv", "--levels", "0.2g:0.45g:4", "--bootstrap", "50")
@@ -32,7 +37,8 @@ def test_limit_states_and_methods_are_rows(rocking):
     in_g = rocking("fragility", STATED, *SITE, "--limit", "overturning", "-q", "--csv", "--units", "g").rows[0]
     assert (in_g["im"], float(in_g["theta"])) == ("PGA [g]", pytest.approx(float(rows[1]["theta"]) / 9.81, rel=1e-14))
     table = rocking("fragility", STATED, *SITE, "--limit", "overturning", "-q", "--columns", "im,median", "--digits", "8").stdout
-    assert table.splitlines()[0] == "im      PGA [g]"
+    assert table.splitlines()[0].split() == ["im", "PGA"]
+    assert table.splitlines()[1].startswith("median [g]  ")
     assert float(table.split()[-1]) == pytest.approx(float(rows[1]["theta"]) / 9.81, rel=1e-7)
 
 
@@ -75,7 +81,7 @@ def test_exact_shares_curves_and_their_figure(rocking, tmp_path):
 
 @pytest.mark.parametrize("levels", [("200gal:450gal:4",), ("0.2g:0.45g:4", "--units", "m/s2")])
 def test_a_table_is_in_g_only_where_the_levels_are_and_nothing_else_is_asked_for(rocking, levels):
-    assert "PGA [m/s2]" in rocking("fragility", STATED, *SITE[:2], "--bootstrap", "0", "--levels", *levels).stdout
+    assert "median [m/s2]" in rocking("fragility", STATED, *SITE[:2], "--bootstrap", "0", "--levels", *levels).stdout
 
 
 @pytest.mark.parametrize("how", [(), ("--exact",)], ids=["cells", "exact"])
@@ -156,3 +162,39 @@ def test_a_negative_scale_reverses_site_pulses(rocking, tmp_path):
     how = ("--pulses", "p.csv", "--levels", "0.1g:2g:39", "--bootstrap", "0", "--limit", "overturning", "--csv")
     forwards, back, mirrored = (rocking("fragility", *of, *how).stdout for of in (("u.yaml",), ("u.yaml", "--scale", "-1"), ("m.yaml",)))
     assert back == mirrored != forwards
+
+
+@pytest.mark.parametrize(
+    ("im", "levels", "units", "unit", "factor"),
+    [
+        ("PGA", "0.2g:0.45g:4", (), "m/s2", 1.0),
+        ("PGA", "0.2g:0.45g:4", ("--units", "g"), "g", 9.81),
+        ("PGV", "0.5:1.5:4", ("--units", "cm/s"), "cm/s", 0.01),
+        ("nPGA", "0.8:2:4", ("--units", "g"), "", 1.0),
+    ],
+)
+def test_the_abscissa_of_a_curve_and_the_median_state_their_unit(rocking, tmp_path, im, levels, units, unit, factor):
+    call = ("fragility", STATED, *SITE[:2], "--im", im, "--levels", levels, "--limit", "overturning", "--bootstrap", "0", "-q")
+    in_si = [json.loads(line) for line in rocking(*call, "--curve", "--json").stdout.splitlines()]
+    printed = rocking(*call, "--curve", "--csv", *units)
+    heading = f"x [{unit}]" if unit else "x"
+    x = [float(row[heading]) * factor for row in csv.DictReader(io.StringIO(printed.stdout))]
+    assert x == pytest.approx([row["x"] for row in in_si], rel=1e-14)
+
+    (tmp_path / "c.csv").write_text(printed.stdout)  # plot reads the unit of the heading
+    assert [float(row["x"]) for row in rows_of(str(tmp_path / "c.csv"))] == pytest.approx(x, rel=1e-14)
+    median = f"median [{unit}]" if unit else "median"
+    assert median in rocking(*call, "--csv", *units).stdout.splitlines()[0].split(",")
+
+
+@pytest.mark.parametrize("units", [(), ("--units", "g,cm")])
+def test_every_measure_of_an_efficiency_has_its_median_and_its_unit(rocking, units):
+    call = ("fragility", STATED, *SITE[:2], "--levels", "0.2g:0.45g:4", "--bootstrap", "0", "--efficiency", "-q")
+    in_si = {row["im"]: row["median"] for row in map(json.loads, rocking(*call, "--json").stdout.splitlines())}
+    printed = rocking(*call, "--csv", *units).rows
+    factors = {"m/s2": 1.0, "m/s": 1.0, "m": 1.0, "g": 9.81, "cm": 0.01}
+    assert len(printed) == 8
+    for row in printed:
+        im, _, unit = row["im"].rstrip("]").partition(" [")
+        assert bool(unit) is not im.startswith("n")
+        assert float(row["median"]) * factors.get(unit, 1.0) == pytest.approx(in_si[im], rel=1e-14)

@@ -104,3 +104,9 @@ def test_a_vertical_motion_in_the_response_the_spectrum_and_the_envelope(rocking
     assert found.rows[-1]["mode"] == "lost_contact"
     (block,) = rocking("params", "configs/block.yaml", "--json").records
     assert float(found.rows[-1]["A_from"]) == pytest.approx(1.0 / (3 * block["alpha"]), rel=1e-9)
+
+
+def test_impulses_over_the_weight_are_times_unless_they_are_dimensionless(rocking):
+    call = ("response", "configs/block.yaml", "--a-g", "0.4g", "--f-g", "2", "--forces", "--events", "--csv", "-q")
+    assert rocking(*call).stdout.splitlines()[0].endswith(",impulse_x [s],impulse_z [s]")
+    assert rocking(*call, "--dimensionless").stdout.splitlines()[0].endswith(",impulse_x,impulse_z")

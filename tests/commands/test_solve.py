@@ -113,3 +113,12 @@ def test_a_stack_stands_if_it_stands_on_each_of_its_interfaces(rocking, tmp_path
     of_stack = rocking("solve", "-", *motion, "--vary", "pieces.1.width=0.05:0.3:6", stdin=stack).record
     alone = rocking("solve", "block:0.1x0.38", *motion, "--vary", "width=0.05:0.3:6").record
     assert (of_stack["side"], of_stack["value"]) == ("stands above", alone["value"])
+
+
+def test_csv_states_the_unit_of_the_value(rocking):
+    call = ("solve", "configs/block.yaml", "--vary", "width=50cm:80cm:3", "--a-g", "0.4g", "--f-g", "1", "-q")
+    heading, row = rocking(*call, "--csv").stdout.splitlines()
+    assert heading == "structure,key,value [m],side,capacity_demand"
+    assert float(row.split(",")[2]) == rocking(*call, "--json").record["value"]
+    pure = rocking("solve", *call[1:2], "--vary", "restitution=0.88:0.9:2", *call[4:], "--csv")
+    assert pure.stdout.splitlines()[0] == "structure,key,value,side,capacity_demand"
