@@ -59,6 +59,8 @@ def check(
     from ..reports.wording import opposite_in_words
     from ..responses.check import CHECK_COLUMNS, CHECK_KEYS, OLD_COLUMNS, TIED_COLUMNS, outcome_alone, verdicts
 
+    if output is not None:
+        options.check_target(output, overwrite)
     files, motions = asked.several(files)
     ends = [end.of(motions) for end in asked.ends()]
     shaken = ends[0] if ends else asked.of(motions)
@@ -76,8 +78,6 @@ def check(
         from .code_rows import CodeRows
 
         by_code = CodeRows(spectrum, floor, fc)
-    if output is not None:
-        options.check_target(output, overwrite)
     if by_code and spectrum and not shaken.shakes:
         refuse("needs a motion: under --spectrum alone nothing is shaken", "fail_on", "sort")
         by_code.alone(structures, varied, output, overwrite)

@@ -20,7 +20,7 @@ def draw(
 
     For an arch the figure also has the voussoirs, the hinges numbered from springing A, and the displaced linkage; for a cracked spire
     the crack; for a stack the pieces below the interface on which it rocks. Kind parameters has no geometry and is left out. Figures
-    need the extra: pip install 'rocking[plot]'.
+    need matplotlib: pip install matplotlib.
     """
     from ..reports.figures.drawing import draw_structures
 

@@ -179,12 +179,26 @@ def remark_on(structures: Iterable[RockingParameters] = (), grid: Grid | None = 
         below(f"and {len(remarks) - _REMARKS} more such remarks")
 
 
-def check_target(output: Path, overwrite: bool, suffixes: tuple[str, ...] = FIGURES, recordings: Sequence[Recording] = ()) -> None:
-    """Refuse an output that cannot or must not be written, before any work is done. Raises UsageError."""
+def check_target(
+    output: Path,
+    overwrite: bool,
+    suffixes: tuple[str, ...] = FIGURES,
+    recordings: Sequence[Recording] = (),
+    packages: tuple[str, ...] = (),
+    instead: str = "",
+) -> None:
+    """Refuse, before any work is done, an output that cannot or must not be written.
+
+    packages: the arguments of `require`, those of a figure if empty; instead: what its
+    message adds. Raises UsageError, and OutputError if a package is missing.
+    """
+    from ..plugins import require
     from ..publishing import check_target as check
+    from ..reports.figures.canvas import DRAWN_WITH
 
     check(output, overwrite, suffixes)
     refuse_own_input(output, recordings)
+    require(*(packages or DRAWN_WITH), instead=instead)
 
 
 def refuse_own_input(output: Path, recordings: Sequence[Recording] = ()) -> None:

@@ -34,7 +34,7 @@ def plot(
     For records over alpha and T the figure shows the median of theta_max/alpha with 16 to 84 %, or the map of the named record.
 
     FILE may be - for CSV on standard input; several responses go into one panel. Axes carry units: g and Hz unless --units says
-    otherwise. Figures need the extra: pip install 'rocking[plot]'.
+    otherwise. Figures need matplotlib: pip install matplotlib.
     """
     from ..reports.drawing_files import draw, is_spectra_file
     from ..spectra.file.reader import SpectraFile
@@ -62,17 +62,20 @@ def plot(
         return
     look = looks.look()
     document = None if body is None else options.documents_of((body,), 1, "a response")[0]
+    if output is None and animate is None:
+        raise click.UsageError("no output: give -o FIGURE.png (or .svg, .pdf), or --text")
+    if output is not None:
+        instead = "; `text` needs nothing" if is_spectra_file(file) else ""
+        options.check_target(output, overwrite, instead=instead)
     if animate is not None:
+        from ..reports.figures.animation import FORMATS
         from ..reports.figures.animation import animate as moving
         from ..reports.rows import rows_of
 
-        options.check_target(animate, overwrite, (".gif",))
+        options.check_target(animate, overwrite, FORMATS)
         moving(rows_of(str(file)), animate, document, look=look, overwrite=overwrite, tell=note)
-        if output is None:
-            return
     if output is None:
-        raise click.UsageError("no output: give -o FIGURE.png (or .svg, .pdf), or --text")
-    options.check_target(output, overwrite)
+        return
     drawn: dict[str, Any] = {"structure": structure, "cut": cut, "every": every}  # of a spectra file
     drawn |= {"over": over, "portrait": phase, "body": document, "align": align}  # of rows
     remark = draw(files, output, log=log or "", units=units_of(), look=look, overwrite=overwrite, tell=note, **drawn)

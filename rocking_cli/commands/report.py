@@ -7,6 +7,7 @@ from .command import command, flag, group, option, partly
 from .printing import note, quiet
 from .progress import ProgressLine
 
+PAGES = (".html", ".htm")
 MOST = 12  # structures of a page
 
 
@@ -25,18 +26,19 @@ def report(
 
     The page is one HTML file. It holds the table of rocking check; for each structure its drawing, parameters and their relations, the
     map with the demand, the number of cells in which the linear equation is wrong, and fragility curves under records; then the
-    command, versions and hashes. The page needs the extra: pip install 'rocking[report]'.
+    command, versions and hashes. The page needs jinja2 and matplotlib: pip install jinja2 matplotlib.
     """
     from ..dynamics.outcome import Outcome
-    from ..reports.page import Subject, write_page
+    from ..reports.page import WRITTEN_WITH, Subject, write_page
     from ..responses.check import tally
     from ..structures import build_structure, with_distinct_names
 
+    options.check_target(output, overwrite, PAGES, packages=WRITTEN_WITH)
     files, shaken = asked.several(files)
     shaken = asked.of(shaken)
     documents = options.documents_of(files, MOST, "a page", each=True)
     shakes = shaken.needed()
-    options.check_target(output, overwrite, (".html", ".htm"), shaken.recordings)
+    options.refuse_own_input(output, shaken.recordings)
     structures = with_distinct_names([build_structure(document) for document in documents])
     options.remark_on(structures)
     options.note_interfaces(structures)

@@ -1,6 +1,6 @@
 """A report on structures under a motion as one HTML file, which loads nothing from a network.
 
-The template escapes every text of the user. jinja2 and matplotlib are the extra `report`.
+The template escapes every text of the user. jinja2 and matplotlib are imported by what writes a page.
 """
 
 import base64
@@ -9,7 +9,6 @@ import platform
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from datetime import date
-from importlib import import_module
 from importlib.metadata import version
 from importlib.resources import files
 from operator import attrgetter
@@ -24,7 +23,7 @@ from ..documents.document import Document
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..dynamics.method import LINEAR, governing_method, has_direction
 from ..dynamics.outcome import Difference, difference
-from ..errors import DocumentError, OutputError, UsageError
+from ..errors import DocumentError, UsageError
 from ..fragility.exposure import MotionSet, exposures
 from ..fragility.fits import FEWEST, Resampling
 from ..fragility.measures import MEASURES, members_of
@@ -33,7 +32,8 @@ from ..motions import Motion
 from ..motions.grid import Axis, Grid, HasMotion, demand_in_words, demand_of
 from ..motions.recording import Recording
 from ..motions.records import Record
-from ..publishing import published
+from ..plugins import require
+from ..publishing import check_target, published
 from ..responses.check import Progress, Verdict, outcome_alone, tally, verdicts
 from ..responses.tied_history import remarks
 from ..spectra.file.reader import SpectraFile
@@ -55,6 +55,9 @@ HEADS = {
     "friction needed": "friction_needed", "least vertical force": "fz_min",
 }  # fmt: skip
 """The columns of the table of verdicts, and the attribute of a verdict in each."""
+
+
+WRITTEN_WITH = ("a report needs", "jinja2", "matplotlib")  # the arguments of `require`
 
 
 @dataclass(frozen=True)
@@ -131,12 +134,10 @@ def write_page(
     subjects: Sequence[Subject], shakes: Sequence[tuple[Motion, Grid]], target: str | Path, *, recordings: Sequence[Recording],
     overwrite: bool, workers: int | None, summary: bool, vertical: str | None = None, progress: Progress | None = None, **given: Any,
 ) -> list[Verdict]:  # fmt: skip
-    """Check the structures under motions, write the page and return the verdicts; given: more arguments of `page`. Raises OutputError."""
-    for package in ("jinja2", "matplotlib"):
-        try:
-            import_module(package)
-        except ImportError:
-            raise OutputError(f"a report needs {package}: pip install 'rocking[report]'") from None
+    """Check the structures under motions, write the page and return the verdicts; given: more arguments of `page`. Raises UsageError for
+    a target that cannot or must not be written, before anything is computed, and OutputError."""
+    check_target(Path(target), overwrite)
+    require(*WRITTEN_WITH)
     demands = [(one.structure, *shake) for shake in shakes for one in subjects]
     found = list(verdicts(demands, workers=workers, progress=progress))
     sided = [(s.name, outcome_alone(s, motion.scaled(-1.0), grid)) for s, motion, grid in demands if has_direction(s)]

@@ -71,6 +71,10 @@ class SweepOptions:
                 raise UsageError(f"unknown quantity {name!r}; expected {', '.join(QUANTITIES)}")
         if self.resume and self.overwrite:
             raise UsageError("`resume` does not go with `overwrite`")
+        if self.scheduler is not None:
+            from .work.cluster import check_scheduler
+
+            check_scheduler(self.scheduler)
 
     def processes(self, scene: Scene) -> int:
         """Return the number of processes for a scene: `workers` if given, otherwise one for a small scene."""

@@ -31,7 +31,7 @@ def test_the_rows_of_a_check_are_drawn_as_check_draws_them(rocking, tmp_path):
 
 def test_only_plot_advises_text_where_matplotlib_is_not_there(rocking, monkeypatch, spectrum_file):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    missing = "rocking: figures need matplotlib: pip install 'rocking[plot]'"
+    missing = "rocking: figures need matplotlib: pip install matplotlib"
     assert rocking("draw", "block:0.5x2", "-o", "x.svg").stderr == f"{missing}\n"
     assert rocking("plot", str(spectrum_file), "-o", "x.svg").stderr == f"{missing}; --text needs nothing\n"
 

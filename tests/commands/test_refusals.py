@@ -224,10 +224,3 @@ def test_a_refused_call_is_one_sentence(refused, spectrum_file, tmp_path, code, 
 @pytest.mark.parametrize("command", ["params", "envelope", "records", "response", "compare", "predict", "accuracy", "convert", "info"])
 def test_every_command_with_a_table_takes_units(refused, command):
     assert "--units: found 'x'" in refused(2, command, "--units", "x", "none.yaml")
-
-
-@pytest.mark.parametrize("package", ["jinja2", "matplotlib"])
-def test_without_a_package_one_sentence_says_so(refused, monkeypatch, package):
-    monkeypatch.setitem(__import__("sys").modules, package, None)
-    call = "report configs/parameters.yaml --a-g 0.6g --f-g 1.2 -o r.html -q"
-    assert f"a report needs {package}: pip install 'rocking[report]'" in refused(1, *call.split())

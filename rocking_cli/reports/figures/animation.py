@@ -10,15 +10,17 @@ import numpy as np
 
 from ...documents.document import Document
 from ...errors import UsageError
-from ...publishing import published
+from ...plugins import require
+from ...publishing import check_target, published
 from ...structures import build_structure
 from ...structures.kinds import sketch_of
 from ...structures.sketch import Outline, Sketch, turned
 from ..rows import Rows, column
-from .canvas import Look, styled
+from .canvas import DRAWN_WITH, Look, styled
 from .drawing import GROUND, INK, STONE
 from .phase import block_of, scaled
 
+FORMATS = (".gif",)
 _FRAMES = 25  # a second
 _LONGEST = 60.0  # s
 
@@ -30,8 +32,10 @@ def animate(
     """Write the response in `rows`, those of `rocking response --csv`, as a GIF in real time.
 
     body: None for the block with the p and alpha of the response. The ground moves by the double integral of its acceleration. Raises
-    UsageError if the rows have no times or no rocking body, and OutputError.
+    UsageError for a target that cannot be written and if the rows have no times or no rocking body, and OutputError.
     """
+    check_target(Path(target), overwrite, FORMATS)
+    require(*DRAWN_WITH)
     from scipy.integrate import cumulative_trapezoid
 
     if not {"t", "ground_acceleration"} <= set(rows[0]):

@@ -1,4 +1,4 @@
-"""Functions that all figures share: style, colours, labels, panels, legends and the output file. matplotlib is the extra `plot`.
+"""Functions that all figures share: style, colours, labels, panels, legends and the output file. matplotlib is imported by what draws.
 
 The colours of Okabe and Ito are distinct for colour-blind readers; lines also differ in dash.
 """
@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...errors import OutputError, UsageError
-from ...publishing import published
+from ...plugins import require
+from ...publishing import check_target, published
 from ..rows import Rows, column, groups
 from ..units import Units, parse_units
 
@@ -47,6 +48,7 @@ SYMBOLS = {
     "pga": "PGA", "pgv_pga": "PGV/PGA",
 }  # fmt: skip
 SOURCE = "file"  # a column that names the file of each row, where several are drawn
+DRAWN_WITH = ("figures need", "matplotlib")  # the arguments of `require`
 PLAIN = {"m/s2": "m/s²", "cm/s2": "cm/s²"}
 
 
@@ -79,11 +81,10 @@ class Look:
 def styled(look: Look, instead: str = "") -> Iterator[Figure]:
     """Context of an empty figure in the common style; instead: an alternative without matplotlib. Raises OutputError without matplotlib,
     and UsageError if the style file cannot be read."""
-    try:
-        import matplotlib as mpl
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise OutputError(f"figures need matplotlib: pip install 'rocking[plot]'{instead}") from None
+    require(*DRAWN_WITH, instead=instead)
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
     with mpl.rc_context(STYLE):
         if look.style is not None:
             try:
@@ -99,15 +100,24 @@ def canvas(
     target: str | Path, overwrite: bool = True, *, look: Look | None = None, tell: Callable[[str], None] | None = None, instead: str = ""
 ) -> Iterator[Figure]:
     """Context of a `styled` figure, written to `target` at its end; tell: called with the characters that the font lacks. Raises
-    OutputError."""
+    UsageError for a target that cannot or must not be written, before anything is drawn, and OutputError."""
     target, look = Path(target), look or Look()
+    check_target(target, overwrite)
     with styled(look, instead) as figure:
+        _require_format(figure, target)
         yield figure
         drawn, missing = drawn_as(figure, target, look)
     if missing and tell is not None:
         tell(f"{target}: the font of the figure has no {missing}; boxes stand there")
     with published(target, overwrite) as file:
         file.write(drawn)
+
+
+def _require_format(figure: Figure, target: Path) -> None:
+    """Raise UsageError if matplotlib writes no figure with this suffix."""
+    known = figure.canvas.get_supported_filetypes()
+    if target.suffix[1:].lower() not in known:
+        raise UsageError(f"{target}: expected a name that ends in {', '.join(f'.{form}' for form in known)}")
 
 
 def drawn_as(figure: Figure, target: Path, look: Look) -> tuple[bytes, str]:

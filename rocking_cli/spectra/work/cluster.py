@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import Any
 
 from ...errors import OutputError, UsageError
+from ...plugins import require
 from ...processes import Run, in_order
 from ..scene import Unit
 from .jobs import Item, Job
@@ -24,13 +25,11 @@ _PATIENCE = 4.0  # s between messages about a missing worker
 @contextmanager
 def cluster(job: Job, address: str, tell: Callable[[str], None] | None = None) -> Iterator[tuple[Run, int]]:
     """Context of (a function from items to job.answer(item) of each, in their order, the number of threads of the cluster at `address`).
-    Items of a lost worker run again. Without a worker the function reports this and waits. Raises UsageError for an invalid address,
-    OutputError without the extra `distributed`, without a scheduler at the address, or if an item fails for good."""
+    Items of a lost worker run again. Without a worker the function reports this and waits. Raises as `check_scheduler`, and OutputError
+    without a scheduler at the address, or if an item fails for good."""
+    check_scheduler(address)
     host, port = _host_and_port(address)
-    try:
-        from distributed import Client
-    except ImportError:
-        raise OutputError("`scheduler` needs dask.distributed: pip install 'rocking[distributed]'") from None
+    from distributed import Client
 
     def threads() -> int:
         """Return the number of threads of the cluster, once it has one."""
@@ -69,6 +68,12 @@ def cluster(job: Job, address: str, tell: Callable[[str], None] | None = None) -
         with client:
             ahead = _AHEAD * (count := threads())
             yield lambda items: in_order(submit, result, items, ahead), count
+
+
+def check_scheduler(address: str) -> None:
+    """Check, before any work is done, what a cluster needs. Raises UsageError for an invalid address, OutputError without the package."""
+    _host_and_port(address)
+    require("`scheduler` needs", "distributed")
 
 
 def _host_and_port(address: str) -> tuple[str, int]:
