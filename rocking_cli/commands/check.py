@@ -57,7 +57,7 @@ def check(
     from ..dynamics.outcome import Outcome
     from ..envelopes.capacity import narrowest
     from ..reports.wording import opposite_in_words
-    from ..responses.check import CHECK_COLUMNS, CHECK_KEYS, OLD_COLUMNS, TIED_COLUMNS, outcome_alone, verdicts
+    from ..responses.check import CHECK_COLUMNS, CHECK_KEYS, TIED_COLUMNS, outcome_alone, verdicts
 
     if output is not None:
         options.check_target(output, overwrite)
@@ -128,7 +128,7 @@ def check(
         yield from by_code.others() if by_code else ()
 
     in_g = _in_g(asked.a_g or asked.scale_to or ("g" if asked.motion else ""))
-    emit(rows(), CHECK_COLUMNS, keys=CHECK_KEYS, table_units="g,mm,deg" if in_g else "mm,deg", unseen=OLD_COLUMNS, varied=varied)
+    emit(rows(), CHECK_COLUMNS, keys=CHECK_KEYS, table_units="g,mm,deg" if in_g else "mm,deg", varied=varied)
     if output is not None and by_code:
         by_code.draw(output, overwrite)
     elif output is not None:

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
 
 _WITH_COUNTS = ("counts", "curve", "samples", "seed", "workers", "overwrite")
-OLD_NAMES = ("theta", "theta_low", "theta_high")
 _IN_G = re.compile(r"g(?![a-z])", re.IGNORECASE)  # and not in gal
 
 
@@ -70,7 +69,7 @@ def fragility(
 ) -> None:
     """Fit lognormal fragility curves of structures under a set of records or site pulses.
 
-    One row for each structure, limit state and method: median theta of the intensity measure, dispersion beta, and the 95 % bands of
+    One row for each structure, limit state and method: median of the intensity measure, dispersion beta, and the 95 % bands of
     both by bootstrap over the motions. Measures: PGA, PGV, PGD, Arias, CAV, SA(T) and AvgSA(T) of records, nPGA = PGA/(lambda g),
     nPGV = p PGV/(g tan alpha) and nPGD = p^2 PGD/(g tan alpha).
     """
@@ -196,14 +195,12 @@ def _emit(fits: "Sequence[Fit]", exact: "Sequence[Study]", wanted: Fits) -> None
 
     if wanted.hazard is not None:
         columns = (*columns, *of_hazard)
-    in_its_unit = (*OF_THE_MEASURE, *OLD_NAMES)
     emit(
         rows,
         columns,
         keys=keys,
         table_units=_table_units(wanted),
-        dimensions=dict.fromkeys(in_its_unit, dimension_of_measure(measure)),
-        unseen=OLD_NAMES,
+        dimensions=dict.fromkeys(OF_THE_MEASURE, dimension_of_measure(measure)),
     )
 
 
@@ -243,8 +240,8 @@ def _emit_efficiency(rows: list[dict[str, Any]], wanted: Fits) -> None:
         if dimension is not None:
             unit, factor = units.of(dimension)
             row |= {"im": headed(row["im"], unit), "median": row["median"] / factor}
-    dimensions = dict.fromkeys((*OF_THE_MEASURE, *OLD_NAMES))
-    emit(rows, EFFICIENCY_COLUMNS, keys=EFFICIENCY_KEYS, dimensions=dimensions, unseen=OLD_NAMES)
+    dimensions = dict.fromkeys(OF_THE_MEASURE)
+    emit(rows, EFFICIENCY_COLUMNS, keys=EFFICIENCY_KEYS, dimensions=dimensions)
 
 
 def _table_units(wanted: Fits) -> str | None:

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, fields
 from enum import IntEnum
-from operator import attrgetter
 from typing import Any, Self
 
 import numpy as np
@@ -123,8 +122,6 @@ class Work:
     sequences_closed: int = 0
     impacts: int = 0
     steps: int = 0
-
-    chatters_closed = property(attrgetter("sequences_closed"))  # the old name
 
     def __add__(self, other: Self) -> "Work":
         return Work(**{f.name: getattr(self, f.name) + getattr(other, f.name) for f in fields(self)})

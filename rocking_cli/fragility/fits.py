@@ -5,7 +5,6 @@ The fits take arrays of many samples at once, (..., k), so that a bootstrap is o
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from operator import attrgetter
 
 import numpy as np
 
@@ -28,8 +27,6 @@ class Curve:
     beta: float
     n: float
 
-    theta = property(attrgetter("median"))  # the old name
-
     def __call__(self, x: Array | float) -> Array:
         """Return the probability at intensities x, in the shape of x."""
         from scipy.special import ndtr
@@ -49,9 +46,6 @@ class Band:
     low: Array
     high: Array
     rate: tuple[float, float] | None = None
-
-    theta_low = property(attrgetter("median_low"))  # the old name
-    theta_high = property(attrgetter("median_high"))  # the old name
 
 
 def stripes(x: Array, n: Array, z: Array) -> Estimate:

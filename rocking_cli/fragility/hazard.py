@@ -134,8 +134,6 @@ class Rate:
         values = (self.annual, self.low, self.high, self.beyond, period, self.probability(50.0))
         return dict(zip(RATE_COLUMNS, values, strict=False))
 
-    record = row  # the old name
-
     def remarks(self, hazard: HazardCurve) -> list[str]:
         """Return a sentence for each end of the levels beyond which more than a tenth of the rate, or P > 0.01, is not counted."""
         in_words, found = measure_of(hazard.im).in_words, []

@@ -27,8 +27,7 @@ Fitted = tuple[Curve, Callable[[Array], fits.Estimate], dict[float, float]]  # w
 METHODS = ("stripes", "first", "cloud")
 LIMITS: tuple[float | None, ...] = (0.1, 0.5, 1.0, None)
 FRAGILITY_COLUMNS = (
-    "structure", "im", "limit_state", "method", "median", "beta", "median_low", "median_high", "beta_low", "beta_high",
-    "n", "theta", "theta_low", "theta_high",
+    "structure", "im", "limit_state", "method", "median", "beta", "median_low", "median_high", "beta_low", "beta_high", "n",
 )  # fmt: skip
 FRAGILITY_KEYS = ("structure", "limit_state", "method")  # they say which row it is
 CURVE_KEYS = (*FRAGILITY_KEYS, "x")
@@ -37,7 +36,7 @@ EFFICIENCY_KEYS = ("structure", "im")
 HAZARD_COLUMNS = ("hazard", "deaggregation", "annual_rate")  # of the points of a curve
 CURVE_COLUMNS = ("structure", "im", "limit_state", "method", "x", "probability", "low", "high", "fraction")
 CELL_COLUMNS = ("structure", "motion", "pga", "pgv_pga", "theta_ratio", "outcome")
-EFFICIENCY_COLUMNS = ("structure", "im", "median", "beta", "efficiency", "n", "theta")
+EFFICIENCY_COLUMNS = ("structure", "im", "median", "beta", "efficiency", "n")
 
 
 def word_of(limit: float | None) -> str:
@@ -66,13 +65,11 @@ class Fit:
         """Return the fit as one row."""
         c, b = self.curve, self.band
         low, high, *beta = (None,) * 4 if b is None else (b.median_low, b.median_high, b.beta_low, b.beta_high)
-        values = (*self._names().values(), c.median, c.beta, low, high, *beta, round(c.n), c.median, low, high)
+        values = (*self._names().values(), c.median, c.beta, low, high, *beta, round(c.n))
         row: dict[str, Any] = dict(zip(FRAGILITY_COLUMNS, values, strict=True))
         if self.rate is not None:
             row |= {**self.rate.row(), "rate_without_fit": self.rate_without_fit and self.rate_without_fit.annual}
         return row
-
-    record = row  # the old name
 
     def points_of_curve(self) -> Iterator[dict[str, Any]]:
         """Yield the curve as rows."""
@@ -233,7 +230,7 @@ class Study:
             found.append((measure.name, curve))
         found.sort(key=lambda pair: pair[1].beta)
         least = found[0][1].beta
-        rows = ((self.structure.name, im, c.median, c.beta, least / c.beta, round(c.n), c.median) for im, c in found)
+        rows = ((self.structure.name, im, c.median, c.beta, least / c.beta, round(c.n)) for im, c in found)
         return [dict(zip(EFFICIENCY_COLUMNS, row, strict=True)) for row in rows]
 
     def cells(self) -> Iterator[dict[str, Any]]:

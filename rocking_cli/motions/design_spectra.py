@@ -80,11 +80,6 @@ class SpectrumFile:
         """S_a at the first period."""
         return float(self.values[0])
 
-    @property
-    def peak(self) -> float:
-        """`pga` under its old name."""
-        return self.pga
-
     def acceleration(self, periods: Array, damping: float) -> Array:
         """Return S_a at these periods. Raises UsageError for periods beyond the last one of the file."""
         periods = np.asarray(periods)

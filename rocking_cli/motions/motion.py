@@ -141,11 +141,6 @@ class Motion:
         """max |s| over the motion."""
         return float(max(self.segments.later_max[0], -self.segments.later_min[0]))
 
-    @property
-    def peak(self) -> float:
-        """`largest` under its old name."""
-        return self.largest
-
     def value(self, phase: np.ndarray | float) -> np.ndarray:
         """Return s [-] at phases [rad] of any shape; at a jump the value after it, outside the motion zero."""
         phase = np.asarray(phase, dtype=float)

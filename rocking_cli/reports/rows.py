@@ -36,7 +36,7 @@ def rows_of(source: str) -> Rows:
 def _in_si(row: dict[str, str]) -> dict[str, str]:
     """Return a row in SI units. The columns before `name`, the varied keys of a family, keep their headings and units."""
     found = {}
-    varied = "name" in row and "structure" not in row  # the table of check has both
+    varied = "name" in row and "structure" not in row
     for heading, text in row.items():
         varied = varied and heading != "name"
         column, factor = (heading, 1.0) if varied else si_of(heading or "")

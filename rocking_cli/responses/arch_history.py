@@ -153,10 +153,10 @@ class ArchHistory:
         found, row = self.extremes, dict[str, Any]()
         for name in ("friction", "thrust_min", "eccentricity", "hinge_force"):
             value, place, tau = found.get(name) or (None, None, None)
-            row[name] = value if value is None or np.isfinite(value) else None
+            column = "friction_needed" if name == "friction" else name
+            row[column] = value if value is None or np.isfinite(value) else None
             row[f"{name}_{'hinge' if name == 'hinge_force' else 'joint'}"] = place
             row[f"{name}_{when}"] = None if tau is None else tau * time
-        row["friction_needed"] = row["friction"]  # `friction` stays for this version
         row["opens"] = bool(found) and found["eccentricity"].value > 1.0 + 1e-9
         if self.structure.friction is not None:
             row["slides"] = bool(found) and found["friction"].value > self.structure.friction

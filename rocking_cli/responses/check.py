@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain, repeat
-from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -38,10 +37,9 @@ _SAME = 0.01  # of theta/alpha: rotations under them that differ by less are one
 _TOGETHER = 10  # demands that share a scan
 _WORTH = 3  # demands for each process that is started, at least
 CHECK_KEYS = ("structure", "motion")  # the columns that say which row it is
-OLD_COLUMNS = ("name", "friction")  # of structure and friction_needed, for this version
 CHECK_COLUMNS = (
     "structure", "motion", "model", "outcome", "theta_ratio", "top_displacement", "demand_a", "uplift_a", "first_overturning_a",
-    "capacity_demand", "safe_to", "outcome_linear", "friction_needed", "fz_min", *OLD_COLUMNS,
+    "capacity_demand", "safe_to", "outcome_linear", "friction_needed", "fz_min",
 )  # fmt: skip
 TIED_COLUMNS = ("first_overturning_a_free", "tie_force", "tie_elongation", "permanent", "tie_state")
 
@@ -82,10 +80,6 @@ class Verdict:
     devices: tuple[dict[str, Any], ...] = ()
     opens: bool | None = None
 
-    name = property(attrgetter("structure"))  # the old name
-    dust = property(attrgetter("share_of_falls"))  # the old name
-    friction = property(attrgetter("friction_needed"))  # the old name
-
     @property
     def sentence(self) -> str:
         """The outcome in words."""
@@ -105,8 +99,6 @@ class Verdict:
         """Return the verdict as `rocking check --json` prints it."""
         own = {
             **vars(self),
-            "name": self.structure,
-            "friction": self.friction_needed,
             "capacity_demand": self.capacity_demand,
             "outcome": self.outcome.flag,
             "outcome_linear": self.outcome_linear.flag,
@@ -117,8 +109,6 @@ class Verdict:
         from .tied_history import columns_of
 
         return found | {"first_overturning_a_free": self.first_overturning_a_free} | columns_of(self.devices)
-
-    record = row  # the old name
 
 
 def check(

@@ -81,8 +81,6 @@ class CodeCheck:
         limits = {"d_slv": self.slv.displacement, "t_slv": self.slv.period, "d_slc": self.slc.displacement, "t_slc": self.slc.period}
         return found | {"e_star": self.curve.e_star, **limits}
 
-    record = row  # the old name
-
     def accepted(self) -> dict[str, float]:
         """Return the amplitude [m/s2] that each method accepts, by its column."""
         return {"code_linear": self.linear, "code_slv": self.slv.amplitude, "code_slc": self.slc.amplitude}

@@ -309,7 +309,6 @@ class ForceHistory:
         friction = extremes.friction.friction if math.isfinite(extremes.friction.friction) else None
         return {
             "friction_needed": friction,
-            "friction": friction,  # for this version
             f"friction_{when}": extremes.friction.tau * time,
             "friction_impact": None if extremes.impact is None or not math.isfinite(extremes.impact.friction) else extremes.impact.friction,
             "fz_min": extremes.fz_min,

@@ -46,8 +46,6 @@ class Boundary:
         """Return the boundary as `rocking solve --json` prints it."""
         return {key: value for key, value in asdict(self).items() if key not in ("shown", "unit")}
 
-    record = row  # the old name
-
 
 def boundaries(
     document: Document,

@@ -165,8 +165,6 @@ class TimeHistory:
         for row in zip(*columns.values(), strict=True):
             yield {k: None if math.isnan(x) else float(x) for k, x in zip(keys, row, strict=True)} | named
 
-    records = rows  # the old name
-
     def events(self, *, dimensionless: bool = False, forces: bool = False) -> Iterator[dict[str, Any]]:
         """Yield a row for each event; a loss of contact is the last one. The rate at an impact is the rate before it.
 

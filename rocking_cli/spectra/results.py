@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -70,7 +69,7 @@ class Summary:
 
     def row(self) -> dict[str, Any]:
         """Return the fields as one flat mapping, for JSON and for the file's attributes."""
-        compared = {"compared_cells": self.compared, "differing_cells": self.differing, "otherwise_cells": self.differing}
+        compared = {"compared_cells": self.compared, "differing_cells": self.differing}
         work = {key: n for key, n in asdict(self.work).items() if key != "cells"}
         return {
             **{name: getattr(self, name) for name in _RECORDED if name != "records" or self.records},
@@ -82,14 +81,9 @@ class Summary:
             **{f"cells_{k}": v for k, v in self.differences.items() if k.startswith("linear")},
             "shared_cells": self.shared_cells,
             "resumed_cells": self.resumed_cells,
-            **(dict.fromkeys(("machine_differences", "elsewhere"), self.machine_differences) if self.machine_differences else {}),
+            **({"machine_differences": self.machine_differences} if self.machine_differences else {}),
             **work,
-            "chatters_closed": self.work.sequences_closed,  # the old name
         }
-
-    record = row  # the old name
-    otherwise = property(attrgetter("differing"))  # the old name
-    elsewhere = property(attrgetter("machine_differences"))  # the old name
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,8 +97,6 @@ class Spectrum:
     impacts: np.ndarray
     summary: Summary
     quantities: Mapping[str, np.ndarray] = field(default_factory=dict)
-
-    beside = property(attrgetter("quantities"))  # the old name
 
     @property
     def velocity_ratio(self) -> np.ndarray | None:

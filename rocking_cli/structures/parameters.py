@@ -150,8 +150,6 @@ class RockingParameters:
         details = {key: row[key] for key in (*VARIED, "restrained") if key in row}
         return cls(row["name"], kind, **fields_in(row), sides=sides, details=details, **more)
 
-    from_record = from_row  # the old name
-
     @property
     def linear_uplift(self) -> float:
         """alpha/a_scale, the ground acceleration over g at which the linear oscillator lifts [-]; the body itself lifts at lambda."""
@@ -181,8 +179,6 @@ class RockingParameters:
         sides = {"sides": [side.row() for side in self.sides]} if self.sides else {}
         more |= self.restraints.row() if self.restraints else {}
         return {**kind, **numbers_of(self), "eta_source": self.eta_source, "gravity": self.gravity, **sides, **more, **self.details}
-
-    record = row  # the old name
 
     def alpha_on(self, side: Any) -> Any:
         """Return alpha [rad] on the right edge (side = +1) or the left edge (side = -1), in the shape of `side`."""

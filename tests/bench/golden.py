@@ -118,7 +118,7 @@ def swept(names: list[str], method: rk.Method, motion: rk.Motion, grid: str, qua
     found = rk.spectrum(
         [structure(n) for n in names], motion, rk.parse_grid(grid), method=method, workers=1, check=3, quantities=quantities
     )
-    return answered(found) | dict(found.beside) | {"estimated_error": np.array(found.summary.estimated_error)}
+    return answered(found) | dict(found.quantities) | {"estimated_error": np.array(found.summary.estimated_error)}
 
 
 def traced(one: rk.RockingParameters, motion: rk.Motion, omegas: np.ndarray, **given: object) -> Arrays:
@@ -131,7 +131,7 @@ def traced(one: rk.RockingParameters, motion: rk.Motion, omegas: np.ndarray, **g
 
 def judged(name: str, motion: rk.Motion, grid: str) -> Arrays:
     """A verdict with its capacity."""
-    return columns([rk.check(structure(name), motion, rk.parse_grid(grid), a_max=6.0).record()])
+    return columns([rk.check(structure(name), motion, rk.parse_grid(grid), a_max=6.0).row()])
 
 
 def followed(name: str, method: rk.Method, motion: rk.Motion, amplitude: float, omega: float, release: float = 0.0) -> Arrays:

@@ -19,10 +19,9 @@ STATED = "parameters:name=Stated,p=2.67,alpha=0.245,eta=0.9,lambda=0.25"  # whic
 def test_counts_that_exist_are_fitted(rocking, tmp_path):
     (tmp_path / "c.csv").write_text("im,n,z\n0.2,40,0\n0.3,40,0\n0.4,40,0\n0.6,40,4\n0.7,40,6\n0.8,40,13\n0.9,40,12\n1,40,16\n")
     (row,) = rocking("fragility", "--counts", "c.csv", "--json").records
-    assert (row["theta"], row["beta"], row["n"]) == (pytest.approx(1.0761158, abs=5.1e-8), pytest.approx(0.4292372, abs=5.1e-8), 40)
+    assert (row["median"], row["beta"], row["n"]) == (pytest.approx(1.0761158, abs=5.1e-8), pytest.approx(0.4292372, abs=5.1e-8), 40)
     assert list(row) == [
         "structure", "im", "limit_state", "method", "median", "beta", "median_low", "median_high", "beta_low", "beta_high", "n",
-        "theta", "theta_low", "theta_high",
     ]  # fmt: skip
     assert rocking("fragility", "--counts", "c.csv", "--seed", "1", "--bootstrap", "5", "--csv", "--units", "g", "-q").returncode == 0
 
@@ -30,23 +29,22 @@ def test_counts_that_exist_are_fitted(rocking, tmp_path):
 def test_limit_states_and_methods_are_rows(rocking):
     rows = rocking("fragility", STATED, *SITE, "--method", "stripes,first", "--limit", "0.5,overturning", "--csv").rows
     assert [(r["limit_state"], r["method"]) for r in rows] == [("0.5", "stripes"), ("overturning", "stripes"), ("overturning", "first")]
-    assert all(float(r["theta_low"]) < float(r["theta"]) < float(r["theta_high"]) for r in rows)
-    assert float(rows[0]["theta"]) < float(rows[1]["theta"])
+    assert all(float(r["median_low"]) < float(r["median"]) < float(r["median_high"]) for r in rows)
+    assert float(rows[0]["median"]) < float(rows[1]["median"])
     assert {r["n"] for r in rows} == {"9"}
-    assert rows[0]["median"] == rows[0]["theta"]
     in_g = rocking("fragility", STATED, *SITE, "--limit", "overturning", "-q", "--csv", "--units", "g").rows[0]
-    assert (in_g["im"], float(in_g["theta"])) == ("PGA [g]", pytest.approx(float(rows[1]["theta"]) / 9.81, rel=1e-14))
+    assert (in_g["im"], float(in_g["median"])) == ("PGA [g]", pytest.approx(float(rows[1]["median"]) / 9.81, rel=1e-14))
     table = rocking("fragility", STATED, *SITE, "--limit", "overturning", "-q", "--columns", "im,median", "--digits", "8").stdout
     assert table.splitlines()[0].split() == ["im", "PGA"]
     assert table.splitlines()[1].startswith("median [g]  ")
-    assert float(table.split()[-1]) == pytest.approx(float(rows[1]["theta"]) / 9.81, rel=1e-7)
+    assert float(table.split()[-1]) == pytest.approx(float(rows[1]["median"]) / 9.81, rel=1e-7)
 
 
 def test_a_vertical_motion_moves_the_curves(rocking, tmp_path):
     (tmp_path / "few.csv").write_text("a_g,T_g\n" + "".join(f"{0.1 * i:.1f} g,{0.3 + 0.2 * i:.1f} s\n" for i in range(1, 6)))
     call = ("fragility", STATED, "--pulses", "few.csv", *SITE[2:], "--method", "stripes,first", "--limit", "overturning", "--csv")
     done = [rocking(*call, *more) for more in ((), ("--vertical", "sine", "--vertical-scale", "0.8"))]
-    flat, both = ([float(row["theta"]) for row in one.rows] for one in done)
+    flat, both = ([float(row["median"]) for row in one.rows] for one in done)
     assert len(flat) == len(both) == 2, done[1].stderr
     assert all(a < b for a, b in zip(flat, both, strict=True))  # heavier while it is pushed, it takes more
 
@@ -89,7 +87,7 @@ def test_the_measure_that_explains_most_comes_first(rocking, how):
     rows = rocking("fragility", STATED, *SITE, "--efficiency", *how, "--json").records
     assert {r["im"] for r in rows} == {"PGA", "PGV", "PGD", "Arias", "CAV", "nPGA", "nPGV", "nPGD"}
     assert [r["beta"] for r in rows] == sorted(r["beta"] for r in rows)
-    assert (rows[0]["efficiency"], rows[0]["median"]) == (1.0, rows[0]["theta"])  # the old name
+    assert rows[0]["efficiency"] == 1.0
     beta = {r["im"]: r["beta"] for r in rows}
     for name in ("PGA", "PGV", "PGD"):  # of one structure a factor changes no dispersion
         assert beta[f"n{name}"] == pytest.approx(beta[name], rel=1e-7)

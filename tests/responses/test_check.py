@@ -82,7 +82,7 @@ def test_forces_under_a_record_are_those_of_its_history(a_g, falls, at_lambda):
     verdict = check(structure, motion, demand, a_max=1.01)
     shown = time_history(structure, motion, demand, [method]).forces[method.model].extremes
     assert verdict.falls == falls
-    assert (verdict.friction, verdict.fz_min) == pytest.approx((shown.friction.friction, shown.fz_min), rel=1e-9)
+    assert (verdict.friction_needed, verdict.fz_min) == pytest.approx((shown.friction.friction, shown.fz_min), rel=1e-9)
 
 
 @pytest.mark.soak
@@ -104,7 +104,7 @@ def test_an_independent_solver_agrees_just_below_and_above_the_first_overturning
 
 
 def test_the_record_has_the_columns_the_uplift_and_the_top():
-    record = check(BLOCK, sine(), DEMAND, a_max=None).record()
+    record = check(BLOCK, sine(), DEMAND, a_max=None).row()
     assert tuple(record) == CHECK_COLUMNS
     assert record["uplift_a"] == pytest.approx(0.25 * 9.81, rel=1e-12, abs=0)
     turned = 2.0 * math.sin(0.5 * record["theta_ratio"] * math.atan(0.25))
@@ -143,7 +143,7 @@ def test_a_body_that_needs_more_friction_than_its_document_states_slides():
     """A block of b/h = 1/4 under 0.3 g needs as much as lifts it, 0.25, and little more."""
     for stated, slides in ((0.2, True), (0.25, True), (0.28, False)):
         verdict = check(built(f"kind: block\nwidth: 0.5\nheight: 2\nfriction: {stated}"), sine(), DEMAND, a_max=None)
-        assert (verdict.slides, verdict.friction > stated) == (slides, slides)
+        assert (verdict.slides, verdict.friction_needed > stated) == (slides, slides)
         assert verdict.sentence.endswith("though its base would slide") == slides
     assert not check(BLOCK, sine(), DEMAND, a_max=None).slides
 

@@ -67,7 +67,7 @@ def test_ground_that_falls_away_as_it_lifts_the_body_leaves_no_force():
     motion = with_vertical(pulse("rectangular-impulse"), pulse("rectangular-impulse"), -1.03)
     for omega in (5.0, 7.5):
         (said,) = time_history(body, motion, parse_grid(f"A=1.9,Omega={omega}"), [LINEAR]).summaries(forces=True)
-        assert (said["outcome"], said["fz_min"], said["friction"]) == ("lost_contact", 0.0, None)
+        assert (said["outcome"], said["fz_min"], said["friction_needed"]) == ("lost_contact", 0.0, None)
 
 
 @pytest.mark.parametrize("model", ["linear", "nonlinear"])
@@ -84,8 +84,8 @@ def test_what_becomes_of_a_body_does_not_depend_on_how_much_of_it_is_shown(model
         for key, value in said.items():
             assert value == (pytest.approx(whole[key], rel=1e-9) if isinstance(value, float) else whole[key]), key
         assert [e["event"] for e in cut.events()] == [e["event"] for e in long.events() if e["t"] <= duration]
-        assert list(cut.records())[-1]["t"] == pytest.approx(duration, rel=1e-14)
-        assert list(cut.records(steps=True))[-1]["t"] == pytest.approx(duration, rel=1e-14)
+        assert list(cut.rows())[-1]["t"] == pytest.approx(duration, rel=1e-14)
+        assert list(cut.rows(steps=True))[-1]["t"] == pytest.approx(duration, rel=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -103,7 +103,7 @@ def test_the_top_moves_as_far_as_its_corners(text, left, right, corners):
     body = built(text)
     for share, motion in ((1.3, sine(1.5)), (1.3, sine(1.5).scaled(-1.0)), (0.4, sine())):
         found = time_history(body, motion, parse_grid(f"a_g={share * body.uplift}g,f_g=2"), [Method("nonlinear")])
-        theta = np.array([row["theta"] for row in found.records(dt=1e-3)])
+        theta = np.array([row["theta"] for row in found.rows(dt=1e-3)])
         most = 0.0
         for x, z in corners:
             for pivot, turned in ((right, theta[theta > 0.0]), (left, theta[theta < 0.0])):

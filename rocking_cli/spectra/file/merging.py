@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
-from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
@@ -26,10 +25,6 @@ class Merged:
     all_chunks: int
     machine_differences: str
     missing: tuple[str, ...] = ()
-
-    there = property(attrgetter("chunks"))  # the old name
-    whole = property(attrgetter("all_chunks"))  # the old name
-    elsewhere = property(attrgetter("machine_differences"))  # the old name
 
 
 def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = False, strict: bool = False) -> Merged:

@@ -179,7 +179,7 @@ def test_a_tie_without_force_is_the_free_body_to_the_bit():
         one, other = (response(method.system_of(s), sine(), *np.meshgrid(*grid.scaled(s)), s.eta) for s in (free, held))
         np.testing.assert_array_equal(one.theta_ratio, other.theta_ratio)
         np.testing.assert_array_equal(one.outcome, other.outcome)
-    assert check(held, sine(), parse_grid("a_g=0.3g,T_g=0.8")).record() == check(free, sine(), parse_grid("a_g=0.3g,T_g=0.8")).record()
+    assert check(held, sine(), parse_grid("a_g=0.3g,T_g=0.8")).row() == check(free, sine(), parse_grid("a_g=0.3g,T_g=0.8")).row()
 
 
 def test_a_vanishing_tie_tends_to_the_free_body_which_is_marched_otherwise():
@@ -281,7 +281,7 @@ def test_a_body_that_a_tie_holds_beyond_alpha_leans():
     assert found.theta_ratio[0] > 1.0
     demand = parse_grid("a_g=1.6g,T_g=0.8")
     verdict = check(body, OUTWARDS, demand, a_max=None)
-    assert (verdict.outcome.flag, verdict.falls, verdict.record()["tie_state"]) == ("leaning", True, "yielded")
+    assert (verdict.outcome.flag, verdict.falls, verdict.row()["tie_state"]) == ("leaning", True, "yielded")
     late = time_history(body, OUTWARDS, demand, [EXACT], duration=16.0).histories["nonlinear"]
     assert late.outcome == Outcome.LEANING
     ratio, _ = late.at(np.linspace(8.0, 15.0, 300) * body.p)
