@@ -138,7 +138,7 @@ def _blocks(table: Sequence[_Column], width: int) -> Iterator[list[tuple[_Column
     room = width - min(widest, width // 2) - len(_GAP)
     narrowed = _narrowed([column.width for column in keys], room)
     begin = list(zip(keys, narrowed, strict=True))
-    left = width - sum(narrowed) - len(_GAP) * len(keys)
+    left = max(width - sum(narrowed) - len(_GAP) * len(keys), _LEAST)
 
     block, used = list(begin), 0
     for column in others:

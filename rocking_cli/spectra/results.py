@@ -8,7 +8,7 @@ import numpy as np
 
 from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Outcome, Work
-from ..errors import OutputError
+from ..plugins import require
 from .dimensions import VARIABLES
 from .scene import Scene
 from .verification import Validity
@@ -110,10 +110,9 @@ class Spectrum:
 
     def to_xarray(self) -> "xarray.Dataset":
         """Return an xarray Dataset with the names, dimensions and attributes of the file. Raises OutputError without xarray."""
-        try:
-            import xarray as xr
-        except ImportError:
-            raise OutputError("to_xarray needs xarray: pip install xarray") from None
+        require("to_xarray needs", "xarray")
+        import xarray as xr
+
         frame, cells = self.scene.frame(), {"theta_ratio": self.theta_ratio, "outcome": self.outcome, "impacts": self.impacts}
         along = {
             name: xr.Variable(dimension, values, {"units": frame.about(name).units, "long_name": frame.about(name).long_name})

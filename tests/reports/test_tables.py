@@ -107,6 +107,13 @@ def test_a_key_without_room_goes_on_below_and_is_never_cut():
     assert [word for word in words if word.isdigit()] == ["0", "1", "2", "3"]
 
 
+@pytest.mark.parametrize("width", range(1, 40))
+def test_a_terminal_may_be_too_narrow_for_any_table(width):
+    for count in (1, 3, 5):
+        shown = list(table_lines(RECORDS[:count], width=width, keys=("structure", "motion")))
+        assert "Colu" in "".join("".join(shown).split())
+
+
 def test_the_chosen_columns_are_all_that_a_table_has():
     shown = list(table_lines(RECORDS, width=60, chosen=["pga", "motion"], keys=("motion",)))
     assert shown[0].split() == ["pga", "[g]", "motion"]
