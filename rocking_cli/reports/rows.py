@@ -8,8 +8,8 @@ from contextlib import suppress
 
 import numpy as np
 
-from ..documents.composition import text_of
 from ..documents.files import read_bytes
+from ..documents.texts import text_of
 from ..errors import DocumentError, UsageError
 from .units import si_of
 

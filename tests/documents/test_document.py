@@ -48,7 +48,7 @@ REFUSED = [
     ("kind: block\nwidth: 1:30\nheight: 5", "found 1:30; expected a length"),
     ("kind: block\nwidth: [1]\nheight: 5", "found a list; expected a length"),
     ("kind: block\nwidth:\nheight: 5", "no key 'width'"),
-    ("kind: block\nwidth: 3\nheight: 2", "restitution of .* alpha up to 54.7 deg"),
+    ("kind: block\nwidth: 3\nheight: 2", "width 3 m and height 2 m, wider than high .did you swap width and height.*alpha up to 54.7 deg"),
     ("kind: point_mass\nradius: 1\nalpha: 46 deg", "restitution of .* alpha up to 45 deg"),
     ("kind: block\nradius: 1\nalpha: 90 deg", "found 90 deg; expected an angle between 0 and 90 deg"),
     ("kind: block\nradius: 1\nwidth: 1", "width and height, or radius and alpha, not both"),

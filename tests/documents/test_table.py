@@ -10,7 +10,7 @@ from support.documents import built
 from support.refusals import refuses
 
 from rocking_cli import DocumentError, build_structure, parse_documents
-from rocking_cli.documents.table import delimiter_of
+from rocking_cli.documents.table import rows_of_structures
 
 HEAD = ["name", " kind ", "width [cm]", "height (m)", "one_sided", "pieces_1_width [mm]", "pieces_1_height", "pieces_2_radius",
         "pieces_2_height", "corners"]  # fmt: skip
@@ -58,7 +58,7 @@ def test_the_csv_of_parameters_is_a_list_of_structures(rocking, tmp_path):
 
 REFUSED = [
     ("kind,width\nblock,1,2", "f.csv:2:3: found 3 cells; expected 2"),
-    ("kind,width [furlong]\nblock,1", "f.csv:1:2: width: found the unit 'furlong'; expected one of m, mm"),
+    ("kind,width [furlong]\nblock,1", "f.csv:2:2: width: found the unit 'furlong' in the heading; expected one of m, mm"),
     ("kind,width [kg]\nblock,1", "f.csv:2:2: width: found 1 kg; expected a length"),
     ("kind,width,width\nblock,1,2", "f.csv:1:3: duplicate column 'width'"),
     ("kind,\nblock,1", "f.csv:1:2: a column without a name"),
@@ -68,15 +68,15 @@ REFUSED = [
     ("kind,pieces_2_width\nstack,1", "f.csv:2:2: pieces_2_width: found item 2; expected items in order, from pieces_1"),
     ("kind,pieces,pieces_1_width\nstack,[[3]],1", "f.csv:2:3: pieces_1_width: found together with pieces"),
     ("kind,pieces,pieces_1_width\nstack,3,1", "f.csv:2:3: pieces_1_width: found item 1"),
-    ("kind,corners\nprism,[[0", "f.csv:2:2: found ..0; expected a YAML list"),
+    ("kind,corners\nprism,[[0", "f.csv:2:2: corners: found ..0; expected a list"),
 ]
 test_refusals = refuses(lambda text: [build_structure(d) for d in parse_documents(text, "f.csv")], DocumentError, REFUSED)
-OTHERS = ["kind: block\nwidth: 1\nheight: 5", '{"kind": "block", "width": 1}', "t,a\n0,1\n", "kind\nblock", "# kind, width"]
+OTHERS = ["kind: block\nwidth: 1\nheight: 5", '{"kind": "block", "width": 1}', "t;a", "kind\nblock", "# kind, width"]
 
 
 @pytest.mark.parametrize("text", OTHERS)
 def test_other_texts_are_no_tables(text):
-    assert delimiter_of(text) is None
+    assert rows_of_structures(text, "f.csv") is None
 
 
 def test_items_may_come_in_any_order_of_columns():
