@@ -267,7 +267,7 @@ def _levels(text: str | None, measure: "Measure") -> "np.ndarray":
     """Return the levels that --levels states, in SI. Raises UsageError."""
     import numpy as np
 
-    from ..documents.quantities import parse_quantity
+    from ..documents.quantities import parse_quantity, with_a_point
     from ..fragility.fits import check_levels
     from ..motions.grid import parse_span
 
@@ -276,6 +276,8 @@ def _levels(text: str | None, measure: "Measure") -> "np.ndarray":
     if ":" in text:
         options.remark_on(spans=f"{measure.name}={text}")
         return check_levels(parse_span("--levels", text, measure.dimension))
+    if with_a_point(text) and "0" in text.split(","):
+        raise click.UsageError(f"--levels: found {text!r}; expected positive levels, with commas between them{with_a_point(text)}")
     return check_levels(np.array(_each("--levels", text, lambda part: parse_quantity(part, measure.dimension))))
 
 

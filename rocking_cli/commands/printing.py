@@ -5,7 +5,7 @@ The library speaks of arguments in backticks; `in_options` makes them options: `
 
 import re
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -17,6 +17,7 @@ from .command import F
 
 if TYPE_CHECKING:
     from ..reports.units import Units
+    from ..structures import RockingParameters
 
 
 def _keep(context: click.Context, parameter: click.Parameter, value: Any) -> None:
@@ -71,6 +72,28 @@ def form() -> str | None:
     return _kept("form")
 
 
+def keep_labels(structures: "Iterable[RockingParameters]") -> None:
+    """Keep the labels of structures by name: `emit` adds them to the rows of each."""
+    context = click.get_current_context()
+    kept = context.meta.setdefault(f"{__name__}.labels", {})
+    kept |= {structure.name: dict(structure.labels) for structure in structures if structure.labels}
+
+
+def _labelled(rows: Iterable[Mapping[str, Any]], form: str | None, chosen: Sequence[str]) -> Iterator[Mapping[str, Any]]:
+    """Yield rows with the labels of their structures: for JSON as one mapping, for CSV as columns, for a table those of --columns. A label
+    with the name of another column of the row is called label_NAME."""
+    for row in rows:
+        kept: Mapping[str, Mapping[str, str]] = _kept("labels") or {}
+        mine = kept.get(str(row.get("structure", row.get("name"))), {})
+        if form == "json":
+            yield {**row, "labels": mine} if mine else row
+            continue
+        named = {
+            f"label_{name}" if name in row else name: mine.get(name) for name in dict.fromkeys(n for one in kept.values() for n in one)
+        }
+        yield {**row, **{name: text for name, text in named.items() if form == "csv" or name in chosen}}
+
+
 def emit(
     rows: Iterable[Mapping[str, Any]], columns: Sequence[str] = (), *, form: str | None = None, table_units: str | None = None,
     without: Sequence[str] = (), unseen: Sequence[str] = (), varied: Mapping[str, Mapping[str, Any]] | None = None,
@@ -91,6 +114,7 @@ def emit(
         rows = ({**varied.get(str(row.get("structure")), {}), **row} for row in rows)
     if unseen and form is None:
         rows = ({key: value for key, value in row.items() if key not in unseen or key in chosen} for row in rows)
+    rows = _labelled(rows, form, chosen)
     if without:
         units = replace(units or Units(), without=frozenset(without))
     width = get_terminal_size((WIDTH, 0)).columns if sys.stdout.isatty() else WIDTH
@@ -115,11 +139,11 @@ def warn(text: str) -> None:
     streams.say(text if context is None else in_options(text, context.command))
 
 
-def below(text: str) -> None:
-    """Print a line on standard error, as `note` does, after the table if the command prints a table."""
+def below(*lines: str) -> None:
+    """Print lines on standard error, as `note` does, after the table if the command prints a table."""
     context = click.get_current_context()
     tabular = form() is None and any(parameter.name == "columns" for parameter in context.command.params)
-    context.call_on_close(partial(note, text)) if tabular else note(text)
+    context.call_on_close(partial(note, *lines)) if tabular else note(*lines)
 
 
 def note(*lines: str) -> None:

@@ -18,7 +18,7 @@ import yaml
 from ..errors import DocumentError, did_you_mean
 from .composition import DEEPEST, MOST_VALUES, Place, Value, compose, unspaced
 from .files import read_bytes
-from .quantities import FACTORS, SMALLEST_LENGTH, accepted, is_bare, parse_quantity
+from .quantities import FACTORS, SMALLEST_LENGTH, accepted, is_bare, parse_quantity, with_a_point
 from .table import Cell, rows_of_structures, split_heading
 from .texts import text_of
 
@@ -201,9 +201,6 @@ class Document:
     def _unknown(self, key: str) -> DocumentError:
         """Return the error for a key that no method asked for."""
         place, known, (base, unit) = self.keys[key], sorted(self.asked), split_heading(key)
-        if key[:1].isdigit():
-            wanted = "expected a word: a decimal point, no comma, stands in a number, such as 0.45"
-            return DocumentError(f"{place}: found the key {key!r}; {wanted}")
         if unit and self.cells and (base in self.asked or base in self.dimensions):
             return DocumentError(f"{place}: {base}: found the unit {unit!r} in the heading; expected one of {', '.join(FACTORS)}")
         meant = self._meant(key) if self.cells else ""
@@ -354,8 +351,13 @@ def _value(node: yaml.Node, depth: int, count: list[int]) -> Value:
     if isinstance(node, yaml.SequenceNode):
         return Value([_value(child, depth + 1, count) for child in node.value], place)
     content: dict[str, Value] = {}
+    before: tuple[str, str] = ("", "")  # the key and the text of the value before, which a decimal comma would end
     for key, child in node.value:
         where = _place(key)
+        if child.value == "" and re.fullmatch(r"\d+( \S+)?", str(key.value)) and before[1].lstrip("+-").isdigit():
+            number = f"{before[1]},{key.value}"
+            raise DocumentError(f"{where}: {before[0]}: found {number}; expected a number{with_a_point(number)}")
+        before = (str(key.value), str(child.value))
         if isinstance(key, yaml.ScalarNode) and key.style is None and (fault := unspaced(key.value)) and child.value == "":
             raise DocumentError(f"{where}: {fault}")
         if not isinstance(key, yaml.ScalarNode):

@@ -36,7 +36,7 @@ UNITS: dict[str, dict[str, float]] = {
 FACTORS = {unit: factor for units in UNITS.values() for unit, factor in units.items()}  # to SI
 
 _NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
-_DECIMAL_COMMA = re.compile(r"\s*([+-]?\d*),(\d+)(?![\d,.])([^,]{0,20})")
+_DECIMAL_COMMA = re.compile(r"(?<![\d,.])([+-]?\d*),(\d+)(?![\d,.])([^,:x]{0,20})")
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*\Z", re.DOTALL)
 
 
@@ -56,7 +56,7 @@ def parse_quantity(text: str, dimension: str) -> float:
     """Return the SI value of a finite quantity. Raises ValueError, whose text states the accepted values."""
     parts = split_quantity(text)
     if parts is None or (parts[1] and parts[1] not in UNITS[dimension]):
-        raise ValueError(accepted(dimension) + _with_a_point(text))
+        raise ValueError(accepted(dimension) + with_a_point(text))
     number, unit = parts
     value = number * (UNITS[dimension][unit] if unit else 1.0)
     if not math.isfinite(value):
@@ -66,9 +66,9 @@ def parse_quantity(text: str, dimension: str) -> float:
     return value
 
 
-def _with_a_point(text: str) -> str:
-    """Return a hint for a number with a decimal comma, an empty text for others."""
-    match = _DECIMAL_COMMA.match(text)
+def with_a_point(text: str) -> str:
+    """Return a hint for a text that holds a number with a decimal comma, an empty text for others."""
+    match = _DECIMAL_COMMA.search(text)
     return "" if match is None else f"; write {match[1] or 0}.{match[2]}{match[3]} with a decimal point"
 
 

@@ -12,6 +12,7 @@ import io
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -73,7 +74,8 @@ class Table:
     def uneven(self, line: int, cells: Sequence[str]) -> DocumentError:
         """Return the error for a row of another number of cells than the heading."""
         found, wanted = len(cells), len(self.headings)
-        hint = " (with decimal commas, the columns need another separator: ; or a tab)" if found == 2 * wanted else ""
+        decimal = found > wanted and any(one.isdigit() and other.isdigit() for one, other in pairwise(cells))
+        hint = " (with decimal commas, the columns need another separator: ; or a tab)" if decimal else ""
         return DocumentError(f"{self.place(line, min(found, wanted))}: found {found} cells; expected {wanted}{hint}")
 
 
