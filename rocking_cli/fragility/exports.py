@@ -72,7 +72,7 @@ def export_fragility(
     >>> export_fragility([], 'f.xml')
     Traceback (most recent call last):
         ...
-    rocking_cli.errors.UsageError: found no fragility curve to export
+    rocking_cli.errors.ArgumentError: export_fragility: `curves`: found an empty list; expected a list of Fit (see fragility)
     """
     measure = measure_of(im)
     check_export(Path(target), form, measure, overwrite)

@@ -165,7 +165,7 @@ def fit_stripes(x: Array, n: Array, z: Array) -> Curve:
     (1.5724765, 0.2700332)
     """
     x, n, z = check_levels(x), np.asarray(n, dtype=float), np.asarray(z, dtype=float)
-    if np.any(n <= 0.0) or np.any(z < 0.0) or np.any(z > n):
+    if not x.shape == n.shape == z.shape or np.any(n <= 0.0) or np.any(z < 0.0) or np.any(z > n):
         raise UsageError("counts: expected n above 0 and z from 0 to n at every level")
     some = int(np.count_nonzero((z > 0.0) & (z < n)))
     if some < 2:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..dynamics.method import LINEAR, Method, governing_method
 from ..dynamics.outcome import Outcome
-from ..errors import UsageError
+from ..errors import UsageError, did_you_mean
 from ..motions.recording import Recording
 from ..spectra.sweep import SweepOptions
 from ..structures.parameters import RockingParameters
@@ -260,6 +260,9 @@ def fragility(
     measure, x = measure_of(im), check_levels(np.asarray(levels, dtype=float))
     if hazard is not None and hazard.im != measure.name:
         raise UsageError(f"found a hazard curve of {hazard.im}; expected {measure.name}, the measure `im`")
+    for word in methods:
+        if word not in METHODS:
+            raise UsageError(f"`methods`: found {word!r}; expected some of {', '.join(METHODS)}{did_you_mean(word, METHODS)}")
     motions = MotionSet(members_of(records), measure, x, method or governing_method(*structures))
     exact, sweep = hazard is not None and None in limits, SweepOptions(workers=workers)
     each = list(studies(structures, motions, methods, how or Resampling(), exact=exact, hazard=hazard, sweep=sweep))

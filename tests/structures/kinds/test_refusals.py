@@ -164,7 +164,7 @@ REFUSED = {
         ("{height: 5, stiffness: 1, ultimate: 30}", "ultimate: found 30; expected .* up to 5 m, which the body can reach"),
         ("{height: 5, stiffness: 1e30}", "ties: found ties that add 1.17e.26 m g R .*; expected up to 1e.09 m g R"),
         ("{height: 5, stiffness: 1}\nfriction: 0.6", "friction: found friction of a body with ties, whose ground forces are not computed"),
-        ("{height: 5,5 m, stiffness: 1}", "f.yaml:7:17: height: found 5,5 m; expected a number; write 5.5 m with a decimal point"),
+        ("{height: 5,5 m, stiffness: 1}", "f.yaml:7:14: height: found 5,5 m; expected a number; write 5.5 m with a decimal point"),
         ("{height: 5, stiffness: 1, prestress: -1}", "prestress: found -1; expected a force from 0"),
         ("{height: 5, stiffness: 1, side: left}", "side: found left on a one-sided body, which never leans there; expected right"),
         ("{height: 5, stiffness: 1, side: up}", "side: found up; expected one of left, right, both"),
