@@ -32,7 +32,8 @@ _LINE = re.compile(r"[^\r\n]{0,10000}")
 _TWO_LINES = re.compile(r"([^\r\n]*)(?:\r\n|\r|\n)?([^\r\n]*)")
 _LONGEST_HEADING = 100_000  # characters
 _NO_HEADING = re.compile(r":(?:\s|$)|^\s*[-#\[{&%'|>]|^\s*-?[\d.]")  # what YAML begins with, and a row of numbers
-_IN_BLANKS = re.compile(r"[^\s\[(]\S*(?:\s*[\[(][^\])]*[\])])?")  # a heading or a cell between blanks
+_ENCLOSED = re.compile(r'"[^"]*"|\s*\([^()]*\)|\s*\[[^][]*\]')  # no separator inside quotes or brackets separates columns
+_IN_BLANKS = re.compile(r"\"[^\"]*\"|[^\s\[(]\S*(?:\s*[\[(][^\])]*[\])])?")  # a heading or a cell between blanks
 _BARE = ("", "-", "1")  # no unit
 
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?(?:\s*[^\s\d,.].*)?")
@@ -116,8 +117,8 @@ def _heading_of(text: str) -> tuple[int, str]:
     while (comment := _COMMENT.match(text, start)) and comment.end() > start:
         start = comment.end()
     line = _LINE.match(text, start)
-    plain = re.sub(r'"[^"]*"|\([^()]*\)|\[[^][]*\]', "", line[0] if line else "")  # separators inside quotes or brackets are none
-    return start, separator or next((one for one in _SEPARATORS if one in plain.strip(" ")), ",")
+    plain = _ENCLOSED.sub(lambda found: "x" if found[0][0] == '"' else "", line[0].strip(" ") if line else "")
+    return start, separator or next((one for one in _SEPARATORS if one in plain), ",")
 
 
 def _split(text: str, separator: str, source: str, first: int) -> list[tuple[int, list[str]]]:

@@ -189,3 +189,30 @@ def test_numbers_that_are_no_curve_are_refused(tmp_path):
     (tmp_path / "two.csv").write_text("PGA [g],annual_rate\n0.1,0.1\n0.2,0.01\n")
     with pytest.raises(UsageError, match="`site` goes with a file of OpenQuake"):
         read_hazard(tmp_path / "two.csv", site="1,2")
+
+
+# The first lines of versions 2.4 to 3.5 of the engine, and of one that a user has commented; the numbers are our own.
+FIRST_LINES = [
+    '# mean, investigation_time=50.0, imt="PGA", checksum=1',
+    "# mean, investigation_time=50.0, imt=PGA",
+    "# source_model_tree_path=('b1',), gsim_tree_path=('b1',), investigation_time=50.0,imt=\"PGA\"",
+    "# site A\n# mean, investigation_time=50.0, imt='PGA'",
+]
+
+
+@pytest.mark.parametrize("first", FIRST_LINES)
+def test_files_of_earlier_versions_of_openquake_are_read(first, tmp_path):
+    path = tmp_path / "h.csv"
+    path.write_text(f"{first}\nlon,lat,depth,poe-0.1,poe-0.4\n0.00000,0.00000,-0.10000,4.0E-01,5.0E-02\n")
+    found = read_hazard(path)
+    assert found.x == pytest.approx([0.1 * G, 0.4 * G], rel=1e-14)
+    assert found.rate == pytest.approx(-np.log1p(-np.array([0.4, 0.05])) / 50, rel=1e-12)
+
+
+@pytest.mark.parametrize("text", ["# site A\nPGA [g],annual_rate\n0.1,0.02\n0.4,0.001\n", "PGA [g];annual_rate\n0,1;0,02\n0,4;0,001\n",
+    '"PGA [g]" "annual_rate"\n0.1 0.02\n0.4 0.001\n', "PGA [g]\tannual_rate\n0.1\t2e-2\n0.4\t1e-3\n"])  # fmt: skip
+def test_two_columns_stand_below_comments_and_between_other_separators(text, tmp_path):
+    path = tmp_path / "h.csv"
+    path.write_text(text)
+    assert read_hazard(path).x == pytest.approx([0.1 * G, 0.4 * G])
+    assert read_hazard(path).rate == pytest.approx([0.02, 0.001])
