@@ -5,9 +5,10 @@ it calls.
 """
 
 import sys
+from collections.abc import Iterator, Mapping
 from functools import cache
 from importlib import import_module
-from types import ModuleType
+from types import FunctionType, ModuleType
 from typing import Any
 
 __version__ = "0.2.0"
@@ -29,8 +30,34 @@ def __getattr__(name: str) -> Any:
         return __dir__()
     if name.startswith("__") or name not in _homes():
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return _public(name)
+
+
+@cache
+def _public(name: str) -> Any:
+    """The thing of a public name; a function checks its arguments."""
     module, there = _homes()[name]
-    return getattr(import_module(module), there)
+    found = getattr(import_module(module), there)
+    if not isinstance(found, FunctionType):
+        return found
+    from .arguments import checked
+
+    return checked(found, name, __name__, _Public())
+
+
+class _Public(Mapping[str, Any]):
+    """The things of all public names."""
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in _homes():
+            raise KeyError(name)
+        return _public(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(_homes())
+
+    def __len__(self) -> int:
+        return len(_homes())
 
 
 class _Package(ModuleType):

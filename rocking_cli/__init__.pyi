@@ -17,6 +17,7 @@ from .envelopes.closed_form import CurvePoint as CurvePoint
 from .envelopes.closed_form import closed_form_curves as closed_form_curves
 from .envelopes.intervals import Interval as Interval
 from .envelopes.intervals import trace_envelope as trace_envelope
+from .errors import ArgumentError as ArgumentError
 from .errors import DocumentError as DocumentError
 from .errors import Interrupted as Interrupted
 from .errors import MotionError as MotionError

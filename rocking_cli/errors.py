@@ -15,6 +15,10 @@ class UsageError(RockingError):
     exit_code = 2
 
 
+class ArgumentError(UsageError, TypeError, ValueError):
+    """An argument of a public function of another type or value than the function takes."""
+
+
 class MotionError(UsageError):
     """A motion that cannot be built."""
 

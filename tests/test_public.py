@@ -56,7 +56,8 @@ def test_types_in_signatures_are_public(name):
 def test_a_function_stands_before_the_subpackage_of_its_name():
     from rocking_cli.fragility import fits
 
-    assert (rocking_cli.fragility, rocking_cli.fit_stripes) == (PUBLIC["fragility"], fits.fit_stripes)
+    assert (rocking_cli.fragility, rocking_cli.fit_stripes) == (PUBLIC["fragility"], PUBLIC["fit_stripes"])
+    assert rocking_cli.fit_stripes.__wrapped__ is fits.fit_stripes
 
 
 def test_a_drawing_goes_into_axes_of_the_caller(tmp_path):

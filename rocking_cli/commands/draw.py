@@ -23,7 +23,9 @@ def draw(
     need matplotlib: pip install matplotlib.
     """
     from ..reports.figures.drawing import draw_structures
+    from ..structures import build_structure
 
     options.check_target(output, overwrite)
     documents = options.documents_of(files, MOST, "a figure")
+    options.introduce([build_structure(document) for document in documents])
     draw_structures(documents, output, units=units_of(), look=looks.look(), overwrite=overwrite, tell=note)

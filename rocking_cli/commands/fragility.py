@@ -11,7 +11,7 @@ import click
 
 from ..errors import UsageError
 from . import equations, ground, options
-from .command import command, flag, group, option, partly, refuse, refuse_together
+from .command import command, flag, given, group, option, partly, refuse, refuse_together
 from .parameter_types import InputPath, Registered, quantity
 from .printing import emit, form, note, printed, units_of, units_shown
 from .progress import ProgressLine
@@ -23,7 +23,9 @@ if TYPE_CHECKING:
     from ..fragility.study import Fit, Study
 
 
-_WITH_COUNTS = ("counts", "curve", "samples", "seed", "workers", "overwrite")
+_WITH_COUNTS = (
+    "counts", "im", "limits", "curve", "samples", "seed", "workers", "hazard", "site", "standing", "export", "output", "overwrite",
+)  # fmt: skip
 _IN_G = re.compile(r"g(?![a-z])", re.IGNORECASE)  # and not in gal
 
 
@@ -42,7 +44,7 @@ class Fits:
     )
     cells: bool = flag("--cells", "Print every motion at every level over PGA and PGV/PGA instead, for rocking plot.")
     curve: bool = flag("--curve", "Print points of the curves with their bands instead, for rocking plot.")
-    counts: str | None = option("--counts", "Fit given counts: CSV of im, n, z.", type=InputPath())
+    counts: str | None = option("--counts", "Fit given counts: CSV of im, n, z; im may state its unit, as PGA [g].", type=InputPath())
     hazard: str | None = option("--hazard", "Annual rates with this hazard curve: CSV of OpenQuake, or two columns.", type=InputPath())
     site: str | None = option("--site", "The site of the hazard curve, if the file has several.", metavar="LON,LAT")
     standing: float | None = option(
@@ -78,12 +80,12 @@ def fragility(
     from ..fragility.fits import Resampling
     from ..fragility.hazard import read_hazard
     from ..fragility.measures import measure_of, members_of, shaken_upwards, site_pulses
-    from ..fragility.study import METHODS, counted, fitted, studies
+    from ..fragility.study import METHODS, fitted, studies
 
     files, shaken = motions.several(files)
     if wanted.counts is not None:
         refuse("does not go with --counts", *(click.get_current_context().params.keys() - set(_WITH_COUNTS)))
-        _emit(counted(wanted.counts, Resampling(wanted.samples, wanted.seed)), [], wanted)
+        _of_counts(wanted, sweep.overwrite)
         return
     structures, texts = options.structures_of(files, each=True)
     if bool(shaken.recordings) == (wanted.pulses is not None):
@@ -169,6 +171,44 @@ def fragility(
             note(f"{study.structure.name}: {count} of {len(members)} motions overturn it at {at} and not at a larger one")
     stated = click.get_current_context().get_parameter_source("limits") is not click.core.ParameterSource.DEFAULT
     partly(refused and stated)  # of the default limit states some may have no fit
+
+
+def _of_counts(wanted: Fits, overwrite: bool) -> None:
+    """Fit the counts of --counts, with the annual rate of --hazard and the file of --export."""
+    from ..fragility.counts import fit_counts, read_counts
+    from ..fragility.exports import check_export, write
+    from ..fragility.fits import Resampling
+    from ..fragility.hazard import read_hazard
+    from ..fragility.study import word_of
+
+    limit = "counted"
+    if given("limits"):
+        states = _each("--limit", wanted.limits, _limit, "a positive value of |theta|/alpha, or overturning")
+        if len(states) != 1:
+            raise click.UsageError(f"--limit: found {wanted.limits!r}; expected the one limit state that --counts has counted")
+        limit = word_of(states[0])
+    if wanted.hazard is None:
+        refuse("goes with --hazard", "site", "standing")
+    elif wanted.standing is not None and not (wanted.standing > 0.0 and limit == "overturning"):
+        raise click.UsageError("--standing goes with a positive time and --limit overturning")
+    if (wanted.export is None) != (wanted.output is None):
+        raise click.UsageError("--export goes with -o FILE, and with --counts -o FILE goes with --export")
+    needed = wanted.hazard is not None or wanted.export is not None
+    counts = read_counts(str(wanted.counts), wanted.im if given("im") else None, needs_measure=needed)
+    hazard = None
+    if counts.measure is not None:
+        if wanted.export is not None and wanted.output is not None:
+            check_export(wanted.output, wanted.export, counts.measure, overwrite)
+            options.refuse_own_input(wanted.output)
+        hazard = None if wanted.hazard is None else read_hazard(wanted.hazard, counts.measure.name, wanted.site)
+    fits = [fit_counts(counts, Resampling(wanted.samples, wanted.seed), hazard=hazard, limit=limit)]
+    remarks: list[str] = []
+    if counts.measure is not None and wanted.export is not None and wanted.output is not None:
+        remarks += write(fits, wanted.output, wanted.export, counts.measure, overwrite)
+    _emit(fits, [], wanted)
+    if hazard is not None:
+        remarks += [f"{fit.structure}: {words}" for fit in fits if fit.rate is not None for words in fit.rate.remarks(hazard)]
+    note(*remarks)
 
 
 def _emit(fits: "Sequence[Fit]", exact: "Sequence[Study]", wanted: Fits) -> None:
@@ -264,7 +304,7 @@ def _levels(text: str | None, measure: "Measure") -> "np.ndarray":
     """Return the levels that --levels states, in SI. Raises UsageError."""
     import numpy as np
 
-    from ..documents.quantities import parse_quantity
+    from ..documents.quantities import parse_quantity, with_a_point
     from ..fragility.fits import check_levels
     from ..motions.grid import parse_span
 
@@ -273,6 +313,8 @@ def _levels(text: str | None, measure: "Measure") -> "np.ndarray":
     if ":" in text:
         options.remark_on(spans=f"{measure.name}={text}")
         return check_levels(parse_span("--levels", text, measure.dimension))
+    if with_a_point(text) and "0" in text.split(","):
+        raise click.UsageError(f"--levels: found {text!r}; expected positive levels, with commas between them{with_a_point(text)}")
     return check_levels(np.array(_each("--levels", text, lambda part: parse_quantity(part, measure.dimension))))
 
 

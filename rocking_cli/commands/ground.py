@@ -231,10 +231,12 @@ class Shaking:
             given = {"a_g": f"{own!r} m/s2"}
         if not given:
             return ground
+        from ..documents.quantities import with_a_point
+
         for key, value in given.items():
             if "," in value or ":" in value:
                 also = "" if key in ("a_g", "A") else " (rocking check and solve take FROM:TO)"
-                raise click.UsageError(f"--{key.replace('_', '-')}: found {value!r}; expected one value{also}")
+                raise click.UsageError(f"--{key.replace('_', '-')}: found {value!r}; expected one value{also}{with_a_point(value)}")
         axes = ",".join(f"{key}={value}" for key, value in given.items())
         try:
             grid = parse_grid(axes, own_time=own is not None or bool(ground.recordings))

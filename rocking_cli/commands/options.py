@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import shlex
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -13,9 +14,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..errors import DocumentError
 from .command import argument, flag, option, partly, refuse
 from .parameter_types import InputPath, OutputPath, Parsed, limit, quantity
-from .printing import below, form, note
+from .printing import below, form, keep_labels, note
 from .streams import printable
 
 if TYPE_CHECKING:
@@ -105,7 +107,7 @@ def structures_of(files: tuple[str, ...], etas: tuple[float | None, ...] = (), e
     structures = [build_structure(document) for document in documents]
     oscillators = [dimensionless_oscillator(eta) for eta in etas if eta is not None]
     found = with_distinct_names([*structures, *oscillators])
-    remark_on(found)
+    introduce(found)
     note_interfaces(found)
     return found, "\n---\n".join(d.text for d in documents)
 
@@ -134,9 +136,18 @@ def members_of(
     for member in every:
         if member.parameters is None:
             note_no_solution(member)
-    remark_on(found)
+    introduce(found)
     note_interfaces(found)
     return found, columns
+
+
+def built_if_whole(documents: Iterable[Any]) -> Iterator[RockingParameters]:
+    """Yield the structures of documents; one that lacks the key that the call varies has none."""
+    from ..structures import build_structure
+
+    for document in documents:
+        with suppress(DocumentError):
+            yield build_structure(document)
 
 
 def note_no_solution(member: Member) -> None:
@@ -161,6 +172,18 @@ def documents_of(files: tuple[str, ...], most: int | None = None, place: str = "
     return [one for document in found for one in on_each_interface(document)] if each else found
 
 
+def introduce(structures: Sequence[RockingParameters]) -> None:
+    """Print what is to be said of the structures of a call: remarks on their numbers, and the labels that tables have beside them, which
+    the rows of the output keep."""
+    keep_labels(structures)
+    remark_on(structures)
+    names = list(dict.fromkeys(name for structure in structures for name in structure.labels))
+    if names:
+        shown = ", ".join(names)
+        has_columns = any(parameter.name == "columns" for parameter in click.get_current_context().command.params)
+        note(f"labels, not used: {shown}{' (--columns shows them)' if has_columns else ''}")
+
+
 def note_interfaces(structures: Iterable[RockingParameters]) -> None:
     """Print a line on the stacks: each is followed on one interface, although another one may overturn first."""
     if names := [s.name for s in structures if "interfaces" in s.details]:
@@ -173,10 +196,8 @@ def remark_on(structures: Iterable[RockingParameters] = (), grid: Grid | None = 
 
     remarks = [remark for one in structures for remark in structure_remarks(one)] + ([] if grid is None else list(grid_remarks(grid)))
     remarks += [*span_remarks(spans), *bare_remarks(spans)]
-    for remark in remarks[:_REMARKS]:
-        below(remark)
-    if len(remarks) > _REMARKS:
-        below(f"and {len(remarks) - _REMARKS} more such remarks")
+    more = len(remarks) - _REMARKS
+    below(*remarks[:_REMARKS], *([f"and {more} more such remarks"] if more > 0 else []))
 
 
 def check_target(

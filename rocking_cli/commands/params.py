@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import equations, options
 from .command import command
-from .printing import emit, form, note, printed
+from .printing import emit, form, keep_labels, note, printed
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def params(
     def printed() -> Iterator[dict[str, Any]]:
         if not variations:
             built = equations.lifting(with_distinct_names([build_structure(document) for document in documents]), linear_uplift)
-            options.remark_on(built)
+            options.introduce(built)
             early.extend(s for s in built if shown is None and s.restraints is None and s.uplift > 1.01 * s.linear_uplift)
             for document, structure in zip(documents, built, strict=True):
                 others = [build_structure(one) for one in on_each_interface(document)[1:]] if shown is not None else []
@@ -58,6 +58,7 @@ def params(
                     options.note_no_solution(member)
                 else:
                     (structure,) = equations.lifting([member.parameters], linear_uplift)
+                    keep_labels([structure])
                     yield from _rows(structure.row(), shown, member.shown)
 
     if shown == "csv":  # a later row may have more columns than the first
@@ -78,6 +79,7 @@ def _rows(row: dict[str, Any], form: str | None, varied: dict[str, float] | None
     if form == "json":
         yield row
         return
+    row = {key: value for key, value in row.items() if key != "labels"}  # emit has them
     if varied is not None:
         row = {key: value for key, value in row.items() if key not in VARIED}
     sides = row.pop("sides", [])

@@ -5,7 +5,7 @@ The library speaks of arguments in backticks; `in_options` makes them options: `
 
 import re
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -17,6 +17,7 @@ from .command import F
 
 if TYPE_CHECKING:
     from ..reports.units import Units
+    from ..structures import RockingParameters
 
 
 def _keep(context: click.Context, parameter: click.Parameter, value: Any) -> None:
@@ -81,6 +82,28 @@ def units_shown(table_units: str | None = None) -> "Units":
     return parse_units(str(table_units)) if tabular else Units()
 
 
+def keep_labels(structures: "Iterable[RockingParameters]") -> None:
+    """Keep the labels of structures by name: `emit` adds them to the rows of each."""
+    context = click.get_current_context()
+    kept = context.meta.setdefault(f"{__name__}.labels", {})
+    kept |= {structure.name: dict(structure.labels) for structure in structures if structure.labels}
+
+
+def _labelled(rows: Iterable[Mapping[str, Any]], form: str | None, chosen: Sequence[str]) -> Iterator[Mapping[str, Any]]:
+    """Yield rows with the labels of their structures: for JSON as one mapping, for CSV as columns, for a table those of --columns. A label
+    with the name of another column of the row is called label_NAME."""
+    for row in rows:
+        kept: Mapping[str, Mapping[str, str]] = _kept("labels") or {}
+        mine = kept.get(str(row.get("structure", row.get("name"))), {})
+        if form == "json":
+            yield {**row, "labels": mine} if mine else row
+            continue
+        named = {
+            f"label_{name}" if name in row else name: mine.get(name) for name in dict.fromkeys(n for one in kept.values() for n in one)
+        }
+        yield {**row, **{name: text for name, text in named.items() if form == "csv" or name in chosen}}
+
+
 def emit(
     rows: Iterable[Mapping[str, Any]],
     columns: Sequence[str] = (),
@@ -113,6 +136,7 @@ def emit(
     if unseen and form is None:
         hidden = set(unseen) - set(chosen)
         rows = ({k: x for k, x in row.items() if k not in hidden} for row in rows)
+    rows = _labelled(rows, form, chosen)
     if dimensions:
         units = replace(units, dimensions=dimensions)
 

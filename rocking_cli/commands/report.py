@@ -40,7 +40,7 @@ def report(
     shakes = shaken.needed()
     options.refuse_own_input(output, shaken.recordings)
     structures = with_distinct_names([build_structure(document) for document in documents])
-    options.remark_on(structures)
+    options.introduce(structures)
     options.note_interfaces(structures)
     subjects = [Subject(document, structure) for document, structure in zip(documents, structures, strict=True)]
     verdicts = write_page(

@@ -38,6 +38,7 @@ def solve(
     ends = [end.of(motions) for end in asked.ends()]
     shaken = ends[0] if ends else asked.of(motions)
     documents = options.documents_of(files)
+    options.introduce(list(options.built_if_whole(documents)))
     shakes = (shaken.reversed if sign == "-" else shaken).needed()
     given: dict[str, Any] = {"margin": margin, "share": share, "opposite": shaken.reversed.shakes if sign == "both" else []}
     given |= {"up_to": ends[1].shakes[0][1] if ends else None, "workers": workers, "progress": ProgressLine("solve", "values")}

@@ -14,6 +14,10 @@ LONGEST = 2 << 20  # characters of a YAML file, or of one JSON object
 MOST_VALUES = 100_000  # values of a document; an alias counts each time
 DEEPEST = 20  # levels of nested lists and mappings
 _BLANKS = re.compile(r"\s*")
+_COMMENT = re.compile(
+    r'"(?:[^"\\\n]|\\.)*"|\'[^\'\n]*\'|#[^\n]*|(?<![^\s,{}\[\]:"\'])(//|/\*)'
+)  # a quoted text, a comment of YAML, one of JavaScript
+_UNSPACED = re.compile(r"\s*-?\s*([A-Za-z_]\w*):([^\s:/\\,][^\s,]*)")
 
 
 @dataclass(frozen=True)
@@ -43,6 +47,10 @@ class Value:
             return short if plain else json.dumps(short, ensure_ascii=not short.isprintable())
         return "a list" if isinstance(self.content, list) else "a mapping"
 
+    def word(self) -> str | None:
+        """Return an unquoted text in lower case, as true, True and TRUE are one word; None for any other value."""
+        return self.content.casefold() if isinstance(self.content, str) and not self.quoted else None
+
     def plain(self) -> Any:
         """Return the value as JSON has it, a number in SI units as a float."""
         if isinstance(self.content, list):
@@ -54,24 +62,34 @@ class Value:
         parts = split_quantity(self.content)
         if parts and (not parts[1] or FACTORS.get(parts[1]) == 1.0):
             return parts[0]
-        return {"null": None, "~": None, "": None, "true": True, "false": False}.get(self.content, self.content)
-
-
-def text_of(source: str, raw: bytes) -> str:
-    """Return the text of a file's bytes. Raises DocumentError if they are not UTF-8."""
-    try:
-        return raw.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        before = error.object[: error.start].decode()  # `error.object` lacks the byte order mark, and `start` counts without it
-        raise DocumentError(f"{_place_in(before, len(before), source)}: not a UTF-8 text (byte {error.start})") from None
+        return {"null": None, "~": None, "": None, "true": True, "false": False}.get(self.content.casefold(), self.content)
 
 
 def compose(text: str, source: str, first: int = 0) -> list[yaml.Node]:
     """Return the root node of each document of a text, with its places in the file; first: lines before the text. Raises DocumentError."""
-    return _compose_json(text, source) if text.lstrip().startswith("{") else _compose_yaml(text, source, first)
+    begun = text.lstrip()
+    if begun.startswith(("{", "//", "/*")):
+        _refuse_comment(text, source)
+    return _compose_json(text, source) if begun.startswith("{") else _compose_yaml(text, source, first)
 
 
-def _place_in(text: str, at: int, source: str, first: int = 0) -> Place:
+def _refuse_comment(text: str, source: str) -> None:
+    """Raise DocumentError for a text of braces with a comment of JavaScript, which neither JSON nor YAML has."""
+    for found in _COMMENT.finditer(text):
+        if found[1]:
+            place = place_in(text, found.start(1), source)
+            wanted = "expected no comment in JSON; write YAML, where # begins one"
+            raise DocumentError(f"{place}: found a comment that begins with {found[1]}; {wanted}")
+
+
+def unspaced(text: str) -> str:
+    """Return a sentence on `key:value` without the blank that YAML needs after the colon, an empty text for any other text."""
+    if (match := _UNSPACED.match(text)) is None:
+        return ""
+    return f"found {match[0][:60]!r}; expected a blank after the colon: `{match[1]}: {match[2][:60]}`"
+
+
+def place_in(text: str, at: int, source: str, first: int = 0) -> Place:
     """Return the place of character number `at` of a text."""
     before = text[:at]
     return Place(source, first + before.count("\n") + 1, len(before) - before.rfind("\n"))
@@ -107,7 +125,7 @@ class _Composer(yaml.SafeLoader):
 
 def _compose_yaml(text: str, source: str, first: int = 0) -> list[yaml.Node]:
     if len(text) > LONGEST:
-        place = _place_in(text, LONGEST, source, first)
+        place = place_in(text, LONGEST, source, first)
         raise DocumentError(f"{place}: longer than {LONGEST >> 20} MiB, the limit of a structure document")
     nodes: list[yaml.Node] = []
     try:
@@ -119,9 +137,12 @@ def _compose_yaml(text: str, source: str, first: int = 0) -> list[yaml.Node]:
         place = Place(source, mark.line + 1, mark.column + 1) if mark else Place(source, first + 1, 1)
         if isinstance(error, _Unlikely):
             raise DocumentError(f"{place}: {error.problem} to be a structure document") from None
+        line = text.splitlines()[mark.line - first - 1 : mark.line - first + 1] if mark else []
+        if hint := next(filter(None, map(unspaced, line)), ""):
+            raise DocumentError(f"{place}: not valid YAML: {hint}") from None
         raise DocumentError(f"{place}: not valid YAML: {error.problem or error.context}") from None
     except yaml.reader.ReaderError as error:
-        place = _place_in(text, error.position, source, first)
+        place = place_in(text, error.position, source, first)
         raise DocumentError(f"{place}: not valid YAML: holds the control character U+{error.character:04X}") from None
     return nodes
 

@@ -9,45 +9,49 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import yaml
 
 from ..errors import DocumentError, did_you_mean
-from .composition import DEEPEST, MOST_VALUES, Place, Value, compose, text_of
+from .composition import DEEPEST, MOST_VALUES, Place, Value, compose, unspaced
 from .files import read_bytes
-from .quantities import SMALLEST_LENGTH, accepted, parse_quantity, split_quantity
+from .quantities import FACTORS, SMALLEST_LENGTH, accepted, is_bare, parse_quantity, with_a_point
+from .table import Cell, rows_of_structures, split_heading
+from .texts import text_of
 
-MEANT = {"eta": "restitution", "e": "restitution", "zeta": "damping", "g": "gravity", "r": "radius", "h": "height", "b": "width"}
+MEANT = {
+    "eta": "restitution", "e": "restitution", "zeta": "damping", "g": "gravity", "r": "radius", "h": "height", "b": "width",
+    "weight": "mass",
+}  # fmt: skip
+LABELS = "labels"  # the key of texts that the computation does not use
 _ITEM = re.compile(r"([a-z_]+)_(\d{1,4})_([a-z_]+)")  # a CSV column for an item of a list, such as pieces_1_width
 
 
 @dataclass
 class Document:
-    """One document: its values by key. Each reading method marks its key as asked for; `finish` refuses the other keys.
+    """One document: its values by key. Each reading method marks its key as asked for; `finish` refuses the other keys."""
 
-    keys: the place of each key; index: number of the document in its file; inner: the documents in the lists of this one; dimensions: the
-    dimension of each quantity that was read, by its path, such as `ties.0.height`; within: the document around this one, and the path
-    there."""
-
-    source: str
-    place: Place
+    source: str  # the file
+    place: Place  # where it begins
     values: dict[str, Value]
-    keys: dict[str, Place]
-    index: int = 0
+    keys: dict[str, Place]  # the place of each key
+    index: int = 0  # its number in the file
     text: str = ""
-    asked: set[str] = field(default_factory=set)
-    inner: list[Document] = field(default_factory=list)
-    dimensions: dict[str, str] = field(default_factory=dict)
-    within: tuple[Document, str] | None = None
+    asked: set[str] = field(default_factory=set)  # keys that were read
+    inner: list[Document] = field(default_factory=list)  # the documents in the lists of this one
+    dimensions: dict[str, str] = field(default_factory=dict)  # of each quantity that was read, by its path, such as `ties.0.height`
+    bare: dict[str, tuple[float, Place]] = field(default_factory=dict)  # lengths [m] that state no unit, by their path
+    within: tuple[Document, str] | None = None  # the document around this one, and the path there
+    cells: tuple[Cell, ...] = ()  # of a row of a table, whose other columns are labels
 
     def has(self, key: str) -> bool:
         """True if the key has a value that is not null."""
         self.asked.add(key)
         value = self.values.get(key)
-        return value is not None and (value.quoted or value.content not in ("", "~", "null"))
+        return value is not None and (value.quoted or value.word() not in ("", "~", "null"))
 
     def fault(self, key: str | None, found: str, wanted: str) -> DocumentError:
         """Return the error for the value of a key (None: for the document)."""
@@ -58,7 +62,11 @@ class Document:
         """Return the error for a required key that is absent or misspelt."""
         from difflib import get_close_matches
 
-        for other in get_close_matches(key, [k for k in self.keys if k not in self.asked], n=1, cutoff=0.75):
+        left = [other for other in self.keys if other not in self.asked]
+        for other in left:
+            if split_heading(other)[0] == key:
+                return self._unknown(other)
+        for other in get_close_matches(key, left, n=1, cutoff=0.75):
             return DocumentError(f"{self.keys[other]}: unknown key {other!r} (did you mean {key!r}?)")
         return DocumentError(f"{self.place}: no key {key!r}; expected {key}: {wanted}")
 
@@ -81,10 +89,19 @@ class Document:
             number = parse_quantity(value.content, dimension)
         except ValueError as error:
             raise self.fault(key, str(value), str(error)) from None
+        if dimension == "length" and is_bare(value.content):
+            self.note_bare(key, number, value.place)
         if not (above < number < below and least <= number <= most):
-            hint = " (a bare number is in rad)" if dimension == "angle" and not (split_quantity(value.content) or (0, ""))[1] else ""
+            hint = " (a bare number is in rad)" if dimension == "angle" and is_bare(value.content) else ""
             raise self.fault(key, str(value), (where or _range_text(above, below, least, most)) + hint)
         return number
+
+    def note_bare(self, path: str, number: float, place: Place) -> None:
+        """Note a length [m] without a unit in the outermost document."""
+        if self.within is None:
+            self.bare[path] = (number, place)
+        else:
+            self.within[0].note_bare(f"{self.within[1]}.{path}", number, place)
 
     def length(self, key: str) -> float:
         """Return the value of a key that must be a positive length [m]."""
@@ -106,9 +123,9 @@ class Document:
         if not self.has(key):
             return False
         value = self.values[key]
-        if value.quoted or value.content not in ("true", "false"):
+        if value.word() not in ("true", "false"):
             raise self.fault(key, str(value), "true or false")
-        return value.content == "true"
+        return value.word() == "true"
 
     def integer(self, key: str, least: int, most: int) -> int:
         """Return the value of a key, a whole number from `least` to `most`."""
@@ -135,6 +152,9 @@ class Document:
             except ValueError:
                 pass
             else:
+                for i, (v, number) in enumerate(zip(value.content, (first, second), strict=True)):
+                    if dimension == "length" and is_bare(str(v.content)):
+                        self.note_bare(f"{key}.{value.place.line}.{value.place.column}.{i}", number, v.place)
                 return first, second
         raise self.fault(key, f"a {name} that is not a pair of {dimension}s (line {value.place.line})", wanted)
 
@@ -155,17 +175,51 @@ class Document:
         self.inner += found
         return found
 
-    def finish(self) -> None:
-        """Raise DocumentError if the document holds a key that no method asked for."""
+    def finish(self, elsewhere: Collection[str] = ()) -> None:
+        """Raise DocumentError if the document holds a key that no method asked for. In a row of a table such a column is a label, unless
+        its name is like a key of this document, or is a key of others; elsewhere: those keys."""
         for part in self.inner:
             part.finish()
-        for key, place in self.keys.items():
-            if key not in self.asked:
-                if key[:1].isdigit():
-                    raise DocumentError(f"{place}: found the key {key!r}; expected a word: a decimal point, no comma, stands in a number")
-                known = sorted(self.asked)
-                meant = did_you_mean(key, known, MEANT)
-                raise DocumentError(f"{place}: unknown key {key!r}{meant}; known keys of this kind: {', '.join(known)}")
+        unknown = [key for key in self.keys if key not in self.asked]
+        for key in unknown:
+            if not self.cells or key in elsewhere or split_heading(key)[0] in self.asked or self._meant(key):
+                raise self._unknown(key)
+        if unknown:
+            self._keep_labels(unknown)
+
+    def _meant(self, heading: str) -> str:
+        """Return the key that the heading of a column probably means, an empty text for a label."""
+        from difflib import get_close_matches
+
+        word = heading.strip().casefold()
+        if MEANT.get(word) in self.asked:
+            return MEANT[word]
+        begun = [key for key in self.asked if len(word) > 2 and key.startswith(word)]
+        named = [key for key in re.split(r"[^a-z]+", word) if key in self.asked - self.keys.keys() - {"name", "kind"}]
+        return next(iter([*get_close_matches(word, sorted(self.asked), n=1, cutoff=0.8), *begun, *named]), "")
+
+    def _unknown(self, key: str) -> DocumentError:
+        """Return the error for a key that no method asked for."""
+        place, known, (base, unit) = self.keys[key], sorted(self.asked), split_heading(key)
+        if unit and self.cells and (base in self.asked or base in self.dimensions):
+            return DocumentError(f"{place}: {base}: found the unit {unit!r} in the heading; expected one of {', '.join(FACTORS)}")
+        meant = self._meant(key) if self.cells else ""
+        words = f" (did you mean {meant!r}?)" if meant else did_you_mean(key, known, MEANT)
+        return DocumentError(f"{place}: unknown key {key!r}{words}; known keys of this kind: {', '.join(known)}")
+
+    def _keep_labels(self, keys: Collection[str]) -> None:
+        """Move the columns of these keys to the key `labels`, with their texts as they are written."""
+        kept, labels = [], {}
+        for cell in self.cells:
+            if cell.key in keys or ((item := _ITEM.fullmatch(cell.key)) and item[1] in keys):
+                labels[cell.key] = Value(cell.written, cell.place, quoted=True)
+            else:
+                kept.append(cell)
+        self.values = {key: value for key, value in self.values.items() if key not in keys}
+        self.keys = {key: place for key, place in self.keys.items() if key not in keys}
+        self.values[LABELS], self.keys[LABELS] = Value(labels, self.place), self.place
+        texts = {name: label.content for name, label in labels.items()}
+        self.cells, self.text = (), f"{_text_of_row(kept)}\n{LABELS}: {json.dumps(texts)}"
 
     def value_at(self, key: str) -> Value | None:
         """Return the value of a key, or at a path such as `ties.0.yield`; None without it."""
@@ -184,7 +238,7 @@ class Document:
             key, new = head, _with_inner(self.values[head], path, new)
         else:
             keys = {**keys, key: new.place}
-        return replace(self, values={**self.values, key: new}, keys=keys, asked=set(), inner=[], dimensions={})
+        return replace(self, values={**self.values, key: new}, keys=keys, asked=set(), inner=[], dimensions={}, bare={})
 
 
 def _item(content: object, name: str) -> Value | None:
@@ -223,28 +277,24 @@ def parse_documents(text: str, source: str = "<text>") -> list[Document]:
     >>> [document.values['kind'].content for document in parse_documents('{"kind": "block"} {"kind": "arch"}')]
     ['block', 'arch']
     """
-    rows = None
-    if any(x in text.lstrip().partition("\n")[0] for x in ",;\t"):
-        from .table import rows_of_structures
-
-        rows = rows_of_structures(text, source)
+    rows = rows_of_structures(text, source)
     if rows is None:
         documents = [_document(node, source, i) for i, node in enumerate(compose(text, source))]
     else:
-        documents = [document_of(cells, source, i) for i, cells in enumerate(rows)]
+        documents = [replace(document_of(cells, source, i), cells=tuple(cells)) for i, cells in enumerate(rows)]
     if not documents:
         raise DocumentError(f"{Place(source, 1, 1)}: empty; expected a structure document, such as `kind: block` with width and height")
     return documents
 
 
-def document_of(cells: Sequence[tuple[str, str, Place]], source: str, index: int = 0) -> Document:
+def document_of(cells: Sequence[Cell], source: str, index: int = 0) -> Document:
     """Return the document with these keys, texts and places, such as the cells of a CSV row. Raises DocumentError."""
     values: dict[str, Value] = {}
     keys: dict[str, Place] = {}
-    for key, text, place in cells:
+    for key, text, place, _ in cells:
         value = Value(text, place)
-        if text.startswith(("[", "{")):
-            value = replace(_value(_only_node(text, place), 1, [0]), place=place)
+        if text.startswith(("[", "{")) and (node := _only_node(text, place)):
+            value = replace(_value(node, 1, [0]), place=place)
         if item := _ITEM.fullmatch(key):
             name, number, part = item.groups()
             whole = values.setdefault(name, Value([], place))
@@ -260,22 +310,27 @@ def document_of(cells: Sequence[tuple[str, str, Place]], source: str, index: int
             content[part] = value
         else:
             values[key], keys[key] = value, place
-    text = "\n".join(f"{key}: {json.dumps(text) if key == 'name' else text}" for key, text, _ in cells)
-    return Document(source, cells[0][2], values, keys, index, text)
+    return Document(source, cells[0].place, values, keys, index, _text_of_row(cells))
 
 
-def _only_node(text: str, place: Place) -> yaml.Node:
+def _text_of_row(cells: Sequence[Cell]) -> str:
+    return "\n".join(f"{cell.key}: {json.dumps(cell.text) if cell.key == 'name' else cell.text}" for cell in cells)
+
+
+def _only_node(text: str, place: Place) -> yaml.Node | None:
+    """Return the YAML list or mapping of a cell, None for a text that only begins like one."""
     try:
         (node,) = compose(text, place.source, place.line - 1)
     except (DocumentError, ValueError):
-        raise DocumentError(f"{place}: found {text[:60]}; expected a YAML list, such as [[0, 0], [1, 0], [1, 3]]") from None
+        return None
     return node
 
 
 def _document(node: yaml.Node, source: str, index: int) -> Document:
     value = _value(node, 0, [0])
     if not isinstance(value.content, dict):
-        raise DocumentError(f"{value.place}: found {value}; expected a mapping of keys to values, such as `kind: block`")
+        hint = unspaced(value.content) if isinstance(value.content, str) else ""
+        raise DocumentError(f"{value.place}: {hint or f'found {value}; expected a mapping of keys to values, such as `kind: block`'}")
     keys = {str(key.value): _place(key) for key, _ in node.value}
     mark = node.start_mark
     text = mark.buffer[mark.pointer : node.end_mark.pointer] if mark.buffer else ""
@@ -296,8 +351,15 @@ def _value(node: yaml.Node, depth: int, count: list[int]) -> Value:
     if isinstance(node, yaml.SequenceNode):
         return Value([_value(child, depth + 1, count) for child in node.value], place)
     content: dict[str, Value] = {}
+    before: tuple[str, str] = ("", "")  # the key and the text of the value before, which a decimal comma would end
     for key, child in node.value:
         where = _place(key)
+        if child.value == "" and re.fullmatch(r"\d+( \S+)?", str(key.value)) and before[1].lstrip("+-").isdigit():
+            number = f"{before[1]},{key.value}"
+            raise DocumentError(f"{where}: {before[0]}: found {number}; expected a number{with_a_point(number)}")
+        before = (str(key.value), str(child.value))
+        if isinstance(key, yaml.ScalarNode) and key.style is None and (fault := unspaced(key.value)) and child.value == "":
+            raise DocumentError(f"{where}: {fault}")
         if not isinstance(key, yaml.ScalarNode):
             raise DocumentError(f"{where}: a key must be a word")
         if key.value in content:

@@ -36,6 +36,7 @@ UNITS: dict[str, dict[str, float]] = {
 FACTORS = {unit: factor for units in UNITS.values() for unit, factor in units.items()}  # to SI
 
 _NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+_DECIMAL_COMMA = re.compile(r"(?<![\d,.])([+-]?\d*),(\d+)(?![\d,.])([^,:x]{0,20})")
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*\Z", re.DOTALL)
 
 
@@ -45,11 +46,17 @@ def split_quantity(text: str) -> tuple[float, str] | None:
     return None if match is None else (float(match[1]), match[2])
 
 
+def is_bare(text: str) -> bool:
+    """True for a number without a unit."""
+    parts = split_quantity(text)
+    return parts is not None and not parts[1]
+
+
 def parse_quantity(text: str, dimension: str) -> float:
     """Return the SI value of a finite quantity. Raises ValueError, whose text states the accepted values."""
     parts = split_quantity(text)
     if parts is None or (parts[1] and parts[1] not in UNITS[dimension]):
-        raise ValueError(accepted(dimension))
+        raise ValueError(accepted(dimension) + with_a_point(text))
     number, unit = parts
     value = number * (UNITS[dimension][unit] if unit else 1.0)
     if not math.isfinite(value):
@@ -57,6 +64,12 @@ def parse_quantity(text: str, dimension: str) -> float:
     if dimension == "length" and abs(value) > LARGEST_LENGTH:
         raise ValueError(f"{accepted(dimension)}, up to {LARGEST_LENGTH:g} m")
     return value
+
+
+def with_a_point(text: str) -> str:
+    """Return a hint for a text that holds a number with a decimal comma, an empty text for others."""
+    match = _DECIMAL_COMMA.search(text)
+    return "" if match is None else f"; write {match[1] or 0}.{match[2]}{match[3]} with a decimal point"
 
 
 def quantity_at(place: str, text: str, dimension: str, fault: type[RockingError] = UsageError, hint: str = "") -> float:

@@ -6,6 +6,8 @@ from typing import Any, Self
 
 import numpy as np
 
+from ..errors import UsageError
+
 LOST = "lost contact"  # the event
 FALLEN = 3.0  # |theta|/alpha from which a body counts as overturned when the ground falls away, and at which its history ends
 
@@ -89,7 +91,7 @@ def overturned(codes: Any) -> Any:
     >>> overturned(linear_response(sine(), [1.5, 12.0], 6.0, 0.9).outcome)
     array([False,  True])
     """
-    return _OVERTURNED[codes]
+    return _found_in(_OVERTURNED, codes)
 
 
 def falls(codes: Any) -> Any:
@@ -107,7 +109,15 @@ def safe(codes: Any) -> Any:
     >>> safe(linear_response(sine(), [1.5, 12.0], 6.0, 0.9).outcome)
     array([ True, False])
     """
-    return _SAFE[codes]
+    return _found_in(_SAFE, codes)
+
+
+def _found_in(table: Any, codes: Any) -> Any:
+    """Return the entries of a table by code. Raises UsageError for other codes than those of `Outcome`."""
+    try:
+        return table[codes]
+    except IndexError:
+        raise UsageError(f"`codes`: found {str(codes)[:60]!r}; expected codes of Outcome, 0 to {len(table) - 1}") from None
 
 
 @dataclass

@@ -167,7 +167,9 @@ def closed_form_curves(omegas: np.ndarray, eta: float, pulse: str = "sine") -> l
     >>> [(point.curve, round(float(point.amplitude), 6)) for point in closed_form_curves([3.0], 0.9)]
     [('initiation', 1.0), ('no_impact', 3.63115), ('after_impact_lower', 1.403565), ('after_impact_upper', 3.484663)]
     """
-    frequencies = [float(omega) for omega in omegas]
+    frequencies = [float(omega) for omega in np.atleast_1d(omegas)]
+    if not all(0.0 < omega < math.inf for omega in frequencies):
+        raise ValueError("found omegas that are not positive and finite; expected positive numbers")
     rows = [
         (omega, no_impact_amplitude(omega, pulse), after_impact_amplitudes(omega, eta) if pulse == "sine" else []) for omega in frequencies
     ]

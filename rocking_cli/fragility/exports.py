@@ -72,7 +72,7 @@ def export_fragility(
     >>> export_fragility([], 'f.xml')
     Traceback (most recent call last):
         ...
-    rocking_cli.errors.UsageError: found no fragility curve to export
+    rocking_cli.errors.ArgumentError: export_fragility: `curves`: found an empty list; expected a list of Fit (see fragility)
     """
     measure = measure_of(im)
     check_export(Path(target), form, measure, overwrite)
@@ -88,7 +88,7 @@ def write(states: Sequence[State], target: Path, form: str, measure: Measure, ov
         if state.limit in grouped.setdefault(state.structure, {}):
             raise UsageError(f"{state.structure}, {state.limit}: found two curves; expected one, of one method")
         grouped[state.structure][state.limit] = state
-    every = sorted({state.limit for state in states}, key=lambda limit: math.inf if limit == "overturning" else float(limit))
+    every = sorted({state.limit for state in states}, key=_order)
     common = [limit for limit in every if all(limit in found for found in grouped.values())]
     if not common:
         raise UsageError(f"found no limit state that all of {', '.join(grouped)} have")
@@ -133,7 +133,14 @@ def _names(texts: Iterable[str]) -> list[str]:
     return found
 
 
+def _order(limit: str) -> float:
+    """Return the place of a limit state: rotations in rising order, then overturning and that of given counts."""
+    return math.inf if limit in ("overturning", "counted") else float(limit)
+
+
 def _of_limit(limit: str) -> str:
+    if limit == "counted":
+        return "limit state of the counts"
     return "overturning" if limit == "overturning" else f"rotation beyond {limit} of the critical angle"
 
 
@@ -143,7 +150,7 @@ def _number(x: float) -> str:
 
 def _nrml(structures: Sequence[Sequence[State]], measure: Measure) -> str:
     scale, states = openquake_unit(measure)[1], structures[0]
-    limits = _names(state.limit if state.limit == "overturning" else f"theta_{state.limit}" for state in states)
+    limits = _names(state.limit if state.limit in ("overturning", "counted") else f"theta_{state.limit}" for state in states)
     imt = re.sub(r"\((.*)\)", lambda found: f"({float(found[1])})", "IA" if measure.name == "Arias" else measure.name)
     root = ET.Element("nrml", xmlns=_NRML)
     model = ET.SubElement(root, "fragilityModel", id="rocking", assetCategory="contents", lossCategory="contents")

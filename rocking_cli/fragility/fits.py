@@ -159,7 +159,7 @@ def fit_stripes(x: Array, n: Array, z: Array) -> Curve:
     (1.5724765, 0.2700332)
     """
     x, n, z = check_levels(x), np.asarray(n, dtype=float), np.asarray(z, dtype=float)
-    if np.any(n <= 0.0) or np.any(z < 0.0) or np.any(z > n):
+    if not x.shape == n.shape == z.shape or np.any(n <= 0.0) or np.any(z < 0.0) or np.any(z > n):
         raise UsageError("counts: expected n above 0 and z from 0 to n at every level")
     some = int(np.count_nonzero((z > 0.0) & (z < n)))
     if some < 2:
@@ -250,14 +250,16 @@ def interval(records: int, statistic: Callable[[Array], Array], how: Resampling)
     return np.asarray(found.low), np.asarray(found.high)
 
 
-def bootstrap_counts(levels: Array, n: Array, z: Array, how: Resampling, x: Array | None = None) -> Band | None:
-    """Return the band of given counts: those of each level are drawn independently."""
+def bootstrap_counts(
+    levels: Array, n: Array, z: Array, how: Resampling, x: Array | None = None, rate: Callable[[Array, Array], Array] | None = None
+) -> Band | None:
+    """Return the band of given counts: those of each level are drawn independently. x, rate: as in `bootstrap`."""
     random = np.random.default_rng(how.seed)
     whole = np.rint(np.asarray(n)).astype(np.int64)
     draws = random.binomial(whole, np.asarray(z, dtype=float) / n, size=(how.samples, np.size(n)))
     tail = 0.5 * (1.0 - how.level)
-    low, high = np.quantile(_drawn(stripes(levels, whole, draws), x), [tail, 1.0 - tail], axis=-1)
-    return _band(low, high)
+    low, high = np.quantile(_drawn(stripes(levels, whole, draws), x, rate), [tail, 1.0 - tail], axis=-1)
+    return _band(low, high, rated=rate is not None)
 
 
 def _drawn(estimate: Estimate, x: Array | None, rate: Callable[[Array, Array], Array] | None = None) -> Array:

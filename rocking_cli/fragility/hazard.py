@@ -9,8 +9,6 @@ parts, and Cornell's H(m) exp(k^2 beta^2/2) for a line without ends):
 Nothing is counted outside the points; H(x_last) bounds the part beyond the last.
 """
 
-import csv
-import io
 import math
 import re
 from collections.abc import Sequence
@@ -21,19 +19,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..documents.composition import text_of
-from ..documents.files import read_bytes
-from ..documents.quantities import DEFAULT_GRAVITY, parse_quantity, quantity_at, split_quantity
-from ..documents.table import split_heading
+from ..documents.quantities import DEFAULT_GRAVITY, is_bare, parse_quantity, quantity_at
+from ..documents.table import Table, read_table, split_heading, with_unit
 from ..errors import DocumentError, UsageError, counted
 from .measures import Measure, measure_of
 
 Array = np.ndarray
-Rows = list[tuple[int, list[str]]]  # line number and cells
 RATE_COLUMNS = (
     "annual_rate", "annual_rate_low", "annual_rate_high", "rate_beyond", "return_period", "p_50_years", "rate_without_fit", "rejected",
 )  # fmt: skip
 _OPENQUAKE = {"PGV": ("cm/s", 0.01), "PGD": ("cm", 0.01), "Arias": ("m/s", 1.0), "CAV": ("g s", DEFAULT_GRAVITY)}
+_LEVEL = "poe-"  # what the columns of OpenQuake begin with
+_IMT = re.compile(r"""\bimt\s*=\s*["']*([A-Za-z]\w*(?:\([^)]*\))?)""")  # quoted in several ways, by version
+_TIME = re.compile(r"""\binvestigation_time\s*=\s*["']*([\d.eE+-]+)""")
 _TABLE = "a measure with its unit, and annual_rate or p_50_years: PGA [g],annual_rate"
 
 
@@ -167,21 +165,15 @@ def read_hazard(path: str | Path, im: str = "PGA", site: str | None = None) -> H
     >>> read_hazard('configs/hazard.csv').rate[:3].tolist()
     [0.1, 0.03, 0.008]
     """
-    source, raw = read_bytes(path)
-    reader = csv.reader(io.StringIO(text_of(source, raw), newline=""), strict=True)
-    try:
-        rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if any(cell.strip() for cell in row)]
-    except csv.Error as error:
-        raise DocumentError(f"{source}, line {reader.line_num}: is not CSV ({error})") from None
-    if not rows:
-        raise DocumentError(f"{source}: found an empty file; expected a hazard curve")
-    measure = measure_of(im)
-    if rows[0][1][0].startswith("#"):
-        points = _openquake(source, rows, measure, site)
+    table, measure = read_table(path), measure_of(im)
+    if not table.headings:
+        raise DocumentError(f"{table.source}: found an empty file; expected a hazard curve")
+    if _IMT.search(table.comments) or any(name.startswith(_LEVEL) for name in table.headings):
+        points = _openquake(table, measure, site)
     elif site is not None:
-        raise UsageError(f"{source}: `site` goes with a file of OpenQuake; found two columns")
+        raise UsageError(f"{table.source}: `site` goes with a file of OpenQuake; found two columns")
     else:
-        points = _two_columns(source, rows, measure)
+        points = _two_columns(table, measure)
     for before, now in pairwise([Point("", "", 0.0, "", math.inf), *points]):
         if not now.level > before.level:
             found = f"{now.text}{f' after {before.text}' if before.text else ''}"
@@ -191,7 +183,7 @@ def read_hazard(path: str | Path, im: str = "PGA", site: str | None = None) -> H
             raise DocumentError(f"{now.place}: found {found}; expected a hazard curve that does not rise")
     kept = [(point.level, point.rate) for point in points if 0.0 < point.rate < math.inf]
     if len(kept) < 2:
-        raise DocumentError(f"{source}: found {counted(len(kept), 'level')} with a positive, finite rate; expected two or more")
+        raise DocumentError(f"{table.source}: found {counted(len(kept), 'level')} with a positive, finite rate; expected two or more")
     x, rates = np.array(kept).T
     return HazardCurve(x, rates, measure.name)
 
@@ -219,32 +211,31 @@ def _rate(place: str, text: str, years: float | None) -> float:
     return -math.log1p(-value) / years if value < 1.0 else math.inf
 
 
-def _openquake(source: str, rows: Rows, measure: Measure, site: str | None) -> list[Point]:
-    first, first_row = f"{source}, line {rows[0][0]}", " ".join(rows[0][1])
-    imt, time = re.search(r"\bimt='([^']*)'", first_row), re.search(r"\binvestigation_time=([\d.eE+-]+)", first_row)
-    if imt is None or time is None or len(rows) < 2 or not any(name.startswith("poe-") for name in rows[1][1]):
+def _openquake(table: Table, measure: Measure, site: str | None) -> list[Point]:
+    """Return the points of a table of OpenQuake: the line above its heading has the measure, quoted or not, and the time of the poe."""
+    first, names = f"{table.source}, line 1", table.headings
+    imt, time = _IMT.search(table.comments), _TIME.search(table.comments)
+    if imt is None or time is None or not any(name.startswith(_LEVEL) for name in names):
         raise DocumentError(f"{first}: found no hazard curve of OpenQuake; expected imt=, investigation_time= and columns poe-")
     _require_measure(first, imt[1], measure)
     years = _number(first, time[1])
     if not years > 0.0:
         raise DocumentError(f"{first}: found investigation_time={time[1]}; expected a positive number of years")
-    (top, names), sites = rows[1], rows[2:]
-    for at, row in sites:
-        if len(row) != len(names):
-            raise DocumentError(f"{source}, line {at}: found {counted(len(row), 'cell')}; expected {len(names)}")
+    sites = list(table.full_rows())
     if site is not None:
-        sites = [(at, row) for at, row in sites if _is_at(f"{source}, line {at}", site, dict(zip(names, row, strict=True)))]
+        sites = [(at, row) for at, row in sites if _is_at(f"{table.source}, line {at}", site, dict(zip(names, row, strict=True)))]
     if len(sites) != 1:
-        wanted = "one, named by `site` as LON,LAT" if len(rows) > 2 else "a row of longitude, latitude, depth and probabilities"
-        raise UsageError(f"{source}: found {len(sites)} sites{f' at {site}' if site else ''}; expected {wanted}")
+        wanted = "one, named by `site` as LON,LAT" if len(table.rows) > 1 else "a row of longitude, latitude, depth and probabilities"
+        raise UsageError(f"{table.source}: found {len(sites)} sites{f' at {site}' if site else ''}; expected {wanted}")
     ((at, row),) = sites
     unit, factor = openquake_unit(measure)
     found = []
     for i, (name, cell) in enumerate(zip(names, row, strict=True), 1):
-        if name.startswith("poe-"):
-            level = _number(f"{source}, line {top}, column {i}", name[4:]) * factor
-            place = f"{source}, line {at}, column {i}"
-            found.append(Point(place, f"{name[4:]} {unit}", level, cell, _rate(place, cell, years)))
+        if name.startswith(_LEVEL):
+            text = name.removeprefix(_LEVEL)
+            level = _number(f"{table.source}, line {table.line}, column {i}", text) * factor
+            place = f"{table.source}, line {at}, column {i}"
+            found.append(Point(place, f"{text} {unit}", level, cell, _rate(place, cell, years)))
     return found
 
 
@@ -257,25 +248,20 @@ def _is_at(place: str, site: str, row: dict[str, str]) -> bool:
     return all(abs(_number(place, row.get(key, "")) - value) < 1e-4 for key, value in (("lon", lon), ("lat", lat)))
 
 
-def _two_columns(source: str, rows: Rows, measure: Measure) -> list[Point]:
-    (line, names), body = rows[0], rows[1:]
+def _two_columns(table: Table, measure: Measure) -> list[Point]:
+    names, first = table.headings, f"{table.source}, line {table.line}"
     (im, unit), (kind, _) = (split_heading(name) for name in names) if len(names) == 2 else (("", ""), ("", ""))
     years = re.fullmatch(r"p_([\d.]+)_years?", kind)
     if kind != "annual_rate" and years is None:
-        raise DocumentError(f"{source}, line {line}: found the columns {', '.join(names)}; expected {_TABLE}")
-    _require_measure(f"{source}, line {line}", im, measure)
-    time = None if years is None else _number(f"{source}, line {line}", years[1])
+        raise DocumentError(f"{first}: found the columns {', '.join(names)}; expected {_TABLE}")
+    _require_measure(first, im, measure)
+    time = None if years is None else _number(first, years[1])
     if time == 0.0:
-        raise DocumentError(f"{source}, line {line}: found {kind}; expected a positive number of years")
+        raise DocumentError(f"{first}: found {kind}; expected a positive number of years")
     found = []
-    for at, row in body:
-        place = f"{source}, line {at}"
-        if len(row) != 2:
-            raise DocumentError(f"{place}: found {counted(len(row), 'cell')}; expected 2")
-        text, parts = row[0], split_quantity(row[0])
-        if parts is not None and not parts[1]:
-            if not unit and measure.unit:  # m/s2 would be the rule, g is what everybody means
-                raise DocumentError(f"{place}: found the level {text} without a unit; expected {_TABLE}")
-            text = f"{text} {unit}".strip()
-        found.append(Point(place, text, _number(place, text, measure.dimension), row[1], _rate(place, row[1], time)))
+    for at, (cell, rate) in table.full_rows():
+        place, text = f"{table.source}, line {at}", with_unit(cell, unit)
+        if text == cell and is_bare(cell) and measure.unit:  # m/s2 would be the rule, g is what everybody means
+            raise DocumentError(f"{place}: found the level {cell} without a unit; expected {_TABLE}")
+        found.append(Point(place, text, _number(place, text, measure.dimension), rate, _rate(place, rate, time)))
     return found

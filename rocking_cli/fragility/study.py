@@ -9,10 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from ..documents.table import named_rows
 from ..dynamics.method import LINEAR, Method, governing_method
 from ..dynamics.outcome import Outcome
-from ..errors import DocumentError, UsageError
+from ..errors import UsageError, did_you_mean
 from ..motions.recording import Recording
 from ..spectra.sweep import SweepOptions
 from ..structures.parameters import RockingParameters
@@ -20,7 +19,7 @@ from . import fits
 from .exposure import Exposure, Interval, MotionSet, Progress, as_recorded, exposures, first_of, share_overturned, traced
 from .fits import Band, Curve, Resampling, check_levels
 from .hazard import HazardCurve, Rate
-from .measures import Measure, cell, compared, measure_of, members_of
+from .measures import Measure, compared, measure_of, members_of
 
 Array = np.ndarray
 Fitted = tuple[Curve, Callable[[Array], fits.Estimate], dict[float, float]]  # with the estimate of samples, and the points of the data
@@ -84,7 +83,8 @@ class Fit:
         return {"structure": self.structure, "im": self.im, "limit_state": self.limit, "method": self.method}
 
 
-def _with_more(levels: Array, first: float, last: float) -> Array:
+def with_more(levels: Array, first: float, last: float) -> Array:
+    """Return levels with 61 more from `first` to `last`, at which a curve is drawn."""
     return np.union1d(np.geomspace(first, last, 61), levels)
 
 
@@ -132,15 +132,13 @@ class Study:
         curve, estimate, points = {"stripes": self._stripes, "first": self._first, "cloud": self._cloud}[method](limit)
         levels, hazard, rate = self.motions.levels, self.hazard, None
         if hazard is None:
-            x, of = _with_more(levels, 0.5 * levels[0], 1.5 * levels[-1]), None
+            x, of = with_more(levels, 0.5 * levels[0], 1.5 * levels[-1]), None
         else:
             levels, of = np.union1d(levels, hazard.x), hazard.rate_of
-            x = _with_more(levels, levels[0], levels[-1])
+            x = with_more(levels, levels[0], levels[-1])
         band = fits.bootstrap(count, estimate, self.how, x, of) if self.how.samples else None
         if hazard is not None:
-            low, high = (None, None) if band is None or band.rate is None else band.rate
-            annual = float(hazard.rate_of(np.log(curve.median), np.array(curve.beta)))
-            rate = Rate(annual, low, high, float(hazard.rate[-1]), float(hazard.x[-1]), float(curve(hazard.x[0])))
+            rate = rate_of(curve, band, hazard)
         names = self.structure.name, self.motions.measure.name, word_of(limit), method
         free = self.rate_without_fit if limit is None else None
         return Fit(*names, curve, band, x, points, hazard, rate, free, self.no_damage)
@@ -263,6 +261,9 @@ def fragility(
     measure, x = measure_of(im), check_levels(np.asarray(levels, dtype=float))
     if hazard is not None and hazard.im != measure.name:
         raise UsageError(f"found a hazard curve of {hazard.im}; expected {measure.name}, the measure `im`")
+    for word in methods:
+        if word not in METHODS:
+            raise UsageError(f"`methods`: found {word!r}; expected some of {', '.join(METHODS)}{did_you_mean(word, METHODS)}")
     motions = MotionSet(members_of(records), measure, x, method or governing_method(*structures))
     exact, sweep = hazard is not None and None in limits, SweepOptions(workers=workers)
     each = list(studies(structures, motions, methods, how or Resampling(), exact=exact, hazard=hazard, sweep=sweep))
@@ -299,20 +300,8 @@ def fitted(studies: Sequence[Study], limits: Iterable[float | None], methods: It
     return found, refused
 
 
-def counted(path: str | Path, how: Resampling) -> list[Fit]:
-    """Return the curve of given counts: CSV with the columns im (a level), n (motions) and z (motions beyond the limit state). Raises
-    UsageError if the data do not support a fit, DocumentError with file, line and column."""
-    columns, rows = named_rows(path)
-    if set(columns) != {"im", "n", "z"}:
-        raise DocumentError(f"{path}, line 1: found the columns {', '.join(columns) or 'none'}; expected im, n and z")
-    x, n, z = (np.array([cell(path, line, row, key, "number") for line, row in rows]) for key in ("im", "n", "z"))
-    for at in np.flatnonzero((n <= 0.0) | (z < 0.0) | (z > n))[:1].tolist():
-        raise DocumentError(f"{path}, line {rows[at][0]}: found n = {n[at]:g}, z = {z[at]:g}; expected n above 0 and z from 0 to n")
-    try:
-        curve = fits.fit_stripes(x, n, z)
-    except UsageError as error:
-        raise UsageError(f"{path}: {error}") from None
-    at = _with_more(x, 0.5 * x[0], 1.5 * x[-1])
-    band = fits.bootstrap_counts(x, n, z, how, at) if how.samples else None
-    points = dict(zip(x.tolist(), (z / n).tolist(), strict=True))
-    return [Fit(Path(path).stem, "im", "counted", "stripes", curve, band, at, points)]
+def rate_of(curve: Curve, band: Band | None, hazard: HazardCurve) -> Rate:
+    """Return the annual rate of a fitted curve, with the band of its samples."""
+    low, high = (None, None) if band is None or band.rate is None else band.rate
+    annual = float(hazard.rate_of(np.log(curve.median), np.array(curve.beta)))
+    return Rate(annual, low, high, float(hazard.rate[-1]), float(hazard.x[-1]), float(curve(hazard.x[0])))

@@ -12,10 +12,10 @@ from typing import Self
 
 import numpy as np
 
-from ..documents.composition import text_of
 from ..documents.files import read_bytes
 from ..documents.quantities import parse_quantity, quantity_at, split_quantity
 from ..documents.table import Cell, rows_of
+from ..documents.texts import text_of
 from ..errors import DocumentError, UsageError, counted
 from .blocks import largest
 from .motion import Motion
@@ -162,10 +162,9 @@ def read_spectrum(path: str | Path) -> SpectrumFile:
     """
     source, raw = read_bytes(path)
     text = text_of(source, raw)
-    first = text.lstrip().partition("\n")[0]
     periods: list[float] = []
     values: list[float] = []
-    for cells in rows_of(text, source, max(",;\t", key=first.count)):
+    for cells in rows_of(text, source):
         row = {cell.key: cell for cell in cells}
         if "S_a" in row and "Se" in row:
             raise DocumentError(f"{row['Se'].place}: found both S_a and Se; expected one of them")

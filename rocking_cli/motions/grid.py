@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ..documents.quantities import DEFAULT_GRAVITY, parse_whole, quantity_at, split_quantity
+from ..documents.quantities import DEFAULT_GRAVITY, parse_whole, quantity_at, split_quantity, with_a_point
 from ..errors import UsageError, did_you_mean
 from ..structures.parameters import RockingParameters
 from .motion import Motion
@@ -118,7 +118,7 @@ def parse_axes(text: str, *, records: bool = False) -> dict[str, Axis]:
     for part in text.split(","):
         key, equals, span = (x.strip() for x in part.partition("="))
         if not equals or not span:
-            raise UsageError(f"`grid`: found {part.strip()!r}; expected {_FORM}, with commas between axes")
+            raise UsageError(f"`grid`: found {part.strip()!r}; expected {_FORM}, with commas between axes{with_a_point(text)}")
         if key not in known:
             why = ", since a record runs in its own time" if key in _PULSE_AXES else did_you_mean(key, known, MEANT)
             raise UsageError(f"`grid`: unknown axis {key!r}; expected {', '.join(known)}{why}")

@@ -4,7 +4,6 @@ one line in PULSES, and a function that returns its motion where the line does n
 import math
 from collections.abc import Callable
 from inspect import signature
-from typing import Any
 
 import numpy as np
 
@@ -85,7 +84,7 @@ PULSES: dict[str, Callable[..., Motion]] = {
 }  # the motion of each pulse, from its parameters
 
 
-def pulse(name: str, **parameters: Any) -> Motion:
+def pulse(name: str, **parameters: float) -> Motion:
     """Return the pulse of a name with its parameters (`cycles`, or `gamma` and `phase`). Raises MotionError for other names or parameters.
 
     >>> pulse('mavroeidis-papageorgiou', gamma=2.0, phase=0.5).name

@@ -22,8 +22,9 @@ def structure_remarks(structure: "RockingParameters") -> Iterator[str]:
         return
     if not 0.1 * DEFAULT_GRAVITY <= structure.gravity <= 10.0 * DEFAULT_GRAVITY:
         yield f"{structure.name}: gravity of {structure.gravity:g} m/s2; a gravity without a unit is in m/s2"
+    yield from structure.remarks
     radius = 0.75 * (structure.gravity / structure.p) / structure.p  # p^2 may overflow
-    if not SMALLEST <= radius <= LARGEST:
+    if not SMALLEST <= radius <= LARGEST and not structure.remarks:
         size = "large" if radius > LARGEST else "small"
         yield f"{structure.name}: as {size} as a block of {2.0 * radius:.3g} m from corner to corner; a length without a unit is in m"
     if not structure.one_sided and structure.eta < 0.3:

@@ -1,15 +1,14 @@
 """The rows of CSV that a command printed, in SI units by column name."""
 
-import csv
-import io
 import json
 from collections.abc import Iterable
 from contextlib import suppress
 
 import numpy as np
 
-from ..documents.composition import text_of
 from ..documents.files import read_bytes
+from ..documents.table import table_of
+from ..documents.texts import text_of
 from ..errors import DocumentError, UsageError
 from .units import si_of
 
@@ -25,8 +24,9 @@ def rows_of(source: str) -> Rows:
             found = [json.loads(line) for line in text.splitlines() if line.strip()]
             rows = [{k: "" if v is None else str(v) for k, v in row.items()} for row in found if row.get("event") != "summary"]
         else:
-            rows = [_in_si(row) for row in csv.DictReader(io.StringIO(text, newline=""), strict=True)]
-    except (DocumentError, csv.Error, ValueError) as error:
+            table = table_of(text, name)
+            rows = [_in_si(dict(zip(table.headings, cells, strict=True))) for _, cells in table.full_rows()]
+    except (DocumentError, ValueError) as error:
         raise UsageError(f"{source}: neither a spectra file nor CSV ({error})") from None
     if not rows:
         raise UsageError(f"{source}: holds no rows")

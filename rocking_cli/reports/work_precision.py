@@ -73,6 +73,9 @@ def accuracy(
     >>> rows[0]['method'], rows[0]['misjudged']
     ('rocking, exact', 0)
     """
+    for name, value, least in (("sample", sample, 1), ("scipy", scipy, 0), ("seed", seed, 0)):
+        if value < least:
+            raise UsageError(f"`{name}`: found {value}; expected a whole number from {least}")
     method = method or governing_method(structure, dimensionless=grid.dimensionless)
     return list(work_precision(PulseScene((structure,), grid, motion, method), sample=sample, scipy=scipy, seed=seed))
 

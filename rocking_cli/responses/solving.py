@@ -14,6 +14,7 @@ from ..dynamics.method import direction_in_words
 from ..dynamics.outcome import Outcome
 from ..envelopes.amplitudes import Limit
 from ..envelopes.worst import at_worst_frequency
+from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Grid
 from ..structures.family import Variation, family
@@ -74,6 +75,8 @@ def boundaries(
     """
     from scipy.optimize import brentq
 
+    if not (0.0 < share <= 1.0 and margin > 0.0):
+        raise UsageError(f"found `share` {share:g} and `margin` {margin:g}; expected a share above 0 and up to 1, and a positive margin")
     most = max(float(grid.amplitude.values[0]) for _, grid in shakes)
     reach = Limit(_BEYOND * margin * most, shakes[0][1].amplitude.name == "a_g")
     remarks: list[str] = []

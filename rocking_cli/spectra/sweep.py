@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import check_choices
 from ..dynamics.method import CHECKED_BY, Method, governing_method
 from ..dynamics.outcome import Difference, Outcome, Work
 from ..errors import Interrupted, UsageError
@@ -131,6 +132,7 @@ def spectrum(
     >>> found.theta_ratio.shape, int(overturned(found.outcome).sum())
     ((1, 40, 50), 1163)
     """
+    check_choices("spectrum", SweepOptions, options)
     return spectrum_of(_pulse_scene(structures, *demand_of(motion, grid), method), SweepOptions(**options))
 
 
@@ -165,6 +167,7 @@ def write_spectrum(
     >>> write_spectrum([dimensionless_oscillator(0.9)], sine(), grid, 'shared.h5', workers=1).cells
     2000
     """
+    check_choices("write_spectrum", SweepOptions, options)
     return write_scene(_pulse_scene(structures, motion, grid, method), path, SweepOptions(**options))
 
 

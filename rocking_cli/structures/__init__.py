@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import json
+import warnings
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import DocumentError, StructureError
-from .kinds import KINDS, build, reports_of
+from .kinds import KEYS, KINDS, build, reports_of
 from .parameters import OTHERS, RockingParameters, Side
-from .shared_keys import damping_of, friction_of
+from .shared_keys import damping_of, friction_of, labels_of
+from .sizes import size_remarks
 
 if TYPE_CHECKING:
     from ..documents.document import Document
@@ -31,8 +33,9 @@ def build_structure(document: Document) -> RockingParameters:
         built = replace(built, damping=damping_of(document) + built.damping, friction=friction_of(document))
     except StructureError as error:
         raise DocumentError(f"{document.place}: {document.values['kind'].content}: {error}") from None
-    document.finish()
-    return built
+    document.has("labels")  # a key of every kind, also of those of installed packages
+    document.finish(KEYS)
+    return replace(built, labels=labels_of(document), remarks=size_remarks(document, built))
 
 
 def read_documents(path: str | Path) -> list[Document]:
@@ -90,14 +93,17 @@ def _alone(document: Document, index: int) -> Document:
 def load_structures(paths: str | Path | Iterable[str | Path]) -> list[RockingParameters]:
     """Return the rocking parameters of every document of these paths, in order, of a stack on each of its interfaces (see
     `on_each_interface`). `read_documents` lists the accepted forms of a path. Raises UsageError if a file cannot be read, and DocumentError
-    if a document is not valid.
+    if a document is not valid. Warns (UserWarning) of lengths without a unit that make a body higher than 30 m.
 
     >>> [structure.name for structure in load_structures(['configs/block.yaml', 'configs/arch.yaml'])]
     ['Column', 'Oppenheim']
     """
     paths = [paths] if isinstance(paths, str | Path) else paths
     documents = [one for path in paths for document in read_documents(path) for one in on_each_interface(document)]
-    return with_distinct_names([build_structure(document) for document in documents])
+    structures = with_distinct_names([build_structure(document) for document in documents])
+    for remark in dict.fromkeys(remark for structure in structures for remark in structure.remarks):
+        warnings.warn(remark, stacklevel=2)
+    return structures
 
 
 def with_distinct_names(structures: Iterable[RockingParameters]) -> list[RockingParameters]:

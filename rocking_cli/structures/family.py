@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from ..documents.document import Document
-from ..documents.quantities import headed, parse_quantity, parse_whole, si_unit, split_quantity
+from ..documents.quantities import headed, parse_quantity, parse_whole, si_unit, split_quantity, with_a_point
 from ..errors import DocumentError, UsageError
 from .parameters import OTHERS, RockingParameters
 
@@ -45,6 +45,8 @@ def parse_variation(text: str, count: int | None = None) -> Variation:
     if not equals or not key.strip() or len(parts) != 3 or not ends[0] or not ends[1]:
         wanted = "KEY=START:STOP:N" if count is None else "KEY=START:STOP or KEY=START:STOP:N"
         raise UsageError(f"`vary`: found {text!r}; expected {wanted}, such as thickness=1.2:2.0:9 or angle=150deg:180deg:31")
+    if "," in span:
+        raise UsageError(f"`vary` {key}: found {span!r}; expected numbers without commas{with_a_point(span)}")
     (start, unit), (stop, other) = ends[0], ends[1]
     if unit != other and unit and other:
         raise UsageError(f"`vary` {key}: found bounds in {unit} and {other}; expected one unit for both")

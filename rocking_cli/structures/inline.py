@@ -22,6 +22,7 @@ def inline_document(text: str) -> "Document | None":
         return None
     from ..documents.composition import Place
     from ..documents.document import document_of
+    from ..documents.quantities import with_a_point
     from ..documents.table import Cell
 
     word, rest = match.groups()
@@ -34,7 +35,7 @@ def inline_document(text: str) -> "Document | None":
             given = [size.strip() for size in part.split("x")]
             if i or not sizes or len(given) != len(sizes) or not all(given):
                 short = f"{word}:{'x'.join(size.upper() for size in sizes)} or " if sizes else ""
-                raise DocumentError(f"{text}: found {part.strip()!r}; expected {short}{word}:KEY=VALUE,KEY=VALUE")
+                raise DocumentError(f"{text}: found {part.strip()!r}; expected {short}{word}:KEY=VALUE,KEY=VALUE{with_a_point(rest)}")
             stated += zip(sizes, _in_one_unit(given), strict=True)
     keys = [key for key, _ in stated]
     if twice := [key for key in keys if keys.count(key) > 1]:

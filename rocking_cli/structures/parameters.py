@@ -85,6 +85,7 @@ class RockingParameters:
     arm: R, distance from the edge to the mass centre [m], only for one rigid body; without R the ground forces are not known.
     restraints: ties and a tendon, which change uplift, stiffness and equilibrium; all other numbers are those of the free body.
     top: distances from the left and the right edge to the farthest point of the top [m], empty without a geometry.
+    labels: texts by name that a document or a table has beside its numbers; remarks: sentences on numbers that are probably wrong.
     Raises StructureError if a number is not finite or out of range, or if the sides do not agree with the rest.
     """
 
@@ -106,6 +107,8 @@ class RockingParameters:
     arm: float | None = None
     top: tuple[float, ...] = field(default=(), repr=False, compare=False)
     restraints: Restraints | None = None
+    labels: Mapping[str, str] = field(default_factory=dict, repr=False, compare=False)
+    remarks: tuple[str, ...] = field(default=(), repr=False, compare=False)
 
     def __post_init__(self) -> None:
         _check_numbers(self)
@@ -148,6 +151,7 @@ class RockingParameters:
         if "ties" in row or "tendon" in row:
             more["restraints"] = Restraints.from_row(row)
         details = {key: row[key] for key in (*VARIED, "restrained") if key in row}
+        more["labels"] = row.get("labels", {})
         return cls(row["name"], kind, **fields_in(row), sides=sides, details=details, **more)
 
     @property
@@ -178,6 +182,7 @@ class RockingParameters:
         more = {key: getattr(self, key) for key in ("one_sided", "damping", "friction", "arm") if getattr(self, key)}
         sides = {"sides": [side.row() for side in self.sides]} if self.sides else {}
         more |= self.restraints.row() if self.restraints else {}
+        more |= {"labels": dict(self.labels)} if self.labels else {}
         return {**kind, **numbers_of(self), "eta_source": self.eta_source, "gravity": self.gravity, **sides, **more, **self.details}
 
     def alpha_on(self, side: Any) -> Any:

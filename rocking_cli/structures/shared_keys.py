@@ -35,7 +35,8 @@ def restitution_of(document: Document, momentum: float, limit: str) -> tuple[flo
     if _given(document):
         return abs(_stated(document, "a number from 0 to 1, or auto", least=0.0, most=1.0)), "given"
     if momentum < 0.0:
-        raise document.fault(None, f"a restitution of {momentum:.4g} from momentum", f"{limit}; or give restitution")
+        found = _swapped(document) or f"a restitution of {momentum:.4g} from momentum"
+        raise document.fault(None, found, f"{limit}; or give restitution")
     return momentum, "momentum"
 
 
@@ -52,8 +53,19 @@ def one_sided_restitution_of(document: Document, base: tuple[float, float], back
     e = base[0] * base[1] * backing
     if min(base) < 0.0 or not -1.0 < e <= 0.0:
         found = f"a restitution of {e:.4g} from three impacts, {base[0]:.4g} and {base[1]:.4g} on its base and {backing:.4g} on its backing"
-        raise document.fault("one_sided", found, "a body more slender than this one; or give restitution")
+        swapped = _swapped(document)
+        raise document.fault(None if swapped else "one_sided", swapped or found, "a body more slender than this one; or give restitution")
     return e, "momentum"
+
+
+def _swapped(document: Document) -> str:
+    """Return the sizes of a body that is wider than high in words, an empty text for another one."""
+    for key, halves in (("width", 1.0), ("base_radius", 2.0), ("thickness", 1.0), ("radius", 2.0)):
+        if document.has(key) and document.has("height"):
+            size, height = document.length(key), document.length("height")
+            if halves * size > height:
+                return f"{key} {size:g} m and height {height:g} m, wider than high (did you swap {key} and height?)"
+    return ""
 
 
 def _given(document: Document) -> bool:
@@ -66,6 +78,14 @@ def _stated(document: Document, wanted: str, *, above: float = -math.inf, least:
         return document.quantity("restitution", "number", above=above, least=least, most=most)
     except DocumentError:  # its sentence lacks `auto`
         raise document.fault("restitution", str(document.values["restitution"]), wanted) from None
+
+
+def labels_of(document: Document) -> dict[str, str]:
+    """Return the document's labels: texts by name, which the computation does not use. Raises DocumentError."""
+    if not document.has("labels"):
+        return {}
+    part = document.part("labels", document.values["labels"])
+    return {name: part.word(name, "") if value.word() != "" else "" for name, value in part.values.items()}
 
 
 def damping_of(document: Document) -> float:

@@ -15,10 +15,10 @@ BLOCK = "kind: block\nwidth: 1\nheight: 5\n"
 REFUSED = [
     (b"", "1:1: empty"),
     (b"# nothing\n", "1:1: empty"),
-    (b"kind: block\nname: S\xe4ule\n", r"2:8: not a UTF-8 text \(byte 19\)"),
+    (b"kind: block\nname: S\xe4\x81ule\n", r"2:8: not a UTF-8 text \(byte 19\)"),
     (b"\xef\xbb\xbfkind: block\nname: S\xe4ule\n", r"2:8: not a UTF-8 text"),
     ("name: Säule".encode() + b"\n\xff\n", r"2:1: not a UTF-8 text"),
-    ("kind: block".encode("utf-16"), r"1:1: not a UTF-8 text"),
+    ("kind: block".encode("utf-16") + b"\n", r"1:12: not a UTF-8 text"),
     (b"kind: block\nname: a\x1b[31m\n", "2:8: not valid YAML: holds the control character U\\+001B"),
     (b'{"kind": "block"}\n\n{"kind":\n "a\x7f"}', "4:4: not valid YAML: holds the control character U\\+007F"),
     (b"a: " + b"[" * 100, "1:23: nested too deeply"),

@@ -48,7 +48,7 @@ REFUSED = [
     ("kind: block\nwidth: 1:30\nheight: 5", "found 1:30; expected a length"),
     ("kind: block\nwidth: [1]\nheight: 5", "found a list; expected a length"),
     ("kind: block\nwidth:\nheight: 5", "no key 'width'"),
-    ("kind: block\nwidth: 3\nheight: 2", "restitution of .* alpha up to 54.7 deg"),
+    ("kind: block\nwidth: 3\nheight: 2", "width 3 m and height 2 m, wider than high .did you swap width and height.*alpha up to 54.7 deg"),
     ("kind: point_mass\nradius: 1\nalpha: 46 deg", "restitution of .* alpha up to 45 deg"),
     ("kind: block\nradius: 1\nalpha: 90 deg", "found 90 deg; expected an angle between 0 and 90 deg"),
     ("kind: block\nradius: 1\nwidth: 1", "width and height, or radius and alpha, not both"),
@@ -65,3 +65,32 @@ REFUSED = [
     ('{"kind":"block","width":1,"height":5}\n{"kind":"block","width":"2 kg","height":5}', "f.yaml:2:25: width: found \"2 kg\""),
 ]  # fmt: skip
 test_refusals_name_place_key_found_and_accepted = refuses(all_built, DocumentError, REFUSED)
+
+
+WRITTEN = [
+    (
+        '{\n  // a column\n  "kind": "block", "width": 0.5, "height": 2}',
+        "f.yaml:2:3: found a comment that begins with //; expected no comment in J",
+    ),
+    ('{"kind": "block", /* wide */ "width": 0.5, "height": 2}', "f.yaml:1:19: found a comment that begins with /."),
+    ("// a column\n{kind: block, width: 0.5, height: 2}", "f.yaml:1:1: found a comment that begins with //"),
+    ("{kind:block,width:0.5,height:2}", "f.yaml:1:2: found 'kind:block'; expected a blank after the colon: `kind: block`"),
+    ("kind: block\nwidth:0.5\nheight: 2", "f.yaml:3:1: not valid YAML: found 'width:0.5'; expected a blank after the colon: `width: 0.5`"),
+    ("kind:block\nwidth:0.5", "f.yaml:1:1: found 'kind:block'; expected a blank"),
+    ("kind: block\nwidth: 0,45 m\nheight: 2", "f.yaml:2:8: width: found 0,45 m; expected a length: .*; write 0.45 m with a decimal point"),
+    ('{"kind": "block", "width": 0,45, "height": 2}', "f.yaml:1:30: width: found 0,45; expected a number; write 0.45 with"),
+    ("{kind: block, width: 1,5 m, height: 2}", "f.yaml:1:24: width: found 1,5 m; expected a number; write 1.5 m"),
+    ("kind: block\nwidth: 1\nheight: 5\none_sided: yes", "f.yaml:4:12: one_sided: found yes; expected true or false"),
+]
+test_what_is_written_in_another_language_is_told = refuses(all_built, DocumentError, WRITTEN)
+
+
+@pytest.mark.parametrize("word", ["true", "True", "TRUE"])
+def test_true_is_a_word_in_any_case_in_documents_and_tables(word):
+    (table,) = all_built(f"kind,name,thickness,height,one_sided\nwall,W,0.3,3,{word}\n")
+    assert built(f"kind: wall\nname: W\nthickness: 0.3\nheight: 3\none_sided: {word}") == table
+    assert table.one_sided
+
+
+def test_a_slash_in_a_text_is_no_comment():
+    assert built('{"kind": "block", "name": "http://a.b/*c # d", "width": 1, "height": 5}').name == "http://a.b/*c # d"

@@ -150,17 +150,17 @@ REFUSED = {
     "PGA [g],p_0_years\n0.1,0.2\n0.2,0.1\n": "found p_0_years; expected a positive",
     "PGA,annual_rate\n0.1,1e-3\n0.2,1e-4\n": "line 2: found the level 0.1 without a unit; expected a measure with its unit",
     "0.1,1e-3\n0.2,1e-4\n": "found the columns 0.1, 1e-3; expected a measure with its unit",
-    "PGA [g];annual_rate\n0.1;1e-3\n": "found the columns PGA [g];annual_rate; expected",
-    "PGA [g],annual_rate\n0.1,1e-3,2\n": "line 2: found 3 cells; expected 2",
+    "PGA [g];rate\n0.1;1e-3\n": "found the columns PGA [g], rate; expected",
+    "PGA [g],annual_rate\n0.1,1e-3,2\n": "h.csv:2:3: found 3 cells; expected 2",
     "PGA [g],annual_rate\n0.1 s,1e-3\n": "line 2: found '0.1 s'; expected an acceleration",
     "PGV [cm/s],annual_rate\n1,1e-3\n2,1e-4\n": "line 1: found levels of PGV; expected levels of PGA, the measure `im`",
-    "#,something\nlon,lat\n": "found no hazard curve of OpenQuake",
+    "#,imt='PGA'\nlon,lat\n": "found no hazard curve of OpenQuake",
     OPENQUAKE.format(years="50.0", imt="PGA"): "found 2 sites; expected one",
     OPENQUAKE.format(years="50.0", imt="PGA").partition("9.15000")[0]: "found 0 sites; expected a row of longitude",
     OPENQUAKE.format(years="50.0", imt="SA(0.2)"): "found levels of SA(0.2); expected levels of PGA",
     OPENQUAKE.format(years="50.0", imt="AvgSA"): "found levels of AvgSA; expected levels of PGA",
     OPENQUAKE.format(years="0.0", imt="PGA"): "found investigation_time=0.0; expected a positive",
-    OPENQUAKE.format(years="1.0", imt="PGA").replace(",9.000000E-01", ""): "line 4: found 6 cells; expected 7",
+    OPENQUAKE.format(years="1.0", imt="PGA").replace(",9.000000E-01", ""): "h.csv:4:7: found 6 cells; expected 7",
     OPENQUAKE.format(years="1.0", imt="PGA").replace("1.000000E-01", "6.000000E-01") + "at 9.2,45.15": "found 6.000000E-01 above 5.000000E",
     OPENQUAKE.format(years="1.0", imt="PGA").replace("1.000000E-01", "-1.00000E-01") + "at 9.2,45.15": "found '-1.00000E-01'; expected a",
     OPENQUAKE.format(years="1.0", imt="PGA") + "at 1,1": "found 0 sites at 1,1; expected one",
@@ -189,3 +189,30 @@ def test_numbers_that_are_no_curve_are_refused(tmp_path):
     (tmp_path / "two.csv").write_text("PGA [g],annual_rate\n0.1,0.1\n0.2,0.01\n")
     with pytest.raises(UsageError, match="`site` goes with a file of OpenQuake"):
         read_hazard(tmp_path / "two.csv", site="1,2")
+
+
+# The first lines of versions 2.4 to 3.5 of the engine, and of one that a user has commented; the numbers are our own.
+FIRST_LINES = [
+    '# mean, investigation_time=50.0, imt="PGA", checksum=1',
+    "# mean, investigation_time=50.0, imt=PGA",
+    "# source_model_tree_path=('b1',), gsim_tree_path=('b1',), investigation_time=50.0,imt=\"PGA\"",
+    "# site A\n# mean, investigation_time=50.0, imt='PGA'",
+]
+
+
+@pytest.mark.parametrize("first", FIRST_LINES)
+def test_files_of_earlier_versions_of_openquake_are_read(first, tmp_path):
+    path = tmp_path / "h.csv"
+    path.write_text(f"{first}\nlon,lat,depth,poe-0.1,poe-0.4\n0.00000,0.00000,-0.10000,4.0E-01,5.0E-02\n")
+    found = read_hazard(path)
+    assert found.x == pytest.approx([0.1 * G, 0.4 * G], rel=1e-14)
+    assert found.rate == pytest.approx(-np.log1p(-np.array([0.4, 0.05])) / 50, rel=1e-12)
+
+
+@pytest.mark.parametrize("text", ["# site A\nPGA [g],annual_rate\n0.1,0.02\n0.4,0.001\n", "PGA [g];annual_rate\n0,1;0,02\n0,4;0,001\n",
+    '"PGA [g]" "annual_rate"\n0.1 0.02\n0.4 0.001\n', "PGA [g]\tannual_rate\n0.1\t2e-2\n0.4\t1e-3\n"])  # fmt: skip
+def test_two_columns_stand_below_comments_and_between_other_separators(text, tmp_path):
+    path = tmp_path / "h.csv"
+    path.write_text(text)
+    assert read_hazard(path).x == pytest.approx([0.1 * G, 0.4 * G])
+    assert read_hazard(path).rate == pytest.approx([0.02, 0.001])

@@ -8,7 +8,7 @@ from rocking_cli.reports.plausibility import grid_remarks, span_remarks, structu
 
 
 def test_a_block_500_wide_is_said_to_be_large():
-    (said,) = structure_remarks(built("kind: block\nname: Column\nwidth: 500\nheight: 2000"))
+    (said,) = structure_remarks(built("kind: block\nname: Column\nwidth: 500 m\nheight: 2000 m"))
     # p^2 = 3 g/(4 R), so the block of equal p is itself, 2062 m from corner to corner.
     assert said == "Column: as large as a block of 2.06e+03 m from corner to corner; a length without a unit is in m"
     assert "gravity of 981 m/s2" in next(structure_remarks(built("kind: block\nwidth: 0.5\nheight: 2\ngravity: 981")))
@@ -51,6 +51,6 @@ def test_commands_say_it_once_and_go_on(rocking):
     assert done.returncode == 0
     assert [line.partition(" ")[0] for line in done.stderr.splitlines()[:2]] == ["a_g", "block:500x2000:"]
     said = rocking("params", *["block:500x2000"] * 5).stderr.splitlines()
-    assert sum("as large as a block" in line for line in said) == 3
+    assert sum("height: 2000 without a unit is 2000 m" in line for line in said) == 3
     assert "and 2 more such remarks" in said
     assert rocking("params", "block:500x2000", "-q").stderr == ""

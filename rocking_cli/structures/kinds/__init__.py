@@ -36,6 +36,14 @@ if TYPE_CHECKING:
 
 OF_BODIES = ("inset", *RESTRAINTS)  # keys that every rigid kind takes, and no other one
 GROUP = "rocking.structures"
+# The keys of all kinds but those inside lists; no column of a table with such a name is a label.
+KEYS = frozenset({
+    "a_scale", "alpha", "alpha_geometric", "angle", "arm", "base_radius", "cap_ratio", "columns", "corners", "crack", "crack_height",
+    "dampers", "damping", "density", "drums", "eta", "eta_source", "friction", "gravity", "gyration", "height", "hinges", "inertia",
+    "inset", "kind", "labels", "lambda", "left", "length", "mass", "measured", "name", "offset", "one_sided", "other_interfaces", "p",
+    "pieces", "radius", "restitution", "right", "rise", "rocks_on", "sides", "span", "structure_kind", "tendon", "thickness", "ties",
+    "tip_height", "top_radius", "voussoirs", "width",
+})  # fmt: skip
 KINDS = ("block", "point_mass", "spire", "arch", "frame", "prism", "drum", "rigid", "stack", "wall", "parameters")
 
 

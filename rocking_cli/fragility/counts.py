@@ -1,0 +1,103 @@
+"""Counts that exist already, of tests or of another program: how many of n motions at a level are beyond a limit state."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..documents.quantities import is_bare
+from ..documents.table import named_rows
+from ..errors import DocumentError, UsageError
+from . import fits
+from .fits import Resampling
+from .hazard import HazardCurve
+from .measures import Measure, cell, measure_of
+from .study import Fit, rate_of, with_more
+
+Array = np.ndarray
+Row = tuple[int, dict[str, str]]  # line and cells by column
+
+_LEVEL = "im"  # the column of levels that names no measure
+
+
+@dataclass(frozen=True, eq=False)
+class Counts:
+    """The counts of a file, (k,) levels."""
+
+    source: str  # the file
+    measure: Measure | None  # of the levels; None if the file states no unit
+    x: Array  # levels, in SI; in the unit of the file without a measure
+    n: Array  # motions at each level
+    z: Array  # motions beyond the limit state
+
+
+def read_counts(path: str | Path, im: str | None = None, *, needs_measure: bool = False) -> Counts:
+    """Return the counts of a CSV file with the columns im (levels), n and z. The heading of the levels may name their measure, and they
+    may state their unit, in the heading or in every cell.
+
+    im: the measure of the levels, None for that of the heading, PGA for `im`; needs_measure: refuse levels without a unit. Raises
+    UsageError for another measure, DocumentError with file, line and column."""
+    columns, rows = named_rows(path)
+    levels = [name for name in columns if name not in ("n", "z")]
+    if len(columns) != 3 or len(levels) != 1:
+        raise DocumentError(f"{path}, line 1: found the columns {', '.join(columns) or 'none'}; expected im, n and z")
+    (column,) = levels
+    measure: Measure | None = _measure_of(path, column, im)
+    bare = [(line, row[column]) for line, row in rows if is_bare(row[column])]
+    if column == _LEVEL and len(bare) == len(rows) and im is None and not needs_measure:
+        measure = None
+    elif bare and measure is not None and measure.unit:  # m/s2 would be the rule, g is what everybody means
+        (line, level), unit = bare[0], "g" if measure.dimension == "acceleration" else measure.unit
+        wanted = f"a unit in the heading, such as {measure.name} [{unit}]"
+        raise DocumentError(f"{path}, line {line}: {column}: found the level {level} without a unit; expected {wanted}")
+    dimension = "number" if measure is None else measure.dimension
+    x = np.array([cell(path, line, row, column, dimension) for line, row in rows])
+    n = np.array([_whole(path, one, "n", 1) for one in rows])
+    z = np.array([_whole(path, one, "z", 0) for one in rows])
+    for at in np.flatnonzero(z > n)[:1].tolist():
+        raise DocumentError(f"{path}, line {rows[at][0]}: z: found {z[at]:g} of n = {n[at]:g} motions; expected a number from 0 to n")
+    return Counts(str(path), measure, x, n, z)
+
+
+def fit_counts(counts: Counts, how: Resampling, *, hazard: HazardCurve | None = None, limit: str = "counted") -> Fit:
+    """Return the curve of counts; hazard: a curve of the same measure, for the annual rate; limit: the name of the limit state. Raises
+    UsageError if the data do not support a fit."""
+    x, n, z = counts.x, counts.n, counts.z
+    try:
+        curve = fits.fit_stripes(x, n, z)
+    except UsageError as error:
+        raise UsageError(f"{counts.source}: {error}") from None
+    if hazard is None:
+        at, of = with_more(x, 0.5 * x[0], 1.5 * x[-1]), None
+    else:
+        levels, of = np.union1d(x, hazard.x), hazard.rate_of
+        at = with_more(levels, levels[0], levels[-1])
+    band = fits.bootstrap_counts(x, n, z, how, at, of) if how.samples else None
+    rate = None if hazard is None else rate_of(curve, band, hazard)
+    points = dict(zip(x.tolist(), (z / n).tolist(), strict=True))
+    name = _LEVEL if counts.measure is None else counts.measure.name
+    return Fit(Path(counts.source).stem, name, limit, "stripes", curve, band, at, points, hazard, rate)
+
+
+def _measure_of(path: str | Path, column: str, im: str | None) -> Measure:
+    """Return the measure of the levels. Raises UsageError if the heading names another one than `im`."""
+    if column == _LEVEL:
+        return measure_of(im or "PGA")
+    try:
+        stated = measure_of(column)
+    except UsageError:
+        wanted = "im, or the name of a measure, such as PGA [g]"
+        raise DocumentError(f"{path}, line 1: found the column {column}; expected {wanted}") from None
+    if im is not None and measure_of(im).name != stated.name:
+        raise UsageError(f"{path}: found levels of {stated.name}; expected levels of {measure_of(im).name}, the measure `im`")
+    return stated
+
+
+def _whole(path: str | Path, one: Row, column: str, least: int) -> float:
+    """Return the whole number of motions of a cell. Raises DocumentError."""
+    line, row = one
+    value = cell(path, line, row, column, "number")
+    if value != int(value) or value < least:
+        wanted = f"a whole number of motions, from {least}"
+        raise DocumentError(f"{path}, line {line}: {column}: found {row[column]!r}; expected {wanted}")
+    return value
