@@ -90,7 +90,7 @@ def check(
     if azimuths is not None:
         from ..responses.azimuth import worst_azimuths
 
-        searched = ProgressLine("azimuths", "stages")
+        searched = ProgressLine("azimuths", "checks")
         directed = worst_azimuths(structures, shaken.recordings, azimuths, workers=workers, progress=searched)
         extra, demands = {demand[0].name: {"azimuth": angle} for angle, demand in directed}, [demand for _, demand in directed]
         shakes = [(motion, grid) for _, motion, grid in demands]
@@ -110,7 +110,7 @@ def check(
         demands = by_code.dynamic(demands)
     judged: list[Verdict] = []
     limit = None if verdict_only else a_max
-    found: Iterable[Verdict] = verdicts(demands, a_max=limit, workers=workers, progress=ProgressLine("check", "stages"))
+    found: Iterable[Verdict] = verdicts(demands, a_max=limit, workers=workers, progress=ProgressLine("check", "checks"))
     if sort:
         found = sorted(found, key=lambda verdict: float("inf") if (c := verdict.capacity_demand) is None else c)
 

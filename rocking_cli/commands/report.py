@@ -44,7 +44,7 @@ def report(
     verdicts = write_page(
         subjects, shakes, output, recordings=shaken.recordings, vertical=asked.vertical, command=options.command_line(),
         made=options.now(), title=title, summary=summary, by_capacity=sort is not None, overwrite=overwrite, workers=workers,
-        progress=ProgressLine("report", "stages"),
+        progress=ProgressLine("report", "checks"),
     )  # fmt: skip
     ground.note_demand(shakes)
     ground.note_governing(structures, shakes[0][1].dimensionless)
