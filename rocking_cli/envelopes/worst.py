@@ -34,7 +34,7 @@ def at_worst_frequency(
     stands under the demand, the result is the frequency of the largest rotation. Raises UsageError.
     """
     method = governing_method(structure, dimensionless=low.dimensionless)
-    (amplitude, begin), (_, end) = ([float(x[0]) for x in grid.scaled(structure)] for grid in (low, high))
+    (amplitude, begin), (_, end) = (grid.cell(structure) for grid in (low, high))
     most = A_MAX if a_max is None else limit_of(a_max, structure)
     omega = _worst(structure, motion, amplitude, (min(begin, end), max(begin, end)), method, most)
     axis = Axis("Omega", np.array([omega])) if low.dimensionless else Axis("omega_g", np.array([omega * structure.p]))

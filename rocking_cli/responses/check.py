@@ -165,7 +165,7 @@ def _capacity_search(structure: RockingParameters, motion: Motion, shaking: Grid
     """Return the search for the overturning amplitudes of a demand. Raises UsageError as `check` does."""
     if structure.dimensionless:
         raise UsageError("a restitution alone has no units: give a structure document")
-    amplitude, omega = (float(x[0]) for x in shaking.scaled(structure))
+    amplitude, omega = shaking.cell(structure)
     if not amplitude > 0.0:
         raise UsageError("the amplitude is 0; expected a positive one")
     return CapacitySearch(structure, motion, amplitude, omega, governing_method(structure, dimensionless=shaking.dimensionless), a_max)

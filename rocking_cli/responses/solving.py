@@ -75,6 +75,8 @@ def boundaries(
     """
     from scipy.optimize import brentq
 
+    for _, grid in (*shakes, *opposite):
+        grid.require_one_cell()
     most = max(float(grid.amplitude.values[0]) for _, grid in shakes)
     reach = Limit(_BEYOND * margin * most, shakes[0][1].amplitude.name == "a_g")
     remarks: list[str] = []
