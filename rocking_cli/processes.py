@@ -37,6 +37,19 @@ def report_part(share: float) -> None:
             _parts.value += share
 
 
+def part_reporter() -> Callable[[float], None]:
+    """Return a function that takes the share of an item which is done so far, and reports
+    what has come to it."""
+    reported = 0.0
+
+    def tell(share: float) -> None:
+        nonlocal reported
+        report_part(share - reported)
+        reported = share
+
+    return tell
+
+
 def available_cpus() -> int:
     """CPUs that this process may use, which a batch system or a container may have made fewer than the machine has."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

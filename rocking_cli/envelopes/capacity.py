@@ -111,7 +111,7 @@ class CapacitySearch(NamedTuple):
                 break
         found = search.first_falls_in(self.omega, Brackets.joined(brackets)) if brackets else []
         first, share_of_falls = min(found, default=None), 0.0
-        if first is not None and motion.segments.sign_changes > FEW_SIGN_CHANGES:
+        if first is not None and falls_may_be_narrow(motion):
             first, share_of_falls = self.fall_search().lowest_and_share(lowest, first)
         safe_to = found[-1] if above_demand else None
         return Capacity(first, safe_to if first is None or safe_to is None or first < amplitude else first, lowest, share_of_falls)
@@ -162,6 +162,11 @@ def tracing_width(method: Method, motion: Motion) -> float:
 def narrowest(motion: Motion) -> str:
     """The width of intervals that a search may miss, as text."""
     return f"{100.0 * COARSE:g} % of the amplitude ({100.0 * _STATED:g} % in the tenth below a fall)" if _long(motion) else "0.001 in A"
+
+
+def falls_may_be_narrow(motion: Motion) -> bool:
+    """True if a search under this motion may find many narrow intervals that overturn."""
+    return _long(motion) or motion.segments.sign_changes > FEW_SIGN_CHANGES
 
 
 def _long(motion: Motion) -> bool:

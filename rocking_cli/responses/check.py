@@ -20,7 +20,7 @@ from ..envelopes.intervals import A_MAX
 from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Grid, HasMotion, demand_of
-from ..processes import available_cpus, processes, report_part
+from ..processes import available_cpus, part_reporter, processes
 from ..structures.mechanics.fourbar import FourBar
 from ..structures.parameters import RockingParameters
 from .force_history import ForceHistory
@@ -42,7 +42,7 @@ _WORTH = 3  # demands for each process that is started, at least
 OLD_COLUMNS = ("name", "friction")  # of structure and friction_needed, for this version
 CHECK_COLUMNS = (
     "structure", "motion", "model", "outcome", "theta_ratio", "top_displacement", "demand_a", "uplift_a", "first_overturning_a",
-    "capacity_demand", "safe_to", "outcome_linear", "friction_needed", "fz_min", *OLD_COLUMNS,
+    "capacity_demand", "safe_to", "searched_to", "outcome_linear", "friction_needed", "fz_min", *OLD_COLUMNS,
 )  # fmt: skip
 TIED_COLUMNS = ("first_overturning_a_free", "tie_force", "tie_elongation", "permanent", "tie_state")
 
@@ -82,6 +82,7 @@ class Verdict:
     first_overturning_a_free: float | None = None
     devices: tuple[dict[str, Any], ...] = ()
     opens: bool | None = None
+    searched_to: float | None = None  # the largest amplitude a_g of the search [m/s2]; None without one
 
     name = property(attrgetter("structure"))  # the old name
     dust = property(attrgetter("share_of_falls"))  # the old name
@@ -98,6 +99,13 @@ class Verdict:
         return None if self.first_overturning_a is None else self.first_overturning_a / self.demand_a
 
     @property
+    def capacity_above(self) -> float | None:
+        """If the search found no overturning: the number that `capacity_demand` exceeds."""
+        if self.first_overturning_a is not None or self.searched_to is None:
+            return None
+        return self.searched_to / self.demand_a
+
+    @property
     def falls(self) -> bool:
         """True if the body overturned, lost contact or rests leaning."""
         return self.outcome.falls
@@ -112,7 +120,11 @@ class Verdict:
             "outcome": self.outcome.flag,
             "outcome_linear": self.outcome_linear.flag,
         }
-        found = {key: own[key] for key in CHECK_COLUMNS} | ({} if self.opens is None else {"opens": self.opens})
+        found = {key: own[key] for key in CHECK_COLUMNS}
+        if self.opens is not None:
+            found["opens"] = self.opens
+        if self.share_of_falls:
+            found["falls_nearby"] = self.share_of_falls
         if not self.devices:
             return found
         from .tied_history import columns_of
@@ -227,6 +239,7 @@ def _judged(
         outcome_linear=Outcome(int(linear.outcome[0])),
         unsettled=bool(stands.any() and (falls.any() or np.ptp(governs.theta_ratio[stands]) > _SAME)),
         share_of_falls=found.share_of_falls,
+        searched_to=None if a_max is None else acceleration(search.ends()[1]),
         first_overturning_a_free=acceleration(free),
         slides=structure.friction is not None and (asked.get("friction_needed") or 0.0) > structure.friction,
         **asked,
@@ -332,14 +345,7 @@ def _each(
 
 def _all(a_max: float | Limit | None, demands: Sequence[Demand]) -> list[Verdict]:
     """Return the verdicts on several demands in a worker process."""
-    reported = 0.0
-
-    def tell(known: float) -> None:
-        nonlocal reported
-        report_part(known - reported)
-        reported = known
-
-    return list(_each(a_max, demands, tell))
+    return list(_each(a_max, demands, part_reporter()))
 
 
 def _of_history(method: Method, structure: RockingParameters, motion: Motion, shaking: Grid) -> dict[str, Any]:

@@ -96,7 +96,7 @@ def boundaries(
             remarks.extend(direction_in_words(replace(one, name=own_name(one)), opposite="the other `sign`"))
         demands = [(one, *shake) for shake in (*shakes, *opposite) for one in structures]
         if up_to is not None:
-            demands = [(s, motion, at_worst_frequency(s, motion, low, up_to, reach)[0]) for s, motion, low in demands]
+            demands = [(s, motion, at_worst_frequency(s, motion, low, up_to, reach).grid) for s, motion, low in demands]
         found = list(verdicts(demands, a_max=reach, workers=workers))
         if any(v.outcome == Outcome.FAILED for v in found):
             remarks.append(f"no verdict for {varied.key} = {value:g}")
