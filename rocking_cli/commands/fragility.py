@@ -24,6 +24,10 @@ if TYPE_CHECKING:
 
 
 _WITH_COUNTS = ("counts", "curve", "samples", "seed", "workers", "overwrite")
+_WHICH_RATE = (
+    "annual rate of overturning: report that of the row exact, which assumes no lognormal curve "
+    "and counts the intensities at which a body stands again; the fitted rows serve the other limit states"
+)
 _IN_G = re.compile(r"g(?![a-z])", re.IGNORECASE)  # and not in gal
 
 
@@ -161,6 +165,8 @@ def fragility(
         if hazard is not None:
             rated = [(f"{fit.structure}, {fit.limit}, {fit.method}", fit.rate) for fit in fits]
             rated += [(f"{study.structure.name}, overturning, exact", study.rate_without_fit) for study in found if exact]
+            if any(exact and study.rate_without_fit is not None for study in found):
+                remarks.append(_WHICH_RATE)
             remarks += [f"{name}: {words}" for name, rate in rated if rate is not None for words in rate.remarks(hazard)]
     note(*refused, *remarks, *model.in_words([equation], structures), *direction, f"{len(members)} motions")
     for study in found:
@@ -209,7 +215,9 @@ def _in_units(rows: list[dict[str, Any]], columns: tuple[str, ...], wanted: Fits
             else:
                 row = {headed(k, unit) if k.startswith("median") else k: x for k, x in row.items()}
         shown_rows.append(row)
-    emit(shown_rows, () if shown_rows else columns, without=("theta",))  # the rows have units in their headings
+    emit(
+        shown_rows, () if shown_rows else columns, without=("theta",), unseen=("rate_without_fit",)
+    )  # the rows have units in their headings
 
 
 def _each(flag: str, text: str, read: Callable[[str], Any], expected: str = "") -> list[Any]:
