@@ -153,6 +153,6 @@ def _note_long(demands: Demands, limit: Limit | None) -> None:
         return
     minutes = _SEARCH * longest / 60.0
     note(
-        f"a record of {longest} samples: the search takes about {minutes:.1g} min for each "
+        f"a record of {longest} samples: the search takes {minutes:.1g} min or more for each "
         f"structure and record; --verdict-only does without it"
     )

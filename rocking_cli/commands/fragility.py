@@ -165,7 +165,8 @@ def fragility(
         if hazard is not None:
             rated = [(f"{fit.structure}, {fit.limit}, {fit.method}", fit.rate) for fit in fits]
             rated += [(f"{study.structure.name}, overturning, exact", study.rate_without_fit) for study in found if exact]
-            if any(exact and study.rate_without_fit is not None for study in found):
+            two_rates = any(fit.limit == "overturning" for fit in fits)
+            if two_rates and any(exact and study.rate_without_fit is not None for study in found):
                 remarks.append(_WHICH_RATE)
             remarks += [f"{name}: {words}" for name, rate in rated if rate is not None for words in rate.remarks(hazard)]
     note(*refused, *remarks, *model.in_words([equation], structures), *direction, f"{len(members)} motions")

@@ -91,6 +91,7 @@ class ProgressLine:
         self._first = 0.0  # units that were done at the first call
         self._done = 0.0  # a part of a unit counts as such
         self._total = 0
+        self._ended = False  # True when the line has stated that all is done
         self._visible = sys.stderr.isatty() and not is_quiet()
         if _reporter is not None:
             _reporter.line = self
@@ -108,6 +109,8 @@ class ProgressLine:
         if not (self._total and self.unfinished):
             return f"{self._label}: still computing ({seconds:.0f} s)"
         units = f"{int(self._done)} of {self._total} {self._unit} done"
+        if not float(self._done).is_integer():
+            units += f", {100.0 * self._done / self._total:.2g} % in all"
         early = new < _SHARE * self._total or seconds < _SECONDS
         if new < _ENOUGH and early:
             return f"{self._label}: still computing ({units}, {seconds:.0f} s)"
@@ -119,6 +122,8 @@ class ProgressLine:
 
     def __call__(self, done: float, total: int) -> None:
         with streams.lock:
+            if done < total:
+                self._ended = False
             if not self._done:
                 self._first = done  # a resumed sweep begins with some units done
             self._done, self._total = done, total
@@ -126,12 +131,12 @@ class ProgressLine:
 
     def show(self) -> None:
         """Show the line, if standard error is a terminal."""
-        if not self._visible:
+        if not self._visible or self._ended:
             return
         share = self._done / max(self._total, 1)
         bar = f"[{'#' * int(_BAR * share):-<{_BAR}}]"
         if share < 1.0:
             streams.renew(f"{bar} {self.in_words()}")
             return
-        seconds = monotonic() - self._start
+        seconds, self._ended = monotonic() - self._start, True
         streams.end_line(f"{bar} {self._label}: {self._total} {self._unit} in {seconds:.0f} s")

@@ -334,6 +334,17 @@ def test_outcomes_alone_over_a_range_are_those_of_the_search(rocking, a_g):
     assert alone["first_overturning_a"] is None
 
 
+def test_a_search_that_takes_minutes_is_announced(rocking, monkeypatch):
+    from rocking_cli.commands import check_demands
+
+    monkeypatch.setattr(check_demands, "_LONG", 1500)
+    call = ("check", STATED, "--motion", "configs/motions/synthetic.at2", "--a-max", "1.5")
+    line = "a record of 1599 samples: the search takes 0.01 min or more for each structure and record; --verdict-only does without it"
+    assert rocking(*call).stderr.splitlines()[0] == line
+    for more in (("-q",), ("--verdict-only",)):
+        assert line not in rocking(*call, *more).stderr
+
+
 def test_falls_in_narrow_intervals_are_a_column_and_one_line(rocking, tmp_path):
     for n, seed in enumerate((1, 2)):
         rows = "".join(f"{0.06 * i:.2f},{x:.6f}\n" for i, x in enumerate(noise(240, 0.06, seed)))
