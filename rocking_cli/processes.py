@@ -8,7 +8,7 @@ import sys
 import warnings
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from itertools import islice
 from typing import Any
 
@@ -23,7 +23,31 @@ _PARENT_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of prctl(2)
 Run = Callable[[Iterable[Any]], Iterator[Any]]
 """From items to the results of a task, in their order."""
 
+_POLL = 0.5  # s between two looks at the parts that the worker processes report
+
 _task: Callable[[Any], Any]  # of a worker process
+_parts: Any = None  # in a worker process: the sum of all parts that were reported
+
+
+def report_part(share: float) -> None:
+    """Report that this share of an item is done since the last report; a worker process
+    passes it on to the process that started it."""
+    if _parts is not None:
+        with _parts.get_lock():
+            _parts.value += share
+
+
+def part_reporter() -> Callable[[float], None]:
+    """Return a function that takes the share of an item which is done so far, and reports
+    what has come to it."""
+    reported = 0.0
+
+    def tell(share: float) -> None:
+        nonlocal reported
+        report_part(share - reported)
+        reported = share
+
+    return tell
 
 
 def available_cpus() -> int:
@@ -54,9 +78,9 @@ def in_order(submit: Callable[[Any], Any], wait: Callable[[Any], Any], items: It
 
 
 @contextmanager
-def processes(workers: int, task: Callable[[Any], Any], advice: str) -> Iterator[Run]:
+def processes(workers: int, task: Callable[[Any], Any], advice: str, parts: Callable[[float], None] | None = None) -> Iterator[Run]:
     """Context manager: a function from items to task(item) of each, in their order, computed by `workers` processes. The task itself is
-    sent to each process once.
+    sent to each process once. parts: called now and then with the sum of what `report_part` was called with.
 
     An exception of the task is raised here, in its turn. The processes end with the block, at once. Raises OutputError, with the advice,
     when a process cannot be started or dies."""
@@ -64,10 +88,19 @@ def processes(workers: int, task: Callable[[Any], Any], advice: str) -> Iterator
     from concurrent.futures.process import BrokenProcessPool
     from multiprocessing import active_children, get_context
 
-    before, pool = set(active_children()), None
+    before, pool, context = set(active_children()), None, get_context(_METHOD)
+    reported = None if parts is None else context.Value("d", 0.0)
+
+    def wait(future: "Future[Any]") -> Any:
+        while parts is not None and reported is not None and not future.done():
+            with suppress(TimeoutError):
+                future.exception(timeout=_POLL)
+            parts(reported.get_obj().value)  # without its lock, which a process may have died with
+        return future.result()
+
     try:
         try:
-            pool = ProcessPoolExecutor(workers, get_context(_METHOD), _begin, (task, os.getpid()))
+            pool = ProcessPoolExecutor(workers, context, _begin, (task, os.getpid(), reported))
             with _stops_held(), warnings.catch_warnings():  # numpy's idle arithmetic threads are no danger to a fork
                 warnings.simplefilter("ignore", DeprecationWarning)
                 pool.submit(int)  # starts them
@@ -75,7 +108,7 @@ def processes(workers: int, task: Callable[[Any], Any], advice: str) -> Iterator
             raise OutputError(f"{workers} worker processes cannot be started: {error.strerror or error}; {advice}") from None
         crew, submit = set(active_children()) - before, pool.submit
         try:
-            yield lambda items: in_order(lambda item: submit(_answer, item), Future.result, items, _AHEAD * workers)
+            yield lambda items: in_order(lambda item: submit(_answer, item), wait, items, _AHEAD * workers)
         except BrokenProcessPool:
             pool.shutdown()
             code = next((p.exitcode for p in crew if p.exitcode not in (None, 0, -signal.SIGTERM)), -signal.SIGTERM)  # the pool ends others
@@ -101,10 +134,10 @@ def _stops_held() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _begin(task: Callable[[Any], Any], parent: int) -> None:
+def _begin(task: Callable[[Any], Any], parent: int, parts: Any) -> None:
     """Called first in a worker process."""
-    global _task
-    _task = task
+    global _task, _parts
+    _task, _parts = task, parts
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group; the parent alone decides
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     if sys.platform == "linux":

@@ -48,6 +48,12 @@ SECTIONS = {
 }
 _COLLECTED = 20_000  # objects between two garbage collections; the default of 700 collects many times during the imports
 _MEANT = {"--pga": "--a-g", "--amplitude": "--a-g", "--frequency": "--f-g", "--period": "--T-g", "--record": "--motion"}
+RENAMED = {  # options that another command uses for something else; the old name stays for one version
+    ("plot", "--phase"): "--phase-portrait",
+    ("predict", "--exact"): "--beyond-range",
+    ("response", "--dt"): "--row-step",
+    ("spectrum", "--check"): "--verify-cells",
+}
 COMMANDS = {name: summary for section in SECTIONS.values() for name, summary in section.items()}
 
 
@@ -67,6 +73,7 @@ class _Commands(click.Group):
         if args[0] not in COMMANDS and not args[0].startswith("-") and not ctx.resilient_parsing:
             raise click.UsageError(f"No such command {args[0]!r}{did_you_mean(args[0], COMMANDS)}", ctx)
         name, command, rest = super().resolve_command(ctx, args)
+        rest = _renamed(name, rest)
         if command is not None and not ctx.resilient_parsing:
             _refuse_repetitions(click.Context(command, ctx, name), rest)
         return name, command, rest
@@ -85,6 +92,21 @@ class _Commands(click.Group):
         for title, commands in SECTIONS.items():
             with formatter.section(title):
                 formatter.write_dl([(name.ljust(widest), summary) for name, summary in commands.items()])
+
+
+def _renamed(command: str | None, arguments: list[str]) -> list[str]:
+    """Return the arguments of a command with the new names of its options, and say so."""
+    known = {old: new for (name, old), new in RENAMED.items() if name == command}
+    end = arguments.index("--") if "--" in arguments else len(arguments)
+    found = []
+    for argument in arguments[:end]:
+        old, equals, value = argument.partition("=")
+        if old in known:
+            if not {"-q", "--quiet"} & set(arguments):
+                streams.say(f"{old} of rocking {command} is now called {known[old]}; the old name goes with the next version")
+            argument = f"{known[old]}{equals}{value}"
+        found.append(argument)
+    return [*found, *arguments[end:]]
 
 
 def _refuse_repetitions(context: click.Context, arguments: list[str]) -> None:

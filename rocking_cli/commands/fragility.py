@@ -26,6 +26,10 @@ if TYPE_CHECKING:
 _WITH_COUNTS = (
     "counts", "im", "limits", "curve", "samples", "seed", "workers", "hazard", "site", "standing", "export", "output", "overwrite",
 )  # fmt: skip
+_WHICH_RATE = (
+    "annual rate of overturning: report that of the row exact, which assumes no lognormal curve "
+    "and counts the intensities at which a body stands again; the fitted rows serve the other limit states"
+)
 _IN_G = re.compile(r"g(?![a-z])", re.IGNORECASE)  # and not in gal
 
 
@@ -163,6 +167,9 @@ def fragility(
         if hazard is not None:
             rated = [(f"{fit.structure}, {fit.limit}, {fit.method}", fit.rate) for fit in fits]
             rated += [(f"{study.structure.name}, overturning, exact", study.rate_without_fit) for study in found if exact]
+            two_rates = any(fit.limit == "overturning" for fit in fits)
+            if two_rates and any(exact and study.rate_without_fit is not None for study in found):
+                remarks.append(_WHICH_RATE)
             remarks += [f"{name}: {words}" for name, rate in rated if rate is not None for words in rate.remarks(hazard)]
     note(*refused, *remarks, *model.in_words([equation], structures), *direction, f"{len(members)} motions")
     for study in found:
@@ -241,6 +248,7 @@ def _emit(fits: "Sequence[Fit]", exact: "Sequence[Study]", wanted: Fits) -> None
         keys=keys,
         table_units=_table_units(wanted),
         dimensions=dict.fromkeys(OF_THE_MEASURE, dimension_of_measure(measure)),
+        unseen=("rate_without_fit",),
     )
 
 

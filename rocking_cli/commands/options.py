@@ -51,6 +51,11 @@ a_max = partial(
     option, "--a-max", "Largest amplitude of the search: A, or with a unit a_g, such as 1g.", type=Parsed("amplitude", limit), default="20"
 )
 vary = partial(option, "--vary", "Vary a key: a family; repeatable, all combinations.", multiple=True, metavar="KEY=START:STOP:N")
+inset_effect = partial(
+    flag,
+    "--inset-effect",
+    "Print what pivots 5 % of the width inside the edges would take of the capacity.",
+)
 sort = partial(option, "--sort", "The least capacity first, structures that never overturn last.", type=click.Choice(["capacity"]))
 
 

@@ -20,10 +20,12 @@ def plot(
     cut: str | None = option("--slice", "Draw a slice at this value, such as f_g=1.5, instead of a map.", metavar="AXIS=VALUE"),
     over: str | None = option("--over", "The axis of a family (default: the first key varied).", metavar="KEY[/KEY]"),
     log: str | None = option("--log", "Logarithmic axes.", type=click.Choice(["x", "y", "xy"])),
-    phase: bool = flag("--phase", "Draw the phase portrait of a response, with the separatrix."),
+    phase: bool = flag("--phase-portrait", "Draw the phase portrait of a response, with the separatrix."),
     align: bool = flag("--align", "Count the time of each response from its largest rotation."),
     animate: Path | None = option("--animate", "Animate the body of a response in real time.", type=OutputPath(), metavar="OUT.gif"),
-    body: str | None = option("--body", "Structure of --animate and --phase (default: the block of its p, alpha).", type=InputPath()),
+    body: str | None = option(
+        "--body", "Structure of --animate and --phase-portrait (default: the block of its p, alpha).", type=InputPath()
+    ),
     text: bool = flag("--text", "Draw a spectra file as text in the terminal, without matplotlib."),
     looks: options.Looks = group(options.Looks),
     overwrite: bool = options.overwrite(),
@@ -53,7 +55,7 @@ def plot(
     else:
         refuse("goes with a spectra file (.h5)", "structure", "every", "cut")
     if animate is None and not phase:
-        refuse("goes with --animate and --phase", "body")
+        refuse("goes with --animate and --phase-portrait", "body")
     if text:
         from ..reports.figures.characters import text_map
 

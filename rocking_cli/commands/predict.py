@@ -14,7 +14,9 @@ def predict(
     spectrum: str = argument(type=InputPath()),
     files: tuple[str, ...] = options.files(),
     shaking: ground.Shaking = group(ground.Shaking),
-    exact: bool = flag("--exact", "Also compute structures beyond the range and restitutions of the spectrum; nothing is interpolated."),
+    exact: bool = flag(
+        "--beyond-range", "Also compute structures beyond the range and restitutions of the spectrum; nothing is interpolated."
+    ),
 ) -> None:
     """Predict theta_max, outcome and margin of structures under the motion of a spectrum of equal restitution.
 

@@ -30,6 +30,11 @@ def _kept(name: str) -> Any:
     return None if context is None else context.meta.get(f"{__name__}.{name}")
 
 
+def _keep_quiet(context: click.Context, parameter: click.Parameter, value: bool) -> None:
+    streams.silent = value  # the thread that shows the progress knows no context
+    _keep(context, parameter, value)
+
+
 def _keep_units(context: click.Context, parameter: click.Parameter, text: str | None) -> None:
     if text is not None:
         from ..reports.units import parse_units
@@ -41,7 +46,7 @@ def _of_call(*flags: str, callback: Any = _keep, **settings: Any) -> Callable[[F
     return click.option(*flags, expose_value=False, is_eager=True, callback=callback, **settings)
 
 
-quiet = _of_call("-q", "--quiet", is_flag=True, help="No progress and no summary on standard error.")
+quiet = _of_call("-q", "--quiet", is_flag=True, callback=_keep_quiet, help="No progress and no summary on standard error.")
 units = _of_call(
     "--units", metavar="UNIT,…", callback=_keep_units,
     help="Units of tables, CSV and figures, such as g,Hz,deg or cm (JSON and HDF5 are in SI).",

@@ -1,86 +1,142 @@
-"""Progress of a run on standard error: one line that a terminal renews, or a line every half a minute with the time left."""
+"""Progress of a run on standard error: one line that a terminal renews every second, or
+a line every half a minute in a log, with what is done and the time left.
 
-import signal
+A thread writes them, because the main thread may wait for worker processes for minutes,
+and a handler of a signal waits as long. The thread holds `streams.lock` while it writes,
+which a fork waits for, so that no worker process inherits a half-written line.
+"""
+
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
+from threading import Event, Thread
 from time import monotonic
 
 from . import streams
-from .printing import form, is_quiet
+from .printing import is_quiet
 
-_FIRST, _EVERY = 10.0, 30.0  # s until a run is called long, and from each line on it to the next
-_ENOUGH = 3  # units that give the rate
-_current: "ProgressLine | None" = None
+_TICK = 1.0  # s between two states of the line on a terminal
+_FIRST = 10.0  # s after which a run is called long
+_EVERY = 30.0  # s between two lines of a log
+_ENOUGH = 3.0  # units that give the rate
+_SHARE, _SECONDS = 0.05, 5.0  # or this share of all units, after so many seconds
+_LARGER = (("days", 86400.0), ("h", 3600.0), ("min", 60.0))  # than a second
+_BAR = 20  # characters
 
 
-def _follow(line: "ProgressLine | None") -> None:
-    """Let `reporting` report this line; None: no line."""
-    global _current
-    _current = line
+class _Reporter:
+    """The progress of one call, as the thread shows it."""
+
+    def __init__(self) -> None:
+        self.began = monotonic()
+        self.line: ProgressLine | None = None  # of the present part of the call
+        self._next = self.began + _FIRST  # time of the next line of a log
+
+    def tick(self) -> None:
+        """Write what has become due."""
+        with streams.lock:
+            if streams.silent:
+                return
+            now, line = monotonic(), self.line
+            if sys.stderr.isatty():
+                if line is not None and line.unfinished:
+                    line.show()
+                elif now - self.began >= _FIRST:
+                    streams.renew(self._in_words(now))
+            elif now >= self._next:
+                streams.say(self._in_words(now))
+                self._next += _EVERY
+
+    def _in_words(self, now: float) -> str:
+        if self.line is None:
+            return f"still computing ({now - self.began:.0f} s)"
+        return self.line.in_words()
+
+
+_reporter: _Reporter | None = None  # of the present call
 
 
 @contextmanager
 def reporting() -> Iterator[None]:
-    """Context of a call: prints the progress on standard error after ten seconds and then every half a minute, except with --quiet or while
-    a terminal shows a `ProgressLine`. It uses a system timer, if there is one, because a thread would endanger a fork."""
-    _follow(None)
-    began = monotonic()
-    if not hasattr(signal, "setitimer"):
-        yield
-        return
+    """Context of a call: a thread shows its progress on standard error, except with
+    --quiet."""
+    global _reporter
+    streams.silent = False
+    reporter, stop = _Reporter(), Event()
 
-    def say(*_: object) -> None:
-        if not ((_current is not None and _current.shown) or is_quiet()):
-            with suppress(RuntimeError):  # another line was being written
-                streams.say(f"still computing ({monotonic() - began:.0f} s)" if _current is None else _current.in_words())
+    def run() -> None:
+        while not stop.wait(_TICK):
+            reporter.tick()
 
-    before = signal.signal(signal.SIGALRM, say)
-    signal.siginterrupt(signal.SIGALRM, False)
-    signal.setitimer(signal.ITIMER_REAL, _FIRST, _EVERY)
+    _reporter = reporter
+    thread = Thread(target=run, name="progress", daemon=True)
+    thread.start()
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
+        _reporter = None
+        stop.set()
+        thread.join()
+        streams.erase()
 
 
 class ProgressLine:
-    """A line on a terminal that states the units of work done, their number and the time left; any other output first ends it. With
-    --quiet, without a terminal, or if rows appear on it one by one, there is no line, and `reporting` prints its own."""
+    """The units of work done, their number and the time left; on a terminal a line, which
+    any other output replaces until it is renewed. With --quiet there is none."""
 
     def __init__(self, label: str, unit: str) -> None:
-        self._label, self._unit, self._start, self._first = label, unit, monotonic(), 0
-        self._done = self._total = 0
-        self._visible = sys.stderr.isatty() and not is_quiet() and not (form() is not None and sys.stdout.isatty())
-        _follow(self)
-        self._show()
+        self._label = label
+        self._unit = unit  # name of the units, such as chunks
+        self._start = monotonic()
+        self._first = 0.0  # units that were done at the first call
+        self._done = 0.0  # a part of a unit counts as such
+        self._total = 0
+        self._ended = False  # True when the line has stated that all is done
+        self._visible = sys.stderr.isatty() and not is_quiet()
+        if _reporter is not None:
+            _reporter.line = self
+        self.show()
 
     @property
-    def shown(self) -> bool:
-        """True if a terminal shows the line, or will renew it."""
-        return self._visible and self._done < max(self._total, 1)
+    def unfinished(self) -> bool:
+        """True while some units are not done."""
+        return self._done < max(self._total, 1)
 
     def in_words(self) -> str:
-        """Return the time left at the rate so far; until enough units are done, the time passed."""
+        """Return the time left at the rate so far; until enough units are done, the time
+        passed."""
         seconds, new = monotonic() - self._start, self._done - self._first
-        units = f"{self._done} of {self._total} {self._unit} done" if self._done < self._total else ""
-        if not units or new < _ENOUGH:
-            return f"{self._label}: still computing ({f'{units}, ' if units else ''}{seconds:.0f} s)"
+        if not (self._total and self.unfinished):
+            return f"{self._label}: still computing ({seconds:.0f} s)"
+        units = f"{int(self._done)} of {self._total} {self._unit} done"
+        if not float(self._done).is_integer():
+            units += f", {100.0 * self._done / self._total:.2g} % in all"
+        early = new < _SHARE * self._total or seconds < _SECONDS
+        if new < _ENOUGH and early:
+            return f"{self._label}: still computing ({units}, {seconds:.0f} s)"
         left = seconds / new * (self._total - self._done)
-        unit, name = next((x for x in ((86400.0, "days"), (3600.0, "h"), (60.0, "min")) if left >= 2.0 * x[0]), (1.0, "s"))
-        return f"{self._label}: about {float(f'{left / unit:.2g}'):g} {name} more ({units})"
+        larger = (one for one in _LARGER if left >= 2.0 * one[1])
+        name, unit = next(larger, ("s", 1.0))
+        more = f"{float(f'{left / unit:.2g}'):g} {name}"
+        return f"{self._label}: about {more} more ({units}, {seconds:.0f} s)"
 
-    def __call__(self, done: int, total: int) -> None:
-        if not self._done:
-            self._first = done  # a resumed sweep begins with some units done
-        self._done, self._total = done, total
-        self._show()
+    def __call__(self, done: float, total: int) -> None:
+        with streams.lock:
+            if done < total:
+                self._ended = False
+            if not self._done:
+                self._first = done  # a resumed sweep begins with some units done
+            self._done, self._total = done, total
+            self.show()
 
-    def _show(self) -> None:
-        if self._visible:
-            share, seconds = self._done / max(self._total, 1), monotonic() - self._start
-            words = self.in_words() if share < 1.0 else f"{self._label}: {self._total} {self._unit} in {seconds:.0f} s"
-            streams.renew(f"[{'#' * int(20 * share):-<20}] {words}")
-            if share >= 1.0:
-                streams.end_line()
+    def show(self) -> None:
+        """Show the line, if standard error is a terminal."""
+        if not self._visible or self._ended:
+            return
+        share = self._done / max(self._total, 1)
+        bar = f"[{'#' * int(_BAR * share):-<{_BAR}}]"
+        if share < 1.0:
+            streams.renew(f"{bar} {self.in_words()}")
+            return
+        seconds, self._ended = monotonic() - self._start, True
+        streams.end_line(f"{bar} {self._label}: {self._total} {self._unit} in {seconds:.0f} s")

@@ -18,6 +18,7 @@ def report(
     output: Path = options.output("The page: .html.", required=True),
     title: str | None = option("--title", "Title of the page (default: the names of the structures).", metavar="TEXT"),
     summary: bool = flag("--summary", "Begin with a page in words: a sentence on each structure; the details follow."),
+    inset_effect: bool = options.inset_effect(),
     sort: str | None = options.sort(),
     workers: int | None = options.workers(),
     overwrite: bool = options.overwrite(),
@@ -45,8 +46,9 @@ def report(
     subjects = [Subject(document, structure) for document, structure in zip(documents, structures, strict=True)]
     verdicts = write_page(
         subjects, shakes, output, recordings=shaken.recordings, vertical=asked.vertical, command=options.command_line(),
-        made=options.now(), title=title, summary=summary, by_capacity=sort is not None, overwrite=overwrite, workers=workers,
-        progress=ProgressLine("report", "stages"),
+        made=options.now(), title=title, summary=summary, by_capacity=sort is not None,
+        inset_effect=inset_effect, overwrite=overwrite, workers=workers,
+        progress=ProgressLine("report", "checks"),
     )  # fmt: skip
     ground.note_demand(shakes)
     ground.note_governing(structures, shakes[0][1].dimensionless)

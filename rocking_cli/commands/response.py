@@ -12,7 +12,7 @@ from .printing import emit, form, note, printed
 
 @dataclass(frozen=True)
 class OneMotion(ground.Directed):
-    """The demand, with --dt for the rows."""
+    """The demand, with --row-step for the rows."""
 
     motion_dt: float | None = option("--motion-dt", ground.DT, type=quantity("time"))
 
@@ -27,12 +27,12 @@ def response(
     ),
     duration: float | None = option("--duration", "Duration of the rows (default: the shaking and 30/p after it).", type=quantity("time")),
     dt: float | None = option(
-        "--dt", "Time between two rows (default: the samples of a record, 500 rows of a pulse).", type=quantity("time")
+        "--row-step", "Time between two rows (default: the samples of a record, 500 rows of a pulse).", type=quantity("time")
     ),
     steps: bool = flag("--steps", "Print a row at each step of the solver instead."),
     events: bool = flag("--events", "Print uplifts, impacts, peaks, rest and overturning instead."),
     forces: bool = flag("--forces", "Also print the forces on the ground, or on the joints of an arch, over m g."),
-    dimensionless: bool = flag("--dimensionless", "Print theta/alpha over p t; --dt is in p t too."),
+    dimensionless: bool = flag("--dimensionless", "Print theta/alpha over p t; --row-step is in p t too."),
 ) -> None:
     """Time history of one structure: t [s], theta [rad], theta_dot [rad/s], ground_acceleration [m/s2].
 
@@ -57,9 +57,9 @@ def response(
     if shaken.grid is None and (asked.pulse or asked.motion or not release):
         raise ground.no_shaking("--A and --Omega", "--release without a motion for free rocking")
     if dt is not None:
-        refuse("does not go with --dt", "steps")
+        refuse("does not go with --row-step", "steps")
     if dt is not None and not dt > 0.0:
-        raise UsageError(f"--dt: found {dt:g} s; expected a positive time")
+        raise UsageError(f"--row-step: found {dt:g} s; expected a positive time")
     bare = shaken.grid is not None and shaken.grid.dimensionless
     methods = model.methods(structures, bare)
     found = time_history(structures[0], shaken.motion if shaken.grid else None, shaken.grid, methods, release=release, duration=duration)

@@ -23,7 +23,7 @@ def spectrum(
     ),
     no_validity: bool = flag("--no-validity", "Do not compare cells of a linear sweep with the nonlinear equation."),
     chunk_cells: int | None = option("--chunk", "Cells in one unit of work.", type=click.IntRange(1), metavar="CELLS"),
-    check: int | None = option("--check", "Cells to verify by an independent solver.", type=click.IntRange(0, 10_000), metavar="N"),
+    check: int | None = option("--verify-cells", "Cells to verify by an independent solver.", type=click.IntRange(0, 10_000), metavar="N"),
     strict: bool = options.strict(),
     json_: bool = flag("--json", "The closing summary as a JSON record on standard output."),
     sizeless: equations.Sizeless = group(equations.Sizeless),

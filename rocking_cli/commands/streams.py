@@ -5,11 +5,14 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from textwrap import wrap
+from threading import RLock
 from typing import TextIO, cast
 
 import click
 
 from ..errors import OutputError
+
+_WIDTH = 100  # characters of a terminal that does not state its width
 
 
 def printable(text: str) -> str:
@@ -19,44 +22,77 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
-_unfinished = False  # the line that the terminal renews
+lock = RLock()  # of the writers: the program, and the thread that shows its progress
+silent = False  # True in a call with --quiet: no progress
+_renewed = False  # True while a line stands on the terminal that `renew` will replace
+if hasattr(os, "register_at_fork"):  # a worker process must not inherit a lock that the thread holds
+    os.register_at_fork(
+        before=lock.acquire,
+        after_in_parent=lock.release,
+        after_in_child=lock.release,
+    )
 
 
 def renew(line: str) -> None:
     """Write a line over the one that the terminal renews on standard error."""
-    global _unfinished
-    _unfinished = True
-    sys.stderr.write(f"\r\x1b[K{printable(line)}")
-    sys.stderr.flush()
+    global _renewed
+    with lock:
+        _renewed = True
+        text = printable(line)[: _columns(sys.stderr) - 1]  # a second line would stay
+        sys.stderr.write(f"\r\x1b[K{text}")
+        sys.stderr.flush()
 
 
-def end_line() -> None:
-    """End the line that the terminal renews, if there is one."""
-    global _unfinished
-    if _unfinished:
-        _unfinished = False
+def end_line(line: str) -> None:
+    """Write the last text of the line that the terminal renews, which stays."""
+    global _renewed
+    with lock:
+        renew(line)
+        _renewed = False
         sys.stderr.write("\n")
+        sys.stderr.flush()
+
+
+def erase() -> None:
+    """Remove the line that the terminal renews, so that another one can stand there."""
+    global _renewed
+    with lock:
+        if _renewed:
+            _renewed = False
+            sys.stderr.write("\r\x1b[K")
+            sys.stderr.flush()
 
 
 def put(*lines: str) -> None:
     """Write lines on standard output, each at once."""
     for line in lines:
-        if sys.stdout.isatty():
-            end_line()
-        sys.stdout.write(f"{printable(line)}\n")
-        sys.stdout.flush()
+        with lock:
+            if sys.stdout.isatty():
+                erase()
+            sys.stdout.write(f"{printable(line)}\n")
+            sys.stdout.flush()
 
 
 def say(line: str) -> None:
     """Write a line on standard error at once; on a terminal it is broken between words."""
-    end_line()
     text = printable(line)
-    if sys.stderr.isatty():
-        from shutil import get_terminal_size
+    with lock:
+        erase()
+        if sys.stderr.isatty():
+            columns = _columns(sys.stderr)
+            text = "\n".join(wrap(text, columns, break_long_words=False, break_on_hyphens=False))
+        sys.stderr.write(f"{text}\n")
+        sys.stderr.flush()
 
-        text = "\n".join(wrap(text, get_terminal_size((100, 0)).columns, break_long_words=False, break_on_hyphens=False))
-    sys.stderr.write(f"{text}\n")
-    sys.stderr.flush()
+
+def _columns(terminal: TextIO) -> int:
+    """Return the width of a terminal in characters."""
+    if not (asked := os.environ.get("COLUMNS", "")).isdigit() or int(asked) < 2:
+        with suppress(OSError, ValueError):
+            if (columns := os.get_terminal_size(terminal.fileno()).columns) > 1:
+                return columns
+        return _WIDTH
+    return int(asked)
 
 
 @contextmanager

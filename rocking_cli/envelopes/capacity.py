@@ -6,7 +6,7 @@ the search, so the answers agree with the response at the demand.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -32,6 +32,8 @@ RATIO = 5e-3  # ratio of neighbouring amplitudes, minus 1, of an envelope under 
 _TRACED = 1e-6  # relative width to which boundaries under a record are traced
 _STATED = 1e-4  # relative width of falls that may be missed in the tenth below a fall
 _FIRST_WINDOW = 1.5  # range of A in the first batch, whose cells cost about as much as one round of the march
+_SCANNED = 0.4  # of a search under a record: about the share of its scan
+_HALF = 60  # marches after which half of the rest of the search is taken as done
 _PARTS = 256  # parts of a bracket in one cut: there are few brackets, and a batch costs the same for any size
 
 
@@ -74,15 +76,25 @@ class CapacitySearch(NamedTuple):
         digits = tracing_width(self.method, self.motion)
         return FallSearch.of(self.method.system_of(self.structure), self.motion, self.omega, self.structure.eta, digits)
 
-    def capacity(self, fall_search: FallSearch | None = None) -> Capacity:
-        """Compute the capacity; fall_search: one of `fall_searches`. Intervals narrower than `narrowest` may be missed, but not around the
-        demand. Changes are traced to `tracing_width`. Raises UsageError if the demand or `a_max` is above the limit of a scan."""
+    def capacity(
+        self,
+        fall_search: FallSearch | None = None,
+        progress: Callable[[float], None] | None = None,
+    ) -> Capacity:
+        """Compute the capacity; fall_search: one of `fall_searches`; progress: called now
+        and then with about the share that is done.
+
+        Intervals narrower than `narrowest` may be missed, but not around the demand. Changes are
+        traced to `tracing_width`. Raises UsageError if the demand or `a_max` is above the limit of a scan."""
         motion, amplitude, system = self.motion, self.amplitude, self.method.system_of(self.structure)
         lowest, top = self.ends()
         if not lowest < top:
             return Capacity(None, None, lowest if np.isfinite(lowest) else None)
         fall_search = fall_search or fall_searches([self])[0]
         if fall_search is not None:
+            if progress is not None:
+                told = _told_by_marches(fall_search.falls, progress)
+                fall_search = replace(fall_search, falls=told)
             stands = amplitude <= lowest or not fall_search.falls(np.array([amplitude]))[0]
             below = fall_search.first(lowest, min(amplitude, top)) if lowest < amplitude else None
             above = fall_search.first(max(lowest, amplitude), top) if stands else None
@@ -99,15 +111,18 @@ class CapacitySearch(NamedTuple):
                 break
         found = search.first_falls_in(self.omega, Brackets.joined(brackets)) if brackets else []
         first, share_of_falls = min(found, default=None), 0.0
-        if first is not None and motion.segments.sign_changes > FEW_SIGN_CHANGES:
+        if first is not None and falls_may_be_narrow(motion):
             first, share_of_falls = self.fall_search().lowest_and_share(lowest, first)
         safe_to = found[-1] if above_demand else None
         return Capacity(first, safe_to if first is None or safe_to is None or first < amplitude else first, lowest, share_of_falls)
 
 
-def fall_searches(searches: Sequence[CapacitySearch]) -> list[FallSearch | None]:
+def fall_searches(
+    searches: Sequence[CapacitySearch],
+    progress: Callable[[float], None] | None = None,
+) -> list[FallSearch | None]:
     """Return for each capacity the search for narrow overturning intervals, None if its motion needs none; one scan serves all searches.
-    Raises UsageError as `CapacitySearch.ends`."""
+    progress: called now and then with about the share of the searches that is done. Raises UsageError as `CapacitySearch.ends`."""
     found: list[FallSearch | None] = []
     scanned = []
     for one in searches:
@@ -119,8 +134,24 @@ def fall_searches(searches: Sequence[CapacitySearch]) -> list[FallSearch | None]
     if scanned:
         from .lowest_fall import scan_together
 
-        scan_together(scanned)
+        told = progress or (lambda _: None)
+        scan_together(scanned, lambda share: told(_SCANNED * share))
     return found
+
+
+def _told_by_marches(falls: Callable[[Array], Array], progress: Callable[[float], None]) -> Callable[[Array], Array]:
+    """The function `falls` of a search, which calls `progress` after each march. Nobody
+    knows how many marches a search takes, so the share approaches 1."""
+    marches = 0
+
+    def told(amplitude: Array) -> Array:
+        nonlocal marches
+        found = falls(amplitude)
+        marches += amplitude.size
+        progress(1.0 - (1.0 - _SCANNED) * 0.5 ** (marches / _HALF))
+        return found
+
+    return told
 
 
 def tracing_width(method: Method, motion: Motion) -> float:
@@ -131,6 +162,11 @@ def tracing_width(method: Method, motion: Motion) -> float:
 def narrowest(motion: Motion) -> str:
     """The width of intervals that a search may miss, as text."""
     return f"{100.0 * COARSE:g} % of the amplitude ({100.0 * _STATED:g} % in the tenth below a fall)" if _long(motion) else "0.001 in A"
+
+
+def falls_may_be_narrow(motion: Motion) -> bool:
+    """True if a search under this motion may find many narrow intervals that overturn."""
+    return _long(motion) or motion.segments.sign_changes > FEW_SIGN_CHANGES
 
 
 def _long(motion: Motion) -> bool:

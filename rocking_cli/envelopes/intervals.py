@@ -140,12 +140,18 @@ def check_intervals(
     _scan_of(motion, _scaled(structure, axis).size, structure, method, a_max, "worse" if sign == BOTH else sign)
 
 
-def in_turn(search: Callable[[Any], Any], shares: Sequence[Any], workers: int) -> Iterator[Any]:
-    """Runs a search on each share of the work in `workers` processes; yields the results in the order of the shares."""
+def in_turn(
+    search: Callable[[Any], Any],
+    shares: Sequence[Any],
+    workers: int,
+    parts: Callable[[float], None] | None = None,
+) -> Iterator[Any]:
+    """Runs a search on each share of the work in `workers` processes; yields the results in the order of the shares; parts: as of
+    `processes`."""
     if workers == 1:
         yield from map(search, shares)
         return
-    with processes(workers, search, "fewer `workers` need less") as run:
+    with processes(workers, search, "fewer `workers` need less", parts) as run:
         yield from run(shares)
 
 

@@ -160,15 +160,23 @@ def _scan_amplitudes(low: float, high: float, ratio: float) -> Array:
     return np.unique(np.concatenate([[low, high], np.clip((1.0 + ratio) ** powers, low, high)]))
 
 
-def scan_together(asked: Sequence[tuple[FallSearch, float, float, float]]) -> None:
-    """Scan together the amplitudes that several searches will need; asked: (search, least amplitude, demand, largest amplitude) of each."""
+def scan_together(
+    asked: Sequence[tuple[FallSearch, float, float, float]],
+    progress: Callable[[float], None],
+) -> None:
+    """Scan together the amplitudes that several searches will need; asked: (search, least amplitude, demand, largest amplitude) of each;
+    progress: called now and then with the share that is done."""
     from ..dynamics.single.scan import follow
 
     scanned = [(falls.scan, lowest, demand, top) for falls, lowest, demand, top in asked if falls.scan is not None]
     scans = [scan for scan, *_ in scanned]
-    follow(scans, [np.append(_scan_amplitudes(lowest, top, COARSE), demand) for _, lowest, demand, top in scanned])
+    follow(
+        scans,
+        [np.append(_scan_amplitudes(lowest, top, COARSE), demand) for _, lowest, demand, top in scanned],
+        lambda share: progress(0.5 * share),
+    )
     fine = [[_below(scan, lowest, demand), _below(scan, demand, top)] for scan, lowest, demand, top in scanned]
-    follow(scans, [np.unique(np.concatenate(parts)) for parts in fine])
+    follow(scans, [np.unique(np.concatenate(parts)) for parts in fine], lambda share: progress(0.5 + 0.5 * share))
 
 
 def _below(scan: Scan, begin: float, end: float) -> Array:

@@ -101,6 +101,24 @@ class Grid:
         a = a if self.amplitude.name == "A" else structure.dimensionless_amplitude(a)
         return a, scaled_frequency(self.frequency, structure)
 
+    def cell(self, structure: RockingParameters) -> tuple[float, float]:
+        """Return (A, Omega) of a grid of one cell for one structure.
+
+        Raises UsageError for a grid of several cells, and beyond `MOST_OMEGA`.
+        """
+        self.require_one_cell()
+        amplitude, omega = self.scaled(structure)
+        return float(amplitude[0]), float(omega[0])
+
+    def require_one_cell(self) -> None:
+        """Raise UsageError for a grid of several cells."""
+        if math.prod(self.shape) == 1:
+            return
+        frequencies, amplitudes = self.shape
+        found = f"found a grid of {frequencies} frequencies and {amplitudes} amplitudes"
+        one = "parse_grid('a_g=0.3g,f_g=1')"
+        raise UsageError(f"`shaking`: {found}; expected one of each, such as {one}; spectrum() computes a grid")
+
 
 def scaled_frequency(axis: Axis, structure: RockingParameters) -> np.ndarray:
     """Return the Omega values of an axis Omega or omega_g for one structure. Raises UsageError beyond `MOST_OMEGA`."""
@@ -160,10 +178,15 @@ class HasMotion(Protocol):
 
 
 def demand_of(motion: Motion | HasMotion, shaking: Grid | None) -> tuple[Motion, Grid]:
-    """Return the motion and its grid; a record without a grid has its own amplitude. Raises UsageError for another motion without one."""
+    """Return the motion and its grid of one cell; a record without a grid has its own amplitude.
+
+    Raises UsageError for another motion without a grid, and for a grid of several cells.
+    """
     found = motion if isinstance(motion, Motion) else motion.motion
     if shaking is None and found.acceleration is None:
         raise UsageError(f"{found.name}: no grid; expected one, such as parse_grid('a_g=0.3g,f_g=1'), which only a record does not need")
+    if shaking is not None:
+        shaking.require_one_cell()
     return found, shaking or as_recorded(found.acceleration or 0.0)
 
 

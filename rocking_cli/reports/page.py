@@ -23,6 +23,7 @@ from ..documents.document import Document
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..dynamics.method import LINEAR, governing_method, has_direction
 from ..dynamics.outcome import Difference, difference
+from ..envelopes.intervals import A_MAX
 from ..errors import DocumentError, UsageError
 from ..fragility.exposure import MotionSet, exposures
 from ..fragility.fits import FEWEST, Resampling
@@ -35,6 +36,7 @@ from ..motions.records import Record
 from ..plugins import require
 from ..publishing import check_target, published
 from ..responses.check import Progress, Verdict, outcome_alone, tally, verdicts
+from ..responses.inset import effects
 from ..responses.tied_history import remarks
 from ..spectra.file.reader import SpectraFile
 from ..spectra.sweep import SweepOptions, write_spectrum
@@ -45,6 +47,7 @@ from .figures.capacities import capacities
 from .figures.drawing import structure_axes
 from .figures.fragility_curves import fragility_curves
 from .figures.maps import outcome_map
+from .tables import Above
 from .wording import OVERVIEW, capacity_left, demand_plainly, opposite_in_words, overview_row, parameter_rows, worst_of
 
 SIDE = 80  # values on each axis of a map
@@ -71,13 +74,14 @@ class Subject:
 def page(
     subjects: Sequence[Subject], verdicts: Sequence[Verdict], *, pulse: tuple[Motion, Grid] | None = None,
     recordings: Sequence[Recording] = (), vertical: str | None = None, demand: str, command: str, made: str, workers: int | None = None,
-    title: str | None = None, summary: bool = False, by_capacity: bool = False, opposite: str = "",
+    title: str | None = None, summary: bool = False, by_capacity: bool = False, opposite: str = "", insets: Sequence[str] = (),
 ) -> str:  # fmt: skip
     """Return the page as HTML.
 
     verdicts: those of `check`, for each structure and motion; pulse: a motion and its grid of one cell; vertical: name or file of the
     vertical motion; demand: the strength of the shaking in words; title: None for the names of the structures; summary: begin with a
-    sentence on each structure and a list of contents; by_capacity: the least capacity first; opposite: a remark on that direction.
+    sentence on each structure and a list of contents; by_capacity: the least capacity first; opposite: a remark on that direction;
+    insets: lines on what worn edges would take of the capacities.
     """
     from jinja2 import Environment, StrictUndefined
 
@@ -94,6 +98,7 @@ def page(
     return template.render(
         title=title or f"Rocking of {', '.join(of)}",
         opposite=opposite,
+        insets=insets,
         lead=f"{tally(verdicts)}, under {demand}." if summary else f"{tally(verdicts)}, under {motions}: {demand}.",
         overview=[_row(OVERVIEW, overview_row(mine), worst_of(mine)) for mine in of.values()] if summary else [],
         verdicts=[_row(HEADS, attrgetter(*HEADS.values())(v), v) for v in verdicts],
@@ -132,10 +137,11 @@ def report(
 
 def write_page(
     subjects: Sequence[Subject], shakes: Sequence[tuple[Motion, Grid]], target: str | Path, *, recordings: Sequence[Recording],
-    overwrite: bool, workers: int | None, summary: bool, vertical: str | None = None, progress: Progress | None = None, **given: Any,
+    overwrite: bool, workers: int | None, summary: bool, vertical: str | None = None, progress: Progress | None = None,
+    inset_effect: bool = False, **given: Any,
 ) -> list[Verdict]:  # fmt: skip
-    """Check the structures under motions, write the page and return the verdicts; given: more arguments of `page`. Raises UsageError for
-    a target that cannot or must not be written, before anything is computed, and OutputError."""
+    """Check the structures under motions, write the page and return the verdicts; inset_effect: with lines on worn edges; given: more
+    arguments of `page`. Raises UsageError for a target that cannot or must not be written, before anything is computed, and OutputError."""
     check_target(Path(target), overwrite)
     require(*WRITTEN_WITH)
     demands = [(one.structure, *shake) for shake in shakes for one in subjects]
@@ -144,7 +150,8 @@ def write_page(
     demand = demand_plainly(shakes, vertical) if summary else demand_in_words(shakes)
     text = page(
         subjects, found, pulse=None if recordings else shakes[0], recordings=recordings, vertical=vertical, demand=demand,
-        workers=workers, summary=summary, opposite=opposite_in_words(sided) if sided else "", **given,
+        workers=workers, summary=summary, opposite=opposite_in_words(sided) if sided else "",
+        insets=list(effects(found, demands, A_MAX)) if inset_effect else [], **given,
     )  # fmt: skip
     with published(Path(target), overwrite) as file:
         file.write(text.encode())
@@ -190,6 +197,8 @@ def _row(heads: Iterable[str], values: Iterable[str | float | None], v: Verdict)
     cells = []
     for head, x in zip(heads, values, strict=True):
         text = "–" if x is None else x if isinstance(x, str) else f"{x / (DEFAULT_GRAVITY if '[g]' in head else 1.0):.4g}"
+        if x is None and head == "capacity over demand" and v.capacity_above is not None:
+            text = Above(v.capacity_above).shown(4)
         cells.append({"head": head, "text": text, "number": not isinstance(x, str)})
     return {"falls": v.falls, "cells": cells}
 

@@ -23,6 +23,15 @@ _NUMBER = re.compile(r"(?:[<>] ?)?[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?")
 _FORMULA = ("=", "+", "-", "@")  # a spreadsheet reads a text that begins so as a formula, after blanks and in full width too
 
 
+class Above(float):
+    """A number that the true one exceeds, in a table `> 13`, rounded down."""
+
+    def shown(self, digits: int) -> str:
+        """Return the text with so many significant digits."""
+        unit = 10.0 ** (math.floor(math.log10(self)) - digits + 1)
+        return f"> {math.floor(self / unit * (1.0 + 1e-12)) * unit:.{digits}g}"
+
+
 def json_line(row: Row, encoding: str = "utf-8") -> str:
     """Return a row as a JSON object on one line; NaN and infinity become null. All non-ASCII characters are escaped if one of them is not
     printable or not in the encoding."""
@@ -279,6 +288,8 @@ def _csv_cell(value: Any) -> Any:
 def _text(value: Any, digits: int) -> str:
     if value is None:
         return "-"
+    if isinstance(value, Above):
+        return value.shown(digits)
     if isinstance(value, float):
         return f"{value:.{digits}g}"
     if isinstance(value, Mapping):

@@ -20,7 +20,7 @@ SI = {
 COLUMNS = {
     **dict.fromkeys(("alpha", "alpha_geometric", "equilibrium", "theta", "theta_max", "angle", "azimuth"), "angle"),
     "p": "frequency parameter", "theta_dot": "angular velocity", "omega_g": "circular frequency",
-    **dict.fromkeys(("a_g", "a_from", "a_to", "demand_a", "uplift_a", "first_overturning_a", "safe_to"), "acceleration"),
+    **dict.fromkeys(("a_g", "a_from", "a_to", "demand_a", "uplift_a", "first_overturning_a", "safe_to", "searched_to"), "acceleration"),
     "first_overturning_a_free": "acceleration", "tie_elongation": "length", "permanent": "length",
     **dict.fromkeys(("ground_acceleration", "pga", "header_pga", "S_a", "sa", "avgsa"), "acceleration"),
     **dict.fromkeys(("t", "t_max", "dt", "duration", "pga_time", "d5_75", "d5_95", "T", "run_time", "time_per_cell", "pgv_pga"), "time"),

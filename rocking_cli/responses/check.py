@@ -19,7 +19,7 @@ from ..envelopes.intervals import A_MAX
 from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Grid, HasMotion, demand_of
-from ..processes import available_cpus, processes
+from ..processes import available_cpus, part_reporter, processes
 from ..structures.mechanics.fourbar import FourBar
 from ..structures.parameters import RockingParameters
 from .force_history import ForceHistory
@@ -29,17 +29,19 @@ if TYPE_CHECKING:
     from ..envelopes.lowest_fall import FallSearch
 
 Demand = tuple[RockingParameters, Motion, Grid]
-Progress = Callable[[int, int], None]
+Progress = Callable[[float, int], None]
 
-_STAGES = 3  # of a verdict
+_STAGES = 3  # of a verdict: responses, search, history
+_SEARCHED = 0.95  # of a verdict whose search is long: about its share
 _SHIFTS = np.array([0.0, *(sign * 10.0**-n for n in (12, 9, 6) for sign in (-1.0, 1.0))])  # relative changes of a demand
 _SAME = 0.01  # of theta/alpha: rotations under them that differ by less are one
+_LAST = 0.01  # of a verdict, which counts when it has come from its process
 _TOGETHER = 10  # demands that share a scan
 _WORTH = 3  # demands for each process that is started, at least
 CHECK_KEYS = ("structure", "motion")  # the columns that say which row it is
 CHECK_COLUMNS = (
     "structure", "motion", "model", "outcome", "theta_ratio", "top_displacement", "demand_a", "uplift_a", "first_overturning_a",
-    "capacity_demand", "safe_to", "outcome_linear", "friction_needed", "fz_min",
+    "capacity_demand", "safe_to", "searched_to", "outcome_linear", "friction_needed", "fz_min",
 )  # fmt: skip
 TIED_COLUMNS = ("first_overturning_a_free", "tie_force", "tie_elongation", "permanent", "tie_state")
 
@@ -79,6 +81,7 @@ class Verdict:
     first_overturning_a_free: float | None = None
     devices: tuple[dict[str, Any], ...] = ()
     opens: bool | None = None
+    searched_to: float | None = None  # the largest amplitude a_g of the search [m/s2]; None without one
 
     @property
     def sentence(self) -> str:
@@ -89,6 +92,13 @@ class Verdict:
     def capacity_demand(self) -> float | None:
         """The lowest overturning amplitude over the demand; None if nothing overturns the body."""
         return None if self.first_overturning_a is None else self.first_overturning_a / self.demand_a
+
+    @property
+    def capacity_above(self) -> float | None:
+        """If the search found no overturning: the number that `capacity_demand` exceeds."""
+        if self.first_overturning_a is not None or self.searched_to is None:
+            return None
+        return self.searched_to / self.demand_a
 
     @property
     def falls(self) -> bool:
@@ -103,7 +113,11 @@ class Verdict:
             "outcome": self.outcome.flag,
             "outcome_linear": self.outcome_linear.flag,
         }
-        found = {key: own[key] for key in CHECK_COLUMNS} | ({} if self.opens is None else {"opens": self.opens})
+        found = {key: own[key] for key in CHECK_COLUMNS}
+        if self.opens is not None:
+            found["opens"] = self.opens
+        if self.share_of_falls:
+            found["falls_nearby"] = self.share_of_falls
         if not self.devices:
             return found
         from .tied_history import columns_of
@@ -121,16 +135,19 @@ def check(
 ) -> Verdict:
     """Return the verdict on a structure under a motion; shaking: the demand, a grid of one cell; a record does not need it.
 
-    a_max: the search for overturning goes up to this A, or to twice the demand if that is larger; None: no search; progress: called
-    with the number of finished stages and of all (responses, search, forces). Raises UsageError for a demand of zero, for one above
-    the limit of the search, and for a structure without units.
+    a_max: the search for overturning goes up to this A, or to twice the demand if that is
+    larger; None: no search. progress: called with the number of finished stages, of which
+    a part counts as a fraction, and of all (responses, search, forces). Raises UsageError
+    for a demand of zero, for one above the limit of the search, and for a structure
+    without units.
 
     >>> (column,) = load_structures('configs/block.yaml')
     >>> verdict = check(column, sine(), parse_grid('a_g=0.35g,f_g=1.5'))
     >>> verdict.outcome.flag, round(verdict.capacity_demand, 4)
     ('rocked', 1.1149)
     """
-    return _judged(structure, *demand_of(motion, shaking), a_max, None, progress)
+    told = _Shares(1, lambda done: progress(_STAGES * done, _STAGES) if progress else None)
+    return _judged(structure, *demand_of(motion, shaking), a_max, None, told.of(0))
 
 
 def outcome_alone(structure: RockingParameters, motion: Motion, shaking: Grid) -> Outcome:
@@ -151,7 +168,7 @@ def _capacity_search(structure: RockingParameters, motion: Motion, shaking: Grid
     """Return the search for the overturning amplitudes of a demand. Raises UsageError as `check` does."""
     if structure.dimensionless:
         raise UsageError("a restitution alone has no units: give a structure document")
-    amplitude, omega = (float(x[0]) for x in shaking.scaled(structure))
+    amplitude, omega = shaking.cell(structure)
     if not amplitude > 0.0:
         raise UsageError("the amplitude is 0; expected a positive one")
     return CapacitySearch(structure, motion, amplitude, omega, governing_method(structure, dimensionless=shaking.dimensionless), a_max)
@@ -163,29 +180,29 @@ def _judged(
     shaking: Grid,
     a_max: float | None,
     fall_search: "FallSearch | None",
-    progress: Progress | None,
+    done: Callable[[float], None],
 ) -> Verdict:
-    """Return the verdict of `check`; fall_search: the search for overturning amplitudes, if one has begun."""
+    """Return the verdict of `check`; fall_search: the search for overturning amplitudes, if one has begun; done: called with the share of
+    the verdict that is known."""
     search = _capacity_search(structure, motion, shaking, a_max or 0.0)
     _, _, amplitude, omega, method, _ = search
-    done = progress or _no_progress
     shifted = amplitude * (1.0 + _SHIFTS)
     governs = _respond(method, structure, motion, shifted, omega)
     outcome, rotation = Outcome(int(governs.outcome[0])), float(governs.theta_ratio[0])
     stands, falls = safe(governs.outcome), ~safe(governs.outcome) & (governs.outcome != Outcome.FAILED)
     linear = _respond(LINEAR, structure, motion, shifted[:1], omega)
-    done(1, _STAGES)
+    done(1 / _STAGES)
     if a_max is None:
         least = method.system_of(structure).least_uplift(motion)
         found = Capacity(None, None, least if math.isfinite(least) else None)
     else:
-        found = search.capacity(fall_search)
+        found = search.capacity(fall_search, lambda share: done(_SEARCHED * share))
     free = None
     if structure.restraints and a_max is not None:
         free = search._replace(structure=replace(structure, restraints=None)).capacity().first
-    done(2, _STAGES)
+    done(2 / _STAGES)
     asked = _of_history(method, structure, motion, shaking)
-    done(_STAGES, _STAGES)
+    done(1.0)
     near = shifted[falls] if stands[0] and a_max is not None else shifted[:0]
 
     def acceleration(*a: float | None) -> float | None:
@@ -213,6 +230,7 @@ def _judged(
         outcome_linear=Outcome(int(linear.outcome[0])),
         unsettled=bool(stands.any() and (falls.any() or np.ptp(governs.theta_ratio[stands]) > _SAME)),
         share_of_falls=found.share_of_falls,
+        searched_to=None if a_max is None else acceleration(search.ends()[1]),
         first_overturning_a_free=acceleration(free),
         slides=structure.friction is not None and (asked.get("friction_needed") or 0.0) > structure.friction,
         **asked,
@@ -228,9 +246,10 @@ def verdicts(
 ) -> Iterator[Verdict]:
     """Yield the verdict on each demand (structure, motion, shaking), in their order, as soon as it is found.
 
-    a_max: an A, or an acceleration for every structure, None for no search; workers: number of processes, None for all cores if that
-    saves time; progress: called with the number of finished stages or checks and of all. Raises as `check` does, and
-    OutputError when a worker process dies.
+    a_max: an A, or an acceleration for every structure, None for no search; workers:
+    number of processes, None for all cores if that saves time; progress: called with the
+    number of finished checks, of which a part counts as a fraction, and of all. Raises as
+    `check` does, and OutputError when a worker process dies.
     """
     available, done = workers or available_cpus(), progress or _no_progress
     several = max(1, min(available, len(demands) // (1 if workers else _WORTH)))
@@ -239,11 +258,22 @@ def verdicts(
     groups = [demands[i : i + size] for i in range(0, len(demands), size)]
     if several == 1:
         for i, group in enumerate(groups):
-            yield from _each(a_max, group, [partial(_after, done, i * size + j, len(demands)) for j in range(len(group))])
+            yield from _each(a_max, group, partial(_after, done, i * size, len(demands)))
         return
-    with processes(several, partial(_all, a_max), "fewer `workers` need less") as run:
+    known = 0.0  # verdicts, of those under way the parts that are known
+
+    def tell(reported: float) -> None:
+        nonlocal known
+        known = max(known, reported)
+        done(known, len(demands))
+
+    def parts(reported: float) -> None:
+        tell(min(reported, len(demands) - _LAST))
+
+    task, advice = partial(_all, a_max), "fewer `workers` need less"
+    with processes(several, task, advice, parts) as run:
         for i, verdict in enumerate(chain.from_iterable(run(groups)), 1):
-            done(i, len(demands))
+            tell(i)
             yield verdict
 
 
@@ -255,25 +285,58 @@ def tally(verdicts: Sequence[Verdict]) -> str:
     return overturn + (f", {leans} come{'s' if leans == 1 else ''} to rest leaning" if leans else "")
 
 
-def _no_progress(done: int, total: int) -> None:
+def _no_progress(done: float, total: int) -> None:
     """Show no progress."""
 
 
-def _after(progress: Progress, before: int, checks: int, stage: int, stages: int) -> None:
-    """Call `progress` with the number of finished stages of all checks; before: the number of finished checks."""
-    progress(before * stages + stage, checks * stages)
+def _after(progress: Progress, before: int, checks: int, done: float) -> None:
+    """Call `progress` with the number of finished checks and of all; before: those before
+    the present group, done: those in it."""
+    progress(before + done, checks)
 
 
-def _each(a_max: float | Limit | None, demands: Sequence[Demand], progress: Sequence[Progress | None]) -> Iterator[Verdict]:
-    """Yield the verdicts on several demands; their searches share their scans."""
+class _Shares:
+    """The shares of several verdicts that are known; `tell` is called with their sum
+    whenever it grows."""
+
+    def __init__(self, count: int, tell: Callable[[float], None]) -> None:
+        self._shares = [0.0] * count
+        self._tell = tell
+
+    def _grow(self, number: int, share: float) -> None:
+        if share > self._shares[number]:
+            self._shares[number] = share
+            self._tell(sum(self._shares))
+
+    def of(self, number: int) -> Callable[[float], None]:
+        """Return a function that takes the share of one verdict."""
+        return partial(self._grow, number)
+
+    def all(self, share: float) -> None:
+        """Take a share of all verdicts."""
+        for number in range(len(self._shares)):
+            self._grow(number, share)
+
+
+def _each(
+    a_max: float | Limit | None,
+    demands: Sequence[Demand],
+    tell: Callable[[float], None],
+) -> Iterator[Verdict]:
+    """Yield the verdicts on several demands; their searches share their scans. tell: called with the number of those that are known."""
+    shares = _Shares(len(demands), tell)
     most = [None if a_max is None else limit_of(a_max, structure) for structure, _, _ in demands]
-    found = fall_searches([_capacity_search(*demand, a) for demand, a in zip(demands, most, strict=True) if a is not None])
-    for demand, a, fall_search, done in zip(demands, most, found or repeat(None), progress, strict=False):
-        yield _judged(*demand, a, fall_search, done)
+    found = fall_searches(
+        [_capacity_search(*demand, a) for demand, a in zip(demands, most, strict=True) if a is not None],
+        lambda share: shares.all(_SEARCHED * share),
+    )
+    for i, (demand, a, fall_search) in enumerate(zip(demands, most, found or repeat(None), strict=False)):
+        yield _judged(*demand, a, fall_search, shares.of(i))
 
 
 def _all(a_max: float | Limit | None, demands: Sequence[Demand]) -> list[Verdict]:
-    return list(_each(a_max, demands, [None] * len(demands)))
+    """Return the verdicts on several demands in a worker process."""
+    return list(_each(a_max, demands, part_reporter()))
 
 
 def _of_history(method: Method, structure: RockingParameters, motion: Motion, shaking: Grid) -> dict[str, Any]:

@@ -125,7 +125,7 @@ def code_check(
         demand, name, amplitude = site, site.name, site.pga
     elif motion is not None:
         motion, shaking = demand_of(motion, shaking)
-        a, omega = (float(x[0]) for x in shaking.scaled(structure))
+        a, omega = shaking.cell(structure)
         name, amplitude = motion.name, float(structure.ground_acceleration(a))
         if not amplitude > 0.0:
             raise UsageError("the amplitude is 0; expected a positive one")
@@ -160,7 +160,7 @@ def first_beyond(
     >>> round(first_beyond(column, sine(), parse_grid('a_g=0.3g,T_g=0.4')) / 9.81, 3)
     0.571
     """
-    demand, omega = (float(x[0]) for x in shaking.scaled(structure))
+    demand, omega = shaking.cell(structure)
     system = governing_method(structure, dimensionless=shaking.dimensionless).system_of(structure)
     low, top = system.least_uplift(motion), 10.0 * demand if most is None else structure.dimensionless_amplitude(most)
 

@@ -23,6 +23,7 @@ _SHAKEN = 201  # times at least of a curve while the ground moves
 
 def scaled_alike(structure: RockingParameters, shaking: Grid, first: RockingParameters) -> Grid:
     """Return the grid of one cell, a_g and omega_g, that gives `structure` the A and Omega that `shaking` gives `first`."""
+    shaking.require_one_cell()
     amplitude, omega = shaking.scaled(first)
     if structure.dimensionless:
         return Grid(Axis("A", amplitude), Axis("Omega", omega))

@@ -77,9 +77,12 @@ def boundaries(
 
     if not (0.0 < share <= 1.0 and margin > 0.0):
         raise UsageError(f"found `share` {share:g} and `margin` {margin:g}; expected a share above 0 and up to 1, and a positive margin")
+    for _, grid in (*shakes, *opposite):
+        grid.require_one_cell()
     most = max(float(grid.amplitude.values[0]) for _, grid in shakes)
     reach = Limit(_BEYOND * margin * most, shakes[0][1].amplitude.name == "a_g")
     remarks: list[str] = []
+    at_ends: dict[float, set[str]] = {}  # the ends of the range that are the worst, of each value
 
     def own_name(member: RockingParameters) -> str:
         return member.name[: member.name.rindex(f" {varied.key}=")]
@@ -96,7 +99,10 @@ def boundaries(
             remarks.extend(direction_in_words(replace(one, name=own_name(one)), opposite="the other `sign`"))
         demands = [(one, *shake) for shake in (*shakes, *opposite) for one in structures]
         if up_to is not None:
-            demands = [(s, motion, at_worst_frequency(s, motion, low, up_to, reach)[0]) for s, motion, low in demands]
+            found_at = [at_worst_frequency(s, motion, low, up_to, reach) for s, motion, low in demands]
+            demands = [(s, motion, worst.grid) for (s, motion, _), worst in zip(demands, found_at, strict=True)]
+            ends = {f"{worst.end} end of the range, {worst.frequency:.4g} Hz" for worst in found_at if worst.end}
+            at_ends[value] = ends
         found = list(verdicts(demands, a_max=reach, workers=workers))
         if any(v.outcome == Outcome.FAILED for v in found):
             remarks.append(f"no verdict for {varied.key} = {value:g}")
@@ -121,6 +127,9 @@ def boundaries(
                 break
         else:
             value = high if above else low
+        for end in sorted(at_ends.get(value, ())):
+            beyond = "slower" if end.startswith("lower") else "faster"
+            remarks.append(f"the worst frequency at this boundary is the {end}; {beyond} motions may overturn it")
         return row(value, "stands above" if above else "stands below", margin * math.exp(excess(value)))
 
     def row(value: float, side: str, capacity_demand: float | None) -> Boundary:

@@ -240,7 +240,7 @@ def time_history(
     """
     moved, shaking = (STILL, None) if motion is None else demand_of(motion, shaking)
     methods = methods or [governing_method(structure, dimensionless=shaking is not None and shaking.dimensionless)]
-    amplitude, omega = (float(x[0]) for x in shaking.scaled(structure)) if shaking else (0.0, 1.0)
+    amplitude, omega = shaking.cell(structure) if shaking else (0.0, 1.0)
     if shaking and not amplitude > 0.0:
         raise UsageError("the amplitude is 0; expected a positive one; free rocking is `release` without a motion")
     if not (0.0 <= release < 1.0):

@@ -41,7 +41,7 @@ def predict(structure: RockingParameters, spectrum: SpectraFile | str | Path, sh
     if abs(etas[nearest] - structure.eta) > ETA_TOLERANCE:
         held = ", ".join(f"{x:g}" for x in sorted(set(etas.values())))
         raise UsageError(f"{structure.name}: its eta is {structure.eta:.6g}, the spectrum holds {held}; `exact` computes it")
-    amplitude, omega = (float(x[0]) for x in shaking.scaled(structure))
+    amplitude, omega = shaking.cell(structure)
     a, w = spectrum.grid.amplitude.values, spectrum.grid.frequency.values
     if not (a[0] <= amplitude <= a[-1] and w[0] <= omega <= w[-1]):
         held = f"A {a[0]:g} to {a[-1]:g}, Omega {w[0]:g} to {w[-1]:g}"
@@ -61,7 +61,7 @@ def predict_exactly(structure: RockingParameters, motion: Motion, shaking: Grid)
     A to the nearest boundary between standing and overturning; margin_side: the side of A on which it lies. They are None if no amplitude
     up to A_MAX and 2 A overturns, and at A = 0. theta_max is None if the edges differ, since the largest theta/alpha does not state its
     edge. Raises UsageError for a demand above the limit of a scan."""
-    amplitude, omega = (float(x[0]) for x in shaking.scaled(structure))
+    amplitude, omega = shaking.cell(structure)
     if 2.0 * amplitude > HIGHEST:
         raise UsageError(f"{structure.name}: found A = {amplitude:.6g}; expected up to {HIGHEST / 2.0:g}")
     found = response(LINEAR.system_of(structure), motion, np.array([amplitude]), np.array([omega]), structure.eta)

@@ -173,7 +173,7 @@ def printed(text: str) -> Arrays:
 def filed(text: str) -> Arrays:
     """The arrays of the file that `rocking spectrum` writes; axes and names are left out."""
     path = FOLDER / "spectrum.h5"
-    command(f"spectrum {text} --workers 1 --check 2 --impacts --overwrite -q -o {path}")
+    command(f"spectrum {text} --workers 1 --verify-cells 2 --impacts --overwrite -q -o {path}")
     with h5py.File(path) as file:
         return {key: data[()] for key, data in file.items() if isinstance(data, h5py.Dataset) and data.ndim == 3}
 

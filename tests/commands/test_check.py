@@ -1,8 +1,8 @@
 """`rocking check` at the shell."""
 
 import pytest
-from support.documents import csv_rows
 from support.record_layouts import at2, of_a_station, wave
+from support.synthetic_records import noise
 
 from rocking_cli import load_structures
 
@@ -31,7 +31,7 @@ def test_a_row_a_structure_the_weakest_first(rocking):
 
 def test_the_verdict_alone(rocking):
     searched, alone = (rocking("check", *THREE, *SHAKING, "--json", *more).records for more in ((), ("--verdict-only",)))
-    found_by_search = dict.fromkeys(("first_overturning_a", "capacity_demand", "safe_to"))
+    found_by_search = dict.fromkeys(("first_overturning_a", "capacity_demand", "safe_to", "searched_to"))
     assert alone == [row | found_by_search for row in searched]
 
 
@@ -47,7 +47,7 @@ def test_the_table_speaks_the_unit_of_the_request(rocking):
     assert (in_g, in_si) == ("uplift_a [g]  0.2\n", "uplift_a [m/s2]  1.962\n")
     assert rocking("check", STATED, *SHAKING, "--csv").stdout.splitlines()[0] == (
         "structure,motion,model,outcome,theta_ratio,top_displacement [m],demand_a [m/s2],uplift_a [m/s2],"
-        "first_overturning_a [m/s2],capacity_demand,safe_to [m/s2],outcome_linear,friction_needed,fz_min"
+        "first_overturning_a [m/s2],capacity_demand,safe_to [m/s2],searched_to [m/s2],outcome_linear,friction_needed,fz_min"
     )
 
 
@@ -139,9 +139,24 @@ def test_a_directory_gives_both_horizontal_components_and_the_station_its_vertic
 
 def test_the_limit_of_the_search_is_written_as_for_an_envelope(rocking):
     """0.3 g is A = 1.5 of a body that lifts at 0.2 g; neither reaches its first overturning."""
-    both = [rocking("check", STATED, "--a-g", "0.1g", "--f-g", "1.2", "--a-max", most, "--csv").stdout for most in ("0.3g", "1.5")]
+    call = ("check", STATED, "--a-g", "0.1g", "--f-g", "1.2", "--a-max")
+    both = [rocking(*call, most, "--json").record for most in ("0.3g", "1.5")]
+    for row in both:
+        assert row.pop("searched_to") == pytest.approx(0.3 * 9.81, rel=1e-12)
     assert both[0] == both[1]
-    assert csv_rows(both[0])[0]["first_overturning_a"] == ""
+    assert both[0]["first_overturning_a"] is None
+
+
+def test_a_body_that_nothing_overturns_has_a_capacity_above_the_limit_of_the_search(rocking):
+    """The search goes up to A = 1.5, which is 0.3 g, and to twice a larger demand."""
+    call = ("check", STATED, "--f-g", "1.2", "--a-max", "1.5", "--columns", "capacity_demand,searched_to")
+    for a_g, shown, to in (("0.1g", "> 3", "0.3"), ("0.09g", "> 3.333", "0.3"), ("0.16g", "> 2", "0.32")):
+        lines = rocking(*call, "--a-g", a_g).stdout.splitlines()
+        assert [line.split(maxsplit=1)[1].removeprefix("[g]").strip() for line in lines] == [shown, to]
+    row = rocking(*call[:-2], "--a-g", "0.1g", "--json").record
+    assert (row["capacity_demand"], row["searched_to"]) == (None, pytest.approx(0.3 * 9.81, rel=1e-12))
+    assert "> " not in rocking(*call[:-2], "--a-g", "0.1g", "--verdict-only").stdout
+    assert rocking(*call[:-2], "--a-g", "0.1g", "--csv").rows[0]["capacity_demand"] == ""
 
 
 def test_a_varied_value_is_a_column_and_members_without_a_solution_are_left_out(rocking):
@@ -229,14 +244,19 @@ def test_csv_has_the_columns_of_ties_that_the_first_structure_lacks(rocking):
 
 
 def test_the_effect_of_an_inset_on_the_least_capacity_is_told(rocking):
-    plain, worn = (rocking("check", text, *SHAKING, "--json") for text in ("block:0.5x2,name=B", "block:0.5x2,name=B,inset=25mm"))
+    bodies = ("block:0.5x2,name=B", "block:0.5x2,name=B,inset=25mm")
+    plain, worn = (rocking("check", text, *SHAKING, "--inset-effect", "--json") for text in bodies)
     least = [done.records[0]["first_overturning_a"] for done in (plain, worn)]
-    message = (
-        f"B: pivots 25 mm inside the edges (5 % of the width: rounding, wear) take {100 - 100 * least[1] / least[0]:.2g} % of the capacity"
-    )
+    taken = f"{100 - 100 * least[1] / least[0]:.2g} %"
+    message = f"B: pivots 25 mm inside the edges (5 % of the width: rounding, wear) would take {taken} of the capacity"
     assert message in plain.stderr.splitlines()
     for done in (worn, rocking("check", "block:0.5x2", *SHAKING, "--verdict-only"), rocking("check", "configs/parameters.yaml", *SHAKING)):
         assert "inside the edges" not in done.stderr
+    hint = "worn or rounded edges lower the capacity: --inset-effect shows by how much"
+    for more, told in (("", True), (",inset=25mm", False)):
+        stands = rocking("check", f"block:0.5x2{more}", "--a-g", "0.3g", "--f-g", "1.5")
+        assert (hint in stands.stderr, "inside the edges" in stands.stderr) == (told, False)
+    assert hint not in rocking("check", bodies[0], *SHAKING).stderr  # it falls
 
 
 def test_the_worst_azimuth_of_two_components(rocking, refused, tmp_path):
@@ -264,7 +284,7 @@ def test_the_worst_frequency_of_a_range_is_exact(rocking):
     least = min(one["a_from"] or float("inf") for one in lowest)
     assert row["first_overturning_a"] <= least * (1.0 + 1e-9)
     there = rocking("check", STATED, "--a-g", "0.1g", "--f-g", repr(row["worst_f_g"]), *motion, "--json").record
-    assert {**there, "worst_f_g": row["worst_f_g"]} == row
+    assert {**there, "worst_f_g": row["worst_f_g"], "worst_f_g_end": "lower"} == row
     assert "demand: a_g 0.981 m/s2 = 0.1 g, f_g 0.71429 to 1.1111 Hz" in done.stderr
     assert "worst_f_g [Hz]" in rocking("check", STATED, "--a-g", "0.1g", "--f-g", "0.7:0.75").stdout
 
@@ -277,6 +297,65 @@ def test_a_demand_that_overturns_at_some_frequency_is_not_called_safe(rocking):
     assert (alone["outcome"], alone["capacity_demand"] < 1.0) == ("rocked", True)
     assert ranged["outcome"].startswith("overturned")
     assert ranged["worst_f_g"] > 0.9
+
+
+@pytest.mark.parametrize("more", [("--a-max", "2"), ("--verdict-only",)], ids=["searched", "outcomes"])
+def test_the_worst_frequency_at_an_end_of_the_range_is_told(rocking, more):
+    """What is said of slower motions is what the same call finds at that frequency."""
+    call = ("check", STATED, "--a-g", "0.26g", *more)
+    done = rocking(*call, "--f-g", "0.8:1.2", "--json")
+    assert (done.record["worst_f_g"], done.record["worst_f_g_end"]) == (pytest.approx(0.8), "lower")
+    line = next(line for line in done.stderr.splitlines() if "worst at" in line)
+    assert line.startswith("stated: worst at the lower end of the range, 0.8 Hz; slower motions are worse (")
+    assert line.endswith(" Hz overturns it). It lifts at 0.2 g whatever the frequency")
+    slower = line.partition("worse (")[2].partition(" Hz")[0]
+    assert rocking(*call, "--f-g", slower, "--json").record["outcome"].startswith("overturned")
+    other = STATED.replace("p=2.1", "p=2.15").replace("stated", "other")
+    both = rocking("check", STATED, other, *call[2:], "--f-g", "0.8:1.2").stderr
+    assert (
+        "worst at the lower end of the range, 0.8 Hz: 2 of 2 rows (worst_f_g_end); slower motions are worse: they overturn stated" in both
+    )
+    inside = rocking("check", STATED, "--a-g", "0.5g", "--f-g", "0.2:1.8", "--verdict-only", "--json")
+    assert (inside.record["outcome"][:10], inside.record["worst_f_g_end"]) == ("overturned", None)
+    assert "worst at" not in inside.stderr
+
+
+def test_an_end_beyond_which_nothing_is_worse_is_told_so(rocking):
+    """Under a demand below uplift no frequency does anything."""
+    done = rocking("check", STATED, "--a-g", "0.19g", "--f-g", "1:3", "--verdict-only")
+    assert "no slower motion that was tried, to 0.1 Hz, overturns it or rocks it further. It lifts at 0.2 g" in done.stderr
+
+
+@pytest.mark.parametrize("a_g", ["0.24g", "0.26g", "0.3g", "0.5g"])
+def test_outcomes_alone_over_a_range_are_those_of_the_search(rocking, a_g):
+    call = ("check", STATED, "--a-g", a_g, "--f-g", "0.8:1.2", "--json")
+    searched, alone = (rocking(*call, *more).record for more in (("--a-max", "3"), ("--verdict-only",)))
+    assert searched["outcome"][:6] == alone["outcome"][:6]
+    assert alone["first_overturning_a"] is None
+
+
+def test_a_search_that_takes_minutes_is_announced(rocking, monkeypatch):
+    from rocking_cli.commands import check_demands
+
+    monkeypatch.setattr(check_demands, "_LONG", 1500)
+    call = ("check", STATED, "--motion", "configs/motions/synthetic.at2", "--a-max", "1.5")
+    line = "a record of 1599 samples: the search takes 0.01 min or more for each structure and record; --verdict-only does without it"
+    assert rocking(*call).stderr.splitlines()[0] == line
+    for more in (("-q",), ("--verdict-only",)):
+        assert line not in rocking(*call, *more).stderr
+
+
+def test_falls_in_narrow_intervals_are_a_column_and_one_line(rocking, tmp_path):
+    for n, seed in enumerate((1, 2)):
+        rows = "".join(f"{0.06 * i:.2f},{x:.6f}\n" for i, x in enumerate(noise(240, 0.06, seed)))
+        (tmp_path / f"r{n}.csv").write_text(rows)
+    call = ("check", "block:0.4x2.4", "--motion", "r0.csv", "r1.csv", "--unit", "m/s2", "--a-max", "3")
+    done = rocking(*call, "--json")
+    shares = [row.get("falls_nearby") for row in done.records]
+    assert any(share is not None and 0.0 < share < 1.0 for share in shares)
+    assert sum("falls_nearby: this share" in line for line in done.stderr.splitlines()) == 1
+    csv = rocking(*call, "--csv").rows
+    assert [float(row["falls_nearby"]) if row["falls_nearby"] else None for row in csv] == shares
 
 
 def test_the_opposite_direction_of_a_body_with_one_side_is_told(rocking):

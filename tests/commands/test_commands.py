@@ -9,7 +9,7 @@ import click
 import pytest
 from click.shell_completion import ShellComplete
 
-from rocking_cli.commands import COMMANDS, cli
+from rocking_cli.commands import COMMANDS, RENAMED, cli
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -25,6 +25,32 @@ SINGLE = [
 def test_a_single_valued_option_is_not_taken_twice(command, option):
     with pytest.raises(click.UsageError, match=f"^{option} is given twice; expected one value$"):
         cli.main([command, option, "1", option, "2"], standalone_mode=False)
+
+
+def test_an_option_means_one_thing_in_every_command():
+    """Help texts of options of one name are compared by their first words, but for those that ask for the same thing differently."""
+    alike = {"--vary", "--json", "--output", "-o", "--title", "--sign", "--model", "--eta", "--grid", "--seed"}
+    meanings: dict[str, dict[str, str]] = {}
+    for command in COMMANDS:
+        for option in cli.get_command(click.Context(cli), command).params:
+            for name in option.opts if isinstance(option, click.Option) else ():
+                meanings.setdefault(name, {})[str(option.help)] = command
+    assert {name: said for name, said in meanings.items() if len(said) > 1 and name not in alike} == {}
+
+
+@pytest.mark.parametrize(("command", "old"), RENAMED)
+def test_an_old_name_of_an_option_stays_for_a_version_with_a_line(command, old, rocking):
+    """A value that cannot be read is refused under the new name."""
+    new = RENAMED[command, old]
+    line = f"{old} of rocking {command} is now called {new}; the old name goes with the next version"
+    given = "nothing.x" if command in ("plot", "predict") else "x"
+    for call in ([old, given], [f"{old}={given}"]) if given == "x" else ([old, given],):
+        assert line in rocking(command, *call).stderr.splitlines()
+    assert line not in rocking(command, old, given, "-q").stderr
+    assert line not in rocking(command, new, given).stderr
+    if given == "x":
+        done = rocking(command, old, given, "configs/block.yaml", *(("-o", "s.h5") * (command == "spectrum")))
+        assert (done.returncode, new in done.stderr.splitlines()[1]) == (2, True)
 
 
 def test_repeatable_options_flags_and_values_that_look_like_options_are_taken(rocking):

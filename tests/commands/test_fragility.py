@@ -124,6 +124,9 @@ def test_a_hazard_curve_gives_annual_rates(rocking):
     assert [(r["limit_state"], r["rejected"] == "") for r in rows] == [("0.5", True), ("overturning", False), ("overturning", False)]
     assert float(rows[1]["annual_rate"]) == fitted["annual_rate"]
     assert "Stated, overturning, exact: 0.000" in done.stderr
+    assert sum("report that of the row exact" in line for line in done.stderr.splitlines()) == 1
+    table = rocking("fragility", STATED, *SITE, *HAZARD, "--limit", "overturning").stdout
+    assert ("annual_rate" in table, "rate_without_fit" in table) == (True, False)
     assert "a year up to 0.45 g; stronger motions, not counted, add 0.000174 at most" in done.stderr
 
 
@@ -134,6 +137,7 @@ def test_a_rate_needs_no_fit(rocking):
     (row,) = done.records
     assert (done.returncode, row["method"], row["annual_rate_low"]) == (4, "exact", None)
     assert row["annual_rate"] > 0.0
+    assert "report that of the row exact" not in done.stderr  # it is the only one
 
 
 def test_a_figure_holds_hazard_fragility_and_the_part_of_each_level(rocking):

@@ -8,7 +8,7 @@ TWO = ("block:0.5x2,name=One,restitution=0.9", "spire:1.5x12,name=Two,restitutio
 def test_prediction_is_the_computed_response_and_states_how_far_the_spectrum_is_off(rocking, spectrum_file):
     for shaking in (("--a-g", "0.55g", "--f-g", "1.5"), ("--A", "7.5", "--Omega", "2")):
         call = ("predict", str(spectrum_file), *TWO, *shaking, "--json")
-        beside, exact = (rocking(*call, *how).records for how in ((), ("--exact",)))
+        beside, exact = (rocking(*call, *how).records for how in ((), ("--beyond-range",)))
         assert ",".join(beside[0]) == (
             "structure,eta,A,Omega,a_g,omega_g,theta_max,theta_ratio,outcome,capacity_demand,margin,margin_side,"
             "theta_ratio_interpolated,interpolation_error"
@@ -31,7 +31,7 @@ def test_prediction_near_a_boundary_is_decided(rocking, spectrum_file):
 
 
 def test_without_shaking_nothing_moves(rocking, spectrum_file):
-    done = rocking("predict", str(spectrum_file), *TWO, "--A", "0", "--Omega", "5", "--exact", "--json")
+    done = rocking("predict", str(spectrum_file), *TWO, "--A", "0", "--Omega", "5", "--beyond-range", "--json")
     assert done.stderr == "model: linear, as the spectrum's\n"
     record = done.records[0]
     assert (record["outcome"], record["theta_max"], record["a_g"]) == ("no_uplift", 0.0, 0.0)
@@ -47,7 +47,7 @@ def test_a_negative_amplitude_reverses_the_motion_of_the_spectrum(rocking, tmp_p
     rocking("spectrum", "u.yaml", *at)
     for file, stands in (("u.yaml", "-0.3g"), ("m.yaml", "0.3g")):
         for a_g in ("0.3g", "-0.3g"):
-            for how in ((), ("--exact",)) if file == "u.yaml" else (("--exact",),):
+            for how in ((), ("--beyond-range",)) if file == "u.yaml" else (("--beyond-range",),):
                 done = rocking("predict", "u.h5", file, "--a-g", a_g, "--T-g", "0.8", "--json", *how)
                 found = done.record
                 assert found["theta_ratio"] == (pytest.approx(0.682469157747, rel=1e-9, abs=0) if a_g == stands else None)

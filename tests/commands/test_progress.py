@@ -1,8 +1,12 @@
-"""The line of progress on a terminal: units, time left, and a line of its own for what comes after it."""
+"""The progress of a call: units, time left, in a log and on a terminal, from a thread."""
 
 import io
+import os
 import re
-import signal
+import select
+import subprocess
+import sys
+import time
 
 import click
 import pytest
@@ -19,16 +23,16 @@ class Terminal(io.StringIO):
 
 
 class Clock:
-    """The time, and a timer of the system that strikes when a test says so."""
+    """The time. A tick is what the thread does each second, here when a test says so."""
 
     def __init__(self, monkeypatch):
-        self.now, self.times = 0.0, []
+        self.now = 0.0
         monkeypatch.setattr(progress, "monotonic", lambda: self.now)
-        monkeypatch.setattr(progress.signal, "setitimer", lambda which, *times: self.times.append(times))
+        monkeypatch.setattr(progress, "_TICK", 1e6)  # the thread only waits
 
-    def strike(self, at: float) -> None:
+    def tick(self, at: float) -> None:
         self.now = at
-        signal.raise_signal(signal.SIGALRM)
+        progress._reporter.tick()
 
 
 @pytest.fixture
@@ -55,32 +59,53 @@ def quiet() -> click.Context:
 
 def shown(terminal: Terminal) -> list[str]:
     """The lines as they stand, each time that they are written anew."""
-    return re.sub(r"\x1b\[\??[0-9]*[a-zA-Z]", "", terminal.getvalue()).replace("\r", "\n").splitlines()
+    plain = re.sub(r"\x1b\[\??[0-9]*[a-zA-Z]", "", terminal.getvalue())
+    return [line for line in plain.replace("\r", "\n").splitlines() if line]
 
 
 def test_units_done_and_in_total_and_the_time_left(begin, clock):
     terminal, line = begin(), ProgressLine("spectrum", "chunks")
     for clock.now, done in ((10.0, 5), (20.0, 15), (24.0, 20)):
         line(done, 20)
-    assert [text for text in shown(terminal) if text] == [
+    assert shown(terminal) == [
         "[--------------------] spectrum: still computing (0 s)",
         "[#####---------------] spectrum: still computing (5 of 20 chunks done, 10 s)",
-        "[###############-----] spectrum: about 10 s more (15 of 20 chunks done)",
+        "[###############-----] spectrum: about 10 s more (15 of 20 chunks done, 20 s)",
         "[####################] spectrum: 20 chunks in 24 s",
     ]
     assert terminal.getvalue().endswith("\n")
 
 
-def test_what_is_said_next_stands_on_a_line_of_its_own_and_the_bar_begins_again(begin):
+def test_a_terminal_shows_every_second_what_is_left_though_nothing_is_reported(begin, clock):
+    terminal = begin()
+    with progress.reporting():
+        line = ProgressLine("check", "checks")
+        line(1.5, 22)  # a part of a check counts
+        for second in (9.0, 10.0, 11.0):
+            clock.tick(second)
+        line(22, 22)
+        clock.tick(12.0)
+    assert shown(terminal)[2:] == [
+        "[#-------------------] check: still computing (1 of 22 checks done, 6.8 % in all, 9 s)",
+        "[#-------------------] check: still computing (1 of 22 checks done, 6.8 % in all, 10 s)",
+        "[#-------------------] check: still computing (1 of 22 checks done, 6.8 % in all, 11 s)",
+        "[####################] check: 22 checks in 11 s",
+        "check: still computing (12 s)",
+    ]
+    assert terminal.getvalue().endswith("\r\x1b[K")
+
+
+def test_other_output_takes_the_place_of_the_line_and_the_line_begins_again(begin):
     terminal, line = begin(), ProgressLine("a\x1b[2Jb", "chunks")
     line(1, 3)
     streams.say("rocking: interrupted")
     streams.say("and more")
-    assert terminal.getvalue().endswith(" s)\nrocking: interrupted\nand more\n")
+    erased = "\r\x1b[Krocking: interrupted\nand more\n"
+    assert terminal.getvalue().endswith(erased)
     assert "\\x1b[2J" in terminal.getvalue()
     line(2, 3)
     assert "2 of 3" in shown(terminal)[-1]
-    streams.end_line()
+    streams.erase()
 
 
 def test_a_terminal_shows_a_long_sentence_in_lines_of_whole_words(begin, monkeypatch):
@@ -91,40 +116,115 @@ def test_a_terminal_shows_a_long_sentence_in_lines_of_whole_words(begin, monkeyp
     assert max(map(len, terminal.getvalue().splitlines())) <= 60
 
 
-def test_a_long_run_says_what_its_units_have_taken(clock, capsys):
+def test_the_line_never_reaches_the_end_of_the_terminal(begin, monkeypatch):
+    """There a second line would begin, which the terminal does not renew."""
+    terminal = begin()
+    monkeypatch.setenv("COLUMNS", "40")
+    ProgressLine("a structure with a long name", "frequencies")(1, 30)
+    assert max(map(len, shown(terminal))) == 39
+    streams.erase()
+
+
+def test_a_log_has_a_line_every_half_a_minute_with_the_time_left(clock, capsys):
     with progress.reporting():
-        clock.strike(10.0)
+        clock.tick(9.0)
+        clock.tick(10.0)
         line = ProgressLine("spectrum", "chunks")
         line(100, 1000)  # there before
         line(102, 1000)
-        clock.strike(40.0)
+        clock.tick(39.0)
+        clock.tick(40.0)
         for at, done in ((70.0, 110), (100.0, 400), (3610.0, 990), (3640.0, 1000)):
             line(done, 1000)
-            clock.strike(at)
-    assert clock.times == [(10.0, 30.0), (0.0,)]
+            clock.tick(at)
     assert capsys.readouterr().err.splitlines() == [
         "still computing (10 s)",
         "spectrum: still computing (102 of 1000 chunks done, 30 s)",
-        "spectrum: about 89 min more (110 of 1000 chunks done)",
-        "spectrum: about 3 min more (400 of 1000 chunks done)",
-        "spectrum: about 40 s more (990 of 1000 chunks done)",
+        "spectrum: about 89 min more (110 of 1000 chunks done, 60 s)",
+        "spectrum: about 3 min more (400 of 1000 chunks done, 90 s)",
+        "spectrum: about 40 s more (990 of 1000 chunks done, 3600 s)",
         "spectrum: still computing (3630 s)",
     ]
 
 
-def test_where_a_terminal_shows_the_line_and_where_silence_is_asked_for_nothing_is_said(clock, begin):
+def test_quiet_is_silent_on_a_terminal_and_in_a_log(begin, clock, capsys):
+    with progress.reporting(), quiet():
+        ProgressLine("x", "chunks")(1, 2)
+        clock.tick(70.0)
+    assert not capsys.readouterr().err
+    terminal = begin()
+    with progress.reporting(), quiet():
+        ProgressLine("x", "chunks")(1, 2)
+        clock.tick(140.0)
+    assert not shown(terminal)
+
+
+def test_a_command_without_a_line_of_its_own_is_told_after_ten_seconds(begin, clock):
     terminal = begin()
     with progress.reporting():
-        line = ProgressLine("spectrum", "chunks")
-        line(1, 4)
-        clock.strike(40.0)
-        streams.end_line()
-        assert "40 s" not in terminal.getvalue()
-        before = terminal.getvalue()
-        with quiet():
-            ProgressLine("x", "chunks")(1, 2)
-            clock.strike(70.0)
-    assert terminal.getvalue() == before
-    with progress.reporting():  # a command without a line of its own
-        clock.strike(80.0)
-    assert terminal.getvalue().endswith("still computing (10 s)\n")
+        clock.tick(9.0)
+        clock.tick(11.0)
+    assert shown(terminal) == ["still computing (11 s)"]
+
+
+# A call whose main thread waits for worker processes, which report parts of their work.
+WAITS = """
+import sys, time
+from rocking_cli.commands import progress, streams
+from rocking_cli.processes import processes, report_part
+
+progress._TICK, progress._FIRST, progress._EVERY = 0.1, 0.3, 0.3
+
+def work(item):
+    for _ in range(10):
+        time.sleep(0.06)
+        report_part(0.1)
+    return item
+
+if __name__ == "__main__":
+    if "closed" in sys.argv:
+        sys.stderr = None
+    with streams.guarded(), progress.reporting():
+        line = progress.ProgressLine("check", "checks")
+        with processes(2, work, "", lambda parts: line(parts, 4)) as run:
+            list(run(range(4)))
+        line(4, 4)
+        streams.put("a row")
+"""
+
+
+def test_it_is_told_while_the_main_thread_waits_for_processes(tmp_path):
+    (tmp_path / "waits.py").write_text(WAITS)
+    call = [sys.executable, str(tmp_path / "waits.py")]
+    done = subprocess.run(call, capture_output=True, text=True, timeout=60, check=True)
+    assert done.stdout == "a row\n"
+    lines = done.stderr.splitlines()
+    assert 3 <= len(lines) <= 10
+    assert all(re.fullmatch(r"check: .* \(.*\d s\)", line) for line in lines), lines
+    assert any("of 4 checks done" in line for line in lines)
+    closed = subprocess.run([*call, "closed"], capture_output=True, timeout=60, check=True)
+    assert (closed.stdout, closed.stderr) == (b"a row\n", b"")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no pseudo-terminals")
+def test_a_terminal_is_renewed_while_the_main_thread_waits_for_processes(tmp_path):
+    import pty
+
+    (tmp_path / "waits.py").write_text(WAITS)
+    ours, theirs = pty.openpty()
+    call = [sys.executable, str(tmp_path / "waits.py")]
+    child = subprocess.Popen(call, stdout=theirs, stderr=theirs)
+    os.close(theirs)
+    seen, end = b"", time.monotonic() + 60.0
+    while time.monotonic() < end and select.select([ours], [], [], 60.0)[0]:
+        try:
+            seen += os.read(ours, 4096)
+        except OSError:  # it has ended
+            break
+    os.close(ours)
+    assert child.wait(60) == 0
+    text = seen.decode()
+    states = re.findall(r"\r\x1b\[K(\[[#-]{20}\] check: [^\r]*)", text)
+    assert len(states) > 8
+    assert re.search(r"check: 4 checks in \d+ s\r\na row\r\n$", text)
+    assert text.count("4 checks in") == 1

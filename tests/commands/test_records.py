@@ -92,7 +92,7 @@ def test_rows_under_a_record_stand_at_its_samples(rocking):
     turns = [float(e["t"]) for e in events if e["event"] in ("impact", "peak")]
     assert turns
     assert all(min(abs(t - x) for t in times) < 1e-12 * x for x in turns)
-    assert [float(r["t"]) for r in rocking(*call, "--csv", "--dt", "0.5").rows][:3] == pytest.approx([0.0, 0.5, 1.0])
+    assert [float(r["t"]) for r in rocking(*call, "--csv", "--row-step", "0.5").rows][:3] == pytest.approx([0.0, 0.5, 1.0])
 
 
 def test_response_spectra_of_records(rocking, refused):

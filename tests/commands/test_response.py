@@ -10,7 +10,7 @@ NAMED = ("structure", "motion", "model")
 
 
 def test_time_history_has_the_documented_columns(rocking):
-    done = rocking("response", "configs/block.yaml", "--a-g", "3.5", "--f-g", "1.5", "--dt", "0.01", "--csv")
+    done = rocking("response", "configs/block.yaml", "--a-g", "3.5", "--f-g", "1.5", "--row-step", "0.01", "--csv")
     found = done.rows
     assert list(found[0]) == ["t", "theta", "theta_dot", "ground_acceleration", "tau", "theta_ratio", *NAMED]
     assert {tuple(row[key] for key in NAMED) for row in found} == {("Column", "sine, 1 cycle", "nonlinear")}

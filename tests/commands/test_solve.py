@@ -104,6 +104,8 @@ def test_the_worst_frequency_of_a_range_counts(rocking):
     assert found[0]["capacity_demand"] == pytest.approx(row["capacity_demand"], rel=1e-9)
     assert found[0]["capacity_demand"] >= 1.0 > found[1]["capacity_demand"]
     assert "f_g 0.7 to 1.5 Hz" in done.stderr
+    end = "the worst frequency at this boundary is the lower end of the range, 0.7 Hz; slower motions may overturn it"
+    assert (end in done.stderr) == (found[0]["worst_f_g_end"] == "lower")
 
 
 def test_a_stack_stands_if_it_stands_on_each_of_its_interfaces(rocking, tmp_path):

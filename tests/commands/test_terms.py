@@ -18,7 +18,7 @@ PACKAGE = Path(__file__).resolve().parents[2] / "rocking_cli"
     [
         ("spectrum", "`grid` a_g: found 1", "--grid a_g: found 1"),
         ("spectrum", "fewer `workers` or a smaller `chunk_cells`", "fewer --workers or a smaller --chunk"),
-        ("response", "`scale_to`: found x; `motion_dt` and `dt`", "--scale-to: found x; --motion-dt and --dt"),
+        ("response", "`scale_to`: found x; `motion_dt` and `dt`", "--scale-to: found x; --motion-dt and --row-step"),
         ("info", "it is kept for `resume`; `a b` and ``", "it is kept for `resume`; `a b` and ``"),
     ],
 )

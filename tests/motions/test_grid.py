@@ -1,5 +1,6 @@
 """Axes of a sweep: units, spacing and refusals."""
 
+import inspect
 import math
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 from support.documents import built
 from support.refusals import refuses
 
+import rocking_cli
 from rocking_cli import Axis, Grid, UsageError, dimensionless_oscillator, parse_grid
 
 
@@ -85,3 +87,25 @@ def test_frequencies_at_which_nothing_is_left_of_the_motion_are_refused(axes):
     with pytest.raises(UsageError, match="expected a value up to 1e\\+10"):
         parse_grid(axes).scaled(body)
     assert parse_grid(axes.replace("1e10", "1e9").replace("1.1e9", "1e10")).scaled(body)[1] <= 1e10
+
+
+def test_every_public_function_of_one_demand_refuses_a_grid_of_several_cells(tmp_path):
+    """A function that takes the demand calls it `shaking`; those that compute a grid call it `grid`."""
+    block, motion = built("kind: block\nwidth: 0.5\nheight: 2"), rocking_cli.sine()
+    given = {"structure": block, "structures": [block], "motion": motion, "documents": [], "target": tmp_path / "r.html"}
+    given |= {"spectrum": tmp_path / "s.h5"}
+    asked = {
+        name: function
+        for name in dir(rocking_cli)
+        if inspect.isfunction(function := getattr(rocking_cli, name)) and "shaking" in inspect.signature(function).parameters
+    }
+    assert {"check", "time_history", "compare", "code_check", "report"} <= asked.keys()
+    rocking_cli.write_spectrum([dimensionless_oscillator(0.9)], motion, parse_grid("A=1:4:5,Omega=1:8:5"), tmp_path / "s.h5", workers=1)
+    for name, function in asked.items():
+        wanted = [x.name for x in inspect.signature(function).parameters.values() if x.default is x.empty or x.name == "motion"]
+        dimensionless = name == "predict"
+        for axes in ("A=1:2:2,Omega=6", "A=1,Omega=6:7:3") if dimensionless else ("a_g=0.3g,f_g=0.5:5:3", "a_g=0.2g:0.3g:2,f_g=1"):
+            mine = given | ({"structure": dimensionless_oscillator(0.9)} if dimensionless else {})
+            arguments = {key: mine[key] for key in wanted if key != "shaking"}
+            with pytest.raises(UsageError, match=r"found a grid of \d frequencies and \d amplitudes; expected one of each"):
+                function(**arguments, shaking=parse_grid(axes))

@@ -48,7 +48,7 @@ def swept(rocking, tmp_path):
 
     def run(*call, stdin=None):
         path = tmp_path / f"{len(list(tmp_path.glob('*.h5')))}.h5"
-        done = rocking("spectrum", *call, "--check", "0", "-o", path.name, "-q", stdin=stdin)
+        done = rocking("spectrum", *call, "--verify-cells", "0", "-o", path.name, "-q", stdin=stdin)
         assert done.returncode == 0, done.stderr
         return path
 

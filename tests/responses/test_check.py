@@ -113,10 +113,12 @@ def test_the_record_has_the_columns_the_uplift_and_the_top():
 
 def test_workers_change_nothing():
     demands = [(built(f"kind: parameters\np: {p}\nalpha: 0.2\neta: 0.8\nlambda: 0.25"), sine(), DEMAND) for p in (1.5, 2.0, 3.0)]
-    heard: list[tuple[int, int]] = []
+    heard: list[tuple[float, int]] = []
     found = list(verdicts(demands, workers=1, progress=lambda *x: heard.append(x)))
     assert list(verdicts(demands, workers=2)) == found == [check(*demand) for demand in demands]
-    assert heard == [(i + 1, 3 * len(demands)) for i in range(3 * len(demands))]  # three stages of each
+    thirds = [(i + 1) / 3 for i in range(3 * len(demands))]  # three stages of each
+    assert [done for done, _ in heard] == pytest.approx(thirds, rel=1e-12)
+    assert {total for _, total in heard} == {len(demands)}
 
 
 def test_verdicts_under_records_are_the_same_one_by_one_and_together():
@@ -127,7 +129,14 @@ def test_verdicts_under_records_are_the_same_one_by_one_and_together():
     demands = [(body, motion, shaking) for motion in motions for body in bodies][1:3]
     alone = [check(*demand, a_max=3.0) for demand in demands]
     assert sum(v.first_overturning_a is not None for v in alone) >= 1
-    assert list(verdicts(demands, a_max=3.0, workers=1)) == list(verdicts(demands, a_max=3.0, workers=2)) == alone
+    heard: list[float] = []
+    for workers in (1, 2):
+        given = {"workers": workers, "progress": lambda done, total: heard.append(done)}
+        assert list(verdicts(demands, a_max=3.0, **given)) == alone
+        assert heard == sorted(heard)
+        assert heard[-1] == len(demands)
+        assert 0.0 < heard[0] < 0.1 or workers == 2  # while the search goes on
+        heard.clear()
 
 
 def test_what_leaves_the_ground_counts_as_a_fall_and_is_told_apart():

@@ -29,6 +29,7 @@ _STEP = 0.05  # [tau]
 _SLOW = 1e-7  # a body is at rest after an impact below this speed
 _MOST_ROUNDS = 100  # rounds over lines, after which a lane is left to the march
 _UPLIFT_ROUNDS = 8  # after so many rounds, lanes at rest go to their next uplift and lanes at the end of the record finish
+_TOLD_ROUNDS = 128  # rounds between two calls of a function for the progress
 _SEARCH_LINES = 64  # number of lines that one search for the next uplift covers
 
 
@@ -83,15 +84,20 @@ class Scan:
         return self.known[1][np.searchsorted(self.known[0], amplitude)]
 
 
-def follow(scans: Sequence[Scan], amplitudes: Sequence[Array]) -> None:
-    """Compute the outcomes of each body at those of its amplitudes A that are not known yet, for all bodies and motions together."""
+def follow(
+    scans: Sequence[Scan],
+    amplitudes: Sequence[Array],
+    progress: Callable[[float], None] | None = None,
+) -> None:
+    """Compute the outcomes of each body at those of its amplitudes A that are not known yet, for all bodies and motions together.
+    progress: called now and then with the share that is done."""
     new = [np.setdiff1d(a, scan.known[0]) for scan, a in zip(scans, amplitudes, strict=True)]
     for kind in dict.fromkeys(scan.kind for scan in scans):
         alike = [i for i, scan in enumerate(scans) if scan.kind == kind and new[i].size]
         if not alike:
             continue
         with np.errstate(all="ignore"):
-            found = _Pool([scans[i] for i in alike], [new[i] for i in alike]).outcomes()
+            found = _Pool([scans[i] for i in alike], [new[i] for i in alike]).outcomes(progress)
         for i, outcome in zip(alike, np.split(found, np.cumsum([new[i].size for i in alike])), strict=False):
             amplitude = np.append(scans[i].known[0], new[i])
             order = np.argsort(amplitude)
@@ -147,16 +153,24 @@ class _Pool:
         self.count = np.repeat(samples, np.diff(begins))
         self.sample = np.cumsum(self.count) - self.count
 
-    def outcomes(self) -> Array:
+    def outcomes(self, progress: Callable[[float], None] | None = None) -> Array:
         """March all lanes; returns the outcome of each lane."""
         rounds, most = 0, _MOST_ROUNDS * self.s.size
         while self.number.size and rounds < most:
             if rounds % _UPLIFT_ROUNDS == 0:
                 self._next_uplifts()
+            if progress is not None and rounds % _TOLD_ROUNDS == 0:
+                progress(self._done())
             self._round()
             rounds += 1
         self.outcome[self.number] = Outcome.FAILED
         return self.outcome
+
+    def _done(self) -> float:
+        """The share of their records that the lanes that still move have behind them."""
+        body = self.row // self.sides
+        begin, end = self.begin[body], self.end[body]
+        return float(np.mean((self.k - begin) / (end - begin))) if body.size else 1.0
 
     def _falls(self, number: Array) -> None:
         """Store the outcome of lanes that fall, with or without an impact before."""

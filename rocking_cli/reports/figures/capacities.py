@@ -10,6 +10,7 @@ import numpy as np
 
 from ...documents.quantities import DEFAULT_GRAVITY
 from ...dynamics.outcome import Outcome
+from ..tables import Above
 from .canvas import Axes, Figure, Look, canvas, literal, panels
 
 if TYPE_CHECKING:
@@ -45,16 +46,16 @@ def _verdict(row: dict[str, str]) -> Verdict:
     from ...responses.check import Verdict
 
     name = row.get("structure") or row["name"]
-    theta, demand, uplift, first, safe_to, ratio = (
+    theta, demand, uplift, first, safe_to, ratio, searched_to = (
         float(row[key]) if row.get(key) else None
-        for key in ("theta_ratio", "demand_a", "uplift_a", "first_overturning_a", "safe_to", "capacity_demand")
+        for key in ("theta_ratio", "demand_a", "uplift_a", "first_overturning_a", "safe_to", "capacity_demand", "searched_to")
     )
     if demand is None:
         if first is None or ratio is None:
             raise ValueError(f"{name} has no capacity, and no column demand_a states the demand")
         demand = first / ratio
     outcome, linear = (next(o for o in Outcome if o.flag == row[key]) for key in ("outcome", "outcome_linear"))
-    return Verdict(name, row["motion"], row["model"], outcome, theta, demand, uplift, first, safe_to, linear)
+    return Verdict(name, row["motion"], row["model"], outcome, theta, demand, uplift, first, safe_to, linear, searched_to=searched_to)
 
 
 def capacities(figure: Figure, verdicts: Sequence[Verdict], in_g: bool) -> Axes:
@@ -70,7 +71,11 @@ def capacities(figure: Figure, verdicts: Sequence[Verdict], in_g: bool) -> Axes:
         if v.uplift_a is not None:
             axes.plot([v.uplift_a / unit] * 2, [row - 0.31, row + 0.31], color="k", lw=1.0, ls=":")
         axes.plot([v.demand_a / unit] * 2, [row - 0.45, row + 0.45], color="#D55E00", lw=2.0)
-        ratio, known = ("", "; no capacity known") if v.capacity_demand is None else (f"{v.capacity_demand:.2f}  ", "")
+        ratio, known = "", "; no capacity known"
+        if v.capacity_demand is not None:
+            ratio, known = f"{v.capacity_demand:.2f}  ", ""
+        elif v.capacity_above is not None:
+            ratio, known = f"{Above(v.capacity_above).shown(3)}  ", ""
         window = ", in a safe window" if v.outcome.safe and v.capacity_demand is not None and v.capacity_demand < 1.0 else ""
         axes.annotate(
             f"{ratio}{v.sentence}{window}{known}", (1.0, row), xycoords=("axes fraction", "data"), xytext=(6, 0),

@@ -1,0 +1,158 @@
+"""The demands of `rocking check`: each structure under each motion, at the worst azimuth or
+frequency where the call states a range of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from . import options
+from .ground import Directed, Ground, no_shaking
+from .printing import note
+from .progress import ProgressLine
+
+if TYPE_CHECKING:
+    from ..dynamics.outcome import Outcome
+    from ..envelopes.amplitudes import Limit
+    from ..envelopes.worst import WorstFrequency
+    from ..motions import Motion
+    from ..motions.grid import Grid
+    from ..responses.check import Demand
+    from ..structures import RockingParameters
+
+_LONG = 50_000  # samples of a record whose search is called long
+_SEARCH = 5e-4  # s that the search for a capacity takes for each sample, about
+
+
+@dataclass
+class Demands:
+    """What a call checks."""
+
+    asked: Directed  # the options of the motion
+    sign: str  # "+", "-" or "both"
+    shaken: Ground  # the motions, in the direction of --sign
+    structures: list[RockingParameters]
+    varied: dict[str, dict[str, float]]  # columns of the varied values of each structure
+    up_to: Grid | None  # the demand at the other end of a range of frequencies
+    shakes: list[tuple[Motion, Grid]]  # motions and demands, as they are told
+    rows: list[Demand] = field(default_factory=list)  # the demand of each row
+    columns: dict[str, dict[str, Any]] = field(default_factory=dict)  # further ones of each structure
+    worst: dict[str, WorstFrequency] = field(default_factory=dict)  # of each structure, with a range
+
+    def needed(self, by_code: bool) -> Demands:
+        """Return these demands. Raises click.UsageError if nothing shakes the structures."""
+        if not self.shakes:
+            raise no_shaking("--motion FILE", *["--spectrum FILE"] * by_code)
+        return self
+
+
+def stated_demands(files: tuple[str, ...], asked: Directed, vary: tuple[str, ...], sign: str) -> Demands:
+    """Read the structures and motions of a call. Raises UsageError."""
+    from ..dynamics.method import has_direction
+
+    files, motions = asked.several(files)
+    ends = [end.of(motions) for end in asked.ends()]
+    shaken = ends[0] if ends else asked.of(motions)
+    if sign != "+" and (ends or asked.azimuth):
+        what = "a range of frequencies" if ends else "--azimuth"
+        raise click.UsageError(f"--sign {sign} does not go with {what}")
+    shaken = shaken.reversed if sign == "-" else shaken
+    structures, varied = options.members_of(files, vary, each=True)
+    up_to = ends[1].shakes[0][1] if ends else None
+    found = Demands(asked, sign, shaken, structures, varied, up_to, shaken.shakes)
+    found.rows = [(structure, *shake) for shake in shaken.shakes for structure in structures]
+    if sign == "both":
+        sided = [structure for structure in structures if has_direction(structure)]
+        found.rows += [(structure, *shake) for shake in shaken.reversed.shakes for structure in sided]
+    return found
+
+
+def at_worst(demands: Demands, limit: Limit | None, workers: int | None) -> Demands:
+    """Return the demands at the worst azimuth or frequency, if the call states a range.
+
+    limit: the largest amplitude of the search, None if only outcomes are wanted.
+    """
+    azimuths = demands.asked.azimuths()
+    if azimuths is not None:
+        demands = _at_worst_azimuth(demands, azimuths, workers)
+    if demands.up_to is not None:
+        demands = _at_worst_frequency(demands, limit, workers)
+    _note_long(demands, limit)
+    return demands
+
+
+def _at_worst_azimuth(demands: Demands, azimuths: Any, workers: int | None) -> Demands:
+    from ..dynamics.method import has_direction
+    from ..responses.azimuth import worst_azimuths
+
+    line = ProgressLine("azimuths", "checks")
+    directed = worst_azimuths(demands.structures, demands.shaken.recordings, azimuths, workers=workers, progress=line)
+    note(f"azimuth: the worst of {azimuths.size} for the demand; at another azimuth the capacity may be less")
+    if both := [s.name for s in demands.structures if has_direction(s)]:
+        note(f"both signs of each azimuth, because the sides differ: {', '.join(both)}")
+    rows = [demand for _, demand in directed]
+    return replace(
+        demands,
+        rows=rows,
+        shakes=[(motion, grid) for _, motion, grid in rows],
+        columns={structure.name: {"azimuth": angle} for angle, (structure, _, _) in directed},
+    )
+
+
+def _at_worst_frequency(demands: Demands, limit: Limit | None, workers: int | None) -> Demands:
+    motion, low = demands.shakes[0]
+    assert demands.up_to is not None  # a range is stated
+    found = _worst(demands.structures, motion, low, demands.up_to, limit, workers)
+    worst = {s.name: one for s, one in zip(demands.structures, found, strict=True)}
+    return replace(
+        demands,
+        rows=[(s, motion, worst[s.name].grid) for s in demands.structures],
+        shakes=[(motion, low), (motion, demands.up_to)],
+        columns={name: {"worst_f_g": one.frequency, "worst_f_g_end": one.end} for name, one in worst.items()},
+        worst=worst,
+    )
+
+
+def _worst(
+    structures: list[RockingParameters],
+    motion: Motion,
+    low: Grid,
+    high: Grid,
+    limit: Limit | None,
+    workers: int | None,
+) -> list[WorstFrequency]:
+    from ..envelopes.worst import at_worst_frequencies
+
+    line = ProgressLine("frequencies", "structures")
+    return at_worst_frequencies(structures, motion, low, high, limit, workers=workers, progress=line)
+
+
+def opposite_outcomes(demands: Demands, limit: Limit | None, workers: int | None) -> list[tuple[str, Outcome]]:
+    """Return the outcome of each body whose sides differ in the opposite direction, where
+    the rows do not hold it, at the worst frequency of that direction."""
+    from ..dynamics.method import has_direction
+    from ..responses.check import outcome_alone
+
+    if demands.asked.azimuth is not None or demands.sign == "both":
+        return []
+    sided = [(s, motion.scaled(-1.0), grid) for s, motion, grid in demands.rows if has_direction(s)]
+    if sided and demands.up_to is not None:
+        bodies, opposite = [s for s, _, _ in sided], sided[0][1]
+        low = demands.shakes[0][1]
+        found = _worst(bodies, opposite, low, demands.up_to, limit, workers)
+        sided = [(s, motion, one.grid) for (s, motion, _), one in zip(sided, found, strict=True)]
+    return [(demand[0].name, outcome_alone(*demand)) for demand in sided]
+
+
+def _note_long(demands: Demands, limit: Limit | None) -> None:
+    """Say before the search that a long record takes minutes, and how to do without."""
+    longest = max((len(motion.segments) for motion, _ in demands.shakes), default=0)
+    if limit is None or longest < _LONG:
+        return
+    minutes = _SEARCH * longest / 60.0
+    note(
+        f"a record of {longest} samples: the search takes {minutes:.1g} min or more for each "
+        f"structure and record; --verdict-only does without it"
+    )

@@ -1,0 +1,37 @@
+"""The rows of `rocking check`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ..reports.tables import Above
+from .printing import form
+
+if TYPE_CHECKING:
+    from ..responses.check import Verdict
+    from .check_demands import Demands
+
+
+UNSEEN = ("searched_to",)  # columns that a table shows only if --columns names them
+
+
+def row_of(verdict: Verdict, demands: Demands, by_code: dict[str, Any], searched: bool) -> dict[str, Any]:
+    """Return the row of a verdict; by_code: the columns of --code."""
+    head = {"structure": verdict.structure, "motion": verdict.motion}
+    row = head | demands.columns.get(verdict.structure, {}) | verdict.row() | by_code
+    if form() is None and (limit := verdict.capacity_above) is not None:
+        row["capacity_demand"] = Above(limit)
+    if form() == "csv":  # its header is that of the first row
+        row |= {key: row.get(key) for key in _later_columns(demands, searched)}
+    return row
+
+
+def _later_columns(demands: Demands, searched: bool) -> tuple[str, ...]:
+    """The columns that a later row may have and the first one lacks."""
+    from ..envelopes.capacity import falls_may_be_narrow
+    from ..responses.check import TIED_COLUMNS
+
+    tied = any(s.restraints for s in demands.structures)
+    arches = any(s.structure == "arch" for s in demands.structures)
+    narrow = searched and any(falls_may_be_narrow(motion) for motion, _ in demands.shakes)
+    return TIED_COLUMNS * tied + ("opens",) * arches + ("falls_nearby",) * narrow

@@ -1,0 +1,73 @@
+"""The effect of worn or rounded edges on a capacity: pivots that lie inside the edges."""
+
+from collections.abc import Callable, Iterator, Sequence
+
+from ..envelopes.amplitudes import Limit, limit_of
+from ..motions import Motion
+from ..motions.grid import Grid
+from ..structures.mechanics.single_body import worn
+from ..structures.parameters import RockingParameters
+from .check import Demand, Verdict, first_overturning
+
+INSET = 0.05  # of the width
+
+
+def may_be_worn(verdicts: Sequence[Verdict], demands: Sequence[Demand]) -> bool:
+    """True if a body stands whose capacity worn edges would lower, and its document states
+    no inset."""
+    stands = {v.structure for v in verdicts if v.outcome.safe and v.first_overturning_a}
+    return any(s.name in stands and _inset_of(s) is not None for s, _, _ in demands)
+
+
+def effects(
+    verdicts: Sequence[Verdict],
+    demands: Sequence[Demand],
+    a_max: float | Limit,
+    *,
+    progress: Callable[[float, int], None] | None = None,
+) -> Iterator[str]:
+    """Yield a line for each structure: how much of its least capacity pivots 5 % of the
+    width inside the edges would take.
+
+    a_max: the largest amplitude of the search; progress: called with the number of
+    structures that are done and of all. A structure with an `inset` of its own, with ties,
+    without a capacity or without edges has no line. Raises UsageError as `check` does.
+    """
+    asked = {(structure.name, motion.name): (structure, motion, grid) for structure, motion, grid in demands}
+    least: dict[str, Verdict] = {}
+    for verdict in sorted(verdicts, key=lambda v: v.capacity_demand or 0.0):
+        if verdict.first_overturning_a:
+            least.setdefault(verdict.structure, verdict)
+    for done, verdict in enumerate(least.values(), 1):
+        line = _effect(verdict, *asked[verdict.structure, verdict.motion], a_max)
+        if progress is not None:
+            progress(done, len(least))
+        if line is not None:
+            yield line
+
+
+def _effect(
+    verdict: Verdict,
+    structure: RockingParameters,
+    motion: Motion,
+    grid: Grid,
+    a_max: float | Limit,
+) -> str | None:
+    """Return the line on one structure."""
+    known, found = verdict.first_overturning_a, _inset_of(structure)
+    if found is None or known is None:
+        return None
+    inset, body = found
+    other = first_overturning(body, motion, grid, limit_of(a_max, body), known)
+    if other is None:
+        return None
+    change = 100.0 * (other / known - 1.0)
+    pivots = f"pivots {1000.0 * inset:.3g} mm inside the edges"
+    why = f"({100.0 * INSET:g} % of the width: rounding, wear)"
+    does = "take" if change <= 0.0 else "add"
+    return f"{structure.name}: {pivots} {why} would {does} {abs(change):.2g} % of the capacity"
+
+
+def _inset_of(structure: RockingParameters) -> tuple[float, RockingParameters] | None:
+    """Return (inset [m], the body with it), None if the body has an inset or no edges."""
+    return None if "inset" in structure.details else worn(structure, INSET)
