@@ -53,7 +53,9 @@ def records(
         return [row for record in records for row in (_spectrum(record, periods, damping) if export_spectrum else [_row(record)])]
 
     with ground.named(dt="motion_dt"):
-        taken = list(read_set(files, rows, unit=reading.unit, dt=reading.motion_dt, tell=notes.append, unread=unread.append))
+        taken = list(
+            read_set(files, rows, unit=reading.unit, dt=reading.motion_dt, column=reading.column, tell=notes.append, unread=unread.append)
+        )
     emit(taken, SPECTRUM_COLUMNS if export_spectrum else COLUMNS)
     note(*dict.fromkeys(notes))
     for line in unread:
