@@ -57,7 +57,7 @@ FORMATS = ("keyed", "cosmos", "geonet", "smc", "csmip", "volume1", "peer", "csmn
 _DOCUMENT = re.compile(r"^[\s{\"']*kind[\"']?\s*:", re.MULTILINE)
 _UNCORRECTED = re.compile(
     r"\A\s*(?:\d\s+)?(?:UNCORRECTED ACCELER(?:OGRAM|ATION)|RAW ACCELERATION(?! COUNTS)|\* VOL1DS)\b"
-    r"|^(?:DATA_TYPE:\s*UNPROCESSED|PROCESSING:\s*NONE)\b",
+    r"|^ *UNCORRECTED ACC+ELERATION +UNIT *:|^(?:DATA_TYPE:\s*UNPROCESSED|PROCESSING:\s*NONE)\b",
     re.IGNORECASE | re.MULTILINE,
 )  # the first words of a file, or among the keys of ESM and ITACA
 
@@ -147,7 +147,8 @@ def records_of(
             raise TypeError(f"read returns {type(read).__name__}; expected a list of Series, one or more")
         if found is not plain and named:
             _require_agreement(source, read, given, found.NAME)
-        series = [s._replace(remark="an uncorrected accelerogram") if uncorrected else s for s in read]
+        also = "an uncorrected accelerogram" if uncorrected else ""
+        series = [s._replace(remark="; ".join(filter(None, (also, s.remark)))) for s in read]
         return [record_of(s, name, found.NAME, source, sha256) for s in _distinct(series)]
 
 

@@ -61,8 +61,9 @@ _COMPONENT = re.compile(
 )
 _NOT_OF_THE_RECORD = re.compile(r"\b(?:peak|max\w*|pg[vd]|vs ?_?30|wave|magnitude|highest|largest)\b|\bvs\b")
 _OF_A_SPECTRUM = re.compile(r"compatib|match|artificial|synthetic|target|time.?(?:history|series)")
-_KEYED = re.compile(r"\s*[^:=]{1,60}[:=]\s*\S")
+_KEYED = re.compile(r"\s*[^:=]{1,60}[:=]\s*\S|[^,;\t]{1,60}[,;\t]\s*[-+]?\.?\d")
 _AFTER = re.compile(r"(?:\bin\b|[,:=])\s*(?:units? of\s+)?([^,:=;]+?)\s*(?=[;,]|\. |$)", re.IGNORECASE)
+_IN = re.compile(r"\bin\s+(?:units?\s+of\s+)?([^\s,;]+)", re.IGNORECASE)
 _BRACKETS = re.compile(r"[\[(]([^\[\]()]*(?:\([^()]*\)[^\[\]()]*)?)[\])]")
 _MARKS = re.compile(r"^[\s#%!*;/\"'>|-]+(?=\S)")
 _UNLIKE = ("velocity", "displacement", "spectrum", "Fourier spectrum", "Arias intensity")
@@ -71,6 +72,7 @@ _BESIDE = re.compile(
     r"[\[(]\s*([^\])\s]+)\s*[\])]",
     re.IGNORECASE,
 )
+_GOES_ON = frozenset(("and", "at", "for", "with", "npts", "n", "of", "in", "dt", "or", "unit", "units") + ("samples", "points", "values"))
 _SLACK = 1e-3  # relative; two statements of a step that differ by less agree
 
 
@@ -146,12 +148,24 @@ class Claims:
         if _KEYED.match(words):
             self._keyed(words, at)
             return
-        for held in _BRACKETS.findall(words):
-            kind = dimension_of(held)
+        for found in _IN.finditer(words):
+            self._in(found[1], words, at)
+        for bracket in _BRACKETS.finditer(words):
+            held, kind = bracket[1], dimension_of(bracket[1])
+            if re.search(r"\d", words[bracket.end() :]):  # Height (m) 28
+                continue
             if kind not in (None, "acceleration", "time", "frequency", "share"):
                 raise self.fault(f"found {words!r}; expected an acceleration", at)
             if kind == "acceleration":
                 self.state("unit", unit_of(held), words, at)
+
+    def _in(self, word: str, words: str, at: int) -> None:
+        """Take the unit of a line such as `data in cm/s2`."""
+        kind = dimension_of(word)
+        if kind == "acceleration":
+            self.state("unit", unit_of(word), words, at)
+        elif kind in ("velocity", "counts", "voltage", "force", "stress", "jerk", "rotation"):
+            raise self.fault(f"found {words!r}; expected an acceleration", at)
 
     def _keyed(self, words: str, at: int) -> None:
         """Take a line such as `a: m/s2` or `velocity: cm/s`."""
@@ -266,7 +280,23 @@ class Claims:
 
 def _is_unit(word: str) -> bool:
     """True if a word after a number claims to be its unit, and does not go on the text."""
-    return word.strip(" .") not in ("and", "at", "for", "with", "npts", "n", "of", "in", "dt", "or")
+    return word.strip(" .") not in (
+        "and",
+        "at",
+        "for",
+        "with",
+        "npts",
+        "n",
+        "of",
+        "in",
+        "dt",
+        "or",
+        "unit",
+        "units",
+        "samples",
+        "points",
+        "values",
+    )
 
 
 def _spectral(others: list[str], text: str) -> bool:

@@ -28,7 +28,7 @@ _ACROSS = re.compile(
     rf"^[-+]?(?:{_ACROSS_WORDS})\d?(?: comp\w*)?$"
     r"|^(?:\d{2,3}(?:\.0*)?|\d{1,3}(?:\.\d*)? ?(?:deg\w*|°))$"
     r"|^[ns] ?\d{1,2}(?: ?(?:deg\w*|°))? ?[ew]$"
-    r"|(?:^|[ ._])[bhefcdslmgv][hnlgmp][ens123rtxy]\d{0,2}(?:$|[ ._(])"
+    r"|(?:^|[ ._])(?!ch\d)[bhefcdslmgv][hnlgmp][ens123rtxy]\d{0,2}(?:$|[ ._(])"
 )
 
 

@@ -105,14 +105,16 @@ class Cell(NamedTuple):
         return self.role not in (ACCELERATION, BARE, UNKNOWN) and not self.is_time_or_like
 
 
-def cell_of(text: str) -> Cell:
-    """Return what the heading of a column says."""
+def cell_of(text: str, first: bool = True) -> Cell:
+    """Return what the heading of a column says; first: whether it is the first column."""
     text = text.strip().strip("\"'").strip()
     name, units, asides = _parted(text)
     accelerations = [unit for x in units if (unit := unit_of(x))]
     times = [time for x in units if (time := time_unit(x)) is not None]
     foreign = [x for x in units if not unit_of(x) and time_unit(x) is None]
     role, odd = _role(name)
+    if not first and name.strip() in ("T", "N", "n"):  # transverse, north
+        role = BARE
 
     component = None
     if role in (ACCELERATION, BARE):
@@ -126,22 +128,27 @@ def cell_of(text: str) -> Cell:
         role = TIME
     if foreign and role in (ACCELERATION, BARE, UNKNOWN):
         dimension = dimension_of(foreign[0])
-        known = dimension not in (None, "unknown") and role != ACCELERATION
-        role, odd = dimension if dimension and known else UNKNOWN, foreign[0]
+        other = dimension not in (None, "unknown") and role != ACCELERATION
+        role, odd = dimension if dimension and other else UNKNOWN, foreign[0]
     elif times and role in (ACCELERATION, UNKNOWN) and not accelerations:
         role, odd = UNKNOWN, units[0]
     elif unread and role in (ACCELERATION, BARE):
         role, odd = UNKNOWN, unread[0]
-    first, seconds = next(iter(accelerations), None), next(iter(times), None)
-    return Cell(text, role, first, seconds, component, odd)
+    elif role == TIME and (foreign or [x for x in asides if x not in units]):
+        role, odd = UNKNOWN, [*foreign, *asides][0]
+    known, seconds = next(iter(accelerations), None), next(iter(times), None)
+    return Cell(text, role, known, seconds, component, odd)
 
 
-def units_row(cells: list[str]) -> list[Cell] | None:
-    """Return the cells of a row of units such as `[s],[g]`; None if one is no unit."""
-    bare = [x.strip().strip("\"'[](){}<> ") for x in cells]
-    if not all(x and dimension_of(x) for x in bare):
+def units_row(cells: list[str]) -> list[str] | None:
+    """Return the units of a row such as `[s],[g]` or `s,m/s2`; None if one is no unit."""
+    whole = [x.strip().strip("\"'") for x in cells]
+    held = [_BRACKETS.fullmatch(x) for x in whole]
+    bare = [found[1] if found else x for found, x in zip(held, whole, strict=True)]
+    first = bare[0] if bare else ""
+    if time_unit(first) is None and unit_of(first) is None:
         return None
-    return [cell_of(f"[{x}]") for x in bare]
+    return bare if all(dimension_of(x) for x in bare) else None
 
 
 def cells_in(line: str) -> list[str]:
@@ -171,6 +178,9 @@ def names_acceleration(words: str) -> bool:
 def _parted(text: str) -> tuple[str, list[str], list[str]]:
     """(name, units, other words in brackets) of a heading."""
     whole = _INNER.sub(lambda found: f"/{found[1]}" if found[1] else f"^{found[2]}", text)
+    ratio = re.fullmatch(r"([^/\[({]+?)\s*/\s*(.+)", text)  # a / (m/s²), as in DIN
+    if ratio is not None and _has_role(ratio[1]) and dimension_of(ratio[2].strip("()[]")):
+        return ratio[1], [ratio[2].strip("()[]")], []
     held = [x.strip() for x in _BRACKETS.findall(whole) if x.strip()]
     name = _BRACKETS.sub(" ", whole).strip()
     units = [x for x in held if dimension_of(x) or not _words_known(x)]
@@ -212,11 +222,14 @@ def _has_role(name: str) -> bool:
 
 def _directions(name: str) -> list[str]:
     """The words of a name that may be its direction, the longest first."""
+    if is_direction(name) and not names_acceleration(name):
+        return [name]
     words = [x for x in re.split(r"[\s_]+", _CAMEL.sub(" ", name)) if x]
     glued = [_LETTERS_WITH_DIRECTION.fullmatch(plain(x)) for x in words]
     ends = [found[2] or found[4] for found in glued if found is not None]
     alone = [x for x in words if plain(x) not in _ACCELERATIONS]
-    return [*([name] if name else []), *alone, *(x.upper() for x in ends)]
+    joined = [" ".join(alone)] if len(alone) < len(words) else []
+    return [*joined, *alone, *(x.upper() for x in ends)]
 
 
 def _role(name: str) -> tuple[str, str]:
@@ -236,7 +249,7 @@ def _role(name: str) -> tuple[str, str]:
             return ACCELERATION, ""
     if close in _OTHERS and (len(close) > 1 or not is_direction(name)):
         return _OTHERS[close], ""
-    if is_direction(name):
+    if is_direction(name) and not names_acceleration(name):
         return BARE, ""
     roles: list[str] = []
     odd: list[str] = []

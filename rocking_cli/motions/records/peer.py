@@ -39,6 +39,10 @@ def read(text: RecordText) -> list[Series]:
     claims = Claims(text.no_acceleration)
     for i, (words, number) in enumerate(above):
         claims.take(words, number, strict=i == len(above) - 1)
+    claims.take(found.string[found.end() :], text.line - 1)
+    while not text.more_numbers() and (title := _next_title(text)):
+        claims.take(title, text.line - 1)
+        above.append((title, text.line - 1))
     count = text.count(found[1])
     dt = text.step(found[2]) * text.seconds(found[3])
     unit = claims.unit or ("g" if claims.acceleration else text.given.unit)
@@ -52,6 +56,16 @@ def read(text: RecordText) -> list[Series]:
         said = f"found {trailer[0].strip()[:60]!r} after the {count} values declared"
         raise text.fault(f"{said}; expected nothing, or a line that says end")
     return [Series(_upwards(claims, above), dt, samples, unit, remark=remark)]
+
+
+def _next_title(text: RecordText) -> str:
+    """The next line if it has words, which is read; empty for any other."""
+    at, line = text.at, text.line
+    found = (text.next_line() or "").strip()
+    if not re.search(r"[A-Za-z]{2,}", found):
+        text.at, text.line = at, line
+        return ""
+    return found
 
 
 def _samples(text: RecordText, count: int, dt: float) -> tuple[np.ndarray, str]:

@@ -42,6 +42,7 @@ _OTHER_FILES = {
     **dict.fromkeys(("sa", "psa", "rsp", "rs", "spc", "spectrum", "spectra"), "a spectrum"),
     **dict.fromkeys(("fft", "fas", "fourier"), "a Fourier spectrum"),
 }  # by the last part of a file's name
+_MANY = 5  # so many columns are no components: a short last line shows values in a row
 _AMBIGUOUS = ("u", "v", "V", "U", "x")  # alone beside times: a direction or a quantity
 
 
@@ -102,13 +103,19 @@ class _Table:
             return False
         full = bool((counts[:-1] == self.width).all()) and counts[-1] <= self.width
         total = said == int(counts.sum()) and said != counts.size
-        return full and (total or (self.width > 2 and counts[-1] < self.width))
+        times = self.rows.values[: int(counts[:-1].sum()) : self.width]
+        rising = times.size > 2 and bool((np.diff(times) > 0.0).all())
+        short = counts.size > 1 and counts[-1] < self.width and self.width >= _MANY and not rising
+        return full and (total or short)
 
     def wrapped(self) -> list[Series]:
         """The one record of lines of several values."""
         dt = self.step()
         unit = self.unit(None)
-        return [Series(self.claims.component, dt, self.rows.values, unit)]
+        told = self.claims.count is None and self.text.given.column is None
+        remark = f"{self.width} values a line, which are read one line after the other"
+        name, values = self.claims.component, self.rows.values
+        return [Series(name, dt, values, unit, remark=remark if told else "")]
 
     def columns(self) -> list[Series]:
         """The records of a table, or of a single column."""
@@ -121,6 +128,7 @@ class _Table:
         time = self.time_column(values)
         taken = self.taken(time)
         dt, remark = self.step_of_times(values, time)
+        remark = "; ".join(filter(None, (remark, self.left_out())))
         found = []
         for i in taken:
             cell = None if self.cells is None else self.cells[i]
@@ -177,7 +185,15 @@ class _Table:
             )
         return self.accelerations()
 
+    def left_out(self) -> str:
+        """A remark that names the columns of other quantities."""
+        if self.cells is None or self.text.given.column is not None:
+            return ""
+        others = [cell.text for cell in self.cells if cell.is_other]
+        return f"columns left out: {', '.join(others)}" if others else ""
+
     def accelerations(self) -> list[int]:
+        """The columns whose headings name accelerations or directions."""
         assert self.cells is not None
         line = int(self.rows.lines[0])
         begin = 1 if self.cells[0].is_time_or_like else 0
@@ -196,8 +212,6 @@ class _Table:
         if not found or (spectra and not said):
             cell = spectra[0] if spectra else held[0][1]
             raise self.text.fault(f"found {cell.text!r} ({cell.role}); expected an acceleration", line - 1)
-        if said and len(said) < len(found):
-            found = said
         alone = self.cells[found[0]]
         if len(found) == 1 and alone.role == BARE and alone.text.strip() in _AMBIGUOUS:
             raise self.text.fault(
@@ -236,8 +250,9 @@ class _Table:
     def name_of(self, column: int, cell: Cell | None, taken: int) -> str | None:
         if cell is not None and cell.component is not None:
             return cell.component
-        if self.width > 2 and taken == 1 and self.text.given.column is not None:
-            return f"column {column + 1}"
+        chosen = self.width > 2 and taken == 1 and self.text.given.column is not None
+        if chosen and (cell is None or cell.role != ACCELERATION):
+            return f"column {column + 1}" if cell is None else cell.text
         return self.claims.component
 
     # Steps and units
@@ -245,8 +260,9 @@ class _Table:
     def step(self) -> float:
         """The step [s] that a heading or the user states."""
         said, given = self.claims.step, self.text.given.dt
+        columns = "one column of numbers" if self.width == 1 else "numbers"
         if said is None and given is None:
-            raise DocumentError(f"{self.text.source}: one column of numbers without times; give their step as `dt`")
+            raise DocumentError(f"{self.text.source}: {columns} without times; give their step as `dt`")
         if said is not None and given is not None and not agree(said, given):
             raise self.otherwise("dt", f"{given:g} s", repr(self.claims.quoted["step"]))
         return given if given is not None else said or 0.0
@@ -391,31 +407,39 @@ def _headings(text: RecordText, titles: list[Title], rows: Rows) -> tuple[list[C
     for title in titles:
         cells = _split(_unmarked(title.text), columns, rows.separator)
         direct = title == titles[-1] and not _COMMENT.match(title.text)
-        if cells is not None and _are_headings(cells, direct, rows.separator):
-            bare = units_row(cells)
-            named.append(cells if bare is None else [f"[{x.strip(' []()')}]" for x in cells])
+        separated = any(mark in title.text for mark in ",;\t")
+        if cells is not None and _are_headings(cells, direct, separated):
+            units = units_row(cells)
+            named.append(cells if units is None else [f"[{x}]" for x in units])
         else:
             others.append(title)
     if not named:
         for title in titles[-1:]:
             _require_as_many(text, title, rows)
         return None, others
-    return [cell_of(" ".join(words)) for words in zip(*named, strict=True)], others
+    together = [" ".join(words) for words in zip(*named, strict=True)]
+    return [cell_of(words, first=not i) for i, words in enumerate(together)], others
 
 
-def _are_headings(cells: list[str], direct: bool, separator: str) -> bool:
-    """True if cells are headings of columns; direct: they stand right above the numbers."""
+def _are_headings(cells: list[str], direct: bool, separated: bool) -> bool:
+    """True if cells are headings of columns.
+
+    direct: they stand right above the numbers; separated: by a mark, not by blanks.
+    """
     found = [cell_of(x) for x in cells]
     if units_row(cells) is not None:
         return True
-    if re.search(r"[:=]", cells[0]) and found[0].role == UNKNOWN:
+    if re.match(r"[-+.\d]", cells[0]) and not is_direction(cells[0]):
         return False
-    known = [x for x in found if x.role != UNKNOWN]
-    if found[0].is_time_or_like and not re.match(r"[-+.\d]", cells[0]):
+    if found[0].is_time_or_like and not cells[0].rstrip().endswith((":", "=")):
         return True
-    if all(x.role in (ACCELERATION, BARE) or x.is_other for x in found):
-        return all(not re.fullmatch(r"[-+.\d]+", x) or is_direction(x) for x in cells)
-    return direct and (separator != " " or len(known) > len(cells) // 2)
+    if re.search(r"[:=]", cells[0]):
+        return False
+    directed = [x for x in found if x.component is not None]
+    named = [x for x in found if x.component is not None or x.role == ACCELERATION]
+    if not separated:
+        return len(directed) == len(cells) or (len(named) > 1 and len(cells) > 2)
+    return direct or (len(named) > 1 and all(x.role != UNKNOWN for x in found))
 
 
 def _require_one(text: RecordText, title: Title, rows: Rows) -> None:
@@ -426,7 +450,12 @@ def _require_one(text: RecordText, title: Title, rows: Rows) -> None:
         if len(cells) > 1 and cell_of(cells[0]).role == TIME:
             raise text.fault(f"found {words!r} above one column of numbers", title.line)
     cell = cell_of(words)
-    few = len(words.split()) <= 3 and not re.search(r"[:=]\s*\S", words)
+    if words in _AMBIGUOUS:
+        raise text.fault(
+            f"found the heading {words!r}, a direction or another quantity; expected an acceleration, such as a or acc",
+            title.line,
+        )
+    few = not re.search(r"\d", words) and len(words.split()) <= 3 and not re.search(r"[:=]\s*\S", words)
     if few and (cell.is_other or cell.role in (PERIOD, FREQUENCY)):
         raise text.fault(f"found {words!r} ({cell.role}); expected an acceleration", title.line)
     if few and "[" in words and cell.role == UNKNOWN:
