@@ -72,7 +72,7 @@ _BESIDE = re.compile(
     r"[\[(]\s*([^\])\s]+)\s*[\])]",
     re.IGNORECASE,
 )
-_GOES_ON = frozenset(("and", "at", "for", "with", "npts", "n", "of", "in", "dt", "or", "unit", "units") + ("samples", "points", "values"))
+_GOES_ON = frozenset(["and", "at", "for", "with", "of", "in", "or", "n", "npts", "dt", "unit", "units", "values", "points"])
 _SLACK = 1e-3  # relative; two statements of a step that differ by less agree
 
 
@@ -280,23 +280,7 @@ class Claims:
 
 def _is_unit(word: str) -> bool:
     """True if a word after a number claims to be its unit, and does not go on the text."""
-    return word.strip(" .") not in (
-        "and",
-        "at",
-        "for",
-        "with",
-        "npts",
-        "n",
-        "of",
-        "in",
-        "dt",
-        "or",
-        "unit",
-        "units",
-        "samples",
-        "points",
-        "values",
-    )
+    return word.strip(" .") not in _GOES_ON
 
 
 def _spectral(others: list[str], text: str) -> bool:

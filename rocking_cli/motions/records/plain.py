@@ -389,10 +389,11 @@ def _split(line: str, columns: int, separator: str) -> list[str] | None:
                 quoted.pop()
             if len(quoted) == columns:
                 return [x.strip() for x in quoted]
-    for parts in (re.split(r"\s{2,}|\t", line), cells_in(line)):
-        if len(parts) == columns:
-            return parts
-    return None
+    wide = re.split(r"\s{2,}|\t", line)
+    if len(wide) == columns:
+        return wide
+    parts = [] if any(mark in line for mark in ",;\t") else cells_in(line)
+    return parts if len(parts) == columns else None
 
 
 def _headings(text: RecordText, titles: list[Title], rows: Rows) -> tuple[list[Cell] | None, list[Title]]:

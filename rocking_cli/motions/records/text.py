@@ -343,7 +343,7 @@ def _words_on_lines(block: bytes) -> Array:
 def parsed(block: bytes) -> Array | None:
     """Return the numbers between the blanks of a block; None if one of its words is not a finite number."""
     try:
-        values = np.array(block.translate(_D_AS_E).split(), dtype=bytes).astype(float)
+        values = np.array(list(map(float, block.translate(_D_AS_E).split())))
     except ValueError:
         return None
     return values if np.all(np.isfinite(values)) and b"_" not in block else None  # Python takes 1_000 for a number
