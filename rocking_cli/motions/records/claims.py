@@ -229,9 +229,10 @@ class Claims:
         if (alone := _ALONE.fullmatch(text)) is not None:
             self._step(alone[1], alone[2], words, at)
             return
-        for found in _RATE.finditer(text):
+        rates = [found for found in _RATE.finditer(text) if found[2] is not None]
+        for found in rates:
             self._rate(found, words, at)
-        for found in _AT_RATE.finditer(text) if not _RATE.search(text) else ():
+        for found in _AT_RATE.finditer(text) if not rates else ():
             self._hertz(found[1], rate_unit(found[2]) or 1.0, words, at)
         for found in _STEP.finditer(text):
             if found[2] is not None:
@@ -252,8 +253,6 @@ class Claims:
         self.state("step", value * (seconds or 1.0), words, at)
 
     def _rate(self, found: re.Match[str], words: str, at: int) -> None:
-        if found[2] is None:
-            return
         unit = found[3] or found[1] or ""
         if time_unit(unit) is not None and unit:
             self._step(found[2], unit, words, at)

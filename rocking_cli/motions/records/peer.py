@@ -19,7 +19,18 @@ _OLDER = re.compile(rf"^\s*{_NUMBER}\s*,?\s+{_NUMBER}\s*,?\s*NPTS\s*,?\s*DT\b()"
 _SAID, _TRAILER = re.compile(r"\S.*"), re.compile(r"\W*(?:END|EOF)\b", re.IGNORECASE)
 _BRACKETS = re.compile(r"\([^)]*\)")
 
-recognise = begins(rf"(?:.*\n){{0,49}}?.*(?:{_COUNT.pattern}|{_OLDER.pattern})")
+_BEGIN = begins(rf"(?:.*\n){{0,49}}?.*(?:{_COUNT.pattern}|{_OLDER.pattern})")
+_OTHER_TEXT = re.compile(r"[A-CF-Za-cf-z]{2,}|[,;]")
+
+
+def recognise(head: str) -> bool:
+    """True if numbers between blanks follow a line of NPTS and DT."""
+    if not _BEGIN(head):
+        return False
+    lines = head.splitlines()
+    at = next((i for i, x in enumerate(lines) if _COUNT.search(x) or _OLDER.search(x)), 0)
+    below = next((x for x in lines[at + 1 :] if x.strip()), "")
+    return _OTHER_TEXT.search(below) is None
 
 
 def read(text: RecordText) -> list[Series]:
@@ -40,9 +51,6 @@ def read(text: RecordText) -> list[Series]:
     for i, (words, number) in enumerate(above):
         claims.take(words, number, strict=i == len(above) - 1)
     claims.take(found.string[found.end() :], text.line - 1)
-    while not text.more_numbers() and (title := _next_title(text)):
-        claims.take(title, text.line - 1)
-        above.append((title, text.line - 1))
     count = text.count(found[1])
     dt = text.step(found[2]) * text.seconds(found[3])
     unit = claims.unit or ("g" if claims.acceleration else text.given.unit)
@@ -56,16 +64,6 @@ def read(text: RecordText) -> list[Series]:
         said = f"found {trailer[0].strip()[:60]!r} after the {count} values declared"
         raise text.fault(f"{said}; expected nothing, or a line that says end")
     return [Series(_upwards(claims, above), dt, samples, unit, remark=remark)]
-
-
-def _next_title(text: RecordText) -> str:
-    """The next line if it has words, which is read; empty for any other."""
-    at, line = text.at, text.line
-    found = (text.next_line() or "").strip()
-    if not re.search(r"[A-Za-z]{2,}", found):
-        text.at, text.line = at, line
-        return ""
-    return found
 
 
 def _samples(text: RecordText, count: int, dt: float) -> tuple[np.ndarray, str]:

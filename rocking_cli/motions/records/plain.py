@@ -163,7 +163,7 @@ class _Table:
         time = values[:, 0]
         rising = bool((np.diff(time) > 0.0).all())
         steps = np.diff(time)
-        even = rising and float(steps.max()) <= 1.5 * float(np.median(steps))
+        even = rising and steps.size > 0 and float(steps.max()) <= 1.5 * float(np.median(steps))
         if self.width == 2:
             return 0
         return 0 if even else None
@@ -432,9 +432,10 @@ def _are_headings(cells: list[str], direct: bool, separated: bool) -> bool:
         return True
     if re.match(r"[-+.\d]", cells[0]) and not is_direction(cells[0]):
         return False
-    if found[0].is_time_or_like and not cells[0].rstrip().endswith((":", "=")):
+    key = re.match(r"([^:=]*)[:=]", cells[0])
+    if found[0].is_time_or_like and (key is None or cell_of(key[1]).is_time_or_like):
         return True
-    if re.search(r"[:=]", cells[0]):
+    if key is not None:
         return False
     directed = [x for x in found if x.component is not None]
     named = [x for x in found if x.component is not None or x.role == ACCELERATION]

@@ -14,6 +14,7 @@ from .text import Array, RecordText, value_of
 _ODD_COMMA = re.compile(rb",(?![0-9])|,[0-9]*,")
 _EMPTY = re.compile(rb"([,;])[ \t]*\1")
 _MANY = 2000  # lines that show whether whole numbers before a comma are times
+_SHOWN = 200  # numbers whose printed form is looked at
 _LEADS = 3  # numbers above a column that may be no samples: count, step, rate
 _USUAL_STEPS = (0.001, 0.002, 0.0025, 0.004, 0.005, 0.01, 0.02, 0.025, 0.04, 0.05, 0.1)
 _STAR = re.compile(r"\*+|nan|inf|[-+]inf", re.IGNORECASE)
@@ -26,7 +27,7 @@ class Rows(NamedTuple):
     values: Array  # all numbers, in order
     counts: Array  # how many stand on each line that is not blank
     lines: Array  # the numbers of these lines in the file
-    words: list[bytes]  # the numbers as printed
+    words: list[bytes]  # the first of these numbers as printed
     separator: str  # what stands between them: "," ";" tab or " "
 
     @property
@@ -72,7 +73,7 @@ def rows_of(text: RecordText, headings: int | None) -> Rows:
         block = block.replace(separator.encode(), b" ")
     values, counts, lines = text.numbers_of(block)
     text.at = len(text.raw)
-    return Rows(values, counts, lines, block.split(), separator)
+    return Rows(values, counts, lines, block.split(None, _SHOWN)[:_SHOWN], separator)
 
 
 def _separator(block: bytes, headings: int | None) -> tuple[str, bool]:
