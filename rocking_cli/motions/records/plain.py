@@ -5,17 +5,13 @@ heading names the quantities and directions. What the headings do not say, the u
 states (unit, step, column), and what they say, the user may not contradict.
 """
 
-import csv
 import re
-from collections.abc import Iterator
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
 from ...errors import DocumentError, UsageError
 from .claims import Claims, agree
-from .directions import is_direction
 from .headings import (
     ACCELERATION,
     BARE,
@@ -24,18 +20,24 @@ from .headings import (
     TIME,
     UNKNOWN,
     Cell,
-    cell_of,
-    cells_in,
-    units_row,
 )
 from .record import EVERY, Series
 from .rows import Rows, as_printed, is_row, leads_of, rows_of
-from .text import Array, RecordText
-from .units import ACCELERATIONS, WRITTEN_UNITS, plain
+from .text import Array, RecordText, value_of
+from .titles import (
+    AMBIGUOUS,
+    Title,
+    cells_above,
+    headings,
+    numbers_in,
+    require_no_row,
+    titles_of,
+    unmarked,
+)
+from .units import ACCELERATIONS, WRITTEN_UNITS
 
 NAME = "text"
 _MOST_TITLE_LINES = 120
-_COMMENT = re.compile(r"^\s*(?:[#%!*>]|//)+\s*")
 _OTHER_FILES = {
     **dict.fromkeys(("vel", "velo", "veloc", "velocity", "vt2"), "velocities"),
     **dict.fromkeys(("dis", "disp", "displ", "dsp", "displacement", "dt2"), "displacements"),
@@ -43,14 +45,6 @@ _OTHER_FILES = {
     **dict.fromkeys(("fft", "fas", "fourier"), "a Fourier spectrum"),
 }  # by the last part of a file's name
 _MANY = 5  # so many columns are no components: a short last line shows values in a row
-_AMBIGUOUS = ("u", "v", "V", "U", "x")  # alone beside times: a direction or a quantity
-
-
-class Title(NamedTuple):
-    """A line above the numbers."""
-
-    text: str
-    line: int
 
 
 def recognise(head: str) -> bool:
@@ -63,14 +57,14 @@ def recognise(head: str) -> bool:
 
 def read(text: RecordText) -> list[Series]:
     """Return the components of the file. Raises DocumentError and UsageError."""
-    titles = list(_titles(text))
-    rows = rows_of(text, _cells_above(titles))
+    titles = list(titles_of(text))
+    rows = rows_of(text, cells_above(titles))
     claims = Claims(text.fault)
-    leads = [x for x in titles if is_row(_unmarked(x.text))]
+    leads = [x for x in titles if is_row(unmarked(x.text))]
     titles = [x for x in titles if x not in leads]
-    cells, others = _headings(text, titles, rows)
+    cells, others = headings(text, titles, rows)
     for title in others:
-        _require_no_row(text, title, rows.columns, cells is not None)
+        require_no_row(text, title, rows.columns)
         claims.take(title.text, title.line, strict=title == titles[-1] and rows.columns == 1)
     rows, remark = _without_leads(text, claims, rows, leads)
     if rows.values.size == 0:
@@ -110,8 +104,7 @@ class _Table:
 
     def wrapped(self) -> list[Series]:
         """The one record of lines of several values."""
-        dt = self.step()
-        unit = self.unit(None)
+        unit, dt = self.unit(None), self.step()
         told = self.claims.count is None and self.text.given.column is None
         remark = f"{self.width} values a line, which are read one line after the other"
         name, values = self.claims.component, self.rows.values
@@ -124,7 +117,8 @@ class _Table:
         if self.width == 1:
             if self.text.given.column not in (None, "1"):
                 raise self.no_column("one column")
-            return [Series(self.claims.component, self.step(), values[:, 0], self.unit(None))]
+            unit = self.unit(None)
+            return [Series(self.claims.component, self.step(), values[:, 0], unit)]
         time = self.time_column(values)
         taken = self.taken(time)
         dt, remark = self.step_of_times(values, time)
@@ -213,7 +207,7 @@ class _Table:
             cell = spectra[0] if spectra else held[0][1]
             raise self.text.fault(f"found {cell.text!r} ({cell.role}); expected an acceleration", line - 1)
         alone = self.cells[found[0]]
-        if len(found) == 1 and alone.role == BARE and alone.text.strip() in _AMBIGUOUS:
+        if len(found) == 1 and alone.role == BARE and alone.text.strip() in AMBIGUOUS:
             raise self.text.fault(
                 f"found the heading {alone.text!r}, a direction or another quantity; expected an acceleration, such as a or acc",
                 line - 1,
@@ -348,148 +342,6 @@ def even_step(
     return step
 
 
-# Lines above the numbers
-
-
-def _titles(text: RecordText) -> Iterator[Title]:
-    """Read up to the first of two rows of numbers, and yield the lines above."""
-    while True:
-        at, line = text.at, text.line
-        found = text.next_line()
-        if found is None:
-            raise text.fault("no numbers")
-        if not found.strip():
-            continue
-        if is_row(found):
-            rest = text.decoded(text.raw[text.at : text.at + 20_000]).lstrip()
-            if not rest or is_row(rest.split("\n", 1)[0]):
-                text.at, text.line = at, line
-                return
-        yield Title(found, line)
-
-
-def _unmarked(line: str) -> str:
-    return _COMMENT.sub("", line).strip()
-
-
-def _cells_above(titles: list[Title]) -> int | None:
-    """How many headings the last line above the numbers seems to hold."""
-    if not titles:
-        return None
-    last = _unmarked(titles[-1].text)
-    return 2 if "," in last else 1
-
-
-def _split(line: str, columns: int, separator: str) -> list[str] | None:
-    """The cells of a line in one of the ways that give as many as there are columns."""
-    for mark in dict.fromkeys((separator, ",", ";", "\t")):
-        if mark in line and mark != " ":
-            quoted = next(csv.reader([line], delimiter=mark, skipinitialspace=True), [])
-            while quoted and not quoted[-1].strip() and len(quoted) > columns:
-                quoted.pop()
-            if len(quoted) == columns:
-                return [x.strip() for x in quoted]
-    wide = re.split(r"\s{2,}|\t", line)
-    if len(wide) == columns:
-        return wide
-    parts = [] if any(mark in line for mark in ",;\t") else cells_in(line)
-    return parts if len(parts) == columns else None
-
-
-def _headings(text: RecordText, titles: list[Title], rows: Rows) -> tuple[list[Cell] | None, list[Title]]:
-    """(what the columns are called, None where nothing says so; the other lines)."""
-    columns = rows.columns
-    if columns == 1 or not titles:
-        for title in titles[-1:]:
-            _require_one(text, title, rows)
-        return None, titles
-    named: list[list[str]] = []
-    others: list[Title] = []
-    for title in titles:
-        cells = _split(_unmarked(title.text), columns, rows.separator)
-        direct = title == titles[-1] and not _COMMENT.match(title.text)
-        separated = any(mark in title.text for mark in ",;\t")
-        if cells is not None and _are_headings(cells, direct, separated):
-            units = units_row(cells)
-            named.append(cells if units is None else [f"[{x}]" for x in units])
-        else:
-            others.append(title)
-    if not named:
-        for title in titles[-1:]:
-            _require_as_many(text, title, rows)
-        return None, others
-    together = [" ".join(words) for words in zip(*named, strict=True)]
-    return [cell_of(words, first=not i) for i, words in enumerate(together)], others
-
-
-def _are_headings(cells: list[str], direct: bool, separated: bool) -> bool:
-    """True if cells are headings of columns.
-
-    direct: they stand right above the numbers; separated: by a mark, not by blanks.
-    """
-    found = [cell_of(x) for x in cells]
-    if units_row(cells) is not None:
-        return True
-    if re.match(r"[-+.\d]", cells[0]) and not is_direction(cells[0]):
-        return False
-    key = re.match(r"([^:=]*)[:=]", cells[0])
-    if found[0].is_time_or_like and (key is None or cell_of(key[1]).is_time_or_like):
-        return True
-    if key is not None:
-        return False
-    directed = [x for x in found if x.component is not None]
-    named = [x for x in found if x.component is not None or x.role == ACCELERATION]
-    if not separated:
-        return len(directed) == len(cells) or (len(named) > 1 and len(cells) > 2)
-    return direct or (len(named) > 1 and all(x.role != UNKNOWN for x in found))
-
-
-def _require_one(text: RecordText, title: Title, rows: Rows) -> None:
-    """Raise DocumentError if the line above one column names several, or another one."""
-    words = _unmarked(title.text)
-    for mark in (",", ";", "\t"):
-        cells = [x for x in words.split(mark) if x.strip()]
-        if len(cells) > 1 and cell_of(cells[0]).role == TIME:
-            raise text.fault(f"found {words!r} above one column of numbers", title.line)
-    cell = cell_of(words)
-    if words in _AMBIGUOUS:
-        raise text.fault(
-            f"found the heading {words!r}, a direction or another quantity; expected an acceleration, such as a or acc",
-            title.line,
-        )
-    few = not re.search(r"\d", words) and len(words.split()) <= 3 and not re.search(r"[:=]\s*\S", words)
-    if few and (cell.is_other or cell.role in (PERIOD, FREQUENCY)):
-        raise text.fault(f"found {words!r} ({cell.role}); expected an acceleration", title.line)
-    if few and "[" in words and cell.role == UNKNOWN:
-        raise text.fault(
-            f"found {cell.odd or words!r} in the heading {words!r}, which is not understood",
-            title.line,
-        )
-
-
-def _require_as_many(text: RecordText, title: Title, rows: Rows) -> None:
-    """Raise DocumentError if the line above the numbers names more or fewer columns."""
-    words = _unmarked(title.text)
-    for mark in (",", ";", "\t"):
-        cells = [x for x in words.split(mark) if x.strip()]
-        if len(cells) > 1 and cell_of(cells[0]).is_time_or_like:
-            said = f"found {len(cells)} headings in {words!r} above {rows.columns} columns"
-            raise text.fault(said, title.line)
-
-
-def _require_no_row(text: RecordText, title: Title, columns: int, named: bool) -> None:
-    """Raise DocumentError for a line that may be a row of numbers with a fault."""
-    words = _unmarked(title.text).replace(",", " ").replace(";", " ").split()
-    begins = re.match(r"[-+]?\.?\d", words[0]) if words else None
-    if begins and len(words) == columns and columns > 1 and not plain(title.text).isalpha():
-        numbers = [x for x in words if re.match(r"[-+]?\.?\d", x)]
-        if len(numbers) * 2 >= len(words) and not re.search(r"[a-zA-Z]{2,}", " ".join(numbers)):
-            raise text.fault(
-                f"found {title.text.strip()!r} above the numbers, which is not understood",
-                title.line,
-            )
-
-
 def _without_leads(text: RecordText, claims: Claims, rows: Rows, above: list[Title]) -> tuple[Rows, str]:
     """(the rows below those that hold a count, step or rate, a remark that names these).
 
@@ -497,7 +349,7 @@ def _without_leads(text: RecordText, claims: Claims, rows: Rows, above: list[Tit
     """
     count = leads_of(rows)
     kept = rows.below(count)
-    words = [(x, title.line) for title in above for x in _unmarked(title.text).split()]
+    words = [(x, title.line) for title in above for x in numbers_in(unmarked(title.text))]
     first = int(rows.counts[:count].sum())
     lines = np.repeat(rows.lines[:count], rows.counts[:count])
     words += [(as_printed(x), int(n)) for x, n in zip(rows.words[:first], lines, strict=True)]
@@ -508,7 +360,7 @@ def _without_leads(text: RecordText, claims: Claims, rows: Rows, above: list[Tit
         stated = float(np.median(np.diff(times[: kept.counts.size])))
     said: list[str] = []
     for word, line in words:
-        value = float(word.strip(",;").replace(",", "."))
+        value = value_of(word.replace(",", ".").encode()) or 0.0
         if value in total and value > 1.0:
             claims.count = claims.count or int(value)
             claims.quoted.setdefault("count", word)
