@@ -183,7 +183,7 @@ REFUSED = {
         (2, f"{COLUMN} {AT} --vertical-scale 2", "--vertical-scale goes with --vertical"),
         (2, f"{COLUMN} {AT} --vertical sine --vertical-dt 1", "goes with a record"),
         (3, f"{COLUMN} {AT2} --vertical {AT2.split()[1]} --vertical-unit gal", "--vertical-unit: found gal; the file says otherwise: g"),
-        (3, f"{COLUMN} {AT2} --dt 0.02", "--motion-dt: found 0.02 s; the file says otherwise: 0.01 s (PEER AT2)"),
+        (3, f"{COLUMN} {AT2} --motion-dt 0.02", "--motion-dt: found 0.02 s; the file says otherwise: 0.01 s (PEER AT2)"),
         (2, f"{COLUMN} {AT2} --column 2", "--column goes with plain columns of numbers, not with PEER AT2"),
         (2, f"{COLUMN} {AT} --column 2", "--column goes with a record: give --motion"),
         (2, f"configs/arch.yaml {AT} --forces --model linear", "give --model nonlinear"),

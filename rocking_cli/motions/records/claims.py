@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from .directions import is_direction
+from .directions import is_direction, is_up
 from .headings import UNKNOWN, cell_of, names_acceleration, others_in
 from .units import ACCELERATIONS, WRITTEN_UNITS, dimension_of, plain, rate_unit, time_unit, unit_of
 
@@ -27,6 +27,7 @@ _STEP_WORDS = (
     r"\binterval(?:s|o)? (?:of\b|de\b|:)|\bincrement\b|\bevery\b|\bat intervals of\b"
 )
 _RATE_WORDS = (
+    r"^(?:frequency|freq|rate)\b(?=\s*[:=(]?\s*[\d(])|"
     r"\bsampl(?:e|ing|es)?[ _-]?(?:rate|freq\w*)\b|\bsamplerate\b|\bsps\b|\bfs\b|\bf_s\b|"
     r"\bsamples per sec\w*\b|"
     r"\b(?:frecuencia|velocidad|tasa) de muestreo\b|\bfrequenza di campionamento\b|"
@@ -54,6 +55,11 @@ _FACTOR = re.compile(
     rf"(?:[ _-]?(?:factor|constant))?\b|\bfactor\b|\bgain\b|\blsb\b|\bsensitivity\b|\bfaktor\b|"
     rf"\bfattore\b)(?:\s+(?:by|of|is))?\s*(?:[\[(][^\])]*[\])])?\s*[:=,;\t]?\s*{_NUM}([^,;\s]*)"
 )
+_TIMES = re.compile(
+    r"(?:(?<![a-zA-Z])x|×|(?<!\*)\*)\s*(\d+(?:\.\d*)?(?:e[-+]?\d+|\^-?\d+)?)\s*$"
+    r"|\b(?:tenths|hundredths|thousandths|multiples)\s+of\b",
+    re.IGNORECASE,
+)
 _COMPONENT = re.compile(
     r"\b(?:comp(?:onent|onente)?|chan(?:nel)?|dir(?:ection|eccion|ezione)?|orientation|"
     r"composante|richtung|bilesen|yon)\b\.?\s*(?:\d+\s*)?[:=,;\t]?\s*([-+\w./]+(?: deg)?)",
@@ -69,7 +75,7 @@ _MARKS = re.compile(r"^[\s#%!*;/\"'>|-]+(?=\S)")
 _UNLIKE = ("velocity", "displacement", "spectrum", "Fourier spectrum", "Arias intensity")
 _BESIDE = re.compile(
     r"\bacc\w*\.?\s*(?:(?:time|series|history|data|values?|corrected|uncorrected)\s*)*"
-    r"[\[(]\s*([^\])\s]+)\s*[\])]",
+    r"[\[(]\s*([^\])]+?)\s*[\])]",
     re.IGNORECASE,
 )
 _GOES_ON = frozenset(["and", "at", "for", "with", "of", "in", "or", "n", "npts", "dt", "unit", "units", "values", "points"])
@@ -105,6 +111,8 @@ class Claims:
         self._units(text, words, at)
         self._steps(text, words, at)
         self._counts(text, words)
+        if len(words) > 1 and is_up(words):
+            self.component = words
         for found in _COMPONENT.finditer(words):
             if is_direction(found[1].strip(".")):
                 self.component = found[1].strip(".")
@@ -120,7 +128,9 @@ class Claims:
 
     def _factor(self, text: str, words: str, at: int) -> None:
         found = _FACTOR.search(text)
-        if found is not None and (found[2] or float(found[1].replace("d", "e")) != 1.0):
+        times = _TIMES.search(words)
+        stated = found is not None and (found[2] or float(found[1].replace("d", "e")) != 1.0)
+        if stated or (times is not None and times[1] != "1"):
             raise self.fault(
                 f"found {words!r}, a factor; it is not known whether the numbers have it: apply it and take the line away",
                 at,
@@ -190,7 +200,7 @@ class Claims:
                 return
         odd = [x for x in after if not x[:1].isdigit() and len(x) > 1]
         odd = [x for x in odd if dimension_of(x) not in (None, "time", "frequency")]
-        beside = [x for x in _BESIDE.findall(words) if cell_of(x).role == UNKNOWN]
+        beside = [x for x in _BESIDE.findall(words) if _unknown(x)]
         last = re.findall(r"\bin\s+(\S+)\s*$", words, re.IGNORECASE)
         for word in [*odd, *beside, *last]:
             raise self.fault(f"found the unit {word!r} in {words!r}", at)
@@ -280,6 +290,11 @@ class Claims:
 def _is_unit(word: str) -> bool:
     """True if a word after a number claims to be its unit, and does not go on the text."""
     return word.strip(" .") not in _GOES_ON
+
+
+def _unknown(word: str) -> bool:
+    """True if what stands in brackets beside a quantity is no words, and no known unit."""
+    return (" " not in word or bool(re.search(r"\d", word))) and cell_of(word).role == UNKNOWN
 
 
 def _spectral(others: list[str], text: str) -> bool:

@@ -224,6 +224,7 @@ def _directions(name: str) -> list[str]:
     """The words of a name that may be its direction, the longest first."""
     if is_direction(name) and not names_acceleration(name):
         return [name]
+    name = re.sub(r"(?i)\b(acc\w*)\s*[-.]\s*(?=\w)", r"\1 ", name)  # Acc-NS
     words = [x for x in re.split(r"[\s_]+", _CAMEL.sub(" ", name)) if x]
     glued = [_LETTERS_WITH_DIRECTION.fullmatch(plain(x)) for x in words]
     ends = [found[2] or found[4] for found in glued if found is not None]

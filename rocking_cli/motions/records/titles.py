@@ -19,6 +19,7 @@ from .headings import (
 )
 from .rows import Rows, is_row
 from .text import RecordText, value_of
+from .units import dimension_of
 
 _COMMENT = re.compile(r"^\s*(?:[#%!*>]|//)+\s*")
 AMBIGUOUS = ("u", "v", "V", "U", "x")  # alone beside times: a direction or a quantity
@@ -140,7 +141,8 @@ def _require_one(text: RecordText, title: Title, rows: Rows) -> None:
     few = not re.search(r"\d", words) and len(words.split()) <= 3 and not re.search(r"[:=]\s*\S", words)
     if few and (cell.is_other or cell.role in (PERIOD, FREQUENCY)):
         raise text.fault(f"found {words!r} ({cell.role}); expected an acceleration", title.line)
-    if few and "[" in words and cell.role == UNKNOWN:
+    foreign = cell.odd != "" and dimension_of(cell.odd) not in (None, "acceleration", "time")
+    if few and cell.role == UNKNOWN and ("[" in words or foreign):
         raise text.fault(
             f"found {cell.odd or words!r} in the heading {words!r}, which is not understood",
             title.line,

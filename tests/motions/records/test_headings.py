@@ -115,6 +115,11 @@ REFUSED = {
     "units: furlongs\nt,a": "the unit 'furlongs'; expected m/s2",
     "units: m, s, kN\nt,a": "the unit 'm, s, kn'",
     "Scale factor = 2\nt,a [g]": "'Scale factor = 2', a factor",
+    "values x1000\nt,a [g]": "'values x1000', a factor",
+    "a x 0.01\nt,a [g]": "'a x 0.01', a factor",
+    "in tenths of g\nt,a": "'in tenths of g', a factor",
+    "Acceleration [10^-2 m/s2] of Nowhere\nt,a": "the unit '10^-2 m/s2'",
+    "frequency: 50 Hz\nt,a [g]": "where 'frequency: 50 Hz' says otherwise",
     "gain: 0.5\nt,a [g]": "'gain: 0.5', a factor",
     "units: gal\nt,a\nacc in g": "where 'units: gal' says otherwise",
     "dt = 0.02\nt,a [g]": "times every 0.01 s, where 'dt = 0.02' says otherwise",
@@ -146,6 +151,7 @@ ONE = {
     "Sampling Freq(Hz),100Hz\nUnit,gal\nMax. Acc. (gal),12.5": ("gal", None),
     "Intervalo de muestreo: 0.01 s\nUnidades: gal": ("gal", None),
     "50 points equally spaced at 0.01 sec, in g\nComponent: Vertical": ("g", "Vertical"),
+    "freq 100 Hz\nin gal\nUP": ("gal", "UP"),
     "100 sps\nComp. HNZ\nunits = mg": ("mg", "HNZ"),
 }
 
@@ -163,7 +169,21 @@ def test_one_column_is_read_as_the_lines_above_it_say(tmp_path, heading, said):
 
 @pytest.mark.parametrize(
     "heading",
-    ["v [cm/s]", "[counts]", "Velocity", "displ (cm)", "Force [kN]", "a [furlong]", "T [s]", "Sa [g]", "m/s", "u", "spectrum", "t,a"],
+    [
+        "v [cm/s]",
+        "[counts]",
+        "Velocity",
+        "displ (cm)",
+        "Force [kN]",
+        "a [furlong]",
+        "T [s]",
+        "Sa [g]",
+        "m/s",
+        "u",
+        "spectrum",
+        "t,a",
+        "acc m",
+    ],
 )
 def test_one_column_of_something_else_is_refused(tmp_path, heading):
     found = refusal(tmp_path / "a.txt", table(heading, 1.0, times=None), unit="g", dt=0.01)
@@ -174,6 +194,8 @@ SEVERAL = {
     "time [s],NS [gal],EW [gal],UD [gal]": ("NS", "EW", "UD"),
     "Time,N-S,E-W,U-D\ns,gal,gal,gal": ("N-S", "E-W", "U-D"),
     "t,acc_x [gal],acc_y [gal],acc_z [gal]": ("x", "y", "z"),
+    "t,Acc-NS [gal],Acc-EW [gal],Acc-UD [gal]": ("NS", "EW", "UD"),
+    "t,AccX [gal],AccY [gal],AccZ [gal]": ("X", "Y", "Z"),
     "t,Acc N (gal),Acc E (gal),Acc Z (gal)": ("N", "E", "Z"),
     "units: gal\nt,HNN,HNE,HNZ": ("HNN", "HNE", "HNZ"),
     "units: gal\nt,L,T,V": ("L", "T", "V"),
