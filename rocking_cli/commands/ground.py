@@ -30,6 +30,7 @@ _PULSE = ("pulse", "cycles", "gamma", "phase")
 _OF_A_FILE = ("vertical_component", "vertical_unit", "vertical_dt")
 _MOTION = "A record or a motion document instead of a pulse; for a set: records, a directory or a list; repeatable."
 _VERTICAL = f"Vertical motion, upwards: a pulse by name, a motion document, a record, or {STATION}: the component of the same file."
+COLUMN = "Column of a table of numbers, from 1; all: each line goes on from the one before."
 DT = "Time between the values of a record in a single column."
 
 
@@ -52,6 +53,7 @@ class Reading:
     )
     unit: str | None = option("--unit", "Unit of a record in plain columns of numbers, such as g or m/s2.", metavar="UNIT")
     motion_dt: float | None = option("--dt --motion-dt", DT, type=quantity("time"))
+    column: str | None = option("--column", COLUMN, metavar="NUMBER|all")
 
 
 @dataclass(frozen=True)
@@ -149,13 +151,13 @@ class Motions(Reading, Source):
     def _choices(self, station: float | None) -> Any:
         """Return the choices for the motion of a file."""
         refuse("does not go with --motion", *_PULSE)
-        same = {key: getattr(self, key) for key in ("component", "unit", "scale", "scale_to")}
+        same = {key: getattr(self, key) for key in ("component", "unit", "column", "scale", "scale_to")}
         return {**same, "dt": self.motion_dt, "vertical": station, "tell": note}
 
     def _pulse(self, station: float | None) -> Motion:
         from ..motions import pulse
 
-        refuse("goes with a record: give --motion", "component", "unit", "motion_dt", "scale_to")
+        refuse("goes with a record: give --motion", "component", "unit", "motion_dt", "column", "scale_to")
         if station is not None:
             raise click.UsageError(f"--vertical {STATION} goes with a record: give --motion")
         found = pulse(self.pulse or "sine", **{key: value for key in _PULSE[1:] if (value := getattr(self, key)) is not None})

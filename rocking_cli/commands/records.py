@@ -54,7 +54,9 @@ def records(
         return [row for record in records for row in (_spectrum(record, periods, damping) if export_spectrum else [_row(record)])]
 
     with ground.named(dt="motion_dt"):
-        taken = list(read_set(files, rows, unit=reading.unit, dt=reading.motion_dt, tell=notes.append, unread=unread.append))
+        taken = list(
+            read_set(files, rows, unit=reading.unit, dt=reading.motion_dt, column=reading.column, tell=notes.append, unread=unread.append)
+        )
     if export_spectrum:
         emit(taken, SPECTRUM_COLUMNS, keys=(*KEYS, "T"))
     else:

@@ -17,9 +17,9 @@ from .intensity import intensity
 from .motion import Motion
 from .motion_document import build_motion
 from .recording import Recording, with_distinct_labels
-from .records import Record, is_record, pick, records_of, require_unit, unknown
+from .records import Record, is_record, pick, records_of, require_column, require_unit, unknown, unpacked
 from .records.record import chosen, names_of, record_motion, vertical_of
-from .records.text import HEAD
+from .records.text import HEAD, as_utf_8
 from .response_spectra import mean_acceleration, periods_of
 
 Taken = TypeVar("Taken")
@@ -29,17 +29,16 @@ MEASURES = {"PGA": "acceleration", "PGV": "velocity", "PGD": "length", "Arias": 
 
 
 class MotionChoices(TypedDict, total=False):
-    """Choices for the motion of a file: factor `scale`, which may be negative, and `tell`, called with each remark. For records only:
-    component by name or number; unit and dt [s] of plain numbers; scale_to, instead of `scale`: a text such as `PGA=0.35g`; vertical:
-    factor of the vertical component of the file, which is added."""
+    """Choices for the motion of a file; all but `scale` and `tell` apply to records only."""
 
-    component: str | None
-    unit: str | None
-    dt: float | None
-    scale: float | None
-    scale_to: str | None
-    vertical: float | None
-    tell: Callable[[str], None] | None
+    component: str | None  # by name or number from 1
+    unit: str | None  # of plain numbers
+    dt: float | None  # time step of plain numbers [s]
+    column: str | None  # of plain numbers, from 1; `all` where each line goes on from the last
+    scale: float | None  # factor, which may be negative
+    scale_to: str | None  # instead of `scale`, such as `PGA=0.35g`
+    vertical: float | None  # factor of the vertical component of the file, which is added
+    tell: Callable[[str], None] | None  # called with each remark
 
 
 def read_motion(path: str | Path, **given: Unpack[MotionChoices]) -> Motion:
@@ -53,7 +52,7 @@ def read_motion(path: str | Path, **given: Unpack[MotionChoices]) -> Motion:
     3.4335
     """
     source, raw = read_bytes(path)
-    records = records_of(source, raw, unit=given.get("unit"), dt=given.get("dt"))
+    records = records_of(source, raw, **_stated(given))
     if records is None:
         return _of_document(source, raw, given)
     (recording,) = _recordings(records, [pick(records, given.get("component"))], given)
@@ -66,13 +65,13 @@ def read_motions(
     """Return the motion of a single document, or the records of a set (see `record_files`). unread: called with each file of a
     directory that cannot be read (None: an error). component may also be `horizontal`, `all`, or None for each horizontal one of each
     file. Raises as `read_motion`, and UsageError without a record."""
-    tell, unit, dt = given.get("tell") or (lambda text: None), given.get("unit"), given.get("dt")
+    tell = given.get("tell") or (lambda text: None)
 
     def take(records: list[Record]) -> list[Recording]:
         return _recordings(records, chosen(records, given.get("component")), given)
 
     try:
-        found = [_scaled(r, given) for r in read_set(paths, take, unit=unit, dt=dt, tell=tell, unread=unread)]
+        found = [_scaled(r, given) for r in read_set(paths, take, **_stated(given), tell=tell, unread=unread)]
     except NoRecord as error:
         if len(paths) > 1 or error.source not in (paths[0], STDIN):
             raise DocumentError(f"{error}; a set holds records only") from None
@@ -129,13 +128,13 @@ def _scaled(recording: Recording, given: MotionChoices) -> Recording:
 
 def _of_document(source: str, raw: bytes, given: MotionChoices) -> Motion:
     try:
-        documents = documents_of(source, raw)
+        documents = documents_of(source, unpacked(source, raw))
     except DocumentError as error:
         raise DocumentError(f"{error}, or a record of a known format") from None
     if len(documents) > 1:
         raise DocumentError(f"{documents[1].place}: a second document; a motion file holds one")
     motion, scale = build_motion(documents[0]), given.get("scale")
-    for name in ("component", "unit", "dt", "scale_to", "vertical"):
+    for name in ("component", "unit", "dt", "column", "scale_to", "vertical"):
         if given.get(name) is not None:
             raise UsageError(f"{source}: found a motion document; `{name}` applies to a record only")
     return motion if scale is None else motion.scaled(scale)
@@ -167,18 +166,37 @@ class NoRecord(DocumentError):
         self.source, self.raw = source, raw
 
 
+class Stated(TypedDict):
+    """What the user states of files of plain numbers."""
+
+    unit: str | None
+    dt: float | None
+    column: str | None
+
+
+def _stated(given: MotionChoices) -> Stated:
+    return Stated(unit=given.get("unit"), dt=given.get("dt"), column=given.get("column"))
+
+
 def read_set(
-    paths: Sequence[str], take: Callable[[list[Record]], Sequence[Taken]], *, unit: str | None = None, dt: float | None = None,
-    tell: Callable[[str], None], unread: Callable[[str], None] | None = None,
-) -> Iterator[Taken]:  # fmt: skip
-    """Yield the results of the function `take` on the records of each file (see `record_files`); unit, dt [s]: of files of plain numbers.
+    paths: Sequence[str],
+    take: Callable[[list[Record]], Sequence[Taken]],
+    *,
+    unit: str | None = None,
+    dt: float | None = None,
+    column: str | None = None,
+    tell: Callable[[str], None],
+    unread: Callable[[str], None] | None = None,
+) -> Iterator[Taken]:
+    """Yield the results of the function `take` on the records of each file (see `record_files`); unit, dt [s], column: of plain numbers.
     tell: called for each file without results and, in a directory, without a record, acceleration or the component; unread: for each file
     of a directory that cannot be read or taken (None: an error). Raises UsageError, DocumentError and the errors of `take`."""
     require_unit(unit)
+    require_column(column)
     for path, named, held in record_files(paths):
         try:
             source, raw = held or read_bytes(path)
-            records = records_of(source, raw, unit=unit, dt=dt, named=named)
+            records = records_of(source, raw, unit=unit, dt=dt, column=column, named=named)
             if records is None:
                 raise NoRecord(source, raw, quoted=path in paths)  # a list may name a file that its reader may not see
             taken = take(records)
@@ -219,11 +237,13 @@ def record_files(paths: Sequence[str]) -> Iterator[tuple[str, bool, tuple[str, b
 
 def _listed(file: BinaryIO, folder: str) -> list[str]:
     """The files that a list names, one on each line; none if the first does not exist, so it is no list."""
-    head = file.read(HEAD)
-    names = _names(head, folder)
-    return _names(head + file.read(), folder) if b"\0" not in head and names and os.path.isfile(names[0]) else []
+    raw = file.read(HEAD)
+    names = _names(as_utf_8(raw), folder)
+    if b"\0" in as_utf_8(raw) or not names or not os.path.isfile(names[0]):
+        return []
+    return _names(as_utf_8(raw + file.read()), folder)
 
 
 def _names(raw: bytes, folder: str) -> list[str]:
-    lines = (line.strip() for line in raw.decode("utf-8", "surrogateescape").splitlines())
+    lines = (line.strip().strip('"') for line in raw.decode("utf-8", "surrogateescape").splitlines())
     return [os.path.join(folder, line) for line in lines if line and not line.startswith("#")]

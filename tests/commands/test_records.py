@@ -82,6 +82,32 @@ def test_a_directory_is_read_to_its_end(rocking, tmp_path):
     assert (done.returncode, done.stderr) == (0, "set/b.csv: left out, no record format\n")
 
 
+def test_a_spectrum_in_a_directory_is_left_out_and_named(rocking, tmp_path):
+    """Its periods rise evenly, as times do; velocities beside an acceleration are no fault."""
+    (tmp_path / "set").mkdir()
+    (tmp_path / "set" / "a.csv").write_text("t [s],acc [g]\n0,0\n0.1,0.3\n0.2,-0.1\n")
+    (tmp_path / "set" / "a.vel").write_text("0 0\n0.1 0.3\n0.2 -0.1\n")
+    done = rocking("records", "set", "--unit", "g", "--json")
+    assert (done.returncode, [row["name"] for row in done.records]) == (0, ["a"])
+    assert re.search(r"set/a.vel:1: a file that is named as velocities.*; left out", done.stderr)
+    (tmp_path / "set" / "s.csv").write_text("T [s],S_a [g]\n0,0.3\n0.1,0.5\n0.2,0.5\n")
+    done = rocking("records", "set", "--unit", "g", "--json", "-q")
+    assert (done.returncode, [row["name"] for row in done.records]) == (4, ["a"])
+    assert re.fullmatch(r"set/s.csv:1: found 'T \[s\]', a period; .*; left out\n", done.stderr)
+    done = rocking("records", "set/s.csv", "--unit", "g")
+    assert (done.returncode, done.stdout) == (3, "")
+
+
+def test_a_column_of_a_table_as_a_motion(rocking, tmp_path):
+    (tmp_path / "a.csv").write_text("0 0 0 0\n0.2 1 4 2\n0.4 -1 -4 -2\n0.6 0 0 0\n")
+    (row,) = rocking("records", "a.csv", "--unit", "m/s2", "--column", "3", "--json").records
+    assert (row["component"], row["pga"], row["dt"]) == ("column 3", 4.0, 0.2)
+    call = ("response", "configs/block.yaml", "--motion", "a.csv", "--unit", "m/s2", "--events", "--json")
+    assert rocking(*call, "--column", "3").records[0]["event"] == "uplift"
+    refused = rocking(*call)
+    assert (refused.returncode, "give the one of the accelerations as --column" in refused.stderr) == (3, True)
+
+
 def test_rows_under_a_record_stand_at_its_samples(rocking):
     call = ("response", "configs/block.yaml", *RECORD, "--scale-to", "PGA=0.35g")
     found = rocking(*call, "--csv").rows

@@ -48,6 +48,23 @@ def test_files_a_list_and_standard_input_name_the_same_set(folder, monkeypatch):
     assert (only.label, only.acceleration) == ("record", pytest.approx(0.3 * 9.81, rel=1e-6))
 
 
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "cp1252"])
+def test_a_list_as_windows_writes_it(folder, encoding):
+    (folder / "list").write_bytes("# für uns\r\na.AT2\r\n\r\nb.AT2 \r\n".encode(encoding))
+    assert labels(read_motions(["list"])) == ["a", "b"]
+
+
+def test_a_packed_document_is_a_motion_and_no_fault_quotes_packed_bytes(folder):
+    (folder / "pulse.yaml.gz").write_bytes(gzip.compress((folder / "pulse.yaml").read_bytes()))
+    assert read_motion("pulse.yaml.gz").acceleration == read_motion("pulse.yaml").acceleration
+    (folder / "x.gz").write_bytes(gzip.compress(b"kind: block\n"))
+    for call in (read_motion, lambda path: read_motions([path, "a.AT2"])):
+        with pytest.raises(DocumentError) as error:
+            call("x.gz")
+        assert str(error.value).isprintable()
+        assert "\\x" not in str(error.value)
+
+
 def test_no_two_records_have_one_name(folder):
     alike = read_motions(["a.AT2", "list"])
     assert labels(alike) == [r.motion.name for r in alike] == ["a (1)", "a (2)", "b"]

@@ -23,26 +23,41 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...documents.files import LARGEST, STDIN, read_bytes
-from ...documents.quantities import UNITS
 from ...errors import DocumentError, NoAcceleration, UsageError
 from ...plugins import blamed, installed
-from . import plain
-from .record import Record, Series, pick, record_of
-from .text import HEAD, RecordText
+from . import asdf, plain
+from .claims import agree
+from .record import EVERY, Given, Record, Series, pick, record_of
+from .text import HEAD, RecordText, as_utf_8
+from .units import ACCELERATIONS, WRITTEN_UNITS, require_known
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-__all__ = ["FORMATS", "Record", "Series", "is_record", "pick", "read_record", "read_records", "records_of", "require_unit", "unknown"]
+__all__ = [
+    "FORMATS",
+    "Record",
+    "Series",
+    "is_record",
+    "pick",
+    "read_record",
+    "read_records",
+    "records_of",
+    "require_column",
+    "require_unit",
+    "unknown",
+    "unpacked",
+]
 
 GROUP = "rocking.records"
 _PACKED = b"\x1f\x8b"  # gzip
+_OLD_WORKBOOK = b"\xd0\xcf\x11\xe0"  # .xls
 _COUNTS = "counts of an instrument and no unit; convert it to an acceleration with the station's response first"
-FORMATS = ("keyed", "cosmos", "geonet", "smc", "csmip", "volume1", "peer")
+FORMATS = ("keyed", "cosmos", "geonet", "smc", "csmip", "volume1", "peer", "csmnc", "asa")
 _DOCUMENT = re.compile(r"^[\s{\"']*kind[\"']?\s*:", re.MULTILINE)
 _UNCORRECTED = re.compile(
     r"\A\s*(?:\d\s+)?(?:UNCORRECTED ACCELER(?:OGRAM|ATION)|RAW ACCELERATION(?! COUNTS)|\* VOL1DS)\b"
-    r"|^(?:DATA_TYPE:\s*UNPROCESSED|PROCESSING:\s*NONE)\b",
+    r"|^ *UNCORRECTED ACC+ELERATION +UNIT *:|^(?:DATA_TYPE:\s*UNPROCESSED|PROCESSING:\s*NONE)\b",
     re.IGNORECASE | re.MULTILINE,
 )  # the first words of a file, or among the keys of ESM and ITACA
 
@@ -82,58 +97,117 @@ def _format_of(source: str, head: str) -> "tuple[Any, EntryPoint | None]":
 
 def require_unit(unit: str | None) -> None:
     """Raise UsageError unless the unit of plain numbers is one of acceleration, or None."""
-    if unit is not None and unit not in UNITS["acceleration"]:
-        raise UsageError(f"`unit`: found {unit!r}; expected {', '.join(UNITS['acceleration'])}")
+    if unit is not None and require_known(unit) is None:
+        raise UsageError(f"`unit`: found {unit!r}; expected {', '.join(WRITTEN_UNITS)}")
 
 
-def records_of(source: str, raw: bytes, *, unit: str | None = None, dt: float | None = None, named: bool = True) -> list[Record] | None:
-    """Return every component of a file, or None if it has no record format; unit, dt [s]: of plain numbers; named: False for a file
-    of a directory, where uncorrected accelerograms and units beside plain numbers are no fault. Raises DocumentError for a file that
-    is not valid or holds counts, NoAcceleration for an uncorrected one that is not named, and UsageError for an unknown unit."""
+def require_column(column: str | None) -> None:
+    """Raise UsageError unless a column is stated by its number, or as `all`, or None."""
+    if column is not None and column != EVERY and not re.fullmatch(r"[1-9]\d{0,4}", column):
+        raise UsageError(f"`column`: found {column!r}; expected a number from 1, or {EVERY}")
+
+
+def records_of(
+    source: str,
+    raw: bytes,
+    *,
+    unit: str | None = None,
+    dt: float | None = None,
+    column: str | None = None,
+    named: bool = True,
+) -> list[Record] | None:
+    """Return every component of a file, or None if it has no record format.
+
+    unit, dt [s], column: what the user states, which the file may not contradict; named:
+    False for a file of a directory, where uncorrected accelerograms are no fault, and what
+    is stated belongs to plain numbers. Raises DocumentError for a file that is not valid,
+    holds counts or says otherwise than the user, NoAcceleration for an uncorrected one that
+    is not named, and UsageError for an unknown unit or column.
+    """
     require_unit(unit)
-    unpacked = _unpack(source, raw)
-    _refuse_binary(source, unpacked)
-    text = RecordText(source, unpacked, unit, dt)
+    require_column(column)
+    given = Given(None if unit is None else require_known(unit), dt, column)
+    sha256 = hashlib.sha256(raw).hexdigest()
+    name = "record" if source == STDIN else Path(Path(source).name.removesuffix(".gz")).stem
+    content = unpacked(source, raw)
+    if asdf.recognise(content):
+        series = asdf.read(source, content, given, named)
+        return [record_of(s, name, asdf.NAME, source, sha256) for s in _distinct(series)]
+    _refuse_binary(source, as_utf_8(content))
+    text = RecordText(source, content, given)
     found, entry = _format_of(source, text.head)
     if found is None:
         return None
-    if found is not plain and named and (unit is not None or dt is not None):
-        raise UsageError(f"{source}: states its own `unit` and `dt` ({found.NAME}); they are given with plain numbers only")
     uncorrected = _UNCORRECTED.search(text.head)
-    if uncorrected and not named:
+    if uncorrected and not named and found is not plain:
         raise NoAcceleration(f"{source}: an uncorrected accelerogram, which is taken where the file itself is named")
-    sha256 = hashlib.sha256(raw).hexdigest()
-    name = "record" if source == STDIN else Path(Path(source).name.removesuffix(".gz")).stem
     with nullcontext() if entry is None else _blamed(source, entry):
         read = found.read(text)
         if not (isinstance(read, list) and read and all(isinstance(s, Series) for s in read)):
             raise TypeError(f"read returns {type(read).__name__}; expected a list of Series, one or more")
-        series = [s._replace(remark="an uncorrected accelerogram") if uncorrected else s for s in read]
+        if found is not plain and named:
+            _require_agreement(source, read, given, found.NAME)
+        also = "an uncorrected accelerogram" if uncorrected else ""
+        series = [s._replace(remark="; ".join(filter(None, (also, s.remark)))) for s in read]
         return [record_of(s, name, found.NAME, source, sha256) for s in _distinct(series)]
 
 
-def read_records(path: str | Path, *, unit: str | None = None, dt: float | None = None) -> list[Record]:
+def _require_agreement(source: str, read: list[Series], given: Given, form: str) -> None:
+    """Raise DocumentError if a file of a known format says otherwise than the user."""
+    if given.column is not None:
+        raise UsageError(f"{source}: `column` goes with plain columns of numbers, not with {form}")
+    for series in read:
+        unit = given.unit
+        if unit is not None and ACCELERATIONS[unit] != ACCELERATIONS[series.unit]:
+            said = f"found {unit}; the file says otherwise: {series.unit} ({form})"
+            raise DocumentError(f"{source}: `unit`: {said}")
+        if given.dt is not None and not agree(given.dt, series.dt):
+            said = f"found {given.dt:g} s; the file says otherwise: {series.dt:g} s ({form})"
+            raise DocumentError(f"{source}: `dt`: {said}")
+
+
+def read_records(
+    path: str | Path,
+    *,
+    unit: str | None = None,
+    dt: float | None = None,
+    column: str | None = None,
+) -> list[Record]:
     """Return the components of a record file. Raises UsageError and DocumentError."""
     source, raw = read_bytes(path)
-    records = records_of(source, raw, unit=unit, dt=dt)
+    records = records_of(source, raw, unit=unit, dt=dt, column=column)
     if records is None:
         raise DocumentError(unknown(source, raw))
     return records
 
 
-def read_record(path: str | Path, *, component: str | None = None, unit: str | None = None, dt: float | None = None) -> Record:
-    """Return one record of a file. Raises UsageError if the file holds several and `component` names none, and DocumentError.
+def read_record(
+    path: str | Path,
+    *,
+    component: str | None = None,
+    unit: str | None = None,
+    dt: float | None = None,
+    column: str | None = None,
+) -> Record:
+    """Return one record of a file; unit, dt [s], column: of plain columns of numbers.
+
+    Raises UsageError if the file holds several and `component` names none, and
+    DocumentError.
 
     >>> record = read_record('configs/motions/synthetic.at2')
     >>> record.npts, record.dt
     (1600, 0.01)
     """
-    return pick(read_records(path, unit=unit, dt=dt), component)
+    return pick(read_records(path, unit=unit, dt=dt, column=column), component)
 
 
 def unknown(source: str, raw: bytes) -> str:
     """Return the message for a file of no known format."""
-    first = raw[:200].decode("latin-1").strip().split("\n", 1)[0].strip()[:60]
+    try:
+        content = unpacked(source, raw)[: 1 << 12]
+    except DocumentError:
+        content = raw
+    first = RecordText(source, content).head.strip().split("\n", 1)[0].strip()[:60]
     formats = f"{', '.join(f.NAME for f in _formats())} and plain columns of numbers"
     return f"{source}: no record format (it begins with {first!r}); expected {formats}"
 
@@ -141,8 +215,11 @@ def unknown(source: str, raw: bytes) -> str:
 def is_record(path: str) -> bool:
     """True if a file begins as a record does, and not as a structure or a motion document."""
     with open(path, "rb") as file:
-        packed = file.read(2) == _PACKED
+        begin = file.read(8)
+        packed = begin.startswith(_PACKED)
         file.seek(0)
+        if asdf.recognise(begin):
+            return asdf.recognise(file.read())
         try:
             raw = gzip.GzipFile(fileobj=file).read(HEAD) if packed else file.read(HEAD)
         except (OSError, EOFError, zlib.error):
@@ -159,7 +236,7 @@ def _distinct(series: list[Series]) -> list[Series]:
     return [s if s.component is not None and names.count(s.component) == 1 else other for s, other in zip(series, numbered, strict=True)]
 
 
-def _unpack(source: str, raw: bytes) -> bytes:
+def unpacked(source: str, raw: bytes) -> bytes:
     if not raw.startswith(_PACKED):
         return raw
     try:
@@ -172,10 +249,16 @@ def _unpack(source: str, raw: bytes) -> bytes:
     return unpacked
 
 
+def _is_workbook(raw: bytes) -> bool:
+    return b"xl/" in raw or b"opendocument.spreadsheet" in raw[:HEAD]
+
+
 def _refuse_binary(source: str, raw: bytes) -> None:
     """Raise DocumentError for an empty file, NoAcceleration for archives, SAC, miniSEED and all else that is no text."""
     if not (raw[:HEAD].strip() or raw.strip()):
         raise DocumentError(f"{source}: empty; expected a record or a motion document")
+    if raw.startswith(_OLD_WORKBOOK) or (raw.startswith(b"PK\x03\x04") and _is_workbook(raw)):
+        raise NoAcceleration(f"{source}: a workbook of a spreadsheet; save it as CSV UTF-8")
     if raw.startswith(b"PK\x03\x04") or raw[257:262] == b"ustar":
         raise NoAcceleration(f"{source}: an archive (zip or tar); unpack it and name the files in it")
     if raw[:3] == b"MS\x03" or (raw[:6].strip(b" 0123456789") == b"" and raw[6:7] in b"DRQM" and raw[7:8] in b" \0" and len(raw) >= 48):

@@ -3,8 +3,9 @@ then blocks that announce themselves, as `2980 points of accel data equally spac
 
 import re
 
-from .record import Series, unit_of
+from .record import Series
 from .text import Layout, RecordText, begins, fortran_layout, stated
+from .units import unit_of
 
 NAME = "CSMIP V2"
 _FIRST = re.compile(r"(?<!UN)CORRECTED ACCELEROGRAM(?:.*?\bChan(?:nel)?\s*\d*\s*:\s*(.+?)\s*(?:from|\(|$))?", re.IGNORECASE)

@@ -10,7 +10,7 @@ from .text import Format, Layout, RecordText, begins, fortran_layout
 
 _ESM_KEY = re.compile(r"\s*([A-Z][A-Z0-9_/^.()-]*)\s*:\s*(.*)")
 _ESM_KINDS = ("ACCELERATION", "PROCESSED ACCELERATION", "UNPROCESSED ACCELERATION")
-_KNET_KEY, _KNET_MEMO = re.compile(r"(\w[\w. ]*?)\s*(?:\(\w+\)\s*|\s\s+|$)(.*)"), re.compile(r"Memo", re.IGNORECASE)
+_KNET_KEY, _KNET_MEMO = re.compile(r"(\w[\w. ]*?)\s*(?:\(\w+\)\s*[,;:]?\s*|\s\s+|\s*[,;:]\s*|$)(.*)"), re.compile(r"Memo", re.IGNORECASE)
 _KNET_SCALE = re.compile(r"([\d.]+)\s*\(gal\)\s*/\s*([\d.]+)", re.IGNORECASE)
 _AFAD_KEY = re.compile(r"(.+?)\s*(?:\(sec\)\s*)?:(.*)", re.IGNORECASE)
 _AFAD_COLUMNS = re.compile(r"\s*N-?S\s+E-?W\s+(?:U-?D|Z|V)\s*$", re.IGNORECASE)
@@ -92,6 +92,6 @@ def _cwb(text: RecordText) -> list[Series]:
 FORMATS = (
     Format("ESM", begins(r"EVENT_NAME:(?=[\s\S]*SAMPLING_INTERVAL_S)(?=[\s\S]*NDATA)"), _esm),
     Format("CWB", begins(r"#(?=[\s\S]*#SampleRate\(Hz\):)(?=[\s\S]*#AmplitudeUnit:)(?=[\s\S]*#DataSequence:)"), _cwb),
-    Format("K-NET", begins(r"Origin Time[\s\S]*Sampling Freq"), _knet),
+    Format("K-NET", begins(r"Origin Time(?=[\s\S]*Sampling Freq)(?=[\s\S]*Scale Factor)"), _knet),
     Format("AFAD", begins("STRONG GROUND MOTION RECORDS OF T"), _afad),
 )

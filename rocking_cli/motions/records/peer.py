@@ -1,45 +1,96 @@
-"""PEER AT2: text lines, one of which is `NPTS=  n, DT=  x SEC` (older files: `n  x  NPTS, DT`), then n values in g."""
+"""PEER AT2: lines of text, one of which is `NPTS=  n, DT=  x SEC` (older files: `n  x  NPTS, DT`),
+then n values. A line above it states the quantity and the unit, g where it names only an
+acceleration."""
 
 import re
 
+import numpy as np
+
+from .claims import Claims
+from .directions import is_up
+from .plain import even_step
 from .record import Series
 from .text import Layout, RecordText, begins
 
 NAME = "PEER AT2"
 _NUMBER = r"([-+.\dEeDd]+)"
-_COUNT = re.compile(rf"NPTS\s*=\s*{_NUMBER}\s*,?\s*DT\s*=\s*{_NUMBER}", re.IGNORECASE)
-_OLDER = re.compile(rf"^\s*{_NUMBER}\s*,?\s+{_NUMBER}\s*,?\s*NPTS\s*,?\s*DT\b", re.IGNORECASE)
-_UNIT = re.compile(
-    r"UNITS?\s*(?:(?:(?:OF|ARE|IN)\b|[:=])\s*)+\(?([A-Z][A-Z0-9/^*]*)"
-    r"|\bACC.*(?:\bIN\s+|[(\[]\s*)(M?G|GALS?|(?:[CM]?M|IN|FT)/S[A-Z0-9/^*]*)(?![A-Z0-9/^*])",
-    re.IGNORECASE,
-)
-_OTHER = re.compile(r"\b(?:VELOC|DISPL)[A-Z.]*(?:\b.*\b(?:UNITS?|IN)\b|\s+TIME[ -](?:HISTORY|SERIES))", re.IGNORECASE)
-_UPWARDS = re.compile(r",\s*(UP|U-?D|DN|DWN|DOWN|VER|VERT[A-Z]*|V|Z)\s*(?:\(|$)", re.IGNORECASE)
+_COUNT = re.compile(rf"NPTS\s*=\s*{_NUMBER}\s*,?\s*DT\s*=\s*{_NUMBER}\s*([a-z]*)", re.IGNORECASE)
+_OLDER = re.compile(rf"^\s*{_NUMBER}\s*,?\s+{_NUMBER}\s*,?\s*NPTS\s*,?\s*DT\b()", re.IGNORECASE)
 _SAID, _TRAILER = re.compile(r"\S.*"), re.compile(r"\W*(?:END|EOF)\b", re.IGNORECASE)
+_BRACKETS = re.compile(r"\([^)]*\)")
 
-recognise = begins(rf"(?:.*\n){{0,49}}?.*(?:{_COUNT.pattern}|{_OLDER.pattern})")
+_BEGIN = begins(rf"(?:.*\n){{0,49}}?.*(?:{_COUNT.pattern}|{_OLDER.pattern})")
+_OTHER_TEXT = re.compile(r"[A-CF-Za-cf-z]{2,}|[,;]")
+
+
+def recognise(head: str) -> bool:
+    """True if numbers between blanks follow a line of NPTS and DT."""
+    if not _BEGIN(head):
+        return False
+    lines = head.splitlines()
+    at = next((i for i, x in enumerate(lines) if _COUNT.search(x) or _OLDER.search(x)), 0)
+    below = next((x for x in lines[at + 1 :] if x.strip()), "")
+    return _OTHER_TEXT.search(below) is None
 
 
 def read(text: RecordText) -> list[Series]:
-    """Return the one component of the file, named only if it is vertical: PEER states the others in the file name. Raises DocumentError."""
-    unit, component = "g", None
+    """Return the one component of the file, named only if it is vertical.
+
+    PEER states the others in the name of the file. Raises DocumentError.
+    """
+    above: list[tuple[str, int]] = []
+    found = None
     while (line := text.next_line()) is not None:
         if (found := _COUNT.search(line) or _OLDER.search(line)) is not None:
             break
-        if _OTHER.search(line):
-            raise text.no_acceleration(f"found {line.strip()!r}; expected an acceleration (AT2)")
-        if (upwards := _UPWARDS.search(line)) is not None:
-            component = upwards[1]
-        if (said := _UNIT.search(line)) is not None:
-            unit = text.unit(said[1] or said[2])
+        if line.strip():
+            above.append((line, text.line - 1))
     if line is None or found is None:
         raise text.fault("no line NPTS=, DT=")
-    count, dt = text.count(found[1]), text.step(found[2])
-    first = text.raw[text.at : text.at + 1000].lstrip().split(b"\n", 1)[0].split()
-    samples = text.numbers(count, Layout(max(1, len(first))))
-    remark = text.surplus(count)
+    claims = Claims(text.no_acceleration)
+    for i, (words, number) in enumerate(above):
+        claims.take(words, number, strict=i == len(above) - 1)
+    claims.take(found.string[found.end() :], text.line - 1)
+    count = text.count(found[1])
+    dt = text.step(found[2]) * text.seconds(found[3])
+    unit = claims.unit or ("g" if claims.acceleration else text.given.unit)
+    if unit is None:
+        last = above[-1][0].strip() if above else found.string.strip()
+        said = f"found {last!r}; expected a line such as ACCELERATION IN UNITS OF G, or `unit`"
+        raise text.fault(said, above[-1][1] if above else None)
+    samples, remark = _samples(text, count, dt)
     trailer = None if remark else text.find(_SAID)
     if trailer is not None and not _TRAILER.match(trailer[0]):
-        raise text.fault(f"found {trailer[0].strip()[:60]!r} after the {count} values declared; expected nothing, or a line that says end")
-    return [Series(component, dt, samples, unit, remark=remark)]
+        said = f"found {trailer[0].strip()[:60]!r} after the {count} values declared"
+        raise text.fault(f"{said}; expected nothing, or a line that says end")
+    return [Series(_upwards(claims, above), dt, samples, unit, remark=remark)]
+
+
+def _samples(text: RecordText, count: int, dt: float) -> tuple[np.ndarray, str]:
+    """(the samples, a remark if more follow); of lines of time and value the values."""
+    at, line = text.at, text.line
+    first = text.raw[at : at + 1000].lstrip().split(b"\n", 1)[0].split()
+    rest = text.raw[at:].split(None, 2 * count + 1)
+    pairs = len(first) == 2 and len(rest) >= 2 * count
+    if pairs:
+        values = text.numbers(2 * count, Layout(2)).reshape(count, 2)
+        step = even_step(values[:, 0], text, line)
+        if abs(step - dt) > 1e-3 * dt:
+            raise text.fault(f"times every {step:g} s, where the header states {dt:g} s", line)
+        return values[:, 1].copy(), text.surplus(count)
+    samples = text.numbers(count, Layout(max(1, len(first))))
+    remark = text.surplus(count)
+    more = len(text.raw[text.at :].split(None, count + 1)) if remark else 0
+    if remark and more >= count:
+        raise text.fault(f"found more than twice the {count} values declared")
+    return samples, remark
+
+
+def _upwards(claims: Claims, above: list[tuple[str, int]]) -> str | None:
+    """The component if it is vertical: at the end of a line of words between commas."""
+    for words, _ in above:
+        last = _BRACKETS.sub(" ", words.rpartition(",")[2]).strip() if "," in words else ""
+        if last and len(last.split()) <= 2 and is_up(last):
+            return last
+    up = claims.component
+    return up if up is not None and is_up(up) else None

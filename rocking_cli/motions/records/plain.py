@@ -1,80 +1,386 @@
-"""Plain text: one column of accelerations, or two of time and acceleration, below any lines that hold no numbers. The last of these with
-brackets may state units, as `time [ms], acc [g]`; without them a time is in s, and the user states the unit of the acceleration."""
+"""Plain text: columns of numbers below lines that say what they are.
+
+One column of accelerations, two of times and accelerations, or several, of which a
+heading names the quantities and directions. What the headings do not say, the user
+states (unit, step, column), and what they say, the user may not contradict.
+"""
 
 import re
+from pathlib import Path
 
 import numpy as np
 
-from ...documents.quantities import UNITS
-from ...errors import DocumentError
-from .record import Series, unit_of
-from .text import RecordText
+from ...errors import DocumentError, UsageError
+from .claims import Claims, agree
+from .headings import (
+    ACCELERATION,
+    BARE,
+    FREQUENCY,
+    PERIOD,
+    TIME,
+    UNKNOWN,
+    Cell,
+)
+from .record import EVERY, Series
+from .rows import Rows, as_printed, is_row, leads_of, rows_of
+from .text import Array, RecordText, value_of
+from .titles import (
+    AMBIGUOUS,
+    Title,
+    cells_above,
+    headings,
+    numbers_in,
+    require_no_row,
+    titles_of,
+    unmarked,
+)
+from .units import ACCELERATIONS, WRITTEN_UNITS
 
 NAME = "text"
-_SEPARATORS = b",;\t"
-_ROW = re.compile(r"^\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?(?:[\s,;]|$)")
-_WORD = re.compile(r"(?!(?:nan|inf)\b)[a-z]{2,}", re.IGNORECASE)
-_MOST_TITLE_LINES = 40
-_BRACKETED = re.compile(r"[\[(]([^\])]*)[\])]")
-_TIMES = {"ms": 1e-3, "msec": 1e-3, "µs": 1e-6, "us": 1e-6, "min": 60.0, "minutes": 60.0}  # s; any other word leaves times in s
+_MOST_TITLE_LINES = 120
+_OTHER_FILES = {
+    **dict.fromkeys(("vel", "velo", "veloc", "velocity", "vt2"), "velocities"),
+    **dict.fromkeys(("dis", "disp", "displ", "dsp", "displacement", "dt2"), "displacements"),
+    **dict.fromkeys(("sa", "psa", "rsp", "rs", "spc", "spectrum", "spectra"), "a spectrum"),
+    **dict.fromkeys(("fft", "fas", "fourier"), "a Fourier spectrum"),
+}  # by the last part of a file's name
+_MANY = 5  # so many columns are no components: a short last line shows values in a row
 
 
 def recognise(head: str) -> bool:
-    """True if lines begin with numbers, after at most 40 lines of other text."""
+    """True if rows of numbers begin after at most 120 lines of other text."""
     lines = [line for line in head.split("\n", _MOST_TITLE_LINES + 3) if line.strip()]
-    rows = [i for i, line in enumerate(lines[: _MOST_TITLE_LINES + 1]) if _is_row(line)]
-    return bool(rows) and (len(lines) <= rows[0] + 1 or _is_row(lines[rows[0] + 1]))
-
-
-def _is_row(line: str) -> bool:
-    """True if a line begins with a number and has no word (`1940 El Centro` has words, as most table rows do)."""
-    return bool(_ROW.match(line)) and not _WORD.search(line)
+    above = lines[: _MOST_TITLE_LINES + 1]
+    below = [*lines[1:], lines[-1] if lines else ""][: len(above)]  # none below the last
+    return any(is_row(x) and is_row(y) for x, y in zip(above, below, strict=True))
 
 
 def read(text: RecordText) -> list[Series]:
-    """Return the one component of the file. Raises DocumentError."""
-    at, first, title = text.at, text.line, ""
-    while (line := text.next_line()) is not None and not _is_row(line):
-        if re.search(r"\b(?:vel(?:oc\w*)?|disp(?:l\w*)?)\b", line, re.IGNORECASE) and not re.search(r"\bacc", line, re.IGNORECASE):
-            raise text.fault(f"found {line.strip()!r}; expected an acceleration")
-        title = line if _BRACKETED.search(line) else title
-        at, first = text.at, text.line
-    if line is None:
+    """Return the components of the file. Raises DocumentError and UsageError."""
+    titles = list(titles_of(text))
+    rows = rows_of(text, cells_above(titles))
+    claims = Claims(text.fault)
+    leads = [x for x in titles if is_row(unmarked(x.text))]
+    titles = [x for x in titles if x not in leads]
+    cells, others = headings(text, titles, rows)
+    for title in others:
+        require_no_row(text, title, rows.columns)
+        claims.take(title.text, title.line, strict=title == titles[-1] and rows.columns == 1)
+    rows, remark = _without_leads(text, claims, rows, leads)
+    if rows.values.size == 0:
         raise text.fault("no numbers")
-    text.at, text.line = at, first
-    if ";" in line and "," in line and "." not in line:  # decimal commas
-        text.raw = text.raw[:at] + text.raw[at:].replace(b",", b".")
-    values, columns = text.table(_SEPARATORS)
-    if columns > 2:
-        raise text.fault(f"{columns} columns; expected one (acceleration) or two (time in s, acceleration)", first)
-    stated = [word.strip() for word in _BRACKETED.findall(title)]
-    unit = next((found for word in reversed(stated) if (found := unit_of(word))), None)
-    if unit is not None and text.unit_given is not None and UNITS["acceleration"][text.unit_given] != UNITS["acceleration"][unit]:
-        raise DocumentError(f"{text.source}: `unit`: found {text.unit_given}; expected {unit}, which the heading {title.strip()!r} states")
-    unit, dt = unit or text.unit_given, text.dt_given
-    if unit is None:
-        raise DocumentError(f"{text.source}: plain numbers without a unit; give it as `unit`, one of {', '.join(UNITS['acceleration'])}")
-    if columns == 1:
-        if dt is None:
-            raise DocumentError(f"{text.source}: one column of numbers without times; give their step as `dt`")
-        if values[0] > 10 and values[0] in (values.size - 1, values.size - 2):
-            raise text.fault(f"found {values[0]:g}, the number of the values below it; expected accelerations alone", first)
-        return [Series(None, dt, values, unit)]
-    if dt is not None:
-        raise DocumentError(f"{text.source}: two columns, of which the first is the time; `dt` goes with one column")
-    factor = next((_TIMES[word] for word in stated if word in _TIMES), 1.0)
-    step = even_step(factor * values[0::2], text, first)
-    remark = f"a step of {step:g} s, where the first column is taken for times in s" if step >= 1.0 else ""
-    return [Series(None, step, values[1::2], unit, remark=remark)]
+    table = _Table(text, claims, rows, cells)
+    found = table.wrapped() if table.is_wrapped else table.columns()
+    table.require_count(found[0].samples.size)
+    return [x._replace(remark="; ".join(filter(None, (x.remark, remark)))) for x in found]
 
 
-def even_step(time: np.ndarray, text: RecordText, line: int, in_a_line: int = 1) -> float:
-    """Return the step of times that rise evenly; line: the line of the first time. Raises DocumentError if the times do not."""
+def agreeing(said: str, given: str | None) -> bool:
+    """True unless the user states a unit of another size."""
+    return given is None or ACCELERATIONS[given] == ACCELERATIONS[said]
+
+
+class _Table:
+    """The numbers of a file with what its headings and its user say of them."""
+
+    def __init__(self, text: RecordText, claims: Claims, rows: Rows, cells: list[Cell] | None) -> None:
+        self.text, self.claims, self.rows, self.cells = text, claims, rows, cells
+        self.width = rows.columns
+
+    @property
+    def is_wrapped(self) -> bool:
+        """True if each line goes on where the one before it ends."""
+        counts, said = self.rows.counts, self.claims.count
+        if self.text.given.column == EVERY:
+            return True
+        if self.width == 1 or self.cells is not None or self.text.given.column is not None:
+            return False
+        full = bool((counts[:-1] == self.width).all()) and counts[-1] <= self.width
+        total = said == int(counts.sum()) and said != counts.size
+        times = self.rows.values[: int(counts[:-1].sum()) : self.width]
+        rising = times.size > 2 and bool((np.diff(times) > 0.0).all())
+        short = counts.size > 1 and counts[-1] < self.width and self.width >= _MANY and not rising
+        return full and (total or short)
+
+    def wrapped(self) -> list[Series]:
+        """The one record of lines of several values."""
+        unit, dt = self.unit(None), self.step()
+        told = self.claims.count is None and self.text.given.column is None
+        remark = f"{self.width} values a line, which are read one line after the other"
+        name, values = self.claims.component, self.rows.values
+        return [Series(name, dt, values, unit, remark=remark if told else "")]
+
+    def columns(self) -> list[Series]:
+        """The records of a table, or of a single column."""
+        self.require_even_lines()
+        values = self.rows.values.reshape(-1, self.width)
+        if self.width == 1:
+            if self.text.given.column not in (None, "1"):
+                raise self.no_column("one column")
+            unit = self.unit(None)
+            return [Series(self.claims.component, self.step(), values[:, 0], unit)]
+        time = self.time_column(values)
+        taken = self.taken(time)
+        dt, remark = self.step_of_times(values, time)
+        remark = "; ".join(filter(None, (remark, self.left_out())))
+        found = []
+        for i in taken:
+            cell = None if self.cells is None else self.cells[i]
+            name = self.name_of(i, cell, len(taken))
+            unit = self.unit(cell)
+            found.append(Series(name, dt, values[:, i].copy(), unit, remark=remark))
+        return found
+
+    def require_even_lines(self) -> None:
+        counts, lines = self.rows.counts, self.rows.lines
+        if (counts != self.width).any():
+            odd = int(np.argmax(counts != self.width))
+            said = f"found {counts[odd]} numbers, {self.width} on the lines before"
+            raise self.text.fault(said, int(lines[odd]))
+
+    def require_count(self, found: int) -> None:
+        said = self.claims.count
+        if said is not None and said != found:
+            quoted = self.claims.quoted["count"]
+            raise self.text.fault(f"{found} values, where {quoted!r} states {said}")
+
+    def time_column(self, values: Array) -> int | None:
+        """The column of times, None without one."""
+        first = self.cells[0] if self.cells is not None else None
+        line = int(self.rows.lines[0])
+        if first is not None and first.role in (PERIOD, FREQUENCY):
+            what = f"found {first.text!r}, a {first.role}; expected a time"
+            why = "; a time is called t or time" if first.text.strip()[:1] == "T" else ""
+            raise self.text.fault(f"{what}: a spectrum is no record{why}", line - 1)
+        if first is not None:
+            return 0 if first.role == TIME else None
+        time = values[:, 0]
+        rising = bool((np.diff(time) > 0.0).all())
+        steps = np.diff(time)
+        even = rising and steps.size > 0 and float(steps.max()) <= 1.5 * float(np.median(steps))
+        if self.width == 2:
+            return 0
+        return 0 if even else None
+
+    def taken(self, time: int | None) -> list[int]:
+        """The columns of accelerations that are wanted."""
+        given = self.text.given.column
+        if given is not None:
+            return [self.asked(given, time)]
+        if self.cells is None:
+            if self.width == 2:
+                return [1]
+            first = "the first of times" if time == 0 else "none of times"
+            raise self.text.fault(
+                f"{self.width} columns without headings, {first}; give the one of the "
+                f"accelerations as `column`, or `column` {EVERY} where each line goes on "
+                "from the one before",
+                int(self.rows.lines[0]),
+            )
+        return self.accelerations()
+
+    def left_out(self) -> str:
+        """A remark that names the columns of other quantities."""
+        if self.cells is None or self.text.given.column is not None:
+            return ""
+        others = [cell.text for cell in self.cells if cell.is_other]
+        return f"columns left out: {', '.join(others)}" if others else ""
+
+    def accelerations(self) -> list[int]:
+        """The columns whose headings name accelerations or directions."""
+        assert self.cells is not None
+        line = int(self.rows.lines[0])
+        begin = 1 if self.cells[0].is_time_or_like else 0
+        held = list(enumerate(self.cells))[begin:]
+        for _, cell in held:
+            if cell.role == UNKNOWN or cell.is_time_or_like:
+                odd = cell.odd or cell.text
+                raise self.text.fault(
+                    f"found {odd!r} in the heading {cell.text!r}, which is not understood; "
+                    "expected an acceleration, its unit and direction, or `column`",
+                    line - 1,
+                )
+        found = [i for i, cell in held if cell.role in (ACCELERATION, BARE)]
+        said = [i for i in found if self.cells[i].role == ACCELERATION]
+        spectra = [cell for _, cell in held if "spectrum" in cell.role]
+        if not found or (spectra and not said):
+            cell = spectra[0] if spectra else held[0][1]
+            raise self.text.fault(f"found {cell.text!r} ({cell.role}); expected an acceleration", line - 1)
+        alone = self.cells[found[0]]
+        if len(found) == 1 and alone.role == BARE and alone.text.strip() in AMBIGUOUS:
+            raise self.text.fault(
+                f"found the heading {alone.text!r}, a direction or another quantity; expected an acceleration, such as a or acc",
+                line - 1,
+            )
+        nameless = [self.cells[i].text for i in found if self.cells[i].component is None]
+        if len(found) > 1 and nameless:
+            raise self.text.fault(
+                f"the headings {', '.join(map(repr, nameless))} state no direction; expected "
+                "names such as NS, EW, UD, or the number of one as `column`",
+                line - 1,
+            )
+        return found
+
+    def asked(self, given: str, time: int | None) -> int:
+        """The column that the user names by its number."""
+        number = int(given) if given.isdecimal() and len(given) < 6 else 0
+        if not 1 <= number <= self.width:
+            raise self.no_column(f"{self.width} columns")
+        if number - 1 == time:
+            raise UsageError(f"{self.text.source}: `column`: found {given}, which holds the times")
+        cell = None if self.cells is None else self.cells[number - 1]
+        foreign = cell is not None and cell.odd and cell.unit is None and "[" in cell.text
+        if cell is not None and (cell.is_other or cell.is_time_or_like or foreign):
+            raise self.text.fault(
+                f"found {cell.text!r} ({cell.role}) in column {number}; expected an acceleration",
+                int(self.rows.lines[0]) - 1,
+            )
+        return number - 1
+
+    def no_column(self, held: str) -> UsageError:
+        given = self.text.given.column
+        return UsageError(f"{self.text.source}: `column`: found {given}; the file holds {held}")
+
+    def name_of(self, column: int, cell: Cell | None, taken: int) -> str | None:
+        if cell is not None and cell.component is not None:
+            return cell.component
+        chosen = self.width > 2 and taken == 1 and self.text.given.column is not None
+        if chosen and (cell is None or cell.role != ACCELERATION):
+            return f"column {column + 1}" if cell is None else cell.text
+        return self.claims.component
+
+    # Steps and units
+
+    def step(self) -> float:
+        """The step [s] that a heading or the user states."""
+        said, given = self.claims.step, self.text.given.dt
+        columns = "one column of numbers" if self.width == 1 else "numbers"
+        if said is None and given is None:
+            raise DocumentError(f"{self.text.source}: {columns} without times; give their step as `dt`")
+        if said is not None and given is not None and not agree(said, given):
+            raise self.otherwise("dt", f"{given:g} s", repr(self.claims.quoted["step"]))
+        return given if given is not None else said or 0.0
+
+    def step_of_times(self, values: Array, time: int | None) -> tuple[float, str]:
+        """(the step [s], a remark) of a table."""
+        if time is None:
+            return self.step(), ""
+        cell = None if self.cells is None else self.cells[time]
+        seconds = cell.seconds if cell is not None else None
+        factor = seconds or self.claims.seconds or 1.0
+        lines = self.rows.lines
+        step = even_step(factor * values[:, time], self.text, int(lines[0]), lines=lines)
+        given, said = self.text.given.dt, self.claims.step
+        for stated, quoted in ((said, self.claims.quoted.get("step")), (given, None)):
+            if stated is None or agree(step, stated):
+                continue
+            if quoted is None:
+                raise self.otherwise("dt", f"{stated:g} s", f"times every {step:g} s")
+            raise self.text.fault(f"times every {step:g} s, where {quoted!r} says otherwise")
+        known = seconds is not None or step < 1.0
+        taken = f"a step of {step:g} s, where the first column is taken for times in s"
+        return step, "" if known else taken
+
+    def unit(self, cell: Cell | None) -> str:
+        """The unit that a heading or the user states."""
+        said = cell.unit if cell is not None else None
+        quoted = f"the heading {cell.text!r}" if cell is not None else ""
+        if said is None and self.claims.unit is not None:
+            said, quoted = self.claims.unit, repr(self.claims.quoted["unit"])
+        given = self.text.given.unit
+        if said is None:
+            self.require_name(cell)
+        if said is not None and not agreeing(said, given):
+            raise self.otherwise("unit", str(given), f"{said}, which {quoted} states")
+        if said is None and given is None:
+            raise DocumentError(f"{self.text.source}: plain numbers without a unit; give it as `unit`, one of {', '.join(WRITTEN_UNITS)}")
+        return said or given or ""
+
+    def otherwise(self, name: str, given: str, said: str) -> DocumentError:
+        source = self.text.source
+        return DocumentError(f"{source}: `{name}`: found {given}; the file says otherwise: {said}")
+
+    def require_name(self, cell: Cell | None) -> None:
+        """Refuse a file that is named as velocities and says nothing else itself."""
+        if self.claims.acceleration or (cell is not None and cell.role == ACCELERATION):
+            return
+        name = Path(self.text.source).name.removesuffix(".gz").lower()
+        stem, _, end = name.rpartition(".")
+        last = re.split(r"[\s_.\-]", stem)[-1] if stem else ""
+        what = _OTHER_FILES.get(end) or _OTHER_FILES.get(last)
+        if what is not None:
+            raise self.text.no_acceleration(
+                f"a file that is named as {what}, and states no acceleration; expected an acceleration (rename it if it holds one)",
+                1,
+            )
+
+
+def even_step(
+    time: Array,
+    text: RecordText,
+    line: int,
+    in_a_line: int = 1,
+    lines: Array | None = None,
+) -> float:
+    """Return the step of times that rise evenly. Raises DocumentError if they do not.
+
+    line: the line of the first time; lines: that of each, or None for lines that follow
+    each other with so many times each.
+    """
     if time.size < 2:
         raise text.fault(f"found {time.size} values; expected at least two", line)
     step = float(f"{(time[-1] - time[0]) / (time.size - 1):.10g}")
-    off = np.abs(time - (time[0] + step * np.arange(time.size))) > 0.1 * abs(step)  # printed times
-    if off.any() or not step > 0.0 or np.any(np.diff(time) <= 0.0):
-        bad = int(np.argmax(off))
-        raise text.fault(f"times that do not rise in even steps, such as {time[bad]:g} s", line + bad // in_a_line)
+    off = np.abs(time - (time[0] + step * np.arange(time.size))) > 0.1 * abs(step)
+    rising = np.diff(time)
+    if off.any() or not step > 0.0 or np.any(rising <= 0.0):
+        usual = float(np.median(rising))
+        apart = np.abs(rising - usual) > 0.5 * abs(usual)  # from one time to the next
+        bad = int(np.argmax(apart)) + 1 if apart.any() else int(np.argmax(off))
+        place = line + bad // in_a_line if lines is None else int(lines[bad])
+        before = f" after {time[bad - 1]:g} s" if bad else ""
+        raise text.fault(f"times that do not rise in even steps, such as {time[bad]:g} s{before}", place)
     return step
+
+
+def _without_leads(text: RecordText, claims: Claims, rows: Rows, above: list[Title]) -> tuple[Rows, str]:
+    """(the rows below those that hold a count, step or rate, a remark that names these).
+
+    Raises DocumentError for a first number that may be one and that nothing confirms.
+    """
+    count = leads_of(rows)
+    kept = rows.below(count)
+    words = [(x, title.line) for title in above for x in numbers_in(unmarked(title.text))]
+    first = int(rows.counts[:count].sum())
+    lines = np.repeat(rows.lines[:count], rows.counts[:count])
+    words += [(as_printed(x), int(n)) for x, n in zip(rows.words[:first], lines, strict=True)]
+    total = {kept.values.size, kept.counts.size}
+    stated = claims.step if claims.step is not None else text.given.dt
+    if stated is None and kept.columns > 1 and kept.counts.size > 2:
+        times = kept.values[:: kept.columns]
+        stated = float(np.median(np.diff(times[: kept.counts.size])))
+    said: list[str] = []
+    for word, line in words:
+        value = value_of(word.replace(",", ".").encode()) or 0.0
+        if value in total and value > 1.0:
+            claims.count = claims.count or int(value)
+            claims.quoted.setdefault("count", word)
+            said.append(f"{word}, the number of values")
+        elif stated and agree(value, stated):
+            said.append(f"{word}, the time step")
+        elif stated and value and agree(1.0 / value, stated):
+            said.append(f"{word}, the sampling rate")
+        else:
+            raise text.fault(_may_be(word, value, kept), line)
+    return kept, f"above the samples stand {' and '.join(said)}" if said else ""
+
+
+def _may_be(word: str, value: float, rows: Rows) -> str:
+    below = f"{rows.values.size} values below it"
+    if value >= 1.0:
+        what = f"the sampling rate in Hz (`dt` {1.0 / value:.6g}) or the number of values"
+    else:
+        what = f"the time step in s (`dt` {value:g})"
+    return (
+        f"found {word} above the others; it may be {what}, or a sample ({below}): "
+        "state the step as `dt`, or take the line away or print it like the others"
+    )

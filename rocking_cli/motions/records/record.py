@@ -1,6 +1,5 @@
 """A record: samples of ground acceleration at equal steps of time, joined by straight lines. The components of a file."""
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
@@ -8,19 +7,28 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...documents.quantities import DEFAULT_GRAVITY, UNITS, parse_whole
+from ...documents.quantities import DEFAULT_GRAVITY, parse_whole
 from ...errors import DocumentError, MotionError, NoComponent, UsageError
 from ..blocks import largest
 from ..motion import checked_scale
 from ..polyline import Polyline
+from .directions import is_up
+from .units import ACCELERATIONS
 
 LARGEST = 1e6  # m/s2, beyond which no ground shakes
 STEPS = (1e-7, 1e3)  # s, from the shortest to the longest
 _LONG_STEP = 1.0  # s; recorders sample every 0.001 to 0.02 s
-WRITTEN_UNITS = ("g", "gal", "cm/s2", "m/s2", "mm/s2")
 _USUAL_PGA = (0.002, 5.0)  # g; the largest recorded is about 4 g. A record in gal that is read as g lies above, one in g read as gal below
+EVERY = "all"  # columns that follow each other: several values of one record on a line
 HORIZONTAL, ALL, STATION = "horizontal", "all", "station"
-_VERTICAL = re.compile(r"\b(?:up|u-d|ud|dn|down|dwn|ver|vrt|vert\w*)\b|^(?:[uvz]|[a-z]{2}z)(?: \(\d+\))?$", re.IGNORECASE)
+
+
+class Given(NamedTuple):
+    """What the user states of a file of numbers."""
+
+    unit: str | None = None  # unit of acceleration
+    dt: float | None = None  # time step [s]
+    column: str | None = None  # number of a column from 1, or EVERY
 
 
 class Series(NamedTuple):
@@ -93,15 +101,9 @@ def record_motion(record: Record, scale: float = 1.0, name: str = "") -> Polylin
     return Polyline(name or record.label, time[:-1], time[1:], s[:-1], np.diff(s) / np.diff(time), abs(scale) * pga)
 
 
-def unit_of(word: str) -> str | None:
-    """Return the unit of acceleration that a file writes as cm/sec/sec, CM/S^2 or gals; None for any other word, such as cm/sec."""
-    plain = word.strip(" .").lower().replace("sec", "s").replace("**", "").replace("^", "").replace("/s/s", "/s2").replace("gals", "gal")
-    return plain if plain in WRITTEN_UNITS else None
-
-
 def record_of(series: Series, name: str, format_: str, source: str, sha256: str) -> Record:
     """Return the record of a series, with remarks if its PGA contradicts the header or the unit. Raises DocumentError."""
-    factor = UNITS["acceleration"][series.unit]
+    factor = ACCELERATIONS[series.unit]
     with np.errstate(over="ignore"):  # the record refuses infinite values
         acceleration = series.samples * factor
     remarks = [series.remark] if series.remark else []
@@ -124,7 +126,7 @@ def record_of(series: Series, name: str, format_: str, source: str, sha256: str)
 def is_vertical(record: Record) -> bool:
     """True if the component is vertical by its name, such as Up, U-D, Vert, HNZ or, in KiK-net, 3 and 6."""
     name = record.component or ""
-    return bool(_VERTICAL.search(name)) or (record.format == "K-NET" and name in ("3", "6"))
+    return is_up(name) or (record.format == "K-NET" and name in ("3", "6"))
 
 
 def pick(records: Sequence[Record], component: str | None) -> Record:

@@ -8,7 +8,8 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from ...errors import DocumentError, NoAcceleration
-from .record import WRITTEN_UNITS, Series, unit_of
+from .record import Given, Series
+from .units import WRITTEN_UNITS, time_unit, unit_of
 
 Array = np.ndarray
 Keys = dict[str, tuple[str, int]]
@@ -17,6 +18,8 @@ HEAD = 1 << 16  # bytes in which a format shows itself
 NUMBER = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 _D_AS_E = bytes.maketrans(b"Dd", b"Ee")  # the letter of an exponent in Fortran
 OF_NUMBERS = b" \t\n0123456789+-.eEdD*"
+_NO_LETTER = re.compile(rb"([+-]?\d*\.\d+)([+-]\d{3})")  # an exponent beyond 99 in Fortran
+_UTF_16 = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}
 _DOS_BLOCK = 128  # bytes
 FORTRAN = r"\(\s*(?:\d+P\s*,?\s*)?(?P<columns>\d*)\s*[FEGDI]\s*(?P<width>[1-9]\d?)"  # a format such as (8F10.5) or (1E15.6)
 
@@ -58,19 +61,31 @@ def fortran_layout(text: str) -> Layout | None:
 
 
 class RecordText:
-    """The text of one file and the place up to which it is read; line: number of the next line; unit, dt [s]: as the user states them."""
+    """The text of one file and the place up to which it is read.
 
-    def __init__(self, source: str, raw: bytes, unit: str | None = None, dt: float | None = None) -> None:
-        self.source, self.unit_given, self.dt_given = source, unit, dt
+    line: number of the next line; given: what the user states.
+    """
+
+    def __init__(self, source: str, raw: bytes, given: Given | None = None) -> None:
+        self.source, self.given = source, given or Given()
+        raw = as_utf_8(raw)
         if b"\r" in raw[:HEAD]:
-            raw = raw.replace(b"\r\n", b"\n").replace(b"\r\n", b"\n").replace(b"\r", b"\n" if b"\n" not in raw[:HEAD] else b"")
+            raw = raw.replace(b"\r\n", b"\n").replace(b"\r\n", b"\n")
+            raw = raw.replace(b"\r", b"\n" if b"\n" not in raw[:HEAD] else b"")
         if b"\0" in raw:
             raw = raw.replace(b"\0", b" ")
         if b"\x1a" in raw[-_DOS_BLOCK:]:  # where a text of DOS ends, to the end of its block
             raw = raw.rstrip(b"\x1a\n ")
-        self.raw = raw.removeprefix(b"\xef\xbb\xbf")
-        self.head = self.raw[:HEAD].decode("latin-1")
+        self.raw = raw
+        self.encoding = _encoding(raw)
+        if self.encoding == "utf-8" and not raw.isascii():
+            self.raw = raw.replace("−".encode(), b"-").replace("\xa0".encode(), b" ")
+        self.head = self.decoded(self.raw[:HEAD])
         self.at, self.line = 0, 1
+
+    def decoded(self, raw: bytes) -> str:
+        """Return bytes of the file as text."""
+        return raw.decode(self.encoding, "replace")
 
     def fault(self, what: str, line: int | None = None) -> DocumentError:
         """Return the error for a line (default: the last one read)."""
@@ -86,7 +101,7 @@ class RecordText:
         """Return the next line without its end, None after the last."""
         if self.at >= len(self.raw):
             return None
-        return self._take(1).decode("latin-1").rstrip()
+        return self.decoded(self._take(1)).rstrip()
 
     def lines(self, count: int) -> list[str]:
         """Return the next `count` lines. Raises DocumentError if the file ends before."""
@@ -142,7 +157,7 @@ class RecordText:
 
     def number(self, text: str, line: int | None = None) -> float:
         """Return a number of the header. Raises DocumentError."""
-        value = value_of(text.strip().encode("latin-1", "replace"))
+        value = value_of(text.strip().encode("utf-8", "replace"))
         if value is None:
             raise self.fault(f"found {text.strip()!r} in the header; expected a number", line)
         return value
@@ -167,6 +182,16 @@ class RecordText:
     def step_of_rate(self, text: str, line: int | None = None) -> float:
         """Return the time step [s] of a sampling frequency [Hz] in the header. Raises DocumentError if it is not positive."""
         return 1.0 / self.step(text, line, "sampling frequency")
+
+    def seconds(self, word: str, line: int | None = None) -> float:
+        """Return the seconds of a unit of time in the header, 1 for an empty word.
+
+        Raises DocumentError for a word that is no unit of time.
+        """
+        found = time_unit(word) if word.strip() else 1.0
+        if found is None:
+            raise self.fault(f"found {word.strip()!r} after a time step; expected s or ms", line)
+        return found
 
     def unit(self, word: str, line: int | None = None, key: str = "") -> str:
         """Return the unit of acceleration that a word of the header states, as `unit_of`. Raises DocumentError for any other word."""
@@ -240,20 +265,39 @@ class RecordText:
             done += len(row)
 
     def table(self, separators: bytes = b"") -> tuple[Array, int]:
-        """All numbers of the lines to come, and how many stand on each. Raises DocumentError if the lines differ."""
-        block = self.raw[self.at :].rstrip().translate(bytes.maketrans(separators, b" " * len(separators)))
-        lines = block.split(b"\n")
-        columns, found = len(lines[0].split()), parsed(block)
-        if found is None or found.size != columns * len(lines):
-            values: list[float] = []
-            for line in lines:
-                self.line += 1
-                values += [self._value(token) for token in line.split()]
-                if line.strip() and len(line.split()) != columns:
-                    raise self.fault(f"found {len(line.split())} numbers, {columns} on the lines before")
-            found = np.array(values)
+        """All numbers of the lines to come, and how many stand on each.
+
+        Raises DocumentError if the lines differ.
+        """
+        block = self.raw[self.at :].rstrip()
+        block = block.translate(bytes.maketrans(separators, b" " * len(separators)))
+        values, counts, lines = self.numbers_of(block)
+        columns = int(counts[0]) if counts.size else 0
+        if (counts != columns).any():
+            odd = int(np.argmax(counts != columns))
+            said = f"found {counts[odd]} numbers, {columns} on the lines before"
+            raise self.fault(said, int(lines[odd]))
         self.at = len(self.raw)
-        return found, columns
+        return values, columns
+
+    def numbers_of(self, block: bytes) -> tuple[Array, Array, Array]:
+        """(numbers, how many stand on each line that is not blank, number of that line).
+
+        block: the rest of the file from the next line on, with blanks between numbers.
+        Raises DocumentError at a word that is no number.
+        """
+        each = _words_on_lines(block)
+        filled = np.flatnonzero(each)
+        counts, lines = each[filled], self.line + filled
+        values = parsed(block)
+        if values is None:
+            on = np.repeat(lines, counts)
+            found = [value_of(token) for token in block.split()]
+            bad = next((i for i, value in enumerate(found) if value is None), None)
+            if bad is not None:
+                raise self.fault(f"found {shown(block.split()[bad])}", int(on[bad]))
+            values = np.array(found, dtype=float)
+        return values, counts, lines
 
     def _value(self, token: bytes, after: str = "") -> float:
         value = value_of(token)
@@ -264,15 +308,42 @@ class RecordText:
 
 def value_of(token: bytes) -> float | None:
     """Return the finite number that a token states, which may have the exponent letter D; None if it states none."""
-    token = token.translate(_D_AS_E)
+    token = _NO_LETTER.sub(rb"\1E\2", token.translate(_D_AS_E)) if len(token) < 40 else token
     value = float(token) if NUMBER.fullmatch(token) else np.nan
     return value if np.isfinite(value) else None
+
+
+def as_utf_8(raw: bytes) -> bytes:
+    """Return a text without its byte order mark, in UTF-8 if it was UTF-16."""
+    if (encoding := _UTF_16.get(raw[:2])) is not None:
+        return raw[2:].decode(encoding, "replace").encode("utf-8", "replace")
+    return raw.removeprefix(b"\xef\xbb\xbf")
+
+
+def _encoding(raw: bytes) -> str:
+    """UTF-8 if the bytes are valid in it, else the code page of Windows or Latin-1."""
+    for encoding in ("utf-8", "cp1252"):
+        try:
+            raw.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+        return encoding
+    return "latin-1"
+
+
+def _words_on_lines(block: bytes) -> Array:
+    """How many words stand on each line of a block."""
+    codes = np.frombuffer(block, dtype=np.uint8)
+    blank = codes <= 32
+    begins = ~blank & np.concatenate([[True], blank[:-1]])
+    line = np.cumsum(codes == 10)
+    return np.bincount(line[begins], minlength=int(line[-1]) + 1 if codes.size else 0)
 
 
 def parsed(block: bytes) -> Array | None:
     """Return the numbers between the blanks of a block; None if one of its words is not a finite number."""
     try:
-        values = np.array(block.translate(_D_AS_E).split(), dtype=bytes).astype(float)
+        values = np.array(list(map(float, block.translate(_D_AS_E).split())))
     except ValueError:
         return None
     return values if np.all(np.isfinite(values)) and b"_" not in block else None  # Python takes 1_000 for a number
@@ -282,7 +353,7 @@ def shown(token: bytes) -> str:
     """Return a token that is not a number, in quotes and with the reason."""
     if not token:
         return "blanks in place of a number"
-    words = token.decode("latin-1")
+    words = token.decode("utf-8", "replace")
     if set(token) == {42}:
         reason = "stars in place of a number"
     elif len(NUMBER.findall(token)) > 1 and not NUMBER.sub(b"", token).strip(b"."):

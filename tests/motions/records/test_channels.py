@@ -201,9 +201,28 @@ def test_samples_step_and_peak_of_every_channel(tmp_path, text, form, dt, unit, 
         assert record.header_pga == pytest.approx(np.abs(record.acceleration).max(), rel=1e-4, abs=0.05)
 
 
+def of_1990(*, unit="G", form="", count=None, rate="010"):
+    """As CSMIP wrote volume 1 in the 1990s, without a Fortran format."""
+    text = volume_1("CHAN  1: 90 DEG", "UNITS OF UNCOR ACCEL IS G.", SHORT, length=len(SHORT) / 100).upper()
+    said = f"{count or len(SHORT):5d} POINTS OF ACCEL DATA EQUALLY SPACED AT .{rate} SEC.  (UNITS: {unit}) {form}\n"
+    return text + said + rows(SHORT, 8, "{:9.6f}")
+
+
+def test_volume_1_of_the_1990s_states_step_and_unit_above_its_samples(tmp_path):
+    for text in (of_1990(), of_1990(form="(8F9.6)")):
+        (tmp_path / "a.RAW").write_text(text)
+        record = read_record(tmp_path / "a.RAW")
+        assert (record.format, record.component, record.dt, record.unit) == ("Volume 1", "90 DEG", 0.01, "g")
+        np.testing.assert_allclose(record.acceleration, 9.81 * as_printed(SHORT, "{:9.6f}"), rtol=1e-15)
+    assert "found the unit 'FURLONG'" in refusal(tmp_path / "a.RAW", of_1990(unit="FURLONG"))
+    assert "732 points, where the header states 733" in refusal(tmp_path / "a.RAW", of_1990(count=732))
+    assert "where the header states" in refusal(tmp_path / "a.RAW", of_1990(rate="020"))
+
+
 @pytest.mark.parametrize(
     ("changed", "factor", "printed"),
     [
+        ({"unit": "in/sec2"}, 0.0254, "{:10.5f}"),
         ({"unit": "cm/s^2"}, 1e-2, "{:10.5f}"),
         ({"unit": "cm/s^2 (4)", "form": "10F8.3"}, 1e-2, "{:8.3f}"),  # neighbours touch
         ({"unit": "g.     (02)"}, DEFAULT_GRAVITY, "{:10.5f}"),
@@ -261,7 +280,7 @@ REFUSED = [
     (cosmos(step=0.0), "a:46: a time step of 0"),
     (cosmos(quantity="velocity", unit="cm/sec(05)"), "no acceleration, only velocity in cm/sec"),
     (cosmos(unit="counts(50)"), "found the unit 'counts' (50)"),
-    (cosmos(unit="in/sec2"), "a:46: found the unit 'in/sec2' (no code); expected cm/s2 (04)"),
+    (cosmos(unit="furlong/sec2"), "a:46: found the unit 'furlong/sec2' (no code); expected cm/s2 (04)"),
     (cosmos(unit="g(04)"), "a:46: found the unit 'g' with the code 04, which is cm/s2"),
     (cosmos(count=2008, length=20.08), "after 2000 of 2008 values"),
     (cosmos().replace("Real-header", "Imaginary"), "100 real-header values follow"),

@@ -8,6 +8,7 @@ from support.refusals import refuses
 from rocking_cli import DocumentError
 from rocking_cli.documents.quantities import DEFAULT_GRAVITY
 from rocking_cli.motions.records import read_record, read_records
+from rocking_cli.motions.records.record import is_vertical
 
 FORM = "{:15.7E}"
 TITLE = "PEER NGA STRONG MOTION DATABASE RECORD\nNowhere, 1/2/1999, Anystation, 090\nACCELERATION TIME SERIES IN UNITS OF G\n"
@@ -69,6 +70,57 @@ def test_the_unit_wherever_the_header_states_it(tmp_path, line, factor):
     np.testing.assert_allclose(read_record(path).acceleration, READ / DEFAULT_GRAVITY * factor, rtol=1e-15)
 
 
+def timed(step):
+    return np.column_stack([step * np.arange(1003), SAMPLES]).ravel()
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "factor", "form"),
+    [
+        (TITLE.replace("IN UNITS OF G", "") + "NPTS= 1003, DT= 5 MSEC\n" + body(), "g", DEFAULT_GRAVITY, FORM),
+        (TITLE + "NPTS= 1003, DT= 5 ms\n" + body(), "g", DEFAULT_GRAVITY, FORM),
+        (TITLE + "NPTS= 1003, DT= .005 S\n" + body(), "g", DEFAULT_GRAVITY, FORM),
+        (TITLE + "NPTS= 1003, DT= .005 SEC\n" + rows(timed(0.005), 2, "{:12.6f} "), "g", DEFAULT_GRAVITY, "{:12.6f}"),
+        ("Nowhere\nNPTS= 1003, DT= .005 SEC, UNITS= GAL\n" + body(), "gal", 0.01, FORM),
+        ("NPTS= 1003, DT= .005 SEC\nACCELERATION IN CM/S/S\n" + body(), "cm/s2", 0.01, FORM),
+        ("Nowhere\nACCELERATION, M/S2\nNPTS= 1003, DT= .005\n" + body(), "m/s2", 1.0, FORM),
+        ("Nowhere\nACCELERATION: M/S2\nNPTS= 1003, DT= .005\n" + body(), "m/s2", 1.0, FORM),
+        ("Nowhere\nAcceleration in %g\nNPTS= 1003, DT= .005\n" + body(), "%g", DEFAULT_GRAVITY / 100, FORM),
+        ("Nowhere\nAcceleration in mg\nNPTS= 1003, DT= .005\n" + body(), "mg", DEFAULT_GRAVITY / 1000, FORM),
+        ("Nowhere\nACCELERATION (FT/SEC2)\nNPTS= 1003, DT= .005\n" + body(), "ft/s2", 0.3048, FORM),
+    ],
+)
+def test_step_unit_and_columns_as_the_two_lines_state_them(tmp_path, text, unit, factor, form):
+    (tmp_path / "a.AT2").write_text(text)
+    record = read_record(tmp_path / "a.AT2")
+    assert (record.dt, record.unit) == (0.005, unit)
+    np.testing.assert_allclose(record.acceleration, factor * as_printed(SAMPLES, form), rtol=1e-14)
+
+
+def test_a_file_that_states_no_quantity_is_read_in_the_unit_of_the_user(tmp_path):
+    (tmp_path / "a.AT2").write_text("NPTS= 1003, DT= .005 SEC\n" + body())
+    assert read_record(tmp_path / "a.AT2", unit="gal").unit == "gal"
+    with pytest.raises(DocumentError, match="ACCELERATION IN UNITS OF G, or `unit`"):
+        read_record(tmp_path / "a.AT2")
+
+
+@pytest.mark.parametrize(
+    "name", ["UP", "+V", "-V", "+Z", "HNZ", "BHZ00", "VRT", "UP COMPONENT", "DOWN", "Vertical", "U-D", "DWN", "V (corrected)"]
+)
+def test_a_vertical_component_at_the_end_of_a_line_is_named(tmp_path, name):
+    (tmp_path / "a.AT2").write_text(TITLE.replace(", 090", f", {name}") + "NPTS= 1003, DT= .005 SEC\n" + body())
+    (record,) = read_records(tmp_path / "a.AT2")
+    assert record.component == name.removesuffix(" (corrected)")
+    assert is_vertical(record)
+
+
+def test_an_exponent_without_its_letter_is_one_number(tmp_path):
+    text = body().replace(FORM.format(SAMPLES[3]), "  0.1234567-102", 1).replace(FORM.format(SAMPLES[4]), "  0.1234567+000", 1)
+    (tmp_path / "a.AT2").write_text(TITLE + "NPTS= 1003, DT= .005 SEC\n" + text)
+    found = read_record(tmp_path / "a.AT2").acceleration[3:5] / DEFAULT_GRAVITY
+    np.testing.assert_allclose(found, [0.1234567e-102, 0.1234567], rtol=1e-15)
+
+
 def broken(text):
     lines = body().splitlines()
     lines[7] = text
@@ -82,7 +134,33 @@ REFUSED = [
     (TITLE + "NPTS= 1003, DT= 0.000 SEC\n" + body(), "a.AT2:4: a time step of 0.000"),
     (TITLE.replace("ACCELERATION", "VELOCITY") + "NPTS= 1003, DT= .005 SEC\n" + body(), "a.AT2:3: found 'VELOCITY"),
     (TITLE.replace("UNITS OF G", "UNITS OF CM/S") + "NPTS= 1003, DT= .005 SEC\n" + body(), "unit 'CM/S'"),
-    ("Acceleration in mg\nNPTS= 1003, DT= .005 SEC\n" + body(), "a.AT2:1: found the unit 'mg'"),
+    *(
+        (f"Nowhere\n{line}\nNPTS= 1003, DT= .005 SEC\n" + body(), f"a.AT2:2: found {words}")
+        for line, words in {
+            "VELOCITY (CM/S)": "'VELOCITY (CM/S)'",
+            "VELOCITY HISTORY": "'VELOCITY HISTORY'",
+            "DISPLACEMENT (CM)": "'DISPLACEMENT (CM)'",
+            "Displ. in cm": "'Displ. in cm'",
+            "RESPONSE SPECTRUM": "'RESPONSE SPECTRUM'",
+            "SPECTRAL ACCELERATION (G)": "'SPECTRAL ACCELERATION (G)'",
+            "PSEUDO-ACCELERATION (G)": "'PSEUDO-ACCELERATION (G)'",
+            "FOURIER AMPLITUDE (G S)": "'FOURIER AMPLITUDE (G S)'",
+            "ARIAS INTENSITY (M/S)": "'ARIAS INTENSITY (M/S)'",
+            "COUNTS": "'COUNTS'",
+            "FORCE (KN)": "'FORCE (KN)'",
+            "JERK, G/S": "'JERK, G/S'",
+            "ACCELERATION IN FURLONGS": "the unit 'FURLONGS'",
+            "ACCELERATION FURLONG": "'FURLONG'",
+            "ACCELERATION (RAD/S2)": "the unit 'RAD/S2'",
+            "ACCELERATION, VOLTS": "the unit 'VOLTS'",
+            "UNITS: KN": "the unit 'kn'",
+            "SCALE FACTOR = 0.01": "'SCALE FACTOR = 0.01', a factor",
+            "HELLO": "'HELLO'; expected a line such as ACCELERATION IN UNITS OF G",
+        }.items()
+    ),
+    (TITLE + "NPTS= 1003, DT= 5 FURLONGS\n" + body(), "a.AT2:4: found 'FURLONGS' after a time step; expected s or ms"),
+    (TITLE + "NPTS= 400, DT= .005 SEC\n" + body(), "found more than twice the 400 values declared"),
+    (TITLE + "NPTS= 1003, DT= .01 SEC\n" + rows(timed(0.005), 2, "{:12.6f} "), "a.AT2:5: times every 0.005 s, where the header"),
     (TITLE + "NPTS= 1003, DT= .005 SEC\n" + body() + "\x1a" + "velocity", "found '\\x1avelocity' after the 1003 values"),
     (broken("  0.1 -0.2 0.3-0.4 0.5 0.6"), "a.AT2:12: found '0.3-0.4', two numbers run together, after 37 of 1003"),
     (broken("  0.1 -0.2 0.30.4 0.5 0.6"), "a.AT2:12: found '0.30.4', two numbers run together"),

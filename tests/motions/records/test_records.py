@@ -65,6 +65,10 @@ REFUSED = [
     (b"abc\0def" * 50, "a binary file"),
     (gzip.compress(archive(AT2), mtime=0), "an archive (zip or tar)"),
     (b"PK\x03\x04" + AT2.encode(), "an archive (zip or tar)"),
+    (b"PK\x03\x04 [Content_Types].xml xl/workbook.xml", "a workbook of a spreadsheet; save it as CSV UTF-8"),
+    (b"PK\x03\x04 mimetypeapplication/vnd.oasis.opendocument.spreadsheet", "save it as CSV UTF-8"),
+    (b"\xd0\xcf\x11\xe0" + bytes(600), "a workbook of a spreadsheet; save it as CSV UTF-8"),
+    (gzip.compress(b"kind: block\n", mtime=0), "no record format (it begins with 'kind: block')"),
     (b"kind: block\n", "no record format (it begins with 'kind: block')"),
     (gzip.compress(AT2.encode(), mtime=0)[:-20], "a damaged gzip file"),
     (gzip.compress(b"", mtime=0), "empty"),
@@ -169,8 +173,21 @@ def test_own_formats_never_look_for_packages(tmp_path, monkeypatch):
     monkeypatch.setattr(records, "_entries", looked)
     (tmp_path / "a").write_text(AT2)
     assert read_record(tmp_path / "a").npts == 500
-    with pytest.raises(UsageError, match=r"states its own `unit` and `dt` \(PEER AT2\)"):
-        read_record(tmp_path / "a", unit="g")
+
+
+def test_options_may_repeat_what_a_file_says_and_not_contradict_it(tmp_path):
+    (tmp_path / "a").write_text(AT2)
+    assert read_record(tmp_path / "a", unit="g", dt=0.01).acceleration.max() == read_record(tmp_path / "a").acceleration.max()
+    for stated, words in (
+        ({"unit": "m/s2"}, "a: `unit`: found m/s2; the file says otherwise: g \\(PEER AT2\\)"),
+        ({"dt": 0.02}, "a: `dt`: found 0.02 s; the file says otherwise: 0.01 s"),
+    ):
+        with pytest.raises(DocumentError, match=words):
+            read_record(tmp_path / "a", **stated)
+    with pytest.raises(UsageError, match=r"`column` goes with plain columns of numbers, not with PEER AT2"):
+        read_record(tmp_path / "a", column="2")
+    with pytest.raises(UsageError, match=r"`column`: found '0'; expected a number from 1, or all"):
+        read_record(tmp_path / "a", column="0")
 
 
 def record(component, form="COSMOS"):
@@ -179,7 +196,9 @@ def record(component, form="COSMOS"):
 
 def test_vertical_components():
     upwards = ["Up", "UP", "U-D", "UD", "Vert", "VERTICAL", "Down", "DN", "HNZ", "HGZ", "Z", "U", "V", "Up (3)", "Up - roof"]
+    upwards += ["V2", "BHZ00", "VRT", "UP COMPONENT", "+V", "-V", "+Z", "XX.ABC..HNZ", "UD1", "Z (3)", "dwn", "vertikal", "dusey"]
     across = [None, "N-S", "E-W", "N28W", "360 Deg", "90 Deg", "HNN", "HN1", "1", "3", "S00E", "L", "T", "channel (3)"]
+    across += ["L1", "T3", "HNE", "BHE00", "X", "XX.UPZA..HN1", "090", "north", "V20E"]
     assert [name for name in upwards + across if is_vertical(record(name))] == upwards
     assert [name for name in "123456" if is_vertical(record(name, "K-NET"))] == ["3", "6"]  # of two instruments
 

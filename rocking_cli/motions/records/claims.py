@@ -1,0 +1,314 @@
+"""What the lines above the numbers say: unit, step, rate, count, direction, quantity.
+
+A line may be a title, which says none of these, and is passed over. A line that states
+one of them has to be understood: it is refused with its words otherwise.
+"""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from .directions import is_direction, is_up
+from .headings import UNKNOWN, cell_of, names_acceleration, others_in
+from .units import ACCELERATIONS, WRITTEN_UNITS, dimension_of, plain, rate_unit, time_unit, unit_of
+
+_NUM = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[ed][-+]?\d+)?)"
+_UNIT = r"\s*(?:[\[(]\s*([^\])]{1,20})[\])])?"
+_WORD = r"\s*((?:1e-3 |10-3 )?[a-z]+(?:/[a-z]+|-1)?\.?)?"
+_KEY = r"\s*(?:[:=,;\t]|\bis\b|\bof\b|\bde\b)*\s*"
+_STEP_WORDS = (
+    r"\bd_?t\b|\bdelta[ _-]?t\b|\bδt\b|\btime[ _-]?(?:step|interval|increment|spacing)\b|"
+    r"\btimestep\b|\bsampl(?:e|ing)[ _-]?(?:interval|period|step|time)\b|"
+    r"\bintervalo de (?:muestreo|tiempo)\b|\bpaso (?:de tiempo|temporal)\b|\bpas de temps\b|"
+    r"\bpasso (?:temporale|di campionamento)\b|\bintervallo di campionamento\b|"
+    r"\bzeitschritt\b|\babtastintervall\b|\bzaman (?:adimi|araligi)\b|"
+    r"\bornekleme araligi\b|时间间隔|采样间隔|\b(?:time )?step(?: size)?\b(?=\s*[\[(:=])|"
+    r"\b(?:equally )?spaced (?:intervals )?(?:at|of|by)\b|"
+    r"\binterval(?:s|o)? (?:of\b|de\b|:)|\bincrement\b|\bevery\b|\bat intervals of\b"
+)
+_RATE_WORDS = (
+    r"^(?:frequency|freq|rate)\b(?=\s*[:=(]?\s*[\d(])|"
+    r"\bsampl(?:e|ing|es)?[ _-]?(?:rate|freq\w*)\b|\bsamplerate\b|\bsps\b|\bfs\b|\bf_s\b|"
+    r"\bsamples per sec\w*\b|"
+    r"\b(?:frecuencia|velocidad|tasa) de muestreo\b|\bfrequenza di campionamento\b|"
+    r"\bfrequence d'?echantillonnage\b|\babtast(?:rate|frequenz)\b|\bornekleme (?:frekansi|hizi)\b|"
+    r"采样频率|采样率"
+)
+_COUNT_WORDS = (
+    r"\bnpts\b|\bnpt\b|\bnpoints\b|\bndata\b|\bnum(?:ber|\.)? ?of ?(?:data )?(?:points|samples|data|"
+    r"values)\b|\bno\.? ?of ?(?:data )?(?:points|samples|data|values)\b|"
+    r"\b(?:data )?points(?=\s*[:=])|\bsamples(?=\s*[:=])|\bnumero (?:de|di) (?:muestras|puntos|datos|"
+    r"punti|campioni)\b|\banzahl(?: der)?(?: \w+)?\b|\bcount(?=\s*[:=])|\bn(?=\s*=)"
+)
+_STEP = re.compile(rf"(?:{_STEP_WORDS}){_UNIT}{_KEY}(?:{_NUM}{_WORD})?")
+_RATE = re.compile(rf"(?:{_RATE_WORDS}){_UNIT}{_KEY}(?:{_NUM}{_WORD})?")
+_AT_RATE = re.compile(rf"(?:\bat\s+|^\s*){_NUM}\s*(hz|sps|khz|samples?/s\w*|pts/s\w*|samples per sec\w*)(?![a-z])")
+_ALONE = re.compile(rf"\s*{_NUM}\s*(s|sec|secs|seconds?|ms|msec|us)\.?\s*")
+_COUNT = re.compile(rf"(?:{_COUNT_WORDS}){_KEY}(\d+)(?![\d.])")
+_SO_MANY = re.compile(r"\b(\d+)\s+(?:data )?(?:points|samples|pts|values)\b(?!\s*/|\s*per)")
+_UNITS = re.compile(
+    r"(?:\b(?:units?|einheit(?:en)?|unidad(?:es)?|unita|unites?|birim(?:i|ler)?)\b|单位|単位)"
+    r"(?:\s+of\s+\w+)?(?:\s*(?:[:=,;\t]|\b(?:of|are|is|in)\b)\s*)+(\S.*)"
+)
+_FACTOR = re.compile(
+    rf"(?:\bscal(?:e|ing)(?:[ _-]?factor)?\b|\b(?:multipl\w+|conversion|calibration|amplification)"
+    rf"(?:[ _-]?(?:factor|constant))?\b|\bfactor\b|\bgain\b|\blsb\b|\bsensitivity\b|\bfaktor\b|"
+    rf"\bfattore\b)(?:\s+(?:by|of|is))?\s*(?:[\[(][^\])]*[\])])?\s*[:=,;\t]?\s*{_NUM}([^,;\s]*)"
+)
+_TIMES = re.compile(
+    r"(?:(?<![a-zA-Z])x|×|(?<!\*)\*)\s*(\d+(?:\.\d*)?(?:e[-+]?\d+|\^-?\d+)?)\s*$"
+    r"|\b(?:tenths|hundredths|thousandths|multiples)\s+of\b",
+    re.IGNORECASE,
+)
+_COMPONENT = re.compile(
+    r"\b(?:comp(?:onent|onente)?|chan(?:nel)?|dir(?:ection|eccion|ezione)?|orientation|"
+    r"composante|richtung|bilesen|yon)\b\.?\s*(?:\d+\s*)?[:=,;\t]?\s*([-+\w./]+(?: deg)?)",
+    re.IGNORECASE,
+)
+_NOT_OF_THE_RECORD = re.compile(r"\b(?:peak|max\w*|pg[vd]|vs ?_?30|wave|magnitude|highest|largest)\b|\bvs\b")
+_OF_A_SPECTRUM = re.compile(r"compatib|match|artificial|synthetic|target|time.?(?:history|series)")
+_KEYED = re.compile(r"\s*[^:=]{1,60}[:=]\s*\S|[^,;\t]{1,60}[,;\t]\s*[-+]?\.?\d")
+_AFTER = re.compile(r"(?:\bin\b|[,:=])\s*(?:units? of\s+)?([^,:=;]+?)\s*(?=[;,]|\. |$)", re.IGNORECASE)
+_IN = re.compile(r"\bin\s+(?:units?\s+of\s+)?([^\s,;]+)", re.IGNORECASE)
+_BRACKETS = re.compile(r"[\[(]([^\[\]()]*(?:\([^()]*\)[^\[\]()]*)?)[\])]")
+_MARKS = re.compile(r"^[\s#%!*;/\"'>|-]+(?=\S)")
+_UNLIKE = ("velocity", "displacement", "spectrum", "Fourier spectrum", "Arias intensity")
+_BESIDE = re.compile(
+    r"\bacc\w*\.?\s*(?:(?:time|series|history|data|values?|corrected|uncorrected)\s*)*"
+    r"[\[(]\s*([^\])]+?)\s*[\])]",
+    re.IGNORECASE,
+)
+_GOES_ON = frozenset(["and", "at", "for", "with", "of", "in", "or", "n", "npts", "dt", "unit", "units", "values", "points"])
+_SLACK = 1e-3  # relative; two statements of a step that differ by less agree
+
+
+@dataclass
+class Claims:
+    """What lines above the numbers say; a field is None where they say nothing."""
+
+    fault: Callable[[str, int], Exception]  # makes the error of a line
+    unit: str | None = None  # unit of acceleration
+    step: float | None = None  # time step [s]
+    count: int | None = None  # number of values
+    component: str | None = None  # direction, as the file has it
+    seconds: float | None = None  # unit of the times [s]
+    acceleration: bool = False  # a line names an acceleration
+    quoted: dict[str, str] = field(default_factory=dict)  # the line of each statement
+
+    def take(self, line: str, at: int, strict: bool = False) -> None:
+        """Take what a line says; strict: a line that is there to state the quantity.
+
+        Raises the error of `fault` if it is not understood.
+        """
+        words = _MARKS.sub("", line).strip().strip("\"'").strip()
+        text = plain(words)
+        if not re.search(r"[^\W\d_]", text):
+            return
+        self._factor(text, words, at)
+        self._quantity(text, words, at)
+        if strict and self.acceleration and self.unit is None:
+            self._nothing_else(words, at)
+        self._units(text, words, at)
+        self._steps(text, words, at)
+        self._counts(text, words)
+        if len(words) > 1 and is_up(words):
+            self.component = words
+        for found in _COMPONENT.finditer(words):
+            if is_direction(found[1].strip(".")):
+                self.component = found[1].strip(".")
+
+    def state(self, name: str, value: object, words: str, at: int) -> None:
+        """Keep one statement. Raises the error of `fault` if another line contradicts it."""
+        before = getattr(self, name)
+        if before is not None and not _same(before, value):
+            said = f"found {words!r}, where {self.quoted[name]!r} says otherwise"
+            raise self.fault(said, at)
+        setattr(self, name, value)
+        self.quoted.setdefault(name, words)
+
+    def _factor(self, text: str, words: str, at: int) -> None:
+        found = _FACTOR.search(text)
+        times = _TIMES.search(words)
+        stated = found is not None and (found[2] or float(found[1].replace("d", "e")) != 1.0)
+        if stated or (times is not None and times[1] != "1"):
+            raise self.fault(
+                f"found {words!r}, a factor; it is not known whether the numbers have it: apply it and take the line away",
+                at,
+            )
+
+    def _quantity(self, text: str, words: str, at: int) -> None:
+        """Refuse a line that names another quantity; take the unit of an acceleration."""
+        others = others_in(words)
+        kind = dimension_of(words)
+        if kind not in (None, "acceleration", "time", "frequency", "unknown"):
+            raise self.fault(f"found {words!r}; expected an acceleration", at)
+        if kind == "acceleration":
+            self.state("unit", unit_of(words), words, at)
+            return
+        if names_acceleration(words) and not _spectral(others, text):
+            if _NOT_OF_THE_RECORD.search(text):
+                return
+            self.acceleration = True
+            self._unit_beside(words, at)
+            return
+        beside = _NOT_OF_THE_RECORD.search(text) or _KEYED.match(words)
+        matched = _OF_A_SPECTRUM.search(text) and _spectral(others, "")
+        if others and not beside and not matched:
+            raise self.fault(f"found {words!r}; expected an acceleration", at)
+        if _KEYED.match(words):
+            self._keyed(words, at)
+            return
+        for found in _IN.finditer(words):
+            self._in(found[1], words, at)
+        for bracket in _BRACKETS.finditer(words):
+            held, kind = bracket[1], dimension_of(bracket[1])
+            if re.search(r"\d", words[bracket.end() :]):  # Height (m) 28
+                continue
+            if kind not in (None, "acceleration", "time", "frequency", "share"):
+                raise self.fault(f"found {words!r}; expected an acceleration", at)
+            if kind == "acceleration":
+                self.state("unit", unit_of(held), words, at)
+
+    def _in(self, word: str, words: str, at: int) -> None:
+        """Take the unit of a line such as `data in cm/s2`."""
+        kind = dimension_of(word)
+        if kind == "acceleration":
+            self.state("unit", unit_of(word), words, at)
+        elif kind in ("velocity", "counts", "voltage", "force", "stress", "jerk", "rotation"):
+            raise self.fault(f"found {words!r}; expected an acceleration", at)
+
+    def _keyed(self, words: str, at: int) -> None:
+        """Take a line such as `a: m/s2` or `velocity: cm/s`."""
+        key, _, value = words.replace("=", ":", 1).partition(":")
+        cell = cell_of(key)
+        number = re.match(r"\s*[-+]?\.?\d", value)
+        unlike = cell.role in _UNLIKE and not _NOT_OF_THE_RECORD.search(plain(key))
+        if not number and (unlike or (cell.is_other and dimension_of(value))):
+            raise self.fault(f"found {words!r}; expected an acceleration", at)
+        if cell.role != UNKNOWN and (unit := unit_of(value)):
+            self.state("unit", unit, words, at)
+        if cell.role == "time" and (seconds := time_unit(value)) is not None:
+            self.state("seconds", seconds, words, at)
+
+    def _unit_beside(self, words: str, at: int) -> None:
+        """Take the unit that stands beside the word acceleration."""
+        after = _BRACKETS.findall(words) + [x[1] for x in _AFTER.finditer(words)]
+        after += [y.strip() for x in after for y in re.split(r"\band\b|\s{2,}", x)]
+        for word in after:
+            if unit := unit_of(re.sub(r"(?i)^units? of\s+", "", word)):
+                self.state("unit", unit, words, at)
+                return
+        odd = [x for x in after if not x[:1].isdigit() and len(x) > 1]
+        odd = [x for x in odd if dimension_of(x) not in (None, "time", "frequency")]
+        beside = [x for x in _BESIDE.findall(words) if _unknown(x)]
+        last = re.findall(r"\bin\s+(\S+)\s*$", words, re.IGNORECASE)
+        for word in [*odd, *beside, *last]:
+            raise self.fault(f"found the unit {word!r} in {words!r}", at)
+
+    def _nothing_else(self, words: str, at: int) -> None:
+        """Refuse words after an acceleration that may be a unit, as ACCELERATION FURLONG."""
+        found = re.search(r"\bacc\w*\.?\W*(.*)", words, re.IGNORECASE)
+        rest = [] if found is None else re.findall(r"[^\s,:;()\[\]]+", found[1])
+        odd = [x for x in rest if cell_of(x).role == UNKNOWN]
+        if odd and len(rest) <= 3 and not re.search(r"(?i)\b(?:of|at|from|for)\b", words):
+            raise self.fault(f"found {' '.join(odd)!r} in {words!r}; expected a unit", at)
+
+    def _units(self, text: str, words: str, at: int) -> None:
+        found = _UNITS.search(text)
+        if found is None:
+            return
+        said = found[1].strip().strip("()[] ")
+        first = re.split(r"\.\s|\s{2,}|;", said)[0].strip(" .,()[]")
+        whole = unit_of(said) or unit_of(first) or unit_of(found[1])
+        units = [whole] if whole else []
+        listed = re.split(r"\s*[,;&\t]\s*|\s+and\s+|\s+", first) if not whole else []
+        for word in (x.strip("()[] ") for x in listed):
+            if unit := unit_of(word):
+                units.append(unit)
+                continue
+            if (seconds := time_unit(word)) is not None:
+                self.state("seconds", seconds, words, at)
+                continue
+            if not units:
+                raise self.fault(f"found the unit {said!r}; expected {', '.join(WRITTEN_UNITS)}", at)
+            break
+        for unit in units:
+            self.state("unit", unit, words, at)
+
+    def _steps(self, text: str, words: str, at: int) -> None:
+        if (alone := _ALONE.fullmatch(text)) is not None:
+            self._step(alone[1], alone[2], words, at)
+            return
+        rates = [found for found in _RATE.finditer(text) if found[2] is not None]
+        for found in rates:
+            self._rate(found, words, at)
+        for found in _AT_RATE.finditer(text) if not rates else ():
+            self._hertz(found[1], rate_unit(found[2]) or 1.0, words, at)
+        for found in _STEP.finditer(text):
+            if found[2] is not None:
+                self._step(found[2], found[3] or found[1] or "", words, at)
+            elif found[0].rstrip()[-1:] in (":", "="):
+                raise self.fault(f"found {words!r}; expected a time step, such as 0.01 s", at)
+
+    def _step(self, number: str, unit: str, words: str, at: int) -> None:
+        value = float(number.replace("d", "e"))
+        if (rate := rate_unit(unit)) is not None and value > 0.0:
+            self._hertz(number, rate, words, at)
+            return
+        seconds = time_unit(unit) if unit.strip(". ") else None
+        if (unit.strip(". ") and seconds is None and _is_unit(unit)) or not value > 0.0:
+            raise self.fault(f"found {words!r}; expected a time step, such as 0.01 s", at)
+        if seconds is None and value >= 1.0:
+            raise self.fault(f"found {words!r}, a time step without a unit", at)
+        self.state("step", value * (seconds or 1.0), words, at)
+
+    def _rate(self, found: re.Match[str], words: str, at: int) -> None:
+        unit = found[3] or found[1] or ""
+        if time_unit(unit) is not None and unit:
+            self._step(found[2], unit, words, at)
+            return
+        hertz = rate_unit(unit) if unit.strip() else None
+        if unit.strip() and hertz is None and _is_unit(unit):
+            raise self.fault(f"found {words!r}; expected a sampling rate, such as 100 Hz", at)
+        if hertz is None and float(found[2].replace("d", "e")) < 1.0:
+            raise self.fault(f"found {words!r}, a sampling rate without a unit", at)
+        self._hertz(found[2], hertz or 1.0, words, at)
+
+    def _hertz(self, number: str, hertz: float, words: str, at: int) -> None:
+        value = float(number.replace("d", "e")) * hertz
+        if not value > 0.0:
+            raise self.fault(f"found {words!r}; expected a sampling rate, such as 100 Hz", at)
+        self.state("step", 1.0 / value, words, at)
+
+    def _counts(self, text: str, words: str) -> None:
+        found = _COUNT.search(text) or _SO_MANY.search(text)
+        if found is not None and self.count is None:
+            self.count = int(found[1])
+            self.quoted["count"] = words
+
+
+def _is_unit(word: str) -> bool:
+    """True if a word after a number claims to be its unit, and does not go on the text."""
+    return word.strip(" .") not in _GOES_ON
+
+
+def _unknown(word: str) -> bool:
+    """True if what stands in brackets beside a quantity is no words, and no known unit."""
+    return (" " not in word or bool(re.search(r"\d", word))) and cell_of(word).role == UNKNOWN
+
+
+def _spectral(others: list[str], text: str) -> bool:
+    known = [x for x in others if "spectrum" in x or "intensity" in x or x == "rotation"]
+    return bool(known) and not _OF_A_SPECTRUM.search(text)
+
+
+def _same(one: object, other: object) -> bool:
+    if isinstance(one, float) and isinstance(other, float):
+        return agree(one, other)
+    same_unit = one in ACCELERATIONS and other in ACCELERATIONS
+    return ACCELERATIONS[str(one)] == ACCELERATIONS[str(other)] if same_unit else one == other
+
+
+def agree(one: float, other: float) -> bool:
+    """True if two steps [s] differ by no more than the digits that files print."""
+    return abs(one - other) <= _SLACK * abs(one)

@@ -1,0 +1,47 @@
+"""Directions of components, by one rule for all formats.
+
+A name states a direction by a SEED code (HNZ, BHE), by a word of some language (Up,
+vertical, U-D, north), by an angle (360 Deg, S62W), or by a letter (N, E, Z, V2).
+"""
+
+import re
+
+from .units import plain
+
+_UP_WORDS = (
+    r"up|upward|upwards|ud|u-d|u/d|u_d|du|dn|down|downward|dwn|vrt|ver|vert\w*|vertikale?|"
+    r"dusey|上下|竖向|垂直|竖直"
+)
+_VERTICAL = re.compile(
+    rf"(?<![a-z])[-+]?(?:{_UP_WORDS})\d{{0,2}}(?![a-z])"
+    r"|^[-+]?[uvz]\d{0,2}(?![a-z\d])(?!\d*[ew]\b)"  # V2, +Z, Z (3)
+    r"|(?:^|[ ._])[a-z0-9]{2}z\d{0,2}(?:$|[ ._(])"  # HNZ, BHZ00, XX.ABC..HNZ
+    r"|(?:^|[ ._])[-+]?[uvz](?:$| \(\d+\)$| comp\w*$)"
+)
+_ACROSS_WORDS = (
+    r"n|s|e|w|ns|sn|ew|we|n-s|s-n|e-w|w-e|n/s|e/w|n_s|e_w|north|south|east|west|northsouth|"
+    r"eastwest|nord|sud|est|ovest|ost|norte|sur|este|oeste|kuzey|guney|dogu|bati|"
+    r"x|y|l|t|r|h|h1|h2|hor\w*|long|longitudinal|lon|longi|trans|transverse|tran|transversal|"
+    r"radial|rad|tangential|南北|东西|東西"
+)
+_ACROSS = re.compile(
+    rf"^[-+]?(?:{_ACROSS_WORDS})\d?(?: comp\w*)?$"
+    r"|^(?:\d{2,3}(?:\.0*)?|\d{1,3}(?:\.\d*)? ?(?:deg\w*|°))$"
+    r"|^[ns] ?\d{1,2}(?: ?(?:deg\w*|°))? ?[ew]$"
+    r"|(?:^|[ ._])(?!ch\d)[bhefcdslmgv][hnlgmp][ens123rtxy]\d{0,2}(?:$|[ ._(])"
+)
+
+
+def is_up(name: str) -> bool:
+    """True if a name states the vertical direction."""
+    return _VERTICAL.search(plain(name).strip()) is not None
+
+
+def is_across(name: str) -> bool:
+    """True if a name states a horizontal direction."""
+    return not is_up(name) and _ACROSS.search(plain(name).strip()) is not None
+
+
+def is_direction(name: str) -> bool:
+    """True if a name states a direction."""
+    return is_up(name) or is_across(name)
