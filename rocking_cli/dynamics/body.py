@@ -97,6 +97,18 @@ class Body(NamedTuple):
             return edge.alpha - np.sqrt(np.maximum(edge.alpha**2 - square, 0.0))
         return edge.alpha - np.arccos(np.minimum(np.cos(edge.alpha) + 0.5 * square, 1.0))
 
+    def fz_in_bounces(self, edge: Edge, weight: Array | float, inward: Array, fastest: Array, top: Array | float) -> Array:
+        """Return a lower bound of Fz/(m g) of bounces on this edge; of bounces without height (top 0) the value just after an impact.
+
+        weight: least force downwards over m g; inward: largest -u'' at the ground without damping [rad]; fastest: largest
+        |u'| [rad]; top: largest u [rad]. Above the ground -u'' is at most cos(alpha - u)/cos(alpha) times that at the ground,
+        under the linear equation at most that at the ground.
+        """
+        steepest = np.cos(np.maximum(edge.alpha - top, 0.0))
+        growth = 1.0 if self.linear else steepest / np.cos(edge.alpha)
+        force = np.maximum(inward, 0.0) * growth + 2.0 * self.damping * fastest
+        return np.asarray(weight - edge.kappa * (force * np.sin(edge.alpha) + fastest * fastest * steepest))
+
     def contact_proved(self, edge: Edge, push: Array, turn: Array, sway: Array | float = 0.0, fastest: Array | float = np.inf) -> Array:
         """Return True where contact (Fz > 0) is proved for every push up to `push` [g] of either sign, every |theta| up to `turn` [rad],
         every |dtheta/dtau| up to `fastest` [rad], and every weight over m g from 1 - sway to 1 + sway."""

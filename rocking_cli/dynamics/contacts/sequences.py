@@ -3,6 +3,7 @@ over (Lemma 7, under a record Lemma 14); which ones need more steps than the mar
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from ..lanes import Array, Arrays, Lanes
 
 # With (nearly) no loss at impacts a sequence (nearly) never ends: a speed and a height below these are rest to every digit of theta/alpha.
 BELOW_ROUNDING, LOWEST = 1e-12, 1e-16
+STILL = 1e-100  # speed that counts as zero, since its square is below double precision
 _ELASTIC = 1.0 - 1e-6  # least part of its speed that a cycle (nearly) without loss keeps
 NEARLY_ELASTIC = 0.99  # eta above which bodies are tested for lasting bounces: bodies with a smaller eta come to rest soon
 _FIRST = 16  # steps of a lane before the first test
@@ -57,31 +59,86 @@ def sequence_ends(segments: Segments, lanes: Lanes, equation: Equation, there: O
     return proved
 
 
+class SequenceBounds(NamedTuple):
+    """Bounds of a sequence of impacts that is proved to end in rest. Pairs are (on this side, on the other side), each in the unit of its
+    side, (lanes,); without another side the second forces are infinite."""
+
+    later: Array  # phase of the segment before which the sequence ends [rad]
+    least: tuple[Array, Array]  # smallest inward force on bodies at the ground
+    most: tuple[Array, Array]  # largest inward force on bodies at the ground
+    fastest: tuple[Array, Array]  # largest |y'|
+    height: Array  # largest y on either side
+
+
+def sequence_bounds(segments: Segments, lanes: Lanes, there: OtherSide | None) -> SequenceBounds:
+    """Return bounds of sequences of impacts for which `sequence_ends` is True, for lanes just after an impact."""
+    speed_ratio = lanes.eta if there is None else there.eta * there.back
+    path = _path_of(segments, lanes, there, speed_ratio, (speed_ratio > _ELASTIC) & (lanes.v < BELOW_ROUNDING))
+    n = 1.0 if there is None else there.eta
+    fastest = path.growth * lanes.v
+    (here, other), (then, other_then) = path.now, path.then
+    return SequenceBounds(
+        path.later,
+        (np.minimum(here, then), np.minimum(other, other_then)),
+        (np.maximum(here, then), np.maximum(other, other_then)),
+        (fastest, n * fastest),
+        path.height(lanes.v, n),
+    )
+
+
+class _Path(NamedTuple):
+    """The forces over the longest duration of a sequence of impacts, and how far they let its speeds grow, (lanes,)."""
+
+    scale: Array  # 2 v / (1 - q)
+    duration: Array  # upper bound of the duration that is tried [tau of this side]
+    later: Array  # phase of the segment after this duration [rad]
+    now: tuple[Array, Array]  # inward force on bodies at the ground at the start, on this side and on the other
+    then: tuple[Array, Array]  # the same after the duration
+    growth: Array  # bound of later speeds over v, on either side
+    gains: Array  # G: bound of the speeds at which arcs on this side begin, over v
+    other_gains: Array  # H: the same on the other side, less what shorter arcs make up for
+
+    def height(self, v: Array, n: Array | float) -> Array:
+        """The largest y of an arc, while y and damping take less than half the force."""
+        here, other = (np.minimum(now, then) for now, then in zip(self.now, self.then, strict=True))
+        return np.asarray(v * v * np.maximum(self.gains * self.gains / here, (n * self.other_gains) ** 2 / other))
+
+
+def _path_of(segments: Segments, lanes: Lanes, there: OtherSide | None, q: Array, still: Array | bool = False) -> _Path:
+    """Return the forces over the longest duration of these sequences; still: True for lanes whose bounces are below rounding."""
+    n, r = (0.0, 1.0) if there is None else (there.eta, there.time)
+    here, other = _forces(segments, lanes, there)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        scale = 2.0 * lanes.v / (1.0 - q)
+        duration = np.where(still, 0.0, 1.5 * scale * (1.0 / here + n * r / other))
+    later = np.minimum(lanes.u + lanes.omega * duration, segments.length[lanes.k])
+    then, other_then = _forces(segments, lanes, there, later)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        grows, other_grows = then / here, 1.0 if there is None else other_then / other
+        if segments.weighed is None:  # the force grows on one side only
+            growth = np.sqrt(np.where(then < here, other_grows, grows))
+            gains, other_gains = np.where(then < here, growth, 1.0), np.where(then < here, 1.0, growth)  # of the arcs here and there
+        else:
+            gains = other_gains = growth = np.sqrt(np.maximum(grows, 1.0 / grows) * np.maximum(other_grows, 1.0 / other_grows))
+    return _Path(scale, duration, later, (here, other), (then, other_then), growth, gains, other_gains)
+
+
 def _ends(segments: Segments, lanes: Lanes, equation: Equation, there: OtherSide | None, q: Array, more: float) -> Array:
     """As `sequence_ends`, for lanes whose sequence may be short enough."""
     k, v = lanes.k, lanes.v
     n, r, rotation = (0.0, 1.0, 1.0) if there is None else (there.eta, there.time, there.rotation)
-    here, other = _forces(segments, lanes, there)
-    scale = 2.0 * v / (1.0 - q)
-    duration = 1.5 * scale * (1.0 / here + n * r / other)
-    later = np.minimum(lanes.u + lanes.omega * duration, segments.length[k])
-    then, other_then = _forces(segments, lanes, there, later)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        grows, other_grows = then / here, 1.0 if there is None else other_then / other
-        if (weighed := segments.weighed) is None:  # the force grows on one side only
-            growth = np.sqrt(np.where(then < here, other_grows, grows))
-            gains, other_gains = np.where(then < here, growth, 1.0), np.where(then < here, 1.0, growth)  # of the arcs here and there
-            heaviest: Array | float = 1.0
-        else:
-            gains = other_gains = growth = np.sqrt(np.maximum(grows, 1.0 / grows) * np.maximum(other_grows, 1.0 / other_grows))
-            most = np.maximum(weighed.vertical.s_start[k], weighed.vertical.s_end[k])
-            heaviest = np.maximum(1.0, 1.0 + weighed.sway(lanes.side, lanes.amplitude) * most)
-    here, other = np.minimum(here, then), np.minimum(other, other_then)
-    height = v * v * np.maximum(gains * gains / here, (n * other_gains) ** 2 / other)  # while y and damping take less than half the force
-    extra = (equation.on(lanes.side, lanes.cell).gain + more) * heaviest * height + 2.0 * equation.damping * growth * v * np.maximum(1.0, n)
-    ends = (later < segments.length[k]) & (here > 0.0) & (other > 0.0) & (extra < 0.5 * np.minimum(here, other))
-    lasts = scale * (gains / (here - extra) + n * r * other_gains / (other - extra))
-    return np.asarray(ends & (lasts <= duration) & (np.maximum(1.0, rotation) * height <= lanes.peak))
+    path = _path_of(segments, lanes, there, q)
+    heaviest: Array | float = 1.0
+    if (weighed := segments.weighed) is not None:
+        most = np.maximum(weighed.vertical.s_start[k], weighed.vertical.s_end[k])
+        heaviest = np.maximum(1.0, 1.0 + weighed.sway(lanes.side, lanes.amplitude) * most)
+    here, other = (np.minimum(now, then) for now, then in zip(path.now, path.then, strict=True))
+    height = path.height(v, n)
+    lever = equation.on(lanes.side, lanes.cell).gain + more
+    extra = lever * heaviest * height + 2.0 * equation.damping * path.growth * v * np.maximum(1.0, n)
+    ends = (path.later < segments.length[k]) & (here > 0.0) & (other > 0.0) & (extra < 0.5 * np.minimum(here, other))
+    lasts = path.scale * (path.gains / (here - extra) + n * r * path.other_gains / (other - extra))
+    return np.asarray(ends & (lasts <= path.duration) & (np.maximum(1.0, rotation) * height <= lanes.peak))
 
 
 def _forces(segments: Segments, lanes: Lanes, there: OtherSide | None, u: Array | None = None) -> tuple[Array, Array]:

@@ -12,6 +12,7 @@ from typing import TypeVar
 import numpy as np
 
 from ..contacts.contact import Uplift
+from ..contacts.sequences import STILL
 from ..drive import place
 from ..lanes import Array, Lanes
 from ..observers.observer import Arcs, Observer
@@ -22,7 +23,6 @@ from .closings import FREE_MOTION, Closed, Closing, closings_of, free_motion
 
 AnyLanes = TypeVar("AnyLanes", bound=Lanes)
 
-STILL = 1e-100  # speed that counts as zero, since its square is below double precision
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # of mallopt(3)
 _BLOCK = 32 << 20  # bytes, the largest that it takes
 

@@ -3,7 +3,7 @@
 A cell is marched once more, and then watched, if neither its push (`body.safe_push`) nor its largest rotation proves Fz > 0.
 
 Along a step Fz stays above its chord less the chord error. A stretch for which this does not prove Fz > 0 is halved; if Fz <= 0 at an end
-of a stretch, the body has lost the ground. In a sequence of impacts that is closed early Fz is that of bounces without speed.
+of a stretch, the body has lost the ground. A sequence of impacts is closed early only if Fz > 0 is proved for all its bounces.
 
 The chord error: with bounds V, B, J and Q of the first four derivatives of u = |theta| [rad by tau], P and W of the push over g and the
 weight over m g, the second derivative of Fz over m g is at most
@@ -18,7 +18,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..body import Body, Edge, Ground, safe_push
+from ..body import Body, Edge, safe_push
+from ..contacts.sequences import STILL, sequence_bounds
 from ..lanes import Array, Arrays, Lanes
 from ..march.batch import Batch
 from .observer import Arcs, Observer
@@ -78,7 +79,7 @@ class ContactLoss(Observer):
     """Search for lost contact in the cells of a batch while they are marched. open: True for cells without a proof beforehand."""
 
     def __init__(self, body: Body, batch: Batch) -> None:
-        self.body, self.batch, self.segments, self.ground = body, batch, batch.segments, Ground(body, batch.segments)
+        self.body, self.batch, self.segments = body, batch, batch.segments
         segments = batch.segments
         # Bounds of |s|, |s'| and |s''| by the phase, of the horizontal and the vertical motion.
         self.across, self.up, share = (segments.largest, *segments.steepest), (0.0, 0.0, 0.0), (0.0, 0.0)
@@ -140,17 +141,35 @@ class ContactLoss(Observer):
         return Ends(u, v, b, weight + edge.kappa * (b * np.sin(z) - v * v * np.cos(z)))
 
     def may_close(self, lanes: Lanes) -> Array:
-        """True for all. Lanes bounce without speed under a monotone drive until they rest: it tests Fz at both ends."""
-        some = lanes.take(np.flatnonzero(lanes.v > 0.0))
-        lasts = self.ground.sequence_time(some, self.batch.contact) if some.cell.size else np.zeros(0)
-        for sense in (1.0,) if self.body.one_sided else (1.0, -1.0):
-            edge = self.body.on(sense * some.side)
-            for h in (np.zeros(lasts.size), lasts):
-                shaking = self.ground.shaking(some, h)
-                lifting = self.body.lifting(edge, sense * shaking.push, shaking.weight)
-                least = shaking.weight + edge.kappa * lifting * np.sin(edge.alpha)
-                self._lost[some.cell[np.flatnonzero(least <= 0.0)]] = True
+        """True for lanes whose bounces until they rest are proved to keep Fz > 0, and for lanes that have lost the ground (Lemma 13).
+
+        Other lanes bounce on, each time more slowly, until one of both is proved.
+        """
+        moving = np.flatnonzero(lanes.v > 0.0)
+        some = lanes.take(moving)
+        if some.cell.size:
+            kept, lost = self._bouncing(some)
+            self._lost[some.cell[lost]] = True
+            closes = np.ones(lanes.cell.size, dtype=bool)
+            closes[moving] = kept | (some.v < STILL)
+            return closes | self._lost[lanes.cell]
         return super().may_close(lanes)
+
+    def _bouncing(self, lanes: Lanes) -> tuple[Array, Array]:
+        """(True where a sequence of impacts is proved to keep Fz > 0, True where Fz <= 0 is proved just after one of its impacts)."""
+        contact, body = self.batch.contact, self.body
+        bounds = sequence_bounds(self.segments, lanes, contact.other_side(lanes))
+        now, later = (self.segments.weight(lanes.side, lanes.amplitude, lanes.k, u) for u in (lanes.u, bounds.later))
+        lightest, heaviest = np.minimum(now, later), np.maximum(now, later)
+        kept, lost = np.ones(lanes.cell.size, dtype=bool), np.zeros(lanes.cell.size, dtype=bool)
+        for i, sense in enumerate((1.0,) if body.one_sided else (1.0, -1.0)):
+            edge = body.on(sense * lanes.side)
+            inward, fastest = edge.unit * bounds.most[i], edge.unit * bounds.fastest[i]
+            kept &= body.fz_in_bounces(edge, lightest, inward, fastest, edge.unit * bounds.height) > 0.0
+            # Now the body leaves this edge at a known speed; it will leave the other edge at a speed above 0.
+            weight, force, speed = (heaviest, bounds.least[i], 0.0 * lanes.v) if i else (now, -lanes.b, lanes.v)
+            lost |= body.fz_in_bounces(edge, weight, edge.unit * force, edge.unit * speed, 0.0) <= 0.0
+        return kept, lost
 
     def free(self, lanes: Lanes) -> None:
         """Test Fz at the next impact on either edge: in the free motion it is least there."""

@@ -29,7 +29,7 @@ def loses_contact(lane: Lane, amplitude: float, most: int) -> bool:
     edges = lane.edges(amplitude)
     tops = edges[1.0].top, edges.get(-1.0, edges[1.0]).top
     march(lane, amplitude, peaks=False, most=most, listener=Listener(
-        keep, lambda *_: None, lambda before, _: loss.may_close(before), math.inf, tops, loss.free
+        keep, lambda *_: None, lambda *_: None, math.inf, tops, loss.free, lambda lanes: loss.may_close(lanes)[0]
     ))  # fmt: skip
     reach, side, h = (np.array(column) for column in zip(*(arc[:3] for arc in arcs), strict=True))
     terms = np.array(list(zip_longest(*(arc[3] for arc in arcs), fillvalue=0.0)))

@@ -7,15 +7,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ..contacts.contact import Uplift
-from ..contacts.sequences import BELOW_ROUNDING, too_many_impacts
+from ..contacts.sequences import BELOW_ROUNDING, STILL, too_many_impacts
 from ..drive import place
 from ..equations.taylor import LONGEST, WITHIN
 from ..lanes import Cells, Lanes
 from ..march.batch import FreeFall
 from ..outcome import Outcome
 from .lane import Edge, Lane
-
-_STILL = 1e-100  # speed that counts as zero, since its square is below double precision
 
 
 class Listener(NamedTuple):
@@ -27,6 +25,7 @@ class Listener(NamedTuple):
     visible: float
     fallen: tuple[float, float]
     free: Callable[[Lanes], None] = lambda lanes: None  # called where an undamped body is left on still ground
+    may_close: Callable[[Lanes], object] = lambda lanes: True  # returns False where the body must bounce on instead of resting at once
 
 
 class Ended(NamedTuple):
@@ -87,9 +86,10 @@ class Body:
         self.force = -fall
         if self.impacts > 15 and self.impacts & (self.impacts - 1) == 0 and self._bounces_too_often():
             self._finish(Outcome.FAILED)
-        elif self.k < self.drive_lists.count and (self.v < _STILL or self._may_rest(to, fall)):
+        elif self.k < self.drive_lists.count and (self.v < STILL or self._may_rest(to, fall)):
             lanes = self._lanes()
-            if self.v < _STILL or self.contact.sequence_ends(self.segments, lanes, self.equation)[0]:
+            ends = self.v < STILL or self.contact.sequence_ends(self.segments, lanes, self.equation)[0]
+            if ends and (self.listener is None or self.listener.may_close(lanes)):
                 self._uplift(before=lanes)
 
     def _bounces_too_often(self) -> bool:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...motions.segments import Segments
 from ..contacts.contact import Contact
-from ..contacts.sequences import OtherSide, sequence_ends, sequence_time
+from ..contacts.sequences import OtherSide, sequence_bounds, sequence_ends, sequence_time
 from ..drive import segment_value
 from ..equations.equation import Equation
 from ..lanes import Array
@@ -58,6 +58,28 @@ class Bounces:
             drive, time, rotation = (np.broadcast_to(x, held.shape) for x in (there.drive, there.time, there.rotation))
             there = OtherSide(drive / over, time, there.eta / over, there.back * over, rotation * over)
         return replace(lanes, amplitude=amplitude, v=lanes.v / held, b=b, peak=lanes.peak / held), there
+
+    def keep_contact(self, lanes: TiedLanes) -> Array:
+        """True for lanes for which `end` is True and whose bounces are proved to keep Fz > 0 (Lemma 13). A tie pulls
+        horizontally: it changes Fz by the acceleration alone. A tendon also presses the body to the ground."""
+        body, devices = self.devices.body, self.devices
+        kept = np.ones(lanes.cell.size, dtype=bool)
+        if body is None or not lanes.cell.size:
+            return kept
+        bounds = sequence_bounds(self.segments, *self.free(lanes))
+        held, lane = self.held(lanes), np.arange(lanes.cell.size)
+        for i, sense in enumerate((1.0,) if body.one_sided else (1.0, -1.0)):
+            side = sense * lanes.side
+            row, edge = devices.row(side), body.on(side)
+            unit = held[row, lane]  # y of this side over the y of the free body
+            phase, plastic = lanes.phase[row, :, lane].T, lanes.plastic[row, :, lane].T
+            top = unit * bounds.height
+            stretched = devices.largest_pull(row, phase, plastic, top) - devices.pull(row, phase, plastic)
+            weight = 1.0 + devices.press(row, phase, plastic) * np.cos(0.5 * edge.unit * top)
+            inward = edge.unit * (unit * bounds.most[i] + stretched)
+            fastest = edge.unit * unit * bounds.fastest[i]
+            kept &= body.fz_in_bounces(edge, weight, inward, fastest, edge.unit * top) > 0.0
+        return kept
 
     def time(self, lanes: TiedLanes) -> Array:
         """The time [tau] that the bounces of lanes after an impact take, (lanes,)."""

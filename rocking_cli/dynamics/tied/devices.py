@@ -165,6 +165,18 @@ class Devices:
         """The restoring acceleration -y'' that the devices add to bodies at the ground, (lanes,)."""
         return _added(self.force_at_ground(row, phase, plastic) * self.on(self.height, row)) / self.moment[row, 0]
 
+    def press(self, row: Array, phase: Array, plastic: Array) -> Array:
+        """The vertical force of a tendon on bodies at the ground, over m g, (lanes,)."""
+        return _added(np.where(self.tendon[:, None], self.force_at_ground(row, phase, plastic), 0.0)) / self.weight
+
+    def largest_pull(self, row: Array, phase: Array, plastic: Array, y: Array) -> Array:
+        """An upper bound of the restoring acceleration -y'' that the devices add up to y, if none yields before, (lanes,)."""
+        stiffness, height, behind = (self.on(x, row) for x in (self.stiffness, self.height, self.behind))
+        stretched = self.elongation(row, y) - plastic
+        force = np.clip(self.on(self.prestress, row) + stiffness * np.maximum(stretched, -plastic), 0.0, None)
+        lever = height if self.linear else height + np.maximum(behind, 0.0) * np.sin(np.minimum(self.unit[row, 0] * y, 0.5 * np.pi))
+        return _added(np.where(phase == BROKEN, 0.0, force) * lever) / self.moment[row, 0]
+
     @cached_property
     def alike(self) -> bool:
         """True if the sides have the same devices."""
@@ -181,6 +193,14 @@ class Devices:
         """The vertical force of a tendon on the body, over m g, (lanes,)."""
         force = np.where(self.tendon[:, None], now.fixed + now.rate * self.elongation(row, y), 0.0)
         return _added(force) * np.cos(0.5 * self.unit[row, 0] * y) / self.weight
+
+    def tendon_bounds(self, row: Array, now: Phase, turned: Array) -> tuple[Array, Array]:
+        """(largest force of a tendon up to this rotation [rad], its stiffness times its lever), each over m g, (lanes,)."""
+        stiffness = now.rate * self.on(self.height, row)
+        force = np.abs(now.fixed) + stiffness * turned
+        of_tendon = self.tendon[:, None]
+        largest, steepest = (_added(np.where(of_tendon, x, 0.0)) for x in (force, stiffness))
+        return largest / self.weight, steepest / self.weight
 
     def lever(self, row: Array, y: Array) -> Array:
         """The lever de/dtheta of each device at y [m], (devices, lanes)."""

@@ -13,18 +13,16 @@ from .devices import Phase
 
 @dataclass
 class TiedLanes(Lanes):
-    """Lanes of tied bodies. phase, plastic, farthest: phase, permanent elongation [m] and largest elongation [m] of each device, (sides,
-    devices, lanes); exact: True where y'' is exactly 0; bounced: True after an impact; turned: bits of the sides, 1 right and 2 left, on
-    which the body has turned back on still ground; rests: True where it comes to rest; lost: True if Fz <= 0 has occurred."""
+    """Lanes of tied bodies; a device is a tie or the tendon on one side."""
 
-    phase: Array
-    plastic: Array
-    farthest: Array
-    exact: Array
-    bounced: Array
-    turned: Array
-    rests: Array
-    lost: Array
+    phase: Array  # phase of each device, as `devices` numbers them, (sides, devices, lanes)
+    plastic: Array  # permanent elongation of each device [m], (sides, devices, lanes)
+    farthest: Array  # largest elongation of each device [m], (sides, devices, lanes)
+    exact: Array  # True where y'' is exactly 0
+    bounced: Array  # True after an impact
+    turned: Array  # turns back on still ground: 1 right, 2 left; 4 and 8 for a second turn there
+    rests: Array  # True where the body comes to rest
+    lost: Array  # True if Fz <= 0 has occurred
 
 
 class Ends(NamedTuple):

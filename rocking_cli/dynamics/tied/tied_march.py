@@ -12,6 +12,11 @@ this peak, on the other side, takes at least what it had stored at the peak. So
 - a body that turns back outwards above the ground after such a peak goes to and fro between both: it leans;
 - a body overturns if it lies on its side, or, in the linear equation, if it moves outwards in the last phase of its restraints, whose
   stiffness is not positive, and no drive to come reaches its force.
+
+A body that rocked or leans keeps Fz > 0 later if it did so up to then. At the same rotation it is never faster than on the way
+back from that peak, and its restraints pull as they did. Two things could make Fz less: damping, which acts downwards on the way
+out, and the loss of a tendon. So a damped body is followed to a second peak on each side, which begins and ends on still ground,
+and after the rupture of a tendon the peaks count anew.
 """
 
 from __future__ import annotations
@@ -21,7 +26,6 @@ from dataclasses import replace
 import numpy as np
 
 from ...errors import UsageError
-from ...motions.blocks import blocks
 from ...motions.motion import Motion
 from ..contacts.contact import OneSided
 from ..drive import place
@@ -31,13 +35,13 @@ from ..march.batch import MAX_STEPS
 from ..outcome import FALLEN, LOST, Outcome
 from ..system import System
 from .bounces import Bounces
+from .contact_watch import ContactWatch, Steps
 from .devices import BROKEN, ELASTIC, SLACK, YIELDING, Phase
 from .series import Law, Step, falls, one_turn
 from .tied_lanes import Ends, Found, Recorder, TiedLanes
 
 _STILL = 1e-20  # a speed below this counts as zero: it changes y by about as much, and a later uplift by far less than rounding
 _TOGETHER = 8192  # lanes
-_INSTANTS, _PRESSED = 33, 256  # number of instants of a step at which Fz is computed, and of lanes at once
 WORDS = {SLACK: "slack", ELASTIC: "engagement", YIELDING: "yield", BROKEN: "rupture"}
 
 
@@ -54,13 +58,14 @@ class March:
         self.cells = self.contact.cells(self.equation, amplitude, omega, eta)
         self.shaken, self.segments, self.recorder = len(segments), segments.followed_by_rest(np.inf), recorder
         self.one_sided = isinstance(self.contact, OneSided)
-        self.every = 1 if self.one_sided else 3
+        self.again = 2 if self.equation.damping and self.devices.body is not None else 0  # bits to the second turn on a side
+        self.every = (1 if self.one_sided else 3) << self.again
         sides, alpha = np.array([1.0, -1.0]), 1.0
         if isinstance(self.equation, RigidBodyEquation):
             alpha = self.equation.on(sides).alpha
         self.law = Law(self.devices, np.broadcast_to(alpha, 2), self.equation.damping, self.equation.tolerance)
         self.limit = np.minimum(np.broadcast_to(self.equation.on(sides).limit, 2), self.devices.lever_ends())
-        self._told = False
+        self.watch = None if self.devices.body is None else ContactWatch(self.devices, self.devices.body)
         self.bounces = Bounces(self.devices, self.contact, self.equation, self.segments)
         self.doubtful = 1.0  # y beyond which the march tests whether a body can come back
         if recorder is not None:
@@ -190,37 +195,16 @@ class March:
         return self._events(lanes, row, now, high, Ends(up, down, peaked, turned & ~peaked & ~(up | down), top, k >= self.shaken))
 
     def _press(self, lanes: TiedLanes, row: Array, now: Phase, step: Step, reach: Array) -> None:
-        """Mark lanes with Fz <= 0 in their steps. Where no bound excludes this, Fz is computed at `_INSTANTS` of the step."""
-        body = self.devices.body
-        if body is None:
+        """Mark lanes with Fz <= 0 in their steps; of a body that is recorded, note the first such instant."""
+        if self.watch is None:
             return
-        edge = body.on(lanes.side)
-        lean = np.maximum(edge.alpha, edge.unit * (lanes.y + step.h * step.fastest) - edge.alpha)  # the largest |z|
-        downwards = np.minimum(lean, 1.0) * step.largest_acceleration + edge.unit * step.fastest**2
-        doubtful = np.flatnonzero(~lanes.lost & ~(edge.kappa * edge.unit * downwards < 1.0))
-        instants = np.linspace(0.0, 1.0, _INSTANTS)
-        for block in blocks(doubtful.size, _PRESSED):
-            at = np.repeat(doubtful[block], _INSTANTS)
-            fz = self._vertical_force(lanes, row, now, step, at, reach[at] * np.resize(instants, at.size))
-            lanes.lost[doubtful[block]] = (fz <= 0.0).reshape(-1, _INSTANTS).any(axis=1)
-        if self.recorder is not None and lanes.lost[0] and not self._told:
-            self._told = True
-            after = int(np.argmax(fz <= 0.0))
-            low, high = reach * instants[[max(after - 1, 0), after]][:, None]
-            while (low < (middle := 0.5 * (low + high))) and (middle < high):
-                in_contact = self._vertical_force(lanes, row, now, step, doubtful, middle)[0] > 0.0
-                low, high = (middle, high) if in_contact else (low, middle)
-            then = step.arc.at(high)
-            self._note(replace(lanes, u=lanes.u + lanes.omega * high), LOST, then.y, then.v)
-
-    def _vertical_force(self, lanes: TiedLanes, row: Array, now: Phase, step: Step, at: Array, h: Array) -> Array:
-        """Fz/(m g) of the lanes `at`, h [tau] after the start of their steps."""
-        body = self.devices.body
-        assert body is not None
-        side, here = body.on(lanes.side[at]), step.arc.take(at).at(h)
-        z = side.alpha - side.unit * here.y
-        fz = 1.0 + side.kappa * side.unit * (here.b * np.sin(z) - side.unit * here.v**2 * np.cos(z))
-        return np.asarray(fz + self.devices.downwards(row[at], now.take(at), here.y))
+        steps = Steps(lanes, row, now, step, reach)
+        lost, around = self.watch.losses(steps, lanes.lost)
+        lanes.lost[lost] = True
+        if self.recorder is not None and lost.size:
+            instant = self.watch.first(steps, *around)
+            then = step.arc.at(instant)
+            self._note(replace(lanes, u=lanes.u + lanes.omega * instant), LOST, then.y, then.v)
 
     def _events(self, lanes: TiedLanes, row: Array, now: Phase, high: Array, ends: Ends) -> TiedLanes:
         """Apply the events at step ends: a peak on the way, an end of a phase, an impact, a turn. Returns the lanes that go on."""
@@ -230,13 +214,14 @@ class March:
         if peaked.size:
             lanes.peak[peaked] = np.maximum(lanes.peak[peaked], ends.top[peaked])
             still = peaked[ends.still[peaked]]
-            lanes.turned[still] |= 1 << row[still]
+            here = 1 << row[still]
+            lanes.turned[still] |= here | (lanes.turned[still] & here) << 2
             self._note(lanes, "peak", lanes.y, lanes.v)
             self._unload(lanes, peaked[now.yields[peaked]], row)
         for at, limits, sign in ((np.flatnonzero(ends.up & ~fallen), now.high, 1.0), (np.flatnonzero(ends.down & ~hit), now.low, -1.0)):
             if at.size:
                 self._pass(lanes, at, row, limits, sign)
-        leans = ends.bottom & ((lanes.turned >> row) & 1 > 0)
+        leans = ends.bottom & ((lanes.turned >> (row + self.again)) & 1 > 0)
         falls = fallen | self._certain(lanes, row, now, high)
         failed = (lanes.steps > self.most) | ~np.isfinite(lanes.y + lanes.v)
         impacts = np.flatnonzero(hit)
@@ -276,6 +261,7 @@ class March:
         lanes.phase[row[at], :, at], lanes.plastic[row[at], :, at] = following.T, kept.T
         for device in np.flatnonzero(self.devices.tendon):  # a tendon breaks on both sides
             lanes.phase[:, device, at[breaks[device]]] = BROKEN
+            lanes.turned[at[breaks[device]]] = 0  # without it Fz is not what it was on the way back from a peak
         if self.recorder is not None:
             for device in np.flatnonzero(reached[:, 0]):
                 self._note(lanes, WORDS[int(following[device, 0])], lanes.y, lanes.v, self.devices.names[device])
@@ -319,14 +305,18 @@ class March:
         struck.bounced[:] = True
         struck.v = np.minimum(struck.v, 0.0)
         known = np.zeros(lanes.cell.size, dtype=bool)
-        known[at] = still & (struck.turned == self.every)
+        known[at] = still & (struck.turned & self.every == self.every)
         self.contact.strike(self.cells, struck, struck.v, struck.b)
         struck.y[:] = 0.0
         for name in ("side", "y", "v", "amplitude", "omega", "eta", "peak", "impacts", "bounced"):
             getattr(lanes, name)[at] = getattr(struck, name)
         self._leave(lanes, at)
         stops, seen = struck.v < _STILL, 0.0 if self.recorder is None else self.recorder.visible
-        lanes.rests[at] = stops | (((seen == 0.0) | (struck.v < seen)) & self.bounces.end(lanes.take(at)))
+        low = lanes.take(at)
+        ends = ((seen == 0.0) | (struck.v < seen)) & self.bounces.end(low)
+        watched = np.flatnonzero(ends & ~low.lost)
+        ends[watched] = self.bounces.keep_contact(low.take(watched))
+        lanes.rests[at] = stops | ends
         return known
 
     def _finish(self, lanes: TiedLanes, at: Array, outcome: Array) -> TiedLanes:
