@@ -14,7 +14,18 @@ import pytest
 from support.documents import built
 
 from rocking_cli import (
-    Grid, Motion, Outcome, RockingParameters, boundaries, check, parse_documents, parse_grid, pulse, sine, spectrum, time_history,
+    Grid,
+    Motion,
+    Outcome,
+    RockingParameters,
+    boundaries,
+    check,
+    parse_documents,
+    parse_grid,
+    pulse,
+    sine,
+    spectrum,
+    time_history,
     trace_envelope,
 )  # fmt: skip
 from rocking_cli.dynamics.method import governing_method
@@ -167,5 +178,7 @@ def test_solve_says_nowhere_from_the_first_amplitude_that_falls(system):
     (document,) = parse_documents(SYSTEMS[system], "f.yaml")
     fallen = np.flatnonzero(falls(swept.outcome))
     for i, says in ((fallen[0] - 1, "stands everywhere"), (fallen[0], "stands nowhere")) if fallen.size else ():
-        (row,), _ = boundaries(document, Variation("gravity", (swept.structure.gravity,), None), [(swept.motion, swept.demand(i))], workers=1)
+        (row,), _ = boundaries(
+            document, Variation("gravity", (swept.structure.gravity,), None), [(swept.motion, swept.demand(i))], workers=1
+        )
         assert row.side == says

@@ -209,7 +209,7 @@ def _of_counts(wanted: Fits, overwrite: bool) -> None:
             options.refuse_own_input(wanted.output)
         hazard = None if wanted.hazard is None else read_hazard(wanted.hazard, counts.measure.name, wanted.site)
     fits = [fit_counts(counts, Resampling(wanted.samples, wanted.seed), hazard=hazard, limit=limit)]
-    remarks: list[str] = []
+    remarks = [f"{counts.source}: {counts.remark}"] if counts.remark else []
     if counts.measure is not None and wanted.export is not None and wanted.output is not None:
         remarks += write(fits, wanted.output, wanted.export, counts.measure, overwrite)
     _emit(fits, [], wanted)

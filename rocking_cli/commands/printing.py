@@ -172,11 +172,11 @@ def warn(text: str) -> None:
     streams.say(text if context is None else in_options(text, context.command))
 
 
-def below(text: str) -> None:
-    """Print a line on standard error, as `note` does, after the table if the command prints a table."""
+def below(*lines: str) -> None:
+    """Print lines on standard error, as `note` does, after the table if the command prints a table."""
     context = click.get_current_context()
     tabular = form() is None and any(parameter.name == "columns" for parameter in context.command.params)
-    context.call_on_close(partial(note, text)) if tabular else note(text)
+    context.call_on_close(partial(note, *lines)) if tabular else note(*lines)
 
 
 def note(*lines: str) -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..documents.quantities import is_bare
+from ..documents.quantities import DEFAULT_GRAVITY, is_bare
 from ..documents.table import named_rows
 from ..errors import DocumentError, UsageError
 from . import fits
@@ -29,6 +29,7 @@ class Counts:
     x: Array  # levels, in SI; in the unit of the file without a measure
     n: Array  # motions at each level
     z: Array  # motions beyond the limit state
+    remark: str | None = None  # says in which unit levels without one are read
 
 
 def read_counts(path: str | Path, im: str | None = None, *, needs_measure: bool = False) -> Counts:
@@ -46,17 +47,26 @@ def read_counts(path: str | Path, im: str | None = None, *, needs_measure: bool 
     bare = [(line, row[column]) for line, row in rows if is_bare(row[column])]
     if column == _LEVEL and len(bare) == len(rows) and im is None and not needs_measure:
         measure = None
-    elif bare and measure is not None and measure.unit:  # m/s2 would be the rule, g is what everybody means
-        (line, level), unit = bare[0], "g" if measure.dimension == "acceleration" else measure.unit
-        wanted = f"a unit in the heading, such as {measure.name} [{unit}]"
-        raise DocumentError(f"{path}, line {line}: {column}: found the level {level} without a unit; expected {wanted}")
+    elif bare and measure is not None and measure.unit and len(bare) < len(rows):
+        line, level = bare[0]
+        raise DocumentError(f"{path}, line {line}: {column}: found the level {level} without a unit; expected one, as other levels have it")
     dimension = "number" if measure is None else measure.dimension
     x = np.array([cell(path, line, row, column, dimension) for line, row in rows])
     n = np.array([_whole(path, one, "n", 1) for one in rows])
     z = np.array([_whole(path, one, "z", 0) for one in rows])
     for at in np.flatnonzero(z > n)[:1].tolist():
         raise DocumentError(f"{path}, line {rows[at][0]}: z: found {z[at]:g} of n = {n[at]:g} motions; expected a number from 0 to n")
-    return Counts(str(path), measure, x, n, z)
+    return Counts(str(path), measure, x, n, z, _unstated(measure, x) if bare else None)
+
+
+def _unstated(measure: Measure | None, x: Array) -> str | None:
+    """Return the sentence on levels that state no unit: SI is the rule, and the safe reading of levels that are meant in g."""
+    if measure is None or not measure.unit:
+        return None
+    line = f"levels without a unit are in {measure.unit}, up to {x.max():g} {measure.unit}"
+    if measure.dimension == "acceleration":
+        line += f" ({x.max() / DEFAULT_GRAVITY:.3g} g): if they are in g, write the heading as {measure.name} [g]"
+    return line
 
 
 def fit_counts(counts: Counts, how: Resampling, *, hazard: HazardCurve | None = None, limit: str = "counted") -> Fit:
