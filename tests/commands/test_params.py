@@ -109,3 +109,20 @@ def test_default_names_hold_no_commas(rocking, tmp_path):
     (tmp_path / "a, b.yaml").write_text("kind: block\nwidth: 1\nheight: 5\n---\nkind: block\nwidth: 1\nheight: 6\n")
     lines = rocking("params", "a, b.yaml", "block:1x7,restitution=0.9", "--csv", "-q").stdout.splitlines()
     assert [line.split(",")[0] for line in lines[1:]] == ["a  b", "a  b-2", "block:1x7 restitution=0.9"]
+
+
+MUSEUM = "sep=;\r\nroom;kind;name;width [cm];height;outcome\r\n2 b;block;A;45;1,9;seen\r\n;block;B;50;2,0;\r\n"
+
+
+@pytest.mark.parametrize("command", [("params",), ("check", "--a-g", "0.1g", "--f-g", "1", "--verdict-only")])
+def test_labels_of_a_table_are_named_and_kept(rocking, tmp_path, command):
+    (tmp_path / "m.csv").write_text(MUSEUM)
+    name = "name" if command[0] == "params" else "structure"
+    done = rocking(command[0], "m.csv", *command[1:], "--columns", f"{name},room")
+    assert [line.split(maxsplit=1) for line in done.stdout.splitlines()] == [[name, "A    B"], ["room", "2 b  -"]]
+    assert "labels, not used: room, outcome (--columns shows them)" in done.stderr
+    first, second = rocking(command[0], "m.csv", *command[1:], "--json").records
+    assert (first["labels"], "labels" in second) == ({"room": "2 b", "outcome": "seen"}, False)
+    rows = rocking(command[0], "m.csv", *command[1:], "--csv").rows
+    own = "outcome" if command[0] == "params" else "label_outcome"  # check has a column of this name
+    assert [(row["room"], row[own]) for row in rows] == [("2 b", "seen"), ("", "")]

@@ -93,3 +93,12 @@ def test_the_demand_of_a_file_does_not_fall_with_the_period():
     assert falling.demand(3.0, 0.05) * unit == pytest.approx(4.0 * 9.0, rel=1e-14)
     for period in (10.0 / 3.0, 3.9, 4.1, 4.9):
         assert falling.demand(period, 0.05) * unit == pytest.approx(1000.0 / 27.0, rel=1e-14)
+
+
+@pytest.mark.parametrize("text", ["T [s];Se [g]\n0;0,3\n0,15;0,75\n4;0,05\n", "# site\nT\tS_a [g]\n0\t0,3\n0,15\t0,75\n4\t0,05\n",
+    "T [s]  Se [g]\n0     0,3\n0,15  0,75\n4     0,05\n", '"T [s]", "Se [g]"\n"0", "0.3"\n"0.15", "0.75"\n"4", "0.05"\n'])  # fmt: skip
+def test_a_spectrum_in_the_forms_of_spreadsheets(text, tmp_path):
+    (tmp_path / "s.csv").write_text(text)
+    found = read_spectrum(tmp_path / "s.csv")
+    assert found.periods.tolist() == [0.0, 0.15, 4.0]
+    assert found.values == pytest.approx([2.943, 7.3575, 0.4905])

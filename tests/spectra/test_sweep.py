@@ -62,7 +62,7 @@ def test_summary_adds_up_and_the_check_agrees():
 def test_a_restitution_alone_needs_dimensionless_axes():
     with pytest.raises(UsageError, match="no units"):
         spectrum(TWO, sine(), parse_grid("a_g=1:2:3,omega_g=1:2:3"))
-    with pytest.raises(UsageError, match="no structure"):
+    with pytest.raises(UsageError, match="found an empty list"):
         spectrum([], sine(), GRID)
 
 
