@@ -37,6 +37,12 @@ def is_up(name: str) -> bool:
     return _VERTICAL.search(plain(name).strip()) is not None
 
 
+def is_up_alone(words: str) -> bool:
+    """True if words state the vertical direction and nothing else, as UP COMPONENT."""
+    kept = [x for x in words.split() if not re.fullmatch(r"(?i)(?:comp|component|dir)\.?:?", x)]
+    return len(kept) == 1 and is_up(kept[0])
+
+
 def is_across(name: str) -> bool:
     """True if a name states a horizontal direction."""
     return not is_up(name) and _ACROSS.search(plain(name).strip()) is not None
