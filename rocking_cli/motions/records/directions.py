@@ -19,7 +19,7 @@ _VERTICAL = re.compile(
     r"|(?:^|[ ._])[-+]?[uvz](?:$| \(\d+\)$| comp\w*$)"
 )
 _ACROSS_WORDS = (
-    r"n|s|e|w|ns|sn|ew|we|n-s|s-n|e-w|w-e|n/s|e/w|n_s|e_w|north|south|east|west|northsouth|"
+    r"n|s|e|w|ns|sn|ew|we|n-s|s-n|e-w|w-e|n/s|e/w|n_s|e_w|eo|oe|e-o|o-e|north|south|east|west|northsouth|"
     r"eastwest|nord|sud|est|ovest|ost|norte|sur|este|oeste|kuzey|guney|dogu|bati|"
     r"x|y|l|t|r|h|h1|h2|hor\w*|long|longitudinal|lon|longi|trans|transverse|tran|transversal|"
     r"radial|rad|tangential|南北|东西|東西"
