@@ -7,6 +7,10 @@ installed package adds a format by an entry point, a module or an object with th
     [project.entry-points."rocking.records"]
     ours = "my_package.ours"
 
+ASDF is no text; its module is asked before the others. What headings say is understood in
+one place, for all formats: units.py, directions.py, headings.py (of columns) and claims.py
+(lines above the numbers).
+
 Entry points are read only for a file that no format of FORMATS recognises, and before it is taken for plain columns of numbers.
 """
 

@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from .directions import is_direction, is_up
+from .directions import is_direction, is_up_alone
 from .headings import UNKNOWN, cell_of, names_acceleration, others_in
 from .units import ACCELERATIONS, WRITTEN_UNITS, dimension_of, plain, rate_unit, time_unit, unit_of
 
@@ -111,7 +111,7 @@ class Claims:
         self._units(text, words, at)
         self._steps(text, words, at)
         self._counts(text, words)
-        if len(words) > 1 and is_up(words):
+        if len(words) > 1 and is_up_alone(words):
             self.component = words
         for found in _COMPONENT.finditer(words):
             if is_direction(found[1].strip(".")):

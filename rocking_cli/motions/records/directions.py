@@ -19,7 +19,7 @@ _VERTICAL = re.compile(
     r"|(?:^|[ ._])[-+]?[uvz](?:$| \(\d+\)$| comp\w*$)"
 )
 _ACROSS_WORDS = (
-    r"n|s|e|w|ns|sn|ew|we|n-s|s-n|e-w|w-e|n/s|e/w|n_s|e_w|north|south|east|west|northsouth|"
+    r"n|s|e|w|ns|sn|ew|we|n-s|s-n|e-w|w-e|n/s|e/w|n_s|e_w|eo|oe|e-o|o-e|north|south|east|west|northsouth|"
     r"eastwest|nord|sud|est|ovest|ost|norte|sur|este|oeste|kuzey|guney|dogu|bati|"
     r"x|y|l|t|r|h|h1|h2|hor\w*|long|longitudinal|lon|longi|trans|transverse|tran|transversal|"
     r"radial|rad|tangential|南北|东西|東西"
@@ -35,6 +35,12 @@ _ACROSS = re.compile(
 def is_up(name: str) -> bool:
     """True if a name states the vertical direction."""
     return _VERTICAL.search(plain(name).strip()) is not None
+
+
+def is_up_alone(words: str) -> bool:
+    """True if words state the vertical direction and nothing else, as UP COMPONENT."""
+    kept = [x for x in words.split() if not re.fullmatch(r"(?i)(?:comp|component|dir)\.?:?", x)]
+    return len(kept) == 1 and is_up(kept[0])
 
 
 def is_across(name: str) -> bool:

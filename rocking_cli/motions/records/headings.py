@@ -107,7 +107,7 @@ class Cell(NamedTuple):
 
 def cell_of(text: str, first: bool = True) -> Cell:
     """Return what the heading of a column says; first: whether it is the first column."""
-    text = text.strip().strip("\"'").strip()
+    text = re.sub(r"^[#%](?=[^\W\d_]{2,})", "", text.strip().strip("\"'").strip())
     name, units, asides = _parted(text)
     accelerations = [unit for x in units if (unit := unit_of(x))]
     times = [time for x in units if (time := time_unit(x)) is not None]

@@ -7,7 +7,7 @@ import re
 import numpy as np
 
 from .claims import Claims
-from .directions import is_up
+from .directions import is_up, is_up_alone
 from .plain import even_step
 from .record import Series
 from .text import Layout, RecordText, begins
@@ -90,7 +90,7 @@ def _upwards(claims: Claims, above: list[tuple[str, int]]) -> str | None:
     """The component if it is vertical: at the end of a line of words between commas."""
     for words, _ in above:
         last = _BRACKETS.sub(" ", words.rpartition(",")[2]).strip() if "," in words else ""
-        if last and len(last.split()) <= 2 and is_up(last):
+        if is_up_alone(last):
             return last
     up = claims.component
     return up if up is not None and is_up(up) else None

@@ -285,6 +285,10 @@ class _Table:
         """The unit that a heading or the user states."""
         said = cell.unit if cell is not None else None
         quoted = f"the heading {cell.text!r}" if cell is not None else ""
+        above = self.claims.unit
+        if said is not None and above is not None and not agreeing(said, above):
+            words = self.claims.quoted["unit"]
+            raise self.text.fault(f"found {quoted}, where {words!r} says otherwise")
         if said is None and self.claims.unit is not None:
             said, quoted = self.claims.unit, repr(self.claims.quoted["unit"])
         given = self.text.given.unit

@@ -122,6 +122,7 @@ REFUSED = {
     "frequency: 50 Hz\nt,a [g]": "where 'frequency: 50 Hz' says otherwise",
     "gain: 0.5\nt,a [g]": "'gain: 0.5', a factor",
     "units: gal\nt,a\nacc in g": "where 'units: gal' says otherwise",
+    "units: gal\nt [s],a [g]": "'a [g]', where 'units: gal' says otherwise",
     "dt = 0.02\nt,a [g]": "times every 0.01 s, where 'dt = 0.02' says otherwise",
     "dt: see the report\nt,a [g]": "'dt: see the report'; expected a time step",
     "dt = 5 fortnights\nt,a [g]": "'dt = 5 fortnights'; expected a time step",

@@ -114,6 +114,12 @@ def test_a_vertical_component_at_the_end_of_a_line_is_named(tmp_path, name):
     assert is_vertical(record)
 
 
+@pytest.mark.parametrize("words", ["VERTICAL ARRAY", "UP HILL", "090", "HNE", "N", "UPLAND"])
+def test_a_place_is_no_direction(tmp_path, words):
+    (tmp_path / "a.AT2").write_text(TITLE.replace(", 090", f", {words}") + "NPTS= 1003, DT= .005 SEC\n" + body())
+    assert read_record(tmp_path / "a.AT2").component is None
+
+
 def test_an_exponent_without_its_letter_is_one_number(tmp_path):
     text = body().replace(FORM.format(SAMPLES[3]), "  0.1234567-102", 1).replace(FORM.format(SAMPLES[4]), "  0.1234567+000", 1)
     (tmp_path / "a.AT2").write_text(TITLE + "NPTS= 1003, DT= .005 SEC\n" + text)
