@@ -6,7 +6,7 @@ import json
 import pytest
 
 from rocking_cli.errors import UsageError
-from rocking_cli.reports.tables import csv_lines, json_line, lines, table_lines
+from rocking_cli.reports.tables import Above, csv_lines, json_line, lines, table_lines
 
 FORMULAS = ["=1+1", "  =1+1", "\t=1+1", "＝1+1", "＋1", "\u3000＠SUM(A1)", "+1", "-1", "@SUM(A1)", '=HYPERLINK("http://x","y")']
 
@@ -63,3 +63,14 @@ def test_three_rows_stand_upright_and_four_below_each_other():
     assert list(table_lines([])) == []
     with pytest.raises(UsageError, match=r"`columns`: found 'P' .did you mean 'p'\?.; expected names among name, p, n"):
         list(table_lines(rows, chosen=["P"]))
+
+
+@pytest.mark.parametrize(
+    ("number", "shown"),
+    [(13.0, "> 13"), (13.3399, "> 13.33"), (2.0, "> 2"), (1.99999, "> 1.999"), (0.12349, "> 0.1234"), (57143.7, "> 5.714e+04")],
+)
+def test_a_limit_that_the_true_number_exceeds_is_rounded_down(number, shown):
+    rows = [{"name": str(i), "x": Above(number) if i else 1.5} for i in range(5)]
+    lines = list(table_lines(rows))
+    assert lines[2].split(maxsplit=1)[1].strip() == shown
+    assert len({len(line) for line in lines}) == 1  # aligned as numbers
