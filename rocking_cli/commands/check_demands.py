@@ -36,6 +36,7 @@ class Demands:
     shaken: Ground  # the motions, in the direction of --sign
     structures: list[RockingParameters]
     varied: dict[str, dict[str, float]]  # columns of the varied values of each structure
+    azimuths: Any  # [rad], an array; None without --azimuth
     up_to: Grid | None  # the demand at the other end of a range of frequencies
     shakes: list[tuple[Motion, Grid]]  # motions and demands, as they are told
     rows: list[Demand] = field(default_factory=list)  # the demand of each row
@@ -62,7 +63,7 @@ def stated_demands(files: tuple[str, ...], asked: Directed, vary: tuple[str, ...
     shaken = shaken.reversed if sign == "-" else shaken
     structures, varied = options.members_of(files, vary, each=True)
     up_to = ends[1].shakes[0][1] if ends else None
-    found = Demands(asked, sign, shaken, structures, varied, up_to, shaken.shakes)
+    found = Demands(asked, sign, shaken, structures, varied, asked.azimuths(), up_to, shaken.shakes)
     found.rows = [(structure, *shake) for shake in shaken.shakes for structure in structures]
     if sign == "both":
         sided = [structure for structure in structures if has_direction(structure)]
@@ -75,9 +76,8 @@ def at_worst(demands: Demands, limit: Limit | None, workers: int | None) -> Dema
 
     limit: the largest amplitude of the search, None if only outcomes are wanted.
     """
-    azimuths = demands.asked.azimuths()
-    if azimuths is not None:
-        demands = _at_worst_azimuth(demands, azimuths, workers)
+    if demands.azimuths is not None:
+        demands = _at_worst_azimuth(demands, demands.azimuths, workers)
     if demands.up_to is not None:
         demands = _at_worst_frequency(demands, limit, workers)
     _note_long(demands, limit)
