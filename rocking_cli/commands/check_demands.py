@@ -3,6 +3,7 @@ frequency where the call states a range of them."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -35,6 +36,7 @@ class Demands:
     shaken: Ground  # the motions, in the direction of --sign
     structures: list[RockingParameters]
     varied: dict[str, dict[str, float]]  # columns of the varied values of each structure
+    azimuths: Any  # [rad], an array; None without --azimuth
     up_to: Grid | None  # the demand at the other end of a range of frequencies
     shakes: list[tuple[Motion, Grid]]  # motions and demands, as they are told
     rows: list[Demand] = field(default_factory=list)  # the demand of each row
@@ -61,7 +63,7 @@ def stated_demands(files: tuple[str, ...], asked: Directed, vary: tuple[str, ...
     shaken = shaken.reversed if sign == "-" else shaken
     structures, varied = options.members_of(files, vary, each=True)
     up_to = ends[1].shakes[0][1] if ends else None
-    found = Demands(asked, sign, shaken, structures, varied, up_to, shaken.shakes)
+    found = Demands(asked, sign, shaken, structures, varied, asked.azimuths(), up_to, shaken.shakes)
     found.rows = [(structure, *shake) for shake in shaken.shakes for structure in structures]
     if sign == "both":
         sided = [structure for structure in structures if has_direction(structure)]
@@ -74,9 +76,8 @@ def at_worst(demands: Demands, limit: Limit | None, workers: int | None) -> Dema
 
     limit: the largest amplitude of the search, None if only outcomes are wanted.
     """
-    azimuths = demands.asked.azimuths()
-    if azimuths is not None:
-        demands = _at_worst_azimuth(demands, azimuths, workers)
+    if demands.azimuths is not None:
+        demands = _at_worst_azimuth(demands, demands.azimuths, workers)
     if demands.up_to is not None:
         demands = _at_worst_frequency(demands, limit, workers)
     _note_long(demands, limit)
@@ -92,6 +93,7 @@ def _at_worst_azimuth(demands: Demands, azimuths: Any, workers: int | None) -> D
     note(f"azimuth: the worst of {azimuths.size} for the demand; at another azimuth the capacity may be less")
     if both := [s.name for s in demands.structures if has_direction(s)]:
         note(f"both signs of each azimuth, because the sides differ: {', '.join(both)}")
+    _note_end_of_span(azimuths, {structure.name: angle for angle, (structure, _, _) in directed})
     rows = [demand for _, demand in directed]
     return replace(
         demands,
@@ -99,6 +101,20 @@ def _at_worst_azimuth(demands: Demands, azimuths: Any, workers: int | None) -> D
         shakes=[(motion, grid) for _, motion, grid in rows],
         columns={structure.name: {"azimuth": angle} for angle, (structure, _, _) in directed},
     )
+
+
+def _note_end_of_span(azimuths: Any, worst: dict[str, float]) -> None:
+    """Say which structures are worst at an end of a span of azimuths that leaves directions
+    out; with equal steps half a turn is whole without its last azimuth."""
+    first, last = float(azimuths[0]), float(azimuths[-1])
+    step = (last - first) / max(azimuths.size - 1, 1)
+    if azimuths.size < 2 or last - first + step >= math.pi * (1.0 - 1e-9):
+        return
+    for end in (first, last):
+        names = [name for name, angle in worst.items() if math.isclose(angle, end)]
+        if names:
+            at = f"worst at an end of the azimuths, {math.degrees(end):.4g} deg"
+            note(f"{at}: {', '.join(names)}; directions beyond it were not tried")
 
 
 def _at_worst_frequency(demands: Demands, limit: Limit | None, workers: int | None) -> Demands:

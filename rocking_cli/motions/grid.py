@@ -182,12 +182,23 @@ def demand_of(motion: Motion | HasMotion, shaking: Grid | None) -> tuple[Motion,
 
     Raises UsageError for another motion without a grid, and for a grid of several cells.
     """
+    found, grid = with_grid(motion, shaking)
+    grid.require_one_cell()
+    return found, grid
+
+
+def with_grid(motion: Motion | HasMotion, grid: Grid | None) -> tuple[Motion, Grid]:
+    """Return the motion and its grid; a record without a grid has its own amplitude.
+
+    Raises UsageError for another motion without a grid.
+    """
     found = motion if isinstance(motion, Motion) else motion.motion
-    if shaking is None and found.acceleration is None:
-        raise UsageError(f"{found.name}: no grid; expected one, such as parse_grid('a_g=0.3g,f_g=1'), which only a record does not need")
-    if shaking is not None:
-        shaking.require_one_cell()
-    return found, shaking or as_recorded(found.acceleration or 0.0)
+    if grid is not None:
+        return found, grid
+    if found.acceleration is None:
+        one = "parse_grid('a_g=0.3g,f_g=1')"
+        raise UsageError(f"{found.name}: no grid; expected one, such as {one}, which only a record does not need")
+    return found, as_recorded(found.acceleration)
 
 
 def demand_in_words(shakes: Sequence[tuple[Motion, Grid]]) -> str:

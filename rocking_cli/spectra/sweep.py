@@ -16,7 +16,7 @@ from ..errors import Interrupted, UsageError
 from ..interruption import check as check_for_a_stop
 from ..interruption import deferred
 from ..motions import Motion
-from ..motions.grid import Grid, HasMotion, demand_of
+from ..motions.grid import Grid, HasMotion, with_grid
 from ..processes import available_cpus, refuse_endless
 from ..structures.parameters import RockingParameters
 from .dimensions import QUANTITIES, VARIABLES
@@ -133,7 +133,7 @@ def spectrum(
     ((1, 40, 50), 1163)
     """
     check_choices("spectrum", SweepOptions, options)
-    return spectrum_of(_pulse_scene(structures, *demand_of(motion, grid), method), SweepOptions(**options))
+    return spectrum_of(_pulse_scene(structures, *with_grid(motion, grid), method), SweepOptions(**options))
 
 
 def _pulse_scene(structures: Sequence[RockingParameters], motion: Motion, grid: Grid, method: Method | None) -> PulseScene:

@@ -269,6 +269,9 @@ def test_the_worst_azimuth_of_two_components(rocking, refused, tmp_path):
     assert "both signs of each azimuth, because the sides differ: B" in done.stderr
     alone = rocking("response", "block:0.5x2", "--motion", "a.txt", "--azimuth", "30deg", "--events", "--json").records[-1]
     assert alone["theta_ratio"] == pytest.approx(first["theta_ratio"], rel=1e-9)
+    assert "worst at an end of the azimuths" not in done.stderr  # 0 to 180 deg are all directions
+    part = rocking(*call, "--azimuth", "60:90:2")
+    assert "worst at an end of the azimuths, 60 deg: A" in part.stderr
     assert "--a-g does not go with --azimuth" in refused(2, *call, "--azimuth", "0:180:7", "--a-g", "1")
     assert "found 1 horizontal component" in refused(2, *call, "--azimuth", "0:180:7", "--component", "N-S")
 

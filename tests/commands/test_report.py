@@ -112,6 +112,16 @@ def recordings(folder: Path, count: int) -> tuple[Recording, ...]:
 STANDS = Verdict("Arch", "0", "linear", Outcome.ROCKED, 0.5, 4.0, 3.6, None, None, Outcome.ROCKED)
 
 
+def test_a_capacity_above_the_limit_of_the_search_and_worn_edges_are_shown(tmp_path):
+    above = replace(STANDS, searched_to=52.0)
+    lines = ["Arch: pivots 25 mm inside the edges would take 10 % of the capacity"]
+    given = {"recordings": recordings(tmp_path, 2), "demand": "", "command": "rocking report", "made": "today"}
+    text = page([subject(STATED)], [above], insets=lines, **given)
+    heads, row = ([cell.strip() for cell in row] for row in Page(text).rows[:2])
+    assert dict(zip(heads, row, strict=True))["capacity over demand"] == "> 13"
+    assert f"<p>{lines[0]}</p>" in text
+
+
 def test_a_few_records_bear_no_curve(tmp_path):
     records = recordings(tmp_path, 2)
     text = page([subject(STATED)], [STANDS], recordings=records, demand="", command="rocking report", made="today")

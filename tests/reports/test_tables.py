@@ -6,7 +6,7 @@ import json
 import pytest
 
 from rocking_cli.errors import UsageError
-from rocking_cli.reports.tables import csv_lines, json_line, lines, table_lines
+from rocking_cli.reports.tables import Above, csv_lines, json_line, lines, table_lines
 from rocking_cli.reports.units import parse_units
 
 FORMULAS = ["=1+1", "  =1+1", "\t=1+1", "＝1+1", "＋1", "\u3000＠SUM(A1)", "+1", "-1", "@SUM(A1)", '=HYPERLINK("http://x","y")']
@@ -145,3 +145,14 @@ def test_keys_are_found_by_their_name_in_the_units_that_are_shown():
     rows = [{"omega_g": float(i), "t": LONG, "u": LONG} for i in range(5)]
     shown = lines(rows, "table", units=parse_units("Hz"), keys=("omega_g",), width=60)
     assert [heading.split()[:2] for heading, *_ in blocks(shown)] == [["f_g", "[Hz]"]] * 2
+
+
+@pytest.mark.parametrize(
+    ("number", "shown"),
+    [(13.0, "> 13"), (13.3399, "> 13.33"), (2.0, "> 2"), (1.99999, "> 1.999"), (0.12349, "> 0.1234"), (57143.7, "> 5.714e+04")],
+)
+def test_a_limit_that_the_true_number_exceeds_is_rounded_down(number, shown):
+    rows = [{"name": str(i), "x": Above(number) if i else 1.5} for i in range(5)]
+    lines = list(table_lines(rows))
+    assert lines[2].split(maxsplit=1)[1].strip() == shown
+    assert len({len(line) for line in lines}) == 1  # aligned as numbers
