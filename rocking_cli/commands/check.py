@@ -114,7 +114,6 @@ def _printed(
 ) -> list[Verdict]:
     """Print a row for each demand and return the verdicts: JSON and CSV as soon as each is
     known, a table when all are."""
-    from ..reports.wording import capacity_left
     from ..responses.check import CHECK_COLUMNS, CHECK_KEYS, verdicts
     from .check_rows import UNSEEN, row_of
 
@@ -127,6 +126,8 @@ def _printed(
     if by_capacity or form() is None:
         found = list(found)
     if by_capacity:
+        from ..reports.wording import capacity_left
+
         found = sorted(found, key=capacity_left)
     judged: list[Verdict] = []
 
@@ -174,7 +175,6 @@ def _lines(
     if is_quiet():
         return
     from ..envelopes.capacity import narrowest
-    from ..reports.wording import opposite_in_words
     from ..responses.inset import may_be_worn
     from .check_remarks import inset_effects, remarks, worst_at_an_end
 
@@ -182,6 +182,8 @@ def _lines(
     yield from worst_at_an_end(demands, judged, in_g)
     yield from by_code.said() if by_code else ()
     if opposite:
+        from ..reports.wording import opposite_in_words
+
         yield opposite_in_words(opposite)
     if limit is None:
         return

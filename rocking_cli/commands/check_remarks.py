@@ -20,7 +20,6 @@ _NAMED = 3  # structures that a line names
 def remarks(verdicts: list[Verdict]) -> list[str]:
     """Return the lines on which structures fall, and what is to note on the others."""
     from ..dynamics.outcome import Outcome
-    from ..responses.tied_history import remarks as of_ties
 
     several = len({v.motion for v in verdicts}) > 1
 
@@ -50,6 +49,8 @@ def remarks(verdicts: list[Verdict]) -> list[str]:
             lines.append(f"{words}: {', '.join(names)}")
     for v in verdicts:
         if v.devices:
+            from ..responses.tied_history import remarks as of_ties
+
             of_devices = of_ties(v.devices, v.first_overturning_a, v.first_overturning_a_free)
             lines += [f"{named([v])[0]}: {line}" for line in of_devices]
     if any(v.share_of_falls for v in verdicts):
@@ -62,6 +63,8 @@ def remarks(verdicts: list[Verdict]) -> list[str]:
 
 def worst_at_an_end(demands: Demands, verdicts: Sequence[Verdict], in_g: bool) -> Iterator[str]:
     """Yield a line for each end of the range of frequencies at which structures are worst."""
+    if not demands.worst:
+        return
     from ..envelopes.worst import beyond_the_end
 
     of = {v.structure: v for v in verdicts}

@@ -35,6 +35,7 @@ _STAGES = 3  # of a verdict: responses, search, history
 _SEARCHED = 0.95  # of a verdict whose search is long: about its share
 _SHIFTS = np.array([0.0, *(sign * 10.0**-n for n in (12, 9, 6) for sign in (-1.0, 1.0))])  # relative changes of a demand
 _SAME = 0.01  # of theta/alpha: rotations under them that differ by less are one
+_DIGITS = 4  # of a capacity where many narrow intervals overturn
 _LAST = 0.01  # of a verdict, which counts when it has come from its process
 _TOGETHER = 10  # demands that share a scan
 _WORTH = 3  # demands for each process that is started, at least
@@ -205,18 +206,8 @@ def _judged(
     done(1.0)
     near = shifted[falls] if stands[0] and a_max is not None else shifted[:0]
 
-    def acceleration(*a: float | None) -> float | None:
-        least = min((x for x in a if x is not None), default=None)
-        return None if least is None else float(structure.ground_acceleration(least))
-
-    def limit(*a: float | None) -> float | None:
-        """Return the least of these amplitudes as an acceleration, rounded down to four digits if many narrow intervals overturn."""
-        least = acceleration(*a)
-        if least is None or not found.share_of_falls:
-            return least
-        unit = 10.0 ** (math.floor(math.log10(least)) - 3)
-        return math.floor(least / unit) * unit
-
+    acceleration = partial(_least_acceleration, structure)
+    digits = _DIGITS if found.share_of_falls else None
     return Verdict(
         structure=structure.name,
         motion=motion.name,
@@ -225,8 +216,8 @@ def _judged(
         theta_ratio=rotation if np.isfinite(rotation) else None,
         demand_a=float(structure.ground_acceleration(amplitude)),
         uplift_a=acceleration(found.uplift),
-        first_overturning_a=limit(found.first, *near),
-        safe_to=limit(found.safe_to, *near[near > amplitude]),
+        first_overturning_a=_rounded_down(acceleration(found.first, *near), digits),
+        safe_to=_rounded_down(acceleration(found.safe_to, *near[near > amplitude]), digits),
         outcome_linear=Outcome(int(linear.outcome[0])),
         unsettled=bool(stands.any() and (falls.any() or np.ptp(governs.theta_ratio[stands]) > _SAME)),
         share_of_falls=found.share_of_falls,
@@ -235,6 +226,20 @@ def _judged(
         slides=structure.friction is not None and (asked.get("friction_needed") or 0.0) > structure.friction,
         **asked,
     )
+
+
+def _least_acceleration(structure: RockingParameters, *amplitudes: float | None) -> float | None:
+    """Return the least of these amplitudes A as an acceleration [m/s2], None without one."""
+    least = min((x for x in amplitudes if x is not None), default=None)
+    return None if least is None else float(structure.ground_acceleration(least))
+
+
+def _rounded_down(value: float | None, digits: int | None) -> float | None:
+    """Return a positive number rounded down to so many digits; digits: None for all."""
+    if value is None or digits is None:
+        return value
+    unit = 10.0 ** (math.floor(math.log10(value)) - digits + 1)
+    return math.floor(value / unit) * unit
 
 
 def verdicts(

@@ -122,7 +122,7 @@ def test_commands_import_only_what_they_use(arguments, unwanted, tmp_path):
 
 @pytest.mark.parametrize(
     ("arguments", "most"),
-    [("check configs/block.yaml --a-g 0.35g --f-g 1.5", 12_500), ("spectrum --eta 0.9 --grid A=1:2:2,Omega=1:2:2 -q -o OUT", 10_000)],
+    [("check configs/block.yaml --a-g 0.35g --f-g 1.5", 13_100), ("spectrum --eta 0.9 --grid A=1:2:2,Omega=1:2:2 -q -o OUT", 10_000)],
     ids=["check", "spectrum"],
 )
 def test_commands_load_no_more_lines_of_the_package_than_now(arguments, most, tmp_path):
