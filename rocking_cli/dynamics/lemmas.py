@@ -165,8 +165,16 @@ A body whose arcs do not overturn it keeps Fz > 0 if the bound of its speed leav
 Proof. Such an arc begins or ends at rest, at a peak. The work of the strongest inward push and of the weight over the path between bounds
 the speed, and the speed bounds Fz from below (`body` has the formulas). Where this leaves the sign open, Fz >= min(its ends) -
 (h^2/8) max |Fz''| on stretches of the march that are halved until the sign is settled.
+Bounces that Lemma 7 closes: let B be the largest -u'' at the ground on the way, V the largest speed and u_m the largest u. Then
+
+    Fz/(m g) >= w_- - kappa [(B c + 2 zeta V) sin(alpha) + V^2 cos(alpha - u_m)],   c = cos(alpha - u_m)/cos(alpha)  (linear: 1)
+
+Proof. -u'' = w sin z - a cos z with z between alpha - u_m and alpha is at most c times its value at the ground. Ties add to B the
+most that they pull at u_m, and a tendon adds to w_- its force at the ground times cos(u_m/2). Bounces for which this is not
+positive are followed one by one: their speed falls until it is, or until Fz <= 0 at an impact.
 Test `observers/test_contact_loss.py::test_what_a_rotation_proves_to_press_does`,
-`observers/test_contact_loss.py::test_they_are_the_cells_whose_least_force_is_not_positive`.
+`observers/test_contact_loss.py::test_they_are_the_cells_whose_least_force_is_not_positive`,
+`tied/test_tied_contact.py::test_bounces_that_lose_the_ground_are_followed`.
 
 # Lemma 14 (one action)
 

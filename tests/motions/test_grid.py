@@ -95,7 +95,13 @@ BLOCK = "kind: block\nwidth: 0.5\nheight: 2"
 def test_every_public_function_of_one_demand_refuses_a_grid_of_several_cells(tmp_path):
     """A function that takes the demand calls it `shaking`; those that compute a grid call it `grid`."""
     block, motion = built(BLOCK), rocking_cli.sine()
-    given = {"structure": block, "structures": [block], "motion": motion, "documents": rocking_cli.parse_documents(BLOCK), "target": tmp_path / "r.html"}
+    given = {
+        "structure": block,
+        "structures": [block],
+        "motion": motion,
+        "documents": rocking_cli.parse_documents(BLOCK),
+        "target": tmp_path / "r.html",
+    }
     given |= {"spectrum": tmp_path / "s.h5"}
     asked = {
         name: function

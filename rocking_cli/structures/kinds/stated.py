@@ -35,7 +35,7 @@ def _free(document: Document, name: str) -> RockingParameters:
         raise document.fault("structure_kind", structure, "the kind of a structure, which has units")
     for key in document.values:
         if key.startswith(("left_", "right_")):  # as a CSV of params has them
-            raise document.fault(key, f"{key}, a number of one side", "sides, a list, as rocking params --json prints it")
+            raise document.fault(key, f"{key}, a number of one side", "sides, a list, as `rocking params` prints it in JSON")
     inset = ("inset", "alpha_geometric") if document.has("alpha_geometric") else ()  # the stated alpha is that with the inset
     reported = (*reports_of(structure), "mass", OTHERS, *inset, *VARIED)
     details = {key: document.values[key].plain() for key in document.values if key in reported and document.has(key)}
