@@ -109,8 +109,8 @@ class ProgressLine:
         if not (self._total and self.unfinished):
             return f"{self._label}: still computing ({seconds:.0f} s)"
         units = f"{int(self._done)} of {self._total} {self._unit} done"
-        if not float(self._done).is_integer():
-            units += f", {100.0 * self._done / self._total:.2g} % in all"
+        if not float(self._done).is_integer():  # parts of a unit are done; a terminal has 80 columns
+            units = f"{100.0 * self._done / self._total:.2g} % of {self._total} {self._unit}"
         early = new < _SHARE * self._total or seconds < _SECONDS
         if new < _ENOUGH and early:
             return f"{self._label}: still computing ({units}, {seconds:.0f} s)"

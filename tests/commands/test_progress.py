@@ -86,9 +86,9 @@ def test_a_terminal_shows_every_second_what_is_left_though_nothing_is_reported(b
         line(22, 22)
         clock.tick(12.0)
     assert shown(terminal)[2:] == [
-        "[#-------------------] check: still computing (1 of 22 checks done, 6.8 % in all, 9 s)",
-        "[#-------------------] check: still computing (1 of 22 checks done, 6.8 % in all, 10 s)",
-        "[#-------------------] check: still computing (1 of 22 checks done, 6.8 % in all, 11 s)",
+        "[#-------------------] check: still computing (6.8 % of 22 checks, 9 s)",
+        "[#-------------------] check: still computing (6.8 % of 22 checks, 10 s)",
+        "[#-------------------] check: still computing (6.8 % of 22 checks, 11 s)",
         "[####################] check: 22 checks in 11 s",
         "check: still computing (12 s)",
     ]
