@@ -201,7 +201,7 @@ def test_it_is_told_while_the_main_thread_waits_for_processes(tmp_path):
     lines = done.stderr.splitlines()
     assert 3 <= len(lines) <= 10
     assert all(re.fullmatch(r"check: .* \(.*\d s\)", line) for line in lines), lines
-    assert any("of 4 checks done" in line for line in lines)
+    assert any("of 4 checks" in line for line in lines)
     closed = subprocess.run([*call, "closed"], capture_output=True, timeout=60, check=True)
     assert (closed.stdout, closed.stderr) == (b"a row\n", b"")
 
