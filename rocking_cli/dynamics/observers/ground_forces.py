@@ -10,7 +10,8 @@ import numpy as np
 from ...motions.segments import Segments
 from ..body import FAR, Body, Edge, Ground, Shaking, value_and_slope
 from ..drive import place
-from ..equations.equation import Ramp
+from ..equations.equation import Drive
+from ..equations.recurrence import Rows
 from ..equations.taylor import line_series
 from ..lanes import Array, Arrays, Lanes
 from ..march.batch import Batch
@@ -140,9 +141,9 @@ class GroundForces(Observer):
     def steps(self, steps: TaylorSteps, go: Array) -> None:
         """Store steps, and search them when there are `_TOGETHER`."""
         cell, side, _, (y, v), (end_y, end_v), ramp = steps
-        weight = (np.ones(cell.size), np.zeros(cell.size)) if ramp.weight is None else ramp.weight
+        weight = np.broadcast_to(ramp.weight_line, (2, cell.size))
         at = np.flatnonzero(go & (self.body.on(side).unit * y < FAR))
-        rows = np.array([cell, side, y, v, end_y, end_v, ramp.drive, ramp.gain, ramp.unit, *weight])[:, at]
+        rows = np.array([cell, side, y, v, end_y, end_v, *ramp.line, ramp.unit, *weight])[:, at]
         self._steps = np.concatenate([self._steps, rows], axis=1)
         if self._steps.shape[1] >= _TOGETHER:
             self._search_steps()
@@ -159,7 +160,7 @@ class GroundForces(Observer):
 
         def along(own: Array, h: Array) -> Forces:
             cell, side, y, v, _, _, drive, gain, unit, *weight = s[:, own]
-            ramp = Ramp(drive, gain, unit, unit, None, None if self.segments.weighed is None else (weight[0], weight[1]))
+            ramp = Drive(Rows.of(drive, gain), unit, None if self.segments.weighed is None else Rows.of(weight[0], weight[1]))
             point = line_series(self.batch.equation.on(side, cell.astype(np.int64)), y, v, ramp).at(h)
             return at(own, h, point.y, point.v)
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..equations.equation import Equation, Flow, Ramp
+from ..equations.equation import Drive, Equation, Flow
 from ..lanes import Array, Lanes
 
 
@@ -31,7 +31,7 @@ class TaylorSteps(NamedTuple):
     equation: Equation
     start: tuple[Array, Array]
     end: tuple[Array, Array]
-    ramp: Ramp
+    ramp: Drive
 
 
 class Propagation(NamedTuple):

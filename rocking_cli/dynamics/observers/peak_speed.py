@@ -54,16 +54,17 @@ class PeakSpeed(Observer):
     def steps(self, steps: TaylorSteps, go: Array) -> None:
         """Take in the speeds at the ends of Taylor steps; reject steps that may hold a larger speed inside."""
         cell, side, equation, (y, v), (end_y, end_v), ramp = steps
+        drive, gain = ramp.line
         lift, push = equation.bounds
-        steepest = lift + push * np.maximum(0.0, -np.minimum(ramp.drive, ramp.drive + ramp.gain))
+        steepest = lift + push * np.maximum(0.0, -np.minimum(drive, drive + gain))
         within = (np.maximum(np.abs(v), np.abs(end_v)) + steepest * ramp.unit) * np.exp(2.0 * equation.damping * ramp.unit)
         speed = np.abs(self.contact.speed(side, equation.rotation_rate(end_y, end_v)))
         highest = self.contact.speed(side, equation.rotation_rate(end_y, within))
         at, drag = np.flatnonzero(go & (highest > speed) & self.speed.can_exceed(cell, highest)), 2.0 * equation.damping
         if at.size:
             there = self.equation.on(side[at], cell[at])
-            first = there.force(y[at], ramp.drive[at]) - drag * v[at]
-            last = there.force(end_y[at], ramp.drive[at] + ramp.gain[at]) - drag * end_v[at]
+            first = there.force(y[at], drive[at]) - drag * v[at]
+            last = there.force(end_y[at], drive[at] + gain[at]) - drag * end_v[at]
             go[at[first * last < 0.0]] = False
         self.speed.include(cell[go], speed[go])
 
