@@ -25,7 +25,7 @@ from .changes import SECTIONS, Brackets, narrowed
 from .one_arc import undecided
 
 if TYPE_CHECKING:
-    from ..dynamics.single.scan import Scan
+    from .scan import Scan
 
 Array = np.ndarray
 Steps = list[tuple[float, int]]  # (amplitude, outcome from there on), amplitudes rising
@@ -104,7 +104,7 @@ class Search:
     def rows(self, omegas: Array) -> list[Steps]:
         """For each Omega the outcome at the amplitude `lowest` and at every change above it. Changes are traced to the relative width
         `digits`; intervals narrower than the step of the scan may be missed."""
-        from ..dynamics.single.scan import Scan
+        from .scan import Scan
 
         if self.ratio and self.digits >= _SCAN_WIDTH and Scan.supports(self.system, self.motion):
             scans = [Scan(self.system, self.motion, w, self.eta, fine=True) for w in omegas.tolist()]
@@ -116,7 +116,7 @@ class Search:
         """As `_scan` and `_narrowed`, under a record. The march computes the amplitudes of the scan grid, and both sides of every change
         that the approximate scan of a row finds; other changes are bisected."""
         from ..dynamics.single.one_by_one import response_alone
-        from ..dynamics.single.scan import follow
+        from .scan import follow
 
         def by_scan(amplitude: Array, row: Array) -> Array:
             amplitude, row = np.broadcast_arrays(amplitude, row)

@@ -56,7 +56,7 @@ class Law:
 
     def flow(self, segments: Segments, lanes: Lanes, row: Array, now: Phase, exact: Array) -> TaylorSeries:
         """The series of lanes from their present state; exact: True where y'' is exactly 0 now."""
-        held = Held(self.equation.on(lanes.side), self.devices, row, now)
+        held = HeldBody(self.equation.on(lanes.side), self.devices, row, now)
         lanes = Lanes.joined([lanes])
         drive = -lanes.side * lanes.amplitude * (segments.s_start[lanes.k] + drive_change(segments, lanes.k, lanes.u))
         lanes.b = np.where(exact, 0.0, self.force(row, now, lanes.side, lanes.y, drive))
@@ -65,7 +65,7 @@ class Law:
         return taylor.series(terms, fastest, self.tolerance, self.equation.damping)
 
 
-class Held:
+class HeldBody:
     """The equation of lanes in one phase of their restraints: that of the free body, and the moment of its devices.
 
     The moment is a sum of cos theta, sin theta, cos 2 theta, sin 2 theta, cos(theta/2): those of theta follow from l and m of the free
@@ -75,9 +75,9 @@ class Held:
     def __init__(self, equation: Equation, devices: Devices, row: Array, now: Phase) -> None:
         self.equation, self.devices, self.row, self.now, self.damping = equation, devices, row, now, equation.damping
 
-    def part(self, lanes: slice) -> Held:
+    def part(self, lanes: slice) -> HeldBody:
         """Return the equation of some of the lanes."""
-        return Held(self.equation.part(lanes), self.devices, self.row[lanes], self.now.take(lanes))
+        return HeldBody(self.equation.part(lanes), self.devices, self.row[lanes], self.now.take(lanes))
 
     def along(self, y: Series, new: Callable[[], Series]) -> tuple[Series, Series | None, Callable[[int], None]]:
         """As `Equation.along`."""

@@ -15,13 +15,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...motions.motion import Motion
-from ...motions.segments import Segments
-from ..equations.recurrence import motion_terms
-from ..outcome import Outcome
-from ..system import System
-from .lane import Lane
-from .series_roots import value
+from ..dynamics.equations.recurrence import motion_terms
+from ..dynamics.outcome import Outcome
+from ..dynamics.single.lane import Lane
+from ..dynamics.single.series_roots import value
+from ..dynamics.system import System
+from ..motions.motion import Motion
+from ..motions.segments import Segments
 
 Array = np.ndarray
 
