@@ -116,20 +116,6 @@ class Segments:
                 lanes, at, above, below, level = lanes[going], at[going], above[going], below[going], level[going]
         return found
 
-    def extent(self, k: np.ndarray, to: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return (largest s, least s) on segments k to `to` - 1; minus and plus infinity for no segment; shape of k."""
-        high, low = self._ends
-        largest, least, lanes = np.full(k.shape, -np.inf), np.full(k.shape, np.inf), np.flatnonzero(k < to)
-        lanes = lanes[np.argsort(k[lanes])]  # reduceat also reduces from the end of each range to the start of the next
-        ranges = np.column_stack([k[lanes], to[lanes]]).ravel()
-        largest[lanes], least[lanes] = np.maximum.reduceat(high, ranges)[::2], np.minimum.reduceat(low, ranges)[::2]
-        return largest, least
-
-    @cached_property
-    def _ends(self) -> tuple[np.ndarray, np.ndarray]:
-        """The largest s and the least s on each segment, each (K + 1,); the last value of both is 0, for the time after the motion."""
-        return np.append(np.maximum(self.s_start, self.s_end), 0.0), np.append(np.minimum(self.s_start, self.s_end), 0.0)
-
     @cached_property
     def wave(self) -> Wave:
         """The sinusoids of the segments; only for a motion with one harmonic and no slope."""
