@@ -134,8 +134,7 @@ Test `test_impulse.py::test_lemma_9_nothing_to_come_overturns_what_is_below_the_
 # Lemma 10 (nothing returns above)
 
 The same oscillator, which the first segment of the motion lifts at any amplitude. Above an amplitude that overturns without impact every
-other one does too. Above an amplitude whose first arc outlasts the shaking every other first arc does too; there the modes y - 1 + v and
-v + 1 - y at the end of the shaking are convex in A.
+other one does too.
 Proof. At a fixed time before the first impact y = A J - K with K > 0 and dy/dA = J, so y grows with A where it is positive.
 Test `tests/envelopes/test_boundaries.py::test_above_overturning_without_impact_there_is_nothing_else`.
 
