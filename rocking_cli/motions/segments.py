@@ -124,15 +124,6 @@ class Segments:
         return Wave(sign, self.s_start - s, s * s + c * c, np.arctan2(sign * s, sign * c))
 
     @cached_property
-    def spread(self) -> float:
-        """The spread of the frequencies w: max over segments of w_max^2 sum(|C|/w) / sum(|C| w) [-]; 1 for one sinusoid."""
-        size, w = np.hypot(self.sin, self.cos), self.frequency
-        weight = (size * w).sum(axis=0)
-        moving = weight > 0.0
-        fastest = np.where(size > 0.0, w, 0.0).max(axis=0, initial=0.0)
-        return float((fastest[moving] ** 2 * (size / w).sum(axis=0)[moving] / weight[moving]).max(initial=1.0))
-
-    @cached_property
     def pace(self) -> np.ndarray:
         """The root mean square of the frequencies in each segment, weighted by |C|, (K,); 0 for the ground at rest."""
         size = np.hypot(self.sin, self.cos)

@@ -36,13 +36,6 @@ class LinearEquation(Equation):
         _, sin, cos = segment_value(segments, lanes.k, lanes.u)
         outward = -lanes.side * lanes.amplitude
         ramp = outward * segments.slope[lanes.k] * lanes.omega if segments.sloped else None
-        if not self.damping and segments.harmonics > 1:
-            from .summed_flow import SummedFlow, can_be_summed
-
-            if can_be_summed(segments):
-                frequency = segments.frequency[:, 0]
-                top = frequency.max()
-                return SummedFlow.of(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, top * lanes.omega, frequency / top)
         w = segments.frequency.take(lanes.k, axis=1) * lanes.omega
         if self.damping:
             from .damped_flow import DampedFlow
