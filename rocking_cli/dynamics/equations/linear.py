@@ -1,4 +1,5 @@
-"""The linear oscillator (Eqs. 2.4 and 3.6): y is |theta|/alpha, and its flow is exact."""
+"""The linear oscillator (Eqs. 2.4 and 3.6): y is |theta|/alpha. Its flow is exact; with damping or under a varying weight it is a Taylor
+series."""
 
 import math
 
@@ -11,7 +12,7 @@ from .equation import Equation, Flow, Law, Ramp
 from .flow import LinearFlow
 from .taylor import TaylorSeries, drive_series, order_for, ramp_flow, series
 
-WEIGHED = 1e-12  # tolerance of the series under a varying weight, for which there is no closed form
+SERIES = 1e-12  # tolerance of the series with damping or under a varying weight
 
 
 class LinearEquation(Equation):
@@ -30,37 +31,37 @@ class LinearEquation(Equation):
         self.growth = math.sqrt(1.0 + damping * damping) - damping  # rate of the unstable mode, over p
 
     def flow(self, segments: Segments, lanes: Lanes) -> Flow:
-        """The exact motion of each lane from its state; under a varying weight, a Taylor series."""
-        if segments.weighed is not None:
+        """The motion of each lane from its state."""
+        if self.damping or segments.weighed is not None:
             return ramp_flow(self, segments, lanes) if segments.straight else self._series(segments, lanes)
         _, sin, cos = segment_value(segments, lanes.k, lanes.u)
         outward = -lanes.side * lanes.amplitude
         ramp = outward * segments.slope[lanes.k] * lanes.omega if segments.sloped else None
         w = segments.frequency.take(lanes.k, axis=1) * lanes.omega
-        if self.damping:
-            from .damped_flow import DampedFlow
-
-            return DampedFlow(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp, self.damping)
         return LinearFlow(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp)
 
     def _series(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
-        order = order_for(WEIGHED)
+        order = order_for(SERIES)
         known = drive_series(segments, lanes, order - 1)
-        weight, drive = known.terms.swapaxes(0, 1)
+        weight, drive = known.parts
         unit2 = known.unit * known.unit
-        drive[0] = unit2 * lanes.b + weight[0] * (1.0 - lanes.y)
         y = np.empty((order + 1, lanes.y.size))
         y[0] = lanes.y
         np.multiply(lanes.v, known.unit, out=y[1])
         above = y.copy()  # y - 1
         above[0] -= 1.0
+        if weight is not None:
+            drive[0] = unit2 * lanes.b - weight[0] * above[0]
         for n in range(order - 1):
             above[n + 1] = y[n + 1]
-            pushed = drive[n] + np.einsum("il,il->l", weight[: n + 1], above[n::-1])
+            if weight is not None:
+                pushed = drive[n] + np.einsum("il,il->l", weight[: n + 1], above[n::-1])
+            else:
+                pushed = drive[n] + unit2 * y[n] if n else unit2 * lanes.b
             if self.damping:
                 pushed -= (2.0 * self.damping * (n + 1)) * known.unit * y[n + 1]
             np.multiply(pushed, 1.0 / ((n + 1) * (n + 2)), out=y[n + 2])
-        return series(y, known.fastest, WEIGHED, self.damping)
+        return series(y, known.fastest, SERIES, self.damping)
 
     def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
         terms = np.empty((len(ramp.factors) + 2, y.size))
