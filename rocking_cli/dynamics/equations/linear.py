@@ -1,4 +1,5 @@
-"""The linear oscillator (Eqs. 2.4 and 3.6): y is |theta|/alpha, and its flow is exact."""
+"""The linear oscillator (Eqs. 2.4 and 3.6): y is |theta|/alpha. Its flow is exact; with damping or under a varying weight it is a Taylor
+series."""
 
 import math
 from collections.abc import Callable
@@ -13,7 +14,7 @@ from .flow import LinearFlow
 from .recurrence import Series
 from .taylor import line_flow, order_for, series, series_flow
 
-WEIGHED = 1e-12  # tolerance of the series under a varying weight, for which there is no closed form
+SERIES = 1e-12  # tolerance of the series with damping or under a varying weight
 
 
 class LinearEquation(Equation):
@@ -32,26 +33,15 @@ class LinearEquation(Equation):
         self.growth = math.sqrt(1.0 + damping * damping) - damping  # rate of the unstable mode, over p
 
     def flow(self, segments: Segments, lanes: Lanes) -> Flow:
-        """The exact motion of each lane from its state; under a varying weight, a Taylor series."""
-        if segments.weighed is not None:
+        """The motion of each lane from its state."""
+        if self.damping or segments.weighed is not None:
             if segments.straight:
                 return line_flow(self, segments, lanes)
-            return series(*series_flow(self, segments, lanes, order_for(WEIGHED)), WEIGHED, self.damping)
+            return series(*series_flow(self, segments, lanes, order_for(SERIES)), SERIES, self.damping)
         _, sin, cos = segment_value(segments, lanes.k, lanes.u)
         outward = -lanes.side * lanes.amplitude
         ramp = outward * segments.slope[lanes.k] * lanes.omega if segments.sloped else None
-        if not self.damping and segments.harmonics > 1:
-            from .summed_flow import SummedFlow, can_be_summed
-
-            if can_be_summed(segments):
-                frequency = segments.frequency[:, 0]
-                top = frequency.max()
-                return SummedFlow.of(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, top * lanes.omega, frequency / top)
         w = segments.frequency.take(lanes.k, axis=1) * lanes.omega
-        if self.damping:
-            from .damped_flow import DampedFlow
-
-            return DampedFlow(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp, self.damping)
         return LinearFlow(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp)
 
     def along(self, y: Series, new: Callable[[], Series]) -> tuple[Series, None, Callable[[int], None]]:

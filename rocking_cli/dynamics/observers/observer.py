@@ -47,10 +47,6 @@ class Propagation(NamedTuple):
 class Observer:
     """Base of observers of a run. Its methods do nothing; a subclass overrides those that it needs."""
 
-    def rest(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
-        """Called when bodies of these cells rest from position (k, u) to (to_k, to_u) of the motion, (rests,) each; to_k is the number of
-        segments if they rest to the end."""
-
     def arcs(self, arcs: Arcs) -> None:
         """Called when lanes have moved along these arcs."""
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..lanes import Array, Lanes
 from ..march.batch import Batch
-from .extremes import Extremes, Ratio, Stretches, parts
+from .extremes import Extremes, Point, Stretches, parts
 from .observer import Arcs, Observer, Propagation, TaylorSteps
 
 
@@ -37,12 +37,12 @@ class PeakSpeed(Observer):
             return
         side, cell, arc, sign, zero = lanes.side[at], lanes.cell[at], arc.take(at), np.sign(arc.b[at]), np.zeros(at.size)
 
-        def rates(own: Array, y: Array, *of: Array) -> Ratio:
+        def rates(own: Array, y: Array, *of: Array) -> Point:
             equation = self.equation.on(side[own], cell[own])
             speed, slope = (sign[own] * self.contact.speed(side[own], equation.rotation_rate(y, x)) for x in of)
-            return Ratio(speed, zero[own] + 1.0, slope, zero[own])
+            return Point(speed, slope)
 
-        def along(own: Array, h: Array) -> Ratio:
+        def along(own: Array, h: Array) -> Point:
             point = arc.take(own).at(h)
             return rates(own, point.y, point.v, point.b)
 
