@@ -5,9 +5,9 @@ rest F0 and G0, y = q p^2/(g F0) and a the outward drive over lambda g,
 
     y'' = -F(y)/F0 + a G(y)/G0 - 2 zeta y'
 
-F and G are tabulated once (`patches`). A step is computed by `collocation`; if the body is damped, its weight varies or the tolerance is
-too tight, the series of F and G are composed with that of y. The sign tests of `march.advance` need F/G = lambda(phi) to fall from rest
-on (this is checked). Where F/G no longer falls, or is below -50 times its value at rest, the structure has collapsed.
+F and G are tabulated once (`patches`), and their series are composed with that of y. The sign tests of `march.advance` need F/G =
+lambda(phi) to fall from rest on (this is checked). Where F/G no longer falls, or is below -50 times its value at rest, the structure has
+collapsed.
 """
 
 import math
@@ -22,15 +22,13 @@ from ...motions.segments import Segments
 from ...structures.mechanics.kinematics import Mechanism
 from ..drive import summed
 from ..lanes import Array, Lanes
-from .collocation import collocated
 from .equation import Law, SeriesEquation, falls_by_energy
 from .patches import DEGREE, inverse, largest, tabulate
-from .taylor import CACHED, LOCAL, MOST_TERMS, TaylorSeries, drive_series, longest, order_for, powers, ramp_flow
+from .taylor import CACHED, MOST_TERMS, TaylorSeries, drive_series, longest, order_for, powers, ramp_flow
 
 _SHIFT = 4  # powers of x used to shift the series of a narrow patch
 _MARKS, _NEAR = 2048, 4  # intervals of a finer table: within half of one, powers above the 4th are below 1e-13
 _CHOOSE = np.array([[math.comb(j + k, k) for j in range(MOST_TERMS)] for k in range(_NEAR + 1)], dtype=float)
-_LEFT = 0.1  # largest error of the series about marks, over the error of a step
 _MARGIN = 1e-6  # energy beyond a barrier from which overturning is certain, whatever the table's interpolation
 _FACTORIALS = np.array([[float(math.factorial(k))] for k in range(DEGREE + 1)])
 
@@ -54,18 +52,9 @@ class MechanismEquation(SeriesEquation):
         self.marks = beyond, -table.value(table.lift, beyond) / table.value(table.push, beyond)
 
     def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
-        """The motion of every lane over a step, as a polynomial in time."""
+        """The series of every lane from its present state."""
         if segments.straight:
             return ramp_flow(self, segments, lanes)
-        marks_hold = not self.damping and self.table.marks.left <= _LEFT * LOCAL * self.tolerance
-        if marks_hold and segments.weighed is None:
-            found, lost = collocated(self.table.marks, self.tolerance, segments, lanes)
-            if lost.size:
-                terms = np.empty((len(found.terms), lost.size))
-                self._fill(terms, segments, lanes.take(lost))
-                found.terms[:, lost], found.unit[lost] = terms, 1.0 / found.fastest[lost]
-                found.longest[lost] = self._longest(terms, found.fastest[lost])
-            return found
         y, fastest = np.empty((self.order + 1, lanes.y.size)), np.empty(lanes.y.size)
         for block in blocks(lanes.y.size, CACHED):
             fastest[block] = self._fill(y[:, block], segments, lanes.take(block))
