@@ -124,13 +124,6 @@ class Segments:
         return Wave(sign, self.s_start - s, s * s + c * c, np.arctan2(sign * s, sign * c))
 
     @cached_property
-    def pace(self) -> np.ndarray:
-        """The root mean square of the frequencies in each segment, weighted by |C|, (K,); 0 for the ground at rest."""
-        size = np.hypot(self.sin, self.cos)
-        total = size.sum(axis=0)
-        return np.asarray(np.sqrt((size * self.frequency**2).sum(axis=0) / np.where(total > 0.0, total, 1.0)))
-
-    @cached_property
     def table(self) -> Table | None:
         """The segments as polynomials; None if the motion has at most one sinusoid and no slope, or if the table is too large."""
         if self.harmonics == 0 or (self.harmonics == 1 and not self.sloped):

@@ -5,9 +5,9 @@ rest F0 and G0, y = q p^2/(g F0) and a the outward drive over lambda g,
 
     y'' = -F(y)/F0 + a G(y)/G0 - 2 zeta y'
 
-F and G are tabulated once (`patches`). A step is computed by `collocation`; if the body is damped, its weight varies or the tolerance is
-too tight, the series of F and G are composed with that of y. The sign tests of `march.advance` need F/G = lambda(phi) to fall from rest
-on (this is checked). Where F/G no longer falls, or is below -50 times its value at rest, the structure has collapsed.
+F and G are tabulated once (`patches`), and their series are composed with that of y. The sign tests of `march.advance` need F/G =
+lambda(phi) to fall from rest on (this is checked). Where F/G no longer falls, or is below -50 times its value at rest, the structure has
+collapsed.
 """
 
 import math
@@ -22,16 +22,14 @@ from ...motions.segments import Segments
 from ...structures.mechanics.kinematics import Mechanism
 from ..drive import summed
 from ..lanes import Array, Lanes
-from .collocation import collocated
 from .equation import Equation, falls_by_energy
 from .patches import DEGREE, inverse, largest, tabulate
 from .recurrence import Rows, Series
-from .taylor import LOCAL, MOST_TERMS, TaylorSeries, line_flow, longest, order_for, powers, series_flow
+from .taylor import MOST_TERMS, TaylorSeries, line_flow, longest, order_for, powers, series_flow
 
 _SHIFT = 4  # powers of x used to shift the series of a narrow patch
 _MARKS, _NEAR = 2048, 4  # intervals of a finer table: within half of one, powers above the 4th are below 1e-13
 _CHOOSE = np.array([[math.comb(j + k, k) for j in range(MOST_TERMS)] for k in range(_NEAR + 1)], dtype=float)
-_LEFT = 0.1  # largest error of the series about marks, over the error of a step
 _MARGIN = 1e-6  # energy beyond a barrier from which overturning is certain, whatever the table's interpolation
 _FACTORIALS = np.array([[float(math.factorial(k))] for k in range(DEGREE + 1)])
 
@@ -57,17 +55,9 @@ class MechanismEquation(Equation):
         self.marks = beyond, -table.value(table.lift, beyond) / table.value(table.push, beyond)
 
     def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
-        """The motion of every lane over a step, as a polynomial in time."""
+        """The series of every lane from its present state."""
         if segments.straight:
             return line_flow(self, segments, lanes)
-        marks_hold = not self.damping and self.table.marks.left <= _LEFT * LOCAL * self.tolerance
-        if marks_hold and segments.weighed is None:
-            found, lost = collocated(self.table.marks, self.tolerance, segments, lanes)
-            if lost.size:
-                terms, _ = series_flow(self, segments, lanes.take(lost), len(found.terms) - 1)
-                found.terms[:, lost], found.unit[lost] = terms, 1.0 / found.fastest[lost]
-                found.longest[lost] = self._longest(terms, found.fastest[lost])
-            return found
         y, fastest = series_flow(self, segments, lanes, self.order)
         return TaylorSeries(y, 1.0 / fastest, self._longest(y, fastest), fastest, self.damping)
 
