@@ -19,7 +19,7 @@ def spectrum(
     output: Path = options.output("The HDF5 file to write.", required=True),
     impacts: bool = flag("--impacts", "Store the impacts during the shaking, without those of a last sequence of impacts below the peak."),
     quantity: str | None = option(
-        "--quantity", "Also store: condition (sensitivity to the input), friction, fz_min, linear, velocity_ratio.", metavar="NAME,…"
+        "--quantity", "Also store: condition (sensitivity to the input), linear, velocity_ratio.", metavar="NAME,…"
     ),
     no_validity: bool = flag("--no-validity", "Do not compare cells of a linear sweep with the nonlinear equation."),
     chunk_cells: int | None = option("--chunk", "Cells in one unit of work.", type=click.IntRange(1), metavar="CELLS"),

@@ -20,12 +20,11 @@ import numpy as np
 
 from ..motions.segments import Segments
 from .contacts.contact import Contact
-from .drive import segment_value, summed
+from .drive import drive_change
 from .lanes import Array, Lanes
 
 _PARTS = 32  # parts of the path from the ground to the peak; on each part the bound takes the worst value of every term
 _PUSHES = np.geomspace(1e-2, 1e2, 256)  # pushes [g] for which the proof is tried
-FAR = 100.0  # rotation [rad] beyond which no forces are computed: the body has left the ground
 _LOWEST = -0.5 * np.pi  # least z for which the bound is computed
 
 
@@ -43,7 +42,7 @@ class Body(NamedTuple):
     """A rigid body. alpha [rad], kappa = m R^2/I [-], a_scale [-] (1 unless given): one value for each edge, right and left, or a single
     value if the edges are alike; linear: True for the linear equation; damping: zeta [-]; one_sided: True if the body stands on its right
     edge only. A push [g] is a_scale times the ground acceleration over g, outward if it lifts the body on its edge. Under a push the linear
-    equation and Fz are those of a_scale 1; Fx needs the ground acceleration itself (`moves_with_the_ground`)."""
+    equation and Fz are those of a_scale 1."""
 
     alpha: tuple[float, ...]
     kappa: tuple[float, ...]
@@ -51,11 +50,6 @@ class Body(NamedTuple):
     damping: float = 0.0
     one_sided: bool = False
     a_scale: tuple[float, ...] = ()
-
-    @property
-    def moves_with_the_ground(self) -> bool:
-        """True if every push equals the ground acceleration (a_scale 1), so that Fx is known."""
-        return all(scale == 1.0 for scale in self.a_scale)
 
     @property
     def alike(self) -> bool:
@@ -90,12 +84,6 @@ class Body(NamedTuple):
     def squared_speed_at_ground(self, edge: Edge, y: Array, v: Array) -> Array:
         """Return u'^2 at the next impact of bodies that are now at y, v [units of the edge], on still ground, undamped."""
         return (edge.unit * v) ** 2 + self.fall(edge, edge.unit * y)
-
-    def top(self, edge: Edge, square: Array) -> Array:
-        """Return the largest u, on still ground, of a body that leaves the ground with u'^2 = square, undamped."""
-        if self.linear:
-            return edge.alpha - np.sqrt(np.maximum(edge.alpha**2 - square, 0.0))
-        return edge.alpha - np.arccos(np.minimum(np.cos(edge.alpha) + 0.5 * square, 1.0))
 
     def fz_in_bounces(self, edge: Edge, weight: Array | float, inward: Array, fastest: Array, top: Array | float) -> Array:
         """Return a lower bound of Fz/(m g) of bounces on this edge; of bounces without height (top 0) the value just after an impact.
@@ -146,12 +134,10 @@ def safe_push(body: Body, edge: int, ratio: float) -> float:
 
 
 class Shaking(NamedTuple):
-    """The outward push over g and the weight over m g, and their slopes by tau; the weight's are floats where it does not vary."""
+    """The outward push over g, and the weight over m g, a float where it does not vary."""
 
     push: Array
-    push_slope: Array
     weight: Array | float
-    weight_slope: Array | float
 
 
 class Ground:
@@ -164,13 +150,8 @@ class Ground:
         """Push and weight h [tau] after the present instant of lanes, on their present side and in their present closed form."""
         phase = lanes.u + lanes.omega * h
         outward = -lanes.side * lanes.amplitude * self.body.on(lanes.side).uplift
-        push, push_slope = value_and_slope(self.segments, lanes.k, phase)
-        weighed = self.segments.weighed
-        if weighed is None:
-            return Shaking(outward * push, outward * lanes.omega * push_slope, 1.0, 0.0)
-        sway = weighed.sway(lanes.side, lanes.amplitude)
-        rise, rise_slope = value_and_slope(weighed.vertical, lanes.k, phase)
-        return Shaking(outward * push, outward * lanes.omega * push_slope, 1.0 + sway * rise, sway * lanes.omega * rise_slope)
+        push = self.segments.s_start[lanes.k] + drive_change(self.segments, lanes.k, phase)
+        return Shaking(outward * push, self.segments.weight(lanes.side, lanes.amplitude, lanes.k, phase))
 
     def sequence_time(self, lanes: Lanes, contact: Contact) -> Array:
         """The time [tau] until lanes just after an impact stop bouncing, for the drive halfway there; at most to the end of the segment."""
@@ -182,9 +163,3 @@ class Ground:
             later.b = self.body.lifting(here, now.push, now.weight) / here.unit
             lasts = np.clip(contact.sequence_time(later, now.weight), 0.0, room)
         return lasts
-
-
-def value_and_slope(segments: Segments, k: Array, phase: Array) -> tuple[Array, Array]:
-    """s and ds/dphase, at this phase of segment k."""
-    change, _, cos = segment_value(segments, k, phase)
-    return segments.s_start[k] + change, summed(segments.frequency.take(k, axis=1) * cos) + segments.slope[k]

@@ -1,4 +1,4 @@
-"""The response of arrays of cells, on request with ground forces or the largest angular speed."""
+"""The response of arrays of cells, on request with the largest angular speed."""
 
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
@@ -146,31 +146,6 @@ def cells_that_lose_contact(
     return at[again.outcome == Outcome.LOST_CONTACT]
 
 
-def response_with_ground_forces(
-    system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float, *, found: Response | None = None
-) -> tuple[Response, dict[str, Array]]:
-    """(`response`, ground forces by name): `friction`, the largest |Fx|/Fz [-], and `fz_min`, the least Fz over m g [-], to 1e-6. Both are
-    NaN where the body overturns. A second run of the bodies that stay upright computes them. found: the response, if it is known. Raises
-    ValueError for a system without a `body` of a_scale 1."""
-    if system.devices is not None:
-        raise UsageError("found ties or a tendon; expected a body without them, whose forces on the ground are known")
-    if system.body is None or not system.body.moves_with_the_ground:
-        raise ValueError("ground forces need a rigid body: those of a mechanism, or of parameters without a body, are not known")
-    from .observers.ground_forces import GroundForces
-
-    found = response(system, motion, amplitude, omega, eta) if found is None else found
-    shape, cells = _flat(amplitude, omega, eta)
-    at = np.flatnonzero(upright(found.outcome))
-    cells = _of(cells, at)
-    batch = _batch(system, motion, cells, peaks=False)
-    forces = GroundForces(system.body, batch)
-    run = _marched(system._replace(body=None), motion, cells, batch, forces, propagation=False)
-    asked = {name: np.full(found.outcome.size, np.nan) for name in ("friction", "fz_min")}
-    for values, known in zip(asked.values(), forces.result(run.outcome), strict=True):
-        values[at] = np.where(upright(run.outcome), known, np.nan)
-    return found, {name: values.reshape(shape) for name, values in asked.items()}
-
-
 def response_with_speed(system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float) -> tuple[Response, Array]:
     """(`response`, the largest |d theta/d tau|/alpha [-] under straight lines, tau = p t), the second NaN where theta_ratio is NaN. If the
     edges differ, alpha and p are those of A and Omega."""
@@ -204,11 +179,6 @@ def response_under_records(
 def chains(system: System, motion: Motion) -> bool:
     """True for a record at equal steps without a vertical one, if cells of the undamped system may share a run with other records."""
     return motion.vertical is None and motion.samples is not None and not system.equation.damping and system.devices is None
-
-
-def upright(outcome: Array) -> Array:
-    """True for bodies that neither overturn nor fail."""
-    return safe(outcome) | (outcome == Outcome.LOST_CONTACT)
 
 
 def linear_response(

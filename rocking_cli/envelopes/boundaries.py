@@ -2,12 +2,9 @@
 
 Lemmas (`dynamics.lemmas`) exclude amplitudes from the scan. Below a first amplitude nothing overturns (Lemma 9); bodies that may lose
 contact without overturning are computed from a smaller amplitude on (`System.safe_amplitude`). Lemma 10 holds for the linear oscillator
-that the motion lifts on its first segment at any amplitude: every amplitude above one that overturns without impact does so too. Where its
-first arc outlasts the shaking, the outcome changes only where the energy at the end of the shaking crosses a level; bounds over stretches
-of amplitudes find these places (`one_arc`).
+that the motion lifts on its first segment at any amplitude: every amplitude above one that overturns without impact does so too.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
@@ -22,17 +19,15 @@ from ..dynamics.system import System
 from ..motions import Motion
 from .amplitudes import LONGEST_FINE, ScanGrid
 from .changes import SECTIONS, Brackets, narrowed
-from .one_arc import undecided
 
 if TYPE_CHECKING:
-    from ..dynamics.single.scan import Scan
+    from .scan import Scan
 
 Array = np.ndarray
 Steps = list[tuple[float, int]]  # (amplitude, outcome from there on), amplitudes rising
 
 FINE_STEP = 0.999e-4  # step of the finer scan around changes of the outcome or of the number of impacts, where narrow intervals gather
 _AROUND = 12  # points on either side of such a change that the finer scan includes
-_LEAST_FOR_BOUNDS = 20_000  # from so many amplitudes on, bounds over stretches are faster than single amplitudes
 _BATCH = 1 << 20  # cells of the scan computed together
 _SCAN_WIDTH = 1e-6  # relative width to which an approximate scan finds changes
 _STRETCH = 80  # points computed together in a search for the first fall
@@ -104,7 +99,7 @@ class Search:
     def rows(self, omegas: Array) -> list[Steps]:
         """For each Omega the outcome at the amplitude `lowest` and at every change above it. Changes are traced to the relative width
         `digits`; intervals narrower than the step of the scan may be missed."""
-        from ..dynamics.single.scan import Scan
+        from .scan import Scan
 
         if self.ratio and self.digits >= _SCAN_WIDTH and Scan.supports(self.system, self.motion):
             scans = [Scan(self.system, self.motion, w, self.eta, fine=True) for w in omegas.tolist()]
@@ -116,7 +111,7 @@ class Search:
         """As `_scan` and `_narrowed`, under a record. The march computes the amplitudes of the scan grid, and both sides of every change
         that the approximate scan of a row finds; other changes are bisected."""
         from ..dynamics.single.one_by_one import response_alone
-        from ..dynamics.single.scan import follow
+        from .scan import follow
 
         def by_scan(amplitude: Array, row: Array) -> Array:
             amplitude, row = np.broadcast_arrays(amplitude, row)
@@ -178,9 +173,9 @@ class Search:
 
     def _scan(self, omegas: Array) -> tuple[Array, Brackets]:
         """(outcome at the first amplitude of each row, brackets of the changes between neighbouring amplitudes)."""
-        first, last, beyond = self._points_to_compute(omegas)
+        first, last = self._points_to_compute(omegas)
         starts = np.concatenate([[0], np.cumsum(last - first + 1)])
-        begins, parts = np.empty(omegas.size, dtype=np.uint8), [beyond]
+        begins, parts = np.empty(omegas.size, dtype=np.uint8), list[Brackets]()
         for begin in range(0, int(starts[-1]), _BATCH):
             end = min(begin + _BATCH, int(starts[-1]))
             a, b = max(0, begin - 1 - _AROUND), min(end + _AROUND, int(starts[-1]))  # including the points around the gaps of this batch
@@ -217,33 +212,19 @@ class Search:
         row, amplitude, label = (np.concatenate([x, y])[order] for x, y in zip(points[:3], inner[:3], strict=True))
         return Brackets.between(row, amplitude, label, counted[place[order[:-1]].astype(np.int64)])
 
-    def _points_to_compute(self, omegas: Array) -> tuple[Array, Array, Brackets]:
-        """(first and last scan point to compute, brackets of the changes above the last one); there is no change below the first."""
+    def _points_to_compute(self, omegas: Array) -> tuple[Array, Array]:
+        """(first, last) scan point to compute; there is no change below the first or above the last."""
         scan, segments = self.grid, self.motion.segments
-        none = Brackets(*(np.zeros(0, dtype=kind) for kind in (np.int64, float, float, np.uint8, np.uint8)))
         first, last = np.zeros(omegas.size, dtype=np.int64), np.full(omegas.size, scan.size - 1)
         if self.system.devices is not None or self.motion.vertical is not None:
-            return first, last, none
-        safe_to = self.system.safe_amplitude(self.motion)
+            return first, last
+        safe_to = self.system.safe_amplitude(self.motion)  # above it bodies may lose contact
         first = np.minimum(self._last_safe_point(omegas), scan.below(np.full(omegas.size, safe_to)))
         start, end = segments.s_start[0], segments.s_end[0]  # the largest |s| lifts the body to the same side at any amplitude
         at_once = abs(start) == self.motion.largest or (abs(end) == self.motion.largest and start * end >= 0.0)
-        if not (self.system.bounded and self.system.alike and at_once):
-            return first, last, none
-        over, falls = self._outcome_from(omegas, first, last, lambda label, _: label == Outcome.OVERTURNED_NO_IMPACT)
-        last[over] = falls
-        # The energy does not decide for bodies that lose contact.
-        if self.a_max > safe_to or segments.sign_changes > FEW_SIGN_CHANGES or int((last - first).sum()) < _LEAST_FOR_BOUNDS:
-            return first, last, none
-        # Above the first amplitude at which the first arc outlasts the shaking, only the energy at its end matters.
-        clear, lasts = self._outcome_from(omegas, first, last, lambda label, impacts: (impacts == 0) & (label != Outcome.FAILED))
-        falls = np.isin(clear, over)  # rows that overturn without impact at the last point, but not below it
-        top = np.column_stack([clear, last[clear] - 1])[falls & (lasts < last[clear])]
-        row, point = np.concatenate([top, undecided(segments, scan, omegas, self.eta, clear, lasts, last[clear] - falls)]).T
-        last[clear] = lasts
-        ends = scan.amplitude(point), scan.amplitude(point + 1)
-        under, above = (self.outcome(amplitude, omegas[row]) for amplitude in ends)
-        return first, last, Brackets(row, *ends, under, above).take(np.flatnonzero(under != above))
+        if self.system.bounded and self.system.alike and at_once:
+            last = self._first_without_impact(omegas, first, last)
+        return first, last
 
     def _last_safe_point(self, omegas: Array) -> Array:
         """The last scan point of each row at which Lemma 9 excludes overturning, since A int |s| dphi/Omega is at most `safe_impulse`."""
@@ -262,22 +243,22 @@ class Search:
             low, high = np.where(holds, middle, low), np.where(holds, high, middle)
         return low
 
-    def _outcome_from(self, omegas: Array, first: Array, last: Array, holds: Callable[[Array, Array], Array]) -> tuple[Array, Array]:
-        """(rows in which a condition on outcome and impacts of lifted bodies holds at the last scan point, first scan point of each at
-        which it holds). A condition that holds at a point must hold above it."""
+    def _first_without_impact(self, omegas: Array, first: Array, last: Array) -> Array:
+        """The first scan point of each row between these two that overturns without impact, or `last`; all above it do too (Lemma 10)."""
 
-        def holds_at(points: Array, rows: Array) -> Array:
+        def overturns(points: Array, rows: Array) -> Array:
             amplitude = self.grid.amplitude(points)
-            return holds(*self._respond(amplitude, omegas[rows])) & (amplitude > self.uplift * (1.0 + 1e-9))
+            return (self.outcome(amplitude, omegas[rows]) == Outcome.OVERTURNED_NO_IMPACT) & (amplitude > self.uplift * (1.0 + 1e-9))
 
-        rows = np.flatnonzero(holds_at(last, np.arange(omegas.size)))
+        rows = np.flatnonzero(overturns(last, np.arange(omegas.size)))
         first, high, row = first[rows], last[rows], np.arange(rows.size)
         low = first - 1
         while np.any(high - low > 1):
             points = np.maximum(low[:, None] + (high - low)[:, None] * np.arange(1, SECTIONS + 1) // SECTIONS, first[:, None])
-            step = holds_at(points, rows[:, None]).argmax(axis=1)
+            step = overturns(points, rows[:, None]).argmax(axis=1)
             high, low = points[row, step], np.where(step > 0, points[row, step - 1], low)
-        return rows, high
+        last[rows] = high
+        return last
 
     def _narrowed(self, omegas: Array, brackets: Brackets, *, lowest: bool = False) -> Brackets:
         """The changes in the brackets, traced to the relative width `digits`; lowest: True for only the lowest change of each bracket."""

@@ -17,7 +17,7 @@ from ..motions import Motion
 from .amplitudes import COARSE, LONGEST_FINE
 
 if TYPE_CHECKING:
-    from ..dynamics.single.scan import Scan
+    from .scan import Scan
 
 Array = np.ndarray
 
@@ -64,7 +64,7 @@ class FallSearch:
 
         scan = None
         if len(motion.segments) > LONGEST_FINE:
-            from ..dynamics.single.scan import Scan
+            from .scan import Scan
 
             scan = Scan(system, motion, omega, eta) if Scan.supports(system, motion) else None
         return cls(falls, approximate_falls, digits, scan, system.devices is not None)
@@ -166,7 +166,7 @@ def scan_together(
 ) -> None:
     """Scan together the amplitudes that several searches will need; asked: (search, least amplitude, demand, largest amplitude) of each;
     progress: called now and then with the share that is done."""
-    from ..dynamics.single.scan import follow
+    from .scan import follow
 
     scanned = [(falls.scan, lowest, demand, top) for falls, lowest, demand, top in asked if falls.scan is not None]
     scans = [scan for scan, *_ in scanned]

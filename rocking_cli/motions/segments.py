@@ -116,20 +116,6 @@ class Segments:
                 lanes, at, above, below, level = lanes[going], at[going], above[going], below[going], level[going]
         return found
 
-    def extent(self, k: np.ndarray, to: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return (largest s, least s) on segments k to `to` - 1; minus and plus infinity for no segment; shape of k."""
-        high, low = self._ends
-        largest, least, lanes = np.full(k.shape, -np.inf), np.full(k.shape, np.inf), np.flatnonzero(k < to)
-        lanes = lanes[np.argsort(k[lanes])]  # reduceat also reduces from the end of each range to the start of the next
-        ranges = np.column_stack([k[lanes], to[lanes]]).ravel()
-        largest[lanes], least[lanes] = np.maximum.reduceat(high, ranges)[::2], np.minimum.reduceat(low, ranges)[::2]
-        return largest, least
-
-    @cached_property
-    def _ends(self) -> tuple[np.ndarray, np.ndarray]:
-        """The largest s and the least s on each segment, each (K + 1,); the last value of both is 0, for the time after the motion."""
-        return np.append(np.maximum(self.s_start, self.s_end), 0.0), np.append(np.minimum(self.s_start, self.s_end), 0.0)
-
     @cached_property
     def wave(self) -> Wave:
         """The sinusoids of the segments; only for a motion with one harmonic and no slope."""
@@ -138,38 +124,11 @@ class Segments:
         return Wave(sign, self.s_start - s, s * s + c * c, np.arctan2(sign * s, sign * c))
 
     @cached_property
-    def spread(self) -> float:
-        """The spread of the frequencies w: max over segments of w_max^2 sum(|C|/w) / sum(|C| w) [-]; 1 for one sinusoid."""
-        size, w = np.hypot(self.sin, self.cos), self.frequency
-        weight = (size * w).sum(axis=0)
-        moving = weight > 0.0
-        fastest = np.where(size > 0.0, w, 0.0).max(axis=0, initial=0.0)
-        return float((fastest[moving] ** 2 * (size / w).sum(axis=0)[moving] / weight[moving]).max(initial=1.0))
-
-    @cached_property
-    def pace(self) -> np.ndarray:
-        """The root mean square of the frequencies in each segment, weighted by |C|, (K,); 0 for the ground at rest."""
-        size = np.hypot(self.sin, self.cos)
-        total = size.sum(axis=0)
-        return np.asarray(np.sqrt((size * self.frequency**2).sum(axis=0) / np.where(total > 0.0, total, 1.0)))
-
-    @cached_property
     def table(self) -> Table | None:
         """The segments as polynomials; None if the motion has at most one sinusoid and no slope, or if the table is too large."""
         if self.harmonics == 0 or (self.harmonics == 1 and not self.sloped):
             return None
         return table_of(self)
-
-    @cached_property
-    def variation(self) -> np.ndarray:
-        """The total variation of s from the end of each segment until the ground is at rest, (K,)."""
-        start, to = np.append(self.s_start[1:], 0.0), np.append(self.s_end[1:], 0.0)
-        return np.cumsum((np.abs(start - self.s_end) + np.abs(to - start))[::-1])[::-1]
-
-    @cached_property
-    def largest_later(self) -> np.ndarray:
-        """The largest |s| after the end of each segment, (K,)."""
-        return np.append(largest_from(np.maximum(np.abs(self.s_start), np.abs(self.s_end)))[1:], 0.0)
 
     @cached_property
     def largest(self) -> float:

@@ -21,7 +21,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..dynamics.body import FAR
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..motions.blocks import blocks
@@ -34,6 +33,7 @@ Array = np.ndarray
 
 _INSTANTS = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, 17)))  # of an arc
 _TOGETHER = 4096  # arcs
+_FAR = 100.0  # rotation [rad] beyond which no forces are computed: the body has left the ground
 
 
 class Forces(NamedTuple):
@@ -191,10 +191,10 @@ class ForceHistory:
     @cached_property
     def _bounds(self) -> tuple[Array, Array, Array]:
         """(indices of arcs, lower bounds of Fz, upper bounds of |Fx|/Fz) on each arc: the extremes of 17 instants, widened by 5 % of their
-        range. Arcs that begin beyond the rotation `FAR` are left out."""
+        range. Arcs that begin beyond the rotation `_FAR` are left out."""
         arcs = self.found.arcs
         alpha = np.where(arcs.side > 0.0, self.edges[0].alpha, self.edges[1].alpha)
-        arc = np.flatnonzero((arcs.stop > arcs.start) & (alpha * self.found.equation.on(arcs.side).rotation(arcs.flow.y) < FAR))
+        arc = np.flatnonzero((arcs.stop > arcs.start) & (alpha * self.found.equation.on(arcs.side).rotation(arcs.flow.y) < _FAR))
         low, high = np.empty(arc.size), np.empty(arc.size)
         for part in blocks(arc.size, _TOGETHER):
             some = arc[part]

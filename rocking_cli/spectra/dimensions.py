@@ -185,13 +185,12 @@ VARIABLES: dict[str, Variable] = {
     "outcome_linear": _coded("outcome by the linear equation", Outcome),
     "difference": _coded("how the linear equation judges what the nonlinear one decides", Difference),
 }
-"""A file has theta_ratio and outcome, and others on request, in this order; a chunk's checksum runs over them in the same order."""
+"""A file has theta_ratio and outcome, and others on request, in this order; a chunk's checksum runs over them in the same order. friction
+and fz_min stand in files of version 0.1.0 only."""
 
 QUANTITIES: dict[str, tuple[str, ...]] = {
     "velocity_ratio": ("velocity_ratio",),
     "condition": ("condition",),
-    "friction": ("friction",),
-    "fz_min": ("fz_min",),
     "linear": ("theta_ratio_linear", "outcome_linear", "difference"),
 }
 """The quantities that may be asked for, each with its variables."""

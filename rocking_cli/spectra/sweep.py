@@ -68,6 +68,8 @@ class SweepOptions:
         if self.chunk_cells < 1:
             raise UsageError(f"a unit of work: found {self.chunk_cells} cells; expected one or more")
         for name in self.quantities:
+            if name in ("friction", "fz_min"):
+                raise UsageError(f"quantity {name}: a sweep no longer stores it; check and response give friction_needed and fz_min")
             if name not in QUANTITIES:
                 raise UsageError(f"unknown quantity {name!r}; expected {', '.join(QUANTITIES)}")
         if self.resume and self.overwrite:
@@ -93,8 +95,6 @@ class SweepOptions:
         found = tuple(name for name in QUANTITIES if name in (*self.quantities, *scene.quantities))
         if "velocity_ratio" in found and not scene.of_records:
             raise UsageError("quantity velocity_ratio: found the sweep of a pulse; expected a sweep of records")
-        if "friction" in found or "fz_min" in found:
-            _require_bodies(scene)
         if "linear" in found and scene.method.exact:
             raise UsageError("quantity linear: compares with the nonlinear equation; `model` must be nonlinear")
         return found
@@ -104,20 +104,6 @@ class SweepOptions:
         of_quantities = {name for key in self.quantities_of(scene) for name in QUANTITIES[key]}
         wanted = {"theta_ratio", "outcome", *of_quantities} | ({"impacts"} if self.impacts else set())
         return tuple(name for name in VARIABLES if name in wanted)
-
-
-def _require_bodies(scene: Scene) -> None:
-    """Raise UsageError if friction or fz_min is not defined for a structure, or structures share rotations but not forces."""
-    bodies = [scene.method.body_of(s) for s in scene.structures]
-    for s, body in zip(scene.structures, bodies, strict=True):
-        if body is None or not body.moves_with_the_ground:
-            found = "no arm" if body is None else f"a_scale {s.a_scale:.6g}"
-            raise UsageError(f"{s.name}: quantities friction and fz_min: found {found}; expected a rigid body of known arm and a_scale 1")
-    for first, *others in () if scene.of_records else scene.sharing():
-        for i in others:
-            if bodies[i] != bodies[first]:
-                name = scene.structures[i].name
-                raise UsageError(f"{name}: shares its rotations with another structure, but not its forces; sweep them apart")
 
 
 def spectrum(

@@ -191,6 +191,7 @@ REFUSED = {
         (2, f"{COLUMN} {AT2} --scale-to PGA=1g --a-g 1", "--scale-to does not go with an amplitude: expected one of them"),
     ],
     "spectrum": [
+        (2, f"--eta 0.9 {SMALL} --quantity condition,fz_min", "quantity fz_min: a sweep no longer stores it; check and response give"),
         (2, "--eta 0.9 -o s.h5", "--grid"),
         (2, "x.yaml -oa.h5 y.yaml -o a.h5", "rocking spectrum: --output is given twice; expected one value (see --help)\n"),
         (2, "--eta block -o s.h5 --grid A=1:2:2,Omega=2", "--eta block goes with --alpha"),

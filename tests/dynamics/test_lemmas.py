@@ -2,6 +2,7 @@
 
 import math
 import re
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,8 @@ from scipy.optimize import brentq
 from rocking_cli import LinearEquation, RigidBodyEquation, System, response
 from rocking_cli.dynamics import lemmas
 from rocking_cli.dynamics.contacts.contact import OneSided, Symmetric, Unequal
-from rocking_cli.dynamics.equations.damped_flow import DampedFlow
-from rocking_cli.dynamics.equations.flow import LinearFlow
+from rocking_cli.dynamics.equations.equation import Point
+from rocking_cli.dynamics.lanes import Arrays
 from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
 from rocking_cli.dynamics.march.roots import hidden_turn
@@ -25,11 +26,29 @@ CONTACTS = {"equal": (Symmetric(), 0.9), "unequal": (RIGHT_UNEQUAL, 0.9), "one s
 LINEAR = {"undamped": LinearEquation(), "damped": LinearEquation(0.3)}
 
 
+@dataclass
+class ClosedForm(Arrays):
+    """y - 1 as a sum of c exp(r tau), with complex rates and coefficients, (terms, lanes): both modes and the steady motion."""
+
+    rates: np.ndarray
+    coefficients: np.ndarray
+    damping: float
+
+    def at(self, h):
+        y, *more = (np.sum(self.coefficients * self.rates**n * np.exp(self.rates * h), axis=0).real for n in range(4))
+        return Point(y + 1.0, *more)
+
+
 def flow(damping, y, v, a, rate, w):
     """The linear arc from (y, v) under the outward drive a cos(w tau) + rate sin(w tau), one lane for each number."""
     y, v, a, rate, w = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (y, v, a, rate, w)))
-    state = (y + 0.0, v + 0.0, y - 1.0 + a, rate[None], a[None], w[None], None)
-    return DampedFlow(*state, damping) if damping else LinearFlow(*state)
+    up, down = (-damping + sign * math.sqrt(1.0 + damping * damping) for sign in (1.0, -1.0))
+    turns = 1j * w
+    steady = (a - 1j * rate) / (turns * turns + 2.0 * damping * turns - 1.0)  # of exp(i w tau); its real part counts
+    out, speed = y - 1.0 - steady.real, v - (steady * turns).real
+    rising = (speed - down * out) / (up - down)
+    rates = np.array([up + 0.0 * turns, down + 0.0 * turns, turns])
+    return ClosedForm(rates, np.array([rising + 0.0j, out - rising + 0.0j, steady]), damping)
 
 
 def watched(damping, cells, low, high, seed):

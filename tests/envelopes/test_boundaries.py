@@ -24,7 +24,7 @@ from rocking_cli import (
 )  # fmt: skip
 from rocking_cli.dynamics.contacts.contact import OneSided, Unequal
 from rocking_cli.dynamics.outcome import safe
-from rocking_cli.envelopes import boundaries, changes
+from rocking_cli.envelopes import changes
 from rocking_cli.envelopes.amplitudes import ScanGrid
 from rocking_cli.envelopes.boundaries import Search
 
@@ -105,8 +105,7 @@ def drawn(number):
         *map(drawn, range(30)),
     ],
 )
-def test_what_the_scan_leaves_out_changes_nothing(motion, eta, omegas, least, monkeypatch):
-    monkeypatch.setattr(boundaries, "_LEAST_FOR_BOUNDS", 0)
+def test_what_the_scan_leaves_out_changes_nothing(motion, eta, omegas, least):
     spared = Search(System(LinearEquation()), motion, eta, 16.0).rows(omegas)
     every = Exhaustive(System(Plain()), motion, eta, 16.0).rows(omegas)
     same_changes(spared, every)

@@ -13,7 +13,6 @@ from rocking_cli import MotionError, cosine, pulse, sine
 from rocking_cli.dynamics.drive import crossing, segment_value
 from rocking_cli.motions import Harmonic, Motion, Piece, sinusoids
 from rocking_cli.motions.motion import extremes
-from rocking_cli.motions.polyline import Polyline
 
 
 def test_sine_and_cosine_are_cut_at_their_extremes_without_rounding():
@@ -41,18 +40,6 @@ REFUSED = [
     ((Piece(0, 1, (Harmonic(1, 0),)),), "not positive"),
 ]
 test_bad_pieces_are_refused = refuses(partial(Motion, "bad"), MotionError, REFUSED)
-
-
-def test_the_extent_of_segments_is_that_of_each():
-    random = np.random.default_rng(2)
-    values = random.uniform(-1.0, 1.0, 38)
-    t = np.arange(38.0)
-    segments = Polyline("r", t[:-1], t[1:], values[:-1], np.diff(values), 1.0).segments
-    k, to = (x.ravel() for x in np.meshgrid(np.arange(len(segments)), np.arange(len(segments) + 1), indexing="ij"))
-    largest, least = segments.extent(k, to)
-    for first, last, high, low in zip(k, to, largest, least, strict=True):
-        ends = np.concatenate([segments.s_start[first:last], segments.s_end[first:last]])
-        assert (high, low) == (ends.max(initial=-np.inf), ends.min(initial=np.inf))
 
 
 AT = 2.0 + 1e-3 * math.sqrt(2)

@@ -13,9 +13,9 @@ from support.synthetic_records import noise, recorded, shaken
 
 from rocking_cli import Axis, LinearEquation, Recording, System, Units, UsageError
 from rocking_cli.dynamics.references.general_solver import solve_cell
-from rocking_cli.dynamics.single.scan import Scan
 from rocking_cli.envelopes.boundaries import Search
 from rocking_cli.envelopes.capacity import RATIO
+from rocking_cli.envelopes.scan import Scan
 from rocking_cli.reports.figures.fragility_curves import overturning_spectra
 from rocking_cli.spectra.record_envelope import NONE, Tracing, overturning_spectrum, tracing_rows
 from rocking_cli.spectra.record_scene import angles_scene, structures_scene

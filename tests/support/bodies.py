@@ -17,13 +17,16 @@ from rocking_cli import (
     System,
     cosine,
     load_structures,
+    parse_grid,
     pulse,
     sine,
+    time_history,
 )
 from rocking_cli.dynamics.contacts.contact import OneSided, Unequal
 from rocking_cli.motions import Harmonic, Piece
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.polyline import Polyline
+from rocking_cli.responses.force_history import GroundForceExtremes
 from rocking_cli.structures.parameters import Side
 
 ACROSS = [sine(1), cosine(1.5), pulse("rectangular-impulse"), pulse("mavroeidis-papageorgiou"), sine(2).scaled(-1)]
@@ -86,6 +89,12 @@ def shaking(motion: Motion, a_g: float, omega_g: float) -> Shaking:
 def shaking_of(body: RockingParameters, motion: Motion, amplitude: float, omega: float) -> Shaking:
     """The same of a body's A and Omega."""
     return shaking(motion, float(body.ground_acceleration(amplitude)), omega * body.p)
+
+
+def forces_of(body: RockingParameters, motion: Motion, amplitude: float, omega: float, method: Method) -> GroundForceExtremes:
+    """The extremes of the forces on the ground along the history."""
+    found = time_history(body, motion, parse_grid(f"A={amplitude!r},Omega={omega!r}"), [method])
+    return found.forces[method.model].extremes
 
 
 def shaken(

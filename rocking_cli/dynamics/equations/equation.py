@@ -6,13 +6,14 @@ The linear oscillator has l = 1 - y, m = 1 (Eq. 2.4), a rigid body l = sin(alpha
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
 
 from ...motions.segments import Segments
 from ..lanes import Array, Lanes
+from .recurrence import Rows, Series
 
 
 class Point(NamedTuple):
@@ -52,39 +53,30 @@ class Flow(Protocol):
         """The force f of each lane at an impact h [tau] after the start, (lanes,)."""
 
 
-class Ramp(NamedTuple):
-    """A drive that is a straight line in time, for each lane. unit: duration of the line [tau]; drive: its value at the start; gain: its
-    increase over the unit, (lanes,); factors: unit^2/((n + 1)(n + 2)) for the terms n + 2 of y, 0 beyond a lane's degree, (degrees, lanes);
-    force: f at the start, if it is known to more digits than follow from the drive (it is 0 at uplift); weight: (weight over m g at the
-    start, its increase over the unit), None if it is constant."""
+class Drive(NamedTuple):
+    """The shaking of lanes: series in powers of the time over `unit`, from now on."""
 
-    drive: Array
-    gain: Array
-    unit: Array
-    factors: Array
-    force: Array | None = None
-    weight: tuple[Array, Array] | None = None
+    terms: Rows  # of the outward drive over its value at uplift
+    unit: Array  # [tau], (lanes,)
+    weight: Rows | None = None  # of the weight over m g; None if it is constant
 
-    def after(self, share: Array) -> "Ramp":
-        """The rest of the ramp when this part of its unit is over. The factors are not changed: the caller gives those of the rest."""
-        left = 1.0 - share
-        weight = None if self.weight is None else (self.weight[0] + self.weight[1] * share, self.weight[1] * left)
-        return Ramp(self.drive + self.gain * share, self.gain * left, self.unit * left, self.factors, None, weight)
+    @property
+    def line(self) -> Array:
+        """(value at the start, increase over the unit) of a drive that is a straight line, (2, lanes)."""
+        return self.terms.array[:, : self.unit.size]
 
+    @property
+    def weight_line(self) -> Array:
+        """As `line`, of the weight over m g."""
+        return np.array([[1.0], [0.0]]) if self.weight is None else self.weight.array[:, : self.unit.size]
 
-class Law(NamedTuple):
-    """An equation of motion as text, y'' = -w F(y) + a G(y) - 2 zeta y', from which `single.recurrence` makes straight-line code. name: of
-    the equation; compiled code is stored under it; start: lines that compute F0 and G0 from y; term: lines that compute F<n> and G<n> from
-    Y1 ... Y<n> and earlier terms; numbers: floats that the lines use by name; constant: True if G = 1, which no line computes; local:
-    function of a y and a number of terms that returns (the largest |y - y(0)| for which the terms hold, the argument `local` of the lines).
-    """
+    def after(self, share: Array) -> "Drive":
+        """Return the rest of a straight line when this share of its unit is over."""
 
-    name: str
-    start: tuple[str, ...]
-    term: Callable[[int], tuple[str, ...]]
-    numbers: dict[str, float]
-    constant: bool = False
-    local: Callable[[float, int], tuple[float, tuple[tuple[float, ...], ...]]] | None = None
+        def rest(line: Array) -> Rows:
+            return Rows.of(line[0] + line[1] * share, line[1] * (1.0 - share))
+
+        return Drive(rest(self.line), self.unit * (1.0 - share), None if self.weight is None else rest(self.weight_line))
 
 
 class Equation(ABC):
@@ -98,6 +90,7 @@ class Equation(ABC):
     limit: Any  # y from which the body counts as overturned under any drive: it lies on its side, the linkage has collapsed
     barrier: Any  # energy, as `fall` returns it, of a body that leaves the ground and just reaches its unstable equilibrium
     bounds: tuple[Any, Any]  # the largest l and the largest m between the ground and `limit`
+    composed: int | None = None  # largest degree of a series of one body, if F and G are series about each y: its cost goes with the cube
     bounded = False  # True if the search for overturning amplitudes may use Lemmas 9 and 10
     per_y: Any = 1.0  # |theta|/alpha at y = 1, if they are proportional
     per_rotation: Any = 1.0  # y at |theta|/alpha = 1, if they are proportional
@@ -112,17 +105,29 @@ class Equation(ABC):
         """Return the equation with the numbers of these lanes: of the sides, +1 or -1, that they are on, and of their cells."""
         return self
 
+    def part(self, lanes: slice) -> Self:
+        """Return the equation of some of the lanes that `on` has returned it for."""
+        return self
+
+    def edge(self, side: float) -> Self:
+        """Return the equation of one edge, +1 or -1, with numbers that are floats."""
+        return self
+
+    def joined(self, others: Sequence[Self]) -> Self:
+        """Return the equation of this edge and of others, each as `edge` returns it: `on` takes their numbers as cells."""
+        return self
+
     @abstractmethod
     def flow(self, segments: Segments, lanes: Lanes) -> Flow:
         """Return the flow of the lanes from their present state."""
 
     @abstractmethod
-    def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
-        """Taylor terms of y, in powers of time over `ramp.unit`, under a drive that is a straight line, (degrees + 2, lanes)."""
+    def along(self, y: Series, new: Callable[[], Series]) -> tuple[Series, Series | None, Callable[[int], None]]:
+        """Return F and G along a motion, and a function that adds their terms, as of `Recurrence`."""
 
-    @abstractmethod
-    def law(self, side: float) -> Law:
-        """Return the equation of one side as text."""
+    def room(self, y: float) -> float:
+        """The distance from y up to which F and G `along` a motion from y hold."""
+        return math.inf
 
     @abstractmethod
     def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
@@ -157,37 +162,6 @@ class Equation(ABC):
     def certainly_overturns(self, y: Array, v: Array, inward: Array, steady: bool = True) -> Array:
         """True where no later inward drive up to `inward` >= 0 (over the drive at uplift) can bring the body back (Lemma 6). steady: True
         if the weight is constant; otherwise `inward` is the drive over the least later weight."""
-
-
-class SeriesEquation(Equation):
-    """An equation whose l and m are series in y, so that a recurrence gives the terms of y."""
-
-    @abstractmethod
-    def along(self, y: Array) -> Callable[[int], Array]:
-        """Return a function of n that returns terms n of l and m, (2, lanes), from the terms 0 to n of y, (terms, lanes). The caller calls
-        it for n = 0, 1 ... in this order."""
-
-    def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
-        terms = np.empty((len(ramp.factors) + 2, y.size))
-        terms[0] = y
-        np.multiply(v, ramp.unit, out=terms[1])
-        term, drag = self.along(terms), 2.0 * self.damping / ramp.unit
-        before = np.empty((2, y.size))
-        for n, factor in enumerate(ramp.factors):
-            lift, push = here = term(n)
-            pushed = np.multiply(ramp.drive, push, out=terms[n + 2])
-            if n:
-                pushed += ramp.gain * before[1]
-            pushed -= lift if ramp.weight is None else ramp.weight[0] * lift
-            if n and ramp.weight is not None:
-                pushed -= ramp.weight[1] * before[0]
-            if not n and ramp.force is not None:
-                pushed[:] = ramp.force
-            if self.damping:
-                pushed -= drag * ((n + 1) * terms[n + 1])
-            pushed *= factor
-            before = here
-        return terms
 
 
 def falls_by_energy(v: Array, energy: Array, barrier: Array | float, beyond: Array) -> Array:

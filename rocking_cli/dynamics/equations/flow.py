@@ -39,7 +39,7 @@ class LinearFlow(Arrays):
     cos: Array  # C_j: coefficient of cos(w h) in the outward drive
     w: Array  # angular frequency over p
     ramp: Array | None  # r, or None when the motion has no ramp
-    damping: float = 0.0  # zeta
+    damping = 0.0
 
     @property
     def longest(self) -> Array:

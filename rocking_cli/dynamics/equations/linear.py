@@ -1,17 +1,20 @@
-"""The linear oscillator (Eqs. 2.4 and 3.6): y is |theta|/alpha, and its flow is exact."""
+"""The linear oscillator (Eqs. 2.4 and 3.6): y is |theta|/alpha. Its flow is exact; with damping or under a varying weight it is a Taylor
+series."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
 from ...motions.segments import Segments
 from ..drive import segment_value
 from ..lanes import Array, Lanes
-from .equation import Equation, Flow, Law, Ramp
+from .equation import Equation, Flow
 from .flow import LinearFlow
-from .taylor import TaylorSeries, drive_series, order_for, ramp_flow, series
+from .recurrence import Series
+from .taylor import line_flow, order_for, series, series_flow
 
-WEIGHED = 1e-12  # tolerance of the series under a varying weight, for which there is no closed form
+SERIES = 1e-12  # tolerance of the series with damping or under a varying weight
 
 
 class LinearEquation(Equation):
@@ -30,67 +33,22 @@ class LinearEquation(Equation):
         self.growth = math.sqrt(1.0 + damping * damping) - damping  # rate of the unstable mode, over p
 
     def flow(self, segments: Segments, lanes: Lanes) -> Flow:
-        """The exact motion of each lane from its state; under a varying weight, a Taylor series."""
-        if segments.weighed is not None:
-            return ramp_flow(self, segments, lanes) if segments.straight else self._series(segments, lanes)
+        """The motion of each lane from its state."""
+        if self.damping or segments.weighed is not None:
+            if segments.straight:
+                return line_flow(self, segments, lanes)
+            return series(*series_flow(self, segments, lanes, order_for(SERIES)), SERIES, self.damping)
         _, sin, cos = segment_value(segments, lanes.k, lanes.u)
         outward = -lanes.side * lanes.amplitude
         ramp = outward * segments.slope[lanes.k] * lanes.omega if segments.sloped else None
-        if not self.damping and segments.harmonics > 1:
-            from .summed_flow import SummedFlow, can_be_summed
-
-            if can_be_summed(segments):
-                frequency = segments.frequency[:, 0]
-                top = frequency.max()
-                return SummedFlow.of(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, top * lanes.omega, frequency / top)
         w = segments.frequency.take(lanes.k, axis=1) * lanes.omega
-        if self.damping:
-            from .damped_flow import DampedFlow
-
-            return DampedFlow(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp, self.damping)
         return LinearFlow(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp)
 
-    def _series(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
-        order = order_for(WEIGHED)
-        known = drive_series(segments, lanes, order - 1)
-        weight, drive = known.terms.swapaxes(0, 1)
-        unit2 = known.unit * known.unit
-        drive[0] = unit2 * lanes.b + weight[0] * (1.0 - lanes.y)
-        y = np.empty((order + 1, lanes.y.size))
-        y[0] = lanes.y
-        np.multiply(lanes.v, known.unit, out=y[1])
-        above = y.copy()  # y - 1
-        above[0] -= 1.0
-        for n in range(order - 1):
-            above[n + 1] = y[n + 1]
-            pushed = drive[n] + np.einsum("il,il->l", weight[: n + 1], above[n::-1])
-            if self.damping:
-                pushed -= (2.0 * self.damping * (n + 1)) * known.unit * y[n + 1]
-            np.multiply(pushed, 1.0 / ((n + 1) * (n + 2)), out=y[n + 2])
-        return series(y, known.fastest, WEIGHED, self.damping)
-
-    def ramp_terms(self, y: Array, v: Array, ramp: Ramp) -> Array:
-        terms = np.empty((len(ramp.factors) + 2, y.size))
-        terms[0] = y
-        np.multiply(v, ramp.unit, out=terms[1])
-        drag = 2.0 * self.damping / ramp.unit
-        for n, factor in enumerate(ramp.factors):
-            if ramp.weight is None:
-                pushed = np.add(terms[n], ramp.drive - 1.0 if n == 0 else ramp.gain if n == 1 else 0.0, out=terms[n + 2])
-            else:
-                pushed = np.multiply(ramp.weight[0], terms[n] - 1.0 if n == 0 else terms[n], out=terms[n + 2])
-                if n:
-                    pushed += ramp.weight[1] * (terms[n - 1] - 1.0 if n == 1 else terms[n - 1])
-                pushed += ramp.drive if n == 0 else ramp.gain if n == 1 else 0.0
-                if not n and ramp.force is not None:
-                    pushed[:] = ramp.force
-            pushed -= drag * ((n + 1) * terms[n + 1])
-            pushed *= factor
-        return terms
-
-    def law(self, side: float) -> Law:
-        """The equation as text, with F = 1 - y and G = 1."""
-        return Law("linear", ("F0 = 1.0 - y",), lambda n: (f"F{n} = -Y{n}",), {}, constant=True)
+    def along(self, y: Series, new: Callable[[], Series]) -> tuple[Series, None, Callable[[int], None]]:
+        """F = 1 - y, G = 1."""
+        lift = new()
+        lift.append(1.0 - y[0])
+        return lift, None, lambda n: lift.append(-y[n])
 
     def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
         """The force f = w (y - 1) + a."""

@@ -5,40 +5,41 @@ rest F0 and G0, y = q p^2/(g F0) and a the outward drive over lambda g,
 
     y'' = -F(y)/F0 + a G(y)/G0 - 2 zeta y'
 
-F and G are tabulated once (`patches`). A step is computed by `collocation`; if the body is damped, its weight varies or the tolerance is
-too tight, the series of F and G are composed with that of y. The sign tests of `march.advance` need F/G = lambda(phi) to fall from rest
-on (this is checked). Where F/G no longer falls, or is below -50 times its value at rest, the structure has collapsed.
+F and G are tabulated once (`patches`), and their series are composed with that of y. The sign tests of `march.advance` need F/G =
+lambda(phi) to fall from rest on (this is checked). Where F/G no longer falls, or is below -50 times its value at rest, the structure has
+collapsed.
 """
 
 import math
 from collections.abc import Callable
 from functools import cached_property
+from operator import mul
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from ...motions.blocks import blocks
 from ...motions.segments import Segments
 from ...structures.mechanics.kinematics import Mechanism
 from ..drive import summed
 from ..lanes import Array, Lanes
-from .collocation import collocated
-from .equation import Law, SeriesEquation, falls_by_energy
+from .equation import Equation, falls_by_energy
 from .patches import DEGREE, inverse, largest, tabulate
-from .taylor import CACHED, LOCAL, MOST_TERMS, TaylorSeries, drive_series, longest, order_for, powers, ramp_flow
+from .recurrence import Rows, Series
+from .taylor import MOST_TERMS, TaylorSeries, line_flow, longest, order_for, powers, series_flow
 
 _SHIFT = 4  # powers of x used to shift the series of a narrow patch
 _MARKS, _NEAR = 2048, 4  # intervals of a finer table: within half of one, powers above the 4th are below 1e-13
 _CHOOSE = np.array([[math.comb(j + k, k) for j in range(MOST_TERMS)] for k in range(_NEAR + 1)], dtype=float)
-_LEFT = 0.1  # largest error of the series about marks, over the error of a step
 _MARGIN = 1e-6  # energy beyond a barrier from which overturning is certain, whatever the table's interpolation
 _FACTORIALS = np.array([[float(math.factorial(k))] for k in range(DEGREE + 1)])
 
 
-class MechanismEquation(SeriesEquation):
+class MechanismEquation(Equation):
     """Eq. 3.4 for one mechanism; tolerance: error of phi/alpha that the integration aims at; damping: zeta [-], of q. Raises ValueError
     when the mechanism does not stand, when it never becomes unstable, when its lambda(phi) does not fall until then, or when the tolerance
     is not between 1e-13 and 1e-2."""
+
+    composed = 12
 
     def __init__(self, mechanism: Mechanism, tolerance: float = 1e-9, damping: float = 0.0) -> None:
         super().__init__(damping)
@@ -54,21 +55,10 @@ class MechanismEquation(SeriesEquation):
         self.marks = beyond, -table.value(table.lift, beyond) / table.value(table.push, beyond)
 
     def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
-        """The motion of every lane over a step, as a polynomial in time."""
+        """The series of every lane from its present state."""
         if segments.straight:
-            return ramp_flow(self, segments, lanes)
-        marks_hold = not self.damping and self.table.marks.left <= _LEFT * LOCAL * self.tolerance
-        if marks_hold and segments.weighed is None:
-            found, lost = collocated(self.table.marks, self.tolerance, segments, lanes)
-            if lost.size:
-                terms = np.empty((len(found.terms), lost.size))
-                self._fill(terms, segments, lanes.take(lost))
-                found.terms[:, lost], found.unit[lost] = terms, 1.0 / found.fastest[lost]
-                found.longest[lost] = self._longest(terms, found.fastest[lost])
-            return found
-        y, fastest = np.empty((self.order + 1, lanes.y.size)), np.empty(lanes.y.size)
-        for block in blocks(lanes.y.size, CACHED):
-            fastest[block] = self._fill(y[:, block], segments, lanes.take(block))
+            return line_flow(self, segments, lanes)
+        y, fastest = series_flow(self, segments, lanes, self.order)
         return TaylorSeries(y, 1.0 / fastest, self._longest(y, fastest), fastest, self.damping)
 
     def _longest(self, terms: Array, fastest: Array) -> Array:
@@ -80,48 +70,22 @@ class MechanismEquation(SeriesEquation):
         room = 0.5 * self.table.half.take(self.table.of(terms[0])[0])
         return step * np.minimum(1.0, room / summed(sizes[1:]))
 
-    def _fill(self, y: Array, segments: Segments, lanes: Lanes) -> Array:
-        """Fill (order + 1, lanes) with the terms of y; returns the rate [1/tau], so that the terms are in powers of rate h."""
-        count, table = len(y) - 2, self.table
-        known = drive_series(segments, lanes, count)
-        weight, drive = known.parts
-        at, x = table.of(lanes.y)
-        lift, push = local = self._local(at, x, count)
-        unit2 = known.unit * known.unit
-        if weight is None:
-            lift *= unit2
-        drive[0] = (unit2 * lanes.b + lift[0] * (1.0 if weight is None else weight[0])) / push[0]
-        y[0] = lanes.y
-        np.multiply(lanes.v, known.unit, out=y[1])
-        term, (lifts, pushes) = _composed(local, y, 1.0 / table.half[at])
-        for n in range(count):
-            term(n)
-            pushed = np.einsum("il,il->l", drive[: n + 1], pushes[n::-1])
-            pushed -= lifts[n] if weight is None else np.einsum("il,il->l", weight[: n + 1], lifts[n::-1])
-            if self.damping:
-                pushed -= (2.0 * self.damping * (n + 1)) * known.unit * y[n + 1]
-            np.multiply(pushed, 1.0 / ((n + 1) * (n + 2)), out=y[n + 2])
-        return known.fastest
+    def along(self, y: Series, new: Callable[[], Series]) -> tuple[Series, Series, Callable[[int], None]]:
+        """The series of F and G about the present y, composed with that of the motion."""
+        if isinstance(y, list):
+            return _composed_floats(self._about(y[0]), y)
+        return _composed(self._near(y[0], len(y.array) - 2), y, new)
 
-    def along(self, y: Array) -> Callable[[int], Array]:
-        return _composed(self._near(y[0], len(y) - 2), y, 1.0)[0]
+    def room(self, y: float) -> float:
+        """The distance from y up to which the series about y hold."""
+        return 0.5 * float(self.table.half[self.table.of(np.array([y]))[0][0]])
 
-    def law(self, side: float) -> Law:
-        """The equation as text: power series of F and G about each y, composed with the series of the motion."""
-
-        def term(n: int) -> tuple[str, ...]:
-            powers = [f"P{j}_{n} = {' + '.join(f'Y{i}*P{j - 1}_{n - i}' for i in range(1, n - j + 2))}" for j in range(2, n + 1)]
-            sums = (f"{name}{n} = {' + '.join(f'{name}[{j}]*P{j}_{n}' for j in range(1, n + 1))}" for name in ("F", "G"))
-            return (f"P1_{n} = Y{n}", *powers, *sums)
-
-        return Law("mechanism", ("F, G = local", "F0 = F[0]", "G0 = G[0]"), term, {}, local=self._about)
-
-    def _about(self, y: float, count: int) -> tuple[float, tuple[tuple[float, ...], ...]]:
-        """(distance from y up to which the series hold; the first `count` terms of F and of G as series about this y)."""
+    def _about(self, y: float) -> list[list[float]]:
+        """The first terms of F and of G as series about this y."""
         at, x = self.table.of(np.array([y]))
-        half = float(self.table.half[at[0]])
-        rows = self._local(at, x, count)[:, :, 0] / half ** np.arange(count)
-        return 0.5 * half, tuple(tuple(row) for row in rows.tolist())
+        scale = float(self.table.half[at[0]]) ** np.arange(self.composed)
+        rows: list[list[float]] = (self._local(at, x, self.composed)[:, :, 0] / scale).tolist()
+        return rows
 
     def _near(self, y: Array, count: int) -> Array:
         """(2, count, lanes): the series of F and G in powers of y - y0, shifted from the nearest of many marks."""
@@ -200,19 +164,33 @@ class MechanismEquation(SeriesEquation):
         return np.interp(e, self.marks[1], self.marks[0])
 
 
-def _composed(local: Array, y: Array, over: Array | float) -> tuple[Callable[[int], Array], Array]:
-    """(function of n that returns term n of F and G along a motion; the array that it fills); local: their series in (y - y0) `over`."""
-    _, count, lanes = local.shape
-    power = np.zeros((count, count, lanes))  # [j, n]: term n of power j; it is zero for n < j
-    found = np.empty(local.shape)
-    found[:, 0] = local[:, 0]
+def _composed(local: Array, y: Rows, new: Callable[[], Series]) -> tuple[Series, Series, Callable[[int], None]]:
+    """`along` for many lanes; local: the series of F and G about the present y, (2, terms, lanes)."""
+    count = local.shape[1]
+    power = np.zeros((count, count, y.array.shape[1]))  # [j, n]: term n of (y - y0)^j; it is zero for n < j
+    found = new(), new()
+    for function, series in zip(local, found, strict=True):
+        series.append(function[0])
 
-    def term(n: int) -> Array:
-        if n:
-            np.multiply(y[n], over, out=power[1, n])
-            np.einsum("il,jil->jl", power[1, 1:n], power[1:n, n - 1 : 0 : -1], out=power[2 : n + 1, n])
-            for function, row in zip(local, found, strict=True):
-                np.einsum("jl,jl->l", function[1 : n + 1], power[1 : n + 1, n], out=row[n])
-        return found[:, n]
+    def extend(n: int) -> None:
+        power[1, n] = y[n]
+        np.einsum("il,jil->jl", power[1, 1:n], power[1:n, n - 1 : 0 : -1], out=power[2 : n + 1, n])
+        for function, series in zip(local, found, strict=True):
+            series.append(np.einsum("jl,jl->l", function[1 : n + 1], power[1 : n + 1, n]))
 
-    return term, found
+    return *found, extend
+
+
+def _composed_floats(local: list[list[float]], y: list[float]) -> tuple[list[float], list[float], Callable[[int], None]]:
+    """`along` for one body; local: the series of F and of G about the present y."""
+    power: list[list[float]] = [[] for _ in local[0]]  # [j]: terms j, j + 1 ... of (y - y0)^j
+    found = [local[0][0]], [local[1][0]]
+
+    def extend(n: int) -> None:
+        for j in range(n, 1, -1):
+            power[j].append(sum(map(mul, y[1:], reversed(power[j - 1]))))
+        power[1].append(y[n])
+        for function, series in zip(local, found, strict=True):
+            series.append(sum(function[j] * power[j][-1] for j in range(1, n + 1)))
+
+    return *found, extend

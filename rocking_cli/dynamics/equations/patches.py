@@ -3,7 +3,7 @@ distance to the linkage's nearest lock-up. It is then cut into narrow patches, o
 """
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 
@@ -13,36 +13,11 @@ from ..lanes import Array
 DEGREE = 28  # of a patch's series
 _PARTS = 512  # narrow patches that a fitted patch is cut into
 _TERMS = 6  # terms of a narrow patch's series for a value: there x is below 1/1024, and x^6 below 1e-18
-_MARKS, _POWERS = 2048, 4  # intervals between marks, and powers of the series about a mark
-_BEYOND = 0.45  # marks go on beyond the ends by this part of a patch's fitted half width; the fit holds to 0.5
 _COLLAPSED = -50.0  # lambda(phi) / lambda(0): no drive below 50 times the uplift's brings the structure back from there
 _CLOSE = 1e-9  # a Newton step this short, over the whole interval, leaves an error of the square of the step
 _WIDEN = 2.0  # a patch's series is fitted on this times its width
 # A smaller Chebyshev coefficient is rounding: values are of order one, with errors of 1e-14, or of 1e-15 over lambda where lambda is small.
 _SMALL = 3e-14
-
-
-@dataclass(frozen=True)
-class Marks:
-    """Tabulated power series of F/F0 and of G/G0 (l and m of `lemmas`) about equally spaced values of y, called marks. low: the lowest one;
-    step: the distance between marks; rows: coefficients of the powers of (y - mark), (2, powers, marks); halves: half width of the patch
-    from which the series of a mark comes; left: size of the first omitted term at a distance of two steps from a mark."""
-
-    low: float
-    step: float
-    rows: Array
-    halves: Array
-    left: float
-
-    def nearest(self, y: Array) -> tuple[Array, Array]:
-        """(index of the nearest mark, its y), for y of any shape."""
-        at = np.clip(np.rint((y - self.low) * (1.0 / self.step)), 0.0, self.halves.size - 1.0).astype(np.int64)
-        return at, self.low + at * self.step
-
-    def about(self, y: Array) -> Array:
-        """(2, 3, lanes): value, slope and half the second derivative of F/F0 and of G/G0 at each y."""
-        at, near = self.nearest(y)
-        return _shifted(self.rows.take(at, axis=2), y - near, 3)
 
 
 @dataclass(frozen=True)
@@ -64,17 +39,6 @@ class Patches:
         """(index of the patch, argument of its series) for each displacement y."""
         at = np.searchsorted(self.edges[1:-1], y, side="right")
         return at, (y - self.centre.take(at)) / self.half.take(at)
-
-    @cached_property
-    def marks(self) -> Marks:
-        """Series of F/F0 and G/G0 about marks, from below the ground, where an arc may end, to beyond the last patch."""
-        low, high = (end + _BEYOND * width for end, width in zip(self.edges[[0, -1]], (-self.half[0], self.half[-1]), strict=True))
-        y, step = np.linspace(low, high, _MARKS + 1, retstep=True)
-        at, x = self.of(y)
-        rows = _shifted(np.stack([self.lift[:, at], self.push[:, at]]), x, _POWERS + 2)
-        rows /= self.half[at] ** np.arange(_POWERS + 2)[:, None]
-        left = np.abs(rows[:, -1]).max() * (2.0 * step) ** (_POWERS + 1)
-        return Marks(float(low), float(step), np.ascontiguousarray(rows[:, :-1]), self.half[at], float(left))
 
     def value(self, coefficients: Array, y: Array) -> Array:
         """The value at y of the tabulated function with these coefficients."""

@@ -5,14 +5,15 @@ so no step is rejected. Impacts and peaks are roots of the series.
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 
+from ...motions.blocks import blocks
 from ...motions.segments import Segments
 from ..drive import segment_value
 from ..lanes import Array, Arrays, Lanes
-from .equation import Equation, Point, Ramp
+from .equation import Drive, Equation, Point
+from .recurrence import Recurrence, Rows, motion_terms
 
 # Allowed error of a step, in y', over the tolerance: errors double every 0.7 in tau, and grow by a factor of tens under a pulse.
 LOCAL = 3e-2
@@ -106,20 +107,6 @@ def _chord_errors(count: int) -> Array:
     return np.array([n, n * (n - 1.0)]) * m ** (-1.0 / (m - 1.0)) * (1.0 - 1.0 / m)
 
 
-class Drive(NamedTuple):
-    """Taylor series of the outward drive in powers of h / unit, times unit^2, without its first term, (terms, lanes). Where the weight
-    varies: the series of the weight over m g, with its first term, and of the drive, (terms, 2, lanes)."""
-
-    terms: Array
-    unit: Array
-    fastest: Array
-
-    @property
-    def parts(self) -> tuple[Array | None, Array]:
-        """(Taylor terms of the weight, None without a vertical motion; those of the horizontal drive)."""
-        return (self.terms[:, 0], self.terms[:, 1]) if self.terms.ndim == 3 else (None, self.terms)
-
-
 def order_for(tolerance: float, terms: float = 0.98) -> int:
     """Number of terms of a series: -`terms` log(error of a step). Raises ValueError when the tolerance is out of range."""
     if not LOWEST <= tolerance <= HIGHEST:
@@ -127,26 +114,26 @@ def order_for(tolerance: float, terms: float = 0.98) -> int:
     return max(8, math.ceil(-terms * math.log(tolerance * LOCAL)))
 
 
-def drive_series(segments: Segments, lanes: Lanes, order: int, gain: Array | float = 1.0, rate: Array | float = 1.0) -> Drive:
-    """Terms 1 ... order of the drive times `gain`, and the terms of the weight where it varies. Term 0, the drive now, follows from the
-    force that the lane stores. rate: fastest change of the body on still ground [1/tau]."""
+def drive_series(segments: Segments, lanes: Lanes, order: int, rate: Array | float = 1.0) -> tuple[Drive, Array]:
+    """Return (the drive of lanes up to term `order`; the rate [1/tau] of its fastest change, 1 over its unit).
+
+    rate: fastest change of the body on still ground [1/tau].
+    """
     weighed, here = segments.weighed, segment_value(segments, lanes.k, lanes.u)
     w, *up = (part.frequency.take(lanes.k, axis=1) * lanes.omega for part in (segments, *((weighed.vertical,) if weighed else ())))
     fastest = rate + np.maximum.reduce([x.max(axis=0, initial=0.0) for x in (w, *up)])
     unit = 1.0 / fastest
-    unit2 = unit * unit
-    outward = unit2 * gain * (-lanes.side * lanes.amplitude)
+    terms, outward = np.empty((order + 1, lanes.u.size)), -lanes.side * lanes.amplitude
+    terms[0] = outward * (segments.s_start[lanes.k] + here[0])
+    _fill(terms, segments, lanes, here, outward, w, unit)
     if weighed is None:
-        terms = np.empty((order + 1, lanes.u.size))
-        _fill(terms, segments, lanes, here, outward, w, unit)
-        return Drive(terms, unit, fastest)
-    terms, vertical = np.empty((order + 1, 2, lanes.u.size)), weighed.vertical
-    _fill(terms[:, 1], segments, lanes, here, outward, w, unit)
-    sway, rise = weighed.sway(lanes.side, lanes.amplitude) * unit2, segment_value(vertical, lanes.k, lanes.u)
-    _fill(terms[:, 0], vertical, lanes, rise, sway, up[0], unit)
+        return Drive(Rows.from_array(terms), unit), fastest
+    rows, vertical = np.empty(terms.shape), weighed.vertical
+    sway, rise = weighed.sway(lanes.side, lanes.amplitude), segment_value(vertical, lanes.k, lanes.u)
     change = rise[0] if vertical.table is None else vertical.table.change_at(lanes.k, lanes.u)[0]
-    terms[0, 0] = unit2 + sway * (vertical.s_start[lanes.k] + change)
-    return Drive(terms, unit, fastest)
+    rows[0] = 1.0 + sway * (vertical.s_start[lanes.k] + change)
+    _fill(rows, vertical, lanes, rise, sway, up[0], unit)
+    return Drive(Rows.from_array(terms), unit, Rows.from_array(rows)), fastest
 
 
 def _fill(terms: Array, segments: Segments, lanes: Lanes, here: tuple[Array, Array, Array], outward: Array, w: Array, unit: Array) -> None:
@@ -168,6 +155,18 @@ def _fill(terms: Array, segments: Segments, lanes: Lanes, here: tuple[Array, Arr
             terms[1:] += mine[1:]
     if segments.sloped:
         terms[1] += outward * segments.slope[lanes.k] * lanes.omega * unit
+
+
+def series_flow(equation: Recurrence, segments: Segments, lanes: Lanes, order: int, rate: Array | float = 1.0) -> tuple[Array, Array]:
+    """Return (the terms of y of each lane from its present state, (order + 1, lanes); the rate [1/tau]: they are in powers of rate h)."""
+    y, fastest = np.empty((order + 1, lanes.y.size)), np.empty(lanes.y.size)
+    for block in blocks(lanes.y.size, CACHED):
+        some, own = lanes.take(block), equation.part(block)
+        drive, fastest[block] = drive_series(segments, some, order - 2, rate if isinstance(rate, float) else rate[block])
+        square = drive.unit * drive.unit
+        factors = [square * (1.0 / ((n + 1) * (n + 2))) for n in range(order - 1)]
+        y[:, block] = motion_terms(own, some.y, some.v, drive.unit, factors, drive.terms, drive.weight, some.b)
+    return y, fastest
 
 
 def series(terms: Array, fastest: Array, tolerance: float, damping: float = 0.0) -> TaylorSeries:
@@ -203,8 +202,18 @@ def degrees(size: Array, unit: Array, tolerance: float) -> Array:
     return degree
 
 
+def size_limits(unit: float, tolerance: float) -> list[float]:
+    """Return the largest size, as `degrees` takes it, for which a series of degree 3, 4 ... up to `MOST_TERMS` holds over this unit."""
+    reach, limits = _GROWTH * unit, []
+    least = 0.5 * reach
+    for n in range(3, MOST_TERMS):
+        least *= reach / n
+        limits.append(_ROOM * WITHIN * tolerance / least)
+    return limits
+
+
 def factors_for(unit: Array, degree: Array) -> Array:
-    """`Ramp.factors`, with one row for each term up to the largest degree."""
+    """unit^2/((n + 1)(n + 2)) for the terms n + 2 of y up to the largest degree, 0 beyond a lane's degree, (degrees, lanes)."""
     n = np.arange(1.0, float(degree.max(initial=3)))[:, None]
     rows: Array = unit * unit / (n * (n + 1.0))
     rows[n + 1.0 > degree] = 0.0
@@ -221,31 +230,31 @@ def last_terms(terms: Array, last: Array, unit: Array) -> Array:
     return size
 
 
-def ramp_flow(equation: Equation, segments: Segments, lanes: Lanes) -> TaylorSeries:
-    """The series of lanes under straight lines, each to the end of its line or for `LONGEST`."""
+def line_flow(equation: Equation, segments: Segments, lanes: Lanes) -> TaylorSeries:
+    """Return the series of lanes under straight lines, each to the end of its line or for `LONGEST`."""
     outward = -lanes.side * lanes.amplitude
     slope = outward * segments.slope[lanes.k]
-    drive = outward * segments.s_start[lanes.k] + slope * lanes.u
+    start = outward * segments.s_start[lanes.k] + slope * lanes.u
     unit = np.clip((segments.length[lanes.k] - lanes.u) / lanes.omega, _LEAST, LONGEST)
-    gain = slope * lanes.omega * unit
-    weight = None
+    drive = Drive(Rows.of(start, slope * lanes.omega * unit), unit)
     if (weighed := segments.weighed) is not None:
         heavier = weighed.sway(lanes.side, lanes.amplitude) * weighed.vertical.slope[lanes.k] * lanes.omega * unit
-        weight = weighed.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u), heavier
-    return line_series(equation, lanes.y, lanes.v, Ramp(drive, gain, unit, unit, lanes.b, weight))
+        drive = drive._replace(weight=Rows.of(weighed.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u), heavier))
+    return line_series(equation, lanes.y, lanes.v, drive, lanes.b)
 
 
-def line_series(equation: Equation, y: Array, v: Array, ramp: Ramp) -> TaylorSeries:
-    """Return the Taylor series of lanes under shaking that varies linearly; `ramp` needs no `factors`: they are computed here."""
-    unit = ramp.unit
-    size = 2.0 + np.abs(ramp.drive) + np.abs(v) + np.abs(ramp.gain) / unit
-    if ramp.weight is not None:
-        size += np.abs(ramp.weight[0]) + np.abs(ramp.weight[1]) / unit
+def line_series(equation: Equation, y: Array, v: Array, drive: Drive, force: Array | None = None) -> TaylorSeries:
+    """Return the Taylor series of lanes under a drive and a weight that vary linearly."""
+    unit = drive.unit
+    size = 2.0 + np.abs(v)
+    for line in (drive.line, drive.weight_line) if drive.weight is not None else (drive.line,):
+        start, gain = np.abs(line)
+        size += start + gain / unit
     degree = degrees(size, unit, equation.tolerance)
-    terms = equation.ramp_terms(y, v, ramp._replace(factors=factors_for(unit, degree)))
+    terms = motion_terms(equation, y, v, unit, factors_for(unit, degree), drive.terms, drive.weight, force)
     last = last_terms(terms, degree * unit.size + np.arange(unit.size), unit)
     with np.errstate(divide="ignore"):
         short = (WITHIN * equation.tolerance * unit / last) ** (1.0 / (degree - 1.0))
-    if ramp.weight is not None:  # the digits of turning points depend on the number of terms, which must not depend on a lane's neighbours
+    if drive.weight is not None:  # the digits of turning points depend on the number of terms, which must not depend on a lane's neighbours
         terms = np.concatenate([terms, np.zeros((MOST_TERMS + 1 - len(terms), unit.size))])
     return TaylorSeries(terms, unit, np.minimum(short, 1.0) * unit, np.full(unit.shape, _GROWTH), equation.damping)

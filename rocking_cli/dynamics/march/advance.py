@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...motions.segments import Segments
-from ..drive import crossing, phase_between
+from ..drive import crossing, phase_between, place
 from ..equations.equation import Equation, Flow, Point
 from ..equations.taylor import TaylorSeries
 from ..lanes import Array, Lanes
@@ -140,7 +140,7 @@ def next_step(segments: Segments, lanes: Lanes, longest: Array) -> Step:
     long = np.flatnonzero(h > longest)
     if long.size:
         h[long] = longest[long]
-        k[long], u[long] = lanes.k[long], lanes.u[long] + longest[long] * lanes.omega[long]
+        k[long], u[long] = place(segments, lanes.k[long], lanes.u[long] + longest[long] * lanes.omega[long])
     return Step(k, u, h, supercritical, subcritical)
 
 

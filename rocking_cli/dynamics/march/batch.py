@@ -46,12 +46,6 @@ class FreeFall:
         """True for lanes from which the ground falls away now."""
         return np.asarray(self.time_left(lanes) <= _INSTANT)
 
-    def earlier(self, cell: Array, lift: Uplift) -> tuple[Array, Array]:
-        """(k, u) of the free fall or of the uplift `lift` of bodies at rest, whichever is earlier."""
-        k, u = self.k[cell], self.u[cell]
-        before = (k < lift.k) | ((k == lift.k) & (u < lift.u))
-        return np.where(before, k, lift.k), np.where(before, u, lift.u)
-
 
 class Batch(NamedTuple):
     """Cells with one kind of body. segments: the segments of the motion, then still ground if damping leaves the free motion without a
@@ -95,8 +89,3 @@ class Batch(NamedTuple):
         side = lanes.side[at]
         inward = self.segments.strongest_inward(side, lanes.amplitude[at], k)
         return self.equation.on(side, lanes.cell[at]).certainly_overturns(y, v, inward, self.segments.weighed is None)
-
-    def rests_until(self, cell: Array, k: Array, u: Array) -> tuple[Uplift, tuple[Array, Array]]:
-        """(next uplift of bodies that rest from (k, u) on; (k, u) of the end of the rest: the uplift, or the ground falls away earlier)."""
-        lift = self.contact.uplift(self.cells, self.segments, cell, k, u)
-        return lift, (lift.k, lift.u) if self.free_fall is None else self.free_fall.earlier(cell, lift)

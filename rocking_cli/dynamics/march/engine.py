@@ -11,7 +11,6 @@ from typing import TypeVar
 
 import numpy as np
 
-from ..contacts.contact import Uplift
 from ..contacts.sequences import STILL
 from ..drive import place
 from ..lanes import Array, Lanes
@@ -70,19 +69,13 @@ class Run:
         batch = self.batch
         lifts = batch.contact.strongest(batch.cells, batch.segments, batch.first) > 1.0
         waiting, still = np.flatnonzero(lifts), np.flatnonzero(~lifts)
-        zero, never = np.zeros(still.size), np.full(still.size, len(batch.segments))
-        to = (never, zero) if batch.free_fall is None else batch.free_fall.earlier(still, Uplift(never, zero, zero, zero))
-        for observer in self.observers:
-            observer.rest(still, batch.first[still], zero, *to)
         self.work.no_uplift += still.size
         march(self, waiting)
 
     def start(self, cell: Array) -> Lanes:
         """Return lanes for these cells, at their first uplift from rest; k is the number of segments if there is no uplift."""
         zero, count, begin = np.zeros(cell.size), np.zeros(cell.size, dtype=np.int32), self.batch.first[cell]
-        first, to = self.batch.rests_until(cell, begin, zero)
-        for observer in self.observers if cell.size else ():
-            observer.rest(cell, begin, zero, *to)
+        first = self.batch.contact.uplift(self.batch.cells, self.batch.segments, cell, begin, zero)
         peak = np.full(cell.size, 0.0 if self.batch.peaks else np.inf)  # infinite: no later peak exceeds it
         row = self.batch.cells.row(first.side)
         amplitude, omega, eta = (values[row, cell] for values in self.batch.cells)

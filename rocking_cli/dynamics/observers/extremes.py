@@ -3,48 +3,36 @@ stretch give a cubic; the quantity is evaluated at its peak, and the search repe
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
-from typing import TypeVar
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..lanes import Array, Arrays
-
-Values = TypeVar("Values", bound=Arrays)
 
 _CUT = 1.6  # longest stretch, times the rate of change of the quantity
 _CUTS = 7  # largest number of evaluations inside a stretch, at peaks of cubics
 
 
 @dataclass
-class Ratio(Arrays):
-    """A ratio `top`/`bottom` of two quantities at points, and the slopes of both; (stretches,)."""
+class Point(Arrays):
+    """A quantity and its slope by the time at points, (stretches,)."""
 
-    top: Array
-    bottom: Array
-    top_slope: Array
-    bottom_slope: Array
-
-    @property
-    def value(self) -> Array:
-        """The ratio, infinite where `bottom` is not positive."""
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(self.bottom > 0.0, self.top / self.bottom, np.inf)
-
-    def slope(self, level: Array) -> Array:
-        """The slope of top - level * bottom."""
-        return self.top_slope - level * self.bottom_slope
+    value: Array
+    slope: Array
 
 
 @dataclass
 class Stretches(Arrays):
-    """Intervals of time of several motions, (n,). own: index of the motion; low, high: start and end [tau, or another time]; rate: how fast
-    the quantities change at most, as the circular frequency of a sinusoid [1/time]."""
+    """Intervals of time of several motions, (n,). own: index of the motion; low, high: start and end [tau]; rate: how fast the quantity
+    changes at most, as the circular frequency of a sinusoid by tau."""
 
     own: Array
     low: Array
     high: Array
     rate: Array
+
+
+Along = Callable[[Array, Array], Point]  # function of (indices of motions, times)
 
 
 class Extremes:
@@ -61,10 +49,10 @@ class Extremes:
         """True where a value up to `bound` can exceed the largest value so far of these cells, (n,), or the bound is NaN."""
         return ~(bound <= self.largest[cell])
 
-    def search(self, cell: Array, along: Callable[[Array, Array], Ratio], s: Stretches, one: Ratio, other: Ratio) -> None:
+    def search(self, cell: Array, along: Along, s: Stretches, one: Point, other: Point) -> None:
         """Raise the extremes of these cells to the largest values on stretches, (n,). along: function of (indices of motions, times) that
-        returns the ratio; one, other: the ratio at the start and at the end of each stretch. The value found on a stretch depends neither
-        on other stretches nor on the extremes so far."""
+        returns the quantity; one, other: the quantity at the start and at the end of each stretch. The value found on a stretch depends
+        neither on other stretches nor on the extremes so far."""
         best = np.maximum(one.value, other.value)
         self.include(cell, best)
         with np.errstate(all="ignore"):
@@ -73,17 +61,17 @@ class Extremes:
                 if not at.size:
                     return
                 cell, s, one, other, best = cell[at], s.take(at), one.take(at), other.take(at), best[at]
-                x = _peak(s, one, other, best)
+                x = _peak(s, one, other)
                 x = np.where((x > s.low) & (x < s.high), x, 0.5 * (s.low + s.high))
                 there = along(s.own, x)
                 best = np.fmax(best, there.value)
                 self.include(cell, best)
-                rises = there.slope(best) > 0.0
+                rises = there.slope > 0.0
                 s.low, s.high = np.where(rises, x, s.low), np.where(rises, s.high, x)
                 one, other = _either(rises, there, one), _either(rises, other, there)
 
 
-def parts(along: Callable[[Array, Array], Values], whole: Stretches, start: Values, end: Values) -> tuple[Stretches, Values, Values]:
+def parts(along: Along, whole: Stretches, start: Point, end: Point) -> tuple[Stretches, Point, Point]:
     """Short parts of whole stretches, and the values at their starts and ends; start, end: values at the ends of the whole stretches."""
     count = np.maximum(np.ceil((whole.high - whole.low) * whole.rate / _CUT), 1.0).astype(np.int64)
     own = np.repeat(np.arange(count.size), count)
@@ -99,23 +87,23 @@ def parts(along: Callable[[Array, Array], Values], whole: Stretches, start: Valu
     return s, one, other
 
 
-def _excess(s: Stretches, one: Ratio, other: Ratio, level: Array) -> Array:
-    """The largest top - level * bottom inside a stretch: an inner Bernstein coefficient of the cubic, plus an estimate of its error."""
+def _excess(s: Stretches, one: Point, other: Point, level: Array) -> Array:
+    """The largest value - level inside a stretch: an inner Bernstein coefficient of the cubic, plus an estimate of its error."""
     h = s.high - s.low
-    inner = [x.top - level * x.bottom + part * h * x.slope(level) for x, part in ((one, 1.0 / 3.0), (other, -1.0 / 3.0))]
-    size = np.maximum(np.abs(one.top), np.abs(other.top)) + np.abs(level) * np.maximum(np.abs(one.bottom), np.abs(other.bottom))
+    inner = [x.value - level + part * h * x.slope for x, part in ((one, 1.0 / 3.0), (other, -1.0 / 3.0))]
+    size = np.maximum(np.abs(one.value), np.abs(other.value)) + np.abs(level)
     return np.maximum(*inner) + (s.rate * h) ** 4 / 384.0 * size
 
 
-def _peak(s: Stretches, one: Ratio, other: Ratio, level: Array) -> Array:
-    """Time of the peak of the cubic for top - level * bottom; NaN or outside the stretch if the cubic has no peak in it."""
+def _peak(s: Stretches, one: Point, other: Point) -> Array:
+    """Time of the peak of the cubic; NaN or outside the stretch if the cubic has no peak in it."""
     h = s.high - s.low
-    gain = 3.0 * (other.top - one.top - level * (other.bottom - one.bottom))
-    c1, d1 = h * one.slope(level), h * other.slope(level)
+    gain = 3.0 * (other.value - one.value)
+    c1, d1 = h * one.slope, h * other.slope
     c2, c3 = gain - 2.0 * c1 - d1, c1 + d1 - gain / 1.5
     root = np.sqrt(c2 * c2 - 3.0 * c1 * c3)
     return s.low + h * np.where(c2 > 0.0, -(c2 + root) / (3.0 * c3), c1 / (root - c2))
 
 
-def _either(first: Array, a: Ratio, b: Ratio) -> Ratio:
-    return Ratio(*(np.where(first, getattr(a, f.name), getattr(b, f.name)) for f in fields(Ratio)))
+def _either(first: Array, a: Point, b: Point) -> Point:
+    return Point(np.where(first, a.value, b.value), np.where(first, a.slope, b.slope))

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..equations.equation import Equation, Flow, Ramp
+from ..equations.equation import Drive, Equation, Flow
 from ..lanes import Array, Lanes
 
 
@@ -31,7 +31,7 @@ class TaylorSteps(NamedTuple):
     equation: Equation
     start: tuple[Array, Array]
     end: tuple[Array, Array]
-    ramp: Ramp
+    ramp: Drive
 
 
 class Propagation(NamedTuple):
@@ -46,10 +46,6 @@ class Propagation(NamedTuple):
 
 class Observer:
     """Base of observers of a run. Its methods do nothing; a subclass overrides those that it needs."""
-
-    def rest(self, cell: Array, k: Array, u: Array, to_k: Array, to_u: Array) -> None:
-        """Called when bodies of these cells rest from position (k, u) to (to_k, to_u) of the motion, (rests,) each; to_k is the number of
-        segments if they rest to the end."""
 
     def arcs(self, arcs: Arcs) -> None:
         """Called when lanes have moved along these arcs."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..lanes import Array, Lanes
 from ..march.batch import Batch
-from .extremes import Extremes, Ratio, Stretches, parts
+from .extremes import Extremes, Point, Stretches, parts
 from .observer import Arcs, Observer, Propagation, TaylorSteps
 
 
@@ -37,12 +37,12 @@ class PeakSpeed(Observer):
             return
         side, cell, arc, sign, zero = lanes.side[at], lanes.cell[at], arc.take(at), np.sign(arc.b[at]), np.zeros(at.size)
 
-        def rates(own: Array, y: Array, *of: Array) -> Ratio:
+        def rates(own: Array, y: Array, *of: Array) -> Point:
             equation = self.equation.on(side[own], cell[own])
             speed, slope = (sign[own] * self.contact.speed(side[own], equation.rotation_rate(y, x)) for x in of)
-            return Ratio(speed, zero[own] + 1.0, slope, zero[own])
+            return Point(speed, slope)
 
-        def along(own: Array, h: Array) -> Ratio:
+        def along(own: Array, h: Array) -> Point:
             point = arc.take(own).at(h)
             return rates(own, point.y, point.v, point.b)
 
@@ -54,16 +54,17 @@ class PeakSpeed(Observer):
     def steps(self, steps: TaylorSteps, go: Array) -> None:
         """Take in the speeds at the ends of Taylor steps; reject steps that may hold a larger speed inside."""
         cell, side, equation, (y, v), (end_y, end_v), ramp = steps
+        drive, gain = ramp.line
         lift, push = equation.bounds
-        steepest = lift + push * np.maximum(0.0, -np.minimum(ramp.drive, ramp.drive + ramp.gain))
+        steepest = lift + push * np.maximum(0.0, -np.minimum(drive, drive + gain))
         within = (np.maximum(np.abs(v), np.abs(end_v)) + steepest * ramp.unit) * np.exp(2.0 * equation.damping * ramp.unit)
         speed = np.abs(self.contact.speed(side, equation.rotation_rate(end_y, end_v)))
         highest = self.contact.speed(side, equation.rotation_rate(end_y, within))
         at, drag = np.flatnonzero(go & (highest > speed) & self.speed.can_exceed(cell, highest)), 2.0 * equation.damping
         if at.size:
             there = self.equation.on(side[at], cell[at])
-            first = there.force(y[at], ramp.drive[at]) - drag * v[at]
-            last = there.force(end_y[at], ramp.drive[at] + ramp.gain[at]) - drag * end_v[at]
+            first = there.force(y[at], drive[at]) - drag * v[at]
+            last = there.force(end_y[at], drive[at] + gain[at]) - drag * end_v[at]
             go[at[first * last < 0.0]] = False
         self.speed.include(cell[go], speed[go])
 

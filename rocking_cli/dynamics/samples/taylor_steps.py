@@ -9,7 +9,8 @@ import numpy as np
 
 from ...motions.blocks import largest
 from ...motions.segments import Samples, followed_by
-from ..equations.equation import Equation, Ramp
+from ..equations.equation import Drive, Equation
+from ..equations.recurrence import Rows, motion_terms
 from ..equations.taylor import WITHIN, degrees, factors_for, last_terms
 from ..lanes import Array
 from ..march.engine import Run
@@ -50,8 +51,8 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
         go, equation = np.ones(at.size, dtype=bool), self.equation.on(side, cell)
         factors, last, end = factors_for(pace, degree), degree * at.size + np.arange(at.size), self.last.take(cell)
         for _ in range(_STEPS):
-            ramp = self._ramp(k, outward, pace, factors)
-            end_y, end_v, proved = self._step(equation, y, v, peak, ramp, last)
+            ramp = self._ramp(k, outward, pace)
+            end_y, end_v, proved = self._step(equation, y, v, peak, ramp, factors, last)
             go &= proved
             for observer in self.run.observers:
                 observer.steps(TaylorSteps(cell, side, equation, (y, v), (end_y, end_v), ramp), go)
@@ -63,19 +64,21 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
         lanes.k[at], lanes.y[at], lanes.v[at], lanes.peak[at] = k, y, v, peak
         return go
 
-    def _ramp(self, k: Array, outward: Array, pace: Array, factors: Array) -> Ramp:
-        """The drive of lanes from sample k to the next one, as a `Ramp`."""
-        return Ramp(outward * self.samples.take(k), outward * self.gains.take(k), pace, factors)
+    def _ramp(self, k: Array, outward: Array, pace: Array) -> Drive:
+        """The drive of lanes from sample k to the next one."""
+        return Drive(Rows.of(outward * self.samples.take(k), outward * self.gains.take(k)), pace)
 
-    def _step(self, equation: Equation, y: Array, v: Array, peak: Array, ramp: Ramp, last: Array) -> tuple[Array, Array, Array]:
-        """(y, y', True if neither an impact nor a higher peak occurs on the way (Lemma 12)) at the end of a ramp."""
-        terms = equation.ramp_terms(y, v, ramp)
+    def _step(self, equation: Equation, y: Array, v: Array, peak: Array, ramp: Drive, factors: Array, last: Array) -> tuple[Array, ...]:
+        """(y, y', True if neither an impact nor a higher peak occurs on the way (Lemma 12)) at the end of a straight line."""
+        terms = motion_terms(equation, y, v, ramp.unit, factors, ramp.terms, ramp.weight)
         first, unit = terms[1], ramp.unit
-        drop = np.minimum(ramp.drive, ramp.drive + ramp.gain)
+        drive, gain = ramp.line
+        drop = np.minimum(drive, drive + gain)
         np.minimum(drop, 0.0, out=drop)
         lift, push = equation.bounds
         drop *= -push
-        drop += lift if ramp.weight is None else lift * np.maximum(ramp.weight[0], ramp.weight[0] + ramp.weight[1])
+        weight, heavier = ramp.weight_line
+        drop += lift * np.maximum(weight, weight + heavier)
         drop *= unit
         drop *= unit  # K h^2
         low = y + first
@@ -114,8 +117,8 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
         some = lanes.take(at)
         share, equation = some.u / self.step.take(some.cell), self.equation.on(some.side, some.cell)
         factors, last = factors_for(some.pace * (1.0 - share), some.degree), some.degree * at.size + np.arange(at.size)
-        ramp = self._ramp(some.k, some.outward, some.pace, factors).after(share)
-        y, v, proved = self._step(equation, some.y, some.v, some.peak, ramp, last)
+        ramp = self._ramp(some.k, some.outward, some.pace).after(share)
+        y, v, proved = self._step(equation, some.y, some.v, some.peak, ramp, factors, last)
         for observer in self.run.observers:
             observer.steps(TaylorSteps(some.cell, some.side, equation, (some.y, some.v), (y, v), ramp), proved)
         on = np.flatnonzero(proved)
@@ -151,15 +154,14 @@ class WeighedTaylorStepper(TaylorStepper):
         weight = np.maximum(added, sway * self.steepest_vertical / pace)
         return degrees(2.0 + drive + weight, pace * np.sqrt(1.0 + added), self.equation.tolerance)
 
-    def _ramp(self, k: Array, outward: Array, pace: Array, factors: Array) -> Ramp:
+    def _ramp(self, k: Array, outward: Array, pace: Array) -> Drive:
         sway = np.where(outward < 0.0, *self.share) * np.abs(outward)  # zg''/g of s_v = 1
         weight = sway * self.vertical.take(k)
         weight += 1.0
-        return super()._ramp(k, outward, pace, factors)._replace(weight=(weight, sway * self.vertical_gains.take(k)))
+        return super()._ramp(k, outward, pace)._replace(weight=Rows.of(weight, sway * self.vertical_gains.take(k)))
 
-    def _step(self, equation: Equation, y: Array, v: Array, peak: Array, ramp: Ramp, last: Array) -> tuple[Array, Array, Array]:
-        end_y, end_v, proved = super()._step(equation, y, v, peak, ramp, last)
-        assert ramp.weight is not None
-        weight, weight_gain = ramp.weight
-        proved &= np.minimum(weight, weight + weight_gain) > 0.0
+    def _step(self, equation: Equation, y: Array, v: Array, peak: Array, ramp: Drive, factors: Array, last: Array) -> tuple[Array, ...]:
+        end_y, end_v, proved = super()._step(equation, y, v, peak, ramp, factors, last)
+        weight, heavier = ramp.weight_line
+        proved &= np.minimum(weight, weight + heavier) > 0.0
         return end_y, end_v, proved

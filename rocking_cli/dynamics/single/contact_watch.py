@@ -1,6 +1,7 @@
 """Lost contact of one body on floats: its arcs are kept during the march and tested together afterwards."""
 
 import math
+from collections.abc import Sequence
 from itertools import zip_longest
 
 import numpy as np
@@ -13,7 +14,7 @@ from .lane import Lane
 from .march import march
 from .state import Listener
 
-Arc = tuple[float, float, float, tuple[float, ...]]  # reach [tau of the side], side, h and Taylor terms in (t/h)^n
+Arc = tuple[float, float, float, Sequence[float]]  # reach [tau of the side], side, h and Taylor terms in (t/h)^n
 
 
 def loses_contact(lane: Lane, amplitude: float, most: int) -> bool:
@@ -23,7 +24,7 @@ def loses_contact(lane: Lane, amplitude: float, most: int) -> bool:
     loss = ContactLoss(lane.system.body, Batch.of(lane.system, lane.segments, np.array([amplitude]), lane.omega, lane.eta, peaks=False))
     arcs: list[Arc] = []
 
-    def keep(_start: float, reach: float, side: float, _pace: float, h: float, terms: tuple[float, ...]) -> None:
+    def keep(_start: float, reach: float, side: float, _pace: float, h: float, terms: Sequence[float]) -> None:
         arcs.append((reach, side, h, terms))
 
     edges = lane.edges(amplitude)

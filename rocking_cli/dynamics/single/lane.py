@@ -1,4 +1,4 @@
-"""One body on floats before its march: the motion as lists, its sides, and the code of its equation on each."""
+"""One body on floats before its march: the motion as lists, its edges, and its equation on each."""
 
 import math
 from typing import Any, NamedTuple, Self
@@ -6,15 +6,12 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from ...motions.segments import Segments
-from ..equations.taylor import LONGEST, MOST_TERMS, degrees
+from ..equations.equation import Equation
+from ..equations.taylor import LONGEST, size_limits
 from ..lanes import Cells, Lanes
 from ..march.batch import SETTLING
 from ..system import System
-from .recurrence import Code, compiled
 
-_ORDER = 18  # order of series under sinusoids
-_COMPOSED = 12  # largest order for an equation whose cost goes with the third power of the order
-_NO_CODE = Code(0, lambda *_: (), None)
 _SAMPLED = 1 << 12  # the longest of the first so many segments gives the number of terms of the series
 _BLOCK = 1 << 15  # segments whose lists are held at once
 
@@ -114,7 +111,8 @@ class Edge(NamedTuple):
 
     drive: outward drive of s = 1; lift, push: the largest l and m; fall: K of Lemma 12; speed_ratio: speed after over speed before an
     impact on leaving the side, each in the unit of its side; cycle_ratio: the same for a bounce until the body is back here; unit: y = 1 of
-    this side in the unit of the first side; top: y of the unstable equilibrium; limit: y from which the body lies on its side.
+    this side in the unit of the first side; top: y of the unstable equilibrium; limit: y from which the body lies on its side; equation:
+    with numbers that are floats.
     """
 
     side: float
@@ -130,11 +128,11 @@ class Edge(NamedTuple):
     unit: float
     top: float
     limit: float
-    code: Code
+    equation: Equation
 
 
 class Lane:
-    """One body under one motion at one Omega, for any amplitude: its equation as compiled code, and the motion as lists."""
+    """One body under one motion at one Omega, for any amplitude: its edges, and the motion as lists."""
 
     def __init__(self, system: System, segments: Segments, omega: float, eta: float) -> None:
         self.omega, self.eta, self.shaken = np.array([omega]), np.array([eta]), len(segments)
@@ -149,9 +147,6 @@ class Lane:
         if (weighed := segments.weighed) is not None:
             self.largest = max(self.largest, float(weighed.inward[0][0]), -float(weighed.inward[1][0]))
             self.largest_vertical = max(float(weighed.vertical.later_max[0]), -float(weighed.vertical.later_min[0]))
-        self._codes: dict[tuple[float, int], Code] = {}
-        self.laws = {side: system.equation.law(side) for side in (1.0, -1.0)}
-        self.composed = self.laws[1.0].local is not None
         self.longest = float(np.max(segments.length[: min(self.shaken, _SAMPLED)]))
         self._unit = {side: self._edge(cells, side) for side in ((1.0,) if self._strike(cells, 1.0)[0] > 0.0 else (1.0, -1.0))}
 
@@ -161,8 +156,8 @@ class Lane:
         for side, edge in self._unit.items():
             drive, sway = amplitude * edge.drive, amplitude * edge.sway
             largest_weight = 1.0 + abs(sway) * self.largest_vertical
-            edges[side] = edge._replace(drive=drive, sway=sway, lift=largest_weight * edge.lift, code=self._code(edge, abs(drive)),
-                                        fall=largest_weight * edge.lift + edge.push * abs(drive) * self.largest)  # fmt: skip
+            fall = largest_weight * edge.lift + edge.push * abs(drive) * self.largest
+            edges[side] = edge._replace(drive=drive, sway=sway, lift=largest_weight * edge.lift, fall=fall)
         return edges
 
     def _edge(self, cells: Cells, side: float) -> Edge:
@@ -179,7 +174,20 @@ class Lane:
         self.system.contact.turn(cells, lanes, np.array([0]), np.ones(1))
         cycle_ratio = speed_ratio * back if to != side else speed_ratio
         return Edge(
-            side, -side * amplitude, omega, eta, sway, lift, push, 0.0, speed_ratio, cycle_ratio, float(lanes.peak[0]), top, limit, _NO_CODE
+            side,
+            -side * amplitude,
+            omega,
+            eta,
+            sway,
+            lift,
+            push,
+            0.0,
+            speed_ratio,
+            cycle_ratio,
+            float(lanes.peak[0]),
+            top,
+            limit,
+            self.system.equation.edge(side),
         )
 
     def _strike(self, cells: Cells, side: float) -> tuple[float, float]:
@@ -188,16 +196,9 @@ class Lane:
         self.system.contact.strike(cells, lanes, -np.ones(1), -np.ones(1))
         return float(lanes.side[0]), float(lanes.v[0])
 
-    def _code(self, edge: Edge, drive: float) -> Code:
-        """The code of a side, with the number of terms that an outward drive of this size under s = 1 needs."""
-        order = _ORDER
-        if self.drive_lists.straight:
-            unit = np.array([min(self.longest / edge.omega, LONGEST)])
-            order = int(degrees(np.array([4.0 + drive * self.largest]), unit, self.system.equation.tolerance)[0])
-        key = edge.side, min(order, _COMPOSED if self.composed else MOST_TERMS)
-        if key not in self._codes:
-            self._codes[key] = compiled(self.laws[edge.side], key[1], self.zeta, self.drive_lists.straight, self.weighed)
-        return self._codes[key]
+    def size_limits(self, omega: float) -> list[float]:
+        """Return the largest sizes for which series of degree 3, 4 ... hold over the longest line (`taylor.size_limits`)."""
+        return size_limits(min(self.longest / omega, LONGEST), self.system.equation.tolerance)
 
     def lanes(self, cells: Cells, side: float) -> Lanes:
         """Return a lane for each cell on a side, at rest at the start of the motion."""

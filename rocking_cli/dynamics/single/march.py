@@ -6,11 +6,14 @@ y' < 0 and c > 1, and for the time of an impact, the march goes on by the time f
 """
 
 import math
-from functools import partial
+from bisect import bisect_left
+from collections.abc import Sequence
+from operator import mul
 
 import numpy as np
 
-from ..equations.taylor import LONGEST
+from ..equations.recurrence import motion_terms
+from ..equations.taylor import LONGEST, MOST_TERMS
 from ..outcome import FALLEN, Outcome
 from .lane import Edge, Lane
 from .series_roots import first_root, only_root, turns, value
@@ -18,6 +21,10 @@ from .state import Body, Ended, Listener
 
 _INSTANT = 1e-12  # share of a step: a shorter part of it is rounding of its ends
 _ROOM = 0.9  # part of the step that the last terms allow, for the next attempt
+_DEGREE = 18  # degree of series under sinusoids
+_NUMBERS = [float(n) for n in range(MOST_TERMS + 1)]
+_RECIPROCALS = [1.0 / ((n + 1) * (n + 2)) for n in range(MOST_TERMS)]
+_CHORD_ERRORS = [0.125 * n * (n - 1) * (n - 2) for n in range(MOST_TERMS + 1)]
 
 
 def march(
@@ -56,31 +63,82 @@ class _March(Body):
         return self.end or self._finish(Outcome.FAILED)
 
     def _march_lines(self) -> bool:
-        """March over the straight lines of a record by compiled code until an impact, and apply it. Return True after an impact or
-        at the end of the motion; otherwise the caller makes the next step."""
-        block, edge = self.drive_lists.at(self.k), self.edge
-        k, last = self.k - block.first, len(block.length)
-        if edge.code.march_lines is None or (block.length[k] - self.u) / edge.omega > self.reach:
+        """March over whole straight lines of a record until an impact, and apply it. Return True after an impact or at the end of the
+        motion; otherwise the caller makes the next step.
+
+        A line is taken if its series holds, Lemma 12 or the sign of y at its end (Lemma 1) decides on an impact, and no turn is above the
+        peak so far.
+        """
+        block, edge, equation = self.drive_lists.at(self.k), self.edge, self.edge.equation
+        starts, rises, lengths = block.start, block.rise, block.length
+        last = len(lengths)
+        if equation.composed or (lengths[self.k - block.first] - self.u) / edge.omega > self.reach:
             return False
         if self.free_fall is not None and self.free_fall.occurs[0]:
             last = min(last, max(0, int(self.free_fall.k[0]) - block.first))
-        keep = None if self.listener is None else partial(self._kept, block.first)
         peak = -math.inf if self.listener is not None else self.peak / edge.unit
-        lists, sway = ((block.up, block.up_rise), {"sway": edge.sway}) if self.lane.weighed else ((), {})
-        after, u, self.y, v, struck = edge.code.march_lines(
-            k, self.u, last, self.y, self.v, self.force, block.start, block.rise, block.length, *lists, edge.drive, 1.0 / edge.omega,
-            edge.fall, self._top(edge), peak, self.least, keep, **sway,
-        )  # fmt: skip
-        if after != k or struck:
-            self.force = None
-        self.k, self.u, self.v = (after + block.first, u, v) if u == 0.0 or u < block.length[after] else (after + block.first + 1, 0.0, v)
-        if struck:
-            self._impact(v)
-        return struck or self.k >= self.drive_lists.count
+        top, fall, drag, least = self._top(edge), edge.fall, self.lane.zeta, self.least
+        limits, weight, lifts, lifts_then = self.limits[edge.side], None, 1.0, 1.0
+        push, pace, factors, built = edge.drive, 1.0 / edge.omega, [], (0.0, 0)
+        k, u, y, v = self.k - block.first, self.u, self.y, self.v
+        while k < last:
+            # The drive and the weight along the line, or along the rest of it.
+            h, drive, gain = lengths[k] * pace, push * starts[k], push * rises[k]
+            over = u / lengths[k] if u else 0.0
+            if self.lane.weighed:
+                lifts, heavier = 1.0 + edge.sway * block.up[k], edge.sway * block.up_rise[k]
+                lifts, heavier = lifts + heavier * over, heavier - heavier * over
+                lifts_then, weight = lifts + heavier, [lifts, heavier]
+            if over:
+                drive, gain, h = drive + gain * over, gain - gain * over, h - h * over
 
-    def _kept(self, first: int, k: int, u: float, reach: float, h: float, terms: tuple[float, ...]) -> None:
-        assert self.listener is not None
-        self.listener.keep(self.lane.tau(first + k, u), reach, self.edge.side, float(self.lane.omega[0]) / self.edge.omega, h, terms)
+            # Lemma 12: no impact within the line; otherwise the net drive must stay below 1 for Lemma 1.
+            first, square = v * h, h * h
+            clear = y + first - drag * h * abs(first) > 0.5 * fall * square
+            if not clear and (drive > lifts or drive + gain > lifts_then):
+                break
+
+            size = 2.0 + abs(drive) + abs(v) + (abs(gain) if weight is None else abs(gain) + abs(heavier)) / h + lifts
+            degree = 3 + bisect_left(limits, size)
+            if built != (h, degree):  # most lines are as long as the one before
+                factors, built = [square * c for c in _RECIPROCALS[: degree - 1]], (h, degree)
+            terms = motion_terms(equation, y, v, h, factors, [drive, gain], weight, self.force)
+            if abs(terms[-1]) + 0.25 * h * abs(terms[-2]) > least * h:
+                break
+            end, speed = sum(terms), sum(map(mul, _NUMBERS, terms))
+            if end >= top and speed > 0.0:
+                break
+            if max(y, end) + 0.125 * fall * square * (math.exp(2.0 * drag * h) if drag else 1.0) > peak and self._may_turn(terms, speed):
+                break
+
+            if not clear and end <= 0.0:
+                hit = only_root(terms, h, fall, drag)
+                self._keep(block.first + k, u, hit, h, terms)
+                _, v = value(terms, hit / h, h)
+                u += hit * edge.omega
+                self.k, self.u = (block.first + k, u) if u < lengths[k] else (block.first + k + 1, 0.0)
+                self._impact(min(v, 0.0))
+                return True
+            self._keep(block.first + k, u, h, h, terms)
+            k, u, y, v, self.force = k + 1, 0.0, end, speed / h, None
+        self.k, self.u, self.y, self.v = k + block.first, u, y, v
+        return self.k >= self.drive_lists.count
+
+    @staticmethod
+    def _may_turn(terms: list[float], speed: float) -> bool:
+        """True if the body may turn inwards in a step; speed: h y' at its end.
+
+        h y' leaves its chord by at most n (n - 1)(n - 2)/8 of term n.
+        """
+        if terms[1] > 0.0 >= speed:
+            return True
+        chord_error = sum(c * abs(term) for c, term in zip(_CHORD_ERRORS, terms, strict=False))
+        return abs(terms[1]) < chord_error or abs(speed) < chord_error
+
+    def _keep(self, k: int, u: float, reach: float, h: float, terms: Sequence[float]) -> None:
+        """Show a step from phase u of segment k to the listener, if there is one."""
+        if self.listener is not None:
+            self.listener.keep(self.lane.tau(k, u), reach, self.edge.side, float(self.lane.omega[0]) / self.edge.omega, h, terms)
 
     def _top(self, edge: Edge) -> float:
         """The y beyond which the march tests whether a body that moves outwards can come back."""
@@ -135,8 +193,8 @@ class _March(Body):
             y, v = value(terms, hit / h, h)
             v = min(v, 0.0)
         self._peaks(terms, h, reach, v)
-        if self.listener is not None and reach > 0.0:
-            self._kept(0, k, u, reach, h, terms)
+        if reach > 0.0:
+            self._keep(k, u, reach, h, terms)
         if hit is not None:
             to = u + hit * edge.omega
             self.k, self.u = (k, to) if hit < whole and to < length else (k + 1, 0.0)
@@ -160,33 +218,35 @@ class _March(Body):
 
     def _terms(
         self, edge: Edge, k: int, u: float, h: float, start: tuple[float, float], stop: tuple[float, float]
-    ) -> tuple[tuple[float, ...], float]:
+    ) -> tuple[list[float], float]:
         """(Taylor terms of y over a step h, the time for which they hold)."""
-        local, room, order, expand = None, math.inf, edge.code.order, self.lane.laws[edge.side].local
-        if expand is not None:
-            room, local = expand(self.y, order - 1)
+        equation, degree, weight = edge.equation, _DEGREE, None
         if self.drive_lists.straight:
             (s0, up0), (s1, up1) = start, stop
-            given = [edge.drive * s0, edge.drive * (s1 - s0)]
+            drive = [edge.drive * s0, edge.drive * (s1 - s0)]
+            size = 2.0 + abs(drive[0]) + abs(self.v) + abs(drive[1]) / h
             if self.lane.weighed:
-                given += [1.0 + edge.sway * up0, edge.sway * (up1 - up0)]
-            terms = edge.code.terms(self.y, self.v, h, *given, self.force, local)
+                weight = [1.0 + edge.sway * up0, edge.sway * (up1 - up0)]
+                size += abs(weight[0]) + abs(weight[1]) / h
+            degree = 3 + bisect_left(self.limits[edge.side], size)
         else:
             waves = self.drive_lists.waves(k)
-            lists = [wave.terms(u, h * edge.omega, order - 2) for wave in waves]
-            for values, s, factor, level in zip(lists, start, (edge.drive, edge.sway), (0.0, 1.0), strict=False):
-                values[0] = s
-                values[:] = [factor * x for x in values]
-                values[0] += level
-            terms = edge.code.terms(self.y, self.v, h, *lists, self.force, local)
+            drive, *up = (wave.terms(u, h * edge.omega, degree - 2) for wave in waves)
+            drive[0] = start[0]
+            drive = [edge.drive * x for x in drive]
+            if up:
+                weight = [edge.sway * x for x in up[0]]
+                weight[0] = 1.0 + edge.sway * start[1]
+        degree = min(degree, equation.composed or MOST_TERMS)
+        factors = [h * h * c for c in _RECIPROCALS[: degree - 1]]
+        terms = motion_terms(equation, self.y, self.v, h, factors, drive, weight, self.force)
         error = abs(terms[-1]) + 0.25 * h * abs(terms[-2])
-        held = h if error <= self.least * h else h * (self.least * h / error) ** (1.0 / (order - 1.0))
-        if room < math.inf:
-            moved = sum(abs(x) for x in terms[1:])
-            held = min(held, h * room / moved if moved > room else held)
-        return terms, held
+        held = h if error <= self.least * h else h * (self.least * h / error) ** (1.0 / (degree - 1.0))
+        room = equation.room(self.y)
+        moved = sum(map(abs, terms[1:]))
+        return terms, min(held, h * room / moved) if moved > room else held
 
-    def _peaks(self, terms: tuple[float, ...], h: float, reach: float, v: float) -> None:
+    def _peaks(self, terms: list[float], h: float, reach: float, v: float) -> None:
         """Find turning points where y' falls through 0, up to `reach`, at which y' is v."""
         if not self.watched:
             return

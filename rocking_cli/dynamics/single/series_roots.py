@@ -15,7 +15,7 @@ def value(terms: Sequence[Any], x: Any, h: float = 1.0) -> tuple[Any, Any]:
     return y, v / h
 
 
-def only_root(terms: tuple[float, ...], h: float, fall: float, zeta: float) -> float:
+def only_root(terms: Sequence[float], h: float, fall: float, zeta: float) -> float:
     """The time of the only root of y within a step h, at whose end y <= 0; fall: K of Lemma 12, which bounds this time from below."""
     y, v, pull = max(terms[0], 0.0), terms[1] / h, -2.0 * terms[2] / (h * h)
     slow = v - zeta * h * abs(v)
@@ -36,7 +36,7 @@ def only_root(terms: tuple[float, ...], h: float, fall: float, zeta: float) -> f
     return t
 
 
-def first_root(terms: tuple[float, ...], h: float, fall: float, zeta: float) -> float | None:
+def first_root(terms: Sequence[float], h: float, fall: float, zeta: float) -> float | None:
     """The first time within a step h, after its start, at which y is 0; None if there is none. fall: bound K of the inward force."""
     t, y, v = 0.0, max(terms[0], 0.0), terms[1] / h
     for _ in range(500):
@@ -55,7 +55,7 @@ def first_root(terms: tuple[float, ...], h: float, fall: float, zeta: float) -> 
     return t
 
 
-def turns(terms: tuple[float, ...], stop: float) -> list[float]:
+def turns(terms: Sequence[float], stop: float) -> list[float]:
     """Times over the step, up to `stop`, at which y' falls through 0. It searches between the extremes of y', which are few."""
     rate = [n * c for n, c in enumerate(terms)][1:]
     marks = [0.0, stop]
@@ -72,7 +72,7 @@ def turns(terms: tuple[float, ...], stop: float) -> list[float]:
     return found
 
 
-def _crossing(terms: list[float], low: float, high: float) -> float:
+def _crossing(terms: Sequence[float], low: float, high: float) -> float:
     """The root of a polynomial between two points at which its signs differ: Newton's method in a bracket that only shrinks."""
     falls = value(terms, low)[0] > value(terms, high)[0]
     x = 0.5 * (low + high)

@@ -1,7 +1,7 @@
 """The state of one body on floats, and its events: uplift, impact, rest, overturning, the end of the motion."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +19,7 @@ from .lane import Edge, Lane
 class Listener(NamedTuple):
     """Functions that a march calls, and how far it then goes: bounces down to the speed `visible`, a fall to y = fallen (right, left)."""
 
-    keep: Callable[[float, float, float, float, float, tuple[float, ...]], None]  # start, reach [tau of the side], side, pace, h, terms
+    keep: Callable[[float, float, float, float, float, Sequence[float]], None]  # start, reach [tau of the side], side, pace, h, terms
     note: Callable[[float, str, float, float, float], None]  # tau, event, side, y, y'
     rest: Callable[[Lanes, Lanes], object]
     visible: float
@@ -50,6 +50,7 @@ class Body:
         self.k, self.u, self.y, self.v = 0, 0.0, 0.0, 0.0
         self.force: float | None = None
         self.edge = edges[1.0]
+        self.limits = {side: lane.size_limits(edge.omega) for side, edge in edges.items()}
         self.peak = 0.0 if self.watched else math.inf
         self.impacts = self.steps = 0
         self.bounced = False

@@ -1,25 +1,25 @@
 """The motion of tied bodies within one phase of their restraints: its Taylor series and its first turn.
 
-Linear: y'' = -k y - c + a. Nonlinear, with y = theta/sin(alpha) on the present side,
+With y = theta/sin(alpha) on the present side (the linear equation has no devices but springs, which add a constant and a stiffness),
 
-    y'' = -sin(alpha - theta)/sin(alpha) + a cos(alpha - theta)/cos(alpha) - M(theta)/(m g R sin(alpha))
+    y'' = -l(y) + a m(y) - M(theta)/(m g R sin(alpha))
 
-M is a sum of cos theta, sin theta, cos 2 theta, sin 2 theta, cos(theta/2) within a phase, whose series follow from that of theta. The
-second harmonics are rho cos(2 theta - 2 phi) = rho (2 u^2 - 1) with u = cos(theta - phi), so that they take one product of series.
+where l and m are those of the free body and M is the moment of the devices.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...motions.blocks import blocks
 from ...motions.segments import Segments
-from ..drive import segment_value
+from ..drive import drive_change
 from ..equations import taylor
-from ..equations.equation import Point
+from ..equations.equation import Equation, Point
+from ..equations.recurrence import Series, product_term, product_terms
+from ..equations.rigid_body import RigidBodyEquation
 from ..equations.taylor import TaylorSeries
 from ..lanes import Array, Lanes
 from ..march.roots import bernstein_form, impact_root, sense
@@ -43,87 +43,94 @@ class Step(NamedTuple):
 
 
 class Law:
-    """The equation of motion of tied bodies. alpha: of the right and the left side [rad], not used by the linear equation; damping: zeta
-    [-]; tolerance: of y."""
+    """The equation of motion of tied bodies."""
 
-    def __init__(self, devices: Devices, alpha: Array, damping: float, tolerance: float) -> None:
-        self.devices, self.damping, self.tolerance, self.order = devices, damping, tolerance, taylor.order_for(tolerance)
-        self.sin, self.tan = np.sin(alpha), np.tan(alpha)
+    def __init__(self, equation: Equation, devices: Devices) -> None:
+        self.equation, self.devices = equation, devices
+        self.tolerance = equation.tolerance  # of y
+        self.order = taylor.order_for(equation.tolerance)
 
-    def force(self, row: Array, now: Phase, y: Array, a: Array) -> Array:
+    def force(self, row: Array, now: Phase, side: Array, y: Array, a: Array) -> Array:
         """y'' under the outward drive a, without damping, (lanes,)."""
-        if self.devices.linear:
-            return a - 1.0 + y - self.devices.pulled(row, now, y)
-        cos, sin, tan = np.cos(self.sin[row] * y), np.sin(self.sin[row] * y), self.tan[row]
-        return a * (cos + tan * sin) - (cos - sin / tan) - self.devices.pulled(row, now, y)
+        return self.equation.on(side).force(y, a) - self.devices.pulled(row, now, y)
 
     def flow(self, segments: Segments, lanes: Lanes, row: Array, now: Phase, exact: Array) -> TaylorSeries:
         """The series of lanes from their present state; exact: True where y'' is exactly 0 now."""
-        if lanes.y.size == 1:  # NumPy sums a single lane in another order: no digit may depend on a lane's neighbours
-            both = np.zeros(2, dtype=np.int64)
-            return self.flow(segments, lanes.take(both), row[both], now.take(both), exact[both]).take(both[:1])
+        held = HeldBody(self.equation.on(lanes.side), self.devices, row, now)
         lanes = Lanes.joined([lanes])
-        terms, fastest = np.empty((self.order + 1, lanes.y.size)), np.empty(lanes.y.size)
-        for block in blocks(lanes.y.size, taylor.CACHED):
-            fastest[block] = self._fill(terms[:, block], segments, lanes.take(block), row[block], now.take(block), exact[block])
-        return taylor.series(terms, fastest, self.tolerance, self.damping)
+        drive = -lanes.side * lanes.amplitude * (segments.s_start[lanes.k] + drive_change(segments, lanes.k, lanes.u))
+        lanes.b = np.where(exact, 0.0, self.force(row, now, lanes.side, lanes.y, drive))
+        rate = 1.0 + np.sqrt(self.devices.linear_terms(row, now)[1])
+        terms, fastest = taylor.series_flow(held, segments, lanes, self.order, rate)
+        return taylor.series(terms, fastest, self.tolerance, self.equation.damping)
 
-    def _fill(self, terms: Array, segments: Segments, lanes: Lanes, row: Array, now: Phase, exact: Array) -> Array:
-        """Fill `terms`, (terms, lanes), with the Taylor terms of y in powers of (rate times h), h the time from now; return the rate
-        [1/tau]."""
-        stiffest = np.sqrt(self.devices.linear_terms(row, now)[1])
-        known = taylor.drive_series(segments, lanes, self.order - 2, rate=1.0 + stiffest)
-        drive, unit, unit2 = known.terms, known.unit, known.unit**2
-        push = -lanes.side * lanes.amplitude * (segments.s_start[lanes.k] + segment_value(segments, lanes.k, lanes.u)[0])
-        drive[0] = push * unit2
-        terms[0], terms[1] = lanes.y, lanes.v * unit
-        start = np.where(exact, 0.0, unit2 * self.force(row, now, lanes.y, push))
-        later = (self._linear if self.devices.linear else self._nonlinear)(terms, row, now, drive, unit2)
-        for n in range(self.order - 1):
-            own = later(n)
-            if n == 0:
-                own = start
-            if self.damping:
-                own -= 2.0 * self.damping * unit * ((n + 1) * terms[n + 1])
-            np.multiply(own, 1.0 / ((n + 1) * (n + 2)), out=terms[n + 2])
-        return known.fastest
 
-    def _linear(self, terms: Array, row: Array, now: Phase, drive: Array, unit2: Array) -> Callable[[int], Array]:
-        """Return a function of n that gives unit^2 times term n of y'', from n = 1 on."""
-        soft = unit2 * (1.0 - self.devices.linear_terms(row, now)[1])
-        return lambda n: soft * terms[n] + drive[n] if n < len(drive) else soft * terms[n]
+class HeldBody:
+    """The equation of lanes in one phase of their restraints: that of the free body, and the moment of its devices.
 
-    def _nonlinear(self, terms: Array, row: Array, now: Phase, drive: Array, unit2: Array) -> Callable[[int], Array]:
+    The moment is a sum of cos theta, sin theta, cos 2 theta, sin 2 theta, cos(theta/2): those of theta follow from l and m of the free
+    body, the second harmonics are rho cos(2 theta - 2 phi) = rho (2 u^2 - 1) with u = cos(theta - phi).
+    """
+
+    def __init__(self, equation: Equation, devices: Devices, row: Array, now: Phase) -> None:
+        self.equation, self.devices, self.row, self.now, self.damping = equation, devices, row, now, equation.damping
+
+    def part(self, lanes: slice) -> HeldBody:
+        """Return the equation of some of the lanes."""
+        return HeldBody(self.equation.part(lanes), self.devices, self.row[lanes], self.now.take(lanes))
+
+    def along(self, y: Series, new: Callable[[], Series]) -> tuple[Series, Series | None, Callable[[int], None]]:
+        """As `Equation.along`."""
+        free, push, extend = self.equation.along(y, new)
+        pulled = (self._linear if self.devices.linear else self._nonlinear)(y, free, push, new)
+        lift = new()
+        lift.append(free[0] + pulled(0))
+
+        def extend_held(n: int) -> None:
+            extend(n)
+            lift.append(free[n] + pulled(n))
+
+        return lift, push, extend_held
+
+    def _linear(self, y: Series, free: Series, push: None, new: Callable[[], Series]) -> Callable[[int], Any]:
+        """Return a function of n that returns term n of the acceleration that the devices take from y''."""
+        constant, stiffness = self.devices.linear_terms(self.row, self.now)
+        return lambda n: stiffness * y[n] if n else constant + stiffness * y[0]
+
+    def _nonlinear(self, y: Series, free: Series, push: Series, new: Callable[[], Series]) -> Callable[[int], Any]:
         """As `_linear`; the caller calls the function for n = 0, 1 ... in this order."""
-        factor, sin, tan = unit2 * self.devices.circular_terms(row, now), self.sin[row], self.tan[row]
-        factor[0] -= unit2
-        factor[1] += unit2 / tan
-        second, turned = 2.0 * np.hypot(factor[2], factor[3]), 0.5 * np.arctan2(factor[3], factor[2])
-        count, stretched = len(factor) - 2, second.any()
-        mix = np.zeros((3, count, row.size))  # of the waves: the linear part of y'', the lever of the drive, u
-        mix[0], mix[1, 0], mix[1, 1] = np.delete(factor, (2, 3), axis=0), 1.0, tan
-        mix[2, 0], mix[2, 1] = np.cos(turned), np.sin(turned)
-        waves, rate, mixed = np.empty((len(terms), count, row.size)), np.empty(terms.shape), np.empty((len(terms), 3, row.size))
-        both, half = np.empty((count, row.size)), np.array([[1.0], [0.5]])[: count // 2]
+        of_cos, of_sin, of_cos2, of_sin2, *of_half = -self.devices.circular_terms(self.row, self.now)
+        assert isinstance(self.equation, RigidBodyEquation)
+        sin, cos = self.equation.sin, self.equation.cos
 
-        def term(n: int) -> Array:
-            if n == 0:
-                theta = half * (sin * terms[0])
-                waves[0, ::2], waves[0, 1::2] = np.cos(theta), np.sin(theta)
-            else:
-                np.multiply(terms[n], n * sin, out=rate[n])
-                np.einsum("il,ijl->jl", rate[1 : n + 1], waves[n - 1 :: -1], out=both)
-                np.multiply(both[1::2], half / -n, out=waves[n, ::2])
-                np.multiply(both[::2], half / n, out=waves[n, 1::2])
-            np.einsum("kjl,jl->kl", mix, waves[n], out=mixed[n])
-            most = min(n + 1, len(drive))
-            own = np.einsum("il,il->l", drive[:most], mixed[n - most + 1 : n + 1, 1][::-1])
-            own += mixed[n, 0]
+        def of_free_and_push(by_cos: Array, by_sin: Array) -> tuple[Array, Array]:
+            """cos theta = sin^2 l + cos^2 m, sin theta = sin cos (m - l), with sin and cos of alpha."""
+            return sin * (sin * by_cos - cos * by_sin), cos * (cos * by_cos + sin * by_sin)
+
+        by_free, by_push = of_free_and_push(of_cos, of_sin)
+        size, angle = np.hypot(of_cos2, of_sin2), 0.5 * np.arctan2(of_sin2, of_cos2)
+        stretched, turned = bool(size.any()), new()
+        u_by_free, u_by_push = of_free_and_push(np.cos(angle), np.sin(angle))
+        half_cos, half_sin, rate = new(), new(), new()
+        if of_half:
+            half_cos.append(np.cos(0.5 * sin * y[0]))
+            half_sin.append(np.sin(0.5 * sin * y[0]))
+
+        def pulled(n: int) -> Array:
+            own = by_free * free[n] + by_push * push[n]
             if stretched:
-                own += second * np.einsum("il,il->l", mixed[: n + 1, 2], mixed[n::-1, 2])
+                turned.append(u_by_free * free[n] + u_by_push * push[n])
+                own = own + 2.0 * size * product_term(turned, turned) - (0.0 if n else size)
+            if of_half:
+                if n:
+                    rate.append(0.5 * n * sin * y[n])
+                    by_sin, by_cos = product_terms(rate, half_sin, half_cos)
+                    half_cos.append(by_sin / -n)
+                    half_sin.append(by_cos / n)
+                own = own + of_half[0] * half_cos[n] + of_half[1] * half_sin[n]
             return own
 
-        return term
+        return pulled
 
 
 def one_turn(arc: TaylorSeries, left: Array) -> Step:

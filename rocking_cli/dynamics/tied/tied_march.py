@@ -29,7 +29,6 @@ from ...errors import UsageError
 from ...motions.motion import Motion
 from ..contacts.contact import OneSided
 from ..drive import place
-from ..equations.rigid_body import RigidBodyEquation
 from ..lanes import Array, Cells, Lanes
 from ..march.batch import MAX_STEPS
 from ..outcome import FALLEN, LOST, Outcome
@@ -60,10 +59,8 @@ class March:
         self.one_sided = isinstance(self.contact, OneSided)
         self.again = 2 if self.equation.damping and self.devices.body is not None else 0  # bits to the second turn on a side
         self.every = (1 if self.one_sided else 3) << self.again
-        sides, alpha = np.array([1.0, -1.0]), 1.0
-        if isinstance(self.equation, RigidBodyEquation):
-            alpha = self.equation.on(sides).alpha
-        self.law = Law(self.devices, np.broadcast_to(alpha, 2), self.equation.damping, self.equation.tolerance)
+        sides = np.array([1.0, -1.0])
+        self.law = Law(self.equation, self.devices)
         self.limit = np.minimum(np.broadcast_to(self.equation.on(sides).limit, 2), self.devices.lever_ends())
         self.watch = None if self.devices.body is None else ContactWatch(self.devices, self.devices.body)
         self.bounces = Bounces(self.devices, self.contact, self.equation, self.segments)
@@ -290,7 +287,7 @@ class March:
         if self.devices.linear:
             there = Phase(*(x[..., at] for x in now))
             soft = self.devices.linear_terms(row[at], there)[1] <= 1.0
-            falls[at] = soft & (self.law.force(row[at], there, lanes.y[at], -inward) > 0.0)
+            falls[at] = soft & (self.law.force(row[at], there, side, lanes.y[at], -inward) > 0.0)
         else:
             free = ~(now.fixed[:, at].any(axis=0) | now.rate[:, at].any(axis=0))
             falls[at] = free & self.equation.on(side).certainly_overturns(lanes.y[at], lanes.v[at], inward)

@@ -21,7 +21,6 @@ from ...dynamics.response import (
     chains,
     response,
     response_under_records,
-    response_with_ground_forces,
     response_with_speed,
 )  # fmt: skip
 from ...motions import Motion
@@ -64,11 +63,6 @@ class Job:
     quantities: tuple[str, ...] = ()
 
     @property
-    def forces(self) -> bool:
-        """True if ground forces are computed."""
-        return "friction" in self.quantities or "fz_min" in self.quantities
-
-    @property
     def one_by_one(self) -> bool:
         """True if each cell is marched alone, which is faster for few cells of each system under long records."""
         scene = self.scene
@@ -95,16 +89,14 @@ class Job:
         return self.run(item) if isinstance(item, list) else reference(self.scene, item)
 
     def run(self, units: Sequence[Unit]) -> list[Report]:
-        """Compute some units. Bands of one system under one motion, or under records that chain, form one batch; with forces also of one
-        body."""
+        """Compute some units. Bands of one system under one motion, or under records that chain, form one batch."""
         scene = self.scene
         _, rows, columns = scene.shape
         bands = [list(scene.bands(u, (min(self.chunk[0], rows - u.row), min(self.chunk[1], columns - u.column)))) for u in units]
         batches: dict[Any, list[Band]] = {}
         for band in chain.from_iterable(bands):
-            body = scene.method.body_of(band.structure) if self.forces else None
             shared = self.pooled and chains(scene.method.system_of(band.structure), band.motion)
-            batches.setdefault((None if shared else id(band.motion), scene.runs_with(band.structure), body), []).append(band)
+            batches.setdefault((None if shared else id(band.motion), scene.runs_with(band.structure)), []).append(band)
         found: dict[int, list[Block]] = {}
         work = Work()
         for key, batch in batches.items():
@@ -136,17 +128,14 @@ class Job:
         """Return (the variables of all cells (A, Omega, eta), the work) for bands under one motion."""
         method, motion, counts, structures = self.scene.method, batch[0].motion, [b.size for b in batch], [b.structure for b in batch]
         system = method.system_of_cells(structures, counts)
-        if method.exact and not self.forces:
+        if method.exact:
             system = system._replace(body=None, own=())  # structures that share rotations have different bodies
         extra: Block = {}
         known: Response | None = None
         if "velocity_ratio" in self.quantities:
             known, rate = response_with_speed(system, motion, *cells)
             extra["velocity_ratio"] = rate * np.repeat([s.alpha for s in structures], counts)
-        if self.forces:
-            got, asked = response_with_ground_forces(system, motion, *cells, found=known)
-            extra |= asked
-        elif known is None and self.one_by_one:
+        if known is None and self.one_by_one:
             from ...dynamics.single.one_by_one import response_alone
 
             got = response_alone(method.system_of(structures[0]), motion, *cells)

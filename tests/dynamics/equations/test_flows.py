@@ -1,12 +1,10 @@
-"""The exact flows, one sinusoid at a time and by sums, against their definition in 40 digits."""
+"""The exact flow against its definition in 40 digits."""
 
 import mpmath
 import numpy as np
 import pytest
 
 from rocking_cli.dynamics.equations.flow import LinearFlow
-from rocking_cli.dynamics.equations.summed_flow import SHORT, SummedFlow, can_be_summed
-from rocking_cli.motions import Harmonic, Motion, Piece, pulse
 
 
 def arcs(lanes, harmonics=5, seed=3):
@@ -55,39 +53,3 @@ def test_the_flow_of_few_sinusoids_is_that_of_the_definition(harmonics, ramp):
     assert np.all(np.abs(found[0] - wanted[0]) < 3e-15 * size_y)
     assert np.all(np.abs(found[1] - wanted[1]) < 3e-15 * size_v)
     assert np.all(np.abs(found[2:] - wanted[2:]) < 1e-14 * (1.0 + w.max(axis=0)) * (np.cosh(h) + drive))
-
-
-def test_the_state_is_that_of_the_definition():
-    ratios, *state, h = arcs(70)
-    flow = SummedFlow.of(*state, ratios)
-    state[-1] = ratios[:, None] * state[-1]
-    found = np.array(flow.at(h))
-    wanted = np.array([exact(*(x[..., i] for x in (*state, h))) for i in range(h.size)]).T
-    short = flow.fastest * h < SHORT
-    assert 10 < short.sum() < 60
-    scale = np.cosh(h) + np.abs(state[3]).sum(axis=0) + np.abs(state[4]).sum(axis=0)
-    for n, tolerance in enumerate((4e-16, 2e-15, 4e-15)):
-        assert (np.abs(found[n] - wanted[n]) / scale)[short].max() < tolerance
-    assert (np.abs(found[:3] - wanted[:3]) / scale)[:, ~short].max() < 4e-14
-    assert (np.abs(found[3] - wanted[3]) / (scale * flow.fastest)).max() < 4e-14
-    ground = found[2] - found[0]
-    assert np.abs(flow.at_ground(h) - ground).max() < 2e-14
-
-
-def test_a_short_arc_from_rest_keeps_its_digits():
-    ratios, _, _, _, sin, cos, top, h = arcs(20, seed=4)
-    w = ratios[:, None] * top
-    zero = np.zeros(h.size)
-    h = np.minimum(h, 0.3 / (1.0 + top))
-    found = SummedFlow.of(zero, zero, zero, np.abs(sin), cos, top, ratios).at(h)
-    wanted = np.array([exact(0.0, 0.0, 0.0, np.abs(sin[:, i]), cos[:, i], w[:, i], h[i]) for i in range(h.size)]).T
-    assert np.abs(found.y / wanted[0] - 1.0).max() < 2e-14
-    assert np.abs(found.v / wanted[1] - 1.0).max() < 2e-14
-
-
-def test_frequencies_far_apart_are_left_to_the_flow_that_keeps_them_apart():
-    assert can_be_summed(pulse("ricker-symmetric").segments)
-    assert can_be_summed(pulse("mavroeidis-papageorgiou").segments)
-    apart = (Piece(0.0, 2.0, (Harmonic(1.0), Harmonic(0.1, 1.5))), Piece(2.0, 3.0, (Harmonic(1.0), Harmonic(0.1, 2.5))))
-    assert not can_be_summed(Motion("not the same everywhere", apart).segments)
-    assert not can_be_summed(Motion("far", (Piece(0.0, 3.0, (Harmonic(1.0), Harmonic(0.1, 90.0))),)).segments)

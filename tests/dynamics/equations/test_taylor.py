@@ -37,3 +37,11 @@ def test_a_step_keeps_the_tolerance_and_does_not_waste_it(tolerance):
 def test_tolerances_without_sense_are_refused(tolerance):
     with pytest.raises(ValueError, match=r"expected a number from 1e-13 to 0\.01"):
         taylor.order_for(tolerance)
+
+
+@pytest.mark.parametrize("unit", [1e-3, 0.05, 0.7])
+def test_the_largest_sizes_of_a_degree_are_those_at_which_another_term_is_needed(unit):
+    limits = np.array(taylor.size_limits(unit, 1e-9))
+    for factor, more in ((1.0 - 1e-9, 0), (1.0 + 1e-9, 1)):
+        needed = taylor.degrees(factor * limits[:-1], np.full(limits.size - 1, unit), 1e-9)
+        np.testing.assert_array_equal(needed, np.arange(3, limits.size + 2) + more)

@@ -1,4 +1,4 @@
-"""Bodies that leave the ground, against their least force and closed forms; against an integration: test_ground_forces.py."""
+"""Bodies that leave the ground, against their least force and closed forms; against an integration: test_force_history.py."""
 
 import math
 from dataclasses import replace
@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from oracles.ground_forces import lifting, pendulum
 from scipy.integrate import solve_ivp
-from support.bodies import drawn
+from support.bodies import drawn, forces_of
 
 from rocking_cli import Method, Outcome, RockingParameters, cosine, parse_grid, pulse, response, sine
 from rocking_cli.dynamics.body import Body
 from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.observers.contact_loss import ContactLoss, Ends, ShakingBounds, chord_errors
+from rocking_cli.dynamics.outcome import safe
 from rocking_cli.dynamics.references.extrapolation import Script
 from rocking_cli.dynamics.references.general_solver import solve_cell
-from rocking_cli.dynamics.response import response_with_ground_forces
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.polyline import Polyline
 from rocking_cli.responses.time_history import time_history
@@ -35,8 +35,6 @@ def test_a_body_that_the_linear_equation_lifts_at_lambda_leaves_the_ground_where
     assert np.count_nonzero(found[0].outcome == Outcome.LOST_CONTACT) > 10
     assert np.count_nonzero(found[0].outcome == Outcome.ROCKED) > 10
     assert np.array_equal(*(x.outcome for x in found))
-    with pytest.raises(ValueError, match="ground forces need a rigid body"):
-        response_with_ground_forces(Method().system_of(lifted), sine(), 2.0, 3.0, body.eta)
 
 
 @pytest.mark.parametrize("path", ["march", "midpoint rule", "DOP853"])
@@ -73,11 +71,12 @@ def test_they_are_the_cells_whose_least_force_is_not_positive(kind, model, share
     body, _, _ = drawn(f"{kind} {model}", np.random.default_rng(3), (0.45, 0.6), ETAS, 0.3)
     amplitude, omega = np.meshgrid(np.linspace(0.5, 4.0 if share else 12.0, 12), np.linspace(2.0, 12.0, 6))
     cell = Method(model).system_of(body), with_vertical(sine(), cosine(), share) if share else sine()
-    found, asked = response_with_ground_forces(*cell, amplitude, omega, body.eta)
-    known, lost = ~np.isnan(asked["fz_min"]), found.outcome == Outcome.LOST_CONTACT
-    assert 5 < np.count_nonzero(lost) < np.count_nonzero(known) - 5
-    assert np.array_equal(lost[known], asked["fz_min"][known] <= 0.0)
-    assert np.array_equal(lost[known], np.isinf(asked["friction"][known]))
+    found = response(*cell, amplitude, omega, body.eta)
+    known, lost = np.argwhere(safe(found.outcome) | (found.outcome == Outcome.LOST_CONTACT)), found.outcome == Outcome.LOST_CONTACT
+    assert 5 < np.count_nonzero(lost) < len(known) - 5
+    for i, j in known[::3]:
+        asked = forces_of(body, cell[1], float(amplitude[i, j]), float(omega[i, j]), Method(model))
+        assert lost[i, j] == (asked.fz_min <= 0.0) == math.isinf(asked.friction.friction)
     for peaks in (True, False):
         assert np.array_equal(found.outcome, response(*cell, amplitude, omega, body.eta, peaks=peaks).outcome)
     assert response(*cell, amplitude[3, 7], omega[3, 7], body.eta).outcome == found.outcome[3, 7]
@@ -97,19 +96,14 @@ def test_a_damped_body_may_lose_it_at_the_end_of_the_shaking_and_later(model, al
     body = RockingParameters("b", "block", 1.0, alpha, eta, math.tan(alpha), 1.0, arm=0.75 * 9.81, one_sided=eta < 0.0, damping=zeta)
     system, scene = Method(model, 1e-11).system_of(body), (motion, amplitude, omega, eta)
     assert int(response(system, *scene).outcome) == Outcome.LOST_CONTACT
-    found, asked = response_with_ground_forces(system, *scene)
-    assert int(found.outcome) == Outcome.LOST_CONTACT
-    assert float(asked["fz_min"]) == pytest.approx(least, abs=1e-9)
+    assert forces_of(body, motion, amplitude, omega, Method(model, 1e-11)).fz_min == pytest.approx(least, abs=1e-9)
 
 
 def test_a_body_that_an_impact_leaves_no_speed_does_not_bounce():
     """Linear, eta = 0: bounces of no height would lose the ground, with Fz = -0.205 m g; the least and |Fx|/Fz are of that integration."""
     body = RockingParameters("b", "block", 1.0, 1.15, 0.0, math.tan(1.15), 1.0, arm=0.9 * 9.81)
-    system, scene = Method().system_of(body), (sine(1), 1.1, 4.0, 0.0)
-    found, asked = response_with_ground_forces(system, *scene)
-    assert int(response(system, *scene).outcome) == int(found.outcome) == Outcome.ROCKED
-    assert [float(asked[name]) for name in ("fz_min", "friction")] == pytest.approx([0.31447055220054, 1.97191430146448], abs=1e-12)
-    demands = time_history(body, sine(1), parse_grid("A=1.1,Omega=4"), [Method()]).forces["linear"].extremes
+    assert int(response(Method().system_of(body), sine(1), 1.1, 4.0, 0.0).outcome) == Outcome.ROCKED
+    demands = forces_of(body, sine(1), 1.1, 4.0, Method())
     assert [demands.fz_min, demands.friction.friction] == pytest.approx([0.31447055220054, 1.97191430146448], abs=1e-12)
 
 
@@ -121,10 +115,11 @@ def test_what_a_rotation_proves_to_press_does():
     scene = sine(), amplitude, omega, np.full(omega.size, 0.9)
     batch = Batch.of(system, sine().segments, *scene[1:])
     loss = ContactLoss(system.body, batch)
-    found, forces = response_with_ground_forces(system, *scene)
+    found = response(system, *scene)
     at = np.flatnonzero(found.outcome == Outcome.ROCKED)
     proved = loss.contact_proved(at, found.theta_ratio[at])
-    assert forces["fz_min"][at[proved]].min() > 0.0
+    for i in at[proved].tolist():
+        assert forces_of(body, sine(), float(amplitude[i]), float(omega[i]), Method("nonlinear")).fz_min > 0.0
     assert 0.5 < proved.mean() < 1.0
     assert not np.any(loss.open & (amplitude <= system.safe_amplitude(sine())))
 
@@ -142,7 +137,7 @@ def test_a_flight_marks_them_too():
         assert time_history(body, record, shaking, [method]).outcome("linear") == found.outcome[i]
 
 
-def forces_of(body, edge, push, weight, u, rate):
+def forces_under(body, edge, push, weight, u, rate):
     """(Fx, Fz) over m g, and u'' [rad by tau]."""
     z = edge.alpha - u
     acceleration = push - weight * z if body.linear else push * np.cos(z) - weight * np.sin(z)
@@ -160,7 +155,7 @@ def test_forces_leave_their_chords_by_no_more_than_their_sag(linear):
     u, rate, push, push1, weight, weight1 = random.uniform(lows, highs, (n, 6)).T
 
     def forces(part, state):
-        return forces_of(body, edge, push + push1 * h * part, weight + weight1 * h * part, *state.reshape(2, n))
+        return forces_under(body, edge, push + push1 * h * part, weight + weight1 * h * part, *state.reshape(2, n))
 
     def slopes(part, state):
         return np.append(h * state[n:], h * forces(part, state)[2])

@@ -6,7 +6,8 @@ from support.bodies import ALPHA, SYSTEMS
 from support.synthetic_records import RECORDS, allowance, assert_same, cells, long_series, noise, shaken, weighed
 
 from rocking_cli import LinearEquation, Outcome, RigidBodyEquation, System, response, sine
-from rocking_cli.dynamics.equations.equation import Ramp
+from rocking_cli.dynamics.equations.equation import Drive
+from rocking_cli.dynamics.equations.recurrence import Rows, motion_terms
 from rocking_cli.dynamics.equations.taylor import degrees, factors_for
 from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
@@ -73,10 +74,11 @@ def test_lemma_12_a_step_that_is_taken_holds_no_impact_and_no_higher_peak(equati
     y, v = np.where(dips, height, y), np.where(dips, first_order / unit, v)
     degree = degrees(np.full(count, 10.0) + np.abs(gain) / unit, (1.6 if weighed else 1.0) * unit, equation.tolerance)
     weight, then = np.random.default_rng(4).uniform(0.0, 2.5, (2, count))
-    ramp = Ramp(drive, gain, unit, factors_for(unit, degree), weight=(weight, then - weight) if weighed else None)
+    ramp = Drive(Rows.of(drive, gain), unit, Rows.of(weight, then - weight) if weighed else None)
+    factors = factors_for(unit, degree)
     peak = y * (1.0 + 10.0 ** random.uniform(-3.0, 1.0, count))
-    end, _, taken = stepper._step(equation, y, v, peak, ramp, degree * count + np.arange(count))
-    terms = equation.ramp_terms(y, v, ramp)
+    end, _, taken = stepper._step(equation, y, v, peak, ramp, factors, degree * count + np.arange(count))
+    terms = motion_terms(equation, y, v, unit, factors, ramp.terms, ramp.weight)
     path = np.array([(terms * x ** np.arange(len(terms))[:, None]).sum(axis=0) for x in np.linspace(0.0, 1.0, 201)])
     assert taken.sum() > 300
     assert np.all(path[:, taken] > 0.0)

@@ -1,6 +1,7 @@
 """Overturning maps, read back from the figure that would be saved."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from matplotlib.figure import Figure
 from support.axes import lines
 from support.record_layouts import rows, wave
 
-from rocking_cli import Outcome, SpectraFile, UsageError, closed_form_curves, draw
+from rocking_cli import Outcome, SpectraFile, UsageError, closed_form_curves, draw, merge
 from rocking_cli.reports.units import parse_units
 
 
@@ -113,15 +114,20 @@ def test_a_file_without_a_cell_is_refused(drawn, swept):
         drawn(swept("--eta", "0.9", "--grid", "A=1:2:3,Omega=1:2:3", "--shard", "2/2"))
 
 
-def test_a_map_with_forces_has_lines_of_equal_friction_and_none_of_a_vertical_motion_the_closed_forms(drawn, swept):
-    call = ("configs/block.yaml", "--grid", "A=0.5:3:6,Omega=2:6:5", "--no-validity")
-    path, upwards = swept(*call, "--quantity", "friction"), swept(*call, "--vertical", "cosine", "--vertical-scale", "0.5")
-    with SpectraFile(path) as file:
+def test_a_map_with_forces_has_lines_of_equal_friction(drawn, tmp_path):
+    shards = [Path(__file__).parents[2] / f"spectra/file/forces_{i}_of_2_0.1.0.h5" for i in (1, 2)]  # no sweep stores them any more
+    merge(shards, tmp_path / "whole.h5")
+    with SpectraFile(tmp_path / "whole.h5") as file:
         friction = file.block(0, slice(None))["friction"]
-    (axes,) = drawn(path).axes
+    (axes,) = drawn(tmp_path / "whole.h5").axes
     (contours,) = [c for c in axes.collections if hasattr(c, "levels")]
     assert np.nanmin(friction) <= contours.levels[-2] <= np.nanmax(friction)
-    assert any("closed form" in label for label in lines(axes))
+
+
+def test_a_map_has_closed_forms_and_none_of_a_vertical_motion(drawn, swept):
+    call = ("configs/block.yaml", "--grid", "A=0.5:3:6,Omega=2:6:5", "--no-validity")
+    path, upwards = swept(*call), swept(*call, "--vertical", "cosine", "--vertical-scale", "0.5")
+    assert any("closed form" in label for label in lines(drawn(path).axes[0]))
     assert not drawn(upwards).axes[0].get_lines()
     with SpectraFile(upwards) as file, pytest.raises(UsageError, match="found a vertical motion"):
         file.motion()

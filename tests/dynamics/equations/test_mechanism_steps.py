@@ -1,4 +1,4 @@
-"""Steps of a mechanism by collocation: the rule of their points, arcs against another integration, and what is not left standing."""
+"""Steps of a mechanism, against another integration and against shorter ones."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,6 @@ from support import references
 from support.documents import built
 
 from rocking_cli import pulse, sine
-from rocking_cli.dynamics.equations import collocation
 from rocking_cli.dynamics.equations.mechanism import MechanismEquation
 from rocking_cli.dynamics.system import System
 
@@ -49,7 +48,6 @@ def test_arcs_are_those_of_another_integration(name, tolerance, motion):
     segments = System(equation).segments(motion)
     lanes = lanes_of(equation, segments, 15, 7)
     arc = equation.flow(segments, lanes)
-    assert len(arc.terms) < equation.order + 1  # no series of Taylor's
     looked = 0
     for i in range(lanes.y.size):
         one = arc.take(np.full(3, i))
@@ -86,35 +84,7 @@ def followed(equation, segments, lanes, until):
     return np.where(above, lanes.y, np.nan), np.where(above, lanes.v, np.nan)
 
 
-@pytest.mark.parametrize(
-    ("name", "too"),
-    [
-        ("voussoirs", {}), ("voussoirs", {"_PACE": 2.0}), ("voussoirs", {"_FAR": 20.0}), ("voussoirs", {"_COARSE": 0}),
-        ("voussoirs", {"_FAR": 20.0, "_HALVED": 0}), ("barely stands", {"_STIFF": 30.0, "_PACE": 0.3}),
-    ],
-)  # fmt: skip
-def test_steps_that_are_too_long_are_halved_or_left_to_series(name, too, monkeypatch):
-    equation, closely = (MechanismEquation(mechanism(name), tolerance) for tolerance in (1e-9, 1e-12))
-    segments = System(equation).segments(sine())
-    lanes = lanes_of(equation, segments, 1000, 3)
-    for key, value in too.items():
-        monkeypatch.setattr(collocation, key, value)
-    arc = equation.flow(segments, lanes)
-    found = arc.at(arc.longest)
-    y, v = followed(closely, segments, lanes, arc.longest)
-    assert np.isfinite(y).sum() > 500
-    assert np.nanmax(np.abs(found.y - y) / arc.longest) < 0.05 * equation.tolerance
-    assert np.nanmax(np.abs(found.v - v)) < 0.05 * equation.tolerance
-
-
-@pytest.mark.parametrize(("tolerance", "damping"), [(1e-12, 0.0), (1e-9, 0.1)])
-def test_series_take_what_marks_or_points_do_not_hold(tolerance, damping):
-    equation = MechanismEquation(mechanism("voussoirs"), tolerance, damping)
-    segments = System(equation).segments(sine())
-    assert len(equation.flow(segments, lanes_of(equation, segments, 3, 1)).terms) == equation.order + 1
-
-
-def test_series_of_taylor_end_where_their_patch_was_fitted():
+def test_steps_end_where_their_patch_was_fitted():
     """Beyond it they converge to what the polynomial of the patch is there, which is not the linkage's."""
     equation = MechanismEquation(mechanism("voussoirs"), 1e-12)
     segments = System(equation).segments(sine())

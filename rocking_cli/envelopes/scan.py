@@ -11,17 +11,17 @@ boundaries 647 lie within 5e-7.
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from ...motions.motion import Motion
-from ...motions.segments import Segments
-from ..outcome import Outcome
-from ..system import System
-from .lane import Lane
-from .recurrence import compiled
-from .series_roots import value
+from ..dynamics.equations.recurrence import motion_terms
+from ..dynamics.outcome import Outcome
+from ..dynamics.single.lane import Lane
+from ..dynamics.single.series_roots import value
+from ..dynamics.system import System
+from ..motions.motion import Motion
+from ..motions.segments import Segments
 
 Array = np.ndarray
 
@@ -34,10 +34,10 @@ _SEARCH_LINES = 64  # number of lines that one search for the next uplift covers
 
 
 class Accuracy(NamedTuple):
-    """How closely the scan follows bodies. order: of the series of a step; short: bounces shorter than this times `_STEP` are averaged;
+    """How closely the scan follows bodies. degree: of the series of a step; short: bounces shorter than this times `_STEP` are averaged;
     roots: number of steps of Newton's method to an impact, plus one where a line differs from the record."""
 
-    order: int
+    degree: int
     short: float
     roots: int
 
@@ -64,10 +64,9 @@ class Scan:
     def __init__(self, system: System, motion: Motion, omega: float, eta: float, fine: bool = False) -> None:
         self.lane = lane = Lane(system, system.segments(motion.coarsest), omega, eta)
         self.edges = list(lane.edges(1.0).values())
-        self.laws = [lane.laws[edge.side] for edge in self.edges]
         step, self.accuracy = _STEP * min(edge.omega for edge in self.edges), _FINE if fine else _COARSE
         self.lines = _lines(lane.segments, min(step, float(lane.segments.length[:].max())) if fine else step)
-        self.kind = self.laws[0].name, lane.zeta, len(self.edges), self.lines.residual.size > 0, fine
+        self.kind = type(system.equation), lane.zeta, len(self.edges), self.lines.residual.size > 0, fine
         self.known = np.zeros(0), np.zeros(0, dtype=np.uint8)
 
     @staticmethod
@@ -76,7 +75,7 @@ class Scan:
         if system.devices is not None:
             return False
         straight = system.segments(motion.coarsest).straight
-        return straight and motion.vertical is None and system.equation.law(1.0).local is None
+        return straight and motion.vertical is None and system.equation.composed is None
 
     def outcomes(self, amplitude: Array) -> Array:
         """The approximate outcome at each amplitude A, codes of `Outcome`, with ROCKED for every body that stands, (lanes,)."""
@@ -119,13 +118,8 @@ class _Pool:
             np.array([getattr(f, n) for f in edges]) for n in ("drive", "speed_ratio", "limit", "omega")
         )
         self.paces, self.lowest_limit = 1.0 / omega, float(self.limit.min())
-        laws = [law for scan in scans for law in scan.laws]
-        numbers = {name: np.array([law.numbers[name] for law in laws]) for name in laws[0].numbers}
-        self.differ = {name: x for name, x in numbers.items() if x.min() < x.max()}
-        alike = {name: float(x[0]) for name, x in numbers.items() if name not in self.differ}
-        self.numbers: dict[str, Any] = {"tan": np.tan, "exp": np.exp, **alike}
-        self.accuracy = scans[0].accuracy
-        self.terms: Callable[..., tuple[Any, ...]] = compiled(laws[0], self.accuracy.order, scans[0].lane.zeta, True, False).terms
+        first, *others = (edge.equation for edge in edges)
+        self.equations, self.accuracy = first.joined(others), scans[0].accuracy
         self._store_lines([scan.lines for scan in scans])
         body = np.repeat(np.arange(len(scans)), [a.size for a in amplitudes])
         self.number, self.amplitude, self.row = np.arange(body.size), np.concatenate(amplitudes), body * self.sides
@@ -179,7 +173,7 @@ class _Pool:
     def _keep(self, stay: Array) -> None:
         for name in self._EACH:
             setattr(self, name, getattr(self, name)[stay])
-        self.own = {name: x[self.row] for name, x in self.differ.items()}
+        self.equation = self.equations.on(self.row, self.row)
 
     def _next_uplifts(self) -> None:
         """Move lanes at rest to their next uplift; remove lanes without one, and lanes at the end of their record."""
@@ -221,7 +215,9 @@ class _Pool:
         left, s, rise = 1.0 - x, self.s[k], self.rise[k]
         lasts = self.length[k] * self.pace
         h = np.maximum(lasts * left, 1e-12)
-        terms = self.terms(self.y, self.v, h, drive * (s + rise * x), drive * (rise * left), **self.numbers, **self.own)
+        square = h * h
+        factors = [square * (1.0 / ((n + 1) * (n + 2))) for n in range(self.accuracy.degree - 1)]
+        terms = motion_terms(self.equation, self.y, self.v, h, factors, [drive * (s + rise * x), drive * (rise * left)])
         self.y, self.v = sum(terms[1:], terms[0]), sum((n * c for n, c in enumerate(terms[2:], 2)), terms[1]) / h
         self.k, self.x = k + 1, np.zeros_like(x)
         hit = np.flatnonzero(self.y <= 0.0)
@@ -242,8 +238,7 @@ class _Pool:
         pace, drive = self.paces[row], self.drives[row] * self.amplitude[at]
         unit *= pace
         self.row[at], self.drive[at], self.pace[at], self.y[at] = row, drive, pace, 0.0
-        for name, values in self.differ.items():
-            self.own[name][at] = values[row]
+        self.equation = self.equations.on(self.row, self.row)
         # Further bounces within the line, averaged under the drive halfway to its end.
         push = self.s[k] + self.rise[k] * (0.5 + 0.5 * x)
         here = 1.0 - drive * push

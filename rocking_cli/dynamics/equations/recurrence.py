@@ -1,0 +1,149 @@
+"""The Taylor terms of a motion, one after the other.
+
+Every equation is y'' = -w F(y) + a G(y) - 2 zeta y' (`equation`, where F and G are
+called l and m), with the outward drive a and the weight w over m g. In powers of the
+time over a unit the terms of y are
+
+    Y_(n+2) = unit^2/((n + 1)(n + 2)) [(a G)_n - (w F)_n] - 2 zeta unit Y_(n+1)/(n + 2)
+
+The same code serves one body (a series is a list of floats), a scan (a list of arrays)
+and a sweep (`Rows`, where a product of two series is one call).
+"""
+
+from collections.abc import Callable
+from operator import mul
+from typing import Any, Protocol, Self
+
+import numpy as np
+
+Array = np.ndarray
+Series = Any  # a list of floats or of arrays, or Rows: terms 0, 1, 2 ... of a series
+
+
+class Recurrence(Protocol):
+    """An equation of motion whose Taylor terms can be found: every `Equation`, and one of tied bodies."""
+
+    damping: float  # zeta
+
+    def along(self, y: Series, new: Callable[[], Series]) -> tuple[Series, Series | None, Callable[[int], None]]:
+        """Return F and G along a motion, both with their term 0, and a function that adds their terms n.
+
+        y: terms of the motion; new: returns an empty series. G is None where it is 1. The
+        caller calls the function for n = 1, 2 ..., when the terms 0 to n of y are known.
+        """
+
+    def part(self, lanes: slice) -> Self:
+        """Return the equation of some of its lanes."""
+
+
+class Rows:
+    """A series whose terms are the rows of one array, (terms, lanes), for many lanes.
+
+    The array has two columns for a single lane: NumPy sums one column in another order,
+    and no digit may depend on a lane's neighbours.
+    """
+
+    __slots__ = ("array", "count")
+
+    def __init__(self, most: int, lanes: int) -> None:
+        self.array = np.empty((most, 2 if lanes == 1 else lanes))
+        self.count = 0  # terms that are known
+
+    @classmethod
+    def of(cls, *terms: Array) -> "Rows":
+        """Return the series with these terms, each (lanes,)."""
+        rows = cls(len(terms), terms[0].size)
+        for term in terms:
+            rows.append(term)
+        return rows
+
+    @classmethod
+    def from_array(cls, terms: Array) -> "Rows":
+        """Return the series whose terms are these rows, (terms, lanes)."""
+        rows = cls(0, 0)
+        rows.array = terms.repeat(2, axis=1) if terms.shape[1] == 1 else terms
+        rows.count = len(terms)
+        return rows
+
+    def append(self, term: Array | float) -> None:
+        """Add the next term."""
+        self.array[self.count] = term
+        self.count += 1
+
+    def __getitem__(self, n: int) -> Array:
+        return self.array[n]
+
+    def __len__(self) -> int:
+        return self.count
+
+
+def product_term(a: Series, b: Series) -> Any:
+    """Return term n of the product of two series, where n is the last term of b."""
+    n = len(b) - 1
+    if type(b) is list:
+        if len(a) == 2:  # a straight line
+            return a[0] * b[n] + a[1] * b[n - 1] if n else a[0] * b[0]
+        return sum(map(mul, a, reversed(b)))
+    most = min(len(a), n + 1)
+    return np.einsum("il,il->l", a.array[:most], b.array[n + 1 - most : n + 1][::-1])
+
+
+def product_terms(a: Series, b: Series, c: Series) -> tuple[Any, Any]:
+    """Return term n of the products a b and a c, where n is the last term of b and c."""
+    if type(b) is not list:
+        return product_term(a, b), product_term(a, c)
+    by_b, by_c, n = 0.0, 0.0, len(b) - 1
+    for x in a:
+        by_b += x * b[n]
+        by_c += x * c[n]
+        n -= 1
+    return by_b, by_c
+
+
+def motion_terms(
+    equation: Recurrence,
+    y: Any,
+    v: Any,
+    unit: Any,
+    factors: Any,
+    drive: Series,
+    weight: Series | None = None,
+    force: Any = None,
+) -> Any:
+    """Return the terms of y in powers of the time over `unit` [tau].
+
+    y, v: displacement and velocity at the start, floats or (lanes,); factors:
+    unit^2/((n + 1)(n + 2)) for n = 0, 1 ..., 0 beyond the degree of a lane; drive, weight:
+    series of the outward drive and of the weight over m g (None: 1); force: y'' + 2 zeta y'
+    at the start where it is known to more digits than follow from the drive.
+
+    Returns len(factors) + 2 terms: a list if `drive` is one, otherwise (terms, lanes).
+    """
+    count = len(factors) + 2
+    new: Callable[[], Series] = list
+    if isinstance(drive, Rows):
+        lanes = y.size
+
+        def new() -> Series:
+            return Rows(count, lanes)
+
+    motion = new()
+    motion.append(y)
+    motion.append(v * unit)
+    lift, push, extend = equation.along(motion, new)
+    drag = 2.0 * equation.damping / unit if equation.damping else None
+    for n, factor in enumerate(factors):
+        if n:
+            extend(n)
+        if n == 0 and force is not None:
+            own = force
+        else:
+            own = -lift[n] if weight is None else -product_term(weight, lift)
+            if push is not None:
+                own = own + product_term(drive, push)
+            elif n < len(drive):
+                own = own + drive[n]
+        if drag is not None:
+            own = own - drag * (n + 1) * motion[n + 1]
+        motion.append(own * factor)
+    return motion.array[:, : y.size] if isinstance(drive, Rows) else motion
