@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..errors import UsageError
+from ..errors import UsageError, did_you_mean
 from ..motions.motion import Motion
 from ..motions.segments import Chain
+from .batch import Batch
 from .lanes import Array
-from .march.batch import Batch
 from .march.engine import Run, by_windows
 from .observers.observer import Observer
 from .outcome import Outcome, Work, safe
@@ -31,16 +31,43 @@ class Response(NamedTuple):
     impacts: Array
     work: Work
 
+    @classmethod
+    def joined(cls, parts: Sequence["Response"]) -> "Response":
+        """Return the cells of all parts, one after the other."""
+        theta_ratio, outcome, impacts = (np.concatenate(x) for x in list(zip(*parts, strict=True))[:3])
+        return cls(theta_ratio, outcome, impacts, sum((part.work for part in parts), Work()))
+
+
+# Up to so many cells of a structure, under a record of more than so many segments, are faster one after the other on floats: a round of the
+# march on arrays costs about as much as a step of thirty bodies on floats.
+FEW, LONG = 20, 200
+WAYS = ("arrays", "floats")
+
+
+def cheaper(motion: Motion, cells: int) -> str:
+    """Return how `response` computes so many cells of one structure under this motion in the least time."""
+    return "floats" if len(motion.segments) > LONG and cells <= FEW else "arrays"
+
 
 def response(
-    system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float, *, peaks: bool = True, pool: int | None = None
+    system: System,
+    motion: Motion,
+    amplitude: Array | float,
+    omega: Array | float,
+    eta: Array | float,
+    *,
+    peaks: bool = True,
+    how: str = "arrays",
+    pool: int | None = None,
 ) -> Response:
     """Largest rotation and outcome of one system under one motion (Eqs. 2.3, 2.4, 2.6, 3.4).
 
     amplitude: A = a_scale a_g / (alpha g) [-], finite, not negative; omega: Omega = omega_g / p [-], finite, positive; if the edges differ
     both are those of the edge that lifts first. eta [-]: within [0, 1], of a one-sided body within (-1, 0], not used if the edges have
-    restitutions of their own. They are broadcast against each other. peaks: False computes the outcome only, theta_ratio is NaN. pool:
-    number of lanes advanced together, None for the default. Raises ValueError for a number out of range.
+    restitutions of their own. They are broadcast against each other. peaks: False computes the outcome only, theta_ratio is NaN. how:
+    "arrays" advances all cells together, "floats" one cell after the other, for a system of one structure (see `cheaper`); both keep the
+    tolerance, and their digits beyond it differ. pool: number of lanes advanced together, None for the default. Raises ValueError for a
+    number out of range.
 
     >>> (column,) = load_structures('configs/block.yaml')
     >>> found = response(Method('nonlinear').system_of(column), sine(), 1.5, 6.0, column.eta)
@@ -52,10 +79,16 @@ def response(
         raise ValueError("amplitude must be finite and not negative")
     if not (np.all(np.isfinite(cells[1])) and np.all(cells[1] > 0.0)):
         raise ValueError("omega must be positive and finite")
+    if how not in WAYS:
+        raise UsageError(f"`how`: found {how!r}; expected {' or '.join(WAYS)}{did_you_mean(how, WAYS)}")
     if system.devices is not None:
         from .tied.tied_march import March
 
         return _response(March(system, motion.coarsest, *cells).run(), shape, peaks)
+    if how == "floats":
+        from .single.one_by_one import one_by_one
+
+        return one_by_one(system, motion, *cells, shape=shape, peaks=peaks)
     prove = bool(cells[0].max(initial=0.0) > system.safe_amplitude(motion))  # the peaks may prove that Fz > 0
     run = _marched(system, motion, cells, _batch(system, motion, cells, peaks or prove), pool=pool)
     return _response(run, shape, peaks)

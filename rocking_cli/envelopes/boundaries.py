@@ -110,7 +110,6 @@ class Search:
     def _scanned_first(self, omegas: Array, scans: "list[Scan]") -> tuple[Array, Brackets]:
         """As `_scan` and `_narrowed`, under a record. The march computes the amplitudes of the scan grid, and both sides of every change
         that the approximate scan of a row finds; other changes are bisected."""
-        from ..dynamics.single.one_by_one import response_alone
         from .scan import follow
 
         def by_scan(amplitude: Array, row: Array) -> Array:
@@ -122,7 +121,7 @@ class Search:
             return label
 
         def by_march(amplitude: Array, row: Array) -> Array:
-            return _lifted(response_alone(self.system, self.motion, amplitude, omegas[row], self.eta, peaks=False).outcome)
+            return _lifted(response(self.system, self.motion, amplitude, omegas[row], self.eta, peaks=False, how="floats").outcome)
 
         all_rows, grid = np.arange(omegas.size), self.grid.amplitude(np.arange(self.grid.size))
         row, amplitude = np.repeat(all_rows, grid.size), np.tile(grid, omegas.size)

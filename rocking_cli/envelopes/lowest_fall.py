@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from ..dynamics.outcome import safe
-from ..dynamics.response import response
-from ..dynamics.single.one_by_one import response_alone
+from ..dynamics.response import FEW, cheaper, response
 from ..dynamics.system import System
 from ..motions import Motion
 from .amplitudes import COARSE, LONGEST_FINE
@@ -25,7 +24,6 @@ _FINE = 6e-5  # ratio of neighbouring amplitudes, minus 1, in the tenth below a 
 _FINEST, _NEAREST = 5e-6, 0.997  # under a pulse with narrow falls: ratio minus 1, and start of the search over the fall
 _NEAR, _ABOVE = 0.9, 1.05  # times the lowest fall: start of the fine search, and end of the count of falls
 _TOGETHER = 64  # parts of a bracket in one cut, if the march computes all amplitudes together
-_FEW = 20  # amplitudes up to which the march is as fast as a scan
 _NEIGHBOURS = 5  # number of amplitudes on either side of an approximate fall at which the march looks for it
 _CHECKED = 5  # number of amplitudes that the march computes, below a fall and around an approximate one
 _STRETCH = 1000  # amplitudes of the first stretch of a search by the march: fewer take as long, and those above a fall end soon
@@ -51,15 +49,15 @@ class FallSearch:
         """Set up the search for the lowest overturning amplitude of one body at one Omega."""
 
         def falls(amplitude: Array) -> Array:
-            return ~safe(response_alone(system, motion, amplitude, omega, eta, peaks=False).outcome)
+            return ~safe(response(system, motion, amplitude, omega, eta, peaks=False, how="floats").outcome)
 
         def approximate_falls(amplitude: Array) -> Array:
-            if scan is not None and amplitude.size <= _FEW:
+            if scan is not None and amplitude.size <= FEW:  # the march is as fast as a scan
                 return falls(amplitude)
             fallen = np.zeros(amplitude.size, dtype=bool) if scan is None else ~safe(scan.outcomes(amplitude))
             doubtful = np.flatnonzero(~fallen & (amplitude > (0.0 if scan is None else system.safe_amplitude(motion))))
-            compute = response_alone if scan is not None and doubtful.size <= _FEW else response
-            fallen[doubtful] = ~safe(compute(system, motion, amplitude[doubtful], np.asarray(omega), eta, peaks=False).outcome)
+            how = "arrays" if scan is None else cheaper(motion, doubtful.size)
+            fallen[doubtful] = ~safe(response(system, motion, amplitude[doubtful], omega, eta, peaks=False, how=how).outcome)
             return fallen
 
         scan = None

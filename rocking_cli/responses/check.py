@@ -11,8 +11,7 @@ import numpy as np
 
 from ..dynamics.method import LINEAR, Method, governing_method
 from ..dynamics.outcome import Outcome, safe
-from ..dynamics.response import Response
-from ..dynamics.single.one_by_one import response_alone
+from ..dynamics.response import Response, response
 from ..envelopes.amplitudes import LONGEST_FINE, Limit, limit_of
 from ..envelopes.capacity import Capacity, CapacitySearch, fall_searches
 from ..envelopes.intervals import A_MAX
@@ -363,4 +362,4 @@ def _of_history(method: Method, structure: RockingParameters, motion: Motion, sh
 
 
 def _respond(method: Method, structure: RockingParameters, motion: Motion, amplitude: np.ndarray, omega: float) -> Response:
-    return response_alone(method.system_of(structure), motion, amplitude, omega, structure.eta)
+    return response(method.system_of(structure), motion, amplitude, omega, structure.eta, how="floats")

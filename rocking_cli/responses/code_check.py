@@ -15,7 +15,7 @@ import numpy as np
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..dynamics.method import governing_method
 from ..dynamics.outcome import safe
-from ..dynamics.single.one_by_one import response_alone
+from ..dynamics.response import response
 from ..errors import UsageError
 from ..motions import Motion
 from ..motions.design_spectra import FloorMode, FloorSpectrum, MotionSpectrum, Spectrum, SpectrumFile
@@ -165,7 +165,7 @@ def first_beyond(
     low, top = system.least_uplift(motion), 10.0 * demand if most is None else structure.dimensionless_amplitude(most)
 
     def beyond(amplitude: np.ndarray) -> np.ndarray:
-        found = response_alone(system, motion, amplitude, omega, structure.eta)
+        found = response(system, motion, amplitude, omega, structure.eta, how="floats")
         with np.errstate(invalid="ignore"):
             return np.asarray(~safe(found.outcome) | (found.theta_ratio > share))
 

@@ -8,9 +8,9 @@ import math
 
 import numpy as np
 
+from ..dynamics.batch import MAX_STEPS
 from ..dynamics.drive import drive_change
 from ..dynamics.lanes import Lanes
-from ..dynamics.march.batch import MAX_STEPS
 from ..dynamics.outcome import FALLEN, LOST, Outcome
 from ..dynamics.single.lane import Lane
 from ..dynamics.single.march import march

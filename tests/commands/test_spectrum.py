@@ -12,7 +12,7 @@ from support.documents import same_file
 from support.watched_processes import PATIENCE, PROGRAM, grows
 
 from rocking_cli import LinearEquation, Outcome, SpectraFile, System, history, sine
-from rocking_cli.dynamics.march import batch
+from rocking_cli.dynamics import batch
 from rocking_cli.responses import history as histories
 
 SMALL = "A=0.5:9:40,Omega=0.5:12:30"

@@ -9,9 +9,9 @@ from scipy.optimize import brentq
 from support.references import lanes
 
 from rocking_cli import LinearEquation, Outcome, System, cosine, linear_response, pulse, sine
+from rocking_cli.dynamics.batch import Batch
 from rocking_cli.dynamics.drive import RemainingImpulse
 from rocking_cli.dynamics.march import closings
-from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
 
 FEW_PUSHES = [sine(), sine(0.5), cosine(0.5), pulse("rectangular"), pulse("rectangular-impulse")]

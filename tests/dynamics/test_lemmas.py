@@ -12,10 +12,10 @@ from scipy.optimize import brentq
 
 from rocking_cli import LinearEquation, RigidBodyEquation, System, response
 from rocking_cli.dynamics import lemmas
+from rocking_cli.dynamics.batch import Batch
 from rocking_cli.dynamics.contacts.contact import OneSided, Symmetric, Unequal
 from rocking_cli.dynamics.equations.equation import Point
 from rocking_cli.dynamics.lanes import Arrays
-from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
 from rocking_cli.dynamics.march.roots import hidden_turn
 from rocking_cli.motions import Motion, Piece, pulse, sine

@@ -11,7 +11,7 @@ from support.documents import built
 from support.record_layouts import wave
 
 from rocking_cli import Method, Outcome, history, response
-from rocking_cli.dynamics.march.batch import Batch
+from rocking_cli.dynamics.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
 from rocking_cli.dynamics.observers.peak_speed import PeakSpeed
 from rocking_cli.dynamics.response import response_with_speed

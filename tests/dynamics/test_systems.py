@@ -1,6 +1,7 @@
 """Bodies of every kind against an integration that shares no code with the package, on arrays and, under records, one at a time."""
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
@@ -8,8 +9,9 @@ from oracles.collocation import conditioning, integrate
 from support.bodies import drawn, shaken, shaking_of
 
 from rocking_cli import Method, Outcome, RockingParameters, response, sine
-from rocking_cli.dynamics.single.one_by_one import response_alone
 from rocking_cli.responses.history import history
+
+response_alone = partial(response, how="floats")
 
 ERROR = 1e-10  # of theta/alpha where the cell's condition is 1 or less: ten tolerances
 

@@ -5,11 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..batch import Batch
 from ..contacts.sequences import NEARLY_ELASTIC, bounces_to_end, too_many_impacts
 from ..drive import RemainingImpulse
 from ..lanes import Array, Lanes
 from ..outcome import Outcome
-from .batch import Batch
 
 FEW_SIGN_CHANGES = 1  # of a motion; with more an envelope also scans where the number of impacts changes: bodies are followed to the end
 

@@ -11,13 +11,13 @@ from typing import TypeVar
 
 import numpy as np
 
+from ..batch import Batch
 from ..contacts.sequences import STILL
 from ..drive import place
 from ..lanes import Array, Lanes
 from ..observers.observer import Arcs, Observer
 from ..outcome import FALLEN, Outcome, Work
 from .advance import StepResult, advance, turning_points
-from .batch import Batch
 from .closings import FREE_MOTION, Closed, Closing, closings_of, free_motion
 
 AnyLanes = TypeVar("AnyLanes", bound=Lanes)

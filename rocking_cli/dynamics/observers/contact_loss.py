@@ -18,10 +18,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..batch import Batch
 from ..body import Body, Edge, safe_push
 from ..contacts.sequences import STILL, sequence_bounds
 from ..lanes import Array, Arrays, Lanes
-from ..march.batch import Batch
 from .observer import Arcs, Observer
 
 _ROOM = 0.25  # least denominator in the bound of |u'|; a stretch for which it is smaller is too long for a bound

@@ -11,8 +11,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..batch import Batch
 from ..lanes import Array, Lanes
-from ..march.batch import Batch
 from .extremes import Extremes, Point, Stretches, parts
 from .observer import Arcs, Observer, Propagation, TaylorSteps
 

@@ -6,8 +6,8 @@ from itertools import zip_longest
 
 import numpy as np
 
+from ..batch import Batch
 from ..equations.taylor import TaylorSeries
-from ..march.batch import Batch
 from ..observers.contact_loss import ContactLoss
 from ..observers.observer import Arcs
 from .lane import Lane

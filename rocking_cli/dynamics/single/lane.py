@@ -6,10 +6,10 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from ...motions.segments import Segments
+from ..batch import SETTLING
 from ..equations.equation import Equation
 from ..equations.taylor import LONGEST, size_limits
 from ..lanes import Cells, Lanes
-from ..march.batch import SETTLING
 from ..system import System
 
 _SAMPLED = 1 << 12  # the longest of the first so many segments gives the number of terms of the series

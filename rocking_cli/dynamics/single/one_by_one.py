@@ -1,4 +1,4 @@
-"""The response of cells, computed one after the other on floats, for commands that ask for one structure under one motion."""
+"""The response of cells, computed one after the other on floats: `response` with how="floats"."""
 
 import numpy as np
 
@@ -14,17 +14,13 @@ Array = np.ndarray
 _STEPS, _FOR_EACH = 20_000, 10  # largest number of steps of a cell, and its growth with each segment; `response` takes cells beyond it
 
 
-def response_alone(
-    system: System, motion: Motion, amplitude: Array | float, omega: Array | float, eta: Array | float, *, peaks: bool = True
+def one_by_one(
+    system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array, *, shape: tuple[int, ...], peaks: bool
 ) -> Response:
-    """As `response`, for a system of one structure; its arguments are those of `response`.
+    """Return the response of flat cells in this shape, of a system of one structure without restraints.
 
-    `response` itself decides bodies that bounce for very long, and bodies for which neither amplitude nor rotation proves Fz > 0.
+    `response` on arrays decides bodies that bounce for very long, and bodies for which neither amplitude nor rotation proves Fz > 0.
     """
-    if system.devices is not None:
-        return response(system, motion, np.asarray(amplitude), np.asarray(omega), eta, peaks=peaks)
-    cells = tuple(np.asarray(x, dtype=float) for x in np.broadcast_arrays(amplitude, omega, eta))
-    shape, (amplitude, omega, eta) = cells[0].shape, (x.ravel() for x in cells)
     prove = bool(amplitude.max(initial=0.0) > system.safe_amplitude(motion))  # the peaks may prove that Fz > 0
     segments = system.segments(motion.coarsest)
     most = _STEPS + _FOR_EACH * len(segments)

@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..batch import FreeFall
 from ..contacts.contact import Uplift
 from ..contacts.sequences import BELOW_ROUNDING, STILL, too_many_impacts
 from ..drive import place
 from ..equations.taylor import LONGEST, WITHIN
 from ..lanes import Cells, Lanes
-from ..march.batch import FreeFall
 from ..outcome import Outcome
 from .lane import Edge, Lane
 

@@ -27,10 +27,10 @@ import numpy as np
 
 from ...errors import UsageError
 from ...motions.motion import Motion
+from ..batch import MAX_STEPS
 from ..contacts.contact import OneSided
 from ..drive import place
 from ..lanes import Array, Cells, Lanes
-from ..march.batch import MAX_STEPS
 from ..outcome import FALLEN, LOST, Outcome
 from ..system import System
 from .bounces import Bounces

@@ -16,6 +16,8 @@ import numpy as np
 from ...dynamics.method import LINEAR
 from ...dynamics.outcome import Difference, Outcome, Work, difference
 from ...dynamics.response import (
+    FEW,
+    LONG,
     Response,
     cells_that_lose_contact,
     chains,
@@ -29,7 +31,6 @@ from ...structures.parameters import RockingParameters
 from ..scene import Band, Scene, Unit
 from ..verification import Answer, Place, Verification, condition_of, reference
 
-_LONG, _FEW = 200, 20  # single cells are faster above so many segments, up to so many cells of a structure
 TOGETHER = 1 << 19  # cells of an exact equation that a worker computes in one batch
 
 Item = list[Unit] | Place
@@ -67,9 +68,8 @@ class Job:
         """True if each cell is marched alone, which is faster for few cells of each system under long records."""
         scene = self.scene
         _, rows, columns = scene.shape
-        systems = {scene.runs_with(structure) for structure in scene.structures}
-        few = scene.segments > _LONG and rows * columns <= _FEW * len(scene.structures)
-        return few and not scene.method.exact and len(systems) == len(scene.structures)
+        few = rows * columns <= FEW * len(scene.structures)
+        return few and scene.segments > LONG and not scene.method.exact
 
     @property
     def together(self) -> int:
@@ -136,9 +136,12 @@ class Job:
             known, rate = response_with_speed(system, motion, *cells)
             extra["velocity_ratio"] = rate * np.repeat([s.alpha for s in structures], counts)
         if known is None and self.one_by_one:
-            from ...dynamics.single.one_by_one import response_alone
-
-            got = response_alone(method.system_of(structures[0]), motion, *cells)
+            ends = np.cumsum(counts)
+            parts = [
+                response(method.system_of(s), motion, *cells[:, end - count : end], how="floats")
+                for s, count, end in zip(structures, counts, ends.tolist(), strict=True)
+            ]
+            got = Response.joined(parts)
         else:
             got = known or response(system, motion, *cells)
         if "condition" in self.quantities:

@@ -11,9 +11,10 @@ from support.references import lanes
 from support.synthetic_records import noise, shaken
 
 from rocking_cli import LinearEquation, Outcome, cosine, linear_response, nonlinear_response, sine
+from rocking_cli.dynamics import batch
 from rocking_cli.dynamics.contacts import sequences
 from rocking_cli.dynamics.contacts.sequences import bounces_to_end, bound_of_peaks
-from rocking_cli.dynamics.march import batch, closings
+from rocking_cli.dynamics.march import closings
 from rocking_cli.motions.blocks import blocks
 from rocking_cli.motions.polyline import Polyline
 

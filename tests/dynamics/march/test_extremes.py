@@ -22,7 +22,7 @@ from rocking_cli import (
     spectrum,
     trace_envelope,
 )
-from rocking_cli.dynamics.march import batch
+from rocking_cli.dynamics import batch
 
 DECIDED = (Outcome.NO_UPLIFT, Outcome.ROCKED, Outcome.OVERTURNED_NO_IMPACT, Outcome.OVERTURNED_AFTER_IMPACT)
 

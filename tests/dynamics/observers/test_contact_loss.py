@@ -10,8 +10,8 @@ from scipy.integrate import solve_ivp
 from support.bodies import drawn, forces_of
 
 from rocking_cli import Method, Outcome, RockingParameters, cosine, parse_grid, pulse, response, sine
+from rocking_cli.dynamics.batch import Batch
 from rocking_cli.dynamics.body import Body
-from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.observers.contact_loss import ContactLoss, Ends, ShakingBounds, chord_errors
 from rocking_cli.dynamics.outcome import safe
 from rocking_cli.dynamics.references.extrapolation import Script

@@ -5,7 +5,7 @@ import pytest
 from support.synthetic_records import RECORDS, cells, noise, shaken
 
 from rocking_cli import LinearEquation, System, linear_response
-from rocking_cli.dynamics.march.batch import Batch
+from rocking_cli.dynamics.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
 from rocking_cli.dynamics.samples import exact
 from rocking_cli.dynamics.samples.exact import BOUND_MARGIN, LANES, ExactStepper, horizon, stretches

@@ -2,6 +2,7 @@
 long series, and what changes nothing."""
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
@@ -10,11 +11,12 @@ from support.references import answers
 from support.synthetic_records import RECORDS, allowance, assert_same, cells, long_series, room, shaken, weighed
 
 from rocking_cli import Method, Outcome, RockingParameters, cosine, pulse, response, sine
-from rocking_cli.dynamics.march.batch import Batch
+from rocking_cli.dynamics.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
-from rocking_cli.dynamics.single.one_by_one import response_alone
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.structures.parameters import Side
+
+response_alone = partial(response, how="floats")
 
 MODELS = {"linear": "the oscillator", "nonlinear": "a body"}
 

@@ -6,10 +6,10 @@ from support.bodies import ALPHA, SYSTEMS
 from support.synthetic_records import RECORDS, allowance, assert_same, cells, long_series, noise, shaken, weighed
 
 from rocking_cli import LinearEquation, Outcome, RigidBodyEquation, System, response, sine
+from rocking_cli.dynamics.batch import Batch
 from rocking_cli.dynamics.equations.equation import Drive
 from rocking_cli.dynamics.equations.recurrence import Rows, motion_terms
 from rocking_cli.dynamics.equations.taylor import degrees, factors_for
-from rocking_cli.dynamics.march.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
 from rocking_cli.dynamics.samples import taylor_steps
 from rocking_cli.dynamics.samples.taylor_steps import TaylorStepper

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 from support.bodies import ALPHA, drawn
 from support.synthetic_records import RECORDS, noise, shaken
 
 from rocking_cli import Method, Outcome, RigidBodyEquation, System, cosine, response, sine
-from rocking_cli.dynamics.single.one_by_one import response_alone
 from rocking_cli.dynamics.single.series_roots import first_root, turns
+
+response_alone = partial(response, how="floats")
 
 
 def test_a_body_that_bounces_for_ever_fails_as_on_arrays():

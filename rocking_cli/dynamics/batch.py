@@ -4,11 +4,11 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from ...motions.segments import Segments
-from ..contacts.contact import Contact, Uplift, first_uplift
-from ..equations.equation import Equation
-from ..lanes import Array, Cells, Lanes
-from ..system import System
+from ..motions.segments import Segments
+from .contacts.contact import Contact, Uplift, first_uplift
+from .equations.equation import Equation
+from .lanes import Array, Cells, Lanes
+from .system import System
 
 SETTLING = 250.0  # tau, times (1 + 3 zeta): after so long on still ground every body has had its last impact that matters
 MAX_STEPS = 120_000  # a cell with more steps than this plus 40 for each segment of the motion fails
