@@ -38,6 +38,19 @@ class Edge(NamedTuple):
     uplift: Any
 
 
+def ground_reaction(edge: Any, u: Any, v: Any, b: Any, push: Any, weight: Any) -> tuple[Any, Any]:
+    """(outward Fx, Fz) of the ground on a body, over m g [-], on an edge with an alpha [rad] and a kappa [-]: u = |theta| [rad], its first
+    and second derivative v and b by tau = p t of the edge, the outward push over g and the weight over m g, floats or arrays of one shape.
+
+    >>> edge = Edge(np.arctan(0.2), 0.75, 1.0, 0.2)
+    >>> across, up = ground_reaction(edge, 0.0, 0.0, 0.0, 0.2, 1.0)  # at uplift
+    >>> round(float(-across / up), 12)  # tan(alpha)
+    0.2
+    """
+    sin, cos = np.sin(edge.alpha - u), np.cos(edge.alpha - u)
+    return edge.kappa * (b * cos + v * v * sin) - push, weight + edge.kappa * (b * sin - v * v * cos)
+
+
 class Body(NamedTuple):
     """A rigid body. alpha [rad], kappa = m R^2/I [-], a_scale [-] (1 unless given): one value for each edge, right and left, or a single
     value if the edges are alike; linear: True for the linear equation; damping: zeta [-]; one_sided: True if the body stands on its right

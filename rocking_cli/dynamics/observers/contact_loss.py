@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..body import Body, Edge, Ground, safe_push
+from ..body import Body, Edge, Ground, ground_reaction, safe_push
 from ..lanes import Array, Arrays, Lanes
 from ..march.batch import Batch
 from .observer import Arcs, Observer
@@ -136,8 +136,7 @@ class ContactLoss(Observer):
         weight = self.segments.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u + lanes.omega * h)
         edge = self.body.on(lanes.side)
         u, v, b = edge.unit * y, edge.unit * v, edge.unit * b
-        z = edge.alpha - u
-        return Ends(u, v, b, weight + edge.kappa * (b * np.sin(z) - v * v * np.cos(z)))
+        return Ends(u, v, b, ground_reaction(edge, u, v, b, 0.0, weight)[1])  # Fz does not depend on the push itself
 
     def may_close(self, lanes: Lanes) -> Array:
         """True for all. Lanes bounce without speed under a monotone drive until they rest: it tests Fz at both ends."""
@@ -148,8 +147,8 @@ class ContactLoss(Observer):
             for h in (np.zeros(lasts.size), lasts):
                 shaking = self.ground.shaking(some, h)
                 lifting = self.body.lifting(edge, sense * shaking.push, shaking.weight)
-                least = shaking.weight + edge.kappa * lifting * np.sin(edge.alpha)
-                self._lost[some.cell[np.flatnonzero(least <= 0.0)]] = True
+                _, fz = ground_reaction(edge, 0.0, 0.0, lifting, sense * shaking.push, shaking.weight)
+                self._lost[some.cell[np.flatnonzero(fz <= 0.0)]] = True
         return super().may_close(lanes)
 
     def free(self, lanes: Lanes) -> None:
@@ -163,9 +162,9 @@ class ContactLoss(Observer):
         here, there = self.body.on(lanes.side), self.body.on(-lanes.side)
         square, least = self.body.squared_speed_at_ground(here, lanes.y, lanes.v), np.full(lanes.y.size, np.inf)
         for edge, q in ((here, square), (there, square * (lanes.eta * there.unit / here.unit) ** 2)):
-            fz = 1.0 - edge.kappa * (self.body.pull(edge) * np.sin(edge.alpha) + q * np.cos(edge.alpha))
+            rate = np.sqrt(q)
+            _, fz = ground_reaction(edge, 0.0, rate, -self.body.pull(edge) - 2.0 * self.body.damping * rate, 0.0, 1.0)
             if self.body.damping:
-                fz = fz - edge.kappa * 2.0 * self.body.damping * np.sqrt(q) * np.sin(edge.alpha)
                 falls = (q <= (1.0 if self.body.linear else 4.0 * np.cos(edge.alpha))) & (here.unit * lanes.y <= 2.0 * here.alpha)
                 fz = np.where(falls, fz, -np.inf)
             least = np.where(q > 0.0, np.minimum(least, fz), least)
