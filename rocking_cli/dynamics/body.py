@@ -18,10 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..motions.segments import Segments
-from .contacts.contact import Contact
-from .drive import drive_change
-from .lanes import Array, Lanes
+from .lanes import Array
 
 _PARTS = 32  # parts of the path from the ground to the peak; on each part the bound takes the worst value of every term
 _PUSHES = np.geomspace(1e-2, 1e2, 256)  # pushes [g] for which the proof is tried
@@ -36,6 +33,19 @@ class Edge(NamedTuple):
     kappa: Any
     unit: Any
     uplift: Any
+
+
+def ground_reaction(edge: Any, u: Any, v: Any, b: Any, push: Any, weight: Any) -> tuple[Any, Any]:
+    """(outward Fx, Fz) of the ground on a body, over m g [-], on an edge with an alpha [rad] and a kappa [-]: u = |theta| [rad], its first
+    and second derivative v and b by tau = p t of the edge, the outward push over g and the weight over m g, floats or arrays of one shape.
+
+    >>> edge = Edge(np.arctan(0.2), 0.75, 1.0, 0.2)
+    >>> across, up = ground_reaction(edge, 0.0, 0.0, 0.0, 0.2, 1.0)  # at uplift
+    >>> round(float(-across / up), 12)  # tan(alpha)
+    0.2
+    """
+    sin, cos = np.sin(edge.alpha - u), np.cos(edge.alpha - u)
+    return edge.kappa * (b * cos + v * v * sin) - push, weight + edge.kappa * (b * sin - v * v * cos)
 
 
 class Body(NamedTuple):
@@ -71,10 +81,6 @@ class Body(NamedTuple):
     def pull(self, edge: Edge) -> Any:
         """-u'' just above the ground under the weight m g alone, without a push."""
         return edge.alpha if self.linear else np.sin(edge.alpha)
-
-    def lifting(self, edge: Edge, push: Array | float, weight: Array | float) -> Any:
-        """Return u'' of a body on the ground under this outward push [g] and this weight over m g."""
-        return (push if self.linear else push * np.cos(edge.alpha)) - weight * self.pull(edge)
 
     def fall(self, edge: Edge, u: Array) -> Array:
         """Return by how much u'^2 grows on the way down from u to the impact, on still ground, undamped."""
@@ -131,35 +137,3 @@ def safe_push(body: Body, edge: int, ratio: float) -> float:
         turn = body.alpha[edge] + (slope if body.linear else np.arctan(slope))
         kept = body.contact_proved(body.edges[edge], _PUSHES, turn, sway)
     return float(np.append(0.0, _PUSHES)[int(np.argmin(np.append(kept, False)))])
-
-
-class Shaking(NamedTuple):
-    """The outward push over g, and the weight over m g, a float where it does not vary."""
-
-    push: Array
-    weight: Array | float
-
-
-class Ground:
-    """The moving ground under a rigid body: it returns push and weight along the march, and how long a sequence of impacts lasts."""
-
-    def __init__(self, body: Body, segments: Segments) -> None:
-        self.body, self.segments = body, segments
-
-    def shaking(self, lanes: Lanes, h: Array) -> Shaking:
-        """Push and weight h [tau] after the present instant of lanes, on their present side and in their present closed form."""
-        phase = lanes.u + lanes.omega * h
-        outward = -lanes.side * lanes.amplitude * self.body.on(lanes.side).uplift
-        push = self.segments.s_start[lanes.k] + drive_change(self.segments, lanes.k, phase)
-        return Shaking(outward * push, self.segments.weight(lanes.side, lanes.amplitude, lanes.k, phase))
-
-    def sequence_time(self, lanes: Lanes, contact: Contact) -> Array:
-        """The time [tau] until lanes just after an impact stop bouncing, for the drive halfway there; at most to the end of the segment."""
-        here = self.body.on(lanes.side)
-        room, later = (self.segments.length[lanes.k] - lanes.u) / lanes.omega, lanes.take(np.arange(lanes.cell.size))
-        lasts = np.zeros(lanes.cell.size)
-        for _ in range(4):  # the push halfway depends on the time itself
-            now = self.shaking(lanes, 0.5 * lasts)
-            later.b = self.body.lifting(here, now.push, now.weight) / here.unit
-            lasts = np.clip(contact.sequence_time(later, now.weight), 0.0, room)
-        return lasts

@@ -21,6 +21,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..dynamics.body import ground_reaction
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..motions.blocks import blocks
@@ -86,28 +87,18 @@ class GroundForceExtremes:
         return "impact" if self.impact is not None and self.impact.friction > friction else None
 
 
-def body_forces(kappa: Any, alpha: Any, side: Any, u: Array, rate: Array, acceleration: Array, ground: Array, vertical: Array) -> Forces:
-    """Return the forces over m g on one side, +1 or -1.
-
-    u = |theta| [rad], its first and second derivative by tau = p t of the side, and the ground acceleration xg''/g and zg''/g [-],
-    arrays of one shape.
-
-    >>> at_uplift = body_forces(0.75, math.atan(0.2), -1.0, 0.0, 0.0, 0.0, 0.2, 0.0)
-    >>> round(at_uplift.fx / at_uplift.fz, 12)  # tan(alpha)
-    0.2
-    """
-    sin, cos = np.sin(alpha - u), np.cos(alpha - u)
-    return Forces(
-        ground + kappa * side * (acceleration * cos + rate * rate * sin),
-        1.0 + vertical + kappa * (acceleration * sin - rate * rate * cos),
-    )
+def body_forces(edge: Any, side: Any, u: Array, rate: Array, acceleration: Array, ground: Array, vertical: Array) -> Forces:
+    """Return the forces over m g on one side, +1 or -1, whose edge has these numbers: u = |theta| [rad], its first and second derivative by
+    tau = p t of the side, and the ground acceleration xg''/g and zg''/g [-], arrays of one shape."""
+    outward, up = ground_reaction(edge, u, rate, acceleration, -side * ground, 1.0 + vertical)
+    return Forces(side * outward, up)
 
 
 class Edge(NamedTuple):
     """An edge: alpha [rad], kappa = R p^2/g = m R^2/I [-], R [m], p [rad/s], eta on leaving it [-]."""
 
-    alpha: float
-    kappa: float
+    alpha: Any
+    kappa: Any
     arm: float
     p: float
     eta: float
@@ -180,8 +171,9 @@ class ForceHistory:
         equation = self.found.equation.on(side)  # of which the rotation is linear in y
         right, left = self.edges
         alpha, kappa = (np.where(side > 0.0, *pair) for pair in ((right.alpha, left.alpha), (right.kappa, left.kappa)))
-        u, rate, acceleration = (alpha * equation.rotation(x) for x in (point.y, point.v, point.b))
-        return body_forces(kappa, alpha, side, u, rate, acceleration, *self.ground.during(0.5 * (arcs.start[arc] + arcs.stop[arc]), tau))
+        edge = right._replace(alpha=alpha, kappa=kappa)
+        u, rate, acceleration = (edge.alpha * equation.rotation(x) for x in (point.y, point.v, point.b))
+        return body_forces(edge, side, u, rate, acceleration, *self.ground.during(0.5 * (arcs.start[arc] + arcs.stop[arc]), tau))
 
     def _on(self, arc: int, of: Callable[[Forces], Array]) -> tuple[Callable[[Array], Array], float, float]:
         """Return (f(tau), start, stop) of one arc, where f is the function `of` of the forces at tau."""
@@ -225,7 +217,7 @@ class ForceHistory:
             edge, equation = self.edge(side), self.found.equation.on(np.full(2, side))
             drive = -side * across / (edge.alpha * equation.uplift_amplitude)
             acceleration = edge.alpha * equation.rotation(equation.force(np.zeros(2), drive, 1.0 + up))
-            found = body_forces(edge.kappa, edge.alpha, side, np.zeros(2), np.zeros(2), acceleration, across, up)
+            found = body_forces(edge, side, np.zeros(2), np.zeros(2), acceleration, across, up)
             yield from ((tau, Forces(float(fx), float(fz))) for tau, fx, fz in zip((low, high), *found, strict=True))
 
     @cached_property

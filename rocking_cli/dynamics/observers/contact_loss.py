@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..batch import Batch
-from ..body import Body, Edge, safe_push
+from ..body import Body, Edge, ground_reaction, safe_push
 from ..contacts.sequences import STILL, sequence_bounds
 from ..lanes import Array, Arrays, Lanes
 from .observer import Arcs, Observer
@@ -137,8 +137,7 @@ class ContactLoss(Observer):
         weight = self.segments.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u + lanes.omega * h)
         edge = self.body.on(lanes.side)
         u, v, b = edge.unit * y, edge.unit * v, edge.unit * b
-        z = edge.alpha - u
-        return Ends(u, v, b, weight + edge.kappa * (b * np.sin(z) - v * v * np.cos(z)))
+        return Ends(u, v, b, ground_reaction(edge, u, v, b, 0.0, weight)[1])  # Fz does not depend on the push itself
 
     def may_close(self, lanes: Lanes) -> Array:
         """True for lanes whose bounces until they rest are proved to keep Fz > 0, and for lanes that have lost the ground (Lemma 13).
@@ -182,9 +181,9 @@ class ContactLoss(Observer):
         here, there = self.body.on(lanes.side), self.body.on(-lanes.side)
         square, least = self.body.squared_speed_at_ground(here, lanes.y, lanes.v), np.full(lanes.y.size, np.inf)
         for edge, q in ((here, square), (there, square * (lanes.eta * there.unit / here.unit) ** 2)):
-            fz = 1.0 - edge.kappa * (self.body.pull(edge) * np.sin(edge.alpha) + q * np.cos(edge.alpha))
+            rate = np.sqrt(q)
+            _, fz = ground_reaction(edge, 0.0, rate, -self.body.pull(edge) - 2.0 * self.body.damping * rate, 0.0, 1.0)
             if self.body.damping:
-                fz = fz - edge.kappa * 2.0 * self.body.damping * np.sqrt(q) * np.sin(edge.alpha)
                 falls = (q <= (1.0 if self.body.linear else 4.0 * np.cos(edge.alpha))) & (here.unit * lanes.y <= 2.0 * here.alpha)
                 fz = np.where(falls, fz, -np.inf)
             least = np.where(q > 0.0, np.minimum(least, fz), least)

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...motions.blocks import blocks
-from ..body import Body, Edge
+from ..body import Body, Edge, ground_reaction
 from ..lanes import Array, Lanes
 from .devices import Devices, Phase
 from .series import Step
@@ -79,8 +79,7 @@ class ContactWatch:
         """Return Fz/(m g) of the lanes `at`, h [tau] after the start of their steps."""
         lanes, row, now, step, _ = steps
         side, here = self.body.on(lanes.side[at]), step.arc.take(at).at(h)
-        z = side.alpha - side.unit * here.y
-        fz = 1.0 + side.kappa * side.unit * (here.b * np.sin(z) - side.unit * here.v**2 * np.cos(z))
+        _, fz = ground_reaction(side, side.unit * here.y, side.unit * here.v, side.unit * here.b, 0.0, 1.0)
         return np.asarray(fz + self.devices.downwards(row[at], now.take(at), here.y))
 
     def first(self, steps: Steps, low: Array, high: Array) -> Array:
