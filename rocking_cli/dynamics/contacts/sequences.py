@@ -1,5 +1,5 @@
-"""Tests of sequences of impacts: which ones end in rest before any other event, and when (Lemma 7); under a record, which ones last until
-the shaking is over (Lemma 14); which ones need more steps than the march follows."""
+"""Tests of sequences of impacts: which ones end in rest before any other event, and when (Lemma 7); which ones last until the shaking is
+over (Lemma 7, under a record Lemma 14); which ones need more steps than the march follows."""
 
 import math
 from dataclasses import dataclass
@@ -163,6 +163,17 @@ def sequence_time(lanes: Lanes, there: OtherSide | None, weight: Array | float =
     ends = (lanes.v > 0.0) & (speed_ratio < 1.0)
     total = 2.0 * lanes.v / (1.0 - speed_ratio) * (1.0 / (weight - drive) + there.eta * there.time / (weight + there.drive * drive))
     return np.where(ends, total, 0.0)
+
+
+def stays_below_peak(segments: Segments, lanes: Lanes) -> Array:
+    """True for lanes just after an impact that bounce or rest until the shaking is over and never rise above their peak (Lemma 7). It holds
+    for undamped linear oscillators with equal edges."""
+    drive, ends = 1.0 + lanes.b, -lanes.side * lanes.amplitude * segments.s_end[lanes.k]
+    left = 1.0 - np.maximum(np.maximum(np.abs(drive), np.abs(ends)), lanes.amplitude * segments.largest_later[lanes.k])
+    variation = np.abs(ends - drive) + lanes.amplitude * segments.variation[lanes.k]
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+        fastest = lanes.v * lanes.v * np.exp(4.0 / 3.0 * variation / left)
+        return np.asarray((left > 0.0) & (fastest <= 0.75 * left * left) & (fastest <= 1.5 * left * lanes.peak))
 
 
 def too_many_impacts(segments: Segments, lanes: Lanes, most: int) -> Array:

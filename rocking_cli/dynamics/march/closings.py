@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..batch import Batch
-from ..contacts.sequences import NEARLY_ELASTIC, bounces_to_end, too_many_impacts
+from ..contacts.sequences import NEARLY_ELASTIC, bounces_to_end, stays_below_peak, too_many_impacts
 from ..drive import RemainingImpulse
 from ..lanes import Array, Lanes
 from ..outcome import Outcome
@@ -65,6 +65,7 @@ def _rocked(lanes: Lanes, proved: Array) -> Closed:
 FREE_MOTION = Closing(free_motion, "free_phase", still=True)
 UNSETTLED = Closing(lambda batch, lanes: Closed(np.flatnonzero(lanes.k >= len(batch.segments)), Outcome.FAILED, np.nan))
 DAMPED = [Closing(damped_settling, still=True), UNSETTLED]  # a lane that has not settled at the end of the still ground fails
+STAYS_BELOW_PEAK = Closing(lambda batch, lanes: _rocked(lanes, stays_below_peak(batch.segments, lanes)), "sequences_closed")
 BOUNCES_TO_END = Closing(lambda batch, lanes: _rocked(lanes, bounces_to_end(batch.segments, lanes, batch.equation)), "sequences_closed")
 TOO_MANY_IMPACTS = Closing(
     lambda batch, lanes: Closed(np.flatnonzero(too_many_impacts(batch.segments, lanes, batch.most_steps)), Outcome.FAILED, np.nan)
@@ -84,6 +85,7 @@ def closings_of(batch: Batch, observed: bool) -> tuple[list[Closing], list[Closi
         return [FREE_MOTION, *[TOO_MANY_IMPACTS] * nearly_elastic], []
     early = [
         FREE_MOTION,
+        *[STAYS_BELOW_PEAK] * (linear and batch.peaks),
         *[BOUNCES_TO_END] * (nearly_elastic and segments.straight),
         *[TOO_MANY_IMPACTS] * nearly_elastic,
     ]

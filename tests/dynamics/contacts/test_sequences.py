@@ -10,13 +10,37 @@ from scipy.optimize import bisect
 from support.references import lanes
 from support.synthetic_records import noise, shaken
 
-from rocking_cli import LinearEquation, Outcome, cosine, linear_response, nonlinear_response, sine
+from rocking_cli import LinearEquation, Outcome, cosine, linear_response, nonlinear_response, pulse, sine
 from rocking_cli.dynamics import batch
 from rocking_cli.dynamics.contacts import sequences
-from rocking_cli.dynamics.contacts.sequences import bounces_to_end, bound_of_peaks
+from rocking_cli.dynamics.contacts.sequences import bounces_to_end, bound_of_peaks, stays_below_peak
 from rocking_cli.dynamics.march import closings
 from rocking_cli.motions.blocks import blocks
 from rocking_cli.motions.polyline import Polyline
+
+MOTIONS = [sine(), sine(3), pulse("ricker-symmetric"), pulse("mavroeidis-papageorgiou")]  # under which some settle
+
+
+def test_what_a_motion_varies_later_is_counted_with_its_jumps():
+    wave, step = sine().segments, cosine(1).segments
+    assert wave.variation == pytest.approx([3.0, 1.0, 0.0], rel=1e-14)  # 1 to -1, and back to 0
+    assert wave.largest_later == pytest.approx([1.0, 1.0, 0.0], rel=1e-14)
+    assert step.variation == pytest.approx([3.0, 1.0], rel=1e-14)  # -1 to 1, and down to still ground
+    assert step.largest_later == pytest.approx([1.0, 0.0], rel=1e-14)
+
+
+@pytest.mark.parametrize("motion", MOTIONS, ids=lambda m: m.name)
+def test_marching_on_finds_the_same_peak(motion, monkeypatch):
+    random = np.random.default_rng(11)
+    amplitude, omega = random.uniform(1.0, 3.0, 150), random.uniform(0.5, 8.0, 150)
+    eta = random.choice([0.0, 0.3, 0.9, 0.99], 150)
+    settled = linear_response(motion, amplitude, omega, eta)
+    monkeypatch.setattr(closings, "STAYS_BELOW_PEAK", closings.FREE_MOTION)
+    marched = linear_response(motion, amplitude, omega, eta)
+    np.testing.assert_array_equal(settled.outcome, marched.outcome)
+    np.testing.assert_array_equal(settled.theta_ratio, marched.theta_ratio)
+    assert marched.work.steps > settled.work.steps
+    assert np.all(settled.impacts <= marched.impacts)
 
 
 @pytest.mark.parametrize(
@@ -32,7 +56,7 @@ def test_bodies_that_hardly_leave_the_ground_and_would_bounce_for_ever_are_at_re
         assert found.theta_ratio == pytest.approx(found.theta_ratio[0], rel=1e-6)  # the first arc is the highest
 
 
-@pytest.mark.parametrize("motion", [cosine(1.5), sine(2)], ids=lambda m: m.name)
+@pytest.mark.parametrize("motion", [cosine(1.5), pulse("ricker-symmetric")], ids=lambda m: m.name)
 def test_given_up_is_what_would_have_been_given_up(motion, monkeypatch):
     monkeypatch.setattr(batch, "MAX_STEPS", 150)
     random = np.random.default_rng(5)
@@ -45,6 +69,16 @@ def test_given_up_is_what_would_have_been_given_up(motion, monkeypatch):
     assert np.array_equal(early.theta_ratio, late.theta_ratio, equal_nan=True)
     assert early.work.steps < 0.6 * late.work.steps
     assert 50 < (early.outcome == Outcome.FAILED).sum() < 150
+
+
+def test_a_body_at_the_bound_is_marched():
+    """e = 0.5 and V = 1 by hand: v^2 exp(8/3) <= 3/4 (1 - e)^2, and <= 3/2 (1 - e) of its peak."""
+    segments = sine().segments
+    most = 0.75 * 0.25 * np.exp(-8.0 / 3.0)
+    v, peak = np.sqrt(most * np.array([0.999, 1.001, 0.999, 0.999])), np.array([1.0, 1.0, 0.2501, 0.2497])
+    u = np.full(4, 2.0 * np.pi - 1.5 * np.pi - np.arcsin(0.5))  # of the last segment, where a falls from 0.5 to rest: V = 0.5
+    vars(segments).update(variation=np.full(3, 0.5), largest_later=np.zeros(3))  # and as much again
+    assert stays_below_peak(segments, lanes(k=2, u=u, v=v, b=-0.5, peak=peak)).tolist() == [True, False, True, False]
 
 
 def start(motion, amplitude, v):
@@ -134,7 +168,8 @@ def test_marching_on_under_a_record_finds_the_same_peak(alpha, excess, monkeypat
         return linear_response(motion, amplitude, omega, eta)
 
     early = found()
-    monkeypatch.setattr(closings, "BOUNCES_TO_END", closings.FREE_MOTION)
+    for name in ("STAYS_BELOW_PEAK", "BOUNCES_TO_END"):
+        monkeypatch.setattr(closings, name, closings.FREE_MOTION)
     late = found()
     np.testing.assert_array_equal(early.outcome, late.outcome)
     np.testing.assert_array_equal(early.theta_ratio, late.theta_ratio)
