@@ -9,8 +9,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from .directions import is_direction, is_up_alone
+from .factors import states_factor
 from .headings import UNKNOWN, cell_of, names_acceleration, others_in
-from .units import ACCELERATIONS, WRITTEN_UNITS, dimension_of, plain, rate_unit, time_unit, unit_of
+from .units import ACCELERATIONS, WRITTEN_UNITS, dimension_of, plain, rate_unit, time_unit, unit_of, units_in
 
 _NUM = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[ed][-+]?\d+)?)"
 _UNIT = r"\s*(?:[\[(]\s*([^\])]{1,20})[\])])?"
@@ -50,16 +51,6 @@ _UNITS = re.compile(
     r"(?:\b(?:units?|einheit(?:en)?|unidad(?:es)?|unita|unites?|birim(?:i|ler)?)\b|单位|単位)"
     r"(?:\s+of\s+\w+)?(?:\s*(?:[:=,;\t]|\b(?:of|are|is|in)\b)\s*)+(\S.*)"
 )
-_FACTOR = re.compile(
-    rf"(?:\bscal(?:e|ing)(?:[ _-]?factor)?\b|\b(?:multipl\w+|conversion|calibration|amplification)"
-    rf"(?:[ _-]?(?:factor|constant))?\b|\bfactor\b|\bgain\b|\blsb\b|\bsensitivity\b|\bfaktor\b|"
-    rf"\bfattore\b)(?:\s+(?:by|of|is))?\s*(?:[\[(][^\])]*[\])])?\s*[:=,;\t]?\s*{_NUM}([^,;\s]*)"
-)
-_TIMES = re.compile(
-    r"(?:(?<![a-zA-Z])x|×|(?<!\*)\*)\s*(\d+(?:\.\d*)?(?:e[-+]?\d+|\^-?\d+)?)\s*$"
-    r"|\b(?:tenths|hundredths|thousandths|multiples)\s+of\b",
-    re.IGNORECASE,
-)
 _COMPONENT = re.compile(
     r"\b(?:comp(?:onent|onente)?|chan(?:nel)?|dir(?:ection|eccion|ezione)?|orientation|"
     r"composante|richtung|bilesen|yon)\b\.?\s*(?:\d+\s*)?[:=,;\t]?\s*([-+\w./]+(?: deg)?)",
@@ -79,6 +70,7 @@ _BESIDE = re.compile(
     re.IGNORECASE,
 )
 _GOES_ON = frozenset(["and", "at", "for", "with", "of", "in", "or", "n", "npts", "dt", "unit", "units", "values", "points"])
+_DECIMAL_COMMA = re.compile(r"(?<![\d.,])0,(\d+)(?![\d.,])")
 _SLACK = 1e-3  # relative; two statements of a step that differ by less agree
 
 
@@ -101,14 +93,16 @@ class Claims:
         Raises the error of `fault` if it is not understood.
         """
         words = _MARKS.sub("", line).strip().strip("\"'").strip()
-        text = plain(words)
+        text = _DECIMAL_COMMA.sub(r"0.\1", plain(words))
         if not re.search(r"[^\W\d_]", text):
             return
-        self._factor(text, words, at)
+        self._factor(words, at)
         self._quantity(text, words, at)
         if strict and self.acceleration and self.unit is None:
             self._nothing_else(words, at)
         self._units(text, words, at)
+        for unit in () if _NOT_OF_THE_RECORD.search(text) else units_in(words):
+            self.state("unit", unit, words, at)
         self._steps(text, words, at)
         self._counts(text, words)
         if len(words) > 1 and is_up_alone(words):
@@ -126,11 +120,8 @@ class Claims:
         setattr(self, name, value)
         self.quoted.setdefault(name, words)
 
-    def _factor(self, text: str, words: str, at: int) -> None:
-        found = _FACTOR.search(text)
-        times = _TIMES.search(words)
-        stated = found is not None and (found[2] or float(found[1].replace("d", "e")) != 1.0)
-        if stated or (times is not None and times[1] != "1"):
+    def _factor(self, words: str, at: int) -> None:
+        if states_factor(words):
             raise self.fault(
                 f"found {words!r}, a factor; it is not known whether the numbers have it: apply it and take the line away",
                 at,
@@ -191,7 +182,10 @@ class Claims:
             self.state("seconds", seconds, words, at)
 
     def _unit_beside(self, words: str, at: int) -> None:
-        """Take the unit that stands beside the word acceleration."""
+        """Take the unit that stands beside the word acceleration, or in its line."""
+        if stated := units_in(words):
+            self.state("unit", stated[0], words, at)
+            return
         after = _BRACKETS.findall(words) + [x[1] for x in _AFTER.finditer(words)]
         after += [y.strip() for x in after for y in re.split(r"\band\b|\s{2,}", x)]
         for word in after:
