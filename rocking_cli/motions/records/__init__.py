@@ -57,7 +57,7 @@ GROUP = "rocking.records"
 _PACKED = b"\x1f\x8b"  # gzip
 _OLD_WORKBOOK = b"\xd0\xcf\x11\xe0"  # .xls
 _COUNTS = "counts of an instrument and no unit; convert it to an acceleration with the station's response first"
-FORMATS = ("keyed", "cosmos", "geonet", "smc", "csmip", "volume1", "peer", "csmnc", "asa")
+FORMATS = ("keyed", "cosmos", "geonet", "smc", "csmip", "volume1", "peer", "csmnc", "asa", "timeseries")
 _DOCUMENT = re.compile(r"^[\s{\"']*kind[\"']?\s*:", re.MULTILINE)
 _UNCORRECTED = re.compile(
     r"\A\s*(?:\d\s+)?(?:UNCORRECTED ACCELER(?:OGRAM|ATION)|RAW ACCELERATION(?! COUNTS)|\* VOL1DS)\b"

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 from .directions import is_direction, is_up_alone
 from .factors import states_factor
-from .headings import UNKNOWN, cell_of, names_acceleration, others_in
+from .headings import ACCELERATION, UNKNOWN, cell_of, is_derived, names_acceleration, others_in
 from .units import ACCELERATIONS, WRITTEN_UNITS, dimension_of, plain, rate_unit, time_unit, unit_of, units_in
 
 _NUM = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[ed][-+]?\d+)?)"
@@ -19,7 +19,8 @@ _WORD = r"\s*((?:1e-3 |10-3 )?[a-z]+(?:/[a-z]+|-1)?\.?)?"
 _KEY = r"\s*(?:[:=,;\t]|\bis\b|\bof\b|\bde\b)*\s*"
 _STEP_WORDS = (
     r"\bd_?t\b|\bdelta[ _-]?t\b|\bδt\b|\btime[ _-]?(?:step|interval|increment|spacing)\b|"
-    r"\btimestep\b|\bsampl(?:e|ing)[ _-]?(?:interval|period|step|time)\b|"
+    r"\btimestep\b|\b(?:delta|ts)\b(?=\s*[:=])|\b(?:points|samples|values|pts) at\b(?=[^a-z]*s)|"
+    r"サンフリンク間隔|\bsampl(?:e|ing)[ _-]?(?:interval|period|step|time)\b|"
     r"\bintervalo de (?:muestreo|tiempo)\b|\bpaso (?:de tiempo|temporal)\b|\bpas de temps\b|"
     r"\bpasso (?:temporale|di campionamento)\b|\bintervallo di campionamento\b|"
     r"\bzeitschritt\b|\babtastintervall\b|\bzaman (?:adimi|araligi)\b|"
@@ -33,7 +34,7 @@ _RATE_WORDS = (
     r"\bsamples per sec\w*\b|"
     r"\b(?:frecuencia|velocidad|tasa) de muestreo\b|\bfrequenza di campionamento\b|"
     r"\bfrequence d'?echantillonnage\b|\babtast(?:rate|frequenz)\b|\bornekleme (?:frekansi|hizi)\b|"
-    r"采样频率|采样率"
+    r"采样频率|采样率|サンフリンク周波数"
 )
 _COUNT_WORDS = (
     r"\bnpts\b|\bnpt\b|\bnpoints\b|\bndata\b|\bnum(?:ber|\.)? ?of ?(?:data )?(?:points|samples|data|"
@@ -52,12 +53,12 @@ _UNITS = re.compile(
     r"(?:\s+of\s+\w+)?(?:\s*(?:[:=,;\t]|\b(?:of|are|is|in)\b)\s*)+(\S.*)"
 )
 _COMPONENT = re.compile(
-    r"\b(?:comp(?:onent|onente)?|chan(?:nel)?|dir(?:ection|eccion|ezione)?|orientation|"
-    r"composante|richtung|bilesen|yon)\b\.?\s*(?:\d+\s*)?[:=,;\t]?\s*([-+\w./]+(?: deg)?)",
+    r"\b(?:comp(?:onent|onente)?|ch(?:an(?:nel)?)?(?=[\s\d.:=])|dir(?:ection|eccion|ezione)?|orientation|"
+    r"composante|richtung|bilesen|yon)(?![a-z])\.?\s*(?:\d+\s*)?[:=,;\t(]?\s*([-+\w./]+(?: deg)?)",
     re.IGNORECASE,
 )
 _NOT_OF_THE_RECORD = re.compile(r"\b(?:peak|max\w*|pg[vd]|vs ?_?30|wave|magnitude|highest|largest)\b|\bvs\b")
-_OF_A_SPECTRUM = re.compile(r"compatib|match|artificial|synthetic|target|time.?(?:history|series)")
+_OF_A_SPECTRUM = re.compile(r"compatib|match|artificial|synthetic|time.?(?:history|series)")
 _KEYED = re.compile(r"\s*[^:=]{1,60}[:=]\s*\S|[^,;\t]{1,60}[,;\t]\s*[-+]?\.?\d")
 _AFTER = re.compile(r"(?:\bin\b|[,:=])\s*(?:units? of\s+)?([^,:=;]+?)\s*(?=[;,]|\. |$)", re.IGNORECASE)
 _IN = re.compile(r"\bin\s+(?:units?\s+of\s+)?([^\s,;]+)", re.IGNORECASE)
@@ -70,6 +71,7 @@ _BESIDE = re.compile(
     re.IGNORECASE,
 )
 _GOES_ON = frozenset(["and", "at", "for", "with", "of", "in", "or", "n", "npts", "dt", "unit", "units", "values", "points"])
+_LONG = 12 * " "  # a direction is shorter
 _DECIMAL_COMMA = re.compile(r"(?<![\d.,])0,(\d+)(?![\d.,])")
 _SLACK = 1e-3  # relative; two statements of a step that differ by less agree
 
@@ -98,15 +100,18 @@ class Claims:
             return
         self._factor(words, at)
         self._quantity(text, words, at)
-        if strict and self.acceleration and self.unit is None:
-            self._nothing_else(words, at)
+        if strict and self.acceleration:
+            self._no_other(words, at)
         self._units(text, words, at)
         for unit in () if _NOT_OF_THE_RECORD.search(text) else units_in(words):
             self.state("unit", unit, words, at)
         self._steps(text, words, at)
         self._counts(text, words)
-        if len(words) > 1 and is_up_alone(words):
+        named = cell_of(words)
+        if (len(words) > 1 or words in "zZ") and is_up_alone(words):
             self.component = words
+        elif named.role == ACCELERATION and not re.search("[:=]", words) and len(named.component or _LONG) < len(_LONG):
+            self.component = named.component
         for found in _COMPONENT.finditer(words):
             if is_direction(found[1].strip(".")):
                 self.component = found[1].strip(".")
@@ -199,11 +204,16 @@ class Claims:
         for word in [*odd, *beside, *last]:
             raise self.fault(f"found the unit {word!r} in {words!r}", at)
 
-    def _nothing_else(self, words: str, at: int) -> None:
-        """Refuse words after an acceleration that may be a unit, as ACCELERATION FURLONG."""
+    def _no_other(self, words: str, at: int) -> None:
+        """Refuse a second quantity, and words that may be a unit, as ACCELERATION FURLONG."""
+        said = re.split(r"(?i)\bacc\w*", words)[0]
+        if is_derived(words) or set(others_in(said)) & {"velocity", "displacement"}:
+            raise self.fault(f"found {words!r}; expected an acceleration", at)
+        if self.unit is not None:
+            return
         found = re.search(r"\bacc\w*\.?\W*(.*)", words, re.IGNORECASE)
         rest = [] if found is None else re.findall(r"[^\s,:;()\[\]]+", found[1])
-        odd = [x for x in rest if cell_of(x).role == UNKNOWN]
+        odd = [x for x in rest if cell_of(x).role == UNKNOWN or _is_foreign(x)]
         if odd and len(rest) <= 3 and not re.search(r"(?i)\b(?:of|at|from|for)\b", words):
             raise self.fault(f"found {' '.join(odd)!r} in {words!r}; expected a unit", at)
 
@@ -284,6 +294,11 @@ class Claims:
 def _is_unit(word: str) -> bool:
     """True if a word after a number claims to be its unit, and does not go on the text."""
     return word.strip(" .") not in _GOES_ON
+
+
+def _is_foreign(word: str) -> bool:
+    """True for a unit of something else, as CM/S."""
+    return dimension_of(word) in ("velocity", "length", "force", "counts", "voltage", "stress")
 
 
 def _unknown(word: str) -> bool:

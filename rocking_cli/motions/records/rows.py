@@ -62,6 +62,7 @@ def rows_of(text: RecordText, headings: int | None) -> Rows:
     block = text.raw[text.at :].rstrip()
     for quote in (b'"', b"'"):
         if quote in block:
+            block = block.replace(quote + b"," + quote, b";")  # "0,01","0,02"
             block = block.replace(quote, b"")
     if empty := _EMPTY.search(block):
         line = text.line + block[: empty.start()].count(b"\n")

@@ -21,7 +21,7 @@ from .rows import Rows, is_row
 from .text import RecordText, value_of
 from .units import dimension_of
 
-_COMMENT = re.compile(r"^\s*(?:[#%!*>]|//)+\s*")
+_COMMENT = re.compile(r"^\s*(?:[#%!*>]|//)+\s*(?![\s,;])")  # a cell # is a number of rows
 AMBIGUOUS = ("u", "v", "V", "U", "x")  # alone beside times: a direction or a quantity
 
 

@@ -68,7 +68,7 @@ _WORDS = (
 _LENGTH_OVER_TIME = re.compile(r"(m|cm|mm|ft|in) ?(?:/s/s|/s ?2|/s[ -]s|/s ?/ ?s|/s{2}|s ?-2|s-1 ?s-1)")
 _GRAVITY = re.compile(r"(?:units? of |fractions? of )?(?:the )?(?:g(?:-units?|0|n|s)?|gravit(?:y|ies))")
 _VALUE_OF_G = re.compile(r"\bg\s*=\s*[\d.]+\s*\S*", re.IGNORECASE)  # g = 9.81 m/s2
-_BEFORE_A_UNIT = re.compile(r"in|en|of|units?|unidad(?:es)?|de|einheit|acc\w*\.?|aceler\w*")
+_BEFORE_A_UNIT = re.compile(r"in|en|of|units?|unidad(?:es)?|de|einheit|単位|单位|acc\w*\.?|aceler\w*")
 _BOTH = re.compile(r"(.+?) ?[(\[](.+)[)\]]")  # gal (cm/s/s)
 _TIMES = {
     "s": 1.0,
@@ -153,7 +153,8 @@ def units_in(words: str) -> list[str]:
             found.append(alone)
             continue
         for piece in re.split(r"[:=()\[\]{}]", field):
-            found += _units_of_tokens(piece.split())
+            apart = re.sub(r"(?<=[a-zA-Z])-(?=[a-zA-Z])", " ", piece)
+            found += _units_of_tokens(apart.split())
     return list(dict.fromkeys(found))
 
 
