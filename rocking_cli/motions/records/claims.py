@@ -57,7 +57,7 @@ _COMPONENT = re.compile(
     r"composante|richtung|bilesen|yon)(?![a-z])\.?\s*(?:\d+\s*)?[:=,;\t(]?\s*([-+\w./]+(?: deg)?)",
     re.IGNORECASE,
 )
-_NOT_OF_THE_RECORD = re.compile(r"\b(?:peak|max\w*|pg[vd]|vs ?_?30|wave|magnitude|highest|largest)\b|\bvs\b")
+_NOT_OF_THE_RECORD = re.compile(r"\b(?:peak|max\w*|pg[avd]|vs ?_?30|wave|magnitude|highest|largest)\b|\bvs\b|\b(?:arias|ia|cav)\b\D*\d")
 _OF_A_SPECTRUM = re.compile(r"compatib|match|artificial|synthetic|time.?(?:history|series)")
 _KEYED = re.compile(r"\s*[^:=]{1,60}[:=]\s*\S|[^,;\t]{1,60}[,;\t]\s*[-+]?\.?\d")
 _AFTER = re.compile(r"(?:\bin\b|[,:=])\s*(?:units? of\s+)?([^,:=;]+?)\s*(?=[;,]|\. |$)", re.IGNORECASE)
@@ -113,8 +113,9 @@ class Claims:
         elif named.role == ACCELERATION and not re.search("[:=]", words) and len(named.component or _LONG) < len(_LONG):
             self.component = named.component
         for found in _COMPONENT.finditer(words):
-            if is_direction(found[1].strip(".")):
-                self.component = found[1].strip(".")
+            said = found[1].strip(".")
+            if is_direction(said) or cell_of(said).component is not None:
+                self.component = said if is_direction(said) else cell_of(said).component
 
     def state(self, name: str, value: object, words: str, at: int) -> None:
         """Keep one statement. Raises the error of `fault` if another line contradicts it."""

@@ -10,7 +10,7 @@ from .units import dimension_of, plain
 
 _NUM = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[ed][-+]?\d+|\^?-\d+)?)"
 _SCALING = (
-    r"\bscal(?:e|es|ed|ing)\b(?! to\b)|\b(?:multipl|divid)\w+|\b(?:conversion|calibration|amplification)\b|"
+    r"(?<!full )\bscal(?:e|es|ed|ing)\b(?! to\b)|\b(?:multipl|divid)\w+|\b(?:conversion|calibration|amplification)\b|"
     r"\bcalib\b|\bfactor\b|\bgain\b|\blsb\b|\bsensitivity\b|\bamplified\b|\btimes(?= \d)|\bsf\b(?=\s*[:=]|\s*\d*\.\d)|"
     r"\b(?:faktor|massstab|skalierung|facteur|echelle|escala|fattore|scala|olcek|carpan)\b|"
     r"系数|比例|倍率"
@@ -24,7 +24,10 @@ _TIMES = re.compile(
     r"(?=\s*(?:$|[\[\](),;=]|%?g\b|gals?\b|c?m/s))",
     re.IGNORECASE,
 )
-_OVER = re.compile(r"\b(?:acc\w*|a|ag|g|gal|data|values?)\s*/\s*(\d+(?:\.\d*)?)\b(?!/)")
+_OVER = re.compile(
+    r"(?:\b(?:acc\w*|gal|data|values?)|(?:^|[\[(]|\b(?:in|of|units?)\W+)(?:a|ag|g))"
+    r"\s*/\s*(\d+(?:\.\d*)?)\b(?![/.]\w)"
+)
 _PARTS = re.compile(r"\b(?:tenths|hundredths|thousandths|multiples)\s+of\b")
 _IN_PARTS = re.compile(rf"\b(?:in|units?(?: of)?)\s*[:=]?\s*(?:1/\d+|{_NUM})\s*([a-z%][^\s,;)\]]*)")
 

@@ -332,8 +332,10 @@ class _Table:
             return
         name = Path(self.text.source).name.removesuffix(".gz").lower()
         stem, _, end = name.rpartition(".")
-        last = re.split(r"[\s_.\-]", stem)[-1] if stem else ""
-        what = _OTHER_FILES.get(end) or _OTHER_FILES.get(last)
+        words = re.split(r"[\s_.\-]+", stem)
+        long = [x for x in words[:-1] if len(x) > 3]
+        found = [_OTHER_FILES.get(x) for x in (end, words[-1], *long)]
+        what = next(filter(None, found), None)
         if what is not None:
             raise self.text.no_acceleration(
                 f"a file that is named as {what}, and states no acceleration; expected an acceleration (rename it if it holds one)",

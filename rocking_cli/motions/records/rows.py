@@ -12,7 +12,7 @@ from .claims import agree
 from .text import Array, RecordText, value_of
 
 _ODD_COMMA = re.compile(rb",(?![0-9])|,[0-9]*,")
-_EMPTY = re.compile(rb"([,;])[ \t]*\1")
+_EMPTY = re.compile(rb"([,;])[ \t]*\1(?![,; \t]*(?:\n|$))")  # not at the end of a line
 _MANY = 2000  # lines that show whether whole numbers before a comma are times
 _SHOWN = 200  # numbers whose printed form is looked at
 _LEADS = 3  # numbers above a column that may be no samples: count, step, rate
