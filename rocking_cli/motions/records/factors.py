@@ -5,6 +5,7 @@ A factor of 1 is none.
 """
 
 import re
+import unicodedata
 
 from .units import dimension_of, plain
 
@@ -16,11 +17,13 @@ _SCALING = (
     r"系数|比例|倍率"
 )
 _ASIDE = r"(?:[ _-]?(?:factor|constant|faktor|by|of|is|de|di|d?echelle|escala|scala|value))*"
-_SCALED = re.compile(rf"(?:{_SCALING}){_ASIDE}\s*(?:[\[(][^\])]*[\])])?\s*[:=,;\t]?\s*{_NUM}(?![/\d])([^,;\s]*)")
+_SCALED = re.compile(
+    rf"(?:{_SCALING}){_ASIDE}\s*(?:[\[(][^\])]*[\])])?\s*[:=,;\t]?\s*{_NUM}(?![/\d])([^,;\s]*(?:\s*(?:m?g|gal|c?m/s2|m?v)\b)?)"
+)
 _NORMALISED = re.compile(r"\bnormali[sz]ed\b|\bnormiert\b|\bnormalizad[oa]\b|\bnormalizzat[oa]\b")
 _PER = re.compile(r"\b(?:counts?|volts?|mv|v) ?(?:per|/) ?(?:m?g|gal|cm/s2|m/s2)\b\s*[:=]?\s*\d")
 _TIMES = re.compile(
-    r"(?:(?<![a-zA-Z\d])(?<!\d )x|×|(?<!\*)\*(?!\*))\s*(\d+(?:\.\d*)?(?:e[-+]?\d+|\^-?\d+)?)"
+    r"(?:(?<![a-zA-Z\d])(?<!\d )x|×|(?<!\*)\*(?!\*))\s*(\d+(?:\.\d*)?(?:e[-+]?\d+|\^\d+|\^?-\d+)?)"
     r"(?=\s*(?:$|[\[\](),;=]|%?g\b|gals?\b|c?m/s))",
     re.IGNORECASE,
 )
@@ -40,7 +43,8 @@ def states_factor(words: str) -> bool:
     # `scale factor: 1` has no unit behind its 1, `1 LSB = 1 mg` has
     if any(found[2] or not _is_one(found[1]) for found in _SCALED.finditer(text)):
         return True
-    signs = [*_TIMES.finditer(words), *_OVER.finditer(text)]
+    digits = unicodedata.normalize("NFKC", words).replace("−", "-")
+    signs = [*_TIMES.finditer(digits), *_OVER.finditer(text)]
     if any(not _is_one(found[1]) for found in signs):
         return True
     parts = [x for x in _IN_PARTS.finditer(text) if dimension_of(x[2]) == "acceleration"]

@@ -232,6 +232,8 @@ def _has_role(name: str) -> bool:
 
 def _directions(name: str) -> list[str]:
     """The words of a name that may be its direction, the longest first."""
+    if _DOTS.fullmatch(unicodedata.normalize("NFD", name.strip().casefold())):
+        return []
     name = _OF_A_DIRECTION.sub(" ", name).strip() or name
     if is_direction(name) and not names_acceleration(name):
         return [name]

@@ -69,6 +69,6 @@ def _pairs(text: RecordText, count: int, dt: float) -> Array:
         except ValueError:
             raise text.fault(f"found {date!r}; expected a date such as 2020-01-01T00:00:00.010000") from None
         first = first or at
-        if abs((at - first) / timedelta(seconds=1) - i * dt) > 0.5 * dt:
+        if abs((at - first) / timedelta(seconds=1) - i * dt) > 0.1 * dt:
             raise text.fault(f"found {date!r}, {i} steps of {dt:g} s after {first.isoformat()}")
     return values
