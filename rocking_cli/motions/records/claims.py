@@ -71,6 +71,7 @@ _BESIDE = re.compile(
     re.IGNORECASE,
 )
 _GOES_ON = frozenset(["and", "at", "for", "with", "of", "in", "or", "n", "npts", "dt", "unit", "units", "values", "points"])
+_ACCELERATION = re.compile(r"\b(?:ac[ce]\w*|beschleunigung\w*|akzel\w*|ivme\w*)|加速度")
 _LONG = 12 * " "  # a direction is shorter
 _DECIMAL_COMMA = re.compile(r"(?<![\d.,])0,(\d+)(?![\d.,])")
 _SLACK = 1e-3  # relative; two statements of a step that differ by less agree
@@ -207,12 +208,12 @@ class Claims:
 
     def _no_other(self, words: str, at: int) -> None:
         """Refuse a second quantity, and words that may be a unit, as ACCELERATION FURLONG."""
-        said = re.split(r"(?i)\bacc\w*", words)[0]
+        said = _ACCELERATION.split(plain(words))[0]
         if is_derived(words) or set(others_in(said)) & {"velocity", "displacement"}:
             raise self.fault(f"found {words!r}; expected an acceleration", at)
         if self.unit is not None:
             return
-        found = re.search(r"\bacc\w*\.?\W*(.*)", words, re.IGNORECASE)
+        found = re.search(rf"(?i)(?:{_ACCELERATION.pattern})\.?\W*(.*)", words)
         rest = [] if found is None else re.findall(r"[^\s,:;()\[\]]+", found[1])
         odd = [x for x in rest if cell_of(x).role == UNKNOWN or _is_foreign(x)]
         if odd and len(rest) <= 3 and not re.search(r"(?i)\b(?:of|at|from|for)\b", words):
