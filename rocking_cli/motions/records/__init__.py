@@ -57,7 +57,6 @@ GROUP = "rocking.records"
 _PACKED = b"\x1f\x8b"  # gzip
 _CONTROL = bytes(x for x in range(32) if x not in b"\t\n\v\f\r\x1a")  # characters of no text
 _OLD_WORKBOOK = b"\xd0\xcf\x11\xe0"  # .xls
-_FEWEST = 10  # samples of plain numbers in a directory
 _COUNTS = "counts of an instrument and no unit; convert it to an acceleration with the station's response first"
 FORMATS = ("keyed", "cosmos", "geonet", "smc", "csmip", "volume1", "peer", "csmnc", "asa", "timeseries")
 _DOCUMENT = re.compile(r"^[\s{\"']*kind[\"']?\s*:", re.MULTILINE)
@@ -132,7 +131,7 @@ def records_of(
     """
     require_unit(unit)
     require_column(column)
-    given = Given(None if unit is None else require_known(unit), dt, column)
+    given = Given(None if unit is None else require_known(unit), dt, column, named)
     sha256 = hashlib.sha256(raw).hexdigest()
     name = "record" if source == STDIN else Path(Path(source).name.removesuffix(".gz")).stem
     content = unpacked(source, raw)
@@ -151,10 +150,6 @@ def records_of(
         read = found.read(text)
         if not (isinstance(read, list) and read and all(isinstance(s, Series) for s in read)):
             raise TypeError(f"read returns {type(read).__name__}; expected a list of Series, one or more")
-        fewest = min(x.samples.size for x in read)
-        if found is plain and not named and fewest < _FEWEST:  # a list of factors or periods
-            said = f"{fewest} numbers, too few for a motion"
-            raise NoAcceleration(f"{source}: {said}; it is taken where the file itself is named")
         if found is not plain and named:
             _require_agreement(source, read, given, found.NAME)
         also = "an uncorrected accelerogram" if uncorrected else ""

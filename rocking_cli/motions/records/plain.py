@@ -44,6 +44,7 @@ _OTHER_FILES = {
     **dict.fromkeys(("sa", "psa", "rsp", "rs", "spc", "spectrum", "spectra"), "a spectrum"),
     **dict.fromkeys(("fft", "fas", "fourier"), "a Fourier spectrum"),
 }  # by the last part of a file's name
+_FEWEST = 10  # numbers in one column, without a word, of a motion
 _FEW = 4  # lines that may rise evenly by chance
 _MANY = 5  # so many columns are no components: a short last line shows values in a row
 
@@ -128,6 +129,7 @@ class _Table:
         if self.width == 1:
             if self.text.given.column not in (None, "1"):
                 raise self.no_column("one column")
+            self.require_motion(values)
             unit = self.unit(None)
             return [Series(self.claims.component, self.step(), values[:, 0], unit)]
         time = self.time_column(values)
@@ -141,6 +143,13 @@ class _Table:
             unit = self.unit(cell)
             found.append(Series(name, dt, values[:, i].copy(), unit, remark=remark))
         return found
+
+    def require_motion(self, values: Array) -> None:
+        """Raise NoAcceleration for a short list in a directory, as of factors or periods."""
+        said = self.claims.unit is not None or self.claims.acceleration
+        if not self.text.given.named and not said and len(values) < _FEWEST:
+            words = f"{len(values)} numbers, too few for a motion"
+            raise self.text.no_acceleration(f"{words}; they are taken where the file itself is named", 1)
 
     def require_even_lines(self) -> None:
         counts, lines = self.rows.counts, self.rows.lines

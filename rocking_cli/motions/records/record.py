@@ -30,6 +30,7 @@ class Given(NamedTuple):
     unit: str | None = None  # unit of acceleration
     dt: float | None = None  # time step [s]
     column: str | None = None  # number of a column from 1, or EVERY
+    named: bool = True  # False for a file of a directory
 
 
 class Series(NamedTuple):

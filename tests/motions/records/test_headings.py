@@ -7,6 +7,7 @@ import pytest
 from support.record_layouts import as_printed, refusal, wave
 
 from rocking_cli import DocumentError, UsageError
+from rocking_cli.motions.reading import load_records
 from rocking_cli.motions.records import read_record, read_records
 from rocking_cli.motions.records.record import is_vertical
 from rocking_cli.motions.records.units import ACCELERATIONS
@@ -286,3 +287,15 @@ def test_a_file_named_as_velocities_is_read_only_where_it_says_acceleration(tmp_
             read_record(tmp_path / name, unit="g")
         (tmp_path / name).write_text(table("t,acc [g]", 1.0))
         assert read_record(tmp_path / name).unit == "g"
+
+
+def test_a_list_of_factors_in_a_directory_is_no_motion(tmp_path):
+    (tmp_path / "factors.txt").write_text("1.2\n0.8\n1.5\n")
+    (tmp_path / "motion.txt").write_text(table("acc [g]", 1.0, times=None))
+    told: list[str] = []
+    found = load_records([tmp_path], unit="g", dt=0.01, tell=told.append)
+    assert [r.label for r in found] == ["motion"]
+    assert told == [
+        f"{tmp_path / 'factors.txt'}:1: 3 numbers, too few for a motion; they are taken where the file itself is named; left out"
+    ]
+    assert read_record(tmp_path / "factors.txt", unit="g", dt=0.01).npts == 3
