@@ -11,14 +11,20 @@ from .units import dimension_of, plain
 
 _NUM = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[ed][-+]?\d+|\^?-\d+)?)"
 _SCALING = (
-    r"(?<!full )\bscal(?:e|es|ed|ing)\b(?! to\b)|\b(?:multipl|divid)\w+|\b(?:conversion|calibration|amplification)\b|"
-    r"\bcalib\b|\bfactor\b|\bgain\b|\blsb\b|\bsensitivity\b|\bamplified\b|\btimes(?= \d)|\bsf\b(?=\s*[:=]|\s*\d*\.\d)|"
-    r"\b(?:faktor|massstab|skalierung|facteur|echelle|escala|fattore|scala|olcek|carpan)\b|"
-    r"系数|比例|倍率"
+    r"(?<!full )\bscal(?:e|es|ed|ing)(?![a-eg-z])(?! to\b)|\b(?:multipl|divid)\w+|"
+    r"\b(?:conversion|calibration|amplification|magnification)\b|\bcalib\b|\bcoef\w*|"
+    r"\bcounts? (?:to (?:g|gal|m/s2|cm/s2)\b|=)|\bfactor\b|\bgain\b|\blsb\b|"
+    r"\bsensitivity\b|\bamplified\b|\btimes(?= \d)|\bsf\b(?=\s*[:=]|\s*\d*\.\d)|"
+    r"\b(?:faktor|massstab|skalierung|facteur|echelle|escala|fattore|scala|olcek|"
+    r"carpan|katsayi\w*)\b|系数|比例|倍率"
 )
-_ASIDE = r"(?:[ _-]?(?:factor|constant|faktor|by|of|is|de|di|d?echelle|escala|scala|value))*"
+_ASIDE = (
+    r"(?:[ _-]?(?:factor|constant|faktor|by|with|of|is|the|all|values?|data|samples?|"
+    r"ordinates?|accelerations?|katsayi\w*|de|di|d?echelle|escala|scala))*"
+)  # words between one of these and its number
 _SCALED = re.compile(
-    rf"(?:{_SCALING}){_ASIDE}\s*(?:[\[(][^\])]*[\])])?\s*[:=,;\t]?\s*{_NUM}(?![/\d])([^,;\s]*(?:\s*(?:m?g|gal|c?m/s2|m?v)\b)?)"
+    rf"(?:{_SCALING}){_ASIDE}\s*(?:[\[(][^\])]*[\])])?\s*[:=,;\t]?\s*{_NUM}(?![/\d])"
+    r"([^,;\s]*(?:\s*(?:m?g|gal|c?m/s2|m?v)\b)?)"
 )
 _NORMALISED = re.compile(r"\bnormali[sz]ed\b|\bnormiert\b|\bnormalizad[oa]\b|\bnormalizzat[oa]\b")
 _PER = re.compile(r"\b(?:counts?|volts?|mv|v) ?(?:per|/) ?(?:m?g|gal|cm/s2|m/s2)\b\s*[:=]?\s*\d")

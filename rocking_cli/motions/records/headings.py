@@ -84,7 +84,8 @@ _INNER = re.compile(r"/\(([^()]*)\)|\^[({]([^(){}]*)[)}]")
 _TAIL = re.compile(r"(.*?\S)\s*(?:[,:=|]|\bin\b|\s/)\s*([^,:=|]+)", re.IGNORECASE)
 _DOTS = re.compile(r"[a-zθ](\u0308|\u0307)[ _]?g?[ _]?(?:\(t\))?")  # ẍ, ü_g: two derivatives
 _DERIVED = re.compile(
-    r"\b(?:integra(?:l|ted|ls)|squared?|derivative|differentiated|cumulative|cumulated)\b"
+    r"\b(?:integra(?:l|ted|ls)|squared?|derivative|differentiated|cumulative|cumulated|log|ln|deviation|variance)\b"
+    r"|^\|.*\|$"
     r"|^[^/]*[a-z]\s*(?:\^\s*2|\*\*\s*2|²)\s*$"
 )
 _OF_A_DIRECTION = re.compile(r"(?i)[-\s_.]*\b(?:comp(?:onent)?|dir(?:ection)?)\b\.?[-\s_.]*")

@@ -145,6 +145,8 @@ REFUSED = {
     "Target Spectrum\nt,a": "'Target Spectrum'; expected an acceleration",
     "t,Acceleration^2": "'Acceleration^2' in the heading",
     "t,integrated acceleration [g]": "'integrated acceleration' in the heading",
+    "t,|a| [g]": "'|a|' in the heading",
+    "t,log a [g]": "'log a' in the heading",
     "t,acc x 100 [g]": "'acc x 100 [g]' in the heading",
     "t,ẋ [g]": "'ẋ [g]' (velocity)",
     "#,a [g]": "numbers without times; give their step as `dt`",
