@@ -25,6 +25,7 @@ from .response_spectra import DAMPING, acceleration_spectrum, displacement_spect
 Array = np.ndarray
 
 _SAMPLES = 4000  # of a pulse; their lines change S_d by less than 1e-5 of it, with a jump inside the pulse by 1e-3
+_LEVELS = ("S_a", "Sa", "Se")  # headings of the accelerations of a file
 _FIRST = 0.03  # s, the longest first period of a file, whose S_a is the peak ground acceleration
 _A, _B = 0.8, 1.1  # of T_k: the plateau of a floor spectrum (C7.2.6-8)
 _FLOOR, _FLOOR_KEYS = "T=TIME,xi=RATIO,gamma_psi=NUMBER", {"T": "time", "xi": "number", "gamma_psi": "number"}
@@ -152,7 +153,7 @@ def damping_factor(damping: float) -> float:
 
 
 def read_spectrum(path: str | Path) -> SpectrumFile:
-    """Read a CSV file with columns T [s] and S_a (or Se), whose heading or cells state a unit; other columns are ignored. Raises
+    """Read a CSV file with columns T [s] and S_a (or Sa, Se), whose heading or cells state a unit; other columns are ignored. Raises
     UsageError if the file cannot be read, DocumentError with file, line and column for its faults.
 
     >>> from pathlib import Path
@@ -166,9 +167,10 @@ def read_spectrum(path: str | Path) -> SpectrumFile:
     values: list[float] = []
     for cells in rows_of(text, source):
         row = {cell.key: cell for cell in cells}
-        if "S_a" in row and "Se" in row:
-            raise DocumentError(f"{row['Se'].place}: found both S_a and Se; expected one of them")
-        at, level = row.get("T"), row.get("S_a") or row.get("Se")
+        levels = [row[key] for key in _LEVELS if key in row]
+        if len(levels) > 1:
+            raise DocumentError(f"{levels[1].place}: found both {levels[0].key} and {levels[1].key}; expected one of them")
+        at, level = row.get("T"), next(iter(levels), None)
         if at is None or level is None:
             raise DocumentError(f"{cells[0].place}: found {', '.join(row)}; expected the columns T and S_a")
         for cell, dimension, kept in ((at, "time", periods), (level, "acceleration", values)):

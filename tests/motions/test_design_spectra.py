@@ -68,6 +68,7 @@ def test_a_file_is_read_in_its_units(tmp_path):
 
 
 REFUSED = [
+    ("T,S_a [g],Se [g]\n0,1,1\n", "a.csv:2:3: found both S_a and Se; expected one of them"),
     ("T,x\n0,1\n", "a.csv:2:1: found T, x; expected the columns T and S_a"),
     ("T,S_a [m/s2]\n0,1\n0.5,m\n", "a.csv:3:2: S_a: found 'm'; expected "),
     ("T,S_a [m/s2]\n0,1\n0.5,2\n0.5,3\n", "a.csv:4:1: T: found '0.5'; expected periods that rise, of one spectrum"),
@@ -95,7 +96,7 @@ def test_the_demand_of_a_file_does_not_fall_with_the_period():
         assert falling.demand(period, 0.05) * unit == pytest.approx(1000.0 / 27.0, rel=1e-14)
 
 
-@pytest.mark.parametrize("text", ["T [s];Se [g]\n0;0,3\n0,15;0,75\n4;0,05\n", "# site\nT\tS_a [g]\n0\t0,3\n0,15\t0,75\n4\t0,05\n",
+@pytest.mark.parametrize("text", ["T [s];Sa [g]\n0;0,3\n0,15;0,75\n4;0,05\n", "# site\nT\tS_a [g]\n0\t0,3\n0,15\t0,75\n4\t0,05\n",
     "T [s]  Se [g]\n0     0,3\n0,15  0,75\n4     0,05\n", '"T [s]", "Se [g]"\n"0", "0.3"\n"0.15", "0.75"\n"4", "0.05"\n'])  # fmt: skip
 def test_a_spectrum_in_the_forms_of_spreadsheets(text, tmp_path):
     (tmp_path / "s.csv").write_text(text)

@@ -55,9 +55,10 @@ __all__ = [
 
 GROUP = "rocking.records"
 _PACKED = b"\x1f\x8b"  # gzip
+_CONTROL = bytes(x for x in range(32) if x not in b"\t\n\v\f\r\x1a")  # characters of no text
 _OLD_WORKBOOK = b"\xd0\xcf\x11\xe0"  # .xls
 _COUNTS = "counts of an instrument and no unit; convert it to an acceleration with the station's response first"
-FORMATS = ("keyed", "cosmos", "geonet", "smc", "csmip", "volume1", "peer", "csmnc", "asa")
+FORMATS = ("keyed", "cosmos", "geonet", "smc", "csmip", "volume1", "peer", "csmnc", "asa", "timeseries")
 _DOCUMENT = re.compile(r"^[\s{\"']*kind[\"']?\s*:", re.MULTILINE)
 _UNCORRECTED = re.compile(
     r"\A\s*(?:\d\s+)?(?:UNCORRECTED ACCELER(?:OGRAM|ATION)|RAW ACCELERATION(?! COUNTS)|\* VOL1DS)\b"
@@ -130,7 +131,7 @@ def records_of(
     """
     require_unit(unit)
     require_column(column)
-    given = Given(None if unit is None else require_known(unit), dt, column)
+    given = Given(None if unit is None else require_known(unit), dt, column, named)
     sha256 = hashlib.sha256(raw).hexdigest()
     name = "record" if source == STDIN else Path(Path(source).name.removesuffix(".gz")).stem
     content = unpacked(source, raw)
@@ -271,5 +272,6 @@ def _refuse_binary(source: str, raw: bytes) -> None:
         raise NoAcceleration(f"{source}: SAC, which holds {_COUNTS}")
     if raw[:HEAD].split(None, 6)[:5] == [b"-12345.00"] * 5 or raw[:HEAD].count(b"-12345.00") > 20:
         raise NoAcceleration(f"{source}: SAC (alphanumeric), which holds {_COUNTS}")
-    if 100 * raw[:HEAD].count(0) > len(raw[:HEAD]):  # some headers of real files pad a name with a few
+    control = len(raw[:HEAD]) - len(raw[:HEAD].translate(None, _CONTROL))
+    if 100 * control > len(raw[:HEAD]):  # some headers of real files pad a name with a few
         raise NoAcceleration(f"{source}: a binary file; expected a record or a motion document in text")

@@ -9,8 +9,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from .directions import is_direction, is_up_alone
-from .headings import UNKNOWN, cell_of, names_acceleration, others_in
-from .units import ACCELERATIONS, WRITTEN_UNITS, dimension_of, plain, rate_unit, time_unit, unit_of
+from .factors import states_factor
+from .headings import ACCELERATION, UNKNOWN, cell_of, is_derived, names_acceleration, others_in
+from .units import ACCELERATIONS, WRITTEN_UNITS, dimension_of, plain, rate_unit, time_unit, unit_of, units_in
 
 _NUM = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[ed][-+]?\d+)?)"
 _UNIT = r"\s*(?:[\[(]\s*([^\])]{1,20})[\])])?"
@@ -18,7 +19,8 @@ _WORD = r"\s*((?:1e-3 |10-3 )?[a-z]+(?:/[a-z]+|-1)?\.?)?"
 _KEY = r"\s*(?:[:=,;\t]|\bis\b|\bof\b|\bde\b)*\s*"
 _STEP_WORDS = (
     r"\bd_?t\b|\bdelta[ _-]?t\b|\bδt\b|\btime[ _-]?(?:step|interval|increment|spacing)\b|"
-    r"\btimestep\b|\bsampl(?:e|ing)[ _-]?(?:interval|period|step|time)\b|"
+    r"\btimestep\b|\b(?:delta|ts)\b(?=\s*[:=])|\b(?:points|samples|values|pts) at\b(?=[^a-z]*s)|"
+    r"サンフリンク間隔|\bsampl(?:e|ing)[ _-]?(?:interval|period|step|time)\b|"
     r"\bintervalo de (?:muestreo|tiempo)\b|\bpaso (?:de tiempo|temporal)\b|\bpas de temps\b|"
     r"\bpasso (?:temporale|di campionamento)\b|\bintervallo di campionamento\b|"
     r"\bzeitschritt\b|\babtastintervall\b|\bzaman (?:adimi|araligi)\b|"
@@ -32,7 +34,7 @@ _RATE_WORDS = (
     r"\bsamples per sec\w*\b|"
     r"\b(?:frecuencia|velocidad|tasa) de muestreo\b|\bfrequenza di campionamento\b|"
     r"\bfrequence d'?echantillonnage\b|\babtast(?:rate|frequenz)\b|\bornekleme (?:frekansi|hizi)\b|"
-    r"采样频率|采样率"
+    r"采样频率|采样率|サンフリンク周波数"
 )
 _COUNT_WORDS = (
     r"\bnpts\b|\bnpt\b|\bnpoints\b|\bndata\b|\bnum(?:ber|\.)? ?of ?(?:data )?(?:points|samples|data|"
@@ -50,23 +52,13 @@ _UNITS = re.compile(
     r"(?:\b(?:units?|einheit(?:en)?|unidad(?:es)?|unita|unites?|birim(?:i|ler)?)\b|单位|単位)"
     r"(?:\s+of\s+\w+)?(?:\s*(?:[:=,;\t]|\b(?:of|are|is|in)\b)\s*)+(\S.*)"
 )
-_FACTOR = re.compile(
-    rf"(?:\bscal(?:e|ing)(?:[ _-]?factor)?\b|\b(?:multipl\w+|conversion|calibration|amplification)"
-    rf"(?:[ _-]?(?:factor|constant))?\b|\bfactor\b|\bgain\b|\blsb\b|\bsensitivity\b|\bfaktor\b|"
-    rf"\bfattore\b)(?:\s+(?:by|of|is))?\s*(?:[\[(][^\])]*[\])])?\s*[:=,;\t]?\s*{_NUM}([^,;\s]*)"
-)
-_TIMES = re.compile(
-    r"(?:(?<![a-zA-Z])x|×|(?<!\*)\*)\s*(\d+(?:\.\d*)?(?:e[-+]?\d+|\^-?\d+)?)\s*$"
-    r"|\b(?:tenths|hundredths|thousandths|multiples)\s+of\b",
-    re.IGNORECASE,
-)
 _COMPONENT = re.compile(
-    r"\b(?:comp(?:onent|onente)?|chan(?:nel)?|dir(?:ection|eccion|ezione)?|orientation|"
-    r"composante|richtung|bilesen|yon)\b\.?\s*(?:\d+\s*)?[:=,;\t]?\s*([-+\w./]+(?: deg)?)",
+    r"\b(?:comp(?:onent|onente)?|ch(?:an(?:nel)?)?(?=[\s\d.:=])|dir(?:ection|eccion|ezione)?|orientation|"
+    r"composante|richtung|bilesen|yon)(?![a-z])\.?\s*(?:\d+\s*)?[:=,;\t(]?\s*([-+\w./]+(?: deg)?)",
     re.IGNORECASE,
 )
-_NOT_OF_THE_RECORD = re.compile(r"\b(?:peak|max\w*|pg[vd]|vs ?_?30|wave|magnitude|highest|largest)\b|\bvs\b")
-_OF_A_SPECTRUM = re.compile(r"compatib|match|artificial|synthetic|target|time.?(?:history|series)")
+_NOT_OF_THE_RECORD = re.compile(r"\b(?:peak|max\w*|pg[avd]|vs ?_?30|wave|magnitude|highest|largest)\b|\bvs\b|\b(?:arias|ia|cav)\b\D*\d")
+_OF_A_SPECTRUM = re.compile(r"compatib|match|artificial|synthetic|time.?(?:history|series)")
 _KEYED = re.compile(r"\s*[^:=]{1,60}[:=]\s*\S|[^,;\t]{1,60}[,;\t]\s*[-+]?\.?\d")
 _AFTER = re.compile(r"(?:\bin\b|[,:=])\s*(?:units? of\s+)?([^,:=;]+?)\s*(?=[;,]|\. |$)", re.IGNORECASE)
 _IN = re.compile(r"\bin\s+(?:units?\s+of\s+)?([^\s,;]+)", re.IGNORECASE)
@@ -79,6 +71,9 @@ _BESIDE = re.compile(
     re.IGNORECASE,
 )
 _GOES_ON = frozenset(["and", "at", "for", "with", "of", "in", "or", "n", "npts", "dt", "unit", "units", "values", "points"])
+_ACCELERATION = re.compile(r"\b(?:ac[ce]\w*|beschleunigung\w*|akzel\w*|ivme\w*)|加速度")
+_LONG = 12 * " "  # a direction is shorter
+_DECIMAL_COMMA = re.compile(r"(?<![\d.,])0,(\d+)(?![\d.,])")
 _SLACK = 1e-3  # relative; two statements of a step that differ by less agree
 
 
@@ -101,21 +96,27 @@ class Claims:
         Raises the error of `fault` if it is not understood.
         """
         words = _MARKS.sub("", line).strip().strip("\"'").strip()
-        text = plain(words)
+        text = _DECIMAL_COMMA.sub(r"0.\1", plain(words))
         if not re.search(r"[^\W\d_]", text):
             return
-        self._factor(text, words, at)
+        self._factor(words, at)
         self._quantity(text, words, at)
-        if strict and self.acceleration and self.unit is None:
-            self._nothing_else(words, at)
+        if strict and self.acceleration:
+            self._no_other(words, at)
         self._units(text, words, at)
+        for unit in () if _NOT_OF_THE_RECORD.search(text) else units_in(words):
+            self.state("unit", unit, words, at)
         self._steps(text, words, at)
         self._counts(text, words)
-        if len(words) > 1 and is_up_alone(words):
+        named = cell_of(words)
+        if (len(words) > 1 or words in "zZ") and is_up_alone(words):
             self.component = words
+        elif named.role == ACCELERATION and not re.search("[:=]", words) and len(named.component or _LONG) < len(_LONG):
+            self.component = named.component
         for found in _COMPONENT.finditer(words):
-            if is_direction(found[1].strip(".")):
-                self.component = found[1].strip(".")
+            said = found[1].strip(".")
+            if is_direction(said) or cell_of(said).component is not None:
+                self.component = said if is_direction(said) else cell_of(said).component
 
     def state(self, name: str, value: object, words: str, at: int) -> None:
         """Keep one statement. Raises the error of `fault` if another line contradicts it."""
@@ -126,11 +127,8 @@ class Claims:
         setattr(self, name, value)
         self.quoted.setdefault(name, words)
 
-    def _factor(self, text: str, words: str, at: int) -> None:
-        found = _FACTOR.search(text)
-        times = _TIMES.search(words)
-        stated = found is not None and (found[2] or float(found[1].replace("d", "e")) != 1.0)
-        if stated or (times is not None and times[1] != "1"):
+    def _factor(self, words: str, at: int) -> None:
+        if states_factor(words):
             raise self.fault(
                 f"found {words!r}, a factor; it is not known whether the numbers have it: apply it and take the line away",
                 at,
@@ -191,7 +189,10 @@ class Claims:
             self.state("seconds", seconds, words, at)
 
     def _unit_beside(self, words: str, at: int) -> None:
-        """Take the unit that stands beside the word acceleration."""
+        """Take the unit that stands beside the word acceleration, or in its line."""
+        if stated := units_in(words):
+            self.state("unit", stated[0], words, at)
+            return
         after = _BRACKETS.findall(words) + [x[1] for x in _AFTER.finditer(words)]
         after += [y.strip() for x in after for y in re.split(r"\band\b|\s{2,}", x)]
         for word in after:
@@ -205,11 +206,16 @@ class Claims:
         for word in [*odd, *beside, *last]:
             raise self.fault(f"found the unit {word!r} in {words!r}", at)
 
-    def _nothing_else(self, words: str, at: int) -> None:
-        """Refuse words after an acceleration that may be a unit, as ACCELERATION FURLONG."""
-        found = re.search(r"\bacc\w*\.?\W*(.*)", words, re.IGNORECASE)
+    def _no_other(self, words: str, at: int) -> None:
+        """Refuse a second quantity, and words that may be a unit, as ACCELERATION FURLONG."""
+        said = _ACCELERATION.split(plain(words))[0]
+        if is_derived(words) or set(others_in(said)) & {"velocity", "displacement"}:
+            raise self.fault(f"found {words!r}; expected an acceleration", at)
+        if self.unit is not None:
+            return
+        found = re.search(rf"(?i)(?:{_ACCELERATION.pattern})\.?\W*(.*)", words)
         rest = [] if found is None else re.findall(r"[^\s,:;()\[\]]+", found[1])
-        odd = [x for x in rest if cell_of(x).role == UNKNOWN]
+        odd = [x for x in rest if cell_of(x).role == UNKNOWN or _is_foreign(x)]
         if odd and len(rest) <= 3 and not re.search(r"(?i)\b(?:of|at|from|for)\b", words):
             raise self.fault(f"found {' '.join(odd)!r} in {words!r}; expected a unit", at)
 
@@ -290,6 +296,11 @@ class Claims:
 def _is_unit(word: str) -> bool:
     """True if a word after a number claims to be its unit, and does not go on the text."""
     return word.strip(" .") not in _GOES_ON
+
+
+def _is_foreign(word: str) -> bool:
+    """True for a unit of something else, as CM/S."""
+    return dimension_of(word) in ("velocity", "length", "force", "counts", "voltage", "stress")
 
 
 def _unknown(word: str) -> bool:

@@ -7,7 +7,7 @@ import numpy as np
 
 from .record import Series
 from .text import FORTRAN, Layout, RecordText, begins, stated
-from .units import ACCELERATIONS, unit_of
+from .units import ACCELERATIONS, dimension_of, unit_of
 
 NAME = "COSMOS"
 _FIRST = re.compile(r"\(Format\s+v(\d[\d.]*)\s+with\s+(\d+)\s+text lines\)", re.IGNORECASE)
@@ -60,7 +60,8 @@ def _unit(text: RecordText, word: str, code: str | None) -> str:
     unit = known if code is None else _UNITS.get(int(code))
     if unit is None:
         raise text.no_acceleration(f"found the unit {word!r} ({code or 'no code'}); expected cm/s2 (04), g (02) or gal (10)")
-    if known is not None and ACCELERATIONS[known] != ACCELERATIONS[unit]:
+    foreign = known is None and dimension_of(word) is not None
+    if foreign or (known is not None and ACCELERATIONS[known] != ACCELERATIONS[unit]):
         raise text.fault(f"found the unit {word!r} with the code {code}, which is {unit}")
     return unit
 

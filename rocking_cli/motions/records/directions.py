@@ -15,7 +15,7 @@ _UP_WORDS = (
 _VERTICAL = re.compile(
     rf"(?<![a-z])[-+]?(?:{_UP_WORDS})\d{{0,2}}(?![a-z])"
     r"|^[-+]?[uvz]\d{0,2}(?![a-z\d])(?!\d*[ew]\b)"  # V2, +Z, Z (3)
-    r"|(?:^|[ ._])[a-z0-9]{2}z\d{0,2}(?:$|[ ._(])"  # HNZ, BHZ00, XX.ABC..HNZ
+    r"|(?:^|[ ._])[bhefcdslmgv][hnlgmp]z\d{0,2}(?:$|[ ._(])"  # HNZ, BHZ00, XX.ABC..HNZ
     r"|(?:^|[ ._])[-+]?[uvz](?:$| \(\d+\)$| comp\w*$)"
 )
 _ACROSS_WORDS = (

@@ -5,13 +5,14 @@ import re
 
 from .record import Series
 from .text import Layout, RecordText, begins, stated
+from .units import unit_of
 
 NAME = "GeoNet"
 _FIRST = re.compile(r"\s*(?:un)?corrected accelerogram.*GNS Science", re.IGNORECASE)
 _SAID = re.compile(r".*\S.*")
 _POINTS = re.compile(r"Number of points\s+(\S+)\s+Duration\s+([\d.]+)\s*s", re.IGNORECASE)
 _COMPONENT = re.compile(r"\s*Component\s+(\S+)", re.IGNORECASE)
-_SCALE = re.compile(r"readings in units of\s+(\S+)\s*mm/s/s", re.IGNORECASE)
+_SCALE = re.compile(r"readings in units of\s+([\d.]+)\s*(\S+)", re.IGNORECASE)
 _PGA = re.compile(r"Acceleration:\s*peak\s*([-+.\dEe]+)\s*mm/s", re.IGNORECASE)
 _LAYOUT = Layout(10, 8)
 _TEXT, _NUMBERS = 16, 100
@@ -35,8 +36,9 @@ def read(text: RecordText) -> list[Series]:
         for i, line in enumerate(lines, start):
             if (points := _POINTS.search(line)) is not None:
                 text.agree(text.count(points[1], i, same=counts[0]), dt, points[2], i)
-            if (scale := _SCALE.search(line)) is not None and text.number(scale[1], i) != 1.0:
-                raise text.fault(f"found raw readings in units of {scale[1]} mm/s/s; expected units of 1 mm/s/s, no others are read", i)
+            scale = _SCALE.search(line)
+            if scale is not None and (text.number(scale[1], i) != 1.0 or unit_of(scale[2]) != "mm/s2"):
+                raise text.fault(f"found raw readings in units of {scale[1]} {scale[2]}; expected units of 1 mm/s/s, no others are read", i)
         found.append(Series(stated(_COMPONENT, lines), dt, text.numbers(counts[0], _LAYOUT), "mm/s2", stated(_PGA, lines)))
         for count in counts[1:]:
             text.skip(count, _LAYOUT)

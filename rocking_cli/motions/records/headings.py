@@ -6,9 +6,11 @@ only where the user names it.
 """
 
 import re
+import unicodedata
 from typing import NamedTuple
 
 from .directions import is_direction
+from .factors import states_factor
 from .units import dimension_of, plain, time_unit, unit_of
 
 TIME, PERIOD, FREQUENCY, INDEX = "time", "period", "frequency", "index"
@@ -34,18 +36,18 @@ _ACCELERATIONS = frozenset(
     )
 )
 _OTHERS = _listed(
-    velocity="v vel vels velo veloc velocity velocities velocita velocidad vitesse geschwindigkeit hiz hizi 速度",
-    displacement="d u dis disp disps displ displacement displacements desplazamiento "
+    velocity="скорость v vel vels velo veloc velocity velocities velocita velocidad vitesse geschwindigkeit hiz hizi 速度",
+    displacement="drift drifts перемещение смещение d u dis disp disps displ displacement displacements desplazamiento "
     "spostamento deplacement verschiebung deplasman yerdegistirme 位移 変位",
     spectrum="spectrum spectra spectral spettro spettrale espectro espectral spektrum "
     "spektral spectre response psa sa rsa se sde sae psv sv sd rotd50 rotd100 rotd00 "
-    "geomean pseudo spa psacc spectrums 反应谱",
+    "uhs hvsr спектр geomean pseudo spa psacc spectrums 反应谱",
 )
 _OTHERS |= _listed(
     envelope="envelope max min peak pga pgv pgd maximum minimum rms mean abs",
     force="force forces kraft fuerza forza load loads shear moment reaction weight",
     counts="count counts adc raw digit volt volts voltage",
-    stress="stress strain pressure pressione presion druck",
+    stress="stress strain ε σ pressure pressione presion druck",
     rotation="rotation rotational angular angle theta rot tilt",
     jerk="jerk",
     temperature="temperature temp",
@@ -78,8 +80,15 @@ _LETTERS_WITH_DIRECTION = re.compile(
 )
 _GLUED = {"ms2": "m/s2", "mps2": "m/s2", "cms2": "cm/s2", "cmps2": "cm/s2", "mms2": "mm/s2"}
 _BRACKETS = re.compile(r"[\[({<]([^\[\](){}<>]*)[\])}>]")
-_INNER = re.compile(r"/\(([^()]*)\)|\^\(([^()]*)\)")
+_INNER = re.compile(r"/\(([^()]*)\)|\^[({]([^(){}]*)[)}]")
 _TAIL = re.compile(r"(.*?\S)\s*(?:[,:=|]|\bin\b|\s/)\s*([^,:=|]+)", re.IGNORECASE)
+_DOTS = re.compile(r"[a-zθ](\u0308|\u0307)[ _]?g?[ _]?(?:\(t\))?")  # ẍ, ü_g: two derivatives
+_DERIVED = re.compile(
+    r"\b(?:integra(?:l|ted|ls)|squared?|derivative|differentiated|cumulative|cumulated|log|ln|deviation|variance)\b"
+    r"|^\|.*\|$"
+    r"|^[^/]*[a-z]\s*(?:\^\s*2|\*\*\s*2|²)\s*$"
+)
+_OF_A_DIRECTION = re.compile(r"(?i)[-\s_.]*\b(?:comp(?:onent)?|dir(?:ection)?)\b\.?[-\s_.]*")
 _CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _SPLIT = re.compile(r"[\s_.,:;/|\-\"']+")
 
@@ -136,6 +145,8 @@ def cell_of(text: str, first: bool = True) -> Cell:
         role, odd = UNKNOWN, unread[0]
     elif role == TIME and (foreign or [x for x in asides if x not in units]):
         role, odd = UNKNOWN, [*foreign, *asides][0]
+    if role != UNKNOWN and states_factor(text):
+        role, odd = UNKNOWN, text
     known, seconds = next(iter(accelerations), None), next(iter(times), None)
     return Cell(text, role, known, seconds, component, odd)
 
@@ -181,7 +192,7 @@ def _parted(text: str) -> tuple[str, list[str], list[str]]:
     ratio = re.fullmatch(r"([^/\[({]+?)\s*/\s*(.+)", text)  # a / (m/s²), as in DIN
     if ratio is not None and _has_role(ratio[1]) and dimension_of(ratio[2].strip("()[]")):
         return ratio[1], [ratio[2].strip("()[]")], []
-    held = [x.strip() for x in _BRACKETS.findall(whole) if x.strip()]
+    held = [re.sub(r"(?i)^in\s+", "", x.strip()) for x in _BRACKETS.findall(whole) if x.strip()]
     name = _BRACKETS.sub(" ", whole).strip()
     units = [x for x in held if dimension_of(x) or not _words_known(x)]
     if any(unit_of(x) for x in units):
@@ -222,6 +233,9 @@ def _has_role(name: str) -> bool:
 
 def _directions(name: str) -> list[str]:
     """The words of a name that may be its direction, the longest first."""
+    if _DOTS.fullmatch(unicodedata.normalize("NFD", name.strip().casefold())):
+        return []
+    name = _OF_A_DIRECTION.sub(" ", name).strip() or name
     if is_direction(name) and not names_acceleration(name):
         return [name]
     name = re.sub(r"(?i)\b(acc\w*)\s*[-.]\s*(?=\w)", r"\1 ", name)  # Acc-NS
@@ -233,8 +247,17 @@ def _directions(name: str) -> list[str]:
     return [*joined, *alone, *(x.upper() for x in ends)]
 
 
+def is_derived(name: str) -> bool:
+    """True for the name of what is made from a quantity, as acceleration squared."""
+    return _DERIVED.search(name.strip().casefold()) is not None
+
+
 def _role(name: str) -> tuple[str, str]:
     """(role, the words that are not understood) of a name."""
+    if is_derived(name):
+        return UNKNOWN, name.strip()
+    if dots := _DOTS.fullmatch(unicodedata.normalize("NFD", name.strip().casefold())):
+        return (ACCELERATION if dots[1] == "\u0308" else _OTHERS["velocity"]), ""
     if name.strip() == "T":  # a period; a time is t
         return PERIOD, ""
     if name.strip() == "N":  # north; a number is n
@@ -250,7 +273,8 @@ def _role(name: str) -> tuple[str, str]:
             return ACCELERATION, ""
     if close in _OTHERS and (len(close) > 1 or not is_direction(name)):
         return _OTHERS[close], ""
-    if is_direction(name) and not names_acceleration(name):
+    alone = _OF_A_DIRECTION.sub(" ", name).strip()
+    if is_direction(alone) and not names_acceleration(name):
         return BARE, ""
     roles: list[str] = []
     odd: list[str] = []

@@ -12,6 +12,7 @@ _ESM_KEY = re.compile(r"\s*([A-Z][A-Z0-9_/^.()-]*)\s*:\s*(.*)")
 _ESM_KINDS = ("ACCELERATION", "PROCESSED ACCELERATION", "UNPROCESSED ACCELERATION")
 _KNET_KEY, _KNET_MEMO = re.compile(r"(\w[\w. ]*?)\s*(?:\(\w+\)\s*[,;:]?\s*|\s\s+|\s*[,;:]\s*|$)(.*)"), re.compile(r"Memo", re.IGNORECASE)
 _KNET_SCALE = re.compile(r"([\d.]+)\s*\(gal\)\s*/\s*([\d.]+)", re.IGNORECASE)
+_KNET_RATE = re.compile(r"Sampling Freq\.?\s*\((\w+)\)", re.IGNORECASE)
 _AFAD_KEY = re.compile(r"(.+?)\s*(?:\(sec\)\s*)?:(.*)", re.IGNORECASE)
 _AFAD_COLUMNS = re.compile(r"\s*N-?S\s+E-?W\s+(?:U-?D|Z|V)\s*$", re.IGNORECASE)
 _CWB_KEY, _CWB_PGA = re.compile(r"#([^:(]+)[^:]*:(.*)"), re.compile(r"\d*\.\d+")
@@ -43,6 +44,8 @@ def _knet(text: RecordText) -> list[Series]:
     if scale is None or not float(scale[2]) > 0.0:
         raise text.fault(f"Scale Factor: found {stated!r}; expected a value like 7845(gal)/8223790", line)
     frequency, line = text.value(keys, "Sampling Freq")
+    if (unit := _KNET_RATE.search(text.head)) is not None and unit[1].lower() != "hz":
+        raise text.fault(f"found {unit[0]!r}; expected a sampling frequency in Hz", line)
     dt = text.step_of_rate(re.sub(r"\s*hz\s*$", "", frequency, flags=re.IGNORECASE), line)
     duration, line = text.value(keys, "Duration Time")
     count = text.count(f"{text.number(duration, line) / dt:.10g}", line)

@@ -50,7 +50,10 @@ def read(text: RecordText) -> list[Series]:
     claims = Claims(text.no_acceleration)
     for i, (words, number) in enumerate(above):
         claims.take(words, number, strict=i == len(above) - 1)
-    claims.take(found.string[found.end() :], text.line - 1)
+    behind = found.string[found.end() :]
+    if re.match(r"\W*\d", behind):  # DT= 1/100
+        raise text.fault(f"found {behind.strip()!r} after the time step {found[2]!r}")
+    claims.take(behind, text.line - 1)
     count = text.count(found[1])
     dt = text.step(found[2]) * text.seconds(found[3])
     unit = claims.unit or ("g" if claims.acceleration else text.given.unit)

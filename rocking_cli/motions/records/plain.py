@@ -44,6 +44,8 @@ _OTHER_FILES = {
     **dict.fromkeys(("sa", "psa", "rsp", "rs", "spc", "spectrum", "spectra"), "a spectrum"),
     **dict.fromkeys(("fft", "fas", "fourier"), "a Fourier spectrum"),
 }  # by the last part of a file's name
+_FEWEST = 10  # numbers in one column, without a word, of a motion
+_FEW = 4  # lines that may rise evenly by chance
 _MANY = 5  # so many columns are no components: a short last line shows values in a row
 
 
@@ -80,6 +82,12 @@ def agreeing(said: str, given: str | None) -> bool:
     return given is None or ACCELERATIONS[given] == ACCELERATIONS[said]
 
 
+def _is_even(values: Array) -> bool:
+    """True if values rise by equal steps, as times do."""
+    steps = np.diff(values)
+    return bool((steps > 0.0).all() and np.ptp(steps) < 0.01 * steps[0])
+
+
 class _Table:
     """The numbers of a file with what its headings and its user say of them."""
 
@@ -104,6 +112,10 @@ class _Table:
 
     def wrapped(self) -> list[Series]:
         """The one record of lines of several values."""
+        first = self.rows.values[:: self.width]
+        if self.rows.counts.size > _FEW and (self.rows.counts == self.width).all() and _is_even(first):
+            said = "the first numbers of the lines rise evenly, as times do"
+            raise self.text.fault(f"{said}; `column` {EVERY} is for lines of values alone", int(self.rows.lines[0]))
         unit, dt = self.unit(None), self.step()
         told = self.claims.count is None and self.text.given.column is None
         remark = f"{self.width} values a line, which are read one line after the other"
@@ -117,10 +129,11 @@ class _Table:
         if self.width == 1:
             if self.text.given.column not in (None, "1"):
                 raise self.no_column("one column")
+            self.require_motion(values)
             unit = self.unit(None)
             return [Series(self.claims.component, self.step(), values[:, 0], unit)]
         time = self.time_column(values)
-        taken = self.taken(time)
+        taken = self.taken(values, time)
         dt, remark = self.step_of_times(values, time)
         remark = "; ".join(filter(None, (remark, self.left_out())))
         found = []
@@ -130,6 +143,13 @@ class _Table:
             unit = self.unit(cell)
             found.append(Series(name, dt, values[:, i].copy(), unit, remark=remark))
         return found
+
+    def require_motion(self, values: Array) -> None:
+        """Raise NoAcceleration for a short list in a directory, as of factors or periods."""
+        said = self.claims.unit is not None or self.claims.acceleration
+        if not self.text.given.named and not said and len(values) < _FEWEST:
+            words = f"{len(values)} numbers, too few for a motion"
+            raise self.text.no_acceleration(f"{words}; they are taken where the file itself is named", 1)
 
     def require_even_lines(self) -> None:
         counts, lines = self.rows.counts, self.rows.lines
@@ -162,10 +182,11 @@ class _Table:
             return 0
         return 0 if even else None
 
-    def taken(self, time: int | None) -> list[int]:
+    def taken(self, values: Array, time: int | None) -> list[int]:
         """The columns of accelerations that are wanted."""
         given = self.text.given.column
         if given is not None:
+            self.require_one_time(values, time)
             return [self.asked(given, time)]
         if self.cells is None:
             if self.width == 2:
@@ -178,6 +199,16 @@ class _Table:
                 int(self.rows.lines[0]),
             )
         return self.accelerations()
+
+    def require_one_time(self, values: Array, time: int | None) -> None:
+        """Raise DocumentError for lines of several pairs of time and value."""
+        if self.cells is not None or time is None or len(values) <= _FEW or not _is_even(values[:, 0]):
+            return
+        step = values[1, 0] - values[0, 0]
+        for i in range(1, self.width):
+            if _is_even(values[:, i]) and agree(step, values[1, i] - values[0, i]):
+                said = f"columns 1 and {i + 1} rise alike, as times do"
+                raise self.text.fault(f"{said}; expected one time a line", int(self.rows.lines[0]))
 
     def left_out(self) -> str:
         """A remark that names the columns of other quantities."""
@@ -310,8 +341,10 @@ class _Table:
             return
         name = Path(self.text.source).name.removesuffix(".gz").lower()
         stem, _, end = name.rpartition(".")
-        last = re.split(r"[\s_.\-]", stem)[-1] if stem else ""
-        what = _OTHER_FILES.get(end) or _OTHER_FILES.get(last)
+        words = re.split(r"[\s_.\-]+", stem)
+        long = [x for x in words[:-1] if len(x) > 3]
+        found = [_OTHER_FILES.get(x) for x in (end, words[-1], *long)]
+        what = next(filter(None, found), None)
         if what is not None:
             raise self.text.no_acceleration(
                 f"a file that is named as {what}, and states no acceleration; expected an acceleration (rename it if it holds one)",

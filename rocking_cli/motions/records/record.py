@@ -19,6 +19,7 @@ LARGEST = 1e6  # m/s2, beyond which no ground shakes
 STEPS = (1e-7, 1e3)  # s, from the shortest to the longest
 _LONG_STEP = 1.0  # s; recorders sample every 0.001 to 0.02 s
 _USUAL_PGA = (0.002, 5.0)  # g; the largest recorded is about 4 g. A record in gal that is read as g lies above, one in g read as gal below
+_LEAST_MARK, _BEYOND = 99.0, 50.0  # marks of missing values have two digits or more, and this ratio to the samples at least
 EVERY = "all"  # columns that follow each other: several values of one record on a line
 HORIZONTAL, ALL, STATION = "horizontal", "all", "station"
 
@@ -29,6 +30,7 @@ class Given(NamedTuple):
     unit: str | None = None  # unit of acceleration
     dt: float | None = None  # time step [s]
     column: str | None = None  # number of a column from 1, or EVERY
+    named: bool = True  # False for a file of a directory
 
 
 class Series(NamedTuple):
@@ -106,6 +108,7 @@ def record_of(series: Series, name: str, format_: str, source: str, sha256: str)
     factor = ACCELERATIONS[series.unit]
     with np.errstate(over="ignore"):  # the record refuses infinite values
         acceleration = series.samples * factor
+    _require_no_mark(series.samples, source)
     remarks = [series.remark] if series.remark else []
     where = "" if series.component is None else f" of component {series.component}"
     pga, header = largest(acceleration), None
@@ -121,6 +124,19 @@ def record_of(series: Series, name: str, format_: str, source: str, sha256: str)
         if abs(found - stated) > max(0.01 * stated, half_a_digit):
             remarks.append(f"the header states a PGA{where} of {stated:g} {series.unit}, the samples have {found:.6g} {series.unit}")
     return Record(name, format_, series.component, series.dt, acceleration, header, series.unit, source, sha256, tuple(remarks))
+
+
+def _require_no_mark(samples: np.ndarray, source: str) -> None:
+    """Raise DocumentError for values such as -999 or 9999.9, far beyond all others."""
+    size = np.abs(samples)
+    peak = float(size.max(initial=0.0))
+    digits = f"{peak:.10g}".replace(".", "")
+    if peak < _LEAST_MARK or set(digits) != {"9"}:
+        return
+    others = size[size < peak]
+    if others.size and peak > _BEYOND * float(others.max()):
+        at = int(np.argmax(size))
+        raise DocumentError(f"{source}: sample {at + 1} is {samples[at]:.10g}, which marks a missing value")
 
 
 def is_vertical(record: Record) -> bool:

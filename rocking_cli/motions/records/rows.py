@@ -12,7 +12,7 @@ from .claims import agree
 from .text import Array, RecordText, value_of
 
 _ODD_COMMA = re.compile(rb",(?![0-9])|,[0-9]*,")
-_EMPTY = re.compile(rb"([,;])[ \t]*\1")
+_EMPTY = re.compile(rb"([,;])[ \t]*\1(?![,; \t]*(?:\n|$))")  # not at the end of a line
 _MANY = 2000  # lines that show whether whole numbers before a comma are times
 _SHOWN = 200  # numbers whose printed form is looked at
 _LEADS = 3  # numbers above a column that may be no samples: count, step, rate
@@ -62,6 +62,7 @@ def rows_of(text: RecordText, headings: int | None) -> Rows:
     block = text.raw[text.at :].rstrip()
     for quote in (b'"', b"'"):
         if quote in block:
+            block = block.replace(quote + b"," + quote, b";")  # "0,01","0,02"
             block = block.replace(quote, b"")
     if empty := _EMPTY.search(block):
         line = text.line + block[: empty.start()].count(b"\n")

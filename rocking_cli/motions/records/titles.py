@@ -21,7 +21,16 @@ from .rows import Rows, is_row
 from .text import RecordText, value_of
 from .units import dimension_of
 
-_COMMENT = re.compile(r"^\s*(?:[#%!*>]|//)+\s*")
+_COMMENT = re.compile(r"^\s*(?:[#%!*>]|//)+\s*(?![\s,;])")  # a cell # is a number of rows
+_COLUMN = re.compile(
+    r"(?:(?:col|column|spalte|columna|colonna|colonne|sutun|field)\.?\s*#?\s*(\d)"
+    r"|([xy])(?:[\s-]?axis|\s?label)?(?=\s*[:=]|\s?label|[\s-]?axis|\s))"
+    r"(?:\s*[:=)-]\s*|\s+)([^\d\s:=].*)",
+    re.IGNORECASE,
+)  # Column 2: Acceleration (g); y-axis: a [g]
+_LIST_OF_COLUMNS = re.compile(r"^(?:columns?|format|fields|headings?)\s*:\s*", re.IGNORECASE)
+_VALUE = re.compile(r"\d\s*(?:k?hz|m?s|secs?|seconds?)\b", re.IGNORECASE)  # filter 0.1-25 Hz
+_IN_BRACKETS = re.compile(r"[\[(][^\])]*[\])]")
 AMBIGUOUS = ("u", "v", "V", "U", "x")  # alone beside times: a direction or a quantity
 
 
@@ -84,10 +93,12 @@ def headings(text: RecordText, titles: list[Title], rows: Rows) -> tuple[list[Ce
         for title in titles[-1:]:
             _require_one(text, title, rows)
         return None, titles
-    named: list[list[str]] = []
+    described, titles = _described(titles, columns)
+    named: list[list[str]] = [described] if described else []
     others: list[Title] = []
     for title in titles:
-        cells = _split(unmarked(title.text), columns, rows.separator)
+        words = _LIST_OF_COLUMNS.sub("", unmarked(title.text))
+        cells = _split(words, columns, rows.separator)
         direct = title == titles[-1] and not _COMMENT.match(title.text)
         separated = any(mark in title.text for mark in ",;\t")
         if cells is not None and _are_headings(cells, direct, separated):
@@ -103,6 +114,26 @@ def headings(text: RecordText, titles: list[Title], rows: Rows) -> tuple[list[Ce
     return [cell_of(words, first=not i) for i, words in enumerate(together)], others
 
 
+def _described(titles: list[Title], columns: int) -> tuple[list[str] | None, list[Title]]:
+    """(what lines such as `Column 2: Acceleration (g)` call each column, the other lines).
+
+    None where they do not describe every column.
+    """
+    found: dict[int, str] = {}
+    others: list[Title] = []
+    for title in titles:
+        parts = re.split(r"[,;]", unmarked(title.text))
+        held = [_COLUMN.fullmatch(x.strip()) for x in parts]
+        if not all(held):
+            others.append(title)
+        for one in filter(None, held):
+            place = int(one[1]) if one[1] else "xy".index(one[2].lower()) + 1
+            found[place] = one[3].strip()
+    if sorted(found) != list(range(1, columns + 1)):
+        return None, titles
+    return [found[i + 1] for i in range(columns)], others
+
+
 def _are_headings(cells: list[str], direct: bool, separated: bool) -> bool:
     """True if cells are headings of columns.
 
@@ -112,6 +143,8 @@ def _are_headings(cells: list[str], direct: bool, separated: bool) -> bool:
     if units_row(cells) is not None:
         return True
     if re.match(r"[-+.\d]", cells[0]) and not is_direction(cells[0]):
+        return False
+    if _holds_value(cells[0]):
         return False
     key = re.match(r"([^:=]*)[:=]", cells[0])
     if found[0].is_time_or_like and (key is None or cell_of(key[1]).is_time_or_like):
@@ -123,6 +156,11 @@ def _are_headings(cells: list[str], direct: bool, separated: bool) -> bool:
     if not separated:
         return len(directed) == len(cells) or (len(named) > 1 and len(cells) > 2)
     return direct or (len(named) > 1 and all(x.role != UNKNOWN for x in found))
+
+
+def _holds_value(cell: str) -> bool:
+    """True for words with a frequency or a time, as `filter 0.1-25 Hz`: no heading."""
+    return _VALUE.search(_IN_BRACKETS.sub(" ", cell)) is not None
 
 
 def _require_one(text: RecordText, title: Title, rows: Rows) -> None:
@@ -154,7 +192,7 @@ def _require_as_many(text: RecordText, title: Title, rows: Rows) -> None:
     words = unmarked(title.text)
     for mark in (",", ";", "\t"):
         cells = [x for x in words.split(mark) if x.strip()]
-        if len(cells) > 1 and cell_of(cells[0]).is_time_or_like:
+        if len(cells) > 1 and cell_of(cells[0]).is_time_or_like and not _holds_value(cells[0]):
             said = f"found {len(cells)} headings in {words!r} above {rows.columns} columns"
             raise text.fault(said, title.line)
 

@@ -33,6 +33,7 @@ _LETTERS = str.maketrans(
         "•": " ",
         "×": " ",
         "^": "",
+        "$": "",
         "'": "",
         "’": "",
         "ı": "i",  # Turkish
@@ -42,7 +43,7 @@ _LETTERS = str.maketrans(
 )
 _WORDS = (
     (r"\*\*", ""),
-    (r"\((-?\d)\)", r"\1"),  # s^(-2)
+    (r"[({](-?\d)[)}]", r"\1"),  # s^(-2), s^{-2}
     (r"/\(([^()]*)\)", r"/\1"),  # m/(s*s)
     (r"\bper ?cent\b|\bpct\b|\bprozent\b|\bpor ciento\b", "%"),
     (r"\bper\b|\bpro\b|\bpor\b", "/"),
@@ -66,6 +67,8 @@ _WORDS = (
 )
 _LENGTH_OVER_TIME = re.compile(r"(m|cm|mm|ft|in) ?(?:/s/s|/s ?2|/s[ -]s|/s ?/ ?s|/s{2}|s ?-2|s-1 ?s-1)")
 _GRAVITY = re.compile(r"(?:units? of |fractions? of )?(?:the )?(?:g(?:-units?|0|n|s)?|gravit(?:y|ies))")
+_VALUE_OF_G = re.compile(r"\bg\s*=\s*[\d.]+\s*\S*", re.IGNORECASE)  # g = 9.81 m/s2
+_BEFORE_A_UNIT = re.compile(r"in|en|of|units?|unidad(?:es)?|de|einheit|単位|单位|acc\w*\.?|aceler\w*")
 _BOTH = re.compile(r"(.+?) ?[(\[](.+)[)\]]")  # gal (cm/s/s)
 _TIMES = {
     "s": 1.0,
@@ -96,6 +99,7 @@ _OTHERS = {
     "mass": "kg|t",
     "strain": "ustrain|microstrain|mm/mm",
     "temperature": "°c|k|c",
+    "level": "db",
 }
 _DIMENSIONS = {unit: name for name, units in _OTHERS.items() for unit in units.split("|")}
 _LIKE = re.compile(r"(?:.*/)s\d?|.*[a-z] ?-\d|%.*|.*/hz")
@@ -130,11 +134,48 @@ def unit_of(word: str) -> str | None:
         return f"{length[1]}/s2"
     if _GRAVITY.fullmatch(found):
         return "g"
-    if found in ("gal", "gals"):
+    if found in ("gal", "gals", "gales"):
         return "gal"
     if re.fullmatch(r"(?:mg|milli ?-?g)", found):
         return "mg"
     return "%g" if re.fullmatch(r"% ?(?:of )?g", found) else None
+
+
+def units_in(words: str) -> list[str]:
+    """Return the units of acceleration that a line states in any place.
+
+    A unit of letters alone, such as g or gal, has to stand between commas or behind a word
+    such as `in`; a unit behind a number is that of a value, as in PGA 0.25 m/s2.
+    """
+    found: list[str] = []
+    for field in re.split(r"[,;\t|]", _VALUE_OF_G.sub(" ", words)):
+        if alone := unit_of(field):
+            found.append(alone)
+            continue
+        for piece in re.split(r"[:=()\[\]{}]", field):
+            apart = re.sub(r"(?<=[a-zA-Z])-(?=[a-zA-Z])", " ", piece)
+            found += _units_of_tokens(apart.split())
+    return list(dict.fromkeys(found))
+
+
+def _units_of_tokens(tokens: list[str]) -> list[str]:
+    found: list[str] = []
+    at = 0
+    while at < len(tokens):
+        before = plain(tokens[at - 1]) if at else ""
+        size = 0
+        for size in (3, 2, 1):
+            phrase = " ".join(tokens[at : at + size])
+            letters = spelled(phrase).isalpha()
+            stated = not letters or _BEFORE_A_UNIT.fullmatch(before)
+            if at + size <= len(tokens) and stated and unit_of(phrase):
+                if not re.match(r"[-+]?\.?\d", before):
+                    found.append(unit_of(phrase) or "")
+                break
+        else:
+            size = 1
+        at += size
+    return found
 
 
 def time_unit(word: str) -> float | None:

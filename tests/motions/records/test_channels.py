@@ -281,6 +281,7 @@ REFUSED = [
     (cosmos(quantity="velocity", unit="cm/sec(05)"), "no acceleration, only velocity in cm/sec"),
     (cosmos(unit="counts(50)"), "found the unit 'counts' (50)"),
     (cosmos(unit="furlong/sec2"), "a:46: found the unit 'furlong/sec2' (no code); expected cm/s2 (04)"),
+    (cosmos(unit="cm/sec(04)"), "a:46: found the unit 'cm/sec' with the code 04, which is cm/s2"),
     (cosmos(unit="g(04)"), "a:46: found the unit 'g' with the code 04, which is cm/s2"),
     (cosmos(count=2008, length=20.08), "after 2000 of 2008 values"),
     (cosmos().replace("Real-header", "Imaginary"), "100 real-header values follow"),
@@ -289,6 +290,7 @@ REFUSED = [
     (geonet("Up", EIGHT / 2, duration=30.0), "a:10: 1234 values every 0.02 s make 24.68 s, where the header states 30.00 s"),
     (geonet("Up", EIGHT / 2, dt=0.0, duration=24.66), "a time step of 0"),
     (uncorrected("Up", EIGHT / 2, unit="0.10"), "a:11: found raw readings in units of 0.10 mm/s/s; expected units of 1 mm/s/s"),
+    (uncorrected("Up", EIGHT / 2).replace("1.00 mm/s/s", "1.00 cm/s/s"), "a:11: found raw readings in units of 1.00 cm/s/s"),
     (head(geonet("Up", EIGHT / 2), 60), "a:60: the file ends after 340 of 1234 values"),
     (geonet("Up", EIGHT / 2) + head(geonet("N", EIGHT / 2), 20, ""), "the file ends after"),
     (

@@ -7,6 +7,7 @@ import pytest
 from support.record_layouts import as_printed, refusal, wave
 
 from rocking_cli import DocumentError, UsageError
+from rocking_cli.motions.reading import load_records
 from rocking_cli.motions.records import read_record, read_records
 from rocking_cli.motions.records.record import is_vertical
 from rocking_cli.motions.records.units import ACCELERATIONS
@@ -56,13 +57,23 @@ TWO = {
     "Station Height (m) 28\nVs30 = 760 m/s\nPGV = 12 cm/s\nt,a [g]": "g",
     "Spectrum-compatible accelerogram\nt,a [g]": "g",
     "Time (s),Accel (g)\n(corrected)": "g",
+    "time,acceleration (in g)": "g",
+    "t [s],ag [m s^{-2}]": "m/s2",
+    "t (s),acc ($m/s^2$)": "m/s2",
+    "t (s),ẍg (m/s²)": "m/s2",
+    "t,ü [gal]": "gal",
+    "Column 1: Time (s)\nColumn 2: Acceleration (gal)": "gal",
+    "# columns: time (s), acceleration (mg)": "mg",
+    "x-axis: t [s]\ny-axis: a [m/s2]": "m/s2",
+    "Scaled to PGA 0.35 g, Arias intensity 1.2 m/s\nt,a [g]": "g",
+    "Butterworth filter 0.1-25 Hz, order 4\nt,a [g]": "g",
 }
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
 @pytest.mark.parametrize(("heading", "unit"), TWO.items())
 def test_two_columns_are_read_in_the_unit_of_their_heading(tmp_path, heading, unit, encoding):
-    if encoding == "cp1252" and not heading.isascii() and "时" in heading:
+    if encoding == "cp1252" and not heading.isascii() and ("时" in heading or "ẍ" in heading):
         return
     (tmp_path / "a.csv").write_bytes(table(heading, 1.0).encode(encoding))
     for given in ({}, {"unit": unit}, {"unit": unit, "dt": 0.01}):
@@ -129,6 +140,16 @@ REFUSED = {
     "sampling rate: 50 Hz\nt,a [g]": "where 'sampling rate: 50 Hz' says otherwise",
     "sampling rate: 0.01\nt,a [g]": "'sampling rate: 0.01', a sampling rate without a unit",
     "npts=51\nt,a [g]": "50 values, where 'npts=51' states 51",
+    "Column 1: Period (s)\nColumn 2: Acceleration (g)": "'Period (s)', a period",
+    "x: Frequency [Hz]\ny: Amplitude [g]": "'Frequency [Hz]', a frequency",
+    "Target Spectrum\nt,a": "'Target Spectrum'; expected an acceleration",
+    "t,Acceleration^2": "'Acceleration^2' in the heading",
+    "t,integrated acceleration [g]": "'integrated acceleration' in the heading",
+    "t,|a| [g]": "'|a|' in the heading",
+    "t,log a [g]": "'log a' in the heading",
+    "t,acc x 100 [g]": "'acc x 100 [g]' in the heading",
+    "t,ẋ [g]": "'ẋ [g]' (velocity)",
+    "#,a [g]": "numbers without times; give their step as `dt`",
     "no,acc [g]": "numbers without times; give their step as `dt`",
 }
 
@@ -154,6 +175,17 @@ ONE = {
     "50 points equally spaced at 0.01 sec, in g\nComponent: Vertical": ("g", "Vertical"),
     "freq 100 Hz\nin gal\nUP": ("gal", "UP"),
     "100 sps\nComp. HNZ\nunits = mg": ("mg", "HNZ"),
+    "dt=0.01 s, g": ("g", None),
+    "100 Hz, gal": ("gal", None),
+    "Time step 0.01 s, acceleration in m/s2": ("m/s2", None),
+    "50 points at 0.01 sec, acceleration in g": ("g", None),
+    "NPTS 50 DT 0.01 s units gal": ("gal", None),
+    "Δt = 0.01 s, a in m/s²": ("m/s2", None),
+    "delta: 0.01\nnpts: 50\ncalib: 1.0\nunit: m/s**2": ("m/s2", None),
+    "Zeitschritt: 0,01 s\nEinheit: m/s²": ("m/s2", None),
+    "サンプリング周波数 100 Hz\n単位 gal": ("gal", None),
+    "CH3 (UP)\ndt=0.01 s, g": ("g", "UP"),
+    "Channel: acc_z\ndt=0.01 s, g": ("g", "acc_z"),
 }
 
 
@@ -184,6 +216,10 @@ def test_one_column_is_read_as_the_lines_above_it_say(tmp_path, heading, said):
         "spectrum",
         "t,a",
         "acc m",
+        "Drift",
+        "ε",
+        "скорость",
+        "SPL (dB)",
     ],
 )
 def test_one_column_of_something_else_is_refused(tmp_path, heading):
@@ -200,6 +236,7 @@ SEVERAL = {
     "t,Acc N (gal),Acc E (gal),Acc Z (gal)": ("N", "E", "Z"),
     "units: gal\nt,HNN,HNE,HNZ": ("HNN", "HNE", "HNZ"),
     "units: gal\nt,L,T,V": ("L", "T", "V"),
+    "t,N-component [gal],E-component [gal],Z-component [gal]": ("N", "E", "Z"),
     "units: gal\nt,H1,H2,V": ("H1", "H2", "V"),
     "units: gal\nt,360,090,Up": ("360", "090", "Up"),
     "SAMPLING RATE= 100Hz\nUNIT  = gal(cm/s/s)\nTime,NS,EW,UD": ("NS", "EW", "UD"),
@@ -246,9 +283,21 @@ def test_a_column_is_named_where_no_heading_says_which(tmp_path):
 
 
 def test_a_file_named_as_velocities_is_read_only_where_it_says_acceleration(tmp_path):
-    for name in ("S.vel", "S.DIS", "S_E.vt2", "S_E_disp.txt", "S.psa"):
+    for name in ("S.vel", "S.DIS", "S_E.vt2", "S_E_disp.txt", "S.psa", "velocity_NS.txt"):
         (tmp_path / name).write_text(table("", 1.0, separator=" ").lstrip("\n"))
         with pytest.raises(DocumentError, match=rf"{name}:1: a file that is named as (velocities|displacements|a spectrum)"):
             read_record(tmp_path / name, unit="g")
         (tmp_path / name).write_text(table("t,acc [g]", 1.0))
         assert read_record(tmp_path / name).unit == "g"
+
+
+def test_a_list_of_factors_in_a_directory_is_no_motion(tmp_path):
+    (tmp_path / "factors.txt").write_text("1.2\n0.8\n1.5\n")
+    (tmp_path / "motion.txt").write_text(table("acc [g]", 1.0, times=None))
+    told: list[str] = []
+    found = load_records([tmp_path], unit="g", dt=0.01, tell=told.append)
+    assert [r.label for r in found] == ["motion"]
+    assert told == [
+        f"{tmp_path / 'factors.txt'}:1: 3 numbers, too few for a motion; they are taken where the file itself is named; left out"
+    ]
+    assert read_record(tmp_path / "factors.txt", unit="g", dt=0.01).npts == 3

@@ -116,6 +116,7 @@ REFUSED = [
     (knet(scale=""), "a:7: no value of Scale Factor; expected a scale such as 7845(gal)/8223790, since counts have no unit"),
     (knet(scale="3920(gal)/0"), "Scale Factor"),
     (knet(rate="0Hz"), "a:4: a sampling frequency of 0"),
+    (knet().replace("Freq(Hz)", "Freq(kHz)"), "a:4: found 'Sampling Freq(kHz)'; expected a sampling frequency in Hz"),
     (knet(duration="31"), "a:384: the file ends after 3000 of 3100 values"),
     (knet(COUNTS[:-3]), "a:384: the file ends after 2997 of 3000 values"),
     (afad(count=701), "a:708: the file ends after 2100 of 2103 values"),

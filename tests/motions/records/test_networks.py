@@ -196,3 +196,37 @@ def test_another_hdf5_file_is_no_record(tmp_path):
     with pytest.raises(NoAcceleration, match="a binary file"):
         read_records(tmp_path / "s.h5")
     assert not holds_records(str(tmp_path / "s.h5"))
+
+
+def timeseries(kind="SLIST", name="XX_STA_00_HNZ_D", unit="M/S**2", count=403, rate=200):
+    """The text of ObsPy."""
+    head = f"TIMESERIES {name}, {count} samples, {rate} sps, 2020-01-01T00:00:00.000000, {kind}, FLOAT, {unit}\n"
+    if kind == "SLIST":
+        return head + rows(SAMPLES, 6, "{:+.10e}\t")
+    return head + "".join(f"2020-01-01T00:00:{0.005 * i:09.6f}  {x:+.10e}\n" for i, x in enumerate(SAMPLES))
+
+
+@pytest.mark.parametrize("kind", ["SLIST", "TSPAIR"])
+def test_the_text_of_obspy(tmp_path, kind):
+    (tmp_path / "a").write_text(timeseries(kind) + timeseries(kind, "XX_STA_00_HNE_D", "CM/S**2"))
+    up, east = read_records(tmp_path / "a")
+    assert (up.format, up.component, east.component, up.dt) == ("TIMESERIES", "HNZ", "HNE", 0.005)
+    assert vertical_of([up, east]) is up
+    np.testing.assert_array_equal(up.acceleration, as_printed(SAMPLES, "{:+.10e}"))
+    np.testing.assert_allclose(east.acceleration, 0.01 * up.acceleration, rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (timeseries(unit="Counts"), "a:1: found the unit 'Counts'"),
+        (timeseries(unit="M/S"), "a:1: found the unit 'M/S'"),
+        (timeseries() + timeseries(), "a second stretch of XX_STA_00_HNZ_D, after a gap"),
+        (timeseries(count=402), "a:69: found a line of numbers after the 402"),
+        (timeseries(count=404), "the file ends after 403 of 404 values"),
+        (timeseries("TSPAIR", rate=100), "a:3: found '2020-01-01T00:00:00.005000', 1 steps of 0.01 s after"),
+        (timeseries() + "x\n", "found 'x'; expected a line like TIMESERIES"),
+    ],
+)
+def test_other_texts_of_obspy_are_refused(tmp_path, text, words):
+    assert words in refusal(tmp_path / "a", text)

@@ -77,6 +77,8 @@ COMMAS = {
     "whole numbers first": ("t [s];a [g]\n0;0\n" + in_commas(TWO).replace(" ", ";").partition("\n")[2], {}),
     "quotes": ('"t [s]";"a [g]"\n' + "".join(f'"{in_commas(line)}"\n'.replace(" ", '";"') for line in TWO.splitlines()), {}),
     "points and quotes": ('"t [s]","a [g]"\n' + "".join(f'"{line}"\n'.replace(" ", '","') for line in TWO.splitlines()), {}),
+    "commas and quotes": ('"t [s]","a [g]"\n' + "".join(f'"{in_commas(line)}"\n'.replace(" ", '","') for line in TWO.splitlines()), {}),
+    "empty cells at each end": ("t [s],a [g],,\n" + TWO.replace(" ", ",").replace("\n", ",,\n"), {}),
     "a separator at each end": ("t [s];a [g];\n" + in_commas(TWO).replace(" ", ";").replace("\n", ";\n"), {}),
     "minus signs of a word processor": ("t [s] a [g]\n" + TWO.replace("-", "−"), {}),
 }
@@ -129,6 +131,27 @@ def test_a_table_that_ends_in_a_line_is_no_row_of_values(tmp_path):
         text = rows(SAMPLES[: 8 * columns + 1], columns, "{:11.6f}")
         assert f"found 1 numbers, {columns} on the lines before" in refusal(tmp_path / "a", text, **STATED, column="2")
     assert "5 columns without headings" in refusal(tmp_path / "a", rows(SAMPLES, 5, "{:11.6f}"), **STATED)
+
+
+PAIRS = "".join(f"{0.02 * i:.2f} {x:.6f} {0.02 * i + 0.01:.2f} {x:.6f}\n" for i, x in enumerate(SAMPLES))
+
+
+@pytest.mark.parametrize(
+    ("text", "column", "words"),
+    [
+        (TWO, "all", "a:1: the first numbers of the lines rise evenly, as times do"),
+        (PAIRS, "all", "a:1: the first numbers of the lines rise evenly"),
+        (PAIRS, "2", "a:1: columns 1 and 3 rise alike, as times do; expected one time a line"),
+    ],
+)
+def test_times_are_not_taken_for_values(tmp_path, text, column, words):
+    assert words in refusal(tmp_path / "a", text, unit="g", dt=0.01, column=column)
+
+
+@pytest.mark.parametrize("mark", ["-999", "-9999.0", "99999", "999.9"])
+def test_a_mark_of_a_missing_value_is_refused(tmp_path, mark):
+    text = TWO.replace(TWO.split()[11], mark)
+    assert f"sample 6 is {float(mark):.10g}, which marks a missing value" in refusal(tmp_path / "a", text, unit="g")
 
 
 HEADS = st.sampled_from(
