@@ -22,7 +22,7 @@ Cells = tuple[Array, Array, Array]  # A, Omega and eta, of one shape
 
 
 class Response(NamedTuple):
-    """Result for each cell, in the shape of the input. theta_ratio: max over time of |theta|/alpha [-], NaN where overturned or failed;
+    """Result for each cell, in the shape of the input. theta_ratio: max over time of |theta|/alpha [-], NaN where overturned, contact lost or failed;
     outcome: uint8 codes of `Outcome`; impacts: int32, impacts during the shaking without those of sequences that are closed in one step;
     work: counters."""
 
