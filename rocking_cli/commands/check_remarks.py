@@ -150,4 +150,7 @@ def inset_effects(verdicts: Sequence[Verdict], demands: Demands, limit: Limit) -
     from ..responses.inset import effects
 
     line = ProgressLine("inset", "structures")
-    yield from effects(verdicts, demands.rows, limit, progress=line)
+    found = list(effects(verdicts, demands.rows, limit, progress=line))
+    yield from found
+    if not found:
+        yield "--inset-effect: no body has a capacity that worn edges lower; those with ties or an inset of their own are left out"

@@ -252,6 +252,7 @@ def test_the_effect_of_an_inset_on_the_least_capacity_is_told(rocking):
     assert message in plain.stderr.splitlines()
     for done in (worn, rocking("check", "block:0.5x2", *SHAKING, "--verdict-only"), rocking("check", "configs/parameters.yaml", *SHAKING)):
         assert "inside the edges" not in done.stderr
+    assert "--inset-effect: no body has a capacity that worn edges lower" in worn.stderr
     hint = "worn or rounded edges lower the capacity: --inset-effect shows by how much"
     for more, told in (("", True), (",inset=25mm", False)):
         stands = rocking("check", f"block:0.5x2{more}", "--a-g", "0.3g", "--f-g", "1.5")

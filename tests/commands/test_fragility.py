@@ -91,9 +91,12 @@ def test_exact_shares_curves_and_their_figure(rocking, tmp_path):
     assert rocking("plot", "c.csv", "-o", "c.svg").returncode == 0
 
 
-@pytest.mark.parametrize("levels", [("200gal:450gal:4",), ("0.2g:0.45g:4", "--units", "m/s2")])
-def test_a_table_is_in_g_only_where_the_levels_are_and_nothing_else_is_asked_for(rocking, levels):
-    assert "median [m/s2]" in rocking("fragility", STATED, *SITE[:2], "--bootstrap", "0", "--levels", *levels).stdout
+@pytest.mark.parametrize(
+    ("levels", "unit"),
+    [(("200gal:450gal:4",), "gal"), (("2,3,4,4.5",), "m/s2"), (("0.2g:0.45g:4", "--units", "m/s2"), "m/s2")],
+)
+def test_a_table_has_the_unit_of_the_levels_if_nothing_else_is_asked_for(rocking, levels, unit):
+    assert f"median [{unit}]" in rocking("fragility", STATED, *SITE[:2], "--bootstrap", "0", "--levels", *levels).stdout
 
 
 @pytest.mark.parametrize("how", [(), ("--exact",)], ids=["cells", "exact"])
