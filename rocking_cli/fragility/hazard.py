@@ -21,6 +21,7 @@ import numpy as np
 
 from ..documents.quantities import DEFAULT_GRAVITY, is_bare, parse_quantity, quantity_at
 from ..documents.table import Table, read_table, split_heading, with_unit
+from ..arguments import check_fields
 from ..errors import DocumentError, UsageError, counted
 from .measures import Measure, measure_of
 
@@ -66,6 +67,7 @@ class HazardCurve:
     im: str = "PGA"
 
     def __post_init__(self) -> None:
+        check_fields(self)
         for name in ("x", "rate"):
             object.__setattr__(self, name, np.asarray(getattr(self, name), dtype=float))
         there = self.x.ndim == 1 and self.x.shape == self.rate.shape and self.x.size > 1

@@ -125,6 +125,24 @@ def test_the_line_never_reaches_the_end_of_the_terminal(begin, monkeypatch):
     streams.erase()
 
 
+@pytest.mark.parametrize(("width", "bar"), [(100, 20), (80, 17), (66, 0)])
+def test_the_bar_gives_way_to_the_words(begin, monkeypatch, width, bar):
+    terminal = begin()
+    monkeypatch.setenv("COLUMNS", str(width))
+    ProgressLine("frequencies", "structures")(0, 12)
+    words = "frequencies: still computing (0 of 12 structures done, 0 s)"
+    assert shown(terminal)[-1] == (f"[{'-' * bar}] " if bar else "") + words
+    streams.erase()
+
+
+def test_a_share_just_below_one_is_not_told_as_all(begin):
+    terminal, line = begin(), ProgressLine("check", "checks")
+    for done, percent in ((11.99, "99 %"), (6.5, "54 %"), (0.06, "0.5 %")):
+        line(done, 12)
+        assert f"({percent} of 12 checks, " in shown(terminal)[-1]
+    streams.erase()
+
+
 def test_a_log_has_a_line_every_half_a_minute_with_the_time_left(clock, capsys):
     with progress.reporting():
         clock.tick(9.0)
