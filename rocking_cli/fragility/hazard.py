@@ -19,9 +19,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..arguments import check_fields
 from ..documents.quantities import DEFAULT_GRAVITY, is_bare, parse_quantity, quantity_at
 from ..documents.table import Table, read_table, split_heading, with_unit
-from ..arguments import check_fields
 from ..errors import DocumentError, UsageError, counted
 from .measures import Measure, measure_of
 

@@ -8,8 +8,8 @@ from typing import Protocol
 
 import numpy as np
 
-from ..documents.quantities import DEFAULT_GRAVITY, parse_whole, quantity_at, split_quantity, with_a_point
 from ..arguments import check_fields
+from ..documents.quantities import DEFAULT_GRAVITY, parse_whole, quantity_at, split_quantity, with_a_point
 from ..errors import UsageError, did_you_mean
 from ..structures.parameters import RockingParameters
 from .motion import Motion
