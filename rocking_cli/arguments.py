@@ -5,9 +5,10 @@ The package itself calls its functions directly; only those that `import rocking
 
 import types
 import typing
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cache, wraps
 from inspect import Parameter, Signature, signature
+from itertools import islice
 from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
@@ -95,6 +96,13 @@ def check_choices(name: str, choices: Any, given: Mapping[str, Any]) -> None:
         _check(name, argument, known[argument], value)
 
 
+def check_fields(record: Any) -> None:
+    """Raise ArgumentError unless the fields of a dataclass fit their annotations."""
+    kind = type(record)
+    for name, hint in typing.get_type_hints(kind).items():
+        _check(kind.__name__, name, hint, getattr(record, name))
+
+
 def _check_keywords(name: str, hint: Any, given: Mapping[str, Any]) -> None:
     """Check the keyword arguments that an annotation such as Unpack[MotionChoices] or float is for."""
     if typing.is_typeddict(choices := next(iter(typing.get_args(hint)), None)):
@@ -159,7 +167,12 @@ def _fits_list(value: Any, inner: Any) -> bool:
         return False
     if inner in (float, int):
         return _is_numeric(value)
-    return not isinstance(value, Sequence) or all(_fits(one, inner) for one in value[:_MOST_ITEMS])
+    if not isinstance(value, Collection):  # it can be gone through only once
+        return True
+    try:
+        return all(_fits(one, inner) for one in islice(value, _MOST_ITEMS))
+    except TypeError:  # an array without a dimension
+        return False
 
 
 def _is_numeric(value: Any) -> bool:

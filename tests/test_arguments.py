@@ -25,7 +25,26 @@ RIGHT = {
     "spectrum": "none.h5", "varied": parse_variation("width=0.4:0.8:3"), "variations": ["width=0.4:0.8:3"],
     "shakes": [(sine(), parse_grid("a_g=1,f_g=1"))],
 }  # fmt: skip
-WRONG = ["nonsense", "", Path("nowhere"), {}, {"a": 1}, None, BLOCK, [BLOCK], ["nonsense"], [], 0.3, -1, True, np.nan, object()]
+WRONG = [
+    "nonsense",
+    "",
+    Path("nowhere"),
+    {},
+    {"a": 1},
+    None,
+    BLOCK,
+    [BLOCK],
+    ["nonsense"],
+    [],
+    0.3,
+    -1,
+    True,
+    np.nan,
+    object(),
+    np.array([1, 2]),
+    np.array(1),
+    {1},
+]
 
 
 def calls() -> Iterator[tuple[str, str]]:
@@ -74,6 +93,9 @@ SENTENCES = [
     (lambda: rocking_cli.closed_form_curves([1.0], 0.9, "nope"), "found pulse 'nope'; expected one of sine"),
     (lambda: rocking_cli.time_history(BLOCK, sine(), GRID, "linear"), "`methods`: found the text 'linear'; expected a list of Method"),
     (lambda: rocking_cli.export_fragility([], "f.xml"), "`curves`: found an empty list"),
+    (lambda: rocking_cli.HazardCurve("a", [1.0, 0.1]), "HazardCurve: `x`: found the text 'a'; expected an array of numbers"),
+    (lambda: rocking_cli.Resampling("many"), "Resampling: `samples`: found the text 'many'; expected a whole number"),
+    (lambda: rocking_cli.Grid(1.0, 2.0), "Grid: `amplitude`: found the number 1.0; expected an Axis"),
 ]
 
 

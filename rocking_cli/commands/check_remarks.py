@@ -62,11 +62,15 @@ def remarks(verdicts: list[Verdict]) -> list[str]:
 
 
 def worst_at_an_end(demands: Demands, verdicts: Sequence[Verdict], in_g: bool) -> Iterator[str]:
-    """Yield a line for each end of the range of frequencies at which structures are worst."""
+    """Yield a line for each end of the range of frequencies at which structures are worst,
+    and one on structures that have no worst frequency."""
     if not demands.worst:
         return
     from ..envelopes.worst import beyond_the_end
 
+    unmoved = [v.structure for v in verdicts if demands.worst[v.structure].frequency is None]
+    if unmoved:
+        yield f"no worst frequency, because the demand lifts them at none: {', '.join(unmoved)}"
     of = {v.structure: v for v in verdicts}
     for end, other in (("lower", "slower"), ("upper", "faster")):
         found = [
@@ -93,7 +97,11 @@ def _at_the_end(
     in_g: bool,
 ) -> str:
     """Return the line on one structure that is worst at an end; other: slower or faster."""
-    if verdict.outcome.falls:
+    from ..dynamics.outcome import Outcome
+
+    if verdict.outcome == Outcome.NO_UPLIFT:
+        said = f"the demand lifts it at no frequency, and {other} motions may overturn it at lower amplitudes"
+    elif verdict.outcome.falls:
         said = f"it falls there; {other} motions may overturn it at lower amplitudes"
     elif beyond.overturns is not None:
         said = f"{other} motions are worse ({beyond.overturns:.3g} Hz overturns it)"
@@ -117,16 +125,24 @@ def _several_at_the_end(
     rows: int,
 ) -> str:
     """Return the line on several structures that are worst at an end."""
+    from ..dynamics.outcome import Outcome
+
     standing = [(s, beyond) for s, v, beyond in found if not v.outcome.falls]
     falling = [f"{s.name} at {b.overturns:.3g} Hz" for s, b in standing if b.overturns is not None]
     said = f"{other} motions may overturn at lower amplitudes"
     if falling:
         more = f" and {len(falling) - _NAMED} more" if len(falling) > _NAMED else ""
-        said = f"{other} motions are worse: they overturn {', '.join(falling[:_NAMED])}{more}, which stand here"
+        stand = "stands" if len(falling) == 1 else "stand"
+        names = f"{', '.join(falling[:_NAMED])}{more}"
+        said = f"{other} motions are worse: they overturn {names}, which {stand} in this range"
     elif standing:
         last = standing[0][1].last
         said = f"no {other} motion that was tried, to {last:.3g} Hz, overturns those that stand here"
-    return f"{where}: {len(found)} of {rows} rows (worst_f_g_end); {said}. Each lifts at uplift_a whatever the frequency"
+    unmoved = sum(v.outcome == Outcome.NO_UPLIFT for _, v, _ in found)
+    lifts = "Each lifts at uplift_a whatever the frequency"
+    if unmoved:
+        lifts += f": the demand lifts {unmoved} of these rows at no frequency"
+    return f"{where}: {len(found)} of {rows} rows (worst_f_g_end); {said}. {lifts}"
 
 
 def inset_effects(verdicts: Sequence[Verdict], demands: Demands, limit: Limit) -> Iterator[str]:
@@ -134,4 +150,7 @@ def inset_effects(verdicts: Sequence[Verdict], demands: Demands, limit: Limit) -
     from ..responses.inset import effects
 
     line = ProgressLine("inset", "structures")
-    yield from effects(verdicts, demands.rows, limit, progress=line)
+    found = list(effects(verdicts, demands.rows, limit, progress=line))
+    yield from found
+    if not found:
+        yield "--inset-effect: no body has a capacity that worn edges lower; those with ties or an inset of their own are left out"

@@ -30,7 +30,6 @@ _WHICH_RATE = (
     "annual rate of overturning: report that of the row exact, which assumes no lognormal curve "
     "and counts the intensities at which a body stands again; the fitted rows serve the other limit states"
 )
-_IN_G = re.compile(r"g(?![a-z])", re.IGNORECASE)  # and not in gal
 
 
 @dataclass(frozen=True)
@@ -212,14 +211,15 @@ def _of_counts(wanted: Fits, overwrite: bool) -> None:
     remarks = [f"{counts.source}: {counts.remark}"] if counts.remark else []
     if counts.measure is not None and wanted.export is not None and wanted.output is not None:
         remarks += write(fits, wanted.output, wanted.export, counts.measure, overwrite)
-    _emit(fits, [], wanted)
+    _emit(fits, [], wanted, counts.unit)
     if hazard is not None:
         remarks += [f"{fit.structure}: {words}" for fit in fits if fit.rate is not None for words in fit.rate.remarks(hazard)]
     note(*remarks)
 
 
-def _emit(fits: "Sequence[Fit]", exact: "Sequence[Study]", wanted: Fits) -> None:
-    """Print the rows of fits, or with --curve those of curves, in the unit of the measure."""
+def _emit(fits: "Sequence[Fit]", exact: "Sequence[Study]", wanted: Fits, unit: str = "") -> None:
+    """Print the rows of fits, or with --curve those of curves; unit: of the levels, as they
+    are stated."""
     from ..fragility.hazard import RATE_COLUMNS
     from ..fragility.study import CURVE_COLUMNS, CURVE_KEYS, FRAGILITY_COLUMNS, FRAGILITY_KEYS, HAZARD_COLUMNS
     from ..reports.units import OF_THE_MEASURE, dimension_of_measure
@@ -246,7 +246,7 @@ def _emit(fits: "Sequence[Fit]", exact: "Sequence[Study]", wanted: Fits) -> None
         rows,
         columns,
         keys=keys,
-        table_units=_table_units(wanted),
+        table_units=_table_units(unit or _unit_of_levels(wanted)),
         dimensions=dict.fromkeys(OF_THE_MEASURE, dimension_of_measure(measure)),
         unseen=("rate_without_fit",),
     )
@@ -282,7 +282,7 @@ def _emit_efficiency(rows: list[dict[str, Any]], wanted: Fits) -> None:
     from ..fragility.study import EFFICIENCY_COLUMNS, EFFICIENCY_KEYS
     from ..reports.units import OF_THE_MEASURE, dimension_of_measure
 
-    units = units_shown(_table_units(wanted))
+    units = units_shown(_table_units(_unit_of_levels(wanted)))
     for row in rows if form() != "json" else ():
         dimension = dimension_of_measure(row["im"])
         if dimension is not None:
@@ -292,9 +292,18 @@ def _emit_efficiency(rows: list[dict[str, Any]], wanted: Fits) -> None:
     emit(rows, EFFICIENCY_COLUMNS, keys=EFFICIENCY_KEYS, dimensions=dimensions)
 
 
-def _table_units(wanted: Fits) -> str | None:
-    """Return the unit of a table: g if the levels are stated in it."""
-    return "g" if _IN_G.search(wanted.levels or "") else None
+def _table_units(unit: str) -> str | None:
+    """Return the unit of a table: that of the levels, if a table can have it."""
+    from ..reports.units import is_choice
+
+    return unit if is_choice(unit) else None
+
+
+def _unit_of_levels(wanted: Fits) -> str:
+    """Return the first unit that --levels states, an empty text without one."""
+    from ..documents.quantities import unit_of
+
+    return next(filter(None, map(unit_of, re.split("[:,]", wanted.levels or ""))), "")
 
 
 def _each(flag: str, text: str, read: Callable[[str], Any], expected: str = "") -> list[Any]:

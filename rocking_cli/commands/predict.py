@@ -29,11 +29,12 @@ def predict(
     from ..dynamics.method import direction_in_words, has_direction
     from ..dynamics.outcome import Outcome
     from ..spectra.file.reader import SpectraFile
+    from ..spectra.prediction import check_linear, predict_exactly
     from ..spectra.prediction import predict as read_off
-    from ..spectra.prediction import predict_exactly
 
     structures, _ = options.structures_of(files, each=True)
     with SpectraFile(spectrum) as file:
+        check_linear(file)
         motion = file.motion()
         shaken = shaking.of(ground.Ground(motion))
         if shaken.motion is None or shaken.grid is None:

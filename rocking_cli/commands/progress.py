@@ -6,6 +6,7 @@ and a handler of a signal waits as long. The thread holds `streams.lock` while i
 which a fork waits for, so that no worker process inherits a half-written line.
 """
 
+import math
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -21,7 +22,7 @@ _EVERY = 30.0  # s between two lines of a log
 _ENOUGH = 3.0  # units that give the rate
 _SHARE, _SECONDS = 0.05, 5.0  # or this share of all units, after so many seconds
 _LARGER = (("days", 86400.0), ("h", 3600.0), ("min", 60.0))  # than a second
-_BAR = 20  # characters
+_BAR, _LEAST_BAR = 20, 5  # characters
 
 
 class _Reporter:
@@ -50,6 +51,8 @@ class _Reporter:
     def _in_words(self, now: float) -> str:
         if self.line is None:
             return f"still computing ({now - self.began:.0f} s)"
+        if not self.line.unfinished:  # what follows has no units
+            return f"{self.line.label}: done; still computing ({now - self.began:.0f} s in all)"
         return self.line.in_words()
 
 
@@ -85,7 +88,7 @@ class ProgressLine:
     any other output replaces until it is renewed. With --quiet there is none."""
 
     def __init__(self, label: str, unit: str) -> None:
-        self._label = label
+        self.label = label
         self._unit = unit  # name of the units, such as chunks
         self._start = monotonic()
         self._first = 0.0  # units that were done at the first call
@@ -106,19 +109,21 @@ class ProgressLine:
         """Return the time left at the rate so far; until enough units are done, the time
         passed."""
         seconds, new = monotonic() - self._start, self._done - self._first
-        if not (self._total and self.unfinished):
-            return f"{self._label}: still computing ({seconds:.0f} s)"
+        if not self._total:
+            return f"{self.label}: still computing ({seconds:.0f} s)"
         units = f"{int(self._done)} of {self._total} {self._unit} done"
         if not float(self._done).is_integer():  # parts of a unit are done; a terminal has 80 columns
-            units = f"{100.0 * self._done / self._total:.2g} % of {self._total} {self._unit}"
+            percent = 100.0 * self._done / self._total
+            shown = f"{percent:.2g}" if percent < 10.0 else f"{math.floor(percent)}"
+            units = f"{shown} % of {self._total} {self._unit}"
         early = new < _SHARE * self._total or seconds < _SECONDS
         if new < _ENOUGH and early:
-            return f"{self._label}: still computing ({units}, {seconds:.0f} s)"
+            return f"{self.label}: still computing ({units}, {seconds:.0f} s)"
         left = seconds / new * (self._total - self._done)
         larger = (one for one in _LARGER if left >= 2.0 * one[1])
         name, unit = next(larger, ("s", 1.0))
         more = f"{float(f'{left / unit:.2g}'):g} {name}"
-        return f"{self._label}: about {more} more ({units}, {seconds:.0f} s)"
+        return f"{self.label}: about {more} more ({units}, {seconds:.0f} s)"
 
     def __call__(self, done: float, total: int) -> None:
         with streams.lock:
@@ -134,9 +139,16 @@ class ProgressLine:
         if not self._visible or self._ended:
             return
         share = self._done / max(self._total, 1)
-        bar = f"[{'#' * int(_BAR * share):-<{_BAR}}]"
         if share < 1.0:
-            streams.renew(f"{bar} {self.in_words()}")
+            streams.renew(_with_bar(share, self.in_words()))
             return
         seconds, self._ended = monotonic() - self._start, True
-        streams.end_line(f"{bar} {self._label}: {self._total} {self._unit} in {seconds:.0f} s")
+        streams.end_line(_with_bar(share, f"{self.label}: {self._total} {self._unit} in {seconds:.0f} s"))
+
+
+def _with_bar(share: float, words: str) -> str:
+    """Return the words behind a bar of the share that is done; a bar that has no room beside
+    them is shorter, or left out."""
+    room = streams.columns_of(sys.stderr) - len(words) - len("[] ") - 1
+    bar = min(_BAR, room)
+    return words if bar < _LEAST_BAR else f"[{'#' * int(bar * share):-<{bar}}] {words}"

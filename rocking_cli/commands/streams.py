@@ -38,7 +38,7 @@ def renew(line: str) -> None:
     global _renewed
     with lock:
         _renewed = True
-        text = printable(line)[: _columns(sys.stderr) - 1]  # a second line would stay
+        text = printable(line)[: columns_of(sys.stderr) - 1]  # a second line would stay
         sys.stderr.write(f"\r\x1b[K{text}")
         sys.stderr.flush()
 
@@ -79,13 +79,13 @@ def say(line: str) -> None:
     with lock:
         erase()
         if sys.stderr.isatty():
-            columns = _columns(sys.stderr)
+            columns = columns_of(sys.stderr)
             text = "\n".join(wrap(text, columns, break_long_words=False, break_on_hyphens=False))
         sys.stderr.write(f"{text}\n")
         sys.stderr.flush()
 
 
-def _columns(terminal: TextIO) -> int:
+def columns_of(terminal: TextIO) -> int:
     """Return the width of a terminal in characters."""
     if not (asked := os.environ.get("COLUMNS", "")).isdigit() or int(asked) < 2:
         with suppress(OSError, ValueError):

@@ -52,6 +52,12 @@ def is_bare(text: str) -> bool:
     return parts is not None and not parts[1]
 
 
+def unit_of(text: str) -> str:
+    """Return the unit that a quantity states, an empty text without one."""
+    parts = split_quantity(text)
+    return "" if parts is None else parts[1]
+
+
 def parse_quantity(text: str, dimension: str) -> float:
     """Return the SI value of a finite quantity. Raises ValueError, whose text states the accepted values."""
     parts = split_quantity(text)

@@ -22,9 +22,12 @@ Cells = tuple[Array, Array, Array]  # A, Omega and eta, of one shape
 
 
 class Response(NamedTuple):
-    """Result for each cell, in the shape of the input. theta_ratio: max over time of |theta|/alpha [-], NaN where overturned or failed;
-    outcome: uint8 codes of `Outcome`; impacts: int32, impacts during the shaking without those of sequences that are closed in one step;
-    work: counters."""
+    """Result for each cell, in the shape of the input.
+
+    theta_ratio: max over time of |theta|/alpha [-], NaN where overturned, where contact is
+    lost, or where failed; outcome: uint8 codes of `Outcome`; impacts: int32, impacts during
+    the shaking without those of sequences that are closed in one step; work: counters.
+    """
 
     theta_ratio: Array
     outcome: Array

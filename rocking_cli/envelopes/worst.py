@@ -39,7 +39,7 @@ class WorstFrequency(NamedTuple):
     """The worst frequency of a range for one structure."""
 
     grid: Grid  # the demand there, of one cell
-    frequency: float  # [Hz]
+    frequency: float | None  # [Hz]; None if the body lifts at no frequency and has no capacity
     end: str | None  # "lower" or "upper" if it is this end of the range
 
 
@@ -67,7 +67,8 @@ def at_worst_frequency(
     frequency may be missed. If the demand is above this amplitude, and the body stands
     under it there but falls at other frequencies of the scan, the result is the worst of
     those. If no amplitude up to `a_max` overturns the body, and it stands under the demand,
-    the result is the frequency of the largest rotation.
+    the result is the frequency of the largest rotation. If it does not even lift, no
+    frequency is worse than another: `frequency` is None, and the grid is `low`.
 
     a_max: None if only outcomes are wanted. Then the result is a frequency of the scan at
     which the demand overturns the body. If there is none, the minima up to 1.5 times the
@@ -82,9 +83,15 @@ def at_worst_frequency(
     search = _Search(structure, motion, amplitude, ends, method, method.system_of(structure), tell)
     most = None if a_max is None else limit_of(a_max, structure)
     omega = search.outcomes_alone() if most is None else search.least(most)
-    axis = Axis("Omega", np.array([omega])) if low.dimensionless else Axis("omega_g", np.array([omega * structure.p]))
+    if omega is None:
+        return WorstFrequency(low, None, None)
+
+    stated = {begin: low.frequency, end: high.frequency}  # as they are, without rounding
+    if (axis := stated.get(omega)) is None:
+        axis = Axis("Omega", np.array([omega])) if low.dimensionless else Axis("omega_g", np.array([omega * structure.p]))
+    per_second = float(axis.values[0]) * (structure.p if low.dimensionless else 1.0)
     named = {ends[0]: "lower", ends[1]: "upper"}
-    return WorstFrequency(Grid(low.amplitude, axis), omega * structure.p / math.tau, named.get(omega))
+    return WorstFrequency(Grid(low.amplitude, axis), per_second / math.tau, named.get(omega))
 
 
 def at_worst_frequencies(
@@ -155,6 +162,11 @@ def _under(system: System, structure: RockingParameters, motion: Motion, amplitu
     return response(system, motion, np.full(omegas.size, amplitude), omegas, structure.eta)
 
 
+def _of_the_largest(under: Response, omegas: np.ndarray) -> float | None:
+    """Return the Omega of the largest rotation, None if the body does not lift at any."""
+    return float(omegas[np.argmax(under.theta_ratio)]) if under.theta_ratio.any() else None
+
+
 class _Search(NamedTuple):
     """The search for the worst Omega of one structure."""
 
@@ -171,11 +183,12 @@ class _Search(NamedTuple):
         low, high = self.ends
         return np.geomspace(low, high, 2 + math.ceil(math.log(high / low) / math.log(_RATIO)))
 
-    def outcomes_alone(self) -> float:
-        """Return an Omega at which the demand overturns the body, else that of the largest rotation."""
+    def outcomes_alone(self) -> float | None:
+        """Return an Omega at which the demand overturns the body, else that of the largest
+        rotation; None if the body does not lift."""
         scan = self.scan()
         if self.amplitude <= self.system.least_uplift(self.motion):
-            return self.ends[0]  # at no frequency does it move
+            return None
         under = _under(self.system, self.structure, self.motion, self.amplitude, scan)
         falls = np.flatnonzero(~safe(under.outcome))
         if falls.size:
@@ -189,9 +202,9 @@ class _Search(NamedTuple):
             there = _under(self.system, self.structure, self.motion, self.amplitude, below)
             if (falls := ~safe(there.outcome)).any():
                 return float(below[falls][0])
-        return float(scan[np.argmax(under.theta_ratio)])
+        return _of_the_largest(under, scan)
 
-    def least(self, a_max: float) -> float:
+    def least(self, a_max: float) -> float | None:
         """Return the Omega of the least overturning amplitude, see `at_worst_frequency`."""
         scan = self.scan()
         most = a_max
@@ -206,7 +219,7 @@ class _Search(NamedTuple):
         under = _under(self.system, self.structure, self.motion, self.amplitude, omegas)
         falls = ~safe(under.outcome)
         if not math.isfinite(first) and not falls.any():
-            return float(omegas[np.argmax(under.theta_ratio)])
+            return _of_the_largest(under, omegas)
         if not falls[-1] and falls.any():
             return float(min(omegas[falls], key=lambda omega: firsts.get(omega, math.inf)))
         return omega

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..documents.quantities import DEFAULT_GRAVITY, is_bare
+from ..documents.quantities import DEFAULT_GRAVITY, is_bare, unit_of
 from ..documents.table import named_rows
 from ..errors import DocumentError, UsageError
 from . import fits
@@ -30,6 +30,7 @@ class Counts:
     n: Array  # motions at each level
     z: Array  # motions beyond the limit state
     remark: str | None = None  # says in which unit levels without one are read
+    unit: str = ""  # of the levels, as the file states it
 
 
 def read_counts(path: str | Path, im: str | None = None, *, needs_measure: bool = False) -> Counts:
@@ -56,7 +57,8 @@ def read_counts(path: str | Path, im: str | None = None, *, needs_measure: bool 
     z = np.array([_whole(path, one, "z", 0) for one in rows])
     for at in np.flatnonzero(z > n)[:1].tolist():
         raise DocumentError(f"{path}, line {rows[at][0]}: z: found {z[at]:g} of n = {n[at]:g} motions; expected a number from 0 to n")
-    return Counts(str(path), measure, x, n, z, _unstated(measure, x) if bare else None)
+    unit = unit_of(rows[0][1][column]) if rows else ""
+    return Counts(str(path), measure, x, n, z, _unstated(measure, x) if bare else None, unit)
 
 
 def _unstated(measure: Measure | None, x: Array) -> str | None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arguments import check_fields
 from ..errors import UsageError, counted
 
 Array = np.ndarray
@@ -213,6 +214,9 @@ class Resampling:
     samples: int = 1000
     seed: int = 0
     level: float = 0.95
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
 
 def bootstrap(

@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..arguments import check_fields
 from ..documents.quantities import DEFAULT_GRAVITY, is_bare, parse_quantity, quantity_at
 from ..documents.table import Table, read_table, split_heading, with_unit
 from ..errors import DocumentError, UsageError, counted
@@ -66,6 +67,7 @@ class HazardCurve:
     im: str = "PGA"
 
     def __post_init__(self) -> None:
+        check_fields(self)
         for name in ("x", "rate"):
             object.__setattr__(self, name, np.asarray(getattr(self, name), dtype=float))
         there = self.x.ndim == 1 and self.x.shape == self.rate.shape and self.x.size > 1

@@ -281,8 +281,9 @@ def studies(
     """Yield each structure under a set of motions; sweep, path: as of `exposures`; exact: trace every overturning interval; line: the
     progress of work by its name and unit."""
     found = exposures(structures, motions, path, replace(sweep, progress=line("fragility", "chunks")))
-    for s, exposure in zip(structures, found, strict=False):
-        intervals = traced(s, motions, sweep.workers, line(s.name, "motions")) if exact or "first" in fits else None
+    for number, (s, exposure) in enumerate(zip(structures, found, strict=False), 1):
+        label = s.name if len(structures) == 1 else f"{s.name}, {number} of {len(structures)}"
+        intervals = traced(s, motions, sweep.workers, line(label, "motions")) if exact or "first" in fits else None
         recorded = as_recorded(s, motions) if "cloud" in fits else None
         yield Study(s, motions, how, exposure, intervals, recorded, hazard)
 

@@ -8,6 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
+from ..arguments import check_fields
 from ..documents.quantities import DEFAULT_GRAVITY, parse_whole, quantity_at, split_quantity, with_a_point
 from ..errors import UsageError, did_you_mean
 from ..structures.parameters import RockingParameters
@@ -81,6 +82,7 @@ class Grid:
     frequency: Axis
 
     def __post_init__(self) -> None:
+        check_fields(self)
         names = self.amplitude.name, self.frequency.name
         if names not in _PAIRS:
             raise UsageError(f"axes {' and '.join(names)} do not go together: give A and Omega, or a_g and omega_g")

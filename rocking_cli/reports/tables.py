@@ -65,6 +65,11 @@ class _Column(NamedTuple):
         """The number of characters of the longest cell."""
         return max(map(len, self.cells))
 
+    @property
+    def heading_width(self) -> int:
+        """The number of characters of the longest word of the heading."""
+        return max(map(len, self.cells[0].split()), default=0)
+
 
 def table_lines(
     rows: Iterable[Row],
@@ -78,9 +83,9 @@ def table_lines(
     digits: significant digits of numbers; chosen: names of columns without units, if
     empty all columns that have values; keys: names of the columns that say which row it
     is, the first column if there is none. A table that is too wide is cut into blocks;
-    each block begins with the key columns. A table of up to three rows has a line for
-    each quantity, and its blocks hold as many rows as fit. Raises UsageError for an
-    unknown column.
+    each block begins with the key columns. A table of up to three rows, or one without
+    room for the headings of its keys, has a line for each quantity, and its blocks hold as
+    many rows as fit. Raises UsageError for an unknown column.
     """
     body = list(rows)
     table = []
@@ -92,7 +97,8 @@ def table_lines(
 
     if not table:
         return
-    yield from _upright(table, width) if len(body) <= 3 else _level(table, width)
+    upright = len(body) <= 3 or _breaks_headings(table, width)
+    yield from _upright(table, width) if upright else _level(table, width)
 
 
 def _headings(body: Sequence[Row], chosen: Sequence[str]) -> list[str]:
@@ -109,6 +115,15 @@ def _headings(body: Sequence[Row], chosen: Sequence[str]) -> list[str]:
         return [known[name] for name in chosen]
     empty: tuple[Any, ...] = (None, "", [])
     return [k for k in known.values() if any(row.get(k) not in empty for row in body)]
+
+
+def _breaks_headings(table: Sequence[_Column], width: int) -> bool:
+    """True if the headings of the keys have no room beside another column."""
+    if _together([column.width for column in table]) <= width:
+        return False
+    keys = [column for column in table if column.key] or list(table[:1])
+    others = [column for column in table if column not in keys]
+    return any(found < column.heading_width for found, column in zip(_key_widths(keys, others, width), keys, strict=True))
 
 
 def _level(table: Sequence[_Column], width: int) -> Iterator[str]:
@@ -141,11 +156,7 @@ def _blocks(table: Sequence[_Column], width: int) -> Iterator[list[tuple[_Column
         table = [table[0]._replace(key=True), *table[1:]]
     keys = [column for column in table if column.key]
     others = [column for column in table if not column.key]
-
-    # The widest of the other columns takes up to half of the width, the keys the rest.
-    widest = max((column.width for column in others), default=-len(_GAP))
-    room = width - min(widest, width // 2) - len(_GAP)
-    narrowed = _narrowed([column.width for column in keys], room)
+    narrowed = _key_widths(keys, others, width)
     begin = list(zip(keys, narrowed, strict=True))
     left = max(width - sum(narrowed) - len(_GAP) * len(keys), _LEAST)
 
@@ -158,6 +169,17 @@ def _blocks(table: Sequence[_Column], width: int) -> Iterator[list[tuple[_Column
         used += needed + (len(_GAP) if used else 0)
         block.append((column, needed))
     yield block
+
+
+def _key_widths(keys: Sequence[_Column], others: Sequence[_Column], width: int) -> list[int]:
+    """Return the widths of the key columns at the begin of each block.
+
+    The widest of the other columns takes up to half of the width, the keys the rest.
+    """
+    widest = max((column.width for column in others), default=-len(_GAP))
+    room = width - min(widest, width // 2) - len(_GAP)
+    natural = [column.width for column in keys]
+    return _narrowed(natural, room, [column.heading_width for column in keys])
 
 
 def _upright(table: Sequence[_Column], width: int) -> Iterator[str]:
@@ -202,11 +224,19 @@ def _together(widths: Sequence[int]) -> int:
     return sum(widths) + len(_GAP) * (len(widths) - 1)
 
 
-def _narrowed(widths: Sequence[int], room: int) -> list[int]:
-    """Return widths of columns that together fit into `room`: the widest give way."""
+def _narrowed(widths: Sequence[int], room: int, kept: Sequence[int] = ()) -> list[int]:
+    """Return widths of columns that together fit into `room`: the widest give way.
+
+    kept: width of each column that gives way after all that lies above these widths.
+    """
     found = list(widths)
-    while _together(found) > room and max(found) > _LEAST:
-        found[found.index(max(found))] -= 1
+    for least in (kept, []):
+        floors = [max(one, _LEAST) for one in least] or [_LEAST] * len(found)
+        while _together(found) > room:
+            able = [i for i, (w, floor) in enumerate(zip(found, floors, strict=True)) if w > floor]
+            if not able:
+                break
+            found[max(able, key=lambda i: found[i])] -= 1
     return found
 
 

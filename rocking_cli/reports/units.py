@@ -123,6 +123,11 @@ def parse_units(text: str) -> Units:
     return Units(chosen)
 
 
+def is_choice(unit: str) -> bool:
+    """True if `--units` may choose this unit."""
+    return unit in _CHOICES
+
+
 def dimension_of_measure(im: str) -> str | None:
     """Return the dimension of an intensity measure such as PGA or SA(1), None without a unit."""
     return dimension_of(im.lower())

@@ -183,7 +183,8 @@ class TimeHistory:
                 yield {"model": model, "event": m.event, **row, **({"device": m.device or None} if found.devices else {}), **force_columns}
 
     def summaries(self, *, dimensionless: bool = False, forces: bool = False) -> Iterator[dict[str, Any]]:
-        """Yield a row for each model with theta_ratio (None if the structure overturned) and outcome.
+        """Yield a row for each model with theta_ratio (None if the structure overturned or
+        lost contact) and outcome.
 
         forces: add the required friction and its time, the friction that impacts need, the least Fz over m g and its time; if the
         document states a friction, also when the base slides (None if it does not).
@@ -197,7 +198,10 @@ class TimeHistory:
                 summary["top_displacement"] = self.top_displacement(model)
             if found.devices:
                 summary["devices"] = [{key: x for key, x in one.items() if key != "words"} for one in found.devices]
-            yield {"model": model, "event": "summary", **summary, "theta_ratio": found.theta_ratio, "outcome": self.outcome(model).flag}
+            outcome = self.outcome(model)
+            # The motion after a loss of contact is not known, nor is its largest rotation.
+            ratio = None if outcome == Outcome.LOST_CONTACT else found.theta_ratio
+            yield {"model": model, "event": "summary", **summary, "theta_ratio": ratio, "outcome": outcome.flag}
 
     def summary(self, *, forces: bool = False) -> Iterator[str]:
         """Yield a sentence on the outcome for each model."""

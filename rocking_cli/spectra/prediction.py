@@ -32,8 +32,7 @@ def predict(structure: RockingParameters, spectrum: SpectraFile | str | Path, sh
     if not isinstance(spectrum, SpectraFile):
         with SpectraFile(spectrum) as file:
             return predict(structure, file, shaking)
-    if not spectrum.grid.dimensionless or spectrum.scene["model"] != LINEAR.model:
-        raise UsageError(f"{spectrum.path}: expected a linear spectrum on axes A and Omega")
+    check_linear(spectrum)
     etas = {i: s.eta for i, s in enumerate(spectrum.structures) if LINEAR.shares(s) == LINEAR.shares(structure)}
     if not etas:
         raise UsageError(f"{structure.name}: the spectrum is for bodies with other edges or damping; `exact` computes it")
@@ -53,6 +52,12 @@ def predict(structure: RockingParameters, spectrum: SpectraFile | str | Path, sh
     theta_ratio = row["theta_ratio"]
     error = None if read_off is None or theta_ratio is None else abs(read_off - theta_ratio)
     return {**row, "theta_ratio_interpolated": read_off, "interpolation_error": error}
+
+
+def check_linear(spectrum: SpectraFile) -> None:
+    """Raise UsageError unless the spectrum is linear and dimensionless."""
+    if not spectrum.grid.dimensionless or spectrum.scene["model"] != LINEAR.model:
+        raise UsageError(f"{spectrum.path}: expected a linear spectrum on axes A and Omega")
 
 
 def predict_exactly(structure: RockingParameters, motion: Motion, shaking: Grid) -> dict[str, Any]:

@@ -252,6 +252,7 @@ def test_the_effect_of_an_inset_on_the_least_capacity_is_told(rocking):
     assert message in plain.stderr.splitlines()
     for done in (worn, rocking("check", "block:0.5x2", *SHAKING, "--verdict-only"), rocking("check", "configs/parameters.yaml", *SHAKING)):
         assert "inside the edges" not in done.stderr
+    assert "--inset-effect: no body has a capacity that worn edges lower" in worn.stderr
     hint = "worn or rounded edges lower the capacity: --inset-effect shows by how much"
     for more, told in (("", True), (",inset=25mm", False)):
         stands = rocking("check", f"block:0.5x2{more}", "--a-g", "0.3g", "--f-g", "1.5")
@@ -315,18 +316,30 @@ def test_the_worst_frequency_at_an_end_of_the_range_is_told(rocking, more):
     assert rocking(*call, "--f-g", slower, "--json").record["outcome"].startswith("overturned")
     other = STATED.replace("p=2.1", "p=2.15").replace("stated", "other")
     both = rocking("check", STATED, other, *call[2:], "--f-g", "0.8:1.2").stderr
-    assert (
-        "worst at the lower end of the range, 0.8 Hz: 2 of 2 rows (worst_f_g_end); slower motions are worse: they overturn stated" in both
-    )
+    line = next(line for line in both.splitlines() if "worst at" in line)
+    where = "worst at the lower end of the range, 0.8 Hz: 2 of 2 rows (worst_f_g_end)"
+    assert line.startswith(f"{where}; slower motions are worse: they overturn stated at ")
+    assert line.endswith(" Hz, which stands in this range. Each lifts at uplift_a whatever the frequency")
     inside = rocking("check", STATED, "--a-g", "0.5g", "--f-g", "0.2:1.8", "--verdict-only", "--json")
     assert (inside.record["outcome"][:10], inside.record["worst_f_g_end"]) == ("overturned", None)
     assert "worst at" not in inside.stderr
 
 
-def test_an_end_beyond_which_nothing_is_worse_is_told_so(rocking):
-    """Under a demand below uplift no frequency does anything."""
-    done = rocking("check", STATED, "--a-g", "0.19g", "--f-g", "1:3", "--verdict-only")
-    assert "no slower motion that was tried, to 0.1 Hz, overturns it or rocks it further. It lifts at 0.2 g" in done.stderr
+@pytest.mark.parametrize("more", [("--a-max", "1.2"), ("--verdict-only",)], ids=["searched", "outcomes"])
+def test_under_a_demand_below_uplift_no_frequency_is_the_worst(rocking, more):
+    """Nothing overturns up to --a-max, so that the frequencies differ in nothing."""
+    done = rocking("check", STATED, "--a-g", "0.19g", "--f-g", "2:3", *more, "--json")
+    row = done.record
+    assert (row["outcome"], row["worst_f_g"], row["worst_f_g_end"]) == ("no_uplift", None, None)
+    assert "no worst frequency, because the demand lifts them at none: stated" in done.stderr
+    assert "worst at" not in done.stderr
+
+
+def test_a_body_below_uplift_has_the_worst_frequency_of_its_capacity(rocking):
+    done = rocking("check", STATED, "--a-g", "0.19g", "--f-g", "1:1.2", "--json")
+    row = done.record
+    assert (row["outcome"], row["worst_f_g"], row["worst_f_g_end"]) == ("no_uplift", 1.0, "lower")
+    assert "stated: worst at the lower end of the range, 1 Hz; the demand lifts it at no frequency, and slower" in done.stderr
 
 
 @pytest.mark.parametrize("a_g", ["0.24g", "0.26g", "0.3g", "0.5g"])

@@ -26,6 +26,20 @@ def test_counts_that_exist_are_fitted(rocking, tmp_path):
     assert rocking("fragility", "--counts", "c.csv", "--seed", "1", "--bootstrap", "5", "--csv", "--units", "g", "-q").returncode == 0
 
 
+@pytest.mark.parametrize(("heading", "levels"), [("im [g]", "0.1,0.2,0.4"), ("PGA", "0.1 g,0.2 g,0.4 g"), ("PGV [cm/s]", "5,9,20")])
+def test_the_table_of_counts_has_the_unit_of_their_levels(rocking, tmp_path, heading, levels):
+    rows = (f"{level},20,{z}\n" for level, z in zip(levels.split(","), (1, 9, 17), strict=True))
+    (tmp_path / "c.csv").write_text(f"{heading},n,z\n" + "".join(rows))
+    call = ("fragility", "--counts", "c.csv", "--bootstrap", "0")
+    unit, si = ("cm/s", 0.01) if "cm/s" in heading else ("g", 9.81)
+    shown = dict(line.rsplit(maxsplit=1) for line in rocking(*call, "--digits", "9").stdout.splitlines())
+    stored = rocking(*call, "--json").record["median"]
+    assert float(shown[f"median [{unit}]"]) * si == pytest.approx(stored, rel=1e-8, abs=0)
+    assert f"x [{unit}]" in rocking(*call, "--curve").stdout
+    asked = rocking(*call, "--units", "m/s2" if unit == "g" else "m/s").stdout
+    assert f"median [{unit}]" not in asked
+
+
 def test_limit_states_and_methods_are_rows(rocking):
     rows = rocking("fragility", STATED, *SITE, "--method", "stripes,first", "--limit", "0.5,overturning", "--csv").rows
     assert [(r["limit_state"], r["method"]) for r in rows] == [("0.5", "stripes"), ("overturning", "stripes"), ("overturning", "first")]
@@ -77,9 +91,12 @@ def test_exact_shares_curves_and_their_figure(rocking, tmp_path):
     assert rocking("plot", "c.csv", "-o", "c.svg").returncode == 0
 
 
-@pytest.mark.parametrize("levels", [("200gal:450gal:4",), ("0.2g:0.45g:4", "--units", "m/s2")])
-def test_a_table_is_in_g_only_where_the_levels_are_and_nothing_else_is_asked_for(rocking, levels):
-    assert "median [m/s2]" in rocking("fragility", STATED, *SITE[:2], "--bootstrap", "0", "--levels", *levels).stdout
+@pytest.mark.parametrize(
+    ("levels", "unit"),
+    [(("200gal:450gal:4",), "gal"), (("2,3,4,4.5",), "m/s2"), (("0.2g:0.45g:4", "--units", "m/s2"), "m/s2")],
+)
+def test_a_table_has_the_unit_of_the_levels_if_nothing_else_is_asked_for(rocking, levels, unit):
+    assert f"median [{unit}]" in rocking("fragility", STATED, *SITE[:2], "--bootstrap", "0", "--levels", *levels).stdout
 
 
 @pytest.mark.parametrize("how", [(), ("--exact",)], ids=["cells", "exact"])

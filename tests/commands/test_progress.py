@@ -90,7 +90,7 @@ def test_a_terminal_shows_every_second_what_is_left_though_nothing_is_reported(b
         "[#-------------------] check: still computing (6.8 % of 22 checks, 10 s)",
         "[#-------------------] check: still computing (6.8 % of 22 checks, 11 s)",
         "[####################] check: 22 checks in 11 s",
-        "check: still computing (12 s)",
+        "check: done; still computing (12 s in all)",
     ]
     assert terminal.getvalue().endswith("\r\x1b[K")
 
@@ -125,6 +125,24 @@ def test_the_line_never_reaches_the_end_of_the_terminal(begin, monkeypatch):
     streams.erase()
 
 
+@pytest.mark.parametrize(("width", "bar"), [(100, 20), (80, 17), (66, 0)])
+def test_the_bar_gives_way_to_the_words(begin, monkeypatch, width, bar):
+    terminal = begin()
+    monkeypatch.setenv("COLUMNS", str(width))
+    ProgressLine("frequencies", "structures")(0, 12)
+    words = "frequencies: still computing (0 of 12 structures done, 0 s)"
+    assert shown(terminal)[-1] == (f"[{'-' * bar}] " if bar else "") + words
+    streams.erase()
+
+
+def test_a_share_just_below_one_is_not_told_as_all(begin):
+    terminal, line = begin(), ProgressLine("check", "checks")
+    for done, percent in ((11.99, "99 %"), (6.5, "54 %"), (0.06, "0.5 %")):
+        line(done, 12)
+        assert f"({percent} of 12 checks, " in shown(terminal)[-1]
+    streams.erase()
+
+
 def test_a_log_has_a_line_every_half_a_minute_with_the_time_left(clock, capsys):
     with progress.reporting():
         clock.tick(9.0)
@@ -143,7 +161,7 @@ def test_a_log_has_a_line_every_half_a_minute_with_the_time_left(clock, capsys):
         "spectrum: about 89 min more (110 of 1000 chunks done, 60 s)",
         "spectrum: about 3 min more (400 of 1000 chunks done, 90 s)",
         "spectrum: about 40 s more (990 of 1000 chunks done, 3600 s)",
-        "spectrum: still computing (3630 s)",
+        "spectrum: done; still computing (3640 s in all)",
     ]
 
 

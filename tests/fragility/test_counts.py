@@ -24,6 +24,7 @@ def test_one_set_of_counts_in_many_forms(text, tmp_path):
     found = read_counts(tmp_path / "c.csv", needs_measure=True)
     assert found.measure is not None
     assert found.measure.name == "PGA"
+    assert found.unit == ("cm/s2" if "cm/s2" in text else "g")
     assert found.x == pytest.approx(9.81 * np.array([0.1, 0.2, 0.4]))
     assert (found.n.tolist(), found.z.tolist()) == ([20.0] * 3, [2.0, 9.0, 15.0])
 

@@ -114,6 +114,20 @@ def test_a_terminal_may_be_too_narrow_for_any_table(width):
         assert "Colu" in "".join("".join(shown).split())
 
 
+@pytest.mark.parametrize("width", [30, 40, 60, 80])
+def test_the_heading_of_a_key_is_never_broken_inside_a_word(width):
+    keys = ("structure", "motion", "limit_state")
+    rows = [
+        {"structure": "Apollo of the Belvedere", "motion": f"RSN1111_KOBE_NIS{i:03}" * 2, "limit_state": "overturning"} for i in range(4)
+    ]
+    rows = [{**row, "first_overturning_a [m/s2]": 3.1, "capacity_demand": 1.0} for row in rows]
+    shown = list(table_lines(rows, width=width, keys=keys))
+    assert max(map(len, shown)) <= width
+    words = [word for line in shown for word in line.split()]
+    assert all(words.count(key) >= 2 for key in keys)
+    assert not {"struc", "limit_", "motio"} & set(words)
+
+
 def test_the_chosen_columns_are_all_that_a_table_has():
     shown = list(table_lines(RECORDS, width=60, chosen=["pga", "motion"], keys=("motion",)))
     assert shown[0].split() == ["pga", "[g]", "motion"]

@@ -57,6 +57,7 @@ def test_a_body_that_needs_pulling_down_is_not_called_safe():
         assert found.histories["nonlinear"].outcome == Outcome.ROCKED
         assert (found.forces["nonlinear"].extremes.fz_min <= 0.0) == (outcome == Outcome.LOST_CONTACT)
         assert said["outcome"] == outcome.flag
+        assert (said["theta_ratio"] is None) == (outcome == Outcome.LOST_CONTACT)
         assert outcome.sentence in next(found.summary())
         assert check(body, motion, shaking, a_max=None).outcome == outcome
 
