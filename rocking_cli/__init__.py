@@ -1,7 +1,8 @@
-"""Rocking dynamics of masonry structures: parameters, spectra and overturning envelopes.
+"""Rocking dynamics of masonry structures: parameters, spectra and overturning
+envelopes.
 
-The public names stand in `__init__.pyi`, each with its home. They are imported on first use, so that a program pays only for what
-it calls.
+The public names stand in `__init__.pyi`, each with its home. They are imported on first
+use, so that a program pays only for what it calls.
 """
 
 import sys
@@ -22,7 +23,11 @@ def _homes() -> dict[str, tuple[str, str]]:
 
     stub = ast.parse(get_data(__name__, "__init__.pyi") or b"")
     imports = [node for node in stub.body if isinstance(node, ast.ImportFrom)]
-    return {alias.asname or alias.name: (f"{__name__}.{node.module}", alias.name) for node in imports for alias in node.names}
+    return {
+        alias.asname or alias.name: (f"{__name__}.{node.module}", alias.name)
+        for node in imports
+        for alias in node.names
+    }
 
 
 def __getattr__(name: str) -> Any:
@@ -61,9 +66,13 @@ class _Public(Mapping[str, Any]):
 
 
 class _Package(ModuleType):
-    """This package: its function `fragility` stands before the subpackage of the same name."""
+    """This package: its function `fragility` stands before the subpackage of the same
+    name.
+    """
 
-    fragility = property(lambda self: __getattr__("fragility"), lambda self, subpackage: None)
+    fragility = property(
+        lambda self: __getattr__("fragility"), lambda self, subpackage: None
+    )
 
 
 sys.modules[__name__].__class__ = _Package

@@ -1,6 +1,8 @@
-"""Checks the arguments of the public functions by their annotations, so that a wrong one is told in one sentence.
+"""Checks the arguments of the public functions by their annotations, so that a wrong
+one is told in one sentence.
 
-The package itself calls its functions directly; only those that `import rocking_cli` offers are checked.
+The package itself calls its functions directly; only those that `import rocking_cli`
+offers are checked.
 """
 
 import types
@@ -32,13 +34,27 @@ _MADE = {
     "CodeCheck": "code_check",
     "Fit": "fragility",
 }
-_PLAIN = {float: "a number", int: "a whole number", bool: "True or False", str: "a text", type(None): "None", dict: "a dictionary"}
+_PLAIN = {
+    float: "a number",
+    int: "a whole number",
+    bool: "True or False",
+    str: "a text",
+    type(None): "None",
+    dict: "a dictionary",
+}
 
 
-def checked(function: Callable[..., Any], name: str, package: str, public: Mapping[str, Any]) -> Callable[..., Any]:
-    """Return a function that raises ArgumentError for an argument whose annotation it does not fit, and for one too many or too few.
-    name, package: under which it is public, and can be pickled; public: the names that its annotations may have."""
-    of, hints = signature(function), cache(lambda: typing.get_type_hints(function, localns=_Names(public)))
+def checked(
+    function: Callable[..., Any], name: str, package: str, public: Mapping[str, Any]
+) -> Callable[..., Any]:
+    """Return a function that raises ArgumentError for an argument whose annotation it
+    does not fit, and for one too many or too few. name, package: under which it is
+    public, and can be pickled; public: the names that its annotations may have.
+    """
+    of, hints = (
+        signature(function),
+        cache(lambda: typing.get_type_hints(function, localns=_Names(public))),
+    )
 
     @wraps(function)
     def wrapper(*args: Any, **kwargs: Any) -> Any:
@@ -47,18 +63,29 @@ def checked(function: Callable[..., Any], name: str, package: str, public: Mappi
         except TypeError as error:
             raise ArgumentError(f"{name}: {_in_words(str(error), of)}") from None
         for argument, value in bound.arguments.items():
-            kind, needed = of.parameters[argument].kind, of.parameters[argument].default is Parameter.empty
+            kind, needed = (
+                of.parameters[argument].kind,
+                of.parameters[argument].default is Parameter.empty,
+            )
             if kind is Parameter.VAR_KEYWORD:
                 _check_keywords(name, hints().get(argument, Any), value)
-            elif kind is not Parameter.VAR_POSITIONAL and value is not of.parameters[argument].default:
+            elif (
+                kind is not Parameter.VAR_POSITIONAL
+                and value is not of.parameters[argument].default
+            ):
                 _check(name, argument, hint := hints().get(argument, Any), value)
                 if (
                     needed
                     and isinstance(value, list | tuple)
                     and not value
-                    and any(typing.get_origin(one) is Sequence for one in _options(hint))
+                    and any(
+                        typing.get_origin(one) is Sequence for one in _options(hint)
+                    )
                 ):
-                    raise ArgumentError(f"{name}: `{argument}`: found an empty {type(value).__name__}; expected {_wanted(hint)}")
+                    raise ArgumentError(
+                        f"{name}: `{argument}`: found an empty {type(value).__name__};"
+                        f" expected {_wanted(hint)}"
+                    )
         try:
             return function(*args, **kwargs)
         except RockingError:
@@ -84,15 +111,24 @@ class _Names(dict[str, Any]):
 def _in_words(said: str, of: Signature) -> str:
     """Return the text of Python's TypeError with the accepted names."""
     word = said.partition("unexpected keyword argument '")[2].partition("'")[0]
-    return f"{said}{did_you_mean(word, of.parameters) if word else ''}; expected {', '.join(of.parameters)}"
+    return (
+        f"{said}{did_you_mean(word, of.parameters) if word else ''}; expected"
+        f" {', '.join(of.parameters)}"
+    )
 
 
 def check_choices(name: str, choices: Any, given: Mapping[str, Any]) -> None:
-    """Raise ArgumentError unless the keyword arguments of the function `name` fit the annotations of a TypedDict or a dataclass."""
+    """Raise ArgumentError unless the keyword arguments of the function `name` fit the
+    annotations of a TypedDict or a dataclass.
+    """
     known = typing.get_type_hints(choices)
     for argument, value in given.items():
         if argument not in known:
-            raise ArgumentError(f"{name}: found an argument {argument!r}{did_you_mean(argument, known)}; expected {', '.join(known)}")
+            raise ArgumentError(
+                f"{name}: found an argument"
+                f" {argument!r}{did_you_mean(argument, known)}; expected"
+                f" {', '.join(known)}"
+            )
         _check(name, argument, known[argument], value)
 
 
@@ -104,7 +140,9 @@ def check_fields(record: Any) -> None:
 
 
 def _check_keywords(name: str, hint: Any, given: Mapping[str, Any]) -> None:
-    """Check the keyword arguments that an annotation such as Unpack[MotionChoices] or float is for."""
+    """Check the keyword arguments that an annotation such as Unpack[MotionChoices] or
+    float is for.
+    """
     if typing.is_typeddict(choices := next(iter(typing.get_args(hint)), None)):
         check_choices(name, choices, given)
     else:
@@ -114,12 +152,19 @@ def _check_keywords(name: str, hint: Any, given: Mapping[str, Any]) -> None:
 
 def _check(name: str, argument: str, hint: Any, value: Any) -> None:
     if not _fits(value, hint):
-        raise ArgumentError(f"{name}: `{argument}`: found {_found(value, hint)}; expected {_wanted(hint)}{_instead(argument, hint, value)}")
+        raise ArgumentError(
+            f"{name}: `{argument}`: found {_found(value, hint)}; expected"
+            f" {_wanted(hint)}{_instead(argument, hint, value)}"
+        )
 
 
 def _instead(argument: str, hint: Any, value: Any) -> str:
-    """Return what to write where one thing stands for a list of them, or a list for one."""
-    if not isinstance(value, str | Path) and any(_is_list(one) and _fits([value], one) for one in _options(hint)):
+    """Return what to write where one thing stands for a list of them, or a list for
+    one.
+    """
+    if not isinstance(value, str | Path) and any(
+        _is_list(one) and _fits([value], one) for one in _options(hint)
+    ):
         return f"; write [{argument}]"
     if isinstance(value, list | tuple) and value and _fits(value[0], hint):
         return f"; write {argument}[0]"
@@ -128,12 +173,21 @@ def _instead(argument: str, hint: Any, value: Any) -> str:
 
 def _options(hint: Any) -> tuple[Any, ...]:
     """Return the members of a union, a single type as one."""
-    return typing.get_args(hint) if typing.get_origin(hint) in (typing.Union, types.UnionType) else (hint,)
+    return (
+        typing.get_args(hint)
+        if typing.get_origin(hint) in (typing.Union, types.UnionType)
+        else (hint,)
+    )
 
 
 def _is_list(hint: Any) -> bool:
     origin = typing.get_origin(hint)
-    return isinstance(origin, type) and issubclass(origin, Iterable) and origin is not tuple and not issubclass(origin, Mapping)
+    return (
+        isinstance(origin, type)
+        and issubclass(origin, Iterable)
+        and origin is not tuple
+        and not issubclass(origin, Mapping)
+    )
 
 
 def _fits(value: Any, hint: Any) -> bool:
@@ -146,24 +200,44 @@ def _fits(value: Any, hint: Any) -> bool:
     if origin is Callable or hint is Callable:
         return callable(value)
     if origin is tuple:
-        fixed = inner if Ellipsis not in inner else inner[:1] * len(value) if isinstance(value, tuple) else ()
-        return isinstance(value, tuple) and len(value) == len(fixed) and all(map(_fits, value, fixed))
+        fixed = (
+            inner
+            if Ellipsis not in inner
+            else inner[:1] * len(value)
+            if isinstance(value, tuple)
+            else ()
+        )
+        return (
+            isinstance(value, tuple)
+            and len(value) == len(fixed)
+            and all(map(_fits, value, fixed))
+        )
     if _is_list(hint):
         return _fits_list(value, inner[0] if inner else Any)
     if isinstance(origin, type):
         return isinstance(value, origin)
     if getattr(hint, "_is_protocol", False):
-        return not isinstance(value, type) and all(hasattr(type(value), part) for part in vars(hint) if not part.startswith("_"))
+        return not isinstance(value, type) and all(
+            hasattr(type(value), part)
+            for part in vars(hint)
+            if not part.startswith("_")
+        )
     if hint in (float, int):
-        return isinstance(value, Real if hint is float else Integral) and not isinstance(value, bool)
+        return isinstance(
+            value, Real if hint is float else Integral
+        ) and not isinstance(value, bool)
     if getattr(hint, "__name__", "") == "ndarray":
         return _is_numeric(value)
     return isinstance(value, hint) if isinstance(hint, type) else True
 
 
 def _fits_list(value: Any, inner: Any) -> bool:
-    """True for a list, or another iterable, of such items; a text, a path and a dictionary are none."""
-    if isinstance(value, str | bytes | Path | Mapping | type) or not isinstance(value, Iterable):
+    """True for a list, or another iterable, of such items; a text, a path and a
+    dictionary are none.
+    """
+    if isinstance(value, str | bytes | Path | Mapping | type) or not isinstance(
+        value, Iterable
+    ):
         return False
     if inner in (float, int):
         return _is_numeric(value)
@@ -196,13 +270,36 @@ def _found(value: Any, hint: Any) -> str:
     if isinstance(value, type):
         return f"the class {value.__name__}"
     if isinstance(value, list | tuple):
-        inner = next((typing.get_args(one)[0] for one in _options(hint) if _is_list(one) and typing.get_args(one)), Any)
-        wrong = next((one for one in value[:_MOST_ITEMS] if not _fits(one, inner)), None)
+        inner = next(
+            (
+                typing.get_args(one)[0]
+                for one in _options(hint)
+                if _is_list(one) and typing.get_args(one)
+            ),
+            Any,
+        )
+        wrong = next(
+            (one for one in value[:_MOST_ITEMS] if not _fits(one, inner)), None
+        )
         begun = f"a {type(value).__name__} of {counted(len(value), 'item')}"
-        return begun if wrong is None and None not in value else f"a {type(value).__name__} with {_found(wrong, Any)} in it"
-    word = "a dictionary" if isinstance(value, Mapping) else "a path" if isinstance(value, Path) else ""
+        return (
+            begun
+            if wrong is None and None not in value
+            else f"a {type(value).__name__} with {_found(wrong, Any)} in it"
+        )
+    word = (
+        "a dictionary"
+        if isinstance(value, Mapping)
+        else "a path"
+        if isinstance(value, Path)
+        else ""
+    )
     kind = type(value).__name__
-    return word or ("a function" if isinstance(value, types.FunctionType) else f"{'an' if kind[0] in 'AEIOUaeiou' else 'a'} {kind}")
+    return word or (
+        "a function"
+        if isinstance(value, types.FunctionType)
+        else f"{'an' if kind[0] in 'AEIOUaeiou' else 'a'} {kind}"
+    )
 
 
 def _wanted(hint: Any) -> str:
@@ -223,7 +320,11 @@ def _wanted(hint: Any) -> str:
     if _is_list(hint):
         return f"a list of {_many(inner[0])}" if inner else "a list"
     named = _named(hint)
-    return "an array of numbers" if named == "ndarray" else f"{'an' if named[0] in 'AEIOU' else 'a'} {named}"
+    return (
+        "an array of numbers"
+        if named == "ndarray"
+        else f"{'an' if named[0] in 'AEIOU' else 'a'} {named}"
+    )
 
 
 def _many(hint: Any) -> str:
@@ -233,7 +334,9 @@ def _many(hint: Any) -> str:
         return "paths"
     if len(options) > 1:
         return " or ".join(dict.fromkeys(map(_many, options)))
-    return {float: "numbers", int: "whole numbers", str: "texts"}.get(hint) or _named(hint)
+    return {float: "numbers", int: "whole numbers", str: "texts"}.get(hint) or _named(
+        hint
+    )
 
 
 def _named(hint: Any) -> str:
@@ -242,4 +345,6 @@ def _named(hint: Any) -> str:
     if len(options) > 1 or hint in _PLAIN or typing.get_origin(hint):
         return _wanted(hint)
     kind = {"HasMotion": "Record or Recording"}.get(hint.__name__, hint.__name__)
-    return f"{kind} (see {_MADE[hint.__name__]})" if hint.__name__ in _MADE else str(kind)
+    return (
+        f"{kind} (see {_MADE[hint.__name__]})" if hint.__name__ in _MADE else str(kind)
+    )

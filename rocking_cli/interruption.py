@@ -1,7 +1,8 @@
 """Ctrl-C and SIGTERM: one way to stop, which is never lost.
 
-Python raises KeyboardInterrupt at any point of the program. Inside a callback of a C library or a finalizer it prints the exception and
-goes on. So this module remembers the request, long loops ask for it with `check`, and `deferred` keeps a write whole.
+Python raises KeyboardInterrupt at any point of the program. Inside a callback of a C
+library or a finalizer it prints the exception and goes on. So this module remembers the
+request, long loops ask for it with `check`, and `deferred` keeps a write whole.
 """
 
 from __future__ import annotations
@@ -21,7 +22,9 @@ _deferred = False
 
 
 def listen() -> None:
-    """Make SIGINT and SIGTERM a KeyboardInterrupt that `check` raises again; call it from the main thread."""
+    """Make SIGINT and SIGTERM a KeyboardInterrupt that `check` raises again; call it
+    from the main thread.
+    """
     signal.signal(signal.SIGINT, _stop)
     signal.signal(signal.SIGTERM, _stop)
     sys.unraisablehook = _forgotten

@@ -1,4 +1,6 @@
-"""Installed packages: those that a part of the program needs, the entry points of others, and the errors of a package as one sentence."""
+"""Installed packages: those that a part of the program needs, the entry points of
+others, and the errors of a package as one sentence.
+"""
 
 from __future__ import annotations
 
@@ -38,12 +40,19 @@ def installed(group: str) -> dict[str, EntryPoint]:
 
 
 @contextmanager
-def blamed(entry: EntryPoint, error_of: Callable[[str], RockingError]) -> Iterator[None]:
-    """Turn an error or exit of a package's code into `error_of` of a sentence that names the package; RockingErrors pass unchanged."""
+def blamed(
+    entry: EntryPoint, error_of: Callable[[str], RockingError]
+) -> Iterator[None]:
+    """Turn an error or exit of a package's code into `error_of` of a sentence that
+    names the package; RockingErrors pass unchanged.
+    """
     try:
         yield
     except RockingError:
         raise
     except (Exception, SystemExit) as error:
         package = f"the package {entry.dist.name}" if entry.dist else entry.value
-        raise error_of(f"{entry.name}, which {package} adds and which cannot be used: {type(error).__name__}: {error}") from error
+        raise error_of(
+            f"{entry.name}, which {package} adds and which cannot be used:"
+            f" {type(error).__name__}: {error}"
+        ) from error

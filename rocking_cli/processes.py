@@ -14,7 +14,8 @@ from typing import Any
 
 from .errors import OutputError, UsageError
 
-# Forked workers have the task and the imported packages from the start; only items and results travel.
+# Forked workers have the task and the imported packages from the start; only items and
+# results travel.
 _METHOD = "fork" if sys.platform == "linux" else "spawn"
 _AHEAD = 3  # items under way for each process
 _STOPS = (signal.SIGINT, signal.SIGTERM)
@@ -38,8 +39,9 @@ def report_part(share: float) -> None:
 
 
 def part_reporter() -> Callable[[float], None]:
-    """Return a function that takes the share of an item which is done so far, and reports
-    what has come to it."""
+    """Return a function that takes the share of an item which is done so far, and
+    reports what has come to it.
+    """
     reported = 0.0
 
     def tell(share: float) -> None:
@@ -51,20 +53,38 @@ def part_reporter() -> Callable[[float], None]:
 
 
 def available_cpus() -> int:
-    """CPUs that this process may use, which a batch system or a container may have made fewer than the machine has."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    """CPUs that this process may use, which a batch system or a container may have made
+    fewer than the machine has.
+    """
+    return (
+        len(os.sched_getaffinity(0))
+        if hasattr(os, "sched_getaffinity")
+        else os.cpu_count() or 1
+    )
 
 
 def refuse_endless(cells: float, segments: int) -> None:
-    """Raise UsageError if these cells under a motion of so many segments would take years of a processor."""
+    """Raise UsageError if these cells under a motion of so many segments would take
+    years of a processor.
+    """
     most = 1e14  # cells times segments: years of a processor by the quickest equation
     if cells * segments > most:
         found = f"{cells:.3g} cells under {segments} segments of shaking"
-        raise UsageError(f"found {found}, which would take years; expected up to {most / segments:.3g} cells")
+        raise UsageError(
+            f"found {found}, which would take years; expected up to"
+            f" {most / segments:.3g} cells"
+        )
 
 
-def in_order(submit: Callable[[Any], Any], wait: Callable[[Any], Any], items: Iterable[Any], ahead: int) -> Iterator[Any]:
-    """wait(submit(item)) of each item, in order; so many items are submitted ahead, the first of them at once."""
+def in_order(
+    submit: Callable[[Any], Any],
+    wait: Callable[[Any], Any],
+    items: Iterable[Any],
+    ahead: int,
+) -> Iterator[Any]:
+    """wait(submit(item)) of each item, in order; so many items are submitted ahead, the
+    first of them at once.
+    """
     source = iter(items)
     under_way = deque(map(submit, islice(source, ahead)))
 
@@ -78,12 +98,20 @@ def in_order(submit: Callable[[Any], Any], wait: Callable[[Any], Any], items: It
 
 
 @contextmanager
-def processes(workers: int, task: Callable[[Any], Any], advice: str, parts: Callable[[float], None] | None = None) -> Iterator[Run]:
-    """Context manager: a function from items to task(item) of each, in their order, computed by `workers` processes. The task itself is
-    sent to each process once. parts: called now and then with the sum of what `report_part` was called with.
+def processes(
+    workers: int,
+    task: Callable[[Any], Any],
+    advice: str,
+    parts: Callable[[float], None] | None = None,
+) -> Iterator[Run]:
+    """Context manager: a function from items to task(item) of each, in their order,
+    computed by `workers` processes. The task itself is sent to each process once.
+    parts: called now and then with the sum of what `report_part` was called with.
 
-    An exception of the task is raised here, in its turn. The processes end with the block, at once. Raises OutputError, with the advice,
-    when a process cannot be started or dies."""
+    An exception of the task is raised here, in its turn. The processes end with the
+    block, at once. Raises OutputError, with the advice, when a process cannot be
+    started or dies.
+    """
     from concurrent.futures import Future, ProcessPoolExecutor
     from concurrent.futures.process import BrokenProcessPool
     from multiprocessing import active_children, get_context
@@ -95,27 +123,50 @@ def processes(workers: int, task: Callable[[Any], Any], advice: str, parts: Call
         while parts is not None and reported is not None and not future.done():
             with suppress(TimeoutError):
                 future.exception(timeout=_POLL)
-            parts(reported.get_obj().value)  # without its lock, which a process may have died with
+            parts(
+                reported.get_obj().value
+            )  # without its lock, which a process may have died with
         return future.result()
 
     try:
         try:
-            pool = ProcessPoolExecutor(workers, context, _begin, (task, os.getpid(), reported))
-            with _stops_held(), warnings.catch_warnings():  # numpy's idle arithmetic threads are no danger to a fork
+            pool = ProcessPoolExecutor(
+                workers, context, _begin, (task, os.getpid(), reported)
+            )
+            with (
+                _stops_held(),
+                warnings.catch_warnings(),
+            ):  # numpy's idle arithmetic threads are no danger to a fork
                 warnings.simplefilter("ignore", DeprecationWarning)
                 pool.submit(int)  # starts them
         except OSError as error:
-            raise OutputError(f"{workers} worker processes cannot be started: {error.strerror or error}; {advice}") from None
+            raise OutputError(
+                f"{workers} worker processes cannot be started:"
+                f" {error.strerror or error}; {advice}"
+            ) from None
         crew, submit = set(active_children()) - before, pool.submit
         try:
-            yield lambda items: in_order(lambda item: submit(_answer, item), wait, items, _AHEAD * workers)
+            yield lambda items: in_order(
+                lambda item: submit(_answer, item), wait, items, _AHEAD * workers
+            )
         except BrokenProcessPool:
             pool.shutdown()
-            code = next((p.exitcode for p in crew if p.exitcode not in (None, 0, -signal.SIGTERM)), -signal.SIGTERM)  # the pool ends others
+            code = next(
+                (
+                    p.exitcode
+                    for p in crew
+                    if p.exitcode not in (None, 0, -signal.SIGTERM)
+                ),
+                -signal.SIGTERM,
+            )  # the pool ends others
             how = f"by signal {-code}" if code < 0 else f"with exit code {code}"
-            raise OutputError(f"a worker process died {how} (out of memory?); {advice}") from None
+            raise OutputError(
+                f"a worker process died {how} (out of memory?); {advice}"
+            ) from None
     finally:
-        for process in set(active_children()) - before:  # a pool that is shut down waits for ever if a process dies just then
+        for process in (
+            set(active_children()) - before
+        ):  # a pool that is shut down waits for ever if a process dies just then
             process.kill()  # it holds nothing that could be lost
         if pool is not None:
             pool.shutdown(cancel_futures=True)
@@ -123,7 +174,9 @@ def processes(workers: int, task: Callable[[Any], Any], advice: str, parts: Call
 
 @contextmanager
 def _stops_held() -> Iterator[None]:
-    """SIGINT and SIGTERM wait: a process just forked has its parent's handlers, which would unwind the parent's stack in it."""
+    """SIGINT and SIGTERM wait: a process just forked has its parent's handlers, which
+    would unwind the parent's stack in it.
+    """
     if _METHOD != "fork":
         yield
         return
@@ -138,7 +191,9 @@ def _begin(task: Callable[[Any], Any], parent: int, parts: Any) -> None:
     """Called first in a worker process."""
     global _task, _parts
     _task, _parts = task, parts
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group; the parent alone decides
+    signal.signal(
+        signal.SIGINT, signal.SIG_IGN
+    )  # Ctrl-C reaches the whole group; the parent alone decides
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     if sys.platform == "linux":
         signal.pthread_sigmask(signal.SIG_UNBLOCK, _STOPS)
@@ -153,8 +208,12 @@ def _answer(item: Any) -> Any:
     except Exception as error:
         try:
             pickle.loads(pickle.dumps(error))
-        except Exception as fault:  # the pool would take an exception that cannot be made again for the death of a process
+        # the pool would take an exception that cannot be made again for the death of a
+        # process
+        except Exception as fault:
             words = f"{type(fault).__name__}: {fault}; from {error!r}"
         else:
             raise
-    raise RuntimeError(words)  # out here it has no context, which some packages pickle too
+    raise RuntimeError(
+        words
+    )  # out here it has no context, which some packages pickle too

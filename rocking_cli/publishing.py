@@ -1,6 +1,8 @@
-"""Files that are written: whole or not at all, under a name that was free or that the user gives up.
+"""Files that are written: whole or not at all, under a name that was free or that the
+user gives up.
 
-A file is written under another name in the same folder, created exclusively, and put in place when it is complete.
+A file is written under another name in the same folder, created exclusively, and put in
+place when it is complete.
 """
 
 import os
@@ -12,41 +14,77 @@ from typing import BinaryIO
 
 from .errors import OutputError, UsageError
 
-_KINDS = {stat.S_IFDIR: "a folder", stat.S_IFIFO: "a pipe", stat.S_IFCHR: "a device", stat.S_IFBLK: "a device", stat.S_IFLNK: "a link"}
+_KINDS = {
+    stat.S_IFDIR: "a folder",
+    stat.S_IFIFO: "a pipe",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+    stat.S_IFLNK: "a link",
+}
 
 
 def followed(path: Path) -> Path:
-    """The file that a path leads to: a link stays, and the file that it names is replaced."""
-    return Path(os.path.realpath(path)) if os.path.islink(path) and os.path.exists(path) else path
+    """The file that a path leads to: a link stays, and the file that it names is
+    replaced.
+    """
+    return (
+        Path(os.path.realpath(path))
+        if os.path.islink(path) and os.path.exists(path)
+        else path
+    )
 
 
 def kind_of(path: Path) -> str:
-    """The kind of thing under a path, such as "a folder"; empty for a regular file or a free name. Raises OSError."""
+    """The kind of thing under a path, such as "a folder"; empty for a regular file or a
+    free name. Raises OSError.
+    """
     try:
         mode = os.lstat(path).st_mode
     except FileNotFoundError:
         return ""
-    return "" if stat.S_ISREG(mode) else _KINDS.get(stat.S_IFMT(mode), "not a regular file")
+    return (
+        ""
+        if stat.S_ISREG(mode)
+        else _KINDS.get(stat.S_IFMT(mode), "not a regular file")
+    )
 
 
 def check_target(path: Path, overwrite: bool, suffixes: tuple[str, ...] = ()) -> None:
-    """Refuse, before any work is done, an output that cannot or must not be written, or has none of the suffixes. Raises UsageError."""
+    """Refuse, before any work is done, an output that cannot or must not be written, or
+    has none of the suffixes. Raises UsageError.
+    """
     if str(path) in ("-", ".", ""):
-        raise UsageError(f"{str(path)!r} is not the name of a file; this output cannot be written to standard output")
+        raise UsageError(
+            f"{str(path)!r} is not the name of a file; this output cannot be written to"
+            " standard output"
+        )
     if suffixes and path.suffix.lower() not in suffixes:
         *some, last = suffixes
-        raise UsageError(f"{path}: expected a name that ends in {', '.join(some)}{' or ' if some else ''}{last}")
+        raise UsageError(
+            f"{path}: expected a name that ends in"
+            f" {', '.join(some)}{' or ' if some else ''}{last}"
+        )
     target = followed(path)
     try:
         if _is_a_stream(path):
-            raise UsageError(f"{path}: is a standard stream of this call; expected the name of a file")
+            raise UsageError(
+                f"{path}: is a standard stream of this call; expected the name of a"
+                " file"
+            )
         if not target.parent.is_dir():
             raise UsageError(f"{path}: the folder {target.parent} does not exist")
         if kind := kind_of(target):
-            raise UsageError(f"{path}: is {kind}{' that leads nowhere' if os.path.islink(path) else ''}; expected the name of a file")
+            raise UsageError(
+                f"{path}: is"
+                f" {kind}{' that leads nowhere' if os.path.islink(path) else ''};"
+                " expected the name of a file"
+            )
         kind_of(_partial(target))  # a name that is too long is refused now
         if not os.access(target.parent, os.W_OK | os.X_OK):
-            raise UsageError(f"{path}: cannot be written: nothing may be written in the folder {target.parent}")
+            raise UsageError(
+                f"{path}: cannot be written: nothing may be written in the folder"
+                f" {target.parent}"
+            )
     except OSError as error:
         raise UsageError(f"{path}: cannot be written: {error.strerror}") from None
     if os.path.lexists(target) and not overwrite:
@@ -54,10 +92,14 @@ def check_target(path: Path, overwrite: bool, suffixes: tuple[str, ...] = ()) ->
 
 
 @contextmanager
-def published(path: Path, overwrite: bool, partial: Path | None = None) -> Iterator[BinaryIO]:
-    """Context of a new file to write to, which takes its name when the block ends, and is removed when the block fails.
-    partial: its name until then; a file of this name was left by a kill, and is removed. Without overwrite no file is replaced, not even
-    one that has appeared meanwhile. Raises OutputError."""
+def published(
+    path: Path, overwrite: bool, partial: Path | None = None
+) -> Iterator[BinaryIO]:
+    """Context of a new file to write to, which takes its name when the block ends, and
+    is removed when the block fails. partial: its name until then; a file of this name
+    was left by a kill, and is removed. Without overwrite no file is replaced, not even
+    one that has appeared meanwhile. Raises OutputError.
+    """
     target = followed(path)
     try:
         if partial is None:
@@ -72,28 +114,41 @@ def published(path: Path, overwrite: bool, partial: Path | None = None) -> Itera
                 file.close()
                 put_in_place(partial, target, overwrite)
             except BaseException:
-                with suppress(OSError):  # what could not be written before cannot be written now
+                with suppress(
+                    OSError
+                ):  # what could not be written before cannot be written now
                     file.close()
                 with suppress(OSError):
                     partial.unlink()
                 raise
     except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from None
+        raise OutputError(
+            f"{path}: cannot be written: {error.strerror or error}"
+        ) from None
 
 
 def put_in_place(partial: Path, target: Path, overwrite: bool) -> None:
-    """Give a complete file its final name. Raises OutputError if the name is taken and `overwrite` is false, and OSError if the file system
-    refuses."""
+    """Give a complete file its final name. Raises OutputError if the name is taken and
+    `overwrite` is false, and OSError if the file system refuses.
+    """
     if not overwrite:
         try:
-            os.link(partial, target)  # fails where the name is taken; a rename would replace the file there
+            os.link(
+                partial, target
+            )  # fails where the name is taken; a rename would replace the file there
         except FileExistsError:
-            raise OutputError(f"{target}: has appeared meanwhile; use `overwrite` to replace it") from None
-        except OSError:  # a file system without links: an empty file of this name is taken first
+            raise OutputError(
+                f"{target}: has appeared meanwhile; use `overwrite` to replace it"
+            ) from None
+        except (
+            OSError
+        ):  # a file system without links: an empty file of this name is taken first
             try:
                 open(target, "xb").close()
             except FileExistsError:
-                raise OutputError(f"{target}: has appeared meanwhile; use `overwrite` to replace it") from None
+                raise OutputError(
+                    f"{target}: has appeared meanwhile; use `overwrite` to replace it"
+                ) from None
             overwrite = True
         else:
             os.unlink(partial)

@@ -1,4 +1,6 @@
-"""Shared by the tests: the command line as a user meets it, in this process, and a spectra file to read."""
+"""Shared by the tests: the command line as a user meets it, in this process, and a
+spectra file to read.
+"""
 
 import io
 import json
@@ -17,11 +19,15 @@ from support.documents import csv_rows
 from rocking_cli import dimensionless_oscillator, parse_grid, sine, write_spectrum
 from rocking_cli.commands import main, progress
 
-settings.register_profile("the same everywhere", derandomize=True, database=None, deadline=None)
+settings.register_profile(
+    "the same everywhere", derandomize=True, database=None, deadline=None
+)
 settings.load_profile("the same everywhere")
 
 ROOT = Path(__file__).resolve().parent.parent
-os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # what the tests start keeps its compiled modules, as it does for a user
+os.environ.pop(
+    "PYTHONDONTWRITEBYTECODE", None
+)  # what the tests start keeps its compiled modules, as it does for a user
 
 
 class Done(subprocess.CompletedProcess[str]):
@@ -39,7 +45,9 @@ class Done(subprocess.CompletedProcess[str]):
 
     @property
     def rows(self) -> list[dict[str, str]]:
-        """The rows of the CSV that it printed, by the names of their columns without units."""
+        """The rows of the CSV that it printed, by the names of their columns without
+        units.
+        """
         return csv_rows(self.stdout)
 
 
@@ -48,21 +56,37 @@ Run = Callable[..., Done]
 
 @pytest.fixture
 def rocking(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
-    """Run `rocking` in an empty folder; the repository's configs are at hand as `configs`.
+    """Run `rocking` in an empty folder; the repository's configs are at hand as
+    `configs`.
 
-    In this process, with streams of its own; an exception that `main` lets through, a traceback for the user, fails the test.
+    In this process, with streams of its own; an exception that `main` lets through, a
+    traceback for the user, fails the test.
     """
     (tmp_path / "configs").symlink_to(ROOT / "configs")
 
     def run(*arguments: str, stdin: str | None = None) -> Done:
-        handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+        handlers = {
+            number: signal.getsignal(number)
+            for number in (signal.SIGINT, signal.SIGTERM)
+        }
         with monkeypatch.context() as patch:
             patch.chdir(tmp_path)
-            patch.setattr(progress, "_FIRST", 1e6)  # what is said to be long depends on the load
+            patch.setattr(
+                progress, "_FIRST", 1e6
+            )  # what is said to be long depends on the load
             patch.setattr(sys, "argv", ["rocking", *arguments])
-            patch.setattr(sys, "unraisablehook", sys.unraisablehook)  # that of pytest again afterwards
-            patch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO((stdin or "").encode()), encoding="utf-8"))
-            streams = [io.TextIOWrapper(io.BytesIO(), encoding="utf-8", write_through=True) for _ in range(2)]
+            patch.setattr(
+                sys, "unraisablehook", sys.unraisablehook
+            )  # that of pytest again afterwards
+            patch.setattr(
+                sys,
+                "stdin",
+                io.TextIOWrapper(io.BytesIO((stdin or "").encode()), encoding="utf-8"),
+            )
+            streams = [
+                io.TextIOWrapper(io.BytesIO(), encoding="utf-8", write_through=True)
+                for _ in range(2)
+            ]
             patch.setattr(sys, "stdout", streams[0])
             patch.setattr(sys, "stderr", streams[1])
             try:
@@ -79,7 +103,9 @@ def rocking(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
 
 @pytest.fixture
 def refused(rocking: Run, tmp_path: Path) -> Callable[..., str]:
-    """Run a call that must be refused: exit code, one sentence, no traceback, nothing on standard output, no new file."""
+    """Run a call that must be refused: exit code, one sentence, no traceback, nothing
+    on standard output, no new file.
+    """
 
     def run(code: int, *arguments: str, stdin: str | None = None) -> str:
         before = sorted(p.name for p in tmp_path.iterdir())
@@ -99,5 +125,12 @@ def refused(rocking: Run, tmp_path: Path) -> Callable[..., str]:
 def spectrum_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A complete spectra file of one restitution, to be read only."""
     path = tmp_path_factory.mktemp("spectra") / "s.h5"
-    write_spectrum([dimensionless_oscillator(0.9)], sine(), parse_grid("A=0.5:8:200,Omega=1:8:200"), path, workers=1, chunk_cells=5000)
+    write_spectrum(
+        [dimensionless_oscillator(0.9)],
+        sine(),
+        parse_grid("A=0.5:8:200,Omega=1:8:200"),
+        path,
+        workers=1,
+        chunk_cells=5000,
+    )
     return path

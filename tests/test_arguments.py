@@ -1,4 +1,6 @@
-"""Arguments of the public functions: whatever is wrong is told in one sentence that names the argument."""
+"""Arguments of the public functions: whatever is wrong is told in one sentence that
+names the argument.
+"""
 
 import inspect
 import pickle
@@ -9,22 +11,66 @@ import numpy as np
 import pytest
 
 import rocking_cli
-from rocking_cli import RockingError, UsageError, load_structures, parse_grid, parse_variation, read_documents, read_record, sine
+from rocking_cli import (
+    RockingError,
+    UsageError,
+    load_structures,
+    parse_grid,
+    parse_variation,
+    read_documents,
+    read_record,
+    sine,
+)
 
-FUNCTIONS = sorted(name for name in dir(rocking_cli) if inspect.isfunction(getattr(rocking_cli, name)))
+FUNCTIONS = sorted(
+    name for name in dir(rocking_cli) if inspect.isfunction(getattr(rocking_cli, name))
+)
 BLOCK = load_structures("configs/block.yaml")[0]
 # What an argument of this name may be; the others are optional.
 RIGHT = {
-    "structure": BLOCK, "structures": [BLOCK], "motion": sine(), "shaking": parse_grid("a_g=0.3g,f_g=1"), "grid": parse_grid("a_g=1,f_g=1"),
-    "system": None, "document": read_documents("configs/block.yaml")[0], "documents": read_documents("configs/block.yaml"),
-    "record": read_record("configs/motions/synthetic.at2"), "records": [], "periods": [0.5], "omegas": [1.0], "levels": [1.0, 2.0],
-    "x": np.array([1.0, 2.0]), "n": np.array([9, 9]), "z": np.array([1, 5]), "r": np.array([1.0, 2.0]), "theta_ratio": np.array([0.1, 0.5]),
-    "limit": 0.5, "median": 1.0, "beta": 0.4, "eta": 0.9, "alpha": 0.2, "amplitude": 1.0, "omega": 1.0, "duration": 1.0,
-    "paths": "configs/block.yaml", "path": "configs/block.yaml", "text": "kind: block", "kind": "block", "name": "sine", "codes": [1],
-    "source": "none.h5", "target": "none.svg", "output": "none.h5", "curves": [], "checks": [], "verdicts": [],
-    "spectrum": "none.h5", "varied": parse_variation("width=0.4:0.8:3"), "variations": ["width=0.4:0.8:3"],
+    "structure": BLOCK,
+    "structures": [BLOCK],
+    "motion": sine(),
+    "shaking": parse_grid("a_g=0.3g,f_g=1"),
+    "grid": parse_grid("a_g=1,f_g=1"),
+    "system": None,
+    "document": read_documents("configs/block.yaml")[0],
+    "documents": read_documents("configs/block.yaml"),
+    "record": read_record("configs/motions/synthetic.at2"),
+    "records": [],
+    "periods": [0.5],
+    "omegas": [1.0],
+    "levels": [1.0, 2.0],
+    "x": np.array([1.0, 2.0]),
+    "n": np.array([9, 9]),
+    "z": np.array([1, 5]),
+    "r": np.array([1.0, 2.0]),
+    "theta_ratio": np.array([0.1, 0.5]),
+    "limit": 0.5,
+    "median": 1.0,
+    "beta": 0.4,
+    "eta": 0.9,
+    "alpha": 0.2,
+    "amplitude": 1.0,
+    "omega": 1.0,
+    "duration": 1.0,
+    "paths": "configs/block.yaml",
+    "path": "configs/block.yaml",
+    "text": "kind: block",
+    "kind": "block",
+    "name": "sine",
+    "codes": [1],
+    "source": "none.h5",
+    "target": "none.svg",
+    "output": "none.h5",
+    "curves": [],
+    "checks": [],
+    "verdicts": [],
+    "spectrum": "none.h5",
+    "varied": parse_variation("width=0.4:0.8:3"),
+    "variations": ["width=0.4:0.8:3"],
     "shakes": [(sine(), parse_grid("a_g=1,f_g=1"))],
-}  # fmt: skip
+}
 WRONG = [
     "nonsense",
     "",
@@ -55,20 +101,34 @@ def calls() -> Iterator[tuple[str, str]]:
 
 
 @pytest.mark.parametrize(("name", "argument"), list(calls()))
-def test_a_wrong_argument_is_told_in_one_sentence(name, argument, tmp_path, monkeypatch, pytestconfig):
+def test_a_wrong_argument_is_told_in_one_sentence(
+    name, argument, tmp_path, monkeypatch, pytestconfig
+):
     (tmp_path / "configs").symlink_to(pytestconfig.rootpath / "configs")
     monkeypatch.chdir(tmp_path)
     function = getattr(rocking_cli, name)
-    needed = {p.name for p in inspect.signature(function).parameters.values() if p.default is p.empty and p.kind is not p.VAR_KEYWORD}
-    told = [str(error) for wrong in WRONG if (error := raised(function, RIGHT, needed, {argument: wrong})) is not None]
+    needed = {
+        p.name
+        for p in inspect.signature(function).parameters.values()
+        if p.default is p.empty and p.kind is not p.VAR_KEYWORD
+    }
+    told = [
+        str(error)
+        for wrong in WRONG
+        if (error := raised(function, RIGHT, needed, {argument: wrong})) is not None
+    ]
     assert told
     assert not [text for text in told if "\n" in text]
 
 
 def raised(function, right, needed, given):
-    """The RockingError of a call, None if it has a result; any other exception fails the test."""
+    """The RockingError of a call, None if it has a result; any other exception fails
+    the test.
+    """
     try:
-        found = function(**({key: value for key, value in right.items() if key in needed} | given))
+        found = function(
+            **({key: value for key, value in right.items() if key in needed} | given)
+        )
         list(found) if inspect.isgenerator(found) else found
     except RockingError as error:
         return error
@@ -77,30 +137,77 @@ def raised(function, right, needed, given):
 
 GRID = parse_grid("a_g=0.3g,f_g=1")
 SENTENCES = [
-    (lambda: rocking_cli.check("column.yaml", sine(), GRID), "check: `structure`: found the text 'column.yaml'; expected a RockingParam"),
-    (lambda: rocking_cli.check([BLOCK], sine(), GRID), "`structure`: found a list of 1 item; .* write structure.0."),
-    (lambda: rocking_cli.spectrum(BLOCK, sine(), GRID), "`structures`: found a RockingParameters; .* write .structures."),
+    (
+        lambda: rocking_cli.check("column.yaml", sine(), GRID),
+        "check: `structure`: found the text 'column.yaml'; expected a RockingParam",
+    ),
+    (
+        lambda: rocking_cli.check([BLOCK], sine(), GRID),
+        "`structure`: found a list of 1 item; .* write structure.0.",
+    ),
+    (
+        lambda: rocking_cli.spectrum(BLOCK, sine(), GRID),
+        "`structures`: found a RockingParameters; .* write .structures.",
+    ),
     (
         lambda: rocking_cli.spectrum(["a.yaml"], sine(), GRID),
-        "found a list with the text 'a.yaml' in it; expected a list of RockingParameters",
+        (
+            "found a list with the text 'a.yaml' in it; expected a list of"
+            " RockingParameters"
+        ),
     ),
-    (lambda: rocking_cli.check(BLOCK, sine(), 0.3), "`shaking`: found the number 0.3; expected a Grid .see parse_grid. or None"),
+    (
+        lambda: rocking_cli.check(BLOCK, sine(), 0.3),
+        "`shaking`: found the number 0.3; expected a Grid .see parse_grid. or None",
+    ),
     (lambda: rocking_cli.check(BLOCK), "check: missing a required argument: 'motion'"),
-    (lambda: rocking_cli.read_motion("configs/motions/synthetic.at2", units="g"), "an argument 'units' .did you mean 'unit'"),
-    (lambda: rocking_cli.spectrum([BLOCK], sine(), GRID, worker=2), "an argument 'worker' .did you mean 'workers'"),
-    (lambda: rocking_cli.pulse("sine", cycles="2"), "pulse: `cycles`: found the text '2'; expected a number"),
-    (lambda: rocking_cli.load_structures({"kind": "block"}), "`paths`: found a dictionary; expected a path .* or a list of paths"),
-    (lambda: rocking_cli.closed_form_curves([1.0], 0.9, "nope"), "found pulse 'nope'; expected one of sine"),
-    (lambda: rocking_cli.time_history(BLOCK, sine(), GRID, "linear"), "`methods`: found the text 'linear'; expected a list of Method"),
-    (lambda: rocking_cli.export_fragility([], "f.xml"), "`curves`: found an empty list"),
-    (lambda: rocking_cli.HazardCurve("a", [1.0, 0.1]), "HazardCurve: `x`: found the text 'a'; expected an array of numbers"),
-    (lambda: rocking_cli.Resampling("many"), "Resampling: `samples`: found the text 'many'; expected a whole number"),
-    (lambda: rocking_cli.Grid(1.0, 2.0), "Grid: `amplitude`: found the number 1.0; expected an Axis"),
+    (
+        lambda: rocking_cli.read_motion("configs/motions/synthetic.at2", units="g"),
+        "an argument 'units' .did you mean 'unit'",
+    ),
+    (
+        lambda: rocking_cli.spectrum([BLOCK], sine(), GRID, worker=2),
+        "an argument 'worker' .did you mean 'workers'",
+    ),
+    (
+        lambda: rocking_cli.pulse("sine", cycles="2"),
+        "pulse: `cycles`: found the text '2'; expected a number",
+    ),
+    (
+        lambda: rocking_cli.load_structures({"kind": "block"}),
+        "`paths`: found a dictionary; expected a path .* or a list of paths",
+    ),
+    (
+        lambda: rocking_cli.closed_form_curves([1.0], 0.9, "nope"),
+        "found pulse 'nope'; expected one of sine",
+    ),
+    (
+        lambda: rocking_cli.time_history(BLOCK, sine(), GRID, "linear"),
+        "`methods`: found the text 'linear'; expected a list of Method",
+    ),
+    (
+        lambda: rocking_cli.export_fragility([], "f.xml"),
+        "`curves`: found an empty list",
+    ),
+    (
+        lambda: rocking_cli.HazardCurve("a", [1.0, 0.1]),
+        "HazardCurve: `x`: found the text 'a'; expected an array of numbers",
+    ),
+    (
+        lambda: rocking_cli.Resampling("many"),
+        "Resampling: `samples`: found the text 'many'; expected a whole number",
+    ),
+    (
+        lambda: rocking_cli.Grid(1.0, 2.0),
+        "Grid: `amplitude`: found the number 1.0; expected an Axis",
+    ),
 ]
 
 
 @pytest.mark.parametrize(("call", "words"), SENTENCES)
-def test_the_sentence_names_the_argument_what_was_found_and_what_is_expected(call, words):
+def test_the_sentence_names_the_argument_what_was_found_and_what_is_expected(
+    call, words
+):
     with pytest.raises(UsageError, match=words):
         call()
 

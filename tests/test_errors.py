@@ -14,8 +14,18 @@ OPTIONS = ["--a-g", "--f-g", "--T-g", "--grid", "--motion", "--Omega"]
         ("--omega", OPTIONS, None, "'--Omega'"),
         ("--gird", OPTIONS, None, "'--grid'"),
         ("--pga", OPTIONS, {"--pga": "--a-g"}, "'--a-g'"),
-        ("--pga", ["--b"], {"--pga": "--a-g"}, None),  # what is meant is not to be had here
-        ("Ricker", ["sine", "ricker-symmetric", "ricker-antisymmetric"], None, "'ricker-symmetric' or 'ricker-antisymmetric'"),
+        (
+            "--pga",
+            ["--b"],
+            {"--pga": "--a-g"},
+            None,
+        ),  # what is meant is not to be had here
+        (
+            "Ricker",
+            ["sine", "ricker-symmetric", "ricker-antisymmetric"],
+            None,
+            "'ricker-symmetric' or 'ricker-antisymmetric'",
+        ),
         ("omega", ["A", "Omega", "omega_g"], None, "'Omega' or 'omega_g'"),
         ("b", ["block", "beam"], None, None),  # a letter begins too much
         ("zzz", OPTIONS, None, None),
@@ -23,4 +33,6 @@ OPTIONS = ["--a-g", "--f-g", "--T-g", "--grid", "--motion", "--Omega"]
     ],
 )
 def test_the_word_that_was_meant(word, known, meant, said):
-    assert did_you_mean(word, known, meant) == ("" if said is None else f" (did you mean {said}?)")
+    assert did_you_mean(word, known, meant) == (
+        "" if said is None else f" (did you mean {said}?)"
+    )

@@ -1,4 +1,6 @@
-"""A stop that is asked for where Python cannot raise it is remembered, and no traceback is printed of it."""
+"""A stop that is asked for where Python cannot raise it is remembered, and no traceback
+is printed of it.
+"""
 
 import subprocess
 import sys
@@ -26,7 +28,9 @@ except KeyboardInterrupt:
 
 
 def test_a_stop_inside_a_finalizer_is_remembered_and_not_printed():
-    done = subprocess.run([sys.executable, "-c", FINALIZERS], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", FINALIZERS], capture_output=True, text=True, check=True
+    )
     assert done.stdout == "remembered\n"
     assert "KeyboardInterrupt" not in done.stderr
     assert "ValueError: a fault" in done.stderr

@@ -1,4 +1,6 @@
-"""What POSIX alone offers is not needed: every module is imported, and a spectra file written and read, without these names."""
+"""What POSIX alone offers is not needed: every module is imported, and a spectra file
+written and read, without these names.
+"""
 
 import subprocess
 import sys
@@ -45,7 +47,18 @@ draw("s.h5", "s.svg")
 
 
 def test_nothing_of_posix_is_needed(tmp_path):
-    done = subprocess.run([sys.executable, "-c", WITHOUT], cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", WITHOUT],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr
-    assert done.stdout.splitlines() == ["[True, True, False, False]", "200 ['s.h5']", "True [] (1, 20, 20)"]
+    assert done.stdout.splitlines() == [
+        "[True, True, False, False]",
+        "200 ['s.h5']",
+        "True [] (1, 20, 20)",
+    ]
     assert sorted(p.name for p in tmp_path.iterdir()) == ["s.h5", "s.svg"]

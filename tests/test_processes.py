@@ -1,4 +1,6 @@
-"""Processes: results in order, whatever fails is said, and nobody waits for one that cannot answer."""
+"""Processes: results in order, whatever fails is said, and nobody waits for one that
+cannot answer.
+"""
 
 import os
 import resource
@@ -46,15 +48,25 @@ class Untold(Exception):
     def __init__(self, one: int, two: int) -> None:
         super().__init__(f"{one} and {two}")
 
-    def __reduce__(self) -> tuple[type["Untold"], tuple[int]]:  # in as many words, since some packages teach exceptions to travel
+    def __reduce__(
+        self,
+    ) -> tuple[
+        type["Untold"], tuple[int]
+    ]:  # in as many words, since some packages teach exceptions to travel
         return Untold, (1,)
 
 
-FAULTS = {"refused": UsageError("not 1"), "no file": FileNotFoundError(2, "No such file", "1"), "untold": Untold(1, 1)}
+FAULTS = {
+    "refused": UsageError("not 1"),
+    "no file": FileNotFoundError(2, "No such file", "1"),
+    "untold": Untold(1, 1),
+}
 
 
 def fails(how: str) -> object:
-    """Raise one of the faults, the first of two last; or return, or do, what a process cannot."""
+    """Raise one of the faults, the first of two last; or return, or do, what a process
+    cannot.
+    """
     if how != "refused":
         time.sleep(0.1)
     if how in FAULTS:
@@ -65,7 +77,11 @@ def fails(how: str) -> object:
 
 
 def signals(_: int) -> tuple[object, object, set[int]]:
-    return signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM), {int(s) for s in signal.pthread_sigmask(signal.SIG_BLOCK, ())}
+    return (
+        signal.getsignal(signal.SIGINT),
+        signal.getsignal(signal.SIGTERM),
+        {int(s) for s in signal.pthread_sigmask(signal.SIG_BLOCK, ())},
+    )
 
 
 @pytest.mark.parametrize("method", ["spawn", pytest.param("fork", marks=linux)])
@@ -102,10 +118,16 @@ def test_the_first_items_are_under_way_before_a_result_is_asked_for(tmp_path):
         ("no file", FileNotFoundError, "No such file"),
         ("untold", RuntimeError, "two"),
         ("unpicklable", AttributeError, "lambda"),
-        ("dies", OutputError, r"^a worker process died by signal 9 \(out of memory\?\); fewer$"),
+        (
+            "dies",
+            OutputError,
+            r"^a worker process died by signal 9 \(out of memory\?\); fewer$",
+        ),
     ],
 )
-def test_what_a_task_raises_is_raised_here_and_a_death_is_told_with_its_signal(how, error, words):
+def test_what_a_task_raises_is_raised_here_and_a_death_is_told_with_its_signal(
+    how, error, words
+):
     with pytest.raises(error, match=words), processes(2, fails, "fewer") as run:
         list(run([how, "refused"]))
 
@@ -136,10 +158,15 @@ def test_a_block_that_ends_waits_for_no_process_that_has_stopped():
 
 
 @linux
-@pytest.mark.parametrize("how", [lambda *_: os.kill(os.getpid(), signal.SIGKILL), lambda *_: os._exit(3)])
+@pytest.mark.parametrize(
+    "how", [lambda *_: os.kill(os.getpid(), signal.SIGKILL), lambda *_: os._exit(3)]
+)
 def test_a_death_while_starting_is_told(how, monkeypatch):
     monkeypatch.setattr(room, "_begin", how)
-    with pytest.raises(OutputError, match="a worker process died"), processes(3, who, "") as run:
+    with (
+        pytest.raises(OutputError, match="a worker process died"),
+        processes(3, who, "") as run,
+    ):
         list(run([1]))
 
 
@@ -151,7 +178,13 @@ def test_too_few_descriptors_are_a_sentence():
     resource.setrlimit(resource.RLIMIT_NOFILE, (free + 6, before[1]))
     try:
         with (
-            pytest.raises(OutputError, match=r"^4 worker processes cannot be started: Too many open files; fewer$"),
+            pytest.raises(
+                OutputError,
+                match=(
+                    r"^4 worker processes cannot be started: Too many open files;"
+                    r" fewer$"
+                ),
+            ),
             processes(4, who, "fewer"),
         ):
             pass
@@ -178,7 +211,9 @@ def test_a_process_has_no_handler_of_its_parent():
 
 @linux
 def test_a_stop_while_forking_reaches_no_handler_in_the_child(monkeypatch, tmp_path):
-    """The child sends itself SIGTERM before it has set its handlers: it must wait until they are set, and end by it."""
+    """The child sends itself SIGTERM before it has set its handlers: it must wait until
+    they are set, and end by it.
+    """
     begin = room._begin
 
     def stopped(*arguments):
@@ -191,7 +226,10 @@ def test_a_stop_while_forking_reaches_no_handler_in_the_child(monkeypatch, tmp_p
     before = signal.signal(signal.SIGTERM, of_the_parent)
     monkeypatch.setattr(room, "_begin", stopped)
     try:
-        with pytest.raises(OutputError, match="died by signal 15"), processes(1, who, "") as run:
+        with (
+            pytest.raises(OutputError, match="died by signal 15"),
+            processes(1, who, "") as run,
+        ):
             list(run([0]))
     finally:
         signal.signal(signal.SIGTERM, before)

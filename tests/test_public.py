@@ -1,4 +1,6 @@
-"""The public names: one list, examples that run, exceptions that can be caught, types that a checker sees."""
+"""The public names: one list, examples that run, exceptions that can be caught, types
+that a checker sees.
+"""
 
 import ast
 import builtins
@@ -14,12 +16,34 @@ import pytest
 import xarray
 
 import rocking_cli
-from rocking_cli import UsageError, build_structure, dimensionless_oscillator, load_structures, parse_documents, parse_grid, sine, spectrum
+from rocking_cli import (
+    UsageError,
+    build_structure,
+    dimensionless_oscillator,
+    load_structures,
+    parse_documents,
+    parse_grid,
+    sine,
+    spectrum,
+)
 from rocking_cli.commands import COMMANDS
 from rocking_cli.commands.help import page
 
 PUBLIC = {name: getattr(rocking_cli, name) for name in dir(rocking_cli)}
-ELSEWHERE = {"Any", "Array", "Axes", "Callable", "Iterable", "Iterator", "Mapping", "Path", "Sequence", "Unpack", "ndarray", "progress"}
+ELSEWHERE = {
+    "Any",
+    "Array",
+    "Axes",
+    "Callable",
+    "Iterable",
+    "Iterator",
+    "Mapping",
+    "Path",
+    "Sequence",
+    "Unpack",
+    "ndarray",
+    "progress",
+}
 FUNCTIONS = sorted(name for name, thing in PUBLIC.items() if inspect.isfunction(thing))
 
 
@@ -27,43 +51,80 @@ def test_every_name_is_there_and_no_other():
     everything: dict[str, object] = {}
     exec("from rocking_cli import *", everything)
     assert everything.keys() - {"__builtins__"} == PUBLIC.keys()
-    assert {"check", "predict", "family", "draw", "spectrum", "UsageError"} <= PUBLIC.keys()
+    assert {
+        "check",
+        "predict",
+        "family",
+        "draw",
+        "spectrum",
+        "UsageError",
+    } <= PUBLIC.keys()
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = rocking_cli.nothing
 
 
 def test_types_are_shipped(pytestconfig):
     assert (pytestconfig.rootpath / "rocking_cli" / "py.typed").is_file()
-    stub = ast.parse((pytestconfig.rootpath / "rocking_cli" / "__init__.pyi").read_text())
-    listed = [alias.name for node in stub.body if isinstance(node, ast.ImportFrom) for alias in node.names]
+    stub = ast.parse(
+        (pytestconfig.rootpath / "rocking_cli" / "__init__.pyi").read_text()
+    )
+    listed = [
+        alias.name
+        for node in stub.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    ]
     assert sorted([*listed, "__version__"]) == dir(rocking_cli)
 
 
 def test_the_page_of_help_lists_every_name():
     named = set(re.findall(r"\w+", page("python")))
     assert sorted(PUBLIC.keys() - named - {"__version__"}) == []
-    assert sorted(COMMANDS.keys() - set(re.findall(r"rocking (\w+) +\w", page("python"))) - {"help"}) == []
+    assert (
+        sorted(
+            COMMANDS.keys()
+            - set(re.findall(r"rocking (\w+) +\w", page("python")))
+            - {"help"}
+        )
+        == []
+    )
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_types_in_signatures_are_public(name):
-    """Annotations are texts, or types where a module does not import those of `__future__`."""
-    types = [one if isinstance(one, str) else inspect.formatannotation(one) for one in inspect.get_annotations(PUBLIC[name]).values()]
-    named = {word for one in types for word in re.findall(r"(?<!\w)[A-Za-z]\w*(?![\w.])", one.replace("<class ", ""))}
+    """Annotations are texts, or types where a module does not import those of
+    `__future__`.
+    """
+    types = [
+        one if isinstance(one, str) else inspect.formatannotation(one)
+        for one in inspect.get_annotations(PUBLIC[name]).values()
+    ]
+    named = {
+        word
+        for one in types
+        for word in re.findall(
+            r"(?<!\w)[A-Za-z]\w*(?![\w.])", one.replace("<class ", "")
+        )
+    }
     assert sorted(named - PUBLIC.keys() - set(dir(builtins)) - ELSEWHERE) == []
 
 
 def test_a_function_stands_before_the_subpackage_of_its_name():
     from rocking_cli.fragility import fits
 
-    assert (rocking_cli.fragility, rocking_cli.fit_stripes) == (PUBLIC["fragility"], PUBLIC["fit_stripes"])
+    assert (rocking_cli.fragility, rocking_cli.fit_stripes) == (
+        PUBLIC["fragility"],
+        PUBLIC["fit_stripes"],
+    )
     assert rocking_cli.fit_stripes.__wrapped__ is fits.fit_stripes
 
 
 def test_a_drawing_goes_into_axes_of_the_caller(tmp_path):
     figure = pytest.importorskip("matplotlib.figure").Figure()
     bodies = [dimensionless_oscillator(0.9), dimensionless_oscillator(0.8)]
-    rocking_cli.write_spectrum(bodies, sine(), parse_grid("A=1:8:9,Omega=4:5:2"), tmp_path / "d.h5", workers=1)
+    rocking_cli.write_spectrum(
+        bodies, sine(), parse_grid("A=1:8:9,Omega=4:5:2"), tmp_path / "d.h5", workers=1
+    )
     one, other = figure.subplots(1, 2)
     size = tuple(figure.get_size_inches())
     assert rocking_cli.draw(tmp_path / "d.h5", other, cut="Omega=5") is other
@@ -80,13 +141,18 @@ def test_a_record_needs_no_grid():
     found = rocking_cli.check(block, recording, a_max=None)
     assert found.demand_a == pytest.approx(recording.acceleration, rel=1e-12)
     (history,) = rocking_cli.compare([block], recording)
-    assert history.histories["nonlinear"].theta_ratio == pytest.approx(found.theta_ratio, rel=1e-9)
-    assert float(spectrum([block], recording.record, workers=1).scene.grid.amplitude.values[0]) == pytest.approx(
-        recording.acceleration / 0.7
+    assert history.histories["nonlinear"].theta_ratio == pytest.approx(
+        found.theta_ratio, rel=1e-9
     )
+    assert float(
+        spectrum([block], recording.record, workers=1).scene.grid.amplitude.values[0]
+    ) == pytest.approx(recording.acceleration / 0.7)
     with pytest.raises(UsageError, match="no grid; expected one"):
         rocking_cli.check(block, sine())
-    with pytest.raises(UsageError, match=r"a record runs in its own time; expected Omega = 1/p = 0\.3\d+ alone"):
+    with pytest.raises(
+        UsageError,
+        match=r"a record runs in its own time; expected Omega = 1/p = 0\.3\d+ alone",
+    ):
         rocking_cli.trace_envelope(block, recording, [6.28])
     with pytest.raises(UsageError, match="expected no axis"):
         rocking_cli.envelope(block, recording, "f_g=1")
@@ -96,7 +162,9 @@ def test_a_record_needs_no_grid():
 def test_the_examples_of_a_function_run(name, tmp_path, monkeypatch, pytestconfig):
     (tmp_path / "configs").symlink_to(pytestconfig.rootpath / "configs")
     monkeypatch.chdir(tmp_path)
-    examples = doctest.DocTestFinder(recurse=False).find(PUBLIC[name], name, globs=dict(PUBLIC))
+    examples = doctest.DocTestFinder(recurse=False).find(
+        PUBLIC[name], name, globs=dict(PUBLIC)
+    )
     assert examples[0].examples, "has none"
     said: list[str] = []
     result = doctest.DocTestRunner().run(examples[0], out=said.append)
@@ -105,12 +173,24 @@ def test_the_examples_of_a_function_run(name, tmp_path, monkeypatch, pytestconfi
 
 @pytest.mark.parametrize("name", sorted(set(PUBLIC) - {"__version__"}))
 def test_exceptions_that_a_docstring_names_are_public(name):
-    named = re.findall(r"\b[A-Z]\w*Error\b|\bInterrupted\b", inspect.getdoc(PUBLIC[name]) or "")
-    assert [error for error in named if error not in PUBLIC and not hasattr(builtins, error)] == []
+    named = re.findall(
+        r"\b[A-Z]\w*Error\b|\bInterrupted\b", inspect.getdoc(PUBLIC[name]) or ""
+    )
+    assert [
+        error for error in named if error not in PUBLIC and not hasattr(builtins, error)
+    ] == []
 
 
 def test_structures_motion_and_grid_stand_in_this_order():
-    order = ("structure", "structures", "spectrum", "motion", "grid", "shaking", "omegas")
+    order = (
+        "structure",
+        "structures",
+        "spectrum",
+        "motion",
+        "grid",
+        "shaking",
+        "omegas",
+    )
     for name in FUNCTIONS:
         given = [p for p in inspect.signature(PUBLIC[name]).parameters if p in order]
         assert given == sorted(given, key=order.index), name
@@ -118,18 +198,31 @@ def test_structures_motion_and_grid_stand_in_this_order():
 
 def test_a_path_may_be_a_text_or_one_of_many(tmp_path, pytestconfig):
     block = pytestconfig.rootpath / "configs" / "block.yaml"
-    assert load_structures(block) == load_structures(str(block)) == load_structures([block]) == load_structures([str(block)])
+    assert (
+        load_structures(block)
+        == load_structures(str(block))
+        == load_structures([block])
+        == load_structures([str(block)])
+    )
 
 
 def test_a_spectrum_becomes_the_dataset_that_its_file_holds(tmp_path):
     bodies = [
-        build_structure(d) for d in parse_documents("{kind: block, width: 1, height: 4}\n---\n{name: b, kind: block, width: 1, height: 6}")
+        build_structure(d)
+        for d in parse_documents(
+            "{kind: block, width: 1, height: 4}\n---\n{name: b, kind: block, width: 1,"
+            " height: 6}"
+        )
     ]
     grid = parse_grid("a_g=1:8:5,f_g=1:3:4")
-    rocking_cli.write_spectrum(bodies, sine(), grid, str(tmp_path / "s.h5"), impacts=True, workers=1)
+    rocking_cli.write_spectrum(
+        bodies, sine(), grid, str(tmp_path / "s.h5"), impacts=True, workers=1
+    )
     ours = spectrum(bodies, sine(), grid, workers=1).to_xarray()
     with xarray.open_dataset(tmp_path / "s.h5", engine="h5netcdf") as file:
-        assert set(ours.variables) == {name for name in file.variables if not name.startswith("chunk")}
+        assert set(ours.variables) == {
+            name for name in file.variables if not name.startswith("chunk")
+        }
         for name in ours.variables:
             assert ours[name].dims == file[name].dims
             assert (name in ours.coords) == (name in file.coords)
@@ -141,7 +234,9 @@ def test_a_spectrum_becomes_the_dataset_that_its_file_holds(tmp_path):
 
 def test_without_xarray_one_sentence_says_so(monkeypatch):
     monkeypatch.setitem(sys.modules, "xarray", None)
-    found = spectrum([dimensionless_oscillator(0.9)], sine(), parse_grid("A=2,Omega=5"), workers=1)
+    found = spectrum(
+        [dimensionless_oscillator(0.9)], sine(), parse_grid("A=2,Omega=5"), workers=1
+    )
     with pytest.raises(rocking_cli.OutputError, match="to_xarray needs xarray"):
         found.to_xarray()
     with pytest.raises(UsageError):
@@ -149,7 +244,18 @@ def test_without_xarray_one_sentence_says_so(monkeypatch):
 
 
 RENAMED = [
-    *((name, "record", "row") for name in ("Verdict", "CodeCheck", "Boundary", "Fit", "Rate", "RockingParameters", "Summary")),
+    *(
+        (name, "record", "row")
+        for name in (
+            "Verdict",
+            "CodeCheck",
+            "Boundary",
+            "Fit",
+            "Rate",
+            "RockingParameters",
+            "Summary",
+        )
+    ),
     ("TimeHistory", "records", "rows"),
     ("RockingParameters", "from_record", "from_row"),
     ("Verdict", "name", "structure"),
@@ -168,7 +274,10 @@ RENAMED = [
     ("Band", "theta_high", "median_high"),
     ("Work", "chatters_closed", "sequences_closed"),
 ]
-HOMES = {"Band": "fragility.fits", "Work": "dynamics.outcome"}  # of those that are not public
+HOMES = {
+    "Band": "fragility.fits",
+    "Work": "dynamics.outcome",
+}  # of those that are not public
 
 
 def names_of(kind):
@@ -183,12 +292,18 @@ def test_old_names_are_gone_and_the_changes_say_what_replaces_them(kind, old, ne
     assert new in names
     assert old not in names
     changes = Path(rocking_cli.__file__).with_name("commands") / "pages" / "changes.txt"
-    assert any(line.split()[-2:] == [old, new] for line in changes.read_text().splitlines())
+    assert any(
+        line.split()[-2:] == [old, new] for line in changes.read_text().splitlines()
+    )
 
 
 def test_old_columns_are_gone():
     block = load_structures("configs/block.yaml")[0]
-    verdict = rocking_cli.check(block, sine(), parse_grid("a_g=0.35g,f_g=1.5"), a_max=None)
+    verdict = rocking_cli.check(
+        block, sine(), parse_grid("a_g=0.35g,f_g=1.5"), a_max=None
+    )
     assert not {"name", "friction"} & verdict.row().keys()
-    summary = spectrum([block], sine(), parse_grid("A=1:3:3,Omega=2:4:2"), workers=1).summary.row()
+    summary = spectrum(
+        [block], sine(), parse_grid("A=1:3:3,Omega=2:4:2"), workers=1
+    ).summary.row()
     assert not {"chatters_closed", "elsewhere", "otherwise_cells"} & summary.keys()

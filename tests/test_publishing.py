@@ -1,4 +1,6 @@
-"""Files that are written are whole, replace nothing unasked, and leave nothing behind."""
+"""Files that are written are whole, replace nothing unasked, and
+leave nothing behind.
+"""
 
 import errno
 import os
@@ -25,7 +27,12 @@ def write(target: Path, content: bytes, overwrite: bool = False) -> None:
 
 def test_a_file_that_appears_meanwhile_is_kept(tmp_path):
     target = tmp_path / "o.svg"
-    with pytest.raises(OutputError, match=r"o\.svg: has appeared meanwhile; use `overwrite`"), published(target, overwrite=False):
+    with (
+        pytest.raises(
+            OutputError, match=r"o\.svg: has appeared meanwhile; use `overwrite`"
+        ),
+        published(target, overwrite=False),
+    ):
         target.write_bytes(b"theirs")
     assert target.read_bytes() == b"theirs"
     assert names(tmp_path) == ["o.svg"]
@@ -36,7 +43,11 @@ def test_a_file_that_appears_meanwhile_is_kept(tmp_path):
 @pytest.mark.parametrize("links", [True, False], ids=["links", "no links"])
 def test_one_of_many_writers_has_the_name(tmp_path, monkeypatch, links):
     if not links:
-        monkeypatch.setattr(os, "link", Mock(side_effect=OSError(errno.EPERM, "Operation not permitted")))
+        monkeypatch.setattr(
+            os,
+            "link",
+            Mock(side_effect=OSError(errno.EPERM, "Operation not permitted")),
+        )
     target = tmp_path / "o.svg"
 
     def one(number: int) -> int | None:
@@ -54,12 +65,18 @@ def test_one_of_many_writers_has_the_name(tmp_path, monkeypatch, links):
 
 
 def test_the_partial_file_is_a_new_one(tmp_path):
-    """Neither a link nor a file of another is taken for it, whatever they are called."""
+    """Neither a link nor a file of another is taken for it, whatever
+    they are called.
+    """
     victim = tmp_path / "victim"
     victim.write_bytes(b"precious")
     (tmp_path / "s.png.part").symlink_to("victim")
     with published(tmp_path / "s.png", overwrite=False) as file:
-        (partial,) = (p for p in tmp_path.iterdir() if p.name.startswith("s.png.") and p.name != "s.png.part")
+        (partial,) = (
+            p
+            for p in tmp_path.iterdir()
+            if p.name.startswith("s.png.") and p.name != "s.png.part"
+        )
         assert os.path.samestat(os.fstat(file.fileno()), partial.stat())
         file.write(b"figure")
     assert victim.read_bytes() == b"precious"
@@ -76,27 +93,61 @@ def test_a_link_to_a_file_stays_and_the_file_is_replaced(tmp_path):
 
 def test_a_full_disk_names_the_file_and_leaves_nothing(tmp_path):
     """A limit on the length of files is what the system offers; a figure is longer."""
-    call = f"ulimit -f 1; PYTHONDONTWRITEBYTECODE=1 exec {sys.executable} -m rocking_cli draw block:0.5x2 -o o.svg"
-    done = subprocess.run(["bash", "-c", call], cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False)
-    assert (done.returncode, done.stderr) == (1, "rocking: o.svg: cannot be written: File too large\n")
+    call = (
+        f"ulimit -f 1; PYTHONDONTWRITEBYTECODE=1 exec {sys.executable} -m rocking_cli"
+        " draw block:0.5x2 -o o.svg"
+    )
+    done = subprocess.run(
+        ["bash", "-c", call],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (
+        1,
+        "rocking: o.svg: cannot be written: File too large\n",
+    )
     assert names(tmp_path) == []
 
 
 def test_what_stops_the_writing_leaves_nothing(tmp_path):
-    for error in (KeyboardInterrupt, OSError(errno.ENOSPC, "No space left on device"), ValueError):
+    for error in (
+        KeyboardInterrupt,
+        OSError(errno.ENOSPC, "No space left on device"),
+        ValueError,
+    ):
         expected = OutputError if isinstance(error, OSError) else error
         with pytest.raises(expected), published(tmp_path / "o.svg", overwrite=False):
             raise error
     assert names(tmp_path) == []
-    with pytest.raises(OutputError, match=r"nowhere/o\.svg: cannot be written: No such file"):
+    with pytest.raises(
+        OutputError, match=r"nowhere/o\.svg: cannot be written: No such file"
+    ):
         write(tmp_path / "nowhere" / "o.svg", b"")
 
 
-@pytest.mark.parametrize(("stream", "words"), [("/dev/stdout", "is a standard stream of this call"), ("-", "is not the name of a file")])
+@pytest.mark.parametrize(
+    ("stream", "words"),
+    [
+        ("/dev/stdout", "is a standard stream of this call"),
+        ("-", "is not the name of a file"),
+    ],
+)
 def test_standard_streams_are_no_file(tmp_path, stream, words):
-    code = f"from rocking_cli.publishing import check_target; from pathlib import Path; check_target(Path({stream!r}), True)"
+    code = (
+        "from rocking_cli.publishing import check_target; from pathlib import Path;"
+        f" check_target(Path({stream!r}), True)"
+    )
     with open(tmp_path / "out", "wb") as out:
-        done = subprocess.run([sys.executable, "-c", code], stdout=out, stderr=subprocess.PIPE, text=True, check=False)
+        done = subprocess.run(
+            [sys.executable, "-c", code],
+            stdout=out,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
     assert words in done.stderr
     assert (tmp_path / "out").read_bytes() == b""
 
@@ -120,5 +171,8 @@ def test_what_cannot_be_written_is_refused_before_the_work(tmp_path, monkeypatch
     with pytest.raises(UsageError, match="is a device; expected"):
         check_target(Path("/dev/full"), overwrite=True)
     monkeypatch.setattr(os, "access", lambda *_: False)
-    with pytest.raises(UsageError, match=r"x\.svg: cannot be written: nothing may be written in the folder"):
+    with pytest.raises(
+        UsageError,
+        match=r"x\.svg: cannot be written: nothing may be written in the folder",
+    ):
         check_target(tmp_path / "x.svg", overwrite=False)

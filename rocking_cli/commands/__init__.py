@@ -21,7 +21,9 @@ SECTIONS = {
         "params": "Derive p, alpha, eta, lambda and a_scale of each structure.",
         "draw": "Draw structures to scale, with pivots, hinges and cracks.",
     },
-    "Ground motions": {"records": "Show what recorded ground motions hold, and measure them."},
+    "Ground motions": {
+        "records": "Show what recorded ground motions hold, and measure them."
+    },
     "One structure, one motion": {
         "check": "Check which structures stand, and by what margin.",
         "response": "Time history of one structure under one motion.",
@@ -46,15 +48,27 @@ SECTIONS = {
         "help": "The reference of a command or a topic, with examples.",
     },
 }
-_COLLECTED = 20_000  # objects between two garbage collections; the default of 700 collects many times during the imports
-_MEANT = {"--pga": "--a-g", "--amplitude": "--a-g", "--frequency": "--f-g", "--period": "--T-g", "--record": "--motion"}
-RENAMED = {  # options that another command uses for something else; the old name stays for one version
+# objects between two garbage collections; the default of 700 collects many times during
+# the imports
+_COLLECTED = 20_000
+_MEANT = {
+    "--pga": "--a-g",
+    "--amplitude": "--a-g",
+    "--frequency": "--f-g",
+    "--period": "--T-g",
+    "--record": "--motion",
+}
+# options that another command uses for something else; the old name stays for one
+# version
+RENAMED = {
     ("plot", "--phase"): "--phase-portrait",
     ("predict", "--exact"): "--beyond-range",
     ("response", "--dt"): "--row-step",
     ("spectrum", "--check"): "--verify-cells",
 }
-COMMANDS = {name: summary for section in SECTIONS.values() for name, summary in section.items()}
+COMMANDS = {
+    name: summary for section in SECTIONS.values() for name, summary in section.items()
+}
 
 
 class _Commands(click.Group):
@@ -66,12 +80,22 @@ class _Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in COMMANDS:
             return None
-        command: click.Command = getattr(import_module(f"{__name__}.{cmd_name}"), cmd_name)
+        command: click.Command = getattr(
+            import_module(f"{__name__}.{cmd_name}"), cmd_name
+        )
         return command
 
-    def resolve_command(self, ctx: click.Context, args: list[str]) -> tuple[str | None, click.Command | None, list[str]]:
-        if args[0] not in COMMANDS and not args[0].startswith("-") and not ctx.resilient_parsing:
-            raise click.UsageError(f"No such command {args[0]!r}{did_you_mean(args[0], COMMANDS)}", ctx)
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if (
+            args[0] not in COMMANDS
+            and not args[0].startswith("-")
+            and not ctx.resilient_parsing
+        ):
+            raise click.UsageError(
+                f"No such command {args[0]!r}{did_you_mean(args[0], COMMANDS)}", ctx
+            )
         name, command, rest = super().resolve_command(ctx, args)
         rest = _renamed(name, rest)
         if command is not None and not ctx.resilient_parsing:
@@ -87,15 +111,24 @@ class _Commands(click.Group):
                 error.args = (in_options(str(error), command),)
             raise
 
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+    def format_commands(
+        self, ctx: click.Context, formatter: click.HelpFormatter
+    ) -> None:
         widest = max(map(len, COMMANDS))
         for title, commands in SECTIONS.items():
             with formatter.section(title):
-                formatter.write_dl([(name.ljust(widest), summary) for name, summary in commands.items()])
+                formatter.write_dl(
+                    [
+                        (name.ljust(widest), summary)
+                        for name, summary in commands.items()
+                    ]
+                )
 
 
 def _renamed(command: str | None, arguments: list[str]) -> list[str]:
-    """Return the arguments of a command with the new names of its options, and say so."""
+    """Return the arguments of a command with the new names of its options,
+    and say so.
+    """
     known = {old: new for (name, old), new in RENAMED.items() if name == command}
     end = arguments.index("--") if "--" in arguments else len(arguments)
     found = []
@@ -103,14 +136,19 @@ def _renamed(command: str | None, arguments: list[str]) -> list[str]:
         old, equals, value = argument.partition("=")
         if old in known:
             if not {"-q", "--quiet"} & set(arguments):
-                streams.say(f"{old} of rocking {command} is now called {known[old]}; the old name goes with the next version")
+                streams.say(
+                    f"{old} of rocking {command} is now called {known[old]}; the old"
+                    " name goes with the next version"
+                )
             argument = f"{known[old]}{equals}{value}"
         found.append(argument)
     return [*found, *arguments[end:]]
 
 
 def _refuse_repetitions(context: click.Context, arguments: list[str]) -> None:
-    """Raise click.UsageError if an option that takes one value is given twice; click would keep the last one silently."""
+    """Raise click.UsageError if an option that takes one value is given twice; click
+    would keep the last one silently.
+    """
     _, _, order = context.command.make_parser(context).parse_args(list(arguments))
     given: dict[str | None, click.Option] = {}
     for option in order:
@@ -119,37 +157,69 @@ def _refuse_repetitions(context: click.Context, arguments: list[str]) -> None:
         if option.name not in given:
             given[option.name] = option
         elif given[option.name] is not option:
-            raise click.UsageError(f"{given[option.name].opts[-1]} does not go with {option.opts[-1]}", context)
+            raise click.UsageError(
+                f"{given[option.name].opts[-1]} does not go with {option.opts[-1]}",
+                context,
+            )
         elif not option.is_flag:
-            raise click.UsageError(f"{option.opts[-1]} is given twice; expected one value", context)
+            raise click.UsageError(
+                f"{option.opts[-1]} is given twice; expected one value", context
+            )
 
 
 def _no_such_option(error: click.NoSuchOption, arguments: list[str]) -> str:
-    """Return the sentence for an unknown option, with the long option that is probably meant."""
+    """Return the sentence for an unknown option, with the long option that is probably
+    meant.
+    """
     name = error.option_name
     if not name.startswith("--"):  # of -pulse click sees -p
-        name = next((a.partition("=")[0] for a in arguments if a.startswith(name) and not a.startswith("--")), name)
-    long = [o for p in error.ctx.command.params for o in p.opts if o.startswith("--")] if error.ctx is not None else []
-    return f"No such option {name}{did_you_mean('--' + name.lstrip('-'), [*long, '--help'], _MEANT)}"
+        name = next(
+            (
+                a.partition("=")[0]
+                for a in arguments
+                if a.startswith(name) and not a.startswith("--")
+            ),
+            name,
+        )
+    long = (
+        [o for p in error.ctx.command.params for o in p.opts if o.startswith("--")]
+        if error.ctx is not None
+        else []
+    )
+    return (
+        "No such option"
+        f" {name}{did_you_mean('--' + name.lstrip('-'), [*long, '--help'], _MEANT)}"
+    )
 
 
-@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]}, epilog="Example: rocking params configs/block.yaml")
+@click.group(
+    cls=_Commands,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    epilog="Example: rocking params configs/block.yaml",
+)
 @click.version_option(__version__, prog_name="rocking")
 def cli() -> None:
     """Rocking parameters and rocking spectra of masonry structures.
 
-    Exit codes: 0 done, 1 failed, 2 usage, 3 invalid document, 4 finished with some cells failed, 5 check --fail-on, 130 interrupted.
+    Exit codes: 0 done, 1 failed, 2 usage, 3 invalid document, 4 finished with some
+    cells failed, 5 check --fail-on, 130 interrupted.
     """
 
 
 def main(arguments: list[str] | None = None) -> Any:
-    """Run the command line. A failure prints one sentence on standard error and ends with its documented exit code."""
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # others wait for work that never comes, at full speed, from NumPy's import on
+    """Run the command line. A failure prints one sentence on standard error and ends
+    with its documented exit code.
+    """
+    os.environ.setdefault(
+        "OPENBLAS_NUM_THREADS", "1"
+    )  # others wait for work that never comes, at full speed, from NumPy's import on
     gc.set_threshold(_COLLECTED)
     listen()
     with streams.guarded(), progress.reporting():
         try:
-            return sys.exit(cli.main(arguments, prog_name="rocking", standalone_mode=False) or 0)
+            return sys.exit(
+                cli.main(arguments, prog_name="rocking", standalone_mode=False) or 0
+            )
         except click.exceptions.NoArgsIsHelpError as error:
             for line in error.format_message().splitlines():
                 streams.say(line)
@@ -158,10 +228,16 @@ def main(arguments: list[str] | None = None) -> Any:
             if isinstance(error, click.UsageError) and error.ctx is not None:
                 said = error.format_message()
                 if isinstance(error, click.NoSuchOption):
-                    said = _no_such_option(error, sys.argv if arguments is None else arguments)
-                if "unexpected extra argument" in said and error.ctx.params.get("motion"):
+                    said = _no_such_option(
+                        error, sys.argv if arguments is None else arguments
+                    )
+                if "unexpected extra argument" in said and error.ctx.params.get(
+                    "motion"
+                ):
                     said = f"{said.rstrip('.')}; expected one FILE after each --motion"
-                if isinstance(error, click.MissingParameter):  # its choices stand in lines of their own
+                if isinstance(
+                    error, click.MissingParameter
+                ):  # its choices stand in lines of their own
                     said = " ".join(said.split())
                 streams.say(f"{error.ctx.command_path}: {said} (see --help)")
             else:
@@ -174,8 +250,15 @@ def main(arguments: list[str] | None = None) -> Any:
             streams.say("rocking: interrupted")
             sys.exit(130)
         except MemoryError:
-            streams.say("rocking: out of memory; a smaller --chunk or fewer --workers need less")
+            streams.say(
+                "rocking: out of memory; a smaller --chunk or fewer --workers need less"
+            )
             sys.exit(1)
-        except OSError as error:  # a name that the file system refuses, a disk that fails
-            streams.say(f"rocking: {f'{error.filename}: ' if error.filename else ''}{error.strerror or error}")
+        except (
+            OSError
+        ) as error:  # a name that the file system refuses, a disk that fails
+            streams.say(
+                "rocking:"
+                f" {f'{error.filename}: ' if error.filename else ''}{error.strerror or error}"
+            )
             sys.exit(2 if error.errno == errno.ENAMETOOLONG else 1)

@@ -7,21 +7,42 @@ from .command import command, group, option
 from .printing import emit, note, printed
 
 
-@command("rocking accuracy --eta 0.9 --grid A=1:10:200,Omega=1:10:200 --sample 20 --scipy 4", printed)
+@command(
+    "rocking accuracy --eta 0.9 --grid A=1:10:200,Omega=1:10:200 --sample 20 --scipy 4",
+    printed,
+)
 def accuracy(
     files: tuple[str, ...] = options.files(),
-    axes: str = option("--grid", "The grid of the scene, as in rocking spectrum.", required=True, metavar="AXES"),
-    sample: int = option("--sample", "Cells compared with the reference.", type=click.IntRange(1, 10_000), default=40),
-    scipy: int = option("--scipy", "Cells of the sample for each SciPy solver.", type=click.IntRange(0, 10_000), default=10),
-    seed: int = option("--seed", "Seed of the sample.", type=click.IntRange(0), default=0),
+    axes: str = option(
+        "--grid",
+        "The grid of the scene, as in rocking spectrum.",
+        required=True,
+        metavar="AXES",
+    ),
+    sample: int = option(
+        "--sample",
+        "Cells compared with the reference.",
+        type=click.IntRange(1, 10_000),
+        default=40,
+    ),
+    scipy: int = option(
+        "--scipy",
+        "Cells of the sample for each SciPy solver.",
+        type=click.IntRange(0, 10_000),
+        default=10,
+    ),
+    seed: int = option(
+        "--seed", "Seed of the sample.", type=click.IntRange(0), default=0
+    ),
     sizeless: equations.Oscillators = group(equations.Oscillators),
     motions: ground.Motions = group(ground.Motions),
     model: equations.Model = group(equations.Model),
 ) -> None:
     """Work-precision table of one structure's scene.
 
-    For the engine (the exact linear one, or the nonlinear one at tolerances from 1e-4 to 1e-12) and for SciPy's RK45, LSODA
-    and DOP853 with events: run time a cell, largest and 99th-percentile error of theta/alpha, and misjudged outcomes, against an
+    For the engine (the exact linear one, or the nonlinear one at tolerances from 1e-4
+    to 1e-12) and for SciPy's RK45, LSODA and DOP853 with events: run time a cell,
+    largest and 99th-percentile error of theta/alpha, and misjudged outcomes, against an
     independent reference (a Runge-Kutta method in small steps).
     """
     from ..motions.grid import parse_grid
@@ -36,6 +57,12 @@ def accuracy(
         raise click.UsageError(f"found {len(structures)} structures; expected one")
     methods = model.methods(structures, grid.dimensionless)
     note(*model.in_words(methods, structures, grid.dimensionless))
-    note(f"{structures[0].name}, {motion.name}; {sample} cells, seed {seed}; times in s a cell")
+    note(
+        f"{structures[0].name}, {motion.name}; {sample} cells, seed {seed}; times in s"
+        " a cell"
+    )
     scene = PulseScene(tuple(structures), grid, motion, methods[0])
-    emit(work_precision(scene, sample=sample, scipy=scipy, seed=seed), keys=("method", "tolerance"))
+    emit(
+        work_precision(scene, sample=sample, scipy=scipy, seed=seed),
+        keys=("method", "tolerance"),
+    )

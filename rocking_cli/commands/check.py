@@ -26,12 +26,25 @@ if TYPE_CHECKING:
 class CodeOptions:
     """The check by a code."""
 
-    code: str | None = option("--code", "Check by the Italian code as well: code_linear, code_slv, …", type=click.Choice(["ntc2018"]))
-    spectrum: str | None = option("--spectrum", "Spectrum for --code: CSV of T and S_a at 5 % (default: the motion's).", type=InputPath())
-    floor: tuple[str, ...] = option(
-        "--floor", "For --code: a mode of the building below the body; repeatable.", multiple=True, metavar="T=…,xi=…,gamma_psi=…"
+    code: str | None = option(
+        "--code",
+        "Check by the Italian code as well: code_linear, code_slv, …",
+        type=click.Choice(["ntc2018"]),
     )
-    fc: float | None = option("--fc", "Confidence factor of --code (default 1).", type=NUMBER)
+    spectrum: str | None = option(
+        "--spectrum",
+        "Spectrum for --code: CSV of T and S_a at 5 % (default: the motion's).",
+        type=InputPath(),
+    )
+    floor: tuple[str, ...] = option(
+        "--floor",
+        "For --code: a mode of the building below the body; repeatable.",
+        multiple=True,
+        metavar="T=…,xi=…,gamma_psi=…",
+    )
+    fc: float | None = option(
+        "--fc", "Confidence factor of --code (default 1).", type=NUMBER
+    )
 
     def rows(self, verdict_only: bool) -> CodeRows | None:
         """Return the checks by the code, None without --code. Raises UsageError."""
@@ -48,33 +61,45 @@ class CodeOptions:
         return None
 
 
-@command("rocking check configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 --sort capacity", printed)
+@command(
+    "rocking check configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 --sort"
+    " capacity",
+    printed,
+)
 def check(
     files: tuple[str, ...] = options.files(),
     asked: ground.Directed = group(ground.Directed),
     of_code: CodeOptions = group(CodeOptions),
     a_max: Limit = options.a_max(),
     sign: str = ground.sign(),
-    verdict_only: bool = flag("--verdict-only", "Skip the search; first_overturning_a and safe_to stay empty."),
+    verdict_only: bool = flag(
+        "--verdict-only", "Skip the search; first_overturning_a and safe_to stay empty."
+    ),
     inset_effect: bool = options.inset_effect(),
     vary: tuple[str, ...] = options.vary(),
     sort: str | None = options.sort(),
     fail_on: str | None = option(
-        "--fail-on", "Exit code 5 if a structure falls or loses contact, in either direction.", type=click.Choice(["overturning"])
+        "--fail-on",
+        "Exit code 5 if a structure falls or loses contact, in either direction.",
+        type=click.Choice(["overturning"]),
     ),
     output: Path | None = options.output("Draw the capacities: .png, .svg or .pdf."),
     overwrite: bool = options.overwrite(),
     workers: int | None = options.workers(),
 ) -> int:
-    """Check which structures stand under a motion, and find the lowest amplitude that overturns each.
+    """Check which structures stand under a motion, and find the lowest amplitude that
+    overturns each.
 
-    One row for each structure (a stack: for each interface) and motion: the outcome and theta_max/alpha by the governing equation
-    (nonlinear for a known geometry in units: a_g, f_g, a record; linear on dimensionless axes, A, Omega, and for stated parameters);
-    top_displacement from the position of rest; demand_a, the amplitude of the motion; uplift_a and first_overturning_a, the lowest
-    amplitudes that lift and overturn the body; capacity_demand, first_overturning_a over demand_a, in a table as `> 13` if no amplitude up
-    to 13 times the demand overturns; safe_to, the end of the safe interval around the demand; outcome_linear; friction_needed and fz_min of
-    a rigid body; opens, if a further hinge of an arch opens. Accelerations are in m/s2 (JSON, CSV) or in the unit of the request (table),
-    unless --units says otherwise.
+    One row for each structure (a stack: for each interface) and motion: the outcome and
+    theta_max/alpha by the governing equation (nonlinear for a known geometry in units:
+    a_g, f_g, a record; linear on dimensionless axes, A, Omega, and for stated
+    parameters); top_displacement from the position of rest; demand_a, the amplitude of
+    the motion; uplift_a and first_overturning_a, the lowest amplitudes that lift and
+    overturn the body; capacity_demand, first_overturning_a over demand_a, in a table as
+    `> 13` if no amplitude up to 13 times the demand overturns; safe_to, the end of the
+    safe interval around the demand; outcome_linear; friction_needed and fz_min of a
+    rigid body; opens, if a further hinge of an arch opens. Accelerations are in m/s2
+    (JSON, CSV) or in the unit of the request (table), unless --units says otherwise.
     """
     from ..dynamics.outcome import Outcome
     from .check_demands import at_worst, opposite_outcomes, stated_demands
@@ -84,7 +109,12 @@ def check(
     if output is not None:
         options.check_target(output, overwrite)
     if by_code and of_code.spectrum and not stated.shakes:
-        refuse("needs a motion: under --spectrum alone nothing is shaken", "fail_on", "sort", "inset_effect")
+        refuse(
+            "needs a motion: under --spectrum alone nothing is shaken",
+            "fail_on",
+            "sort",
+            "inset_effect",
+        )
         by_code.alone(stated.structures, stated.varied, output, overwrite)
         return 0
     limit = None if verdict_only else a_max
@@ -112,8 +142,9 @@ def _printed(
     by_code: CodeRows | None,
     by_capacity: bool,
 ) -> list[Verdict]:
-    """Print a row for each demand and return the verdicts: JSON and CSV as soon as each is
-    known, a table when all are."""
+    """Print a row for each demand and return the verdicts: JSON and CSV as soon as each
+    is known, a table when all are.
+    """
     from ..responses.check import CHECK_COLUMNS, CHECK_KEYS, verdicts
     from .check_rows import UNSEEN, row_of
 
@@ -140,7 +171,14 @@ def _printed(
 
     every: Iterable[dict[str, Any]] = list(rows()) if form() is None else rows()
     units = "g,mm,deg" if _in_g(demands.asked) else "mm,deg"
-    emit(every, CHECK_COLUMNS, keys=CHECK_KEYS, table_units=units, unseen=UNSEEN, varied=demands.varied)
+    emit(
+        every,
+        CHECK_COLUMNS,
+        keys=CHECK_KEYS,
+        table_units=units,
+        unseen=UNSEEN,
+        varied=demands.varied,
+    )
     return judged
 
 
@@ -151,7 +189,9 @@ def _draw(
     in_g: bool,
     overwrite: bool,
 ) -> None:
-    """Draw the capacities, or the capacity curves of the code, if the call has an output."""
+    """Draw the capacities, or the capacity curves of the code, if the call has an
+    output.
+    """
     if output is None:
         return
     if by_code:
@@ -190,9 +230,14 @@ def _lines(
     if inset_effect:
         yield from inset_effects(judged, demands, limit)
     elif may_be_worn(judged, demands.rows):
-        yield "worn or rounded edges lower the capacity: --inset-effect shows by how much"
+        yield (
+            "worn or rounded edges lower the capacity: --inset-effect shows by how much"
+        )
     width = " or ".join(dict.fromkeys(narrowest(shake) for shake, _ in demands.shakes))
-    yield f"intervals narrower than {width} may be missed, also far below the capacity, but not around the demand"
+    yield (
+        f"intervals narrower than {width} may be missed, also far below the capacity,"
+        " but not around the demand"
+    )
 
 
 def _in_g(asked: ground.Directed) -> bool:

@@ -1,5 +1,6 @@
-"""The demands of `rocking check`: each structure under each motion, at the worst azimuth or
-frequency where the call states a range of them."""
+"""The demands of `rocking check`: each structure under each motion, at the worst
+azimuth or frequency where the call states a range of them.
+"""
 
 from __future__ import annotations
 
@@ -35,22 +36,32 @@ class Demands:
     sign: str  # "+", "-" or "both"
     shaken: Ground  # the motions, in the direction of --sign
     structures: list[RockingParameters]
-    varied: dict[str, dict[str, float]]  # columns of the varied values of each structure
+    varied: dict[
+        str, dict[str, float]
+    ]  # columns of the varied values of each structure
     azimuths: Any  # [rad], an array; None without --azimuth
     up_to: Grid | None  # the demand at the other end of a range of frequencies
     shakes: list[tuple[Motion, Grid]]  # motions and demands, as they are told
     rows: list[Demand] = field(default_factory=list)  # the demand of each row
-    columns: dict[str, dict[str, Any]] = field(default_factory=dict)  # further ones of each structure
-    worst: dict[str, WorstFrequency] = field(default_factory=dict)  # of each structure, with a range
+    columns: dict[str, dict[str, Any]] = field(
+        default_factory=dict
+    )  # further ones of each structure
+    worst: dict[str, WorstFrequency] = field(
+        default_factory=dict
+    )  # of each structure, with a range
 
     def needed(self, by_code: bool) -> Demands:
-        """Return these demands. Raises click.UsageError if nothing shakes the structures."""
+        """Return these demands. Raises click.UsageError if nothing shakes the
+        structures.
+        """
         if not self.shakes:
             raise no_shaking("--motion FILE", *["--spectrum FILE"] * by_code)
         return self
 
 
-def stated_demands(files: tuple[str, ...], asked: Directed, vary: tuple[str, ...], sign: str) -> Demands:
+def stated_demands(
+    files: tuple[str, ...], asked: Directed, vary: tuple[str, ...], sign: str
+) -> Demands:
     """Read the structures and motions of a call. Raises UsageError."""
     from ..dynamics.method import has_direction
 
@@ -63,11 +74,19 @@ def stated_demands(files: tuple[str, ...], asked: Directed, vary: tuple[str, ...
     shaken = shaken.reversed if sign == "-" else shaken
     structures, varied = options.members_of(files, vary, each=True)
     up_to = ends[1].shakes[0][1] if ends else None
-    found = Demands(asked, sign, shaken, structures, varied, asked.azimuths(), up_to, shaken.shakes)
-    found.rows = [(structure, *shake) for shake in shaken.shakes for structure in structures]
+    found = Demands(
+        asked, sign, shaken, structures, varied, asked.azimuths(), up_to, shaken.shakes
+    )
+    found.rows = [
+        (structure, *shake) for shake in shaken.shakes for structure in structures
+    ]
     if sign == "both":
         sided = [structure for structure in structures if has_direction(structure)]
-        found.rows += [(structure, *shake) for shake in shaken.reversed.shakes for structure in sided]
+        found.rows += [
+            (structure, *shake)
+            for shake in shaken.reversed.shakes
+            for structure in sided
+        ]
     return found
 
 
@@ -89,23 +108,37 @@ def _at_worst_azimuth(demands: Demands, azimuths: Any, workers: int | None) -> D
     from ..responses.azimuth import worst_azimuths
 
     line = ProgressLine("azimuths", "checks")
-    directed = worst_azimuths(demands.structures, demands.shaken.recordings, azimuths, workers=workers, progress=line)
-    note(f"azimuth: the worst of {azimuths.size} for the demand; at another azimuth the capacity may be less")
+    directed = worst_azimuths(
+        demands.structures,
+        demands.shaken.recordings,
+        azimuths,
+        workers=workers,
+        progress=line,
+    )
+    note(
+        f"azimuth: the worst of {azimuths.size} for the demand; at another azimuth the"
+        " capacity may be less"
+    )
     if both := [s.name for s in demands.structures if has_direction(s)]:
         note(f"both signs of each azimuth, because the sides differ: {', '.join(both)}")
-    _note_end_of_span(azimuths, {structure.name: angle for angle, (structure, _, _) in directed})
+    _note_end_of_span(
+        azimuths, {structure.name: angle for angle, (structure, _, _) in directed}
+    )
     rows = [demand for _, demand in directed]
     return replace(
         demands,
         rows=rows,
         shakes=[(motion, grid) for _, motion, grid in rows],
-        columns={structure.name: {"azimuth": angle} for angle, (structure, _, _) in directed},
+        columns={
+            structure.name: {"azimuth": angle} for angle, (structure, _, _) in directed
+        },
     )
 
 
 def _note_end_of_span(azimuths: Any, worst: dict[str, float]) -> None:
-    """Say which structures are worst at an end of a span of azimuths that leaves directions
-    out; with equal steps half a turn is whole without its last azimuth."""
+    """Say which structures are worst at an end of a span of azimuths that leaves
+    directions out; with equal steps half a turn is whole without its last azimuth.
+    """
     first, last = float(azimuths[0]), float(azimuths[-1])
     step = (last - first) / max(azimuths.size - 1, 1)
     if azimuths.size < 2 or last - first + step >= math.pi * (1.0 - 1e-9):
@@ -117,7 +150,9 @@ def _note_end_of_span(azimuths: Any, worst: dict[str, float]) -> None:
             note(f"{at}: {', '.join(names)}; directions beyond it were not tried")
 
 
-def _at_worst_frequency(demands: Demands, limit: Limit | None, workers: int | None) -> Demands:
+def _at_worst_frequency(
+    demands: Demands, limit: Limit | None, workers: int | None
+) -> Demands:
     motion, low = demands.shakes[0]
     assert demands.up_to is not None  # a range is stated
     found = _worst(demands.structures, motion, low, demands.up_to, limit, workers)
@@ -126,7 +161,10 @@ def _at_worst_frequency(demands: Demands, limit: Limit | None, workers: int | No
         demands,
         rows=[(s, motion, worst[s.name].grid) for s in demands.structures],
         shakes=[(motion, low), (motion, demands.up_to)],
-        columns={name: {"worst_f_g": one.frequency, "worst_f_g_end": one.end} for name, one in worst.items()},
+        columns={
+            name: {"worst_f_g": one.frequency, "worst_f_g_end": one.end}
+            for name, one in worst.items()
+        },
         worst=worst,
     )
 
@@ -142,23 +180,35 @@ def _worst(
     from ..envelopes.worst import at_worst_frequencies
 
     line = ProgressLine("frequencies", "structures")
-    return at_worst_frequencies(structures, motion, low, high, limit, workers=workers, progress=line)
+    return at_worst_frequencies(
+        structures, motion, low, high, limit, workers=workers, progress=line
+    )
 
 
-def opposite_outcomes(demands: Demands, limit: Limit | None, workers: int | None) -> list[tuple[str, Outcome]]:
-    """Return the outcome of each body whose sides differ in the opposite direction, where
-    the rows do not hold it, at the worst frequency of that direction."""
+def opposite_outcomes(
+    demands: Demands, limit: Limit | None, workers: int | None
+) -> list[tuple[str, Outcome]]:
+    """Return the outcome of each body whose sides differ in the opposite direction,
+    where the rows do not hold it, at the worst frequency of that direction.
+    """
     from ..dynamics.method import has_direction
     from ..responses.check import outcome_alone
 
     if demands.asked.azimuth is not None or demands.sign == "both":
         return []
-    sided = [(s, motion.scaled(-1.0), grid) for s, motion, grid in demands.rows if has_direction(s)]
+    sided = [
+        (s, motion.scaled(-1.0), grid)
+        for s, motion, grid in demands.rows
+        if has_direction(s)
+    ]
     if sided and demands.up_to is not None:
         bodies, opposite = [s for s, _, _ in sided], sided[0][1]
         low = demands.shakes[0][1]
         found = _worst(bodies, opposite, low, demands.up_to, limit, workers)
-        sided = [(s, motion, one.grid) for (s, motion, _), one in zip(sided, found, strict=True)]
+        sided = [
+            (s, motion, one.grid)
+            for (s, motion, _), one in zip(sided, found, strict=True)
+        ]
     return [(demand[0].name, outcome_alone(*demand)) for demand in sided]
 
 
@@ -169,6 +219,6 @@ def _note_long(demands: Demands, limit: Limit | None) -> None:
         return
     minutes = _SEARCH * longest / 60.0
     note(
-        f"a record of {longest} samples: the search takes {minutes:.1g} min or more for each "
-        f"structure and record; --verdict-only does without it"
+        f"a record of {longest} samples: the search takes {minutes:.1g} min or more for"
+        " each structure and record; --verdict-only does without it"
     )

@@ -24,25 +24,61 @@ def remarks(verdicts: list[Verdict]) -> list[str]:
     several = len({v.motion for v in verdicts}) > 1
 
     def named(found: Iterable[Verdict]) -> list[str]:
-        return [f"{v.structure} under {v.motion}" if several else v.structure for v in found]
+        return [
+            f"{v.structure} under {v.motion}" if several else v.structure for v in found
+        ]
 
     falls = named(v for v in verdicts if v.outcome.overturned)
-    lines = [f"{len(falls)} of {len(verdicts)} overturn{': ' if falls else ''}{', '.join(falls)}"] * bool(verdicts)
+    lines = [
+        f"{len(falls)} of {len(verdicts)}"
+        f" overturn{': ' if falls else ''}{', '.join(falls)}"
+    ] * bool(verdicts)
     conditions: list[tuple[str, Callable[[Verdict], Any]]] = [
-        ("lose contact with the ground, and their later motion is not known", lambda v: v.outcome == Outcome.LOST_CONTACT),
-        ("come to rest leaning, held by their ties, which counts as a fall", lambda v: v.outcome == Outcome.LEANING),
+        (
+            "lose contact with the ground, and their later motion is not known",
+            lambda v: v.outcome == Outcome.LOST_CONTACT,
+        ),
+        (
+            "come to rest leaning, held by their ties, which counts as a fall",
+            lambda v: v.outcome == Outcome.LEANING,
+        ),
         (
             "stand in a safe window, and overturn at a lower amplitude",
-            lambda v: v.outcome.safe and v.capacity_demand is not None and v.capacity_demand < 1.0,
+            lambda v: (
+                v.outcome.safe
+                and v.capacity_demand is not None
+                and v.capacity_demand < 1.0
+            ),
         ),
-        ("depend on the last digits of the demand, as the outcome changes within 1e-6 of it", lambda v: v.unsettled),
         (
-            "lose contact with the ground (fz_min) during their fall, which is therefore not proved",
+            (
+                "depend on the last digits of the demand, as the outcome changes within"
+                " 1e-6 of it"
+            ),
+            lambda v: v.unsettled,
+        ),
+        (
+            (
+                "lose contact with the ground (fz_min) during their fall, which is"
+                " therefore not proved"
+            ),
             lambda v: v.outcome.overturned and v.fz_min is not None and v.fz_min <= 0.0,
         ),
-        ("open a further hinge (see response --forces), so that another mechanism follows", lambda v: v.opens),
-        ("would slide, because their friction is below friction_needed", lambda v: v.slides),
-        ("stand by the linear equation, which is wrong", lambda v: v.falls and v.outcome_linear.safe),
+        (
+            (
+                "open a further hinge (see response --forces), so that another"
+                " mechanism follows"
+            ),
+            lambda v: v.opens,
+        ),
+        (
+            "would slide, because their friction is below friction_needed",
+            lambda v: v.slides,
+        ),
+        (
+            "stand by the linear equation, which is wrong",
+            lambda v: v.falls and v.outcome_linear.safe,
+        ),
     ]
     for words, holds in conditions:
         if names := named(filter(holds, verdicts)):
@@ -51,32 +87,49 @@ def remarks(verdicts: list[Verdict]) -> list[str]:
         if v.devices:
             from ..responses.tied_history import remarks as of_ties
 
-            of_devices = of_ties(v.devices, v.first_overturning_a, v.first_overturning_a_free)
+            of_devices = of_ties(
+                v.devices, v.first_overturning_a, v.first_overturning_a_free
+            )
             lines += [f"{named([v])[0]}: {line}" for line in of_devices]
     if any(v.share_of_falls for v in verdicts):
         lines.append(
-            "falls_nearby: this share of the amplitudes up to 5 % above first_overturning_a overturns, "
-            "in many narrow intervals; narrower ones may begin below it"
+            "falls_nearby: this share of the amplitudes up to 5 % above"
+            " first_overturning_a overturns, in many narrow intervals; narrower ones"
+            " may begin below it"
         )
     return lines
 
 
-def worst_at_an_end(demands: Demands, verdicts: Sequence[Verdict], in_g: bool) -> Iterator[str]:
-    """Yield a line for each end of the range of frequencies at which structures are worst,
-    and one on structures that have no worst frequency."""
+def worst_at_an_end(
+    demands: Demands, verdicts: Sequence[Verdict], in_g: bool
+) -> Iterator[str]:
+    """Yield a line for each end of the range of frequencies at which structures are
+    worst, and one on structures that have no worst frequency.
+    """
     if not demands.worst:
         return
     from ..envelopes.worst import beyond_the_end
 
-    unmoved = [v.structure for v in verdicts if demands.worst[v.structure].frequency is None]
+    unmoved = [
+        v.structure for v in verdicts if demands.worst[v.structure].frequency is None
+    ]
     if unmoved:
-        yield f"no worst frequency, because the demand lifts them at none: {', '.join(unmoved)}"
+        yield (
+            "no worst frequency, because the demand lifts them at none:"
+            f" {', '.join(unmoved)}"
+        )
     of = {v.structure: v for v in verdicts}
     for end, other in (("lower", "slower"), ("upper", "faster")):
         found = [
-            (structure, of[structure.name], beyond_the_end(structure, motion, demands.worst[structure.name]))
+            (
+                structure,
+                of[structure.name],
+                beyond_the_end(structure, motion, demands.worst[structure.name]),
+            )
             for structure, motion, _ in demands.rows
-            if structure.name in of and structure.name in demands.worst and demands.worst[structure.name].end == end
+            if structure.name in of
+            and structure.name in demands.worst
+            and demands.worst[structure.name].end == end
         ]
         if not found:
             continue
@@ -96,26 +149,40 @@ def _at_the_end(
     beyond: BeyondTheEnd,
     in_g: bool,
 ) -> str:
-    """Return the line on one structure that is worst at an end; other: slower or faster."""
+    """Return the line on one structure that is worst at an end; other: slower or
+    faster.
+    """
     from ..dynamics.outcome import Outcome
 
     if verdict.outcome == Outcome.NO_UPLIFT:
-        said = f"the demand lifts it at no frequency, and {other} motions may overturn it at lower amplitudes"
+        said = (
+            f"the demand lifts it at no frequency, and {other} motions may overturn it"
+            " at lower amplitudes"
+        )
     elif verdict.outcome.falls:
         said = f"it falls there; {other} motions may overturn it at lower amplitudes"
     elif beyond.overturns is not None:
         said = f"{other} motions are worse ({beyond.overturns:.3g} Hz overturns it)"
     elif beyond.larger is not None:
-        said = f"{other} motions rock it further (most at {beyond.larger:.3g} Hz), none tried up to {beyond.last:.3g} Hz overturns it"
+        said = (
+            f"{other} motions rock it further (most at {beyond.larger:.3g} Hz), none"
+            f" tried up to {beyond.last:.3g} Hz overturns it"
+        )
     else:
-        said = f"no {other} motion that was tried, to {beyond.last:.3g} Hz, overturns it or rocks it further"
+        said = (
+            f"no {other} motion that was tried, to {beyond.last:.3g} Hz, overturns it"
+            " or rocks it further"
+        )
     line = f"{structure.name}: {where}; {said}"
     if verdict.uplift_a is None:
         return line
     from ..documents.quantities import DEFAULT_GRAVITY
 
     unit, name = (DEFAULT_GRAVITY, "g") if in_g else (1.0, "m/s2")
-    return f"{line}. It lifts at {verdict.uplift_a / unit:.3g} {name} whatever the frequency"
+    return (
+        f"{line}. It lifts at {verdict.uplift_a / unit:.3g} {name} whatever the"
+        " frequency"
+    )
 
 
 def _several_at_the_end(
@@ -128,16 +195,26 @@ def _several_at_the_end(
     from ..dynamics.outcome import Outcome
 
     standing = [(s, beyond) for s, v, beyond in found if not v.outcome.falls]
-    falling = [f"{s.name} at {b.overturns:.3g} Hz" for s, b in standing if b.overturns is not None]
+    falling = [
+        f"{s.name} at {b.overturns:.3g} Hz"
+        for s, b in standing
+        if b.overturns is not None
+    ]
     said = f"{other} motions may overturn at lower amplitudes"
     if falling:
         more = f" and {len(falling) - _NAMED} more" if len(falling) > _NAMED else ""
         stand = "stands" if len(falling) == 1 else "stand"
         names = f"{', '.join(falling[:_NAMED])}{more}"
-        said = f"{other} motions are worse: they overturn {names}, which {stand} in this range"
+        said = (
+            f"{other} motions are worse: they overturn {names}, which {stand} in this"
+            " range"
+        )
     elif standing:
         last = standing[0][1].last
-        said = f"no {other} motion that was tried, to {last:.3g} Hz, overturns those that stand here"
+        said = (
+            f"no {other} motion that was tried, to {last:.3g} Hz, overturns those that"
+            " stand here"
+        )
     unmoved = sum(v.outcome == Outcome.NO_UPLIFT for _, v, _ in found)
     lifts = "Each lifts at uplift_a whatever the frequency"
     if unmoved:
@@ -145,7 +222,9 @@ def _several_at_the_end(
     return f"{where}: {len(found)} of {rows} rows (worst_f_g_end); {said}. {lifts}"
 
 
-def inset_effects(verdicts: Sequence[Verdict], demands: Demands, limit: Limit) -> Iterator[str]:
+def inset_effects(
+    verdicts: Sequence[Verdict], demands: Demands, limit: Limit
+) -> Iterator[str]:
     """Yield a line for each structure on what worn edges would take of its capacity."""
     from ..responses.inset import effects
 
@@ -153,4 +232,7 @@ def inset_effects(verdicts: Sequence[Verdict], demands: Demands, limit: Limit) -
     found = list(effects(verdicts, demands.rows, limit, progress=line))
     yield from found
     if not found:
-        yield "--inset-effect: no body has a capacity that worn edges lower; those with ties or an inset of their own are left out"
+        yield (
+            "--inset-effect: no body has a capacity that worn edges lower; those with"
+            " ties or an inset of their own are left out"
+        )

@@ -15,7 +15,9 @@ if TYPE_CHECKING:
 UNSEEN = ("searched_to",)  # columns that a table shows only if --columns names them
 
 
-def row_of(verdict: Verdict, demands: Demands, by_code: dict[str, Any], searched: bool) -> dict[str, Any]:
+def row_of(
+    verdict: Verdict, demands: Demands, by_code: dict[str, Any], searched: bool
+) -> dict[str, Any]:
     """Return the row of a verdict; by_code: the columns of --code."""
     head = {"structure": verdict.structure, "motion": verdict.motion}
     row = head | demands.columns.get(verdict.structure, {}) | verdict.row() | by_code
@@ -33,5 +35,7 @@ def _later_columns(demands: Demands, searched: bool) -> tuple[str, ...]:
 
     tied = any(s.restraints for s in demands.structures)
     arches = any(s.structure == "arch" for s in demands.structures)
-    narrow = searched and any(falls_may_be_narrow(motion) for motion, _ in demands.shakes)
+    narrow = searched and any(
+        falls_may_be_narrow(motion) for motion, _ in demands.shakes
+    )
     return TIED_COLUMNS * tied + ("opens",) * arches + ("falls_nearby",) * narrow

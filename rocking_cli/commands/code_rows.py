@@ -16,51 +16,91 @@ from .printing import emit, note
 
 
 class CodeRows:
-    """The checks by the code in one call. given: the arguments of `code_check`; checks: for each structure and motion (check, demand,
-    True if an equation of motion describes the body); lines: the remarks to print below the table."""
+    """The checks by the code in one call. given: the arguments of `code_check`; checks:
+    for each structure and motion (check, demand, True if an equation of motion
+    describes the body); lines: the remarks to print below the table.
+    """
 
-    def __init__(self, spectrum: str | None, floor: Sequence[str], fc: float | None) -> None:
+    def __init__(
+        self, spectrum: str | None, floor: Sequence[str], fc: float | None
+    ) -> None:
         """Read the options. Raises UsageError, DocumentError."""
         site = None if spectrum is None else read_spectrum(spectrum)
-        self.given: dict[str, Any] = {"site": site, "floor": [parse_floor(text) for text in floor], "confidence": 1.0 if fc is None else fc}
+        self.given: dict[str, Any] = {
+            "site": site,
+            "floor": [parse_floor(text) for text in floor],
+            "confidence": 1.0 if fc is None else fc,
+        }
         self.checks: dict[tuple[str, str], tuple[CodeCheck, Demand, bool]] = {}
         self.lines: list[str] = []
         self.verdicts: dict[str, list[Verdict]] = {}
 
     def alone(
-        self, structures: Sequence[RockingParameters], varied: Mapping[str, Mapping[str, Any]], output: Path | None, overwrite: bool
+        self,
+        structures: Sequence[RockingParameters],
+        varied: Mapping[str, Mapping[str, Any]],
+        output: Path | None,
+        overwrite: bool,
     ) -> None:
-        """Print a row for each structure under the spectrum of a file; the call has no motion."""
+        """Print a row for each structure under the spectrum of a file; the call has no
+        motion.
+        """
         require_geometry(structures)
         found = [code_check(structure, **self.given) for structure in structures]
         self._remark(found)
-        emit(({**_head(one), **one.row()} for one in found), keys=CHECK_KEYS, table_units="g,mm,deg", varied=varied)
+        emit(
+            ({**_head(one), **one.row()} for one in found),
+            keys=CHECK_KEYS,
+            table_units="g,mm,deg",
+            varied=varied,
+        )
         if output is not None:
             draw_capacity_curves(found, output, overwrite=overwrite, tell=note)
         note(*self.lines)
 
     def dynamic(self, demands: Sequence[Demand]) -> list[Demand]:
-        """Check every demand by the code, and return the demands on bodies that an equation of motion describes."""
+        """Check every demand by the code, and return the demands on bodies that an
+        equation of motion describes.
+        """
         require_geometry([structure for structure, _, _ in demands])
         for structure, motion, grid in demands:
             try:
-                governing_method(structure, dimensionless=grid.dimensionless).system_of(structure)
+                governing_method(structure, dimensionless=grid.dimensionless).system_of(
+                    structure
+                )
                 moves = True
             except UsageError as error:
                 moves = False
                 self.lines.append(f"no dynamics: {error}")
             check = code_check(structure, motion, grid, **self.given)
-            self.checks[structure.name, motion.name] = check, (structure, motion, grid), moves
+            self.checks[structure.name, motion.name] = (
+                check,
+                (structure, motion, grid),
+                moves,
+            )
         self._remark([check for check, _, _ in self.checks.values()])
         return [demand for _, demand, moves in self.checks.values() if moves]
 
     def columns(self, verdict: Verdict, searched: bool) -> dict[str, Any]:
-        """Return the columns of the code for the row of a verdict; searched: search for theta_04_a too."""
+        """Return the columns of the code for the row of a verdict; searched: search for
+        theta_04_a too.
+        """
         check, demand, _ = self.checks[verdict.structure, verdict.motion]
         self.verdicts.setdefault(verdict.structure, []).append(verdict)
-        beyond = first_beyond(*demand, most=verdict.first_overturning_a) if searched else None
-        several = f"{verdict.structure} under {verdict.motion}: " if len(self.checks) > 1 else ""
-        self.lines += [several + line for line in check.promises(verdict.first_overturning_a, beyond)]
+        beyond = (
+            first_beyond(*demand, most=verdict.first_overturning_a)
+            if searched
+            else None
+        )
+        several = (
+            f"{verdict.structure} under {verdict.motion}: "
+            if len(self.checks) > 1
+            else ""
+        )
+        self.lines += [
+            several + line
+            for line in check.promises(verdict.first_overturning_a, beyond)
+        ]
         return check.row(beyond)
 
     def others(self) -> Iterator[dict[str, Any]]:
@@ -70,35 +110,79 @@ class CodeRows:
                 yield {**_head(check), "motion": motion.name, **check.row()}
 
     def said(self) -> list[str]:
-        """Return the lines to print, under several records with the mean theta_ratio of each body without ties, of which d/d0 is at most
-        theta/alpha."""
+        """Return the lines to print, under several records with the mean theta_ratio of
+        each body without ties, of which d/d0 is at most theta/alpha.
+        """
         found = []
         for name, verdicts in self.verdicts.items():
-            structure = next(s for _, (s, _, _), _ in self.checks.values() if s.name == name)
-            if len(verdicts) < 2 or self.given["floor"] or structure.mechanism or structure.restraints or structure.sides:
+            structure = next(
+                s for _, (s, _, _), _ in self.checks.values() if s.name == name
+            )
+            if (
+                len(verdicts) < 2
+                or self.given["floor"]
+                or structure.mechanism
+                or structure.restraints
+                or structure.sides
+            ):
                 continue
-            falls = sum(v.falls or v.theta_ratio is None or v.theta_ratio >= 1.0 for v in verdicts)
+            falls = sum(
+                v.falls or v.theta_ratio is None or v.theta_ratio >= 1.0
+                for v in verdicts
+            )
             mean = sum(v.theta_ratio or 0.0 for v in verdicts) / len(verdicts)
-            met = [key for key, state in (("SLV", SLV), ("SLC", SLC)) if not falls and mean <= state.share]
-            result = f"{falls} pass alpha" if falls else f"none passes alpha, the mean of theta_ratio is {mean:.3g}"
+            met = [
+                key
+                for key, state in (("SLV", SLV), ("SLC", SLC))
+                if not falls and mean <= state.share
+            ]
+            result = (
+                f"{falls} pass alpha"
+                if falls
+                else f"none passes alpha, the mean of theta_ratio is {mean:.3g}"
+            )
             states = " and ".join(met) or "neither SLV nor SLC"
-            found.append(f"{name}: dynamics (C8.7.1.2.1.9), {len(verdicts)} motions: {result}: {states} met")
+            found.append(
+                f"{name}: dynamics (C8.7.1.2.1.9), {len(verdicts)} motions: {result}:"
+                f" {states} met"
+            )
         return [*self.lines, *found]
 
     def draw(self, output: Path, overwrite: bool) -> None:
         """Draw the capacity curve of every check."""
-        draw_capacity_curves([check for check, _, _ in self.checks.values()], output, overwrite=overwrite, tell=note)
+        draw_capacity_curves(
+            [check for check, _, _ in self.checks.values()],
+            output,
+            overwrite=overwrite,
+            tell=note,
+        )
 
     def _remark(self, checks: Sequence[CodeCheck]) -> None:
         demands = list(dict.fromkeys(check.demand for check in checks))
         where = " on a floor" if self.given["floor"] else ""
         on = demands[0] if len(demands) == 1 else f"{len(demands)} motions"
-        self.lines.insert(0, f"code: Circolare 7/2019 C8.7.1, FC = {self.given['confidence']:g}, spectrum of {on}{where}")
+        self.lines.insert(
+            0,
+            f"code: Circolare 7/2019 C8.7.1, FC = {self.given['confidence']:g},"
+            f" spectrum of {on}{where}",
+        )
         if where:
-            self.lines.append("the dynamics are those under the motion of the ground, not of the floor")
-        if broken := dict.fromkeys(check.structure for check in checks if check.slv.broken):
-            self.lines.append(f"a tie or a tendon breaks before 0.4 d0, and decides d_slv: {', '.join(broken)}")
+            self.lines.append(
+                "the dynamics are those under the motion of the ground, not of the"
+                " floor"
+            )
+        if broken := dict.fromkeys(
+            check.structure for check in checks if check.slv.broken
+        ):
+            self.lines.append(
+                "a tie or a tendon breaks before 0.4 d0, and decides d_slv:"
+                f" {', '.join(broken)}"
+            )
 
 
 def _head(check: CodeCheck) -> dict[str, Any]:
-    return {"structure": check.structure, "motion": check.demand, "demand_a": check.demand_a}
+    return {
+        "structure": check.structure,
+        "motion": check.demand,
+        "demand_a": check.demand_a,
+    }

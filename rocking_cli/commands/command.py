@@ -1,4 +1,6 @@
-"""A command is a function: its parameters are the arguments, options and groups of options of the command line."""
+"""A command is a function: its parameters are the arguments, options and groups of
+options of the command line.
+"""
 
 from collections.abc import Callable
 from dataclasses import Field, field, fields
@@ -13,9 +15,13 @@ _PARTLY = f"{__name__}.partly"
 
 
 def option(flags: str, help: str, **settings: Any) -> Any:
-    """A parameter of a command, or a field of a group: an option with these flags and the attributes of `click.option`."""
+    """A parameter of a command, or a field of a group: an option with these flags and
+    the attributes of `click.option`.
+    """
     settings = {"show_default": "default" in settings, "help": help, **settings}
-    return field(metadata={"click": lambda name: click.option(*flags.split(), name, **settings)})
+    return field(
+        metadata={"click": lambda name: click.option(*flags.split(), name, **settings)}
+    )
 
 
 def flag(flags: str, help: str) -> Any:
@@ -29,26 +35,38 @@ def argument(**settings: Any) -> Any:
 
 
 def group(of: type) -> Any:
-    """A parameter of a command: an object of this frozen dataclass, whose fields are options."""
+    """A parameter of a command: an object of this frozen dataclass, whose fields are
+    options.
+    """
     return field(metadata={"group": of})
 
 
 def given(*names: str) -> list[str]:
-    """Return those of these parameters that the call states, as the user writes them; an argument is FILE."""
+    """Return those of these parameters that the call states, as the user writes them;
+    an argument is FILE.
+    """
     context = click.get_current_context()
     found = []
     for parameter in context.command.params:
         name = parameter.name or ""
-        stated = context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE
+        stated = (
+            context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE
+        )
         if isinstance(parameter, click.Argument):
-            stated = bool(context.params[name])  # click 8.2 calls it given where there is none
+            stated = bool(
+                context.params[name]
+            )  # click 8.2 calls it given where there is none
         if name in names and stated:
-            found.append(parameter.opts[-1] if isinstance(parameter, click.Option) else "FILE")
+            found.append(
+                parameter.opts[-1] if isinstance(parameter, click.Option) else "FILE"
+            )
     return found
 
 
 def refuse(why: str, *names: str) -> None:
-    """Raise click.UsageError if the call states one of these parameters, which would have no effect; why: the reason in words."""
+    """Raise click.UsageError if the call states one of these parameters, which would
+    have no effect; why: the reason in words.
+    """
     for flag in given(*names):
         raise click.UsageError(f"{flag} {why}")
 
@@ -60,14 +78,16 @@ def refuse_together(*names: str) -> None:
 
 
 def partly(lacks: object = True) -> None:
-    """If `lacks` is true, set the exit code 4 (a part of the work has no result), unless the command returns another one."""
+    """If `lacks` is true, set the exit code 4 (a part of the work has no result),
+    unless the command returns another one.
+    """
     if lacks:
         click.get_current_context().meta[_PARTLY] = True
 
 
 def command(example: str, *shared: Callable[[F], F]) -> Callable[[F], click.Command]:
-    """Return a decorator that turns a function into a command. example: a call for its help; shared: further decorators, which add the
-    options of the output.
+    """Return a decorator that turns a function into a command. example: a call for its
+    help; shared: further decorators, which add the options of the output.
 
     >>> @command("rocking greet Ada --loud", printed)
     ... def greet(name: str = argument(), loud: bool = flag("--loud", "Shout."), model: Model = group(Model)) -> None:
@@ -75,20 +95,36 @@ def command(example: str, *shared: Callable[[F], F]) -> Callable[[F], click.Comm
     """
 
     def decorate(function: F) -> click.Command:
-        declared: dict[str, Field[Any]] = {name: one.default for name, one in signature(function).parameters.items()}
-        groups = {name: one.metadata["group"] for name, one in declared.items() if "group" in one.metadata}
+        declared: dict[str, Field[Any]] = {
+            name: one.default for name, one in signature(function).parameters.items()
+        }
+        groups = {
+            name: one.metadata["group"]
+            for name, one in declared.items()
+            if "group" in one.metadata
+        }
 
         @wraps(function)
         def called(**given: Any) -> Any:
-            made = {name: of(**{one.name: given.pop(one.name) for one in fields(of)}) for name, of in groups.items()}
+            made = {
+                name: of(**{one.name: given.pop(one.name) for one in fields(of)})
+                for name, of in groups.items()
+            }
             code = function(**made, **given)
             return code or (4 if _PARTLY in click.get_current_context().meta else 0)
 
         options: dict[str, Field[Any]] = {}
         for name, one in declared.items():
-            options |= {inner.name: inner for inner in fields(groups[name])} if name in groups else {name: one}
+            options |= (
+                {inner.name: inner for inner in fields(groups[name])}
+                if name in groups
+                else {name: one}
+            )
         wanted: F = called
-        for decorator in (*shared, *(one.metadata["click"](name) for name, one in reversed(options.items()))):
+        for decorator in (
+            *shared,
+            *(one.metadata["click"](name) for name, one in reversed(options.items())),
+        ):
             wanted = decorator(wanted)
         return click.command(epilog=f"Example: {example}")(wanted)
 

@@ -1,4 +1,6 @@
-"""`rocking compare`: structures at equal A and Omega, or the linear and the nonlinear equation."""
+"""`rocking compare`: structures at equal A and Omega, or the linear and the nonlinear
+equation.
+"""
 
 import click
 
@@ -7,20 +9,31 @@ from .command import command, flag, group, option, partly
 from .printing import emit, note, printed
 
 
-@command("rocking compare configs/block.yaml configs/spire.yaml configs/arch.yaml --A 2 --Omega 4 --eta 0.8", printed)
+@command(
+    "rocking compare configs/block.yaml configs/spire.yaml configs/arch.yaml --A 2"
+    " --Omega 4 --eta 0.8",
+    printed,
+)
 def compare(
     files: tuple[str, ...] = options.files(),
     motions: ground.Motions = group(ground.Motions),
     shaking: ground.Shaking = group(ground.Shaking),
     model: equations.Models = group(equations.Models),
-    eta: float | None = option("--eta", "Restitution for every structure instead of its own.", type=click.FloatRange(0.0, 1.0)),
-    curves: bool = flag("--curves", "Print the curves t, theta, tau, theta_ratio instead."),
+    eta: float | None = option(
+        "--eta",
+        "Restitution for every structure instead of its own.",
+        type=click.FloatRange(0.0, 1.0),
+    ),
+    curves: bool = flag(
+        "--curves", "Print the curves t, theta, tau, theta_ratio instead."
+    ),
 ) -> None:
     """Compare the responses of structures to one motion scaled to equal A and Omega.
 
-    a_g and omega_g with units hold for the first structure. A line on standard error states the largest distance of the
-    dimensionless curves. For structures of equal restitution the linear curves coincide (Fig. 8). --model both compares the
-    equations (Fig. 7): peaks, and quarter periods of free rocking from 0.3, 0.6 and 0.9 alpha.
+    a_g and omega_g with units hold for the first structure. A line on standard error
+    states the largest distance of the dimensionless curves. For structures of equal
+    restitution the linear curves coincide (Fig. 8). --model both compares the equations
+    (Fig. 7): peaks, and quarter periods of free rocking from 0.3, 0.6 and 0.9 alpha.
     """
     from ..dynamics.method import direction_in_words
     from ..responses import comparison
@@ -40,12 +53,23 @@ def compare(
         emit(comparison.curve_rows(responses, methods), keys=comparison.CURVE_KEYS)
     else:
         emit(comparison.comparison_rows(responses, methods), keys=comparison.KEYS)
-    note(*model.in_words(methods, structures, shaken.grid.dimensionless), *direction_in_words(*structures))
+    note(
+        *model.in_words(methods, structures, shaken.grid.dimensionless),
+        *direction_in_words(*structures),
+    )
     for method in methods:
         if len(structures) > 1:
             distance = comparison.collapse(responses, method.model)
-            note(f"collapse, {method.model}: the dimensionless curves lie up to {distance:.2g} apart in theta/alpha")
+            note(
+                f"collapse, {method.model}: the dimensionless curves lie up to"
+                f" {distance:.2g} apart in theta/alpha"
+            )
     if len({s.eta for s in structures}) > 1:
-        hint = "" if any(s.one_sided for s in structures) else "; --eta gives all the same"
-        note(f"the structures differ in restitution, so their curves part at the first impact{hint}")
+        hint = (
+            "" if any(s.one_sided for s in structures) else "; --eta gives all the same"
+        )
+        note(
+            "the structures differ in restitution, so their curves part at the first"
+            f" impact{hint}"
+        )
     partly(any(r.failed for r in responses))

@@ -5,12 +5,22 @@ from .parameter_types import InputPath
 from .printing import emit, printed, warn
 
 
-@command("rocking spectrum --eta 0.9 --grid A=0.5:8:20,Omega=5 -o slice.h5 && rocking convert slice.h5 --csv | head -n 3", printed)
+@command(
+    "rocking spectrum --eta 0.9 --grid A=0.5:8:20,Omega=5 -o slice.h5 && rocking"
+    " convert slice.h5 --csv | head -n 3",
+    printed,
+)
 def convert(file: str = argument(type=InputPath())) -> None:
-    """Stream the computed cells of a spectra file, one row for each cell (CSV unless --json)."""
+    """Stream the computed cells of a spectra file, one row for each cell (CSV unless
+    --json).
+    """
     from ..spectra.file.reader import SpectraFile
 
     with SpectraFile(file) as spectrum:
         if not spectrum.done.any():
             warn(f"{file}: none of its cells is computed yet")
-        emit(spectrum.cells(), (*spectrum.frame.dimensions, "outcome", "theta_ratio"), form="csv")
+        emit(
+            spectrum.cells(),
+            (*spectrum.frame.dimensions, "outcome", "theta_ratio"),
+            form="csv",
+        )

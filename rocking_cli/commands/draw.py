@@ -16,11 +16,13 @@ def draw(
     looks: options.Looks = group(options.Looks),
     overwrite: bool = options.overwrite(),
 ) -> None:
-    """Draw structures at one scale, a panel each: outline, pivots, mass centre, R and alpha; dashed: the shape at alpha.
+    """Draw structures at one scale, a panel each: outline, pivots, mass centre, R and
+    alpha; dashed: the shape at alpha.
 
-    For an arch the figure also has the voussoirs, the hinges numbered from springing A, and the displaced linkage; for a cracked spire
-    the crack; for a stack the pieces below the interface on which it rocks. Kind parameters has no geometry and is left out. Figures
-    need matplotlib: pip install matplotlib.
+    For an arch the figure also has the voussoirs, the hinges numbered from springing A,
+    and the displaced linkage; for a cracked spire the crack; for a stack the pieces
+    below the interface on which it rocks. Kind parameters has no geometry and is left
+    out. Figures need matplotlib: pip install matplotlib.
     """
     from ..reports.figures.drawing import draw_structures
     from ..structures import build_structure
@@ -28,4 +30,11 @@ def draw(
     options.check_target(output, overwrite)
     documents = options.documents_of(files, MOST, "a figure")
     options.introduce([build_structure(document) for document in documents])
-    draw_structures(documents, output, units=units_of(), look=looks.look(), overwrite=overwrite, tell=note)
+    draw_structures(
+        documents,
+        output,
+        units=units_of(),
+        look=looks.look(),
+        overwrite=overwrite,
+        tell=note,
+    )

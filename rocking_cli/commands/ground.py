@@ -1,4 +1,6 @@
-"""The options of the ground motion: pulses, records, the vertical motion, and the demand of one amplitude and frequency."""
+"""The options of the ground motion: pulses, records, the vertical motion, and the
+demand of one amplitude and frequency.
+"""
 
 from __future__ import annotations
 
@@ -28,19 +30,35 @@ if TYPE_CHECKING:
 
 _PULSE = ("pulse", "cycles", "gamma", "phase")
 _OF_A_FILE = ("vertical_component", "vertical_unit", "vertical_dt")
-_MOTION = "A record or a motion document instead of a pulse; for a set: records, a directory or a list; repeatable."
-_VERTICAL = f"Vertical motion, upwards: a pulse by name, a motion document, a record, or {STATION}: the component of the same file."
-COLUMN = "Column of a table of numbers, from 1; all: each line goes on from the one before."
+_MOTION = (
+    "A record or a motion document instead of a pulse; for a set: records, a directory"
+    " or a list; repeatable."
+)
+_VERTICAL = (
+    "Vertical motion, upwards: a pulse by name, a motion document, a record, or"
+    f" {STATION}: the component of the same file."
+)
+COLUMN = (
+    "Column of a table of numbers, from 1; all: each line goes on from the one before."
+)
 DT = "Time between the values of a record in a single column."
 
 
 @contextmanager
 def named(**names: str) -> Iterator[None]:
-    """Context in which errors name these options instead of the arguments of the library."""
+    """Context in which errors name these options instead of the arguments of the
+    library.
+    """
     try:
         yield
     except RockingError as error:
-        error.args = (re.sub(r"`(\w+)`", lambda found: f"`{names.get(found[1], found[1])}`", str(error)),)
+        error.args = (
+            re.sub(
+                r"`(\w+)`",
+                lambda found: f"`{names.get(found[1], found[1])}`",
+                str(error),
+            ),
+        )
         raise
 
 
@@ -49,16 +67,24 @@ class Reading:
     """The options for reading records."""
 
     component: str | None = option(
-        "--component", "Component of a record by name or number (default: each horizontal one).", metavar="horizontal|all|NAME"
+        "--component",
+        "Component of a record by name or number (default: each horizontal one).",
+        metavar="horizontal|all|NAME",
     )
-    unit: str | None = option("--unit", "Unit of a record in plain columns of numbers, such as g or m/s2.", metavar="UNIT")
+    unit: str | None = option(
+        "--unit",
+        "Unit of a record in plain columns of numbers, such as g or m/s2.",
+        metavar="UNIT",
+    )
     motion_dt: float | None = option("--dt --motion-dt", DT, type=quantity("time"))
     column: str | None = option("--column", COLUMN, metavar="NUMBER|all")
 
 
 @dataclass(frozen=True)
 class Ground:
-    """The motion of a call: one pulse or motion document, or None and a set of records. grid: one cell, the demand."""
+    """The motion of a call: one pulse or motion document, or None and a set of records.
+    grid: one cell, the demand.
+    """
 
     motion: Motion | None
     recordings: tuple[Recording, ...] = ()
@@ -67,20 +93,35 @@ class Ground:
 
     @property
     def shakes(self) -> list[tuple[Motion, Grid]]:
-        """Each motion with its demand; without a stated one the demand of a record is its own peak."""
+        """Each motion with its demand; without a stated one the demand of a record is
+        its own peak.
+        """
         from ..motions.grid import as_recorded
 
-        shakes = [(r.motion, self.grid or as_recorded(r.acceleration)) for r in self.recordings]
-        return shakes if self.motion is None or self.grid is None else [*shakes, (self.motion, self.grid)]
+        shakes = [
+            (r.motion, self.grid or as_recorded(r.acceleration))
+            for r in self.recordings
+        ]
+        return (
+            shakes
+            if self.motion is None or self.grid is None
+            else [*shakes, (self.motion, self.grid)]
+        )
 
     @property
     def reversed(self) -> Ground:
         """The motions in the opposite direction; vertical motions stay as they are."""
         motion = None if self.motion is None else self.motion.scaled(-1.0)
-        return replace(self, motion=motion, recordings=tuple(replace(r, factor=-r.factor) for r in self.recordings))
+        return replace(
+            self,
+            motion=motion,
+            recordings=tuple(replace(r, factor=-r.factor) for r in self.recordings),
+        )
 
     def needed(self, *instead: str) -> list[tuple[Motion, Grid]]:
-        """Return `shakes`. Raises click.UsageError, which names the options `instead`, if there is none."""
+        """Return `shakes`. Raises click.UsageError, which names the options `instead`,
+        if there is none.
+        """
         if not self.shakes:
             raise no_shaking("--motion FILE", *instead)
         return self.shakes
@@ -90,43 +131,86 @@ class Ground:
         if upwards is None:
             return self
         motion = None if self.motion is None else upwards(self.motion)
-        return replace(self, motion=motion, recordings=tuple(replace(r, upwards=upwards) for r in self.recordings), upwards=upwards)
+        return replace(
+            self,
+            motion=motion,
+            recordings=tuple(replace(r, upwards=upwards) for r in self.recordings),
+            upwards=upwards,
+        )
 
 
 @dataclass(frozen=True)
 class Source:
     """A pulse by name, or files of motions."""
 
-    pulse: str | None = option("--pulse", "Ground motion (default: sine); see `rocking help motions`.", type=PULSE, metavar="NAME")
-    cycles: float | None = option("--cycles", "Cycles of a sine or cosine, in half cycles (default 1).", type=NUMBER)
-    gamma: float | None = option("--gamma", "Duration over period of a mavroeidis-papageorgiou pulse (default 2).", type=NUMBER)
-    phase: float | None = option("--phase", "Phase of a mavroeidis-papageorgiou pulse (default 0 rad).", type=quantity("angle"))
-    motion: tuple[str, ...] = option("--motion", _MOTION, multiple=True, type=InputPath(), metavar="FILE...")
+    pulse: str | None = option(
+        "--pulse",
+        "Ground motion (default: sine); see `rocking help motions`.",
+        type=PULSE,
+        metavar="NAME",
+    )
+    cycles: float | None = option(
+        "--cycles",
+        "Cycles of a sine or cosine, in half cycles (default 1).",
+        type=NUMBER,
+    )
+    gamma: float | None = option(
+        "--gamma",
+        "Duration over period of a mavroeidis-papageorgiou pulse (default 2).",
+        type=NUMBER,
+    )
+    phase: float | None = option(
+        "--phase",
+        "Phase of a mavroeidis-papageorgiou pulse (default 0 rad).",
+        type=quantity("angle"),
+    )
+    motion: tuple[str, ...] = option(
+        "--motion", _MOTION, multiple=True, type=InputPath(), metavar="FILE..."
+    )
 
 
 @dataclass(frozen=True)
 class Motions(Reading, Source):
     """The ground motion: a pulse, a motion document, a record or a set of them."""
 
-    scale: float | None = option("--scale", "Factor of the motion; a negative one reverses it.", type=NUMBER, metavar="FACTOR")
-    scale_to: str | None = option("--scale-to", "Scale a record to an intensity measure, such as PGA=0.35g.", metavar="IM=VALUE")
+    scale: float | None = option(
+        "--scale",
+        "Factor of the motion; a negative one reverses it.",
+        type=NUMBER,
+        metavar="FACTOR",
+    )
+    scale_to: str | None = option(
+        "--scale-to",
+        "Scale a record to an intensity measure, such as PGA=0.35g.",
+        metavar="IM=VALUE",
+    )
 
     def one(self) -> Ground:
-        """Return the motion that the options describe. Raises UsageError for a set of records."""
+        """Return the motion that the options describe. Raises UsageError for a set of
+        records.
+        """
         from ..motions.reading import read_motion
 
         if len(self.motion) > 1 or any(map(os.path.isdir, self.motion)):
-            raise click.UsageError(f"--motion: found {' '.join(self.motion)}; expected one motion")
+            raise click.UsageError(
+                f"--motion: found {' '.join(self.motion)}; expected one motion"
+            )
         upwards, station = self.upwards()
         if not self.motion:
             return Ground(self._pulse(station)).with_upwards(upwards)
         with named(dt="motion_dt"):
-            return Ground(read_motion(self.motion[0], **self._choices(station))).with_upwards(upwards)
+            return Ground(
+                read_motion(self.motion[0], **self._choices(station))
+            ).with_upwards(upwards)
 
-    def several(self, files: tuple[str, ...], one_upwards: bool = False) -> tuple[tuple[str, ...], Ground]:
-        """Return (the structure files, the motion or set of records); one_upwards: refuse a vertical motion for a set.
+    def several(
+        self, files: tuple[str, ...], one_upwards: bool = False
+    ) -> tuple[tuple[str, ...], Ground]:
+        """Return (the structure files, the motion or set of records); one_upwards:
+        refuse a vertical motion for a set.
 
-        Records among the files belong to the set, so that a shell pattern after --motion works. Raises UsageError.
+        Records among the files belong to the set, so that a shell pattern after
+        --motion works. Raises UsageError.
         """
         upwards, station = self.upwards()
         if not self.motion:
@@ -136,31 +220,60 @@ class Motions(Reading, Source):
         own = [path for path in files if holds_records(path)]
         files = tuple(path for path in files if path not in own)
         if "-" in self.motion and "-" in files:
-            raise click.UsageError("standard input is given both as structure and as motion; expected only one")
+            raise click.UsageError(
+                "standard input is given both as structure and as motion; expected"
+                " only one"
+            )
         with named(dt="motion_dt"):
-            found = read_motions((*self.motion, *own), unread=leave_out, **self._choices(station))
+            found = read_motions(
+                (*self.motion, *own), unread=leave_out, **self._choices(station)
+            )
         if one_upwards and upwards is not None and isinstance(found, tuple):
-            raise click.UsageError("--vertical goes with one pulse or motion document here, not with a set of records")
+            raise click.UsageError(
+                "--vertical goes with one pulse or motion document here, not with a set"
+                " of records"
+            )
         ground = Ground(None, found) if isinstance(found, tuple) else Ground(found)
         return files, ground.with_upwards(upwards)
 
     def upwards(self) -> tuple[Upwards | None, float | None]:
-        """Return (the vertical motion of a pulse or a file, the factor of the vertical component of the same file), None if not stated."""
+        """Return (the vertical motion of a pulse or a file, the factor of the vertical
+        component of the same file), None if not stated.
+        """
         return None, None
 
     def _choices(self, station: float | None) -> Any:
         """Return the choices for the motion of a file."""
         refuse("does not go with --motion", *_PULSE)
-        same = {key: getattr(self, key) for key in ("component", "unit", "column", "scale", "scale_to")}
+        same = {
+            key: getattr(self, key)
+            for key in ("component", "unit", "column", "scale", "scale_to")
+        }
         return {**same, "dt": self.motion_dt, "vertical": station, "tell": note}
 
     def _pulse(self, station: float | None) -> Motion:
         from ..motions import pulse
 
-        refuse("goes with a record: give --motion", "component", "unit", "motion_dt", "column", "scale_to")
+        refuse(
+            "goes with a record: give --motion",
+            "component",
+            "unit",
+            "motion_dt",
+            "column",
+            "scale_to",
+        )
         if station is not None:
-            raise click.UsageError(f"--vertical {STATION} goes with a record: give --motion")
-        found = pulse(self.pulse or "sine", **{key: value for key in _PULSE[1:] if (value := getattr(self, key)) is not None})
+            raise click.UsageError(
+                f"--vertical {STATION} goes with a record: give --motion"
+            )
+        found = pulse(
+            self.pulse or "sine",
+            **{
+                key: value
+                for key in _PULSE[1:]
+                if (value := getattr(self, key)) is not None
+            },
+        )
         return found if self.scale is None else found.scaled(self.scale)
 
 
@@ -168,10 +281,23 @@ class Motions(Reading, Source):
 class BothWays(Motions):
     """The ground motion and a vertical one."""
 
-    vertical: str | None = option("--vertical", _VERTICAL, type=PulseOrPath(), metavar="MOTION")
-    vertical_scale: float | None = option("--vertical-scale", "Factor of the vertical motion (default 1).", type=NUMBER, metavar="FACTOR")
-    vertical_component: str | None = option("--vertical-component", "Component of a vertical record.", metavar="NAME")
-    vertical_unit: str | None = option("--vertical-unit", "Unit of a vertical record in plain columns of numbers.", metavar="UNIT")
+    vertical: str | None = option(
+        "--vertical", _VERTICAL, type=PulseOrPath(), metavar="MOTION"
+    )
+    vertical_scale: float | None = option(
+        "--vertical-scale",
+        "Factor of the vertical motion (default 1).",
+        type=NUMBER,
+        metavar="FACTOR",
+    )
+    vertical_component: str | None = option(
+        "--vertical-component", "Component of a vertical record.", metavar="NAME"
+    )
+    vertical_unit: str | None = option(
+        "--vertical-unit",
+        "Unit of a vertical record in plain columns of numbers.",
+        metavar="UNIT",
+    )
     vertical_dt: float | None = option("--vertical-dt", DT, type=quantity("time"))
 
     def upwards(self) -> tuple[Upwards | None, float | None]:
@@ -190,9 +316,17 @@ class BothWays(Motions):
             refuse("goes with a record: give one to --vertical", *_OF_A_FILE)
             motion = pulse(self.vertical)
         else:
-            component, unit, dt = self.vertical_component, self.vertical_unit, self.vertical_dt
-            with named(component="vertical_component", unit="vertical_unit", dt="vertical_dt"):
-                motion = read_motion(self.vertical, component=component, unit=unit, dt=dt, tell=note)
+            component, unit, dt = (
+                self.vertical_component,
+                self.vertical_unit,
+                self.vertical_dt,
+            )
+            with named(
+                component="vertical_component", unit="vertical_unit", dt="vertical_dt"
+            ):
+                motion = read_motion(
+                    self.vertical, component=component, unit=unit, dt=dt, tell=note
+                )
         return Upwards(motion, factor), None
 
 
@@ -203,28 +337,58 @@ def leave_out(line: str) -> None:
 
 
 def no_shaking(*instead: str) -> click.UsageError:
-    """Return the error for a call without a motion; instead: other options that may state one."""
-    return click.UsageError(", or ".join(("no shaking: give --a-g and --omega-g (or --f-g, --T-g)", *instead)))
+    """Return the error for a call without a motion; instead: other options that may
+    state one.
+    """
+    return click.UsageError(
+        ", or ".join(
+            ("no shaking: give --a-g and --omega-g (or --f-g, --T-g)", *instead)
+        )
+    )
 
 
 @dataclass(frozen=True)
 class Shaking:
     """One amplitude and one frequency, with units or dimensionless."""
 
-    a_g: str | None = option("--a-g", "Amplitude of the motion, m/s2 or with g; a negative one reverses it.", metavar="VALUE")
-    omega_g: str | None = option("--omega-g", "Angular frequency of the motion, rad/s.", metavar="VALUE")
+    a_g: str | None = option(
+        "--a-g",
+        "Amplitude of the motion, m/s2 or with g; a negative one reverses it.",
+        metavar="VALUE",
+    )
+    omega_g: str | None = option(
+        "--omega-g", "Angular frequency of the motion, rad/s.", metavar="VALUE"
+    )
     f_g: str | None = option("--f-g", "Frequency of the motion in Hz.", metavar="VALUE")
-    T_g: str | None = option("--T-g", "Period of the motion in s; for a rectangular pulse its duration t_p.", metavar="VALUE")
-    A: str | None = option("--A", "Dimensionless amplitude a_scale a_g/(alpha g).", metavar="VALUE")
-    Omega: str | None = option("--Omega", "Dimensionless frequency omega_g/p.", metavar="VALUE")
+    T_g: str | None = option(
+        "--T-g",
+        "Period of the motion in s; for a rectangular pulse its duration t_p.",
+        metavar="VALUE",
+    )
+    A: str | None = option(
+        "--A", "Dimensionless amplitude a_scale a_g/(alpha g).", metavar="VALUE"
+    )
+    Omega: str | None = option(
+        "--Omega", "Dimensionless frequency omega_g/p.", metavar="VALUE"
+    )
 
     def of(self, ground: Ground) -> Ground:
-        """Return the motion and its demand, a grid of one cell, None if the options state no value. Raises UsageError."""
+        """Return the motion and its demand, a grid of one cell, None if the options
+        state no value. Raises UsageError.
+        """
         from ..motions.grid import parse_grid
 
-        given = {one.name: value for one in fields(Shaking) if (value := getattr(self, one.name)) is not None}
+        given = {
+            one.name: value
+            for one in fields(Shaking)
+            if (value := getattr(self, one.name)) is not None
+        }
         if given:
-            refuse("does not go with an amplitude: expected one of them for the PGA of the record", "scale_to")
+            refuse(
+                "does not go with an amplitude: expected one of them for the PGA of the"
+                " record",
+                "scale_to",
+            )
         own = None if ground.motion is None else ground.motion.acceleration
         if given.get("a_g", "").startswith("-"):
             given["a_g"] = given["a_g"][1:]
@@ -237,13 +401,22 @@ class Shaking:
 
         for key, value in given.items():
             if "," in value or ":" in value:
-                also = "" if key in ("a_g", "A") else " (rocking check and solve take FROM:TO)"
-                raise click.UsageError(f"--{key.replace('_', '-')}: found {value!r}; expected one value{also}{with_a_point(value)}")
+                also = (
+                    ""
+                    if key in ("a_g", "A")
+                    else " (rocking check and solve take FROM:TO)"
+                )
+                raise click.UsageError(
+                    f"--{key.replace('_', '-')}: found {value!r}; expected one"
+                    f" value{also}{with_a_point(value)}"
+                )
         axes = ",".join(f"{key}={value}" for key, value in given.items())
         try:
             grid = parse_grid(axes, own_time=own is not None or bool(ground.recordings))
         except UsageError as error:
-            text = str(error).replace("`grid`: ", "")  # the axes are options of their own here
+            text = str(error).replace(
+                "`grid`: ", ""
+            )  # the axes are options of their own here
             raise UsageError(re.sub(r"`grid` (\w+):", r"`\1`:", text)) from None
         remark_on(grid=grid)
         return replace(ground, grid=grid)
@@ -254,12 +427,24 @@ class Demand(Shaking, BothWays):
     """The ground motion, a vertical one, and the demand."""
 
     def ends(self) -> list[Demand]:
-        """Return the demands at both ends of a range of frequencies FROM:TO, if there is one. Raises click.UsageError."""
+        """Return the demands at both ends of a range of frequencies FROM:TO, if there
+        is one. Raises click.UsageError.
+        """
         given = {key: getattr(self, key) for key in ("omega_g", "f_g", "T_g", "Omega")}
         if (self.a_g or self.A) and not self.motion and not any(given.values()):
-            ways = "a range of frequencies such as --f-g 0.5:5, records by --motion FILE --scale-to PGA=0.3g"
-            raise click.UsageError(f"--a-g alone is no motion: give {ways}, or see the static lambda of rocking params")
-        of = {key: text.split(":") for key, text in given.items() if text and text.count(":") == 1}
+            ways = (
+                "a range of frequencies such as --f-g 0.5:5, records by --motion FILE"
+                " --scale-to PGA=0.3g"
+            )
+            raise click.UsageError(
+                f"--a-g alone is no motion: give {ways}, or see the static lambda of"
+                " rocking params"
+            )
+        of = {
+            key: text.split(":")
+            for key, text in given.items()
+            if text and text.count(":") == 1
+        }
         return [replace(self, **{key: end}) for key, ends in of.items() for end in ends]
 
 
@@ -268,7 +453,10 @@ class Directed(Demand):
     """The demand, or two horizontal components in a direction."""
 
     azimuth: str | None = option(
-        "--azimuth", "Direction in deg, from the first component to the second; of a span the worst (check).", metavar="ANGLE|START:STOP:N"
+        "--azimuth",
+        "Direction in deg, from the first component to the second; of a span the worst"
+        " (check).",
+        metavar="ANGLE|START:STOP:N",
     )
 
     def azimuths(self) -> np.ndarray | None:
@@ -279,16 +467,25 @@ class Directed(Demand):
 
         from ..motions.grid import parse_span
 
-        refuse("does not go with --azimuth: --scale FACTOR scales both components", "scale_to", *(one.name for one in fields(Shaking)))
+        refuse(
+            "does not go with --azimuth: --scale FACTOR scales both components",
+            "scale_to",
+            *(one.name for one in fields(Shaking)),
+        )
         if not self.motion:
             raise click.UsageError("--azimuth goes with a record: give --motion")
-        return np.radians(parse_span("--azimuth", self.azimuth.replace("deg", ""), "number"))
+        return np.radians(
+            parse_span("--azimuth", self.azimuth.replace("deg", ""), "number")
+        )
 
 
 def sign() -> Any:
     """The option for the direction of the motion."""
     return option(
-        "--sign", "Direction of the motion; both matters to bodies whose sides differ.", type=click.Choice(["+", "-", "both"]), default="+"
+        "--sign",
+        "Direction of the motion; both matters to bodies whose sides differ.",
+        type=click.Choice(["+", "-", "both"]),
+        default="+",
     )
 
 
@@ -298,12 +495,26 @@ def note_demand(shakes: Sequence[tuple[Motion, Grid]]) -> None:
     from ..reports.plausibility import bare_remarks
 
     asked = click.get_current_context().params
-    note(f"demand: {demand_in_words(shakes)}", *bare_remarks(f"a_g={asked['a_g']}" if asked["a_g"] else asked.get("scale_to") or ""))
+    note(
+        f"demand: {demand_in_words(shakes)}",
+        *bare_remarks(
+            f"a_g={asked['a_g']}" if asked["a_g"] else asked.get("scale_to") or ""
+        ),
+    )
 
 
-def note_governing(structures: Iterable[RockingParameters], dimensionless: bool) -> None:
+def note_governing(
+    structures: Iterable[RockingParameters], dimensionless: bool
+) -> None:
     """Print the governing equation of each structure."""
     from ..dynamics.method import governing_method, model_in_words
 
-    lines = (model_in_words(governing_method(one, dimensionless=dimensionless), one, dimensionless=dimensionless) for one in structures)
+    lines = (
+        model_in_words(
+            governing_method(one, dimensionless=dimensionless),
+            one,
+            dimensionless=dimensionless,
+        )
+        for one in structures
+    )
     note(*dict.fromkeys(lines))

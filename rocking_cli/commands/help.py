@@ -26,22 +26,38 @@ _NAMES = Registered("commands.help.TOPICS", *COMMANDS)
 
 
 @command("rocking help documents")
-def help(name: str | None = argument(required=False, type=_NAMES, metavar="[COMMAND|TOPIC]")) -> None:
+def help(
+    name: str | None = argument(required=False, type=_NAMES, metavar="[COMMAND|TOPIC]"),
+) -> None:
     """Print the reference of a command, its options and examples, or of a topic.
 
     Without a name, list the commands and the topics.
     """
     if name is not None and name not in COMMANDS | TOPICS:
         names = dict.fromkeys(["words", *TOPICS, *COMMANDS])  # the glossary first
-        pages = [f"`rocking help {topic}`" for topic in names if name.lower() in page(topic).lower().split()]
+        pages = [
+            f"`rocking help {topic}`"
+            for topic in names
+            if name.lower() in page(topic).lower().split()
+        ]
         begins = any(known.startswith(name.lower()) for known in names)
-        meant = did_you_mean(name, names) if begins or not pages else ""  # a word of the pages is not a misspelt command
-        raise click.UsageError(f"No such command or topic {name!r}{meant}" + (f"; it stands in {', '.join(pages[:3])}" if pages else ""))
+        meant = (
+            did_you_mean(name, names) if begins or not pages else ""
+        )  # a word of the pages is not a misspelt command
+        raise click.UsageError(
+            f"No such command or topic {name!r}{meant}"
+            + (f"; it stands in {', '.join(pages[:3])}" if pages else "")
+        )
     group = click.get_current_context().find_root()
     if name is None:
         formatter = group.make_formatter()
         with formatter.section("Topics"):
-            formatter.write_dl([(topic.ljust(max(map(len, COMMANDS))), summary) for topic, summary in TOPICS.items()])
+            formatter.write_dl(
+                [
+                    (topic.ljust(max(map(len, COMMANDS))), summary)
+                    for topic, summary in TOPICS.items()
+                ]
+            )
         text = f"{group.get_help()}\n\n{formatter.getvalue()}"
     else:
         text = page(name)
@@ -52,6 +68,8 @@ def help(name: str | None = argument(required=False, type=_NAMES, metavar="[COMM
 
 
 def page(name: str) -> str:
-    """Return the page of a command or a topic; empty for a command that has only its --help."""
+    """Return the page of a command or a topic; empty for a command that has only its
+    --help.
+    """
     found = files(__package__) / "pages" / f"{name}.txt"
     return found.read_text(encoding="utf-8") if found.is_file() else ""

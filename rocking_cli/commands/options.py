@@ -1,4 +1,6 @@
-"""Options that several commands share, each defined once; the structures of a call, its text and its time."""
+"""Options that several commands share, each defined once; the structures of a call, its
+text and its time.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +33,9 @@ FIGURES = (".png", ".svg", ".pdf")
 _REMARKS = 3  # printed at most
 
 
-def _at_most_the_cpus(_: click.Context, __: click.Parameter, given: int | None) -> int | None:
+def _at_most_the_cpus(
+    _: click.Context, __: click.Parameter, given: int | None
+) -> int | None:
     from ..processes import available_cpus
 
     cpus = available_cpus()
@@ -45,35 +49,73 @@ def _at_most_the_cpus(_: click.Context, __: click.Parameter, given: int | None) 
 files = partial(argument, nargs=-1, type=InputPath(), metavar="[FILE]...")
 output = partial(option, "-o --output", type=OutputPath())
 overwrite = partial(flag, "--overwrite", "Replace an output that exists.")
-strict = partial(flag, "--strict", "Refuse data of machines or libraries whose results may differ in the last digits.")
-workers = partial(option, "--workers", "Processes to use (default: all cores).", type=click.IntRange(1), callback=_at_most_the_cpus)
-a_max = partial(
-    option, "--a-max", "Largest amplitude of the search: A, or with a unit a_g, such as 1g.", type=Parsed("amplitude", limit), default="20"
+strict = partial(
+    flag,
+    "--strict",
+    "Refuse data of machines or libraries whose results may differ in the last digits.",
 )
-vary = partial(option, "--vary", "Vary a key: a family; repeatable, all combinations.", multiple=True, metavar="KEY=START:STOP:N")
+workers = partial(
+    option,
+    "--workers",
+    "Processes to use (default: all cores).",
+    type=click.IntRange(1),
+    callback=_at_most_the_cpus,
+)
+a_max = partial(
+    option,
+    "--a-max",
+    "Largest amplitude of the search: A, or with a unit a_g, such as 1g.",
+    type=Parsed("amplitude", limit),
+    default="20",
+)
+vary = partial(
+    option,
+    "--vary",
+    "Vary a key: a family; repeatable, all combinations.",
+    multiple=True,
+    metavar="KEY=START:STOP:N",
+)
 inset_effect = partial(
     flag,
     "--inset-effect",
     "Print what pivots 5 % of the width inside the edges would take of the capacity.",
 )
-sort = partial(option, "--sort", "The least capacity first, structures that never overturn last.", type=click.Choice(["capacity"]))
+sort = partial(
+    option,
+    "--sort",
+    "The least capacity first, structures that never overturn last.",
+    type=click.Choice(["capacity"]),
+)
 
 
 @dataclass(frozen=True)
 class Looks:
     """How a figure is written."""
 
-    size: float | None = option("--size", "Width of the figure, such as 85mm.", type=quantity("length"))
-    dpi: float | None = option("--dpi", "Dots per inch (default: 200; maps in SVG and PDF 600).", type=click.FloatRange(20.0, 2400.0))
-    title: str | None = option("--title", "Title in place of the figure's own.", metavar="TEXT")
-    style: str | None = option("--style", "Style file of matplotlib (.mplstyle).", type=InputPath())
+    size: float | None = option(
+        "--size", "Width of the figure, such as 85mm.", type=quantity("length")
+    )
+    dpi: float | None = option(
+        "--dpi",
+        "Dots per inch (default: 200; maps in SVG and PDF 600).",
+        type=click.FloatRange(20.0, 2400.0),
+    )
+    title: str | None = option(
+        "--title", "Title in place of the figure's own.", metavar="TEXT"
+    )
+    style: str | None = option(
+        "--style", "Style file of matplotlib (.mplstyle).", type=InputPath()
+    )
 
     def look(self) -> Look:
         """Return the look that the options state. Raises click.UsageError."""
         from ..reports.figures.canvas import Look
 
         if self.size is not None and not 0.02 <= self.size <= 2.0:
-            raise click.UsageError(f"--size: found {self.size:g} m; expected a width from 20 mm to 2 m, with its unit, such as 85mm")
+            raise click.UsageError(
+                f"--size: found {self.size:g} m; expected a width from 20 mm to 2 m,"
+                " with its unit, such as 85mm"
+            )
         return Look(self.size, self.dpi, self.title, self.style)
 
 
@@ -83,26 +125,45 @@ class Sweep:
 
     workers: int | None = workers()
     overwrite: bool = overwrite()
-    resume: bool = flag("--resume", "Go on with an interrupted sweep of the same scene (OUTPUT.part).")
-    shard: str | None = option("--shard", "Compute only the I-th of N parts; rocking merge joins them.", metavar="I/N")
-    scheduler: str | None = option("--scheduler", "Compute on a dask.distributed cluster, such as tcp://host:8786.", metavar="ADDRESS")
+    resume: bool = flag(
+        "--resume", "Go on with an interrupted sweep of the same scene (OUTPUT.part)."
+    )
+    shard: str | None = option(
+        "--shard",
+        "Compute only the I-th of N parts; rocking merge joins them.",
+        metavar="I/N",
+    )
+    scheduler: str | None = option(
+        "--scheduler",
+        "Compute on a dask.distributed cluster, such as tcp://host:8786.",
+        metavar="ADDRESS",
+    )
 
     def writing(self, documents: str) -> dict[str, Any]:
-        """Return the arguments of `write_scene`; documents: the texts of the structures. Raises click.UsageError for a wrong --shard."""
+        """Return the arguments of `write_scene`; documents: the texts of the
+        structures. Raises click.UsageError for a wrong --shard.
+        """
         from ..documents.quantities import parse_whole
 
         shard = None
         if self.shard is not None:
             part, count = (parse_whole(x) for x in self.shard.partition("/")[::2])
             if part is None or count is None or not 1 <= part <= count <= 1_000_000:
-                raise click.UsageError(f"--shard: found {self.shard!r}; expected I/N with I from 1 to N, such as 2/8")
+                raise click.UsageError(
+                    f"--shard: found {self.shard!r}; expected I/N with I from 1 to N,"
+                    " such as 2/8"
+                )
             shard = part, count
         return {**vars(self), "shard": shard, "documents": documents, "tell": note}
 
 
-def structures_of(files: tuple[str, ...], etas: tuple[float | None, ...] = (), each: bool = False) -> tuple[list[RockingParameters], str]:
-    """Return (structures, texts): those of the documents in these files, and a dimensionless oscillator for each restitution;
-    each: a stack is a structure for each of its interfaces, see `on_each_interface`."""
+def structures_of(
+    files: tuple[str, ...], etas: tuple[float | None, ...] = (), each: bool = False
+) -> tuple[list[RockingParameters], str]:
+    """Return (structures, texts): those of the documents in these files, and a
+    dimensionless oscillator for each restitution; each: a stack is a structure for each
+    of its interfaces, see `on_each_interface`.
+    """
     from ..structures import build_structure, with_distinct_names
     from ..structures.parameters import dimensionless_oscillator
 
@@ -118,10 +179,15 @@ def structures_of(files: tuple[str, ...], etas: tuple[float | None, ...] = (), e
 
 
 def members_of(
-    files: tuple[str, ...], vary: tuple[str, ...], etas: tuple[float | None, ...] = (), each: bool = False
+    files: tuple[str, ...],
+    vary: tuple[str, ...],
+    etas: tuple[float | None, ...] = (),
+    each: bool = False,
 ) -> tuple[list[RockingParameters], dict[str, dict[str, float]]]:
-    """Return (structures, columns): those of `structures_of`, or of the families of --vary, and for each name the varied values in SI as
-    columns such as `varied_width`; each: see `structures_of`. Members without a solution are reported and left out."""
+    """Return (structures, columns): those of `structures_of`, or of the families of
+    --vary, and for each name the varied values in SI as columns such as `varied_width`;
+    each: see `structures_of`. Members without a solution are reported and left out.
+    """
     if not vary:
         return structures_of(files, etas, each)[0], {}
     from ..documents.quantities import headed
@@ -130,14 +196,26 @@ def members_of(
     from ..structures.parameters import VARIED
 
     refuse("does not go with --vary", "etas")
-    documents, variations = documents_of(files), [parse_variation(text) for text in vary]
+    documents, variations = (
+        documents_of(files),
+        [parse_variation(text) for text in vary],
+    )
     members(variations)
-    every = [member for document in documents for member in family(document, variations, each)]
-    found = with_distinct_names([member.parameters for member in every if member.parameters is not None])
+    every = [
+        member
+        for document in documents
+        for member in family(document, variations, each)
+    ]
+    found = with_distinct_names(
+        [member.parameters for member in every if member.parameters is not None]
+    )
     columns = {}
     for structure in found:
         values, units = (structure.details[key] for key in VARIED)
-        columns[structure.name] = {headed(f"varied_{k}", "" if form() == "json" else units[k]): value for k, value in values.items()}
+        columns[structure.name] = {
+            headed(f"varied_{k}", "" if form() == "json" else units[k]): value
+            for k, value in values.items()
+        }
     for member in every:
         if member.parameters is None:
             note_no_solution(member)
@@ -147,7 +225,9 @@ def members_of(
 
 
 def built_if_whole(documents: Iterable[Any]) -> Iterator[RockingParameters]:
-    """Yield the structures of documents; one that lacks the key that the call varies has none."""
+    """Yield the structures of documents; one that lacks the key that the call varies
+    has none.
+    """
     from ..structures import build_structure
 
     for document in documents:
@@ -162,44 +242,82 @@ def note_no_solution(member: Member) -> None:
     note(f"no solution for {varied}: {member.fault}")
 
 
-def documents_of(files: tuple[str, ...], most: int | None = None, place: str = "", each: bool = False) -> list[Any]:
-    """Return the structure documents of the files; each: see `structures_of`. Raises click.UsageError for more than `most`; place: what
-    limits them, in words."""
+def documents_of(
+    files: tuple[str, ...], most: int | None = None, place: str = "", each: bool = False
+) -> list[Any]:
+    """Return the structure documents of the files; each: see `structures_of`. Raises
+    click.UsageError for more than `most`; place: what limits them, in words.
+    """
     from ..structures import on_each_interface, read_documents
 
     if not files:
-        sizeless = any(parameter.name == "etas" for parameter in click.get_current_context().command.params)
+        sizeless = any(
+            parameter.name == "etas"
+            for parameter in click.get_current_context().command.params
+        )
         instead = ", or --eta with a dimensionless grid" if sizeless else ""
-        raise click.UsageError(f"no structure: give FILE (- for standard input){instead}")
+        raise click.UsageError(
+            f"no structure: give FILE (- for standard input){instead}"
+        )
     found = [document for path in files for document in read_documents(path)]
     if most is not None and len(found) > most:
-        raise click.UsageError(f"found {len(found)} structures; expected at most {most} for {place}")
-    return [one for document in found for one in on_each_interface(document)] if each else found
+        raise click.UsageError(
+            f"found {len(found)} structures; expected at most {most} for {place}"
+        )
+    return (
+        [one for document in found for one in on_each_interface(document)]
+        if each
+        else found
+    )
 
 
 def introduce(structures: Sequence[RockingParameters]) -> None:
-    """Print what is to be said of the structures of a call: remarks on their numbers, and the labels that tables have beside them, which
-    the rows of the output keep."""
+    """Print what is to be said of the structures of a call: remarks on their numbers,
+    and the labels that tables have beside them, which the rows of the output keep.
+    """
     keep_labels(structures)
     remark_on(structures)
-    names = list(dict.fromkeys(name for structure in structures for name in structure.labels))
+    names = list(
+        dict.fromkeys(name for structure in structures for name in structure.labels)
+    )
     if names:
         shown = ", ".join(names)
-        has_columns = any(parameter.name == "columns" for parameter in click.get_current_context().command.params)
-        note(f"labels, not used: {shown}{' (--columns shows them)' if has_columns else ''}")
+        has_columns = any(
+            parameter.name == "columns"
+            for parameter in click.get_current_context().command.params
+        )
+        note(
+            "labels, not used:"
+            f" {shown}{' (--columns shows them)' if has_columns else ''}"
+        )
 
 
 def note_interfaces(structures: Iterable[RockingParameters]) -> None:
-    """Print a line on the stacks: each is followed on one interface, although another one may overturn first."""
+    """Print a line on the stacks: each is followed on one interface, although another
+    one may overturn first.
+    """
     if names := [s.name for s in structures if "interfaces" in s.details]:
         below(f"followed on one interface, as if no other opened: {', '.join(names)}")
 
 
-def remark_on(structures: Iterable[RockingParameters] = (), grid: Grid | None = None, spans: str = "") -> None:
-    """Print up to three remarks on numbers of structures, amplitudes and spans that are probably wrong."""
-    from ..reports.plausibility import bare_remarks, grid_remarks, span_remarks, structure_remarks
+def remark_on(
+    structures: Iterable[RockingParameters] = (),
+    grid: Grid | None = None,
+    spans: str = "",
+) -> None:
+    """Print up to three remarks on numbers of structures, amplitudes and spans that are
+    probably wrong.
+    """
+    from ..reports.plausibility import (
+        bare_remarks,
+        grid_remarks,
+        span_remarks,
+        structure_remarks,
+    )
 
-    remarks = [remark for one in structures for remark in structure_remarks(one)] + ([] if grid is None else list(grid_remarks(grid)))
+    remarks = [remark for one in structures for remark in structure_remarks(one)] + (
+        [] if grid is None else list(grid_remarks(grid))
+    )
     remarks += [*span_remarks(spans), *bare_remarks(spans)]
     more = len(remarks) - _REMARKS
     below(*remarks[:_REMARKS], *([f"and {more} more such remarks"] if more > 0 else []))
@@ -228,7 +346,9 @@ def check_target(
 
 
 def refuse_own_input(output: Path, recordings: Sequence[Recording] = ()) -> None:
-    """Raise click.UsageError if the output is a document or a record of this call, which --overwrite would destroy."""
+    """Raise click.UsageError if the output is a document or a record of this call,
+    which --overwrite would destroy.
+    """
     context = click.get_current_context()
     sources = [recording.record.source for recording in recordings]
     for parameter in context.command.params:
@@ -236,8 +356,14 @@ def refuse_own_input(output: Path, recordings: Sequence[Recording] = ()) -> None
             given = context.params[parameter.name or ""] or ()
             sources += [given] if isinstance(given, str) else given
     for source in sources:
-        if os.path.isfile(source) and output.is_file() and os.path.samefile(source, output):
-            raise click.UsageError(f"{output} is an input of this call; give another output")
+        if (
+            os.path.isfile(source)
+            and output.is_file()
+            and os.path.samefile(source, output)
+        ):
+            raise click.UsageError(
+                f"{output} is an input of this call; give another output"
+            )
 
 
 def command_line() -> str:

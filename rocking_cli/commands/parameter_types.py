@@ -22,21 +22,29 @@ class OutputPath(click.Path):
     def __init__(self) -> None:
         super().__init__(path_type=Path)
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> Any:
         if value == "":
-            self.fail("found an empty name; expected the name of a file to write", param, ctx)
+            self.fail(
+                "found an empty name; expected the name of a file to write", param, ctx
+            )
         return super().convert(value, param, ctx)
 
 
 class InputPath(click.Path):
-    """The name of a file to read, or - for standard input; the library reports its faults. A name below `configs` that is not in this
-    folder is that of a file which is shipped with the package."""
+    """The name of a file to read, or - for standard input; the library reports its
+    faults. A name below `configs` that is not in this folder is that of a file which is
+    shipped with the package.
+    """
 
     def __init__(self) -> None:
         super().__init__(readable=False, allow_dash=True)
         self.name = "file"
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> Any:
         found = str(super().convert(value, param, ctx))
         if Path(found).parts[:1] == ("configs",) and not os.path.exists(found):
             from ..structures.templates import shipped
@@ -46,8 +54,10 @@ class InputPath(click.Path):
 
 
 class Registered(click.ParamType):
-    """The type of an option that takes a word of a registry, such as `motions.pulses.PULSES`, or a word of `more`. The registry is imported
-    only to list or complete its words; the library refuses other words."""
+    """The type of an option that takes a word of a registry, such as
+    `motions.pulses.PULSES`, or a word of `more`. The registry is imported only to list
+    or complete its words; the library refuses other words.
+    """
 
     name = "choice"
 
@@ -61,25 +71,38 @@ class Registered(click.ParamType):
     def get_metavar(self, param: click.Parameter, ctx: click.Context) -> str:
         return f"[{'|'.join(self.words())}]"
 
-    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-        return [CompletionItem(word) for word in self.words() if word.startswith(incomplete)]
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        return [
+            CompletionItem(word) for word in self.words() if word.startswith(incomplete)
+        ]
 
 
 class Parsed(click.ParamType):
-    """A value that a function reads from its text; the function raises ValueError with the texts that it accepts."""
+    """A value that a function reads from its text; the function raises ValueError with
+    the texts that it accepts.
+    """
 
     def __init__(self, name: str, read: Callable[[str], Any]) -> None:
         self.name, self.read = name, read
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> Any:
         try:
             return self.read(str(value))
         except ValueError as error:
-            raise UsageError(f"{param.opts[-1] if param else self.name}: found {value!r}; expected {error}") from None
+            raise UsageError(
+                f"{param.opts[-1] if param else self.name}: found {value!r}; expected"
+                f" {error}"
+            ) from None
 
 
 def quantity(dimension: str) -> Parsed:
-    """Return the type of an option that takes a number of this dimension, bare (in SI) or with a unit."""
+    """Return the type of an option that takes a number of this dimension, bare (in SI)
+    or with a unit.
+    """
 
     def read(text: str) -> float:
         from ..documents.quantities import parse_quantity
@@ -90,7 +113,9 @@ def quantity(dimension: str) -> Parsed:
 
 
 def restitution(text: str) -> float | None:
-    """Return the restitution of a text: a number from 0 to 1, or None for `block`, which is 1 - 3/2 sin^2 alpha. Raises ValueError."""
+    """Return the restitution of a text: a number from 0 to 1, or None for `block`,
+    which is 1 - 3/2 sin^2 alpha. Raises ValueError.
+    """
     value = None if text == "block" else NUMBER.read(text)
     if value is not None and not 0.0 <= value <= 1.0:
         raise ValueError("a number from 0 to 1, or block")
@@ -101,7 +126,9 @@ NUMBER = quantity("number")
 
 
 def limit(text: str) -> "Limit":
-    """Return the amplitude of a text: `20` is A, `1g` and `5 m/s2` are accelerations. Raises ValueError."""
+    """Return the amplitude of a text: `20` is A, `1g` and `5 m/s2` are accelerations.
+    Raises ValueError.
+    """
     from ..documents.quantities import parse_quantity
     from ..envelopes.amplitudes import Limit
 
@@ -118,6 +145,10 @@ PULSE = Registered("motions.pulses.PULSES")
 class PulseOrPath(InputPath):
     """A pulse by name, `station` or the name of a file, with shell completion."""
 
-    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-        words = Registered(PULSE.registry, STATION).shell_complete(ctx, param, incomplete)
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        words = Registered(PULSE.registry, STATION).shell_complete(
+            ctx, param, incomplete
+        )
         return [*words, *super().shell_complete(ctx, param, incomplete)]

@@ -1,6 +1,7 @@
 """Output of a call: rows on standard output, lines on standard error; their options.
 
-The library speaks of arguments in backticks; `in_options` makes them options: `a_g` becomes --a-g.
+The library speaks of arguments in backticks; `in_options` makes them options: `a_g`
+becomes --a-g.
 """
 
 import re
@@ -30,12 +31,16 @@ def _kept(name: str) -> Any:
     return None if context is None else context.meta.get(f"{__name__}.{name}")
 
 
-def _keep_quiet(context: click.Context, parameter: click.Parameter, value: bool) -> None:
+def _keep_quiet(
+    context: click.Context, parameter: click.Parameter, value: bool
+) -> None:
     streams.silent = value  # the thread that shows the progress knows no context
     _keep(context, parameter, value)
 
 
-def _keep_units(context: click.Context, parameter: click.Parameter, text: str | None) -> None:
+def _keep_units(
+    context: click.Context, parameter: click.Parameter, text: str | None
+) -> None:
     if text is not None:
         from ..reports.units import parse_units
 
@@ -43,18 +48,41 @@ def _keep_units(context: click.Context, parameter: click.Parameter, text: str | 
 
 
 def _of_call(*flags: str, callback: Any = _keep, **settings: Any) -> Callable[[F], F]:
-    return click.option(*flags, expose_value=False, is_eager=True, callback=callback, **settings)
+    return click.option(
+        *flags, expose_value=False, is_eager=True, callback=callback, **settings
+    )
 
 
-quiet = _of_call("-q", "--quiet", is_flag=True, callback=_keep_quiet, help="No progress and no summary on standard error.")
+quiet = _of_call(
+    "-q",
+    "--quiet",
+    is_flag=True,
+    callback=_keep_quiet,
+    help="No progress and no summary on standard error.",
+)
 units = _of_call(
-    "--units", metavar="UNIT,…", callback=_keep_units,
-    help="Units of tables, CSV and figures, such as g,Hz,deg or cm (JSON and HDF5 are in SI).",
-)  # fmt: skip
-_json = _of_call("--json", "form", flag_value="json", help="JSON Lines on standard output.")
+    "--units",
+    metavar="UNIT,…",
+    callback=_keep_units,
+    help=(
+        "Units of tables, CSV and figures, such as g,Hz,deg or cm (JSON and HDF5 are in"
+        " SI)."
+    ),
+)
+_json = _of_call(
+    "--json", "form", flag_value="json", help="JSON Lines on standard output."
+)
 _csv = _of_call("--csv", "form", flag_value="csv", help="CSV on standard output.")
-_columns = _of_call("--columns", metavar="NAME,…", help="Columns of a table (default: all that are not empty).")
-_digits = _of_call("--digits", type=click.IntRange(1, 17), help="Significant digits of a table (default: 4).")
+_columns = _of_call(
+    "--columns",
+    metavar="NAME,…",
+    help="Columns of a table (default: all that are not empty).",
+)
+_digits = _of_call(
+    "--digits",
+    type=click.IntRange(1, 17),
+    help="Significant digits of a table (default: 4).",
+)
 
 
 def printed(command: F) -> F:
@@ -78,7 +106,9 @@ def form() -> str | None:
 
 
 def units_shown(table_units: str | None = None) -> "Units":
-    """Return the units of the rows: --units, for a table else `table_units`, else SI."""
+    """Return the units of the rows: --units, for a table else
+    `table_units`, else SI.
+    """
     from ..reports.units import Units, parse_units
 
     if (asked := units_of()) is not None:
@@ -91,12 +121,20 @@ def keep_labels(structures: "Iterable[RockingParameters]") -> None:
     """Keep the labels of structures by name: `emit` adds them to the rows of each."""
     context = click.get_current_context()
     kept = context.meta.setdefault(f"{__name__}.labels", {})
-    kept |= {structure.name: dict(structure.labels) for structure in structures if structure.labels}
+    kept |= {
+        structure.name: dict(structure.labels)
+        for structure in structures
+        if structure.labels
+    }
 
 
-def _labelled(rows: Iterable[Mapping[str, Any]], form: str | None, chosen: Sequence[str]) -> Iterator[Mapping[str, Any]]:
-    """Yield rows with the labels of their structures: for JSON as one mapping, for CSV as columns, for a table those of --columns. A label
-    with the name of another column of the row is called label_NAME."""
+def _labelled(
+    rows: Iterable[Mapping[str, Any]], form: str | None, chosen: Sequence[str]
+) -> Iterator[Mapping[str, Any]]:
+    """Yield rows with the labels of their structures: for JSON as one mapping, for CSV
+    as columns, for a table those of --columns. A label with the name of another column
+    of the row is called label_NAME.
+    """
     for row in rows:
         kept: Mapping[str, Mapping[str, str]] = _kept("labels") or {}
         mine = kept.get(str(row.get("structure", row.get("name"))), {})
@@ -104,9 +142,17 @@ def _labelled(rows: Iterable[Mapping[str, Any]], form: str | None, chosen: Seque
             yield {**row, "labels": mine} if mine else row
             continue
         named = {
-            f"label_{name}" if name in row else name: mine.get(name) for name in dict.fromkeys(n for one in kept.values() for n in one)
+            f"label_{name}" if name in row else name: mine.get(name)
+            for name in dict.fromkeys(n for one in kept.values() for n in one)
         }
-        yield {**row, **{name: text for name, text in named.items() if form == "csv" or name in chosen}}
+        yield {
+            **row,
+            **{
+                name: text
+                for name, text in named.items()
+                if form == "csv" or name in chosen
+            },
+        }
 
 
 def emit(
@@ -122,12 +168,12 @@ def emit(
 ) -> None:
     """Print rows: JSON and CSV each as soon as it is computed, a table at the end.
 
-    columns: the header of a CSV without rows; keys: the columns that say which row it is,
-    which a table that is cut into blocks repeats; form: the form of the output if neither
-    --json nor --csv is given; table_units: the units of a table if --units is not given;
-    dimensions: of columns that have another one here than elsewhere, None without a unit;
-    unseen: columns that only JSON and CSV have; varied: for each structure the columns of
-    its varied values, which come first.
+    columns: the header of a CSV without rows; keys: the columns that say which row it
+    is, which a table that is cut into blocks repeats; form: the form of the output if
+    neither --json nor --csv is given; table_units: the units of a table if --units is
+    not given; dimensions: of columns that have another one here than elsewhere, None
+    without a unit; unseen: columns that only JSON and CSV have; varied: for each
+    structure the columns of its varied values, which come first.
     """
     from shutil import get_terminal_size
 
@@ -152,30 +198,43 @@ def emit(
         digits = _kept("digits") or 4
         table = {"digits": digits, "width": width, "chosen": chosen, "keys": keys}
     encoding = sys.stdout.encoding
-    for line in lines(rows, form or "table", columns, encoding=encoding, units=units, **table):
+    for line in lines(
+        rows, form or "table", columns, encoding=encoding, units=units, **table
+    ):
         streams.put(line)
 
 
 def in_options(text: str, command: click.Command) -> str:
-    """Return a sentence of the library with the arguments in backticks replaced by the options of the command; other words stay."""
+    """Return a sentence of the library with the arguments in backticks replaced by the
+    options of the command; other words stay.
+    """
     options: dict[str, str] = {}
     for parameter in command.params:
         if isinstance(parameter, click.Option):
             long = parameter.opts[-1]
-            options |= {str(parameter.name): long, long.lstrip("-").replace("-", "_"): long}
+            options |= {
+                str(parameter.name): long,
+                long.lstrip("-").replace("-", "_"): long,
+            }
     return re.sub(r"`(\w+)`", lambda found: options.get(found[1], found[0]), text)
 
 
 def warn(text: str) -> None:
-    """Print a line on standard error, the library's terms in it replaced by the options of the command."""
+    """Print a line on standard error, the library's terms in it replaced by the options
+    of the command.
+    """
     context = click.get_current_context(silent=True)
     streams.say(text if context is None else in_options(text, context.command))
 
 
 def below(*lines: str) -> None:
-    """Print lines on standard error, as `note` does, after the table if the command prints a table."""
+    """Print lines on standard error, as `note` does, after the table if the command
+    prints a table.
+    """
     context = click.get_current_context()
-    tabular = form() is None and any(parameter.name == "columns" for parameter in context.command.params)
+    tabular = form() is None and any(
+        parameter.name == "columns" for parameter in context.command.params
+    )
     context.call_on_close(partial(note, *lines)) if tabular else note(*lines)
 
 

@@ -2,8 +2,8 @@
 a line every half a minute in a log, with what is done and the time left.
 
 A thread writes them, because the main thread may wait for worker processes for minutes,
-and a handler of a signal waits as long. The thread holds `streams.lock` while it writes,
-which a fork waits for, so that no worker process inherits a half-written line.
+and a handler of a signal waits as long. The thread holds `streams.lock` while it
+writes, which a fork waits for, so that no worker process inherits a half-written line.
 """
 
 import math
@@ -52,7 +52,10 @@ class _Reporter:
         if self.line is None:
             return f"still computing ({now - self.began:.0f} s)"
         if not self.line.unfinished:  # what follows has no units
-            return f"{self.line.label}: done; still computing ({now - self.began:.0f} s in all)"
+            return (
+                f"{self.line.label}: done; still computing ({now - self.began:.0f} s in"
+                " all)"
+            )
         return self.line.in_words()
 
 
@@ -84,8 +87,9 @@ def reporting() -> Iterator[None]:
 
 
 class ProgressLine:
-    """The units of work done, their number and the time left; on a terminal a line, which
-    any other output replaces until it is renewed. With --quiet there is none."""
+    """The units of work done, their number and the time left; on a terminal a line,
+    which any other output replaces until it is renewed. With --quiet there is none.
+    """
 
     def __init__(self, label: str, unit: str) -> None:
         self.label = label
@@ -106,13 +110,16 @@ class ProgressLine:
         return self._done < max(self._total, 1)
 
     def in_words(self) -> str:
-        """Return the time left at the rate so far; until enough units are done, the time
-        passed."""
+        """Return the time left at the rate so far; until enough units are done, the
+        time passed.
+        """
         seconds, new = monotonic() - self._start, self._done - self._first
         if not self._total:
             return f"{self.label}: still computing ({seconds:.0f} s)"
         units = f"{int(self._done)} of {self._total} {self._unit} done"
-        if not float(self._done).is_integer():  # parts of a unit are done; a terminal has 80 columns
+        if not float(
+            self._done
+        ).is_integer():  # parts of a unit are done; a terminal has 80 columns
             percent = 100.0 * self._done / self._total
             shown = f"{percent:.2g}" if percent < 10.0 else f"{math.floor(percent)}"
             units = f"{shown} % of {self._total} {self._unit}"
@@ -143,12 +150,17 @@ class ProgressLine:
             streams.renew(_with_bar(share, self.in_words()))
             return
         seconds, self._ended = monotonic() - self._start, True
-        streams.end_line(_with_bar(share, f"{self.label}: {self._total} {self._unit} in {seconds:.0f} s"))
+        streams.end_line(
+            _with_bar(
+                share, f"{self.label}: {self._total} {self._unit} in {seconds:.0f} s"
+            )
+        )
 
 
 def _with_bar(share: float, words: str) -> str:
-    """Return the words behind a bar of the share that is done; a bar that has no room beside
-    them is shorter, or left out."""
+    """Return the words behind a bar of the share that is done; a bar that has no room
+    beside them is shorter, or left out.
+    """
     room = streams.columns_of(sys.stderr) - len(words) - len("[] ") - 1
     bar = min(_BAR, room)
     return words if bar < _LEAST_BAR else f"[{'#' * int(bar * share):-<{bar}}] {words}"

@@ -14,29 +14,60 @@ from .printing import emit, note, printed
 if TYPE_CHECKING:
     from ..motions.records import Record
 
-KEYS = ("name", "component")  # the columns that say which row it is, of a spectrum with T
+KEYS = (
+    "name",
+    "component",
+)  # the columns that say which row it is, of a spectrum with T
 SPECTRUM_COLUMNS = ("name", "component", "damping", "T", "S_a", "S_d")
 COLUMNS = (
-    "name", "format", "component", "npts", "dt", "duration", "pga", "pga_time", "pgv", "pgd", "arias", "cav", "d5_75", "d5_95",
-    "header_pga", "header_difference", "unit",
-)  # fmt: skip
+    "name",
+    "format",
+    "component",
+    "npts",
+    "dt",
+    "duration",
+    "pga",
+    "pga_time",
+    "pgv",
+    "pgd",
+    "arias",
+    "cav",
+    "d5_75",
+    "d5_95",
+    "header_pga",
+    "header_difference",
+    "unit",
+)
 
 
 @command("rocking records configs/motions/synthetic.at2", printed)
 def records(
     files: tuple[str, ...] = options.files(),
     reading: ground.Reading = group(ground.Reading),
-    export_spectrum: bool = flag("--export-spectrum", "Print the elastic response spectrum instead."),
-    periods: str | None = option("--periods", "Periods of the spectrum (default 0.02:5:100:log s).", metavar="START:STOP:N[:log]"),
-    damping: float | None = option("--damping", "Damping ratio of the spectrum (default 0.05 for 5 %).", type=NUMBER),
+    export_spectrum: bool = flag(
+        "--export-spectrum", "Print the elastic response spectrum instead."
+    ),
+    periods: str | None = option(
+        "--periods",
+        "Periods of the spectrum (default 0.02:5:100:log s).",
+        metavar="START:STOP:N[:log]",
+    ),
+    damping: float | None = option(
+        "--damping",
+        "Damping ratio of the spectrum (default 0.05 for 5 %).",
+        type=NUMBER,
+    ),
 ) -> None:
-    """Show what records hold, a row a component: sampling and intensity measures in s, m/s2, m/s and m.
+    """Show what records hold, a row a component: sampling and intensity measures in s,
+    m/s2, m/s and m.
 
-    FILE is a record of any known format, packed with gzip or not, - for standard input, a directory, or a list of files, one a line.
-    --component selects horizontal, all (default), or one by name or number. Files of a directory that cannot be read are left out and
-    named (exit code 4). header_pga is the peak in the header of the file, header_difference the relative excess of the peak of the
-    samples over it, unit the unit of the file. --export-spectrum: the largest displacement S_d of an oscillator of period T, also
-    between samples and after the record, and S_a = (2 pi/T)^2 S_d.
+    FILE is a record of any known format, packed with gzip or not, - for standard input,
+    a directory, or a list of files, one a line. --component selects horizontal, all
+    (default), or one by name or number. Files of a directory that cannot be read are
+    left out and named (exit code 4). header_pga is the peak in the header of the file,
+    header_difference the relative excess of the peak of the samples over it, unit the
+    unit of the file. --export-spectrum: the largest displacement S_d of an oscillator
+    of period T, also between samples and after the record, and S_a = (2 pi/T)^2 S_d.
     """
     from ..motions.reading import read_set
     from ..motions.records.record import ALL, chosen
@@ -50,12 +81,32 @@ def records(
 
     def rows(found: "list[Record]") -> list[dict[str, Any]]:
         records = chosen(found, reading.component or ALL)
-        notes.extend(f"{record.source}: {remark}" for record in records for remark in record.remarks)
-        return [row for record in records for row in (_spectrum(record, periods, damping) if export_spectrum else [_row(record)])]
+        notes.extend(
+            f"{record.source}: {remark}"
+            for record in records
+            for remark in record.remarks
+        )
+        return [
+            row
+            for record in records
+            for row in (
+                _spectrum(record, periods, damping)
+                if export_spectrum
+                else [_row(record)]
+            )
+        ]
 
     with ground.named(dt="motion_dt"):
         taken = list(
-            read_set(files, rows, unit=reading.unit, dt=reading.motion_dt, column=reading.column, tell=notes.append, unread=unread.append)
+            read_set(
+                files,
+                rows,
+                unit=reading.unit,
+                dt=reading.motion_dt,
+                column=reading.column,
+                tell=notes.append,
+                unread=unread.append,
+            )
         )
     if export_spectrum:
         emit(taken, SPECTRUM_COLUMNS, keys=(*KEYS, "T"))
@@ -66,21 +117,40 @@ def records(
         ground.leave_out(line)
 
 
-def _spectrum(record: "Record", periods: str | None, damping: float | None) -> list[dict[str, Any]]:
+def _spectrum(
+    record: "Record", periods: str | None, damping: float | None
+) -> list[dict[str, Any]]:
     """Return the rows of the response spectrum of a record. Raises UsageError."""
     from ..motions.grid import parse_span
     from ..motions.response_spectra import DAMPING, displacement_spectrum
 
-    at, ratio = parse_span("--periods", periods or "0.02:5:100:log", "time"), DAMPING if damping is None else damping
+    at, ratio = (
+        parse_span("--periods", periods or "0.02:5:100:log", "time"),
+        DAMPING if damping is None else damping,
+    )
     names = {"name": record.name, "component": record.component, "damping": ratio}
-    found = zip(at.tolist(), displacement_spectrum(record, at, ratio).tolist(), strict=True)
-    return [names | {"T": t, "S_a": (2.0 * math.pi / t) ** 2 * d, "S_d": d} for t, d in found]
+    found = zip(
+        at.tolist(), displacement_spectrum(record, at, ratio).tolist(), strict=True
+    )
+    return [
+        names | {"T": t, "S_a": (2.0 * math.pi / t) ** 2 * d, "S_d": d}
+        for t, d in found
+    ]
 
 
 def _row(record: "Record") -> dict[str, Any]:
     from ..motions.intensity import intensity
 
     measured = intensity(record)
-    row = {key: getattr(record, key) for key in ("name", "format", "component", "npts", "dt", "duration")} | asdict(measured)
-    difference = None if not record.header_pga else measured.pga / record.header_pga - 1.0
-    return row | {"header_pga": record.header_pga, "header_difference": difference, "unit": record.unit}
+    row = {
+        key: getattr(record, key)
+        for key in ("name", "format", "component", "npts", "dt", "duration")
+    } | asdict(measured)
+    difference = (
+        None if not record.header_pga else measured.pga / record.header_pga - 1.0
+    )
+    return row | {
+        "header_pga": record.header_pga,
+        "header_difference": difference,
+        "unit": record.unit,
+    }

@@ -17,27 +17,51 @@ class OneMotion(ground.Directed):
     motion_dt: float | None = option("--motion-dt", ground.DT, type=quantity("time"))
 
 
-@command("rocking response configs/arch.yaml --pulse rectangular-impulse --a-g 0.9g --T-g 0.4 --model both --events", printed)
+@command(
+    "rocking response configs/arch.yaml --pulse rectangular-impulse --a-g 0.9g --T-g"
+    " 0.4 --model both --events",
+    printed,
+)
 def response(
     file: str = argument(type=InputPath()),
     asked: OneMotion = group(OneMotion),
     model: equations.Models = group(equations.Models),
     release: float = option(
-        "--release", "Release from theta/alpha = RATIO; without a motion: free rocking.", type=NUMBER, default=0.0, metavar="RATIO"
+        "--release",
+        "Release from theta/alpha = RATIO; without a motion: free rocking.",
+        type=NUMBER,
+        default=0.0,
+        metavar="RATIO",
     ),
-    duration: float | None = option("--duration", "Duration of the rows (default: the shaking and 30/p after it).", type=quantity("time")),
+    duration: float | None = option(
+        "--duration",
+        "Duration of the rows (default: the shaking and 30/p after it).",
+        type=quantity("time"),
+    ),
     dt: float | None = option(
-        "--row-step", "Time between two rows (default: the samples of a record, 500 rows of a pulse).", type=quantity("time")
+        "--row-step",
+        "Time between two rows (default: the samples of a record, 500 rows of a"
+        " pulse).",
+        type=quantity("time"),
     ),
     steps: bool = flag("--steps", "Print a row at each step of the solver instead."),
-    events: bool = flag("--events", "Print uplifts, impacts, peaks, rest and overturning instead."),
-    forces: bool = flag("--forces", "Also print the forces on the ground, or on the joints of an arch, over m g."),
-    dimensionless: bool = flag("--dimensionless", "Print theta/alpha over p t; --row-step is in p t too."),
+    events: bool = flag(
+        "--events", "Print uplifts, impacts, peaks, rest and overturning instead."
+    ),
+    forces: bool = flag(
+        "--forces",
+        "Also print the forces on the ground, or on the joints of an arch, over m g.",
+    ),
+    dimensionless: bool = flag(
+        "--dimensionless", "Print theta/alpha over p t; --row-step is in p t too."
+    ),
 ) -> None:
-    """Time history of one structure: t [s], theta [rad], theta_dot [rad/s], ground_acceleration [m/s2].
+    """Time history of one structure: t [s], theta [rad], theta_dot [rad/s],
+    ground_acceleration [m/s2].
 
-    FILE holds one structure. An overturning body is followed to 3 alpha, or until it lies on its side or its linkage has
-    collapsed. The speed of an impact in the events is the speed before it. With --json the last row of each model is a summary.
+    FILE holds one structure. An overturning body is followed to 3 alpha, or until it
+    lies on its side or its linkage has collapsed. The speed of an impact in the events
+    is the speed before it. With --json the last row of each model is a summary.
     """
     from ..responses.time_history import EVENT_KEYS, IMPULSES, KEYS, NAMED, time_history
 
@@ -48,27 +72,49 @@ def response(
         from ..responses.azimuth import at_azimuth
 
         if azimuths.size > 1:
-            raise UsageError(f"--azimuth: found {asked.azimuth}; expected one angle (rocking check takes a span)")
+            raise UsageError(
+                f"--azimuth: found {asked.azimuth}; expected one angle (rocking check"
+                " takes a span)"
+            )
         recordings = asked.several(())[1].recordings
-        shaken = asked.of(ground.Ground(at_azimuth(recordings, float(azimuths[0])).motion))
+        shaken = asked.of(
+            ground.Ground(at_azimuth(recordings, float(azimuths[0])).motion)
+        )
     structures, _ = options.structures_of((file,))
     if len(structures) != 1:
-        raise UsageError(f"{file} holds {len(structures)} structures; expected one (rocking compare takes several)")
+        raise UsageError(
+            f"{file} holds {len(structures)} structures; expected one (rocking compare"
+            " takes several)"
+        )
     if shaken.grid is None and (asked.pulse or asked.motion or not release):
-        raise ground.no_shaking("--A and --Omega", "--release without a motion for free rocking")
+        raise ground.no_shaking(
+            "--A and --Omega", "--release without a motion for free rocking"
+        )
     if dt is not None:
         refuse("does not go with --row-step", "steps")
     if dt is not None and not dt > 0.0:
         raise UsageError(f"--row-step: found {dt:g} s; expected a positive time")
     bare = shaken.grid is not None and shaken.grid.dimensionless
     methods = model.methods(structures, bare)
-    found = time_history(structures[0], shaken.motion if shaken.grid else None, shaken.grid, methods, release=release, duration=duration)
+    found = time_history(
+        structures[0],
+        shaken.motion if shaken.grid else None,
+        shaken.grid,
+        methods,
+        release=release,
+        duration=duration,
+    )
     shown = {"dimensionless": dimensionless, "forces": forces}
     rows = found.events(**shown) if events else found.rows(dt=dt, steps=steps, **shown)
     closing = found.summaries(**shown) if events and form() == "json" else ()
     dimensions = dict.fromkeys(IMPULSES) if dimensionless else None
     if events:
-        emit(chain(rows, closing), ("model", "event"), keys=EVENT_KEYS, dimensions=dimensions)
+        emit(
+            chain(rows, closing),
+            ("model", "event"),
+            keys=EVENT_KEYS,
+            dimensions=dimensions,
+        )
     else:
         emit(rows, keys=KEYS, unseen=NAMED)
     if shaken.grid is not None:

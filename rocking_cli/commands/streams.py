@@ -1,4 +1,6 @@
-"""The standard streams of a call: failures of output, and escapes for control characters."""
+"""The standard streams of a call: failures of output, and escapes for control
+characters.
+"""
 
 import os
 import sys
@@ -19,13 +21,17 @@ def printable(text: str) -> str:
     """Return the text with every control character and half character escaped."""
     if text.isprintable():
         return text
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+    return "".join(
+        c if c.isprintable() else c.encode("unicode_escape").decode() for c in text
+    )
 
 
 lock = RLock()  # of the writers: the program, and the thread that shows its progress
 silent = False  # True in a call with --quiet: no progress
 _renewed = False  # True while a line stands on the terminal that `renew` will replace
-if hasattr(os, "register_at_fork"):  # a worker process must not inherit a lock that the thread holds
+if hasattr(
+    os, "register_at_fork"
+):  # a worker process must not inherit a lock that the thread holds
     os.register_at_fork(
         before=lock.acquire,
         after_in_parent=lock.release,
@@ -74,13 +80,17 @@ def put(*lines: str) -> None:
 
 
 def say(line: str) -> None:
-    """Write a line on standard error at once; on a terminal it is broken between words."""
+    """Write a line on standard error at once; on a terminal it is
+    broken between words.
+    """
     text = printable(line)
     with lock:
         erase()
         if sys.stderr.isatty():
             columns = columns_of(sys.stderr)
-            text = "\n".join(wrap(text, columns, break_long_words=False, break_on_hyphens=False))
+            text = "\n".join(
+                wrap(text, columns, break_long_words=False, break_on_hyphens=False)
+            )
         sys.stderr.write(f"{text}\n")
         sys.stderr.flush()
 
@@ -97,19 +107,28 @@ def columns_of(terminal: TextIO) -> int:
 
 @contextmanager
 def guarded() -> Iterator[None]:
-    """Context of a call: a closed pipe on standard output ends it without an error; any other failure of the output is reported once. A
-    closed or full standard error has no effect."""
+    """Context of a call: a closed pipe on standard output ends it without an error; any
+    other failure of the output is reported once. A closed or full standard error has no
+    effect.
+    """
     descriptor = 0
-    while descriptor <= 2:  # else the next opened file gets the number of a closed stream, and a C library would print into it
+    # else the next opened file gets the number of a closed stream, and a C library
+    # would print into it
+    while descriptor <= 2:
         descriptor = os.open(os.devnull, os.O_RDWR)
     os.close(descriptor)
-    with redirect_stdout(cast(TextIO, _Output(sys.stdout))), redirect_stderr(cast(TextIO, _Stream(sys.stderr))):
+    with (
+        redirect_stdout(cast(TextIO, _Output(sys.stdout))),
+        redirect_stderr(cast(TextIO, _Stream(sys.stderr))),
+    ):
         yield
 
 
 class _Stream:
-    """Standard error, or None if it is closed. Characters that its encoding lacks are escaped, and failures are ignored. It has no
-    `buffer`, so all output goes through `write`."""
+    """Standard error, or None if it is closed. Characters that its encoding lacks are
+    escaped, and failures are ignored. It has no `buffer`, so all output goes through
+    `write`.
+    """
 
     def __init__(self, stream: TextIO | None) -> None:
         self._stream = stream
@@ -119,13 +138,18 @@ class _Stream:
     def write(self, text: str | bytes) -> int:
         if isinstance(text, bytes):
             if not text:
-                raise TypeError("a stream of text")  # click tests a text stream in this way
+                raise TypeError(
+                    "a stream of text"
+                )  # click tests a text stream in this way
             text = text.decode()  # click writes what completes a word as bytes
         try:
             if self._stream is None:
                 raise OSError("it is closed")
-            if text:  # an empty one fails on a full device, which click would take for an answer
-                self._stream.write(text.encode(self.encoding, self.errors).decode(self.encoding))
+            # an empty one fails on a full device, which click would take for an answer
+            if text:
+                self._stream.write(
+                    text.encode(self.encoding, self.errors).decode(self.encoding)
+                )
         except OSError as error:
             self._failed(error)
         return len(text)
@@ -160,4 +184,6 @@ class _Output(_Stream):
         super()._failed(error)
         if isinstance(error, BrokenPipeError):
             raise click.exceptions.Exit(0) from None
-        raise OutputError(f"standard output: cannot be written: {error.strerror or error}") from None
+        raise OutputError(
+            f"standard output: cannot be written: {error.strerror or error}"
+        ) from None

@@ -1,4 +1,6 @@
-"""Text to YAML nodes with their places; a text above a limit is refused before it costs time and memory."""
+"""Text to YAML nodes with their places; a text above a limit is refused before it costs
+time and memory.
+"""
 
 import json
 import re
@@ -22,7 +24,9 @@ _UNSPACED = re.compile(r"\s*-?\s*([A-Za-z_]\w*):([^\s:/\\,][^\s,]*)")
 
 @dataclass(frozen=True)
 class Place:
-    """The file, line and column of a key or a value; line 0 if it comes from no file."""
+    """The file, line and column of a key or a value; line 0 if it comes
+    from no file.
+    """
 
     source: str
     line: int
@@ -42,14 +46,26 @@ class Value:
 
     def __str__(self) -> str:
         if isinstance(self.content, str):
-            short = self.content if len(self.content) <= 60 else self.content[:57] + "..."
+            short = (
+                self.content if len(self.content) <= 60 else self.content[:57] + "..."
+            )
             plain = short.isprintable() and short and not self.quoted
-            return short if plain else json.dumps(short, ensure_ascii=not short.isprintable())
+            return (
+                short
+                if plain
+                else json.dumps(short, ensure_ascii=not short.isprintable())
+            )
         return "a list" if isinstance(self.content, list) else "a mapping"
 
     def word(self) -> str | None:
-        """Return an unquoted text in lower case, as true, True and TRUE are one word; None for any other value."""
-        return self.content.casefold() if isinstance(self.content, str) and not self.quoted else None
+        """Return an unquoted text in lower case, as true, True and TRUE are one word;
+        None for any other value.
+        """
+        return (
+            self.content.casefold()
+            if isinstance(self.content, str) and not self.quoted
+            else None
+        )
 
     def plain(self) -> Any:
         """Return the value as JSON has it, a number in SI units as a float."""
@@ -62,37 +78,56 @@ class Value:
         parts = split_quantity(self.content)
         if parts and (not parts[1] or FACTORS.get(parts[1]) == 1.0):
             return parts[0]
-        return {"null": None, "~": None, "": None, "true": True, "false": False}.get(self.content.casefold(), self.content)
+        return {"null": None, "~": None, "": None, "true": True, "false": False}.get(
+            self.content.casefold(), self.content
+        )
 
 
 def compose(text: str, source: str, first: int = 0) -> list[yaml.Node]:
-    """Return the root node of each document of a text, with its places in the file; first: lines before the text. Raises DocumentError."""
+    """Return the root node of each document of a text, with its places in the file;
+    first: lines before the text. Raises DocumentError.
+    """
     begun = text.lstrip()
     if begun.startswith(("{", "//", "/*")):
         _refuse_comment(text, source)
-    return _compose_json(text, source) if begun.startswith("{") else _compose_yaml(text, source, first)
+    return (
+        _compose_json(text, source)
+        if begun.startswith("{")
+        else _compose_yaml(text, source, first)
+    )
 
 
 def _refuse_comment(text: str, source: str) -> None:
-    """Raise DocumentError for a text of braces with a comment of JavaScript, which neither JSON nor YAML has."""
+    """Raise DocumentError for a text of braces with a comment of JavaScript, which
+    neither JSON nor YAML has.
+    """
     for found in _COMMENT.finditer(text):
         if found[1]:
             place = place_in(text, found.start(1), source)
             wanted = "expected no comment in JSON; write YAML, where # begins one"
-            raise DocumentError(f"{place}: found a comment that begins with {found[1]}; {wanted}")
+            raise DocumentError(
+                f"{place}: found a comment that begins with {found[1]}; {wanted}"
+            )
 
 
 def unspaced(text: str) -> str:
-    """Return a sentence on `key:value` without the blank that YAML needs after the colon, an empty text for any other text."""
+    """Return a sentence on `key:value` without the blank that YAML needs after the
+    colon, an empty text for any other text.
+    """
     if (match := _UNSPACED.match(text)) is None:
         return ""
-    return f"found {match[0][:60]!r}; expected a blank after the colon: `{match[1]}: {match[2][:60]}`"
+    return (
+        f"found {match[0][:60]!r}; expected a blank after the colon: `{match[1]}:"
+        f" {match[2][:60]}`"
+    )
 
 
 def place_in(text: str, at: int, source: str, first: int = 0) -> Place:
     """Return the place of character number `at` of a text."""
     before = text[:at]
-    return Place(source, first + before.count("\n") + 1, len(before) - before.rfind("\n"))
+    return Place(
+        source, first + before.count("\n") + 1, len(before) - before.rfind("\n")
+    )
 
 
 class _Unlikely(yaml.MarkedYAMLError):
@@ -100,7 +135,9 @@ class _Unlikely(yaml.MarkedYAMLError):
 
 
 class _Composer(yaml.SafeLoader):
-    """PyYAML's composer with limits on depth and number of values; it raises _Unlikely beyond them."""
+    """PyYAML's composer with limits on depth and number of values; it raises _Unlikely
+    beyond them.
+    """
 
     def __init__(self, text: str, source: str, first: int) -> None:
         super().__init__(text)
@@ -126,7 +163,10 @@ class _Composer(yaml.SafeLoader):
 def _compose_yaml(text: str, source: str, first: int = 0) -> list[yaml.Node]:
     if len(text) > LONGEST:
         place = place_in(text, LONGEST, source, first)
-        raise DocumentError(f"{place}: longer than {LONGEST >> 20} MiB, the limit of a structure document")
+        raise DocumentError(
+            f"{place}: longer than {LONGEST >> 20} MiB, the limit of a structure"
+            " document"
+        )
     nodes: list[yaml.Node] = []
     try:
         composer = _Composer(text, source, first)
@@ -134,21 +174,38 @@ def _compose_yaml(text: str, source: str, first: int = 0) -> list[yaml.Node]:
             nodes.append(composer.compose_document())
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        place = Place(source, mark.line + 1, mark.column + 1) if mark else Place(source, first + 1, 1)
+        place = (
+            Place(source, mark.line + 1, mark.column + 1)
+            if mark
+            else Place(source, first + 1, 1)
+        )
         if isinstance(error, _Unlikely):
-            raise DocumentError(f"{place}: {error.problem} to be a structure document") from None
-        line = text.splitlines()[mark.line - first - 1 : mark.line - first + 1] if mark else []
+            raise DocumentError(
+                f"{place}: {error.problem} to be a structure document"
+            ) from None
+        line = (
+            text.splitlines()[mark.line - first - 1 : mark.line - first + 1]
+            if mark
+            else []
+        )
         if hint := next(filter(None, map(unspaced, line)), ""):
             raise DocumentError(f"{place}: not valid YAML: {hint}") from None
-        raise DocumentError(f"{place}: not valid YAML: {error.problem or error.context}") from None
+        raise DocumentError(
+            f"{place}: not valid YAML: {error.problem or error.context}"
+        ) from None
     except yaml.reader.ReaderError as error:
         place = place_in(text, error.position, source, first)
-        raise DocumentError(f"{place}: not valid YAML: holds the control character U+{error.character:04X}") from None
+        raise DocumentError(
+            f"{place}: not valid YAML: holds the control character"
+            f" U+{error.character:04X}"
+        ) from None
     return nodes
 
 
 def _compose_json(text: str, source: str) -> list[yaml.Node]:
-    """Return the nodes of JSON objects one after the other: a JSON decoder finds the end of each, YAML's composer the places in it."""
+    """Return the nodes of JSON objects one after the other: a JSON decoder finds the
+    end of each, YAML's composer the places in it.
+    """
     nodes: list[yaml.Node] = []
     decoder, at = json.JSONDecoder(), _after_blanks(text, 0)
     first = text.count("\n", 0, at)
@@ -158,7 +215,10 @@ def _compose_json(text: str, source: str) -> list[yaml.Node]:
         except json.JSONDecodeError as error:
             if not nodes:  # a YAML flow mapping also begins with a brace
                 return _compose_yaml(text, source)
-            raise DocumentError(f"{source}:{error.lineno}:{error.colno}: not valid JSON: {error.msg.removesuffix(' at')}") from None
+            raise DocumentError(
+                f"{source}:{error.lineno}:{error.colno}: not valid JSON:"
+                f" {error.msg.removesuffix(' at')}"
+            ) from None
         except RecursionError:
             end = len(text)  # the composer reports the place that is too deep
         nodes += _compose_yaml(text[at:end].replace("\t", " "), source, first)

@@ -1,7 +1,8 @@
-"""Documents as values by key; each error message names file, line, column, key, the value found and the values accepted.
+"""Documents as values by key; each error message names file, line, column, key, the
+value found and the values accepted.
 
-Scalars keep their text, and `quantities` reads them. This avoids YAML 1.1's own rules, by which `1e-3` is a string,
-`010` is eight, `no` is a boolean and `1:30` is ninety.
+Scalars keep their text, and `quantities` reads them. This avoids YAML 1.1's own rules,
+by which `1e-3` is a string, `010` is eight, `no` is a boolean and `1:30` is ninety.
 """
 
 from __future__ import annotations
@@ -18,21 +19,38 @@ import yaml
 from ..errors import DocumentError, did_you_mean
 from .composition import DEEPEST, MOST_VALUES, Place, Value, compose, unspaced
 from .files import read_bytes
-from .quantities import FACTORS, SMALLEST_LENGTH, accepted, is_bare, parse_quantity, with_a_point
+from .quantities import (
+    FACTORS,
+    SMALLEST_LENGTH,
+    accepted,
+    is_bare,
+    parse_quantity,
+    with_a_point,
+)
 from .table import Cell, rows_of_structures, split_heading
 from .texts import text_of
 
 MEANT = {
-    "eta": "restitution", "e": "restitution", "zeta": "damping", "g": "gravity", "r": "radius", "h": "height", "b": "width",
+    "eta": "restitution",
+    "e": "restitution",
+    "zeta": "damping",
+    "g": "gravity",
+    "r": "radius",
+    "h": "height",
+    "b": "width",
     "weight": "mass",
-}  # fmt: skip
+}
 LABELS = "labels"  # the key of texts that the computation does not use
-_ITEM = re.compile(r"([a-z_]+)_(\d{1,4})_([a-z_]+)")  # a CSV column for an item of a list, such as pieces_1_width
+_ITEM = re.compile(
+    r"([a-z_]+)_(\d{1,4})_([a-z_]+)"
+)  # a CSV column for an item of a list, such as pieces_1_width
 
 
 @dataclass
 class Document:
-    """One document: its values by key. Each reading method marks its key as asked for; `finish` refuses the other keys."""
+    """One document: its values by key. Each reading method marks its key as asked for;
+    `finish` refuses the other keys.
+    """
 
     source: str  # the file
     place: Place  # where it begins
@@ -41,22 +59,42 @@ class Document:
     index: int = 0  # its number in the file
     text: str = ""
     asked: set[str] = field(default_factory=set)  # keys that were read
-    inner: list[Document] = field(default_factory=list)  # the documents in the lists of this one
-    dimensions: dict[str, str] = field(default_factory=dict)  # of each quantity that was read, by its path, such as `ties.0.height`
-    bare: dict[str, tuple[float, Place]] = field(default_factory=dict)  # lengths [m] that state no unit, by their path
-    within: tuple[Document, str] | None = None  # the document around this one, and the path there
+    inner: list[Document] = field(
+        default_factory=list
+    )  # the documents in the lists of this one
+    dimensions: dict[str, str] = field(
+        default_factory=dict
+    )  # of each quantity that was read, by its path, such as `ties.0.height`
+    bare: dict[str, tuple[float, Place]] = field(
+        default_factory=dict
+    )  # lengths [m] that state no unit, by their path
+    within: tuple[Document, str] | None = (
+        None  # the document around this one, and the path there
+    )
     cells: tuple[Cell, ...] = ()  # of a row of a table, whose other columns are labels
 
     def has(self, key: str) -> bool:
         """True if the key has a value that is not null."""
         self.asked.add(key)
         value = self.values.get(key)
-        return value is not None and (value.quoted or value.word() not in ("", "~", "null"))
+        return value is not None and (
+            value.quoted or value.word() not in ("", "~", "null")
+        )
 
     def fault(self, key: str | None, found: str, wanted: str) -> DocumentError:
         """Return the error for the value of a key (None: for the document)."""
-        place = self.place if key is None else self.values[key].place if key in self.values else self.keys.get(key, self.place)
-        return DocumentError(f"{place}: {key + ': ' if key else ''}found {found}; expected {wanted}")
+        place = (
+            self.place
+            if key is None
+            else (
+                self.values[key].place
+                if key in self.values
+                else self.keys.get(key, self.place)
+            )
+        )
+        return DocumentError(
+            f"{place}: {key + ': ' if key else ''}found {found}; expected {wanted}"
+        )
 
     def missing(self, key: str, wanted: str) -> DocumentError:
         """Return the error for a required key that is absent or misspelt."""
@@ -67,14 +105,26 @@ class Document:
             if split_heading(other)[0] == key:
                 return self._unknown(other)
         for other in get_close_matches(key, left, n=1, cutoff=0.75):
-            return DocumentError(f"{self.keys[other]}: unknown key {other!r} (did you mean {key!r}?)")
+            return DocumentError(
+                f"{self.keys[other]}: unknown key {other!r} (did you mean {key!r}?)"
+            )
         return DocumentError(f"{self.place}: no key {key!r}; expected {key}: {wanted}")
 
     def quantity(
-        self, key: str, dimension: str, *, above: float = -math.inf, below: float = math.inf, least: float = -math.inf,
-        most: float = math.inf, where: str = "", default: float | None = None,
-    ) -> float:  # fmt: skip
-        """Return the SI value of a key, `default` if it is absent; where: the range in words. Raises DocumentError."""
+        self,
+        key: str,
+        dimension: str,
+        *,
+        above: float = -math.inf,
+        below: float = math.inf,
+        least: float = -math.inf,
+        most: float = math.inf,
+        where: str = "",
+        default: float | None = None,
+    ) -> float:
+        """Return the SI value of a key, `default` if it is absent; where: the range in
+        words. Raises DocumentError.
+        """
         self.dimensions[key] = dimension
         if self.within:
             self.within[0].dimensions[f"{self.within[1]}.{key}"] = dimension
@@ -92,8 +142,16 @@ class Document:
         if dimension == "length" and is_bare(value.content):
             self.note_bare(key, number, value.place)
         if not (above < number < below and least <= number <= most):
-            hint = " (a bare number is in rad)" if dimension == "angle" and is_bare(value.content) else ""
-            raise self.fault(key, str(value), (where or _range_text(above, below, least, most)) + hint)
+            hint = (
+                " (a bare number is in rad)"
+                if dimension == "angle" and is_bare(value.content)
+                else ""
+            )
+            raise self.fault(
+                key,
+                str(value),
+                (where or _range_text(above, below, least, most)) + hint,
+            )
         return number
 
     def note_bare(self, path: str, number: float, place: Place) -> None:
@@ -105,9 +163,16 @@ class Document:
 
     def length(self, key: str) -> float:
         """Return the value of a key that must be a positive length [m]."""
-        return self.quantity(key, "length", least=SMALLEST_LENGTH, where=f"a positive length, from {SMALLEST_LENGTH:g} m")
+        return self.quantity(
+            key,
+            "length",
+            least=SMALLEST_LENGTH,
+            where=f"a positive length, from {SMALLEST_LENGTH:g} m",
+        )
 
-    def choice(self, key: str, options: Sequence[str], default: str | None = None) -> str:
+    def choice(
+        self, key: str, options: Sequence[str], default: str | None = None
+    ) -> str:
         """Return the value of a key, one of the words `options`."""
         if not self.has(key):
             if default is None:
@@ -115,7 +180,12 @@ class Document:
             return default
         value = self.values[key]
         if value.content not in options:
-            raise self.fault(key, str(value), f"one of {', '.join(options)}{did_you_mean(str(value.content), options)}")
+            raise self.fault(
+                key,
+                str(value),
+                "one of"
+                f" {', '.join(options)}{did_you_mean(str(value.content), options)}",
+            )
         return str(value.content)
 
     def flag(self, key: str) -> bool:
@@ -136,133 +206,265 @@ class Document:
         return int(number)
 
     def word(self, key: str, default: str) -> str:
-        """Return the value of a key, a text of printable characters that is not empty."""
+        """Return the value of a key, a text of printable characters that
+        is not empty.
+        """
         if not self.has(key):
             return default
         content = self.values[key].content
-        if not isinstance(content, str) or not content.strip() or not content.isprintable():
-            raise self.fault(key, str(self.values[key]), "a text of printable characters")
+        if (
+            not isinstance(content, str)
+            or not content.strip()
+            or not content.isprintable()
+        ):
+            raise self.fault(
+                key, str(self.values[key]), "a text of printable characters"
+            )
         return content
 
-    def pair(self, key: str, value: Value, dimension: str, name: str, wanted: str) -> tuple[float, float]:
-        """Return the SI values of a list of two quantities inside the value of `key`; name: the name of the pair."""
+    def pair(
+        self, key: str, value: Value, dimension: str, name: str, wanted: str
+    ) -> tuple[float, float]:
+        """Return the SI values of a list of two quantities inside the value of `key`;
+        name: the name of the pair.
+        """
         if isinstance(value.content, list) and len(value.content) == 2:
             try:
-                first, second = (parse_quantity(v.content, dimension) for v in value.content if isinstance(v.content, str))
+                first, second = (
+                    parse_quantity(v.content, dimension)
+                    for v in value.content
+                    if isinstance(v.content, str)
+                )
             except ValueError:
                 pass
             else:
-                for i, (v, number) in enumerate(zip(value.content, (first, second), strict=True)):
+                for i, (v, number) in enumerate(
+                    zip(value.content, (first, second), strict=True)
+                ):
                     if dimension == "length" and is_bare(str(v.content)):
-                        self.note_bare(f"{key}.{value.place.line}.{value.place.column}.{i}", number, v.place)
+                        self.note_bare(
+                            f"{key}.{value.place.line}.{value.place.column}.{i}",
+                            number,
+                            v.place,
+                        )
                 return first, second
-        raise self.fault(key, f"a {name} that is not a pair of {dimension}s (line {value.place.line})", wanted)
+        raise self.fault(
+            key,
+            f"a {name} that is not a pair of {dimension}s (line {value.place.line})",
+            wanted,
+        )
 
     def part(self, key: str, value: Value, path: str = "") -> Document:
         """Return a mapping inside the value of `key` as a document."""
         if not isinstance(value.content, dict):
-            raise DocumentError(f"{value.place}: {key}: found {value}; expected a mapping of keys to values")
-        return Document(self.source, value.place, value.content, {k: v.place for k, v in value.content.items()}, within=(self, path or key))
+            raise DocumentError(
+                f"{value.place}: {key}: found {value}; expected a mapping of keys to"
+                " values"
+            )
+        return Document(
+            self.source,
+            value.place,
+            value.content,
+            {k: v.place for k, v in value.content.items()},
+            within=(self, path or key),
+        )
 
     def parts(self, key: str, wanted: str) -> list[Document]:
-        """Return each mapping of a non-empty list as a document; `finish` of this document finishes them too."""
+        """Return each mapping of a non-empty list as a document; `finish` of this
+        document finishes them too.
+        """
         value = self.values[key] if self.has(key) else None
         if value is None:
             raise self.missing(key, wanted)
         if not isinstance(value.content, list) or not value.content:
             raise self.fault(key, str(value), wanted)
-        found = [self.part(key, child, f"{key}.{i}") for i, child in enumerate(value.content)]
+        found = [
+            self.part(key, child, f"{key}.{i}") for i, child in enumerate(value.content)
+        ]
         self.inner += found
         return found
 
     def finish(self, elsewhere: Collection[str] = ()) -> None:
-        """Raise DocumentError if the document holds a key that no method asked for. In a row of a table such a column is a label, unless
-        its name is like a key of this document, or is a key of others; elsewhere: those keys."""
+        """Raise DocumentError if the document holds a key that no method asked for. In
+        a row of a table such a column is a label, unless its name is like a key of this
+        document, or is a key of others; elsewhere: those keys.
+        """
         for part in self.inner:
             part.finish()
         unknown = [key for key in self.keys if key not in self.asked]
         for key in unknown:
-            if not self.cells or key in elsewhere or split_heading(key)[0] in self.asked or self._meant(key):
+            if (
+                not self.cells
+                or key in elsewhere
+                or split_heading(key)[0] in self.asked
+                or self._meant(key)
+            ):
                 raise self._unknown(key)
         if unknown:
             self._keep_labels(unknown)
 
     def _meant(self, heading: str) -> str:
-        """Return the key that the heading of a column probably means, an empty text for a label."""
+        """Return the key that the heading of a column probably means, an empty text for
+        a label.
+        """
         from difflib import get_close_matches
 
         word = heading.strip().casefold()
         if MEANT.get(word) in self.asked:
             return MEANT[word]
         begun = [key for key in self.asked if len(word) > 2 and key.startswith(word)]
-        named = [key for key in re.split(r"[^a-z]+", word) if key in self.asked - self.keys.keys() - {"name", "kind"}]
-        return next(iter([*get_close_matches(word, sorted(self.asked), n=1, cutoff=0.8), *begun, *named]), "")
+        named = [
+            key
+            for key in re.split(r"[^a-z]+", word)
+            if key in self.asked - self.keys.keys() - {"name", "kind"}
+        ]
+        return next(
+            iter(
+                [
+                    *get_close_matches(word, sorted(self.asked), n=1, cutoff=0.8),
+                    *begun,
+                    *named,
+                ]
+            ),
+            "",
+        )
 
     def _unknown(self, key: str) -> DocumentError:
         """Return the error for a key that no method asked for."""
-        place, known, (base, unit) = self.keys[key], sorted(self.asked), split_heading(key)
+        place, known, (base, unit) = (
+            self.keys[key],
+            sorted(self.asked),
+            split_heading(key),
+        )
         if unit and self.cells and (base in self.asked or base in self.dimensions):
-            return DocumentError(f"{place}: {base}: found the unit {unit!r} in the heading; expected one of {', '.join(FACTORS)}")
+            return DocumentError(
+                f"{place}: {base}: found the unit {unit!r} in the heading; expected one"
+                f" of {', '.join(FACTORS)}"
+            )
         meant = self._meant(key) if self.cells else ""
-        words = f" (did you mean {meant!r}?)" if meant else did_you_mean(key, known, MEANT)
-        return DocumentError(f"{place}: unknown key {key!r}{words}; known keys of this kind: {', '.join(known)}")
+        words = (
+            f" (did you mean {meant!r}?)" if meant else did_you_mean(key, known, MEANT)
+        )
+        return DocumentError(
+            f"{place}: unknown key {key!r}{words}; known keys of this kind:"
+            f" {', '.join(known)}"
+        )
 
     def _keep_labels(self, keys: Collection[str]) -> None:
-        """Move the columns of these keys to the key `labels`, with their texts as they are written."""
+        """Move the columns of these keys to the key `labels`, with their texts as they
+        are written.
+        """
         kept, labels = [], {}
         for cell in self.cells:
-            if cell.key in keys or ((item := _ITEM.fullmatch(cell.key)) and item[1] in keys):
+            if cell.key in keys or (
+                (item := _ITEM.fullmatch(cell.key)) and item[1] in keys
+            ):
                 labels[cell.key] = Value(cell.written, cell.place, quoted=True)
             else:
                 kept.append(cell)
-        self.values = {key: value for key, value in self.values.items() if key not in keys}
+        self.values = {
+            key: value for key, value in self.values.items() if key not in keys
+        }
         self.keys = {key: place for key, place in self.keys.items() if key not in keys}
         self.values[LABELS], self.keys[LABELS] = Value(labels, self.place), self.place
         texts = {name: label.content for name, label in labels.items()}
-        self.cells, self.text = (), f"{_text_of_row(kept)}\n{LABELS}: {json.dumps(texts)}"
+        self.cells, self.text = (
+            (),
+            f"{_text_of_row(kept)}\n{LABELS}: {json.dumps(texts)}",
+        )
 
     def value_at(self, key: str) -> Value | None:
-        """Return the value of a key, or at a path such as `ties.0.yield`; None without it."""
+        """Return the value of a key, or at a path such as `ties.0.yield`; None without
+        it.
+        """
         head, *path = [key] if key in self.values else key.split(".")
         found = self.values.get(head)
         for name in path:
             content = found.content if found else ""
-            found = content.get(name) if isinstance(content, dict) else _item(content, name)
+            found = (
+                content.get(name) if isinstance(content, dict) else _item(content, name)
+            )
         return found
 
     def with_value(self, key: str, text: str, source: str) -> Document:
-        """Return a copy with the value of a key, or at a path such as `ties.0.yield`, replaced or added; source: its place in errors."""
+        """Return a copy with the value of a key, or at a path such as `ties.0.yield`,
+        replaced or added; source: its place in errors.
+        """
         head, *path = key.split(".")
         new, keys = Value(text, Place(source, 0, 0)), self.keys
         if path and head in self.values:
             key, new = head, _with_inner(self.values[head], path, new)
         else:
             keys = {**keys, key: new.place}
-        return replace(self, values={**self.values, key: new}, keys=keys, asked=set(), inner=[], dimensions={}, bare={})
+        return replace(
+            self,
+            values={**self.values, key: new},
+            keys=keys,
+            asked=set(),
+            inner=[],
+            dimensions={},
+            bare={},
+        )
 
 
 def _item(content: object, name: str) -> Value | None:
-    return content[int(name)] if isinstance(content, list) and name.isdigit() and int(name) < len(content) else None
+    return (
+        content[int(name)]
+        if isinstance(content, list) and name.isdigit() and int(name) < len(content)
+        else None
+    )
 
 
 def _with_inner(value: Value, path: Sequence[str], new: Value) -> Value:
     name, *rest = path
     if isinstance(value.content, dict) and (not rest or name in value.content):
-        return replace(value, content={**value.content, name: _with_inner(value.content[name], rest, new) if rest else new})
+        return replace(
+            value,
+            content={
+                **value.content,
+                name: _with_inner(value.content[name], rest, new) if rest else new,
+            },
+        )
     if isinstance(value.content, list) and rest and (old := _item(value.content, name)):
-        return replace(value, content=[_with_inner(x, rest, new) if x is old else x for x in value.content])
-    wanted = f"a number from 0 to {len(value.content) - 1} and a key" if isinstance(value.content, list) else "a key of a mapping"
-    raise DocumentError(f"{new.place}: found {name!r} in {value} of line {value.place.line}; expected {wanted}")
+        return replace(
+            value,
+            content=[
+                _with_inner(x, rest, new) if x is old else x for x in value.content
+            ],
+        )
+    wanted = (
+        f"a number from 0 to {len(value.content) - 1} and a key"
+        if isinstance(value.content, list)
+        else "a key of a mapping"
+    )
+    raise DocumentError(
+        f"{new.place}: found {name!r} in {value} of line {value.place.line}; expected"
+        f" {wanted}"
+    )
 
 
 def _range_text(above: float, below: float, least: float, most: float) -> str:
-    low = f"above {above:g}" if above > -math.inf else f"at least {least:g}" if least > -math.inf else ""
-    high = f"below {below:g}" if below < math.inf else f"at most {most:g}" if most < math.inf else ""
+    low = (
+        f"above {above:g}"
+        if above > -math.inf
+        else f"at least {least:g}"
+        if least > -math.inf
+        else ""
+    )
+    high = (
+        f"below {below:g}"
+        if below < math.inf
+        else f"at most {most:g}"
+        if most < math.inf
+        else ""
+    )
     return "a value " + " and ".join(x for x in (low, high) if x)
 
 
 def read_documents(path: str | Path) -> list[Document]:
-    """Read all documents of a YAML, JSON or CSV file; `-` is standard input. Raises UsageError (no such file) or DocumentError."""
+    """Read all documents of a YAML, JSON or CSV file; `-` is standard input. Raises
+    UsageError (no such file) or DocumentError.
+    """
     return documents_of(*read_bytes(path))
 
 
@@ -272,23 +474,34 @@ def documents_of(source: str, raw: bytes) -> list[Document]:
 
 
 def parse_documents(text: str, source: str = "<text>") -> list[Document]:
-    """Return all documents of a text: YAML documents, JSON objects one after the other, or rows of a CSV table. Raises DocumentError.
+    """Return all documents of a text: YAML documents, JSON objects one after the other,
+    or rows of a CSV table. Raises DocumentError.
 
     >>> [document.values['kind'].content for document in parse_documents('{"kind": "block"} {"kind": "arch"}')]
     ['block', 'arch']
     """
     rows = rows_of_structures(text, source)
     if rows is None:
-        documents = [_document(node, source, i) for i, node in enumerate(compose(text, source))]
+        documents = [
+            _document(node, source, i) for i, node in enumerate(compose(text, source))
+        ]
     else:
-        documents = [replace(document_of(cells, source, i), cells=tuple(cells)) for i, cells in enumerate(rows)]
+        documents = [
+            replace(document_of(cells, source, i), cells=tuple(cells))
+            for i, cells in enumerate(rows)
+        ]
     if not documents:
-        raise DocumentError(f"{Place(source, 1, 1)}: empty; expected a structure document, such as `kind: block` with width and height")
+        raise DocumentError(
+            f"{Place(source, 1, 1)}: empty; expected a structure document, such as"
+            " `kind: block` with width and height"
+        )
     return documents
 
 
 def document_of(cells: Sequence[Cell], source: str, index: int = 0) -> Document:
-    """Return the document with these keys, texts and places, such as the cells of a CSV row. Raises DocumentError."""
+    """Return the document with these keys, texts and places, such as the cells of a CSV
+    row. Raises DocumentError.
+    """
     values: dict[str, Value] = {}
     keys: dict[str, Place] = {}
     for key, text, place, _ in cells:
@@ -301,12 +514,18 @@ def document_of(cells: Sequence[Cell], source: str, index: int = 0) -> Document:
             keys.setdefault(name, place)
             items = whole.content
             if not isinstance(items, list) or not 1 <= int(number) <= len(items) + 1:
-                raise DocumentError(f"{place}: {key}: found item {number}; expected items in order, from {name}_1")
+                raise DocumentError(
+                    f"{place}: {key}: found item {number}; expected items in order,"
+                    f" from {name}_1"
+                )
             if int(number) > len(items):
                 items.append(Value({}, place))
             content = items[int(number) - 1].content
             if not isinstance(content, dict):
-                raise DocumentError(f"{place}: {key}: found together with {name}, which states the same item; expected one of them")
+                raise DocumentError(
+                    f"{place}: {key}: found together with {name}, which states the same"
+                    " item; expected one of them"
+                )
             content[part] = value
         else:
             values[key], keys[key] = value, place
@@ -314,11 +533,16 @@ def document_of(cells: Sequence[Cell], source: str, index: int = 0) -> Document:
 
 
 def _text_of_row(cells: Sequence[Cell]) -> str:
-    return "\n".join(f"{cell.key}: {json.dumps(cell.text) if cell.key == 'name' else cell.text}" for cell in cells)
+    return "\n".join(
+        f"{cell.key}: {json.dumps(cell.text) if cell.key == 'name' else cell.text}"
+        for cell in cells
+    )
 
 
 def _only_node(text: str, place: Place) -> yaml.Node | None:
-    """Return the YAML list or mapping of a cell, None for a text that only begins like one."""
+    """Return the YAML list or mapping of a cell, None for a text that only begins like
+    one.
+    """
     try:
         (node,) = compose(text, place.source, place.line - 1)
     except (DocumentError, ValueError):
@@ -330,42 +554,74 @@ def _document(node: yaml.Node, source: str, index: int) -> Document:
     value = _value(node, 0, [0])
     if not isinstance(value.content, dict):
         hint = unspaced(value.content) if isinstance(value.content, str) else ""
-        raise DocumentError(f"{value.place}: {hint or f'found {value}; expected a mapping of keys to values, such as `kind: block`'}")
+        raise DocumentError(
+            f"{value.place}:"
+            f" {hint or f'found {value}; expected a mapping of keys to values, such as `kind: block`'}"
+        )
     keys = {str(key.value): _place(key) for key, _ in node.value}
     mark = node.start_mark
     text = mark.buffer[mark.pointer : node.end_mark.pointer] if mark.buffer else ""
-    return Document(source, value.place, value.content, keys, index, text.rstrip("\0").strip())
+    return Document(
+        source, value.place, value.content, keys, index, text.rstrip("\0").strip()
+    )
 
 
 def _place(node: yaml.Node) -> Place:
-    return Place(node.start_mark.name, node.start_mark.line + 1, node.start_mark.column + 1)
+    return Place(
+        node.start_mark.name, node.start_mark.line + 1, node.start_mark.column + 1
+    )
 
 
 def _value(node: yaml.Node, depth: int, count: list[int]) -> Value:
     place = _place(node)
     count[0] += 1
     if depth > DEEPEST or count[0] > MOST_VALUES:
-        raise DocumentError(f"{place}: {'nested too deeply' if depth > DEEPEST else 'too many values'} to be a structure document")
+        raise DocumentError(
+            f"{place}: {'nested too deeply' if depth > DEEPEST else 'too many values'}"
+            " to be a structure document"
+        )
     if isinstance(node, yaml.ScalarNode):
-        return Value(_whole_characters(node.value, place), place, quoted=node.style is not None)
+        return Value(
+            _whole_characters(node.value, place), place, quoted=node.style is not None
+        )
     if isinstance(node, yaml.SequenceNode):
         return Value([_value(child, depth + 1, count) for child in node.value], place)
     content: dict[str, Value] = {}
-    before: tuple[str, str] = ("", "")  # the key and the text of the value before, which a decimal comma would end
+    before: tuple[str, str] = (
+        "",
+        "",
+    )  # the key and the text of the value before, which a decimal comma would end
     for key, child in node.value:
         where = _place(key)
-        if child.value == "" and re.fullmatch(r"\d+( \S+)?", str(key.value)) and before[1].lstrip("+-").isdigit():
+        if (
+            child.value == ""
+            and re.fullmatch(r"\d+( \S+)?", str(key.value))
+            and before[1].lstrip("+-").isdigit()
+        ):
             number = f"{before[1]},{key.value}"
-            raise DocumentError(f"{where}: {before[0]}: found {number}; expected a number{with_a_point(number)}")
+            raise DocumentError(
+                f"{where}: {before[0]}: found {number}; expected a"
+                f" number{with_a_point(number)}"
+            )
         before = (str(key.value), str(child.value))
-        if isinstance(key, yaml.ScalarNode) and key.style is None and (fault := unspaced(key.value)) and child.value == "":
+        if (
+            isinstance(key, yaml.ScalarNode)
+            and key.style is None
+            and (fault := unspaced(key.value))
+            and child.value == ""
+        ):
             raise DocumentError(f"{where}: {fault}")
         if not isinstance(key, yaml.ScalarNode):
             raise DocumentError(f"{where}: a key must be a word")
         if key.value in content:
-            raise DocumentError(f"{where}: duplicate key {key.value!r}, first given at line {content[key.value].place.line}")
+            raise DocumentError(
+                f"{where}: duplicate key {key.value!r}, first given at line"
+                f" {content[key.value].place.line}"
+            )
         if key.value == "<<":
-            raise DocumentError(f"{where}: merge keys (<<) are not part of structure documents")
+            raise DocumentError(
+                f"{where}: merge keys (<<) are not part of structure documents"
+            )
         content[_whole_characters(key.value, where)] = _value(child, depth + 1, count)
     return Value(content, place)
 
@@ -377,4 +633,6 @@ def _whole_characters(text: str, place: Place) -> str:
     try:
         return text.encode("utf-16", "surrogatepass").decode("utf-16")
     except UnicodeDecodeError:
-        raise DocumentError(f"{place}: holds half a character (a lone surrogate)") from None
+        raise DocumentError(
+            f"{place}: holds half a character (a lone surrogate)"
+        ) from None

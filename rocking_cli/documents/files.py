@@ -14,7 +14,9 @@ _PATIENCE = 2.0  # s that a pipe may be without a writer
 
 
 def read_bytes(path: str | Path) -> tuple[str, bytes]:
-    """Return (source name, content) of a file. Raises UsageError (it cannot be read) or DocumentError (it is too large)."""
+    """Return (source name, content) of a file. Raises UsageError (it cannot be read) or
+    DocumentError (it is too large).
+    """
     source = STDIN if str(path) == "-" else str(path)
     try:
         if source == STDIN:
@@ -27,14 +29,20 @@ def read_bytes(path: str | Path) -> tuple[str, bytes]:
                 size = os.fstat(file.fileno()).st_size
                 raw = b"" if size > LARGEST else file.read(LARGEST + 1)
     except OSError as error:
-        raise UsageError(f"{source}: cannot be read: {error.strerror or error}") from None
+        raise UsageError(
+            f"{source}: cannot be read: {error.strerror or error}"
+        ) from None
     if max(size, len(raw)) > LARGEST:
-        raise DocumentError(f"{source}: larger than {LARGEST >> 20} MiB, the limit of a file")
+        raise DocumentError(
+            f"{source}: larger than {LARGEST >> 20} MiB, the limit of a file"
+        )
     return source, raw
 
 
 def _with_a_writer(path: str, flags: int) -> int:
-    """Open a file. Raises UsageError for a pipe without a writer, on which reading would not end."""
+    """Open a file. Raises UsageError for a pipe without a writer, on which reading
+    would not end.
+    """
     if not stat.S_ISFIFO(os.stat(path).st_mode):
         return os.open(path, flags)
     descriptor = os.open(path, flags | os.O_NONBLOCK)

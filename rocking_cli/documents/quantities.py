@@ -1,12 +1,19 @@
-"""Numbers with units, such as `157.5 deg`, `25 mm` or `0.3 g`. A number without a unit is in SI units."""
+"""Numbers with units, such as `157.5 deg`, `25 mm` or `0.3 g`. A number without a unit
+is in SI units.
+"""
 
 import math
 import re
 
 from ..errors import RockingError, UsageError
 
-DEFAULT_GRAVITY = 9.81  # m/s^2: the unit `g`, and the default gravity of a structure. The paper uses it, not standard gravity (9.80665).
-SMALLEST_LENGTH, LARGEST_LENGTH = 1e-9, 1e9  # m; moments of inertia hold fifth powers, which must stay within double precision
+# m/s^2: the unit `g`, and the default gravity of a structure. The paper uses it, not
+# standard gravity (9.80665).
+DEFAULT_GRAVITY = 9.81
+SMALLEST_LENGTH, LARGEST_LENGTH = (
+    1e-9,
+    1e9,
+)  # m; moments of inertia hold fifth powers, which must stay within double precision
 
 UNITS: dict[str, dict[str, float]] = {
     "length": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "in": 0.0254, "ft": 0.3048},
@@ -24,16 +31,31 @@ UNITS: dict[str, dict[str, float]] = {
     "number of years": {"yr": 1.0, "years": 1.0, "kyr": 1e3},
     "velocity": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3},
     "mass": {"kg": 1.0, "t": 1e3},
-    "density": {**dict.fromkeys(("kg/m3", "kg/m^3", "kg/m³"), 1.0), **dict.fromkeys(("t/m3", "t/m^3", "t/m³"), 1e3)},
-    "moment of inertia": {**dict.fromkeys(("kg m2", "kg m^2", "kg m²"), 1.0), **dict.fromkeys(("t m2", "t m^2", "t m²"), 1e3)},
+    "density": {
+        **dict.fromkeys(("kg/m3", "kg/m^3", "kg/m³"), 1.0),
+        **dict.fromkeys(("t/m3", "t/m^3", "t/m³"), 1e3),
+    },
+    "moment of inertia": {
+        **dict.fromkeys(("kg m2", "kg m^2", "kg m²"), 1.0),
+        **dict.fromkeys(("t m2", "t m^2", "t m²"), 1e3),
+    },
     "force": {"N": 1.0, "kN": 1e3, "MN": 1e6},
     "stiffness": {"N/m": 1.0, "kN/m": 1e3, "MN/m": 1e6, "N/mm": 1e3, "kN/mm": 1e6},
-    "damping coefficient": {**dict.fromkeys(("N s/m", "Ns/m"), 1.0), **dict.fromkeys(("kN s/m", "kNs/m"), 1e3)},
-    "area": {**dict.fromkeys(("m2", "m^2", "m²"), 1.0), "cm2": 1e-4, **dict.fromkeys(("mm2", "mm^2", "mm²"), 1e-6)},
+    "damping coefficient": {
+        **dict.fromkeys(("N s/m", "Ns/m"), 1.0),
+        **dict.fromkeys(("kN s/m", "kNs/m"), 1e3),
+    },
+    "area": {
+        **dict.fromkeys(("m2", "m^2", "m²"), 1.0),
+        "cm2": 1e-4,
+        **dict.fromkeys(("mm2", "mm^2", "mm²"), 1e-6),
+    },
     "stress": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9},
     "number": {},
 }
-FACTORS = {unit: factor for units in UNITS.values() for unit, factor in units.items()}  # to SI
+FACTORS = {
+    unit: factor for units in UNITS.values() for unit, factor in units.items()
+}  # to SI
 
 _NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _DECIMAL_COMMA = re.compile(r"(?<![\d,.])([+-]?\d*),(\d+)(?![\d,.])([^,:x]{0,20})")
@@ -41,7 +63,9 @@ _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*\Z", re.DOTALL)
 
 
 def split_quantity(text: str) -> tuple[float, str] | None:
-    """Split a quantity into (number, unit text); None if the text does not begin with a decimal number."""
+    """Split a quantity into (number, unit text); None if the text does not begin with a
+    decimal number.
+    """
     match = _QUANTITY.match(text)
     return None if match is None else (float(match[1]), match[2])
 
@@ -59,7 +83,9 @@ def unit_of(text: str) -> str:
 
 
 def parse_quantity(text: str, dimension: str) -> float:
-    """Return the SI value of a finite quantity. Raises ValueError, whose text states the accepted values."""
+    """Return the SI value of a finite quantity. Raises ValueError, whose text states
+    the accepted values.
+    """
     parts = split_quantity(text)
     if parts is None or (parts[1] and parts[1] not in UNITS[dimension]):
         raise ValueError(accepted(dimension) + with_a_point(text))
@@ -73,13 +99,27 @@ def parse_quantity(text: str, dimension: str) -> float:
 
 
 def with_a_point(text: str) -> str:
-    """Return a hint for a text that holds a number with a decimal comma, an empty text for others."""
+    """Return a hint for a text that holds a number with a decimal comma, an empty text
+    for others.
+    """
     match = _DECIMAL_COMMA.search(text)
-    return "" if match is None else f"; write {match[1] or 0}.{match[2]}{match[3]} with a decimal point"
+    return (
+        ""
+        if match is None
+        else f"; write {match[1] or 0}.{match[2]}{match[3]} with a decimal point"
+    )
 
 
-def quantity_at(place: str, text: str, dimension: str, fault: type[RockingError] = UsageError, hint: str = "") -> float:
-    """Return the SI value of a quantity. Raises `fault`, which names the place, the text, the accepted values and the hint."""
+def quantity_at(
+    place: str,
+    text: str,
+    dimension: str,
+    fault: type[RockingError] = UsageError,
+    hint: str = "",
+) -> float:
+    """Return the SI value of a quantity. Raises `fault`, which names the place, the
+    text, the accepted values and the hint.
+    """
     try:
         return parse_quantity(text, dimension)
     except ValueError as error:
@@ -87,9 +127,13 @@ def quantity_at(place: str, text: str, dimension: str, fault: type[RockingError]
 
 
 def parse_whole(text: str) -> int | None:
-    """Return the whole number of a text of 1 to 18 plain digits, None for any other text (`2e3`, `1_000`, `²`, `-1`)."""
+    """Return the whole number of a text of 1 to 18 plain digits, None for any other
+    text (`2e3`, `1_000`, `²`, `-1`).
+    """
     text = text.strip()
-    return int(text) if text.isascii() and text.isdecimal() and len(text) <= 18 else None
+    return (
+        int(text) if text.isascii() and text.isdecimal() and len(text) <= 18 else None
+    )
 
 
 def si_unit(dimension: str | None) -> str:
@@ -108,4 +152,7 @@ def accepted(dimension: str) -> str:
         return "a number without a unit"
     units = UNITS[dimension]
     article = "an" if dimension[0] in "aeiou" else "a"
-    return f"{article} {dimension}: a bare number in {next(iter(units))}, or one with a unit ({', '.join(units)})"
+    return (
+        f"{article} {dimension}: a bare number in {next(iter(units))}, or one with a"
+        f" unit ({', '.join(units)})"
+    )

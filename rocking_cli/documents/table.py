@@ -1,10 +1,13 @@
-"""Tables in text files: columns separated by commas, semicolons, tabs or blanks below a heading; and tables of structures.
+"""Tables in text files: columns separated by commas, semicolons, tabs or blanks below a
+heading; and tables of structures.
 
-Spreadsheets write a table in many ways. A first line `sep=;` names the separator. Lines that begin with # may stand above the heading.
-Fields may be quoted, with blanks around them. Where commas do not separate columns they are decimal: 0,45 is 0.45.
+Spreadsheets write a table in many ways. A first line `sep=;` names the separator. Lines
+that begin with # may stand above the heading. Fields may be quoted, with blanks around
+them. Where commas do not separate columns they are decimal: 0,45 is 0.45.
 
-In a table of structures a row is a document, a column a key, and the heading may state the unit; columns `pieces_1_width`,
-`pieces_2_width` form a list of mappings, a cell that begins with a bracket is a YAML list, an empty cell means no key.
+In a table of structures a row is a document, a column a key, and the heading may state
+the unit; columns `pieces_1_width`, `pieces_2_width` form a list of mappings, a cell
+that begins with a bracket is a YAML list, an empty cell means no key.
 """
 
 import csv
@@ -23,22 +26,38 @@ from .quantities import FACTORS, split_quantity
 from .texts import refuse_binary, text_of
 
 KIND = "kind"  # only a table of structures has this column
-BLANKS = " "  # the separator of columns that have blanks between them, any number of them
+BLANKS = (  # the separator of columns that have blanks between them, any number of them
+    " "
+)
 _SEPARATORS = (";", "\t", ",", BLANKS)
-_HEADING = re.compile(r"\s*(?P<key>.*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?\s*", re.DOTALL)
-_SEP = re.compile(r"\s*\"?sep=(.)\"?[;,\t]*[ ]*(?:\r\n|\r|\n)", re.IGNORECASE)  # the first line of a table of Excel
-_COMMENT = re.compile(r"[ \t]*(?:\"?#[^\r\n]*)?(?:\r\n|\r|\n)")  # a comment or a blank line
+_HEADING = re.compile(
+    r"\s*(?P<key>.*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?\s*", re.DOTALL
+)
+_SEP = re.compile(
+    r"\s*\"?sep=(.)\"?[;,\t]*[ ]*(?:\r\n|\r|\n)", re.IGNORECASE
+)  # the first line of a table of Excel
+_COMMENT = re.compile(
+    r"[ \t]*(?:\"?#[^\r\n]*)?(?:\r\n|\r|\n)"
+)  # a comment or a blank line
 _LINE = re.compile(r"[^\r\n]{0,10000}")
 _TWO_LINES = re.compile(r"([^\r\n]*)(?:\r\n|\r|\n)?([^\r\n]*)")
 _LONGEST_HEADING = 100_000  # characters
-_NO_HEADING = re.compile(r":(?:\s|$)|^\s*[-#\[{&%'|>]|^\s*-?[\d.]")  # what YAML begins with, and a row of numbers
-_ENCLOSED = re.compile(r'"[^"]*"|\s*\([^()]*\)|\s*\[[^][]*\]')  # no separator inside quotes or brackets separates columns
-_IN_BLANKS = re.compile(r"\"[^\"]*\"|[^\s\[(]\S*(?:\s*[\[(][^\])]*[\])])?")  # a heading or a cell between blanks
+_NO_HEADING = re.compile(
+    r":(?:\s|$)|^\s*[-#\[{&%'|>]|^\s*-?[\d.]"
+)  # what YAML begins with, and a row of numbers
+_ENCLOSED = re.compile(
+    r'"[^"]*"|\s*\([^()]*\)|\s*\[[^][]*\]'
+)  # no separator inside quotes or brackets separates columns
+_IN_BLANKS = re.compile(
+    r"\"[^\"]*\"|[^\s\[(]\S*(?:\s*[\[(][^\])]*[\])])?"
+)  # a heading or a cell between blanks
 _BARE = ("", "-", "1")  # no unit
 
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?(?:\s*[^\s\d,.].*)?")
 _DECIMAL_POINT = re.compile(r"[+-]?\d*\.\d+(?:[eE][+-]?\d+)?(?:\s*[^\s\d,.].*)?")
-_GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}(?!\d).*")  # 1.234 and 1,234 may also be a thousand and some
+_GROUPED = re.compile(
+    r"[+-]?[1-9]\d{0,2}[.,]\d{3}(?!\d).*"
+)  # 1.234 and 1,234 may also be a thousand and some
 
 
 class Cell(NamedTuple):
@@ -52,13 +71,19 @@ class Cell(NamedTuple):
 
 @dataclass(frozen=True)
 class Table:
-    """A table as it is written: texts without blanks around them, numbers with decimal points."""
+    """A table as it is written: texts without blanks around them, numbers with decimal
+    points.
+    """
 
     source: str
     line: int  # that of the heading
     headings: list[str]  # one for each column
-    rows: list[tuple[int, list[str]]]  # line and cells of each row that is not blank; it may lack cells, or have more than the heading
-    written: list[list[str]]  # the cells of each row before decimal commas became points
+    # line and cells of each row that is not blank; it may lack cells, or have more than
+    # the heading
+    rows: list[tuple[int, list[str]]]
+    written: list[
+        list[str]
+    ]  # the cells of each row before decimal commas became points
     comments: str  # the lines above the heading
 
     def place(self, line: int, column: int = 0) -> Place:
@@ -66,7 +91,9 @@ class Table:
         return Place(self.source, line, column + 1)
 
     def full_rows(self) -> Iterator[tuple[int, list[str]]]:
-        """Yield line and cells of each row. Raises DocumentError for a row of another number of cells than the heading."""
+        """Yield line and cells of each row. Raises DocumentError for a row of another
+        number of cells than the heading.
+        """
         for line, cells in self.rows:
             if len(cells) != len(self.headings):
                 raise self.uneven(line, cells)
@@ -75,21 +102,39 @@ class Table:
     def uneven(self, line: int, cells: Sequence[str]) -> DocumentError:
         """Return the error for a row of another number of cells than the heading."""
         found, wanted = len(cells), len(self.headings)
-        decimal = found > wanted and any(one.isdigit() and other.isdigit() for one, other in pairwise(cells))
-        hint = " (with decimal commas, the columns need another separator: ; or a tab)" if decimal else ""
-        return DocumentError(f"{self.place(line, min(found, wanted))}: found {found} cells; expected {wanted}{hint}")
+        decimal = found > wanted and any(
+            one.isdigit() and other.isdigit() for one, other in pairwise(cells)
+        )
+        hint = (
+            " (with decimal commas, the columns need another separator: ; or a tab)"
+            if decimal
+            else ""
+        )
+        return DocumentError(
+            f"{self.place(line, min(found, wanted))}: found {found} cells; expected"
+            f" {wanted}{hint}"
+        )
 
 
 def read_table(path: str | Path) -> Table:
-    """Return the table of a file; `-` is standard input. Raises UsageError for a file that cannot be read, and DocumentError."""
+    """Return the table of a file; `-` is standard input. Raises UsageError for a file
+    that cannot be read, and DocumentError.
+    """
     source, raw = read_bytes(path)
     return table_of(text_of(source, raw), source)
 
 
 def table_of(text: str, source: str) -> Table:
-    """Return the table of a text, without headings if it is empty. Raises DocumentError for one that is not valid CSV."""
+    """Return the table of a text, without headings if it is empty. Raises DocumentError
+    for one that is not valid CSV.
+    """
     start, separator = _heading_of(text)
-    first = text.count("\n", 0, start) + text.count("\r", 0, start) - text.count("\r\n", 0, start) + 1
+    first = (
+        text.count("\n", 0, start)
+        + text.count("\r", 0, start)
+        - text.count("\r\n", 0, start)
+        + 1
+    )
     refuse_binary(source, text)
     lines = _split(text[start:], separator, source, first)
     if not lines:
@@ -100,33 +145,62 @@ def table_of(text: str, source: str) -> Table:
     return table if separator == "," else _with_points(table)
 
 
-def _without_empty_columns(lines: list[tuple[int, list[str]]]) -> list[tuple[int, list[str]]]:
-    """Return the rows without the columns that are empty, heading and all, as spreadsheets write them."""
+def _without_empty_columns(
+    lines: list[tuple[int, list[str]]],
+) -> list[tuple[int, list[str]]]:
+    """Return the rows without the columns that are empty, heading and all, as
+    spreadsheets write them.
+    """
     width = max(len(cells) for _, cells in lines)
     empty = set(range(width)) - {i for i, heading in enumerate(lines[0][1]) if heading}
     for _, cells in lines[1:] if empty else ():
         empty -= {i for i, cell in enumerate(cells) if cell}
-    return [(line, [cell for i, cell in enumerate(cells) if i not in empty]) for line, cells in lines] if empty else lines
+    return (
+        [
+            (line, [cell for i, cell in enumerate(cells) if i not in empty])
+            for line, cells in lines
+        ]
+        if empty
+        else lines
+    )
 
 
 def _heading_of(text: str) -> tuple[int, str]:
-    """Return the place in the text where the heading begins, and the separator of its columns."""
+    """Return the place in the text where the heading begins, and the separator of its
+    columns.
+    """
     start, separator = 0, ""
     if stated := _SEP.match(text):
         start, separator = stated.end(), stated[1]
     while (comment := _COMMENT.match(text, start)) and comment.end() > start:
         start = comment.end()
     line = _LINE.match(text, start)
-    plain = _ENCLOSED.sub(lambda found: "x" if found[0][0] == '"' else "", line[0].strip(" ") if line else "")
+    plain = _ENCLOSED.sub(
+        lambda found: "x" if found[0][0] == '"' else "",
+        line[0].strip(" ") if line else "",
+    )
     return start, separator or next((one for one in _SEPARATORS if one in plain), ",")
 
 
-def _split(text: str, separator: str, source: str, first: int) -> list[tuple[int, list[str]]]:
-    """Return the line and the cells of each row that is not blank; first: the line of the text in its file."""
+def _split(
+    text: str, separator: str, source: str, first: int
+) -> list[tuple[int, list[str]]]:
+    """Return the line and the cells of each row that is not blank; first: the line of
+    the text in its file.
+    """
     if separator == BLANKS:
         lines = enumerate(re.split(r"\r\n|\r|\n", text), first)
-        return [(at, [cell.strip('"') for cell in _IN_BLANKS.findall(line)]) for at, line in lines if line.strip()]
-    reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator, skipinitialspace=separator != "\t", strict=True)
+        return [
+            (at, [cell.strip('"') for cell in _IN_BLANKS.findall(line)])
+            for at, line in lines
+            if line.strip()
+        ]
+    reader = csv.reader(
+        io.StringIO(text, newline=""),
+        delimiter=separator,
+        skipinitialspace=separator != "\t",
+        strict=True,
+    )
     found, line = [], first
     try:
         for row in reader:
@@ -134,30 +208,54 @@ def _split(text: str, separator: str, source: str, first: int) -> list[tuple[int
             if any(cell.strip() for cell in row):
                 found.append((at, [cell.strip() for cell in row]))
     except csv.Error as error:
-        raise DocumentError(f"{Place(source, line, 1)}: not valid CSV: {error}") from None
+        raise DocumentError(
+            f"{Place(source, line, 1)}: not valid CSV: {error}"
+        ) from None
     return found
 
 
 def _with_points(table: Table) -> Table:
-    """Return a table, whose commas separate no columns, with decimal points for decimal commas. Raises DocumentError for a number such as
-    1,234 that may be a thousand and some: beside decimal points, or with a point in a column of decimal commas."""
+    """Return a table, whose commas separate no columns, with decimal points for decimal
+    commas. Raises DocumentError for a number such as 1,234 that may be a thousand and
+    some: beside decimal points, or with a point in a column of decimal commas.
+    """
     cells = [(line, i, cell) for line, row in table.rows for i, cell in enumerate(row)]
-    commas = [(line, i, cell) for line, i, cell in cells if "," in cell and _DECIMAL_COMMA.fullmatch(cell)]
+    commas = [
+        (line, i, cell)
+        for line, i, cell in cells
+        if "," in cell and _DECIMAL_COMMA.fullmatch(cell)
+    ]
     if not commas:
         return table
     columns = {i for _, i, _ in commas}
-    points = [(line, i, cell) for line, i, cell in cells if "." in cell and _DECIMAL_POINT.fullmatch(cell)]
-    doubtful = [one for one in points if one[1] in columns and _GROUPED.fullmatch(one[2])]
+    points = [
+        (line, i, cell)
+        for line, i, cell in cells
+        if "." in cell and _DECIMAL_POINT.fullmatch(cell)
+    ]
+    doubtful = [
+        one for one in points if one[1] in columns and _GROUPED.fullmatch(one[2])
+    ]
     if points and all(_GROUPED.fullmatch(cell) for *_, cell in commas):
         doubtful += commas
     for line, i, cell in doubtful[:1]:
         found = f"{cell} in a table with decimal points and decimal commas"
-        raise DocumentError(f"{table.place(line, i)}: found {found}; expected one of the two in all rows")
+        raise DocumentError(
+            f"{table.place(line, i)}: found {found}; expected one of the two in all"
+            " rows"
+        )
 
     def pointed(i: int, cell: str) -> str:
-        return cell.replace(",", ".", 1) if i in columns and _DECIMAL_COMMA.fullmatch(cell) else cell
+        return (
+            cell.replace(",", ".", 1)
+            if i in columns and _DECIMAL_COMMA.fullmatch(cell)
+            else cell
+        )
 
-    rows = [(line, [pointed(i, cell) for i, cell in enumerate(row)]) for line, row in table.rows]
+    rows = [
+        (line, [pointed(i, cell) for i, cell in enumerate(row)])
+        for line, row in table.rows
+    ]
     return replace(table, rows=rows)
 
 
@@ -168,57 +266,90 @@ def split_heading(heading: str) -> tuple[str, str]:
 
 
 def columns_of(table: Table) -> list[tuple[str, str]]:
-    """Return (key, unit) of each column; a heading whose brackets hold no known unit is a key as a whole. Raises DocumentError."""
+    """Return (key, unit) of each column; a heading whose brackets hold no known unit is
+    a key as a whole. Raises DocumentError.
+    """
     found: list[tuple[str, str]] = []
     before: set[str] = set()
     for i, heading in enumerate(table.headings):
         key, unit = split_heading(heading)
         if not key:
-            raise DocumentError(f"{table.place(table.line, i)}: a column without a name; expected a key, and a unit in brackets")
+            raise DocumentError(
+                f"{table.place(table.line, i)}: a column without a name; expected a"
+                " key, and a unit in brackets"
+            )
         if unit not in _BARE and unit not in FACTORS:
             key, unit = heading, ""
         if key in before:
-            raise DocumentError(f"{table.place(table.line, i)}: duplicate column {key!r}")
+            raise DocumentError(
+                f"{table.place(table.line, i)}: duplicate column {key!r}"
+            )
         before.add(key)
         found.append((key, unit))
     return found
 
 
 def with_unit(cell: str, unit: str) -> str:
-    """Return the text of a cell with the unit of its heading, unless the cell states its own."""
+    """Return the text of a cell with the unit of its heading, unless the cell states
+    its own.
+    """
     parts = split_quantity(cell)
-    return f"{cell} {unit}" if parts is not None and not parts[1] and unit not in _BARE else cell
+    return (
+        f"{cell} {unit}"
+        if parts is not None and not parts[1] and unit not in _BARE
+        else cell
+    )
 
 
 def named_rows(path: str | Path) -> tuple[list[str], list[tuple[int, dict[str, str]]]]:
-    """Return (column names, rows) of the table of a file; a row is (line number, cells by column, with the unit of the heading). Raises
-    UsageError, DocumentError."""
+    """Return (column names, rows) of the table of a file; a row is (line number, cells
+    by column, with the unit of the heading). Raises UsageError, DocumentError.
+    """
     table = read_table(path)
     columns = columns_of(table)
     rows = [
-        (line, {key: with_unit(cell, unit) for cell, (key, unit) in zip(cells, columns, strict=True)}) for line, cells in table.full_rows()
+        (
+            line,
+            {
+                key: with_unit(cell, unit)
+                for cell, (key, unit) in zip(cells, columns, strict=True)
+            },
+        )
+        for line, cells in table.full_rows()
     ]
     return [key for key, _ in columns], rows
 
 
 def rows_of_structures(text: str, source: str) -> Iterator[list[Cell]] | None:
-    """Return the rows of a table of structures, None for a text that is no table. Raises DocumentError without a column `kind`."""
+    """Return the rows of a table of structures, None for a text that is no table.
+    Raises DocumentError without a column `kind`.
+    """
     start, separator = _heading_of(text)
     lines = _TWO_LINES.match(text, start)
     first, second = lines.groups() if lines else ("", "")
     if len(first) > _LONGEST_HEADING and KIND not in first[:10_000]:
         return None
-    names = [split_heading(name.strip().strip('"'))[0] for name in _fields(first, separator)]
+    names = [
+        split_heading(name.strip().strip('"'))[0] for name in _fields(first, separator)
+    ]
     cells = _fields(second, separator)
     if len(names) < 2 or (separator == BLANKS and len(cells) < 2):
         return None
     if KIND in names:
         return rows_of(text, source)
-    if separator != BLANKS and all(names) and not _NO_HEADING.search(first) and len(cells) == len(names):
+    if (
+        separator != BLANKS
+        and all(names)
+        and not _NO_HEADING.search(first)
+        and len(cells) == len(names)
+    ):
         found = ", ".join(names)
         shown = found if len(found) <= 60 else found[:57] + "..."
         wanted = "expected a heading such as kind,name,width"
-        raise DocumentError(f"{Place(source, 1, 1)}: CSV without a column {KIND!r}; found {shown}; {wanted}")
+        raise DocumentError(
+            f"{Place(source, 1, 1)}: CSV without a column {KIND!r}; found {shown};"
+            f" {wanted}"
+        )
     return None
 
 
@@ -227,9 +358,13 @@ def _fields(line: str, separator: str) -> list[str]:
 
 
 def rows_of(text: str, source: str) -> Iterator[list[Cell]]:
-    """Yield the non-empty cells of each row of a table of structures. Raises DocumentError."""
+    """Yield the non-empty cells of each row of a table of structures. Raises
+    DocumentError.
+    """
     if len(text) > LONGEST:
-        raise DocumentError(f"{source}: longer than {LONGEST >> 20} MiB, the limit of a table")
+        raise DocumentError(
+            f"{source}: longer than {LONGEST >> 20} MiB, the limit of a table"
+        )
     table = table_of(text, source)
     columns = columns_of(table)
     for (line, cells), written in zip(table.rows, table.written, strict=True):
@@ -237,6 +372,8 @@ def rows_of(text: str, source: str) -> Iterator[list[Cell]]:
             raise table.uneven(line, cells)
         yield [
             Cell(key, with_unit(cell, unit), table.place(line, i), as_written)
-            for i, (cell, as_written, (key, unit)) in enumerate(zip(cells, written, columns, strict=False))
+            for i, (cell, as_written, (key, unit)) in enumerate(
+                zip(cells, written, columns, strict=False)
+            )
             if cell
         ]

@@ -1,4 +1,6 @@
-"""`Batch`: cells that the march computes together under one motion; `FreeFall`: when the ground falls away from them."""
+"""`Batch`: cells that the march computes together under one motion; `FreeFall`: when
+the ground falls away from them.
+"""
 
 from typing import NamedTuple, Self
 
@@ -10,21 +12,30 @@ from .equations.equation import Equation
 from .lanes import Array, Cells, Lanes
 from .system import System
 
-SETTLING = 250.0  # tau, times (1 + 3 zeta): after so long on still ground every body has had its last impact that matters
-MAX_STEPS = 120_000  # a cell with more steps than this plus 40 for each segment of the motion fails
-_INSTANT = 1e-9  # tau: this close to a free fall of the ground the weight counts as zero
+# tau, times (1 + 3 zeta): after so long on still ground every body has had its last
+# impact that matters
+SETTLING = 250.0
+# a cell with more steps than this plus 40 for each segment of the motion fails
+MAX_STEPS = 120_000
+_INSTANT = (
+    1e-9  # tau: this close to a free fall of the ground the weight counts as zero
+)
 
 
 class FreeFall:
-    """The first instant at which the ground falls away from the body of each cell, (cells,). k, u: segment and phase of this instant;
-    occurs: True if there is such an instant."""
+    """The first instant at which the ground falls away from the body of each cell,
+    (cells,). k, u: segment and phase of this instant; occurs: True if there is such an
+    instant.
+    """
 
     def __init__(self, segments: Segments, first: Uplift, occurs: Array) -> None:
         self.segments, self.k, self.u, self.occurs = segments, first.k, first.u, occurs
 
     @classmethod
     def of(cls, segments: Segments, cells: Cells, shaken: int) -> Self | None:
-        """Find the free fall of cells; the motion is over from segment `shaken` on. Returns None if the ground falls away from no cell."""
+        """Find the free fall of cells; the motion is over from segment `shaken` on.
+        Returns None if the ground falls away from no cell.
+        """
         weighed = segments.weighed
         if weighed is None:
             return None
@@ -35,12 +46,18 @@ class FreeFall:
         return cls(segments, first, occurs) if occurs.any() else None
 
     def time_left(self, lanes: Lanes) -> Array:
-        """Return the time [tau] left until the ground falls away; 0 after this instant, infinite if it never comes."""
+        """Return the time [tau] left until the ground falls away; 0 after this instant,
+        infinite if it never comes.
+        """
         k, start = self.k[lanes.cell], self.segments.start
         last = len(self.segments) - 1
-        ahead = start[np.minimum(k, last)] - start[np.minimum(lanes.k, last)]  # its rounding is far below `_INSTANT`
+        ahead = (
+            start[np.minimum(k, last)] - start[np.minimum(lanes.k, last)]
+        )  # its rounding is far below `_INSTANT`
         until = (ahead + (self.u[lanes.cell] - lanes.u)) / lanes.omega
-        return np.where(self.occurs[lanes.cell], np.where(lanes.k > k, 0.0, until), np.inf)
+        return np.where(
+            self.occurs[lanes.cell], np.where(lanes.k > k, 0.0, until), np.inf
+        )
 
     def has_begun(self, lanes: Lanes) -> Array:
         """True for lanes from which the ground falls away now."""
@@ -48,9 +65,12 @@ class FreeFall:
 
 
 class Batch(NamedTuple):
-    """Cells with one kind of body. segments: the segments of the motion, then still ground if damping leaves the free motion without a
-    closed form; first: index of the segment with which the motion of each cell begins; shaken: index of the segment from which on the
-    ground is still; peaks: True if the largest rotations are wanted; most_steps: a cell with more steps fails."""
+    """Cells with one kind of body. segments: the segments of the motion, then still
+    ground if damping leaves the free motion without a closed form; first: index of the
+    segment with which the motion of each cell begins; shaken: index of the segment from
+    which on the ground is still; peaks: True if the largest rotations are wanted;
+    most_steps: a cell with more steps fails.
+    """
 
     equation: Equation
     contact: Contact
@@ -64,16 +84,37 @@ class Batch(NamedTuple):
 
     @classmethod
     def of(
-        cls, system: System, segments: Segments, amplitude: Array, omega: Array, eta: Array, peaks: bool = True, first: Array | None = None
+        cls,
+        system: System,
+        segments: Segments,
+        amplitude: Array,
+        omega: Array,
+        eta: Array,
+        peaks: bool = True,
+        first: Array | None = None,
     ) -> Self:
-        """The batch of cells (A, Omega, eta), each (cells,), under a motion. Raises ValueError when an eta does not fit the contact."""
+        """The batch of cells (A, Omega, eta), each (cells,), under a motion. Raises
+        ValueError when an eta does not fit the contact.
+        """
         equation, shaken = system.equation, len(segments)
         cells = system.contact.cells(equation, amplitude, omega, eta)
         if equation.damping and omega.size:
-            segments = segments.followed_by_rest(SETTLING * (1.0 + 3.0 * equation.damping) * float(cells.omega.max()))
+            segments = segments.followed_by_rest(
+                SETTLING * (1.0 + 3.0 * equation.damping) * float(cells.omega.max())
+            )
         free_fall = FreeFall.of(segments, cells, shaken)
         first = np.zeros(omega.size, dtype=np.int64) if first is None else first
-        return cls(equation, system.contact, cells, segments, first, shaken, peaks, free_fall, MAX_STEPS + 40 * shaken)
+        return cls(
+            equation,
+            system.contact,
+            cells,
+            segments,
+            first,
+            shaken,
+            peaks,
+            free_fall,
+            MAX_STEPS + 40 * shaken,
+        )
 
     @property
     def size(self) -> int:
@@ -84,8 +125,14 @@ class Batch(NamedTuple):
         """|theta|/alpha of the lanes `at` at displacement y."""
         return self.equation.on(lanes.side[at], lanes.cell[at]).rotation(np.asarray(y))
 
-    def cannot_return(self, lanes: Lanes, at: Array | slice, k: Array, y: Array, v: Array) -> Array:
-        """True where no later drive can bring the lanes `at` back, with y, v in segments k (Lemma 6)."""
+    def cannot_return(
+        self, lanes: Lanes, at: Array | slice, k: Array, y: Array, v: Array
+    ) -> Array:
+        """True where no later drive can bring the lanes `at` back, with y, v in
+        segments k (Lemma 6).
+        """
         side = lanes.side[at]
         inward = self.segments.strongest_inward(side, lanes.amplitude[at], k)
-        return self.equation.on(side, lanes.cell[at]).certainly_overturns(y, v, inward, self.segments.weighed is None)
+        return self.equation.on(side, lanes.cell[at]).certainly_overturns(
+            y, v, inward, self.segments.weighed is None
+        )

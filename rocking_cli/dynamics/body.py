@@ -1,16 +1,19 @@
-"""A rigid body, its forces on the ground, and the proof that it keeps contact (Lemma 13).
+"""A rigid body, its forces on the ground, and the proof that it keeps contact (Lemma
+13).
 
-With z = alpha - u, u = |theta|, s the side, tau = p t of the side and w = 1 + zg''/g the weight over m g, the acceleration of the mass
-centre gives
+With z = alpha - u, u = |theta|, s the side, tau = p t of the side and w = 1 + zg''/g
+the weight over m g, the acceleration of the mass centre gives
 
     s Fx/(m g) = s xg''/g + kappa (u'' cos z + u'^2 sin z),   Fz/(m g) = w + kappa (u'' sin z - u'^2 cos z)
 
-Every arc that does not overturn the body begins or ends at rest, at a peak. With P the strongest |xg''|/g and u_m the largest u, the
-energy on the way to that peak, or on the way back from it, bounds the speed at u by
+Every arc that does not overturn the body begins or ends at rest, at a peak. With P the
+strongest |xg''|/g and u_m the largest u, the energy on the way to that peak, or on the
+way back from it, bounds the speed at u by
 
     u'^2 <= 2 int_u^u_m (w_+ sin z + P cos z) du        (linear: w_+ z + P; with damping u' <= 2 zeta u_m + sqrt((2 zeta u_m)^2 + that))
 
-and the speed bounds Fz from below. `observers.contact_loss` follows the bodies for which this bound does not prove Fz > 0.
+and the speed bounds Fz from below. `observers.contact_loss` follows the bodies for
+which this bound does not prove Fz > 0.
 """
 
 from functools import lru_cache
@@ -20,14 +23,18 @@ import numpy as np
 
 from .lanes import Array
 
-_PARTS = 32  # parts of the path from the ground to the peak; on each part the bound takes the worst value of every term
+# parts of the path from the ground to the peak; on each part the bound takes the worst
+# value of every term
+_PARTS = 32
 _PUSHES = np.geomspace(1e-2, 1e2, 256)  # pushes [g] for which the proof is tried
 _LOWEST = -0.5 * np.pi  # least z for which the bound is computed
 
 
 class Edge(NamedTuple):
-    """Numbers of one edge of the base, floats or arrays over lanes: alpha [rad]; kappa = m R^2/I [-]; unit: |theta| at y = 1 [rad]; uplift:
-    the static uplift acceleration lambda of the equation [-]."""
+    """Numbers of one edge of the base, floats or arrays over lanes: alpha [rad]; kappa
+    = m R^2/I [-]; unit: |theta| at y = 1 [rad]; uplift: the static uplift acceleration
+    lambda of the equation [-].
+    """
 
     alpha: Any
     kappa: Any
@@ -35,9 +42,13 @@ class Edge(NamedTuple):
     uplift: Any
 
 
-def ground_reaction(edge: Any, u: Any, v: Any, b: Any, push: Any, weight: Any) -> tuple[Any, Any]:
-    """(outward Fx, Fz) of the ground on a body, over m g [-], on an edge with an alpha [rad] and a kappa [-]: u = |theta| [rad], its first
-    and second derivative v and b by tau = p t of the edge, the outward push over g and the weight over m g, floats or arrays of one shape.
+def ground_reaction(
+    edge: Any, u: Any, v: Any, b: Any, push: Any, weight: Any
+) -> tuple[Any, Any]:
+    """(outward Fx, Fz) of the ground on a body, over m g [-], on an edge with an alpha
+    [rad] and a kappa [-]: u = |theta| [rad], its first and second derivative v and b by
+    tau = p t of the edge, the outward push over g and the weight over m g, floats or
+    arrays of one shape.
 
     >>> edge = Edge(np.arctan(0.2), 0.75, 1.0, 0.2)
     >>> across, up = ground_reaction(edge, 0.0, 0.0, 0.0, 0.2, 1.0)  # at uplift
@@ -45,14 +56,19 @@ def ground_reaction(edge: Any, u: Any, v: Any, b: Any, push: Any, weight: Any) -
     0.2
     """
     sin, cos = np.sin(edge.alpha - u), np.cos(edge.alpha - u)
-    return edge.kappa * (b * cos + v * v * sin) - push, weight + edge.kappa * (b * sin - v * v * cos)
+    return edge.kappa * (b * cos + v * v * sin) - push, weight + edge.kappa * (
+        b * sin - v * v * cos
+    )
 
 
 class Body(NamedTuple):
-    """A rigid body. alpha [rad], kappa = m R^2/I [-], a_scale [-] (1 unless given): one value for each edge, right and left, or a single
-    value if the edges are alike; linear: True for the linear equation; damping: zeta [-]; one_sided: True if the body stands on its right
-    edge only. A push [g] is a_scale times the ground acceleration over g, outward if it lifts the body on its edge. Under a push the linear
-    equation and Fz are those of a_scale 1."""
+    """A rigid body. alpha [rad], kappa = m R^2/I [-], a_scale [-] (1 unless given): one
+    value for each edge, right and left, or a single value if the edges are alike;
+    linear: True for the linear equation; damping: zeta [-]; one_sided: True if the body
+    stands on its right edge only. A push [g] is a_scale times the ground acceleration
+    over g, outward if it lifts the body on its edge. Under a push the linear equation
+    and Fz are those of a_scale 1.
+    """
 
     alpha: tuple[float, ...]
     kappa: tuple[float, ...]
@@ -63,55 +79,98 @@ class Body(NamedTuple):
 
     @property
     def alike(self) -> bool:
-        """True if the body has one set of edge numbers: both edges are equal, or there is only one edge."""
+        """True if the body has one set of edge numbers: both edges are equal, or there
+        is only one edge.
+        """
         return len(self.alpha) == 1
 
     @property
     def edges(self) -> tuple[Edge, ...]:
         """The `Edge` of each edge of the base, right first."""
         pairs = zip(self.alpha, self.kappa, strict=True)
-        return tuple(Edge(a, k, *((a, a) if self.linear else (float(np.sin(a)), float(np.tan(a))))) for a, k in pairs)
+        return tuple(
+            Edge(
+                a, k, *((a, a) if self.linear else (float(np.sin(a)), float(np.tan(a))))
+            )
+            for a, k in pairs
+        )
 
     def on(self, side: Array) -> Edge:
         """The numbers of the edges of these sides, +1 right and -1 left."""
         if self.alike:
             return self.edges[0]
-        return Edge(*(np.where(side > 0.0, right, left) for right, left in zip(*self.edges, strict=True)))
+        return Edge(
+            *(
+                np.where(side > 0.0, right, left)
+                for right, left in zip(*self.edges, strict=True)
+            )
+        )
 
     def pull(self, edge: Edge) -> Any:
         """-u'' just above the ground under the weight m g alone, without a push."""
         return edge.alpha if self.linear else np.sin(edge.alpha)
 
     def fall(self, edge: Edge, u: Array) -> Array:
-        """Return by how much u'^2 grows on the way down from u to the impact, on still ground, undamped."""
+        """Return by how much u'^2 grows on the way down from u to the impact, on still
+        ground, undamped.
+        """
         z = edge.alpha - u
-        return edge.alpha**2 - z * z if self.linear else 2.0 * (np.cos(z) - np.cos(edge.alpha))
+        return (
+            edge.alpha**2 - z * z
+            if self.linear
+            else 2.0 * (np.cos(z) - np.cos(edge.alpha))
+        )
 
     def squared_speed_at_ground(self, edge: Edge, y: Array, v: Array) -> Array:
-        """Return u'^2 at the next impact of bodies that are now at y, v [units of the edge], on still ground, undamped."""
+        """Return u'^2 at the next impact of bodies that are now at y, v [units of the
+        edge], on still ground, undamped.
+        """
         return (edge.unit * v) ** 2 + self.fall(edge, edge.unit * y)
 
-    def fz_in_bounces(self, edge: Edge, weight: Array | float, inward: Array, fastest: Array, top: Array | float) -> Array:
-        """Return a lower bound of Fz/(m g) of bounces on this edge; of bounces without height (top 0) the value just after an impact.
+    def fz_in_bounces(
+        self,
+        edge: Edge,
+        weight: Array | float,
+        inward: Array,
+        fastest: Array,
+        top: Array | float,
+    ) -> Array:
+        """Return a lower bound of Fz/(m g) of bounces on this edge; of bounces without
+        height (top 0) the value just after an impact.
 
-        weight: least force downwards over m g; inward: largest -u'' at the ground without damping [rad]; fastest: largest
+        weight: least force downwards over m g; inward: largest -u'' at the ground
+        without damping [rad]; fastest: largest
         |u'| [rad]; top: largest u [rad]. Above the ground -u'' is at most cos(alpha - u)/cos(alpha) times that at the ground,
         under the linear equation at most that at the ground.
         """
         steepest = np.cos(np.maximum(edge.alpha - top, 0.0))
         growth = 1.0 if self.linear else steepest / np.cos(edge.alpha)
         force = np.maximum(inward, 0.0) * growth + 2.0 * self.damping * fastest
-        return np.asarray(weight - edge.kappa * (force * np.sin(edge.alpha) + fastest * fastest * steepest))
+        return np.asarray(
+            weight
+            - edge.kappa * (force * np.sin(edge.alpha) + fastest * fastest * steepest)
+        )
 
-    def contact_proved(self, edge: Edge, push: Array, turn: Array, sway: Array | float = 0.0, fastest: Array | float = np.inf) -> Array:
-        """Return True where contact (Fz > 0) is proved for every push up to `push` [g] of either sign, every |theta| up to `turn` [rad],
-        every |dtheta/dtau| up to `fastest` [rad], and every weight over m g from 1 - sway to 1 + sway."""
+    def contact_proved(
+        self,
+        edge: Edge,
+        push: Array,
+        turn: Array,
+        sway: Array | float = 0.0,
+        fastest: Array | float = np.inf,
+    ) -> Array:
+        """Return True where contact (Fz > 0) is proved for every push up to `push` [g]
+        of either sign, every |theta| up to `turn` [rad], every |dtheta/dtau| up to
+        `fastest` [rad], and every weight over m g from 1 - sway to 1 + sway.
+        """
         light, heavy, alpha = 1.0 - sway, 1.0 + sway, edge.alpha
         lowest = alpha - turn
         kept = (light > 0.0) & (lowest >= _LOWEST)
         for n in range(_PARTS):
             low, high = (lowest + (alpha - lowest) * (n + i) / _PARTS for i in (0, 1))
-            cos = np.where((low < 0.0) & (high > 0.0), 1.0, np.maximum(np.cos(low), np.cos(high)))
+            cos = np.where(
+                (low < 0.0) & (high > 0.0), 1.0, np.maximum(np.cos(low), np.cos(high))
+            )
             steepest = np.maximum(np.abs(low), np.abs(high))
             sin = np.sin(np.minimum(steepest, 0.5 * np.pi))
             down, bottom = np.maximum(high, 0.0), np.maximum(lowest, 0.0)
@@ -119,21 +178,37 @@ class Body(NamedTuple):
                 square = heavy * (down**2 - bottom**2) + 2.0 * push * (high - lowest)
                 still = light - edge.kappa * (heavy * steepest * sin + push * sin)
             else:
-                square = 2.0 * (heavy * (np.cos(bottom) - np.cos(down)) + push * (np.sin(high) - np.sin(lowest)))
-                still = light * (1.0 - edge.kappa * sin * sin) - edge.kappa * push * sin * cos
+                square = 2.0 * (
+                    heavy * (np.cos(bottom) - np.cos(down))
+                    + push * (np.sin(high) - np.sin(lowest))
+                )
+                still = (
+                    light * (1.0 - edge.kappa * sin * sin)
+                    - edge.kappa * push * sin * cos
+                )
             slowed = 2.0 * self.damping * turn
-            speed = np.minimum(slowed + np.sqrt(slowed**2 + np.maximum(square, 0.0)), fastest)
-            kept &= still - edge.kappa * (speed * speed * cos + 2.0 * self.damping * speed * sin) > 0.0
+            speed = np.minimum(
+                slowed + np.sqrt(slowed**2 + np.maximum(square, 0.0)), fastest
+            )
+            kept &= (
+                still
+                - edge.kappa * (speed * speed * cos + 2.0 * self.damping * speed * sin)
+                > 0.0
+            )
         return kept
 
 
 @lru_cache(maxsize=256)
 def safe_push(body: Body, edge: int, ratio: float) -> float:
-    """Return the largest push [g], of either sign, under which a body that does not overturn is proved to keep contact (Fz > 0). edge: 0
-    right, 1 left; ratio: the largest |w - 1| over the largest push, w the weight over m g."""
+    """Return the largest push [g], of either sign, under which a body that does not
+    overturn is proved to keep contact (Fz > 0). edge: 0 right, 1 left; ratio: the
+    largest |w - 1| over the largest push, w the weight over m g.
+    """
     sway = ratio * _PUSHES
     with np.errstate(all="ignore"):
-        slope = np.where(sway < 1.0, _PUSHES / (1.0 - sway), np.inf)  # without overturning u stays below the equilibrium
+        slope = np.where(
+            sway < 1.0, _PUSHES / (1.0 - sway), np.inf
+        )  # without overturning u stays below the equilibrium
         turn = body.alpha[edge] + (slope if body.linear else np.arctan(slope))
         kept = body.contact_proved(body.edges[edge], _PUSHES, turn, sway)
     return float(np.append(0.0, _PUSHES)[int(np.argmin(np.append(kept, False)))])

@@ -1,5 +1,6 @@
-"""The drive along a motion: its value and its crossings of a level inside a segment, positions (k, u) from segment to segment, and the
-integral of its size to the end of the motion.
+"""The drive along a motion: its value and its crossings of a level inside a segment,
+positions (k, u) from segment to segment, and the integral of its size to the end of the
+motion.
 """
 
 from typing import NamedTuple, Self
@@ -9,22 +10,33 @@ import numpy as np
 from ..motions.segments import Segments
 from .lanes import Array, Lanes
 
-_SHORT = 3e-6  # a step relative to every scale of the drive: after a step of Halley's method this short the error is below rounding
-_ROUNDING = 1e-13  # rounding error over the terms that an integral over a segment is summed from
+# a step relative to every scale of the drive: after a step of Halley's method this
+# short the error is below rounding
+_SHORT = 3e-6
+# rounding error over the terms that an integral over a segment is summed from
+_ROUNDING = 1e-13
 _SAFE_SHARE = 1.0 - 1e-9
-_LEAST_SQUARE = 1e-300  # for R^2 - x^2, which rounding may make 0 or less at an extremum of the sinusoid
+# for R^2 - x^2, which rounding may make 0 or less at an extremum of the sinusoid
+_LEAST_SQUARE = 1e-300
 
 
 def crossing(segments: Segments, k: Array, level: Array) -> Array:
-    """Phase u in segment k where s = level, for lanes whose level lies between the segment's end values."""
+    """Phase u in segment k where s = level, for lanes whose level lies between the
+    segment's end values.
+    """
     length = segments.length[k]
     if not segments.harmonics:  # a ramp, or a constant s
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.clip(np.nan_to_num((level - segments.s_start[k]) / segments.slope[k]), 0.0, length)
+            return np.clip(
+                np.nan_to_num((level - segments.s_start[k]) / segments.slope[k]),
+                0.0,
+                length,
+            )
     if segments.harmonics != 1 or segments.sloped:
         return _bracketed_crossing(segments, k, level, length)
-    # A falling stretch is computed as its rising mirror image: mirrored motions give mirrored bits. The angle is arcsin(level/R) by an
-    # arctangent, which is exact near an extremum.
+    # A falling stretch is computed as its rising mirror image: mirrored motions give
+    # mirrored bits. The angle is arcsin(level/R) by an arctangent, which is exact near
+    # an extremum.
     wave = segments.wave
     x = level - wave.offset[k]
     x *= wave.sign[k]
@@ -41,7 +53,9 @@ def crossing(segments: Segments, k: Array, level: Array) -> Array:
 
 
 def summed(rows: Array) -> Array:
-    """Sum of the terms in their order, from (terms, lanes) to (lanes,): the order of NumPy's own sum depends on the number of lanes."""
+    """Sum of the terms in their order, from (terms, lanes) to (lanes,): the order of
+    NumPy's own sum depends on the number of lanes.
+    """
     total = rows[0].copy() if len(rows) else np.zeros(rows.shape[1:])
     for row in rows[1:]:
         total += row
@@ -59,8 +73,12 @@ def turn(angle: Array) -> tuple[Array, Array]:
 
 
 def segment_value(segments: Segments, k: Array, u: Array) -> tuple[Array, Array, Array]:
-    """s - s(segment start), and the harmonics' sine and cosine parts (harmonics, lanes), at phase u of segment k."""
-    sin, cos, w = (x.take(k, axis=1) for x in (segments.sin, segments.cos, segments.frequency))  # [:, k] would lie lane by lane
+    """s - s(segment start), and the harmonics' sine and cosine parts (harmonics,
+    lanes), at phase u of segment k.
+    """
+    sin, cos, w = (
+        x.take(k, axis=1) for x in (segments.sin, segments.cos, segments.frequency)
+    )  # [:, k] would lie lane by lane
     sinw, cosm = turn(w * u)
     into, from_ = cos * sinw, sin * cosm
     change = summed(into - from_)
@@ -70,12 +88,20 @@ def segment_value(segments: Segments, k: Array, u: Array) -> tuple[Array, Array,
 
 
 def drive_change(segments: Segments, k: Array, u: Array) -> Array:
-    """s - s(segment start) at phase u of segment k, without the sine and cosine parts."""
-    return segment_value(segments, k, u)[0] if segments.table is None else segments.table.change_at(k, u)[0]
+    """s - s(segment start) at phase u of segment k, without the sine
+    and cosine parts.
+    """
+    return (
+        segment_value(segments, k, u)[0]
+        if segments.table is None
+        else segments.table.change_at(k, u)[0]
+    )
 
 
 def _change_at(segments: Segments, k: Array, u: Array) -> tuple[Array, Array, Array]:
-    """s - s(segment start) and its first two derivatives by phase, at phase u of segment k."""
+    """s - s(segment start) and its first two derivatives by phase, at phase u of
+    segment k.
+    """
     if segments.table is not None:
         return segments.table.change_at(k, u)
     change, sin, cos = segment_value(segments, k, u)
@@ -83,12 +109,20 @@ def _change_at(segments: Segments, k: Array, u: Array) -> tuple[Array, Array, Ar
     return change, summed(w * cos) + segments.slope[k], -summed(w * w * sin)
 
 
-def _bracketed_crossing(segments: Segments, k: Array, level: Array, length: Array) -> Array:
-    """The phase at which a monotone segment of any shape meets a level: Halley's method inside a bracket that only shrinks."""
+def _bracketed_crossing(
+    segments: Segments, k: Array, level: Array, length: Array
+) -> Array:
+    """The phase at which a monotone segment of any shape meets a level: Halley's method
+    inside a bracket that only shrinks.
+    """
     low, high = np.zeros_like(length), length.copy()
     start, end = segments.s_start[k], segments.s_end[k]
-    share = np.clip((level - start) / np.where(end == start, 1.0, end - start), 0.0, 1.0)
-    u = length * (2.0 / np.pi) * np.arcsin(np.sqrt(share))  # exact between two extremes of one sinusoid
+    share = np.clip(
+        (level - start) / np.where(end == start, 1.0, end - start), 0.0, 1.0
+    )
+    u = (
+        length * (2.0 / np.pi) * np.arcsin(np.sqrt(share))
+    )  # exact between two extremes of one sinusoid
     np.minimum(u, length, out=u)
     lanes = np.flatnonzero((level != start) & (length > 0.0))
     sense = np.where(end > start, 1.0, -1.0)
@@ -99,20 +133,33 @@ def _bracketed_crossing(segments: Segments, k: Array, level: Array, length: Arra
         change, rate, second_derivative = _change_at(segments, k[lanes], there)
         gap = start[lanes] + change - level[lanes]
         before = sense[lanes] * gap < 0.0
-        low[lanes], high[lanes] = np.where(before, there, low[lanes]), np.where(before, high[lanes], there)
+        low[lanes], high[lanes] = (
+            np.where(before, there, low[lanes]),
+            np.where(before, high[lanes], there),
+        )
         with np.errstate(all="ignore"):
             step = -gap / (rate - 0.5 * gap * second_derivative / rate)
             target = there + step
-            short = np.abs(step) <= _SHORT * np.minimum(there, np.abs(rate / second_derivative))
+            short = np.abs(step) <= _SHORT * np.minimum(
+                there, np.abs(rate / second_derivative)
+            )
         inside = (target >= low[lanes]) & (target <= high[lanes])
-        following = np.where(gap == 0.0, there, np.where(inside, target, 0.5 * (low[lanes] + high[lanes])))
+        following = np.where(
+            gap == 0.0,
+            there,
+            np.where(inside, target, 0.5 * (low[lanes] + high[lanes])),
+        )
         u[lanes] = following
-        lanes = lanes[~((inside & short) | (np.abs(following - there) <= 2e-16 * length[lanes]))]
+        lanes = lanes[
+            ~((inside & short) | (np.abs(following - there) <= 2e-16 * length[lanes]))
+        ]
     return u
 
 
 def place(segments: Segments, k: Array, u: Array) -> tuple[Array, Array]:
-    """The same position, written so that the phase lies inside its segment; k is the number of segments at the end of the motion."""
+    """The same position, written so that the phase lies inside its segment; k is the
+    number of segments at the end of the motion.
+    """
     k, u, over = k.copy(), u.copy(), np.arange(k.size)
     while over.size:
         over = over[k[over] < len(segments)]
@@ -124,8 +171,12 @@ def place(segments: Segments, k: Array, u: Array) -> tuple[Array, Array]:
     return k, u
 
 
-def phase_between(segments: Segments, k: Array, u: Array, to_k: Array, to_u: Array) -> Array:
-    """Phase from one position to a later one. Whole segments between them are summed, so that 10^4 cycles lose no digits."""
+def phase_between(
+    segments: Segments, k: Array, u: Array, to_k: Array, to_u: Array
+) -> Array:
+    """Phase from one position to a later one. Whole segments between them are summed,
+    so that 10^4 cycles lose no digits.
+    """
     phase, at, behind = to_u - u, k.copy(), np.flatnonzero(k < to_k)
     while behind.size:
         phase[behind] += segments.length[at[behind]]
@@ -135,9 +186,12 @@ def phase_between(segments: Segments, k: Array, u: Array, to_k: Array, to_u: Arr
 
 
 class RemainingImpulse(NamedTuple):
-    """int |s| dphi to the end of a motion of sinusoids, which bounds overturning (Lemma 9); arrays over segments. zero: the phase at which
-    s changes its sign in a segment, 0 if it does not; sign: the sign of s after `zero`; turn, last: an antiderivative of s at `zero` and at
-    the end of the segment; later: the integral after the segment, with room for rounding."""
+    """int |s| dphi to the end of a motion of sinusoids, which bounds overturning (Lemma
+    9); arrays over segments. zero: the phase at which s changes its sign in a segment,
+    0 if it does not; sign: the sign of s after `zero`; turn, last: an antiderivative of
+    s at `zero` and at the end of the segment; later: the integral after the segment,
+    with room for rounding.
+    """
 
     segments: Segments
     zero: Array
@@ -152,30 +206,55 @@ class RemainingImpulse(NamedTuple):
         k = np.arange(len(segments))
         changes = segments.s_start * segments.s_end < 0.0
         zero = np.where(changes, crossing(segments, k, np.zeros(k.size)), 0.0)
-        sign = np.sign(np.where(changes, segments.s_end, segments.s_start + segments.s_end))
-        first, turn, last = (_antiderivative(segments, k, u) for u in (np.zeros(k.size), zero, segments.length))
-        size = np.abs(segments.s_start) * segments.length + (np.hypot(segments.sin, segments.cos) / segments.frequency).sum(axis=0)
+        sign = np.sign(
+            np.where(changes, segments.s_end, segments.s_start + segments.s_end)
+        )
+        first, turn, last = (
+            _antiderivative(segments, k, u)
+            for u in (np.zeros(k.size), zero, segments.length)
+        )
+        size = np.abs(segments.s_start) * segments.length + (
+            np.hypot(segments.sin, segments.cos) / segments.frequency
+        ).sum(axis=0)
         whole = np.abs(turn - first) + np.abs(last - turn) + _ROUNDING * size
-        return cls(segments, zero, sign, turn, last, np.append(np.cumsum(whole[::-1])[::-1][1:], 0.0) + _ROUNDING * size)
+        return cls(
+            segments,
+            zero,
+            sign,
+            turn,
+            last,
+            np.append(np.cumsum(whole[::-1])[::-1][1:], 0.0) + _ROUNDING * size,
+        )
 
     def after(self, k: Array, u: Array) -> Array:
-        """int |s| dphi from phase u of segment k on, (lanes,); 0 at the end of the motion."""
+        """int |s| dphi from phase u of segment k on, (lanes,); 0 at the end of the
+        motion.
+        """
         found = np.zeros(k.shape)
         at = np.flatnonzero(k < len(self.segments))
         k, u = k[at], u[at]
         here = _antiderivative(self.segments, k, u)
         before = u < self.zero[k]
         to_come = self.sign[k] * (self.last[k] - np.where(before, self.turn[k], here))
-        found[at] = to_come + np.where(before, np.abs(self.turn[k] - here), 0.0) + self.later[k]
+        found[at] = (
+            to_come + np.where(before, np.abs(self.turn[k] - here), 0.0) + self.later[k]
+        )
         return found
 
     def cannot_overturn(self, lanes: Lanes) -> Array:
-        """True for lanes at y = 0 that the rest of the motion cannot overturn: |v| + A int |s| dphi/Omega < 1 (Lemma 9)."""
-        return lanes.amplitude * self.after(lanes.k, lanes.u) < _SAFE_SHARE * (1.0 - np.abs(lanes.v)) * lanes.omega
+        """True for lanes at y = 0 that the rest of the motion cannot overturn: |v| + A
+        int |s| dphi/Omega < 1 (Lemma 9).
+        """
+        return (
+            lanes.amplitude * self.after(lanes.k, lanes.u)
+            < _SAFE_SHARE * (1.0 - np.abs(lanes.v)) * lanes.omega
+        )
 
 
 def _antiderivative(segments: Segments, k: Array, u: Array) -> Array:
     """An antiderivative of s at phase u of segment k."""
     _, _, cos = segment_value(segments, k, u)
     level = segments.s_start[k] - summed(segments.sin.take(k, axis=1))
-    return (level + 0.5 * segments.slope[k] * u) * u - summed(cos / segments.frequency.take(k, axis=1))
+    return (level + 0.5 * segments.slope[k] * u) * u - summed(
+        cos / segments.frequency.take(k, axis=1)
+    )

@@ -1,4 +1,6 @@
-"""`Lanes` holds the state of many rocking bodies, a lane each, as arrays of one length; `Cells` the drive of each cell on each side."""
+"""`Lanes` holds the state of many rocking bodies, a lane each, as arrays of one length;
+`Cells` the drive of each cell on each side.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,11 +14,17 @@ Extended = TypeVar("Extended", bound="Arrays")
 
 @dataclass
 class Arrays:
-    """Base of groups of lanes. A field is an array with the lanes on its last axis, another such group, or one value for all lanes."""
+    """Base of groups of lanes. A field is an array with the lanes on its last axis,
+    another such group, or one value for all lanes.
+    """
 
     def take(self, at: Array | slice) -> Self:
-        """Return these lanes only: copies if `at` holds indices, views if it is a slice."""
-        return type(self)(*[_taken(getattr(self, name), at) for name in self.__dataclass_fields__])
+        """Return these lanes only: copies if `at` holds indices, views if it is a
+        slice.
+        """
+        return type(self)(
+            *[_taken(getattr(self, name), at) for name in self.__dataclass_fields__]
+        )
 
     def put(self, places: Array, others: Self) -> None:
         """Replace the lanes at these indices by the lanes `others`, in place."""
@@ -24,14 +32,29 @@ class Arrays:
             getattr(self, name)[places] = getattr(others, name)
 
     def extended(self, kind: type[Extended], **more: Array) -> Extended:
-        """Return these lanes as a subclass, which takes the values of its additional fields from the arguments."""
+        """Return these lanes as a subclass, which takes the values of its additional
+        fields from the arguments.
+        """
         return kind(**vars(self), **more)
 
     @classmethod
     def joined(cls, parts: Sequence[Self]) -> Self:
-        """The lanes of all parts, one after the other; fields that only a subclass has are left out."""
-        fields = [[getattr(part, name) for part in parts] for name in cls.__dataclass_fields__]
-        return cls(*[x[0].joined(x) if isinstance(x[0], Arrays) else np.concatenate(x, axis=-1) for x in fields])
+        """The lanes of all parts, one after the other; fields that only a subclass has
+        are left out.
+        """
+        fields = [
+            [getattr(part, name) for part in parts] for name in cls.__dataclass_fields__
+        ]
+        return cls(
+            *[
+                (
+                    x[0].joined(x)
+                    if isinstance(x[0], Arrays)
+                    else np.concatenate(x, axis=-1)
+                )
+                for x in fields
+            ]
+        )
 
     def join(self, other: Self) -> Self:
         """These lanes followed by other lanes."""
@@ -40,14 +63,19 @@ class Arrays:
 
 def _taken(x: Any, at: Any) -> Any:
     if isinstance(x, np.ndarray):
-        return x[at] if x.ndim == 1 else x.take(at, axis=-1)  # [..., at] would lie lane by lane
+        return (
+            x[at] if x.ndim == 1 else x.take(at, axis=-1)
+        )  # [..., at] would lie lane by lane
     return x.take(at) if isinstance(x, Arrays) else x
 
 
 class Cells(NamedTuple):
-    """The drive of each cell. Each array has one row, (1, cells), if the sides are alike, otherwise two, (2, cells): right edge (theta >
-    0), left edge. amplitude: the amplitude of the ground over the uplift acceleration of the side; omega: omega_g / p of the side; eta:
-    speed after over speed before the impact that leaves the side, each in the unit of its side."""
+    """The drive of each cell. Each array has one row, (1, cells), if the sides are
+    alike, otherwise two, (2, cells): right edge (theta > 0), left edge. amplitude: the
+    amplitude of the ground over the uplift acceleration of the side; omega: omega_g / p
+    of the side; eta: speed after over speed before the impact that leaves the side,
+    each in the unit of its side.
+    """
 
     amplitude: Array
     omega: Array
@@ -60,10 +88,14 @@ class Cells(NamedTuple):
 
 @dataclass
 class Lanes(Arrays):
-    """The state of rocking bodies, one body a lane. The side is stored, never inferred from a sign. cell: index of the cell; amplitude,
-    omega, eta: as `Cells` has them for the present side; k, u: segment of the motion and phase since its start [rad]; side: +1 on the right
-    edge (theta > 0), -1 on the left; y, v: displacement in the unit of the side, and dy/dtau with the tau = p t of the side; b: the force
-    y'' + 2 zeta y'; peak: largest y at a turning point so far, in the unit of the present side; impacts, steps: their numbers so far."""
+    """The state of rocking bodies, one body a lane. The side is stored, never inferred
+    from a sign. cell: index of the cell; amplitude, omega, eta: as `Cells` has them for
+    the present side; k, u: segment of the motion and phase since its start [rad]; side:
+    +1 on the right edge (theta > 0), -1 on the left; y, v: displacement in the unit of
+    the side, and dy/dtau with the tau = p t of the side; b: the force y'' + 2 zeta y';
+    peak: largest y at a turning point so far, in the unit of the present side; impacts,
+    steps: their numbers so far.
+    """
 
     cell: Array
     amplitude: Array

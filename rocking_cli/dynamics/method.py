@@ -1,4 +1,6 @@
-"""Chooses equation, contact and reference solver for a structure; a new equation is one entry of EQUATIONS, imported where it is used."""
+"""Chooses equation, contact and reference solver for a structure; a new equation is one
+entry of EQUATIONS, imported where it is used.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -26,11 +28,14 @@ Reference = Callable[["Motion", float, float, float], tuple["Outcome", float]]
 
 
 class EquationKind(NamedTuple):
-    """An equation of motion in the registry. model: the word of `--model` and of files; serves: returns True for a structure for which the
-    equation holds; build: returns the equation of a structure at a tolerance, raises ValueError; shares: returns the numbers, besides
-    restitution and damping, that structures must have in common to share a dimensionless computation; rates: name of its form in
-    `references.problems`; exact: True if it has no tolerance; of_cells: returns one equation for cells of plain bodies with these
-    alphas at a tolerance, None if there is none."""
+    """An equation of motion in the registry. model: the word of `--model` and of files;
+    serves: returns True for a structure for which the equation holds; build: returns
+    the equation of a structure at a tolerance, raises ValueError; shares: returns the
+    numbers, besides restitution and damping, that structures must have in common to
+    share a dimensionless computation; rates: name of its form in `references.problems`;
+    exact: True if it has no tolerance; of_cells: returns one equation for cells of
+    plain bodies with these alphas at a tolerance, None if there is none.
+    """
 
     model: str
     serves: Callable[[RockingParameters], bool]
@@ -54,7 +59,11 @@ def _rigid(alpha: Any, tolerance: float, damping: float = 0.0) -> Equation:
 
 
 def _rigid_body(structure: RockingParameters, tolerance: float) -> Equation:
-    return _rigid(tuple(side.alpha for side in reversed(structure.sides)) or structure.alpha, tolerance, structure.damping)
+    return _rigid(
+        tuple(side.alpha for side in reversed(structure.sides)) or structure.alpha,
+        tolerance,
+        structure.damping,
+    )
 
 
 def _mechanism(structure: RockingParameters, tolerance: float) -> Equation:
@@ -65,10 +74,23 @@ def _mechanism(structure: RockingParameters, tolerance: float) -> Equation:
 
 
 EQUATIONS = (
-    EquationKind("linear", lambda s: True, _linear, lambda s: None, "linear_rates", exact=True),  # Eqs. 2.4 and 3.6
-    EquationKind("nonlinear", lambda s: s.mechanism is not None, _mechanism, lambda s: s.mechanism, "mechanism_rates"),  # Eq. 3.4
+    EquationKind(
+        "linear", lambda s: True, _linear, lambda s: None, "linear_rates", exact=True
+    ),  # Eqs. 2.4 and 3.6
+    EquationKind(
+        "nonlinear",
+        lambda s: s.mechanism is not None,
+        _mechanism,
+        lambda s: s.mechanism,
+        "mechanism_rates",
+    ),  # Eq. 3.4
     EquationKind(  # a rigid body, Eq. 2.3
-        "nonlinear", lambda s: s.a_scale == 1.0 and not s.dimensionless, _rigid_body, lambda s: s.alpha, "rigid_body_rates", of_cells=_rigid
+        "nonlinear",
+        lambda s: s.a_scale == 1.0 and not s.dimensionless,
+        _rigid_body,
+        lambda s: s.alpha,
+        "rigid_body_rates",
+        of_cells=_rigid,
     ),
 )
 MODELS = tuple(dict.fromkeys(kind.model for kind in EQUATIONS))
@@ -76,15 +98,19 @@ MODELS = tuple(dict.fromkeys(kind.model for kind in EQUATIONS))
 
 @dataclass(frozen=True)
 class Method:
-    """The model, and the tolerance of theta/alpha (an exact model ignores it). Raises UsageError for an unknown model or a tolerance out of
-    range."""
+    """The model, and the tolerance of theta/alpha (an exact model ignores it). Raises
+    UsageError for an unknown model or a tolerance out of range.
+    """
 
     model: str = MODELS[0]
     tolerance: float = TOLERANCE
 
     def __post_init__(self) -> None:
         if self.model not in MODELS:
-            raise UsageError(f"unknown model {self.model!r}; expected {', '.join(MODELS)}{did_you_mean(self.model, MODELS)}")
+            raise UsageError(
+                f"unknown model {self.model!r}; expected"
+                f" {', '.join(MODELS)}{did_you_mean(self.model, MODELS)}"
+            )
         try:
             order_for(self.tolerance)
         except ValueError as error:
@@ -101,61 +127,123 @@ class Method:
         return None if self.exact else self.tolerance
 
     def kind_of(self, structure: RockingParameters) -> EquationKind:
-        """The equation of this model for a structure. Raises UsageError if the model has none."""
+        """The equation of this model for a structure. Raises UsageError if the model
+        has none.
+        """
         for kind in EQUATIONS:
             if kind.model == self.model and kind.serves(structure):
                 return kind
         if structure.dimensionless:
-            raise UsageError(f"the {self.model} model needs a critical angle: give a structure document")
+            raise UsageError(
+                f"the {self.model} model needs a critical angle: give a structure"
+                " document"
+            )
         raise UsageError(
-            f"{structure.name}: the {self.model} model needs the structure itself (an arch) or a rigid body, whose a_scale is 1; "
-            f"found parameters with a_scale {structure.a_scale:.6g}"
+            f"{structure.name}: the {self.model} model needs the structure itself (an"
+            " arch) or a rigid body, whose a_scale is 1; found parameters with a_scale"
+            f" {structure.a_scale:.6g}"
         )
 
     def serves(self, structure: RockingParameters) -> bool:
         """True if the model has an equation for a structure."""
-        return any(kind.model == self.model and kind.serves(structure) for kind in EQUATIONS)
+        return any(
+            kind.model == self.model and kind.serves(structure) for kind in EQUATIONS
+        )
 
     def system_of(self, structure: RockingParameters) -> System:
-        """Builds the system (equation and contact) of a structure for the march. Raises UsageError when the model does not hold for it."""
+        """Builds the system (equation and contact) of a structure for the march. Raises
+        UsageError when the model does not hold for it.
+        """
         build = self.kind_of(structure).build
         try:
             equation = build(structure, self.tolerance)
-            scale = None if structure.dimensionless else structure.alpha / structure.a_scale
-            system = System(equation, contact_of(structure, equation), scale, self.body_of(structure))
+            scale = (
+                None if structure.dimensionless else structure.alpha / structure.a_scale
+            )
+            system = System(
+                equation,
+                contact_of(structure, equation),
+                scale,
+                self.body_of(structure),
+            )
             if structure.restraints is None:
                 return system
             from .tied.devices import Devices
 
-            devices = Devices.of(structure, equation, linear=self.exact, body=system.body)
-            return system if devices is None else system._replace(devices=devices, body=None)
+            devices = Devices.of(
+                structure, equation, linear=self.exact, body=system.body
+            )
+            return (
+                system
+                if devices is None
+                else system._replace(devices=devices, body=None)
+            )
         except ValueError as error:
             raise UsageError(f"{structure.name}: {error}") from None
 
-    def system_of_cells(self, structures: Sequence[RockingParameters], counts: Sequence[int]) -> System:
-        """One system for `counts` cells of each structure, whose `shares` are equal or which all mix. Raises UsageError as `system_of`."""
-        one, of_cells = self.system_of(structures[0]), self.kind_of(structures[0]).of_cells
+    def system_of_cells(
+        self, structures: Sequence[RockingParameters], counts: Sequence[int]
+    ) -> System:
+        """One system for `counts` cells of each structure, whose `shares` are equal or
+        which all mix. Raises UsageError as `system_of`.
+        """
+        one, of_cells = (
+            self.system_of(structures[0]),
+            self.kind_of(structures[0]).of_cells,
+        )
         if len({(*self.shares(s), self.body_of(s)) for s in structures}) == 1:
             return one
-        own = tuple((self.system_of(s), count) for s, count in zip(structures, counts, strict=True))
-        equation = one.equation if of_cells is None else of_cells(np.repeat([s.alpha for s in structures], counts), self.tolerance)
+        own = tuple(
+            (self.system_of(s), count)
+            for s, count in zip(structures, counts, strict=True)
+        )
+        equation = (
+            one.equation
+            if of_cells is None
+            else of_cells(
+                np.repeat([s.alpha for s in structures], counts), self.tolerance
+            )
+        )
         return one._replace(equation=equation, body=None, own=own)
 
     def body_of(self, structure: RockingParameters) -> Body | None:
-        """The `Body` that gives a structure's forces on the ground; None if its mass centre is not known."""
-        edges: list[Side | RockingParameters] = [*reversed(structure.sides)] or [structure]
-        kappa = tuple(e.arm * e.p**2 / structure.gravity for e in edges if e.arm is not None)
+        """The `Body` that gives a structure's forces on the ground; None if its mass
+        centre is not known.
+        """
+        edges: list[Side | RockingParameters] = [*reversed(structure.sides)] or [
+            structure
+        ]
+        kappa = tuple(
+            e.arm * e.p**2 / structure.gravity for e in edges if e.arm is not None
+        )
         if len(kappa) < len(edges):
             return None
         a_scale = tuple(e.a_scale for e in edges)
-        return Body(tuple(e.alpha for e in edges), kappa, self.exact, structure.damping, structure.one_sided, a_scale)
+        return Body(
+            tuple(e.alpha for e in edges),
+            kappa,
+            self.exact,
+            structure.damping,
+            structure.one_sided,
+            a_scale,
+        )
 
     def shares(self, structure: RockingParameters) -> tuple[Any, ...]:
-        """Structures with equal keys have one system; with equal restitutions too, one dimensionless computation (sections 3.3, 4)."""
-        return structure.one_sided, structure.sides, structure.damping, structure.restraints, self.kind_of(structure).shares(structure)
+        """Structures with equal keys have one system; with equal restitutions too, one
+        dimensionless computation (sections 3.3, 4).
+        """
+        return (
+            structure.one_sided,
+            structure.sides,
+            structure.damping,
+            structure.restraints,
+            self.kind_of(structure).shares(structure),
+        )
 
     def reference_of(self, structure: RockingParameters) -> Reference:
-        """A function (motion, A, Omega, eta) that gives (outcome, theta_ratio) by a slower solver, which shares no code with the march."""
+        """A function (motion, A, Omega, eta) that gives (outcome, theta_ratio) by a
+        slower solver, which shares no code with the march.
+        """
         from .references.general_solver import solve_cell
 
         return partial(solve_cell, problem=self.problem_of(structure))
@@ -164,49 +252,89 @@ class Method:
         """Builds the problem of a structure for the reference solver."""
         from .references import problems
 
-        return problems.problem_of(structure, getattr(problems, self.kind_of(structure).rates))
+        return problems.problem_of(
+            structure, getattr(problems, self.kind_of(structure).rates)
+        )
 
 
 LINEAR = Method()
 
 
 def governing_method(
-    *structures: RockingParameters, model: str | None = None, tolerance: float = TOLERANCE, dimensionless: bool = False
+    *structures: RockingParameters,
+    model: str | None = None,
+    tolerance: float = TOLERANCE,
+    dimensionless: bool = False,
 ) -> Method:
-    """The method of a run: the given model; else the nonlinear one if the geometry of all structures is known and the motion has units
-    (a_g, f_g, a record); else the linear one, which is not safe: a body that Eq. 2.3 overturns may survive. Raises UsageError as `Method`.
+    """The method of a run: the given model; else the nonlinear one if the geometry of
+    all structures is known and the motion has units (a_g, f_g, a record); else the
+    linear one, which is not safe: a body that Eq. 2.3 overturns may survive. Raises
+    UsageError as `Method`.
     """
     nonlinear = Method(MODELS[-1] if model is None else model, tolerance)
-    return nonlinear if model is not None or (not dimensionless and all(map(_known, structures))) else LINEAR
+    return (
+        nonlinear
+        if model is not None or (not dimensionless and all(map(_known, structures)))
+        else LINEAR
+    )
 
 
 def _known(structure: RockingParameters) -> bool:
-    """True if the geometry of a structure is known and there is a nonlinear equation for it."""
+    """True if the geometry of a structure is known and there is a nonlinear equation
+    for it.
+    """
     return structure.structure != "parameters" and Method(MODELS[-1]).serves(structure)
 
 
-def model_in_words(method: Method, *structures: RockingParameters, model: str | None = None, dimensionless: bool = False) -> str:
-    """The line that names the model of a run; if the model is linear by default, it says why. Parameters as of `governing_method`."""
+def model_in_words(
+    method: Method,
+    *structures: RockingParameters,
+    model: str | None = None,
+    dimensionless: bool = False,
+) -> str:
+    """The line that names the model of a run; if the model is linear by default, it
+    says why. Parameters as of `governing_method`.
+    """
     line = f"model: {method.model}"
     if model is not None or method != LINEAR:
         return line
     if dimensionless:
         return f"{line}, on dimensionless axes (A, Omega)"
     stated = [s.name for s in structures if not _known(s)]
-    return f"{line}, since the geometry of {', '.join(stated[:3])}{' and others' * (len(stated) > 3)} is not known"
+    return (
+        f"{line}, since the geometry of"
+        f" {', '.join(stated[:3])}{' and others' * (len(stated) > 3)} is not known"
+    )
 
 
 def has_direction(structure: RockingParameters) -> bool:
-    """True if the reversed motion may have another result: the structure has one side, or two sides that differ, or ties that differ."""
-    return not (structure.plain or governing_method(structure).system_of(structure).alike)
+    """True if the reversed motion may have another result: the structure has one side,
+    or two sides that differ, or ties that differ.
+    """
+    return not (
+        structure.plain or governing_method(structure).system_of(structure).alike
+    )
 
 
-def direction_in_words(*structures: RockingParameters, opposite: str = "the other sign of `scale` (1 if not given)") -> list[str]:
-    """Return the lines for a run that computes one direction of the motion only: one that names the structures for which the opposite
-    direction may have another result, none without such a structure. opposite: the option that computes the other direction."""
+def direction_in_words(
+    *structures: RockingParameters,
+    opposite: str = "the other sign of `scale` (1 if not given)",
+) -> list[str]:
+    """Return the lines for a run that computes one direction of the motion only: one
+    that names the structures for which the opposite direction may have another result,
+    none without such a structure. opposite: the option that computes the other
+    direction.
+    """
     names = [s.name for s in structures if has_direction(s)]
     some = f"{', '.join(names[:3])}{' and others' * (len(names) > 3)}"
-    return [f"one direction of the motion only, though the sides differ: {some}; {opposite} gives the opposite one"] if names else []
+    return (
+        [
+            f"one direction of the motion only, though the sides differ: {some};"
+            f" {opposite} gives the opposite one"
+        ]
+        if names
+        else []
+    )
 
 
 def contact_of(structure: RockingParameters, equation: Equation) -> Contact:
@@ -217,14 +345,26 @@ def contact_of(structure: RockingParameters, equation: Equation) -> Contact:
         return Symmetric()
     left, right = structure.sides
     there = equation.on(np.array([1.0, -1.0]))
-    turns, lifts = (np.broadcast_to(x, 2).tolist() for x in (there.rotation(np.ones(2)), there.uplift_amplitude))
-    unit = [side.alpha * side.p * turn for side, turn in zip((right, left), turns, strict=True)]  # theta' of y' = 1
+    turns, lifts = (
+        np.broadcast_to(x, 2).tolist()
+        for x in (there.rotation(np.ones(2)), there.uplift_amplitude)
+    )
+    unit = [
+        side.alpha * side.p * turn
+        for side, turn in zip((right, left), turns, strict=True)
+    ]  # theta' of y' = 1
     onto_left, onto_right = reciprocal_ratios(*unit)
-    drive = [(side.a_scale / side.alpha) / (structure.a_scale / structure.alpha) / x for side, x in zip((right, left), lifts, strict=True)]
+    drive = [
+        (side.a_scale / side.alpha) / (structure.a_scale / structure.alpha) / x
+        for side, x in zip((right, left), lifts, strict=True)
+    ]
     return Unequal(
         drive=(drive[0], drive[1]),
         omega=(structure.p / right.p, structure.p / left.p),
         eta=(right.eta * onto_left, left.eta * onto_right),
         rotation=(turns[0], turns[1]),
-        pace=(right.alpha * right.p / (structure.alpha * structure.p), left.alpha * left.p / (structure.alpha * structure.p)),
+        pace=(
+            right.alpha * right.p / (structure.alpha * structure.p),
+            left.alpha * left.p / (structure.alpha * structure.p),
+        ),
     )

@@ -1,4 +1,6 @@
-"""Outcomes of cells, each with its code, sentence and colour, and tests for those that overturned, fall or are safe."""
+"""Outcomes of cells, each with its code, sentence and colour, and tests for those that
+overturned, fall or are safe.
+"""
 
 from dataclasses import dataclass, fields
 from enum import IntEnum
@@ -9,19 +11,30 @@ import numpy as np
 from ..errors import UsageError
 
 LOST = "lost contact"  # the event
-FALLEN = 3.0  # |theta|/alpha from which a body counts as overturned when the ground falls away, and at which its history ends
+# |theta|/alpha from which a body counts as overturned when the ground falls away, and
+# at which its history ends
+FALLEN = 3.0
 
 
 class _Code(IntEnum):
-    """A code with its sentence, its colour in figures (empty if figures do not show it), and its sign in maps of characters."""
+    """A code with its sentence, its colour in figures (empty if figures do not show
+    it), and its sign in maps of characters.
+    """
 
     sentence: str
     colour: str
     sign: str
 
-    def __new__(cls, code: int, sentence: str = "", colour: str = "", sign: str = "") -> Self:
+    def __new__(
+        cls, code: int, sentence: str = "", colour: str = "", sign: str = ""
+    ) -> Self:
         member = int.__new__(cls, code)
-        member._value_, member.sentence, member.colour, member.sign = code, sentence, colour, sign
+        member._value_, member.sentence, member.colour, member.sign = (
+            code,
+            sentence,
+            colour,
+            sign,
+        )
         return member
 
     @property
@@ -31,8 +44,10 @@ class _Code(IntEnum):
 
 
 class Outcome(_Code):
-    """Outcome codes of the spectra file; their names in lower case are its flag meanings. The colours are those of Okabe and Ito, which
-    colour-blind people can tell apart."""
+    """Outcome codes of the spectra file; their names in lower case are its flag
+    meanings. The colours are those of Okabe and Ito, which colour-blind people can tell
+    apart.
+    """
 
     NOT_COMPUTED = 0, "not computed", "#DDDDDD", "?"
     NO_UPLIFT = 1, "no uplift", "#FFFFFF", " "
@@ -45,7 +60,9 @@ class Outcome(_Code):
 
     @property
     def mode(self) -> str:
-        """The word for this outcome in an envelope's intervals: `no_impact`, `after_impact`, `failed`."""
+        """The word for this outcome in an envelope's intervals: `no_impact`,
+        `after_impact`, `failed`.
+        """
         return self.flag.removeprefix("overturned_")
 
     @property
@@ -55,18 +72,24 @@ class Outcome(_Code):
 
     @property
     def falls(self) -> bool:
-        """True if the body overturned, lost contact (it may then not come back upright), or was left leaning."""
+        """True if the body overturned, lost contact (it may then not come back
+        upright), or was left leaning.
+        """
         return self.overturned or self in (Outcome.LOST_CONTACT, Outcome.LEANING)
 
     @property
     def safe(self) -> bool:
-        """True if the body is known to have stayed upright, whether it lifted off or not."""
+        """True if the body is known to have stayed upright, whether it lifted off or
+        not.
+        """
         return self in (Outcome.NO_UPLIFT, Outcome.ROCKED)
 
 
 class Difference(_Code):
-    """Comparison of the linear with the nonlinear outcome of a cell, which counts as right: codes of the file's `difference`. The linear
-    equation is unsafe if its body stands where the nonlinear one falls (`Outcome.falls`)."""
+    """Comparison of the linear with the nonlinear outcome of a cell, which counts as
+    right: codes of the file's `difference`. The linear equation is unsafe if its body
+    stands where the nonlinear one falls (`Outcome.falls`).
+    """
 
     NOT_COMPUTED = 0, "one of them failed"
     AGREES = 1, "linear agrees"
@@ -74,19 +97,28 @@ class Difference(_Code):
     LINEAR_FALSE_ALARM = 3, "linear falls, the body stands", "#0072B2"
 
 
-_OVERTURNED, _FALLS, _SAFE = np.array([(o.overturned, o.falls, o.safe) for o in Outcome]).T
+_OVERTURNED, _FALLS, _SAFE = np.array(
+    [(o.overturned, o.falls, o.safe) for o in Outcome]
+).T
 
 
 def difference(nonlinear: Any, linear: Any) -> Any:
-    """Codes of `Difference`, uint8, from the codes of `Outcome` under each equation; arrays of one shape."""
+    """Codes of `Difference`, uint8, from the codes of `Outcome` under each equation;
+    arrays of one shape.
+    """
     known = (falls(nonlinear) | safe(nonlinear)) & (falls(linear) | safe(linear))
-    verdict = np.where(falls(nonlinear) & safe(linear), Difference.LINEAR_UNSAFE, Difference.AGREES)
-    verdict = np.where(safe(nonlinear) & falls(linear), Difference.LINEAR_FALSE_ALARM, verdict)
+    verdict = np.where(
+        falls(nonlinear) & safe(linear), Difference.LINEAR_UNSAFE, Difference.AGREES
+    )
+    verdict = np.where(
+        safe(nonlinear) & falls(linear), Difference.LINEAR_FALSE_ALARM, verdict
+    )
     return np.where(known, verdict, Difference.NOT_COMPUTED).astype(np.uint8)
 
 
 def overturned(codes: Any) -> Any:
-    """True for codes of `Outcome`, of any shape, that are `overturned`; a cell that failed or lost contact is neither overturned nor safe.
+    """True for codes of `Outcome`, of any shape, that are `overturned`; a cell that
+    failed or lost contact is neither overturned nor safe.
 
     >>> overturned(linear_response(sine(), [1.5, 12.0], 6.0, 0.9).outcome)
     array([False,  True])
@@ -113,16 +145,23 @@ def safe(codes: Any) -> Any:
 
 
 def _found_in(table: Any, codes: Any) -> Any:
-    """Return the entries of a table by code. Raises UsageError for other codes than those of `Outcome`."""
+    """Return the entries of a table by code. Raises UsageError for other codes than
+    those of `Outcome`.
+    """
     try:
         return table[codes]
     except IndexError:
-        raise UsageError(f"`codes`: found {str(codes)[:60]!r}; expected codes of Outcome, 0 to {len(table) - 1}") from None
+        raise UsageError(
+            f"`codes`: found {str(codes)[:60]!r}; expected codes of Outcome, 0 to"
+            f" {len(table) - 1}"
+        ) from None
 
 
 @dataclass
 class Work:
-    """Numbers of cells, impacts and steps: how many were computed, and how many a proof made unnecessary."""
+    """Numbers of cells, impacts and steps: how many were computed, and how many a proof
+    made unnecessary.
+    """
 
     cells: int = 0
     no_uplift: int = 0
@@ -134,4 +173,9 @@ class Work:
     steps: int = 0
 
     def __add__(self, other: Self) -> "Work":
-        return Work(**{f.name: getattr(self, f.name) + getattr(other, f.name) for f in fields(self)})
+        return Work(
+            **{
+                f.name: getattr(self, f.name) + getattr(other, f.name)
+                for f in fields(self)
+            }
+        )

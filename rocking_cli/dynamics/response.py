@@ -24,9 +24,10 @@ Cells = tuple[Array, Array, Array]  # A, Omega and eta, of one shape
 class Response(NamedTuple):
     """Result for each cell, in the shape of the input.
 
-    theta_ratio: max over time of |theta|/alpha [-], NaN where overturned, where contact is
-    lost, or where failed; outcome: uint8 codes of `Outcome`; impacts: int32, impacts during
-    the shaking without those of sequences that are closed in one step; work: counters.
+    theta_ratio: max over time of |theta|/alpha [-], NaN where overturned, where contact
+    is lost, or where failed; outcome: uint8 codes of `Outcome`; impacts: int32, impacts
+    during the shaking without those of sequences that are closed in one step; work:
+    counters.
     """
 
     theta_ratio: Array
@@ -37,18 +38,25 @@ class Response(NamedTuple):
     @classmethod
     def joined(cls, parts: Sequence["Response"]) -> "Response":
         """Return the cells of all parts, one after the other."""
-        theta_ratio, outcome, impacts = (np.concatenate(x) for x in list(zip(*parts, strict=True))[:3])
-        return cls(theta_ratio, outcome, impacts, sum((part.work for part in parts), Work()))
+        theta_ratio, outcome, impacts = (
+            np.concatenate(x) for x in list(zip(*parts, strict=True))[:3]
+        )
+        return cls(
+            theta_ratio, outcome, impacts, sum((part.work for part in parts), Work())
+        )
 
 
-# Up to so many cells of a structure, under a record of more than so many segments, are faster one after the other on floats: a round of the
-# march on arrays costs about as much as a step of thirty bodies on floats.
+# Up to so many cells of a structure, under a record of more than so many segments, are
+# faster one after the other on floats: a round of the march on arrays costs about as
+# much as a step of thirty bodies on floats.
 FEW, LONG = 20, 200
 WAYS = ("arrays", "floats")
 
 
 def cheaper(motion: Motion, cells: int) -> str:
-    """Return how `response` computes so many cells of one structure under this motion in the least time."""
+    """Return how `response` computes so many cells of one structure under this motion
+    in the least time.
+    """
     return "floats" if len(motion.segments) > LONG and cells <= FEW else "arrays"
 
 
@@ -63,14 +71,18 @@ def response(
     how: str = "arrays",
     pool: int | None = None,
 ) -> Response:
-    """Largest rotation and outcome of one system under one motion (Eqs. 2.3, 2.4, 2.6, 3.4).
+    """Largest rotation and outcome of one system under one motion (Eqs. 2.3, 2.4, 2.6,
+    3.4).
 
-    amplitude: A = a_scale a_g / (alpha g) [-], finite, not negative; omega: Omega = omega_g / p [-], finite, positive; if the edges differ
-    both are those of the edge that lifts first. eta [-]: within [0, 1], of a one-sided body within (-1, 0], not used if the edges have
-    restitutions of their own. They are broadcast against each other. peaks: False computes the outcome only, theta_ratio is NaN. how:
-    "arrays" advances all cells together, "floats" one cell after the other, for a system of one structure (see `cheaper`); both keep the
-    tolerance, and their digits beyond it differ. pool: number of lanes advanced together, None for the default. Raises ValueError for a
-    number out of range.
+    amplitude: A = a_scale a_g / (alpha g) [-], finite, not negative; omega: Omega =
+    omega_g / p [-], finite, positive; if the edges differ both are those of the edge
+    that lifts first. eta [-]: within [0, 1], of a one-sided body within (-1, 0], not
+    used if the edges have restitutions of their own. They are broadcast against each
+    other. peaks: False computes the outcome only, theta_ratio is NaN. how: "arrays"
+    advances all cells together, "floats" one cell after the other, for a system of one
+    structure (see `cheaper`); both keep the tolerance, and their digits beyond it
+    differ. pool: number of lanes advanced together, None for the default. Raises
+    ValueError for a number out of range.
 
     >>> (column,) = load_structures('configs/block.yaml')
     >>> found = response(Method('nonlinear').system_of(column), sine(), 1.5, 6.0, column.eta)
@@ -83,7 +95,10 @@ def response(
     if not (np.all(np.isfinite(cells[1])) and np.all(cells[1] > 0.0)):
         raise ValueError("omega must be positive and finite")
     if how not in WAYS:
-        raise UsageError(f"`how`: found {how!r}; expected {' or '.join(WAYS)}{did_you_mean(how, WAYS)}")
+        raise UsageError(
+            f"`how`: found {how!r}; expected"
+            f" {' or '.join(WAYS)}{did_you_mean(how, WAYS)}"
+        )
     if system.devices is not None:
         from .tied.tied_march import March
 
@@ -92,14 +107,20 @@ def response(
         from .single.one_by_one import one_by_one
 
         return one_by_one(system, motion, *cells, shape=shape, peaks=peaks)
-    prove = bool(cells[0].max(initial=0.0) > system.safe_amplitude(motion))  # the peaks may prove that Fz > 0
-    run = _marched(system, motion, cells, _batch(system, motion, cells, peaks or prove), pool=pool)
+    prove = bool(
+        cells[0].max(initial=0.0) > system.safe_amplitude(motion)
+    )  # the peaks may prove that Fz > 0
+    run = _marched(
+        system, motion, cells, _batch(system, motion, cells, peaks or prove), pool=pool
+    )
     return _response(run, shape, peaks)
 
 
 def _flat(*numbers: Array | float) -> tuple[tuple[int, ...], Cells]:
     """(shape, flat cells) of A, Omega and eta broadcast against each other."""
-    amplitude, omega, eta = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in numbers))
+    amplitude, omega, eta = np.broadcast_arrays(
+        *(np.asarray(x, dtype=float) for x in numbers)
+    )
     return amplitude.shape, (amplitude.ravel(), omega.ravel(), eta.ravel())
 
 
@@ -107,26 +128,50 @@ def _of(cells: Cells, at: Array | slice) -> Cells:
     return cells[0][at], cells[1][at], cells[2][at]
 
 
-def _response(run: "Run | Found", shape: tuple[int, ...], peaks: bool = True) -> Response:
+def _response(
+    run: "Run | Found", shape: tuple[int, ...], peaks: bool = True
+) -> Response:
     theta_ratio = run.theta_ratio if peaks else np.full(run.outcome.size, np.nan)
-    return Response(theta_ratio.reshape(shape), run.outcome.reshape(shape), run.impacts.reshape(shape), run.work)
+    return Response(
+        theta_ratio.reshape(shape),
+        run.outcome.reshape(shape),
+        run.impacts.reshape(shape),
+        run.work,
+    )
 
 
 def _batch(system: System, motion: Motion, cells: Cells, peaks: bool) -> Batch:
-    """A batch of flat cells under a motion; under a record its segments are the intervals between samples."""
+    """A batch of flat cells under a motion; under a record its segments are the
+    intervals between samples.
+    """
     sampled = motion.coarsest.samples is not None and motion.vertical is None
-    return Batch.of(system, motion.coarsest.segments if sampled else system.segments(motion), *cells, peaks)
+    return Batch.of(
+        system,
+        motion.coarsest.segments if sampled else system.segments(motion),
+        *cells,
+        peaks,
+    )
 
 
 def _marched(
-    system: System, motion: Motion, cells: Cells, batch: Batch, *observers: Observer, pool: int | None = None, propagation: bool = True
+    system: System,
+    motion: Motion,
+    cells: Cells,
+    batch: Batch,
+    *observers: Observer,
+    pool: int | None = None,
+    propagation: bool = True,
 ) -> Run:
-    """Run a batch to the end and mark cells that lost the ground; propagation: False if observers must see every arc or Taylor step."""
+    """Run a batch to the end and mark cells that lost the ground; propagation: False if
+    observers must see every arc or Taylor step.
+    """
     march, pool = _march_of(system, [motion], pool, propagation)
     run = Run(batch, pool, observers)
     run.all(march)
     rocked = run.outcome == Outcome.ROCKED
-    lost = cells_that_lose_contact(system, motion, cells, rocked, run.theta_ratio if batch.peaks else None)
+    lost = cells_that_lose_contact(
+        system, motion, cells, rocked, run.theta_ratio if batch.peaks else None
+    )
     run.outcome[lost], run.theta_ratio[lost] = Outcome.LOST_CONTACT, np.nan
     return run
 
@@ -134,16 +179,25 @@ def _marched(
 def _march_of(
     system: System, motions: Sequence[Motion], pool: int | None, propagation: bool
 ) -> tuple[Callable[[Run, Array], None], int | None]:
-    """(the function that marches a run under these motions, the number of lanes that it advances together)."""
-    samples = [found for motion in motions if (found := motion.coarsest.samples) is not None]
+    """(the function that marches a run under these motions, the number of lanes that it
+    advances together).
+    """
+    samples = [
+        found for motion in motions if (found := motion.coarsest.samples) is not None
+    ]
     weighed = motions[0].vertical is not None
     if len(samples) < len(motions) or (weighed and not propagation):
         return by_windows, pool
     equal = all(motion.samples is not None for motion in motions)
-    if propagation and not weighed and equal and system.equation.bounded:  # linear, undamped, equal steps
+    if (
+        propagation and not weighed and equal and system.equation.bounded
+    ):  # linear, undamped, equal steps
         from .samples.exact import LANES, ExactStepper
 
-        return lambda run, waiting: ExactStepper(run, samples).march(waiting), pool or LANES
+        return (
+            lambda run, waiting: ExactStepper(run, samples).march(waiting),
+            pool or LANES,
+        )
     from .samples.taylor_steps import LANES, TaylorStepper, WeighedTaylorStepper
 
     stepper = WeighedTaylorStepper if weighed else TaylorStepper
@@ -151,21 +205,36 @@ def _march_of(
 
 
 def cells_that_lose_contact(
-    system: System, motion: Motion, cells: Cells, doubtful: Array, theta_ratio: Array | None, fastest: Array | None = None,
+    system: System,
+    motion: Motion,
+    cells: Cells,
+    doubtful: Array,
+    theta_ratio: Array | None,
+    fastest: Array | None = None,
     alone: Callable[[int], bool] | None = None,
-) -> Array:  # fmt: skip
-    """Indices of those `doubtful` cells that lose the ground; their bodies rock and survive. A cell is marched once more if neither its
-    amplitude nor its rotation and largest |d theta/d tau| [rad], where they are given, prove Fz > 0. alone: function that tests a cell by
-    itself, None to march all of them together."""
+) -> Array:
+    """Indices of those `doubtful` cells that lose the ground; their bodies rock and
+    survive. A cell is marched once more if neither its amplitude nor its rotation and
+    largest |d theta/d tau| [rad], where they are given, prove Fz > 0. alone: function
+    that tests a cell by itself, None to march all of them together.
+    """
     if system.own:
         ends = np.cumsum([count for _, count in system.own])
         found = []
         for (own, count), end in zip(system.own, ends, strict=True):
             some = slice(end - count, end)
             turned = None if theta_ratio is None else theta_ratio[some]
-            found.append(end - count + cells_that_lose_contact(own, motion, _of(cells, some), doubtful[some], turned))
+            found.append(
+                end
+                - count
+                + cells_that_lose_contact(
+                    own, motion, _of(cells, some), doubtful[some], turned
+                )
+            )
         return np.concatenate(found)
-    if system.body is None or not np.any(doubtful & (cells[0] > system.safe_amplitude(motion))):
+    if system.body is None or not np.any(
+        doubtful & (cells[0] > system.safe_amplitude(motion))
+    ):
         return np.zeros(0, dtype=np.int64)
     from .observers.contact_loss import ContactLoss
 
@@ -173,7 +242,11 @@ def cells_that_lose_contact(
     loss = ContactLoss(system.body, Batch.of(system, segments, *cells, peaks=False))
     at = np.flatnonzero(loss.open & doubtful)
     if theta_ratio is not None:
-        at = at[~loss.contact_proved(at, theta_ratio[at], None if fastest is None else fastest[at])]
+        at = at[
+            ~loss.contact_proved(
+                at, theta_ratio[at], None if fastest is None else fastest[at]
+            )
+        ]
     if alone is not None:
         return at[[alone(i) for i in at.tolist()]]
     batch = Batch.of(system, segments, *_of(cells, at), peaks=False)
@@ -182,25 +255,43 @@ def cells_that_lose_contact(
     return at[again.outcome == Outcome.LOST_CONTACT]
 
 
-def response_with_speed(system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float) -> tuple[Response, Array]:
-    """(`response`, the largest |d theta/d tau|/alpha [-] under straight lines, tau = p t), the second NaN where theta_ratio is NaN. If the
-    edges differ, alpha and p are those of A and Omega."""
+def response_with_speed(
+    system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float
+) -> tuple[Response, Array]:
+    """(`response`, the largest |d theta/d tau|/alpha [-] under straight lines, tau = p
+    t), the second NaN where theta_ratio is NaN. If the edges differ, alpha and p are
+    those of A and Omega.
+    """
     from .observers.peak_speed import PeakSpeed
 
     if system.devices is not None:
-        raise UsageError("found ties or a tendon; expected a body without them, whose largest speed is computed")
+        raise UsageError(
+            "found ties or a tendon; expected a body without them, whose largest speed"
+            " is computed"
+        )
     shape, cells = _flat(amplitude, omega, eta)
     batch = _batch(system, motion, cells, peaks=True)
     speed = PeakSpeed(batch)
-    run = _marched(system, motion, cells, batch, speed, propagation=motion.vertical is None)
-    return _response(run, shape), np.where(safe(run.outcome), speed.speed.largest, np.nan).reshape(shape)
+    run = _marched(
+        system, motion, cells, batch, speed, propagation=motion.vertical is None
+    )
+    return _response(run, shape), np.where(
+        safe(run.outcome), speed.speed.largest, np.nan
+    ).reshape(shape)
 
 
 def response_under_records(
-    system: System, records: Sequence[Motion], which: Array, amplitude: Array, omega: Array, eta: Array
+    system: System,
+    records: Sequence[Motion],
+    which: Array,
+    amplitude: Array,
+    omega: Array,
+    eta: Array,
 ) -> tuple[Response, Array]:
-    """As `response_with_speed`, for each cell under the record whose index is in `which`, (cells,); it does not test for lost contact.
-    `chains` must be True for every record. The cells of all records share the pool."""
+    """As `response_with_speed`, for each cell under the record whose index is in
+    `which`, (cells,); it does not test for lost contact. `chains` must be True for
+    every record. The cells of all records share the pool.
+    """
     from .observers.peak_speed import PeakSpeed
 
     chain = Chain.of([record.coarsest.segments for record in records])
@@ -209,16 +300,31 @@ def response_under_records(
     march, pool = _march_of(system, records, None, True)
     run = Run(batch, pool, [speed])
     run.all(march)
-    return _response(run, amplitude.shape), np.where(safe(run.outcome), speed.speed.largest, np.nan)
+    return _response(run, amplitude.shape), np.where(
+        safe(run.outcome), speed.speed.largest, np.nan
+    )
 
 
 def chains(system: System, motion: Motion) -> bool:
-    """True for a record at equal steps without a vertical one, if cells of the undamped system may share a run with other records."""
-    return motion.vertical is None and motion.samples is not None and not system.equation.damping and system.devices is None
+    """True for a record at equal steps without a vertical one, if cells of the undamped
+    system may share a run with other records.
+    """
+    return (
+        motion.vertical is None
+        and motion.samples is not None
+        and not system.equation.damping
+        and system.devices is None
+    )
 
 
 def linear_response(
-    motion: Motion, amplitude: Array, omega: Array, eta: Array | float, *, peaks: bool = True, pool: int | None = None
+    motion: Motion,
+    amplitude: Array,
+    omega: Array,
+    eta: Array | float,
+    *,
+    peaks: bool = True,
+    pool: int | None = None,
 ) -> Response:
     """`response` of symmetric linear oscillators (Eqs. 2.4, 2.6, 3.6), exact.
 
@@ -227,17 +333,34 @@ def linear_response(
     """
     from .equations.linear import LinearEquation
 
-    return response(System(LinearEquation()), motion, amplitude, omega, eta, peaks=peaks, pool=pool)
+    return response(
+        System(LinearEquation()), motion, amplitude, omega, eta, peaks=peaks, pool=pool
+    )
 
 
 def nonlinear_response(
-    motion: Motion, amplitude: Array, omega: Array, eta: Array | float, alpha: float, *, tolerance: float = 1e-9, peaks: bool = True
+    motion: Motion,
+    amplitude: Array,
+    omega: Array,
+    eta: Array | float,
+    alpha: float,
+    *,
+    tolerance: float = 1e-9,
+    peaks: bool = True,
 ) -> Response:
-    """`response` of symmetric rigid bodies of one critical angle alpha [rad] (Eqs. 2.3, 2.6); tolerance: of theta/alpha.
+    """`response` of symmetric rigid bodies of one critical angle alpha [rad] (Eqs. 2.3,
+    2.6); tolerance: of theta/alpha.
 
     >>> nonlinear_response(sine(), [1.5, 4.0], 6.0, 0.9, alpha=0.25).theta_ratio.round(6)
     array([0.153431, 0.673775])
     """
     from .equations.rigid_body import RigidBodyEquation
 
-    return response(System(RigidBodyEquation(alpha, tolerance)), motion, amplitude, omega, eta, peaks=peaks)
+    return response(
+        System(RigidBodyEquation(alpha, tolerance)),
+        motion,
+        amplitude,
+        omega,
+        eta,
+        peaks=peaks,
+    )

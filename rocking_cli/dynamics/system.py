@@ -16,9 +16,12 @@ if TYPE_CHECKING:
 
 
 class System(NamedTuple):
-    """An equation of motion on a contact, `Symmetric` unless given. scale: alpha/a_scale, the ground acceleration over g of A = 1 [-];
-    body: gives the forces on the ground, None if they are not known; own: (system, number of cells) of each structure, in the order of the
-    cells, if there are several structures; devices: ties and a tendon, None without them."""
+    """An equation of motion on a contact, `Symmetric` unless given. scale:
+    alpha/a_scale, the ground acceleration over g of A = 1 [-]; body: gives the forces
+    on the ground, None if they are not known; own: (system, number of cells) of each
+    structure, in the order of the cells, if there are several structures; devices: ties
+    and a tendon, None without them.
+    """
 
     equation: Equation
     contact: Contact = Symmetric()
@@ -29,7 +32,9 @@ class System(NamedTuple):
 
     @property
     def alike(self) -> bool:
-        """True if both sides are free and equal: a motion of the opposite sign then has the mirrored response."""
+        """True if both sides are free and equal: a motion of the opposite sign then has
+        the mirrored response.
+        """
         return self.contact.alike and (self.devices is None or self.devices.alike)
 
     @property
@@ -38,33 +43,66 @@ class System(NamedTuple):
         return self.equation.bounded and self.devices is None
 
     def segments(self, motion: Motion) -> Segments:
-        """The segments of a motion, `WeighedSegments` if it has a vertical part. Raises ValueError for such a motion without a scale."""
+        """The segments of a motion, `WeighedSegments` if it has a vertical part. Raises
+        ValueError for such a motion without a scale.
+        """
         if motion.vertical is None:
             return motion.segments
         if self.scale is None:
-            raise ValueError("a vertical motion needs the scale of A: the ground acceleration over g of A = 1")
+            raise ValueError(
+                "a vertical motion needs the scale of A: the ground acceleration over g"
+                " of A = 1"
+            )
         from .weighed_drive import weighed
 
-        share = self.scale / self.contact.cells(self.equation, np.ones(1), np.ones(1), np.zeros(1)).amplitude[:, 0]
+        share = (
+            self.scale
+            / self.contact.cells(
+                self.equation, np.ones(1), np.ones(1), np.zeros(1)
+            ).amplitude[:, 0]
+        )
         return weighed(motion, float(share[0]), float(share[-1]))
 
     def safe_amplitude(self, motion: Motion) -> float:
-        """The amplitude A [-] up to which Fz > 0 is proved for a body that does not overturn; infinite if its forces are not known."""
+        """The amplitude A [-] up to which Fz > 0 is proved for a body that does not
+        overturn; infinite if its forces are not known.
+        """
         if self.own:
             return min(system.safe_amplitude(motion) for system, _ in self.own)
         if self.body is None or self.scale is None or not motion.largest:
             return math.inf
-        sway = 0.0 if motion.vertical is None else motion.vertical.largest / motion.largest
+        sway = (
+            0.0 if motion.vertical is None else motion.vertical.largest / motion.largest
+        )
         scales = self.body.a_scale or (1.0,) * len(self.body.alpha)
-        pushes = [safe_push(self.body, i, sway / scale) for i, scale in enumerate(scales)]
-        return min(push / scale for push, scale in zip(pushes, scales, strict=True)) / (self.scale * motion.largest)
+        pushes = [
+            safe_push(self.body, i, sway / scale) for i, scale in enumerate(scales)
+        ]
+        return min(push / scale for push, scale in zip(pushes, scales, strict=True)) / (
+            self.scale * motion.largest
+        )
 
     def least_uplift(self, motion: Motion) -> float:
-        """The least amplitude A [-] at which the body lifts off or the ground falls away; infinite if there is none."""
-        one, segments = self.contact.cells(self.equation, np.ones(1), np.ones(1), np.zeros(1)), self.segments(motion)
+        """The least amplitude A [-] at which the body lifts off or the ground falls
+        away; infinite if there is none.
+        """
+        one, segments = (
+            self.contact.cells(self.equation, np.ones(1), np.ones(1), np.zeros(1)),
+            self.segments(motion),
+        )
         if self.devices is not None:
             one = one._replace(amplitude=one.amplitude / self.devices.held_at_first())
         strongest = float(self.contact.strongest(one, segments)[0])
-        if (weighed := segments.weighed) is not None:  # w < 0 above 1/|w - 1| of A = 1, also where a wall holds the body
-            strongest = max(strongest, 1.0 - float(weighed.least_weight(np.ones(1), one.amplitude[0], np.zeros(1, dtype=np.int64))[0]))
+        if (
+            (weighed := segments.weighed) is not None
+        ):  # w < 0 above 1/|w - 1| of A = 1, also where a wall holds the body
+            strongest = max(
+                strongest,
+                1.0
+                - float(
+                    weighed.least_weight(
+                        np.ones(1), one.amplitude[0], np.zeros(1, dtype=np.int64)
+                    )[0]
+                ),
+            )
         return 1.0 / strongest if strongest > 0.0 else math.inf

@@ -1,8 +1,11 @@
-"""Changes of the outcome along the amplitude A, for many frequencies: a scan brackets the changes, and sections trace each one.
+"""Changes of the outcome along the amplitude A, for many frequencies: a scan brackets
+the changes, and sections trace each one.
 
-Lemmas (`dynamics.lemmas`) exclude amplitudes from the scan. Below a first amplitude nothing overturns (Lemma 9); bodies that may lose
-contact without overturning are computed from a smaller amplitude on (`System.safe_amplitude`). Lemma 10 holds for the linear oscillator
-that the motion lifts on its first segment at any amplitude: every amplitude above one that overturns without impact does so too.
+Lemmas (`dynamics.lemmas`) exclude amplitudes from the scan. Below a first amplitude
+nothing overturns (Lemma 9); bodies that may lose contact without overturning are
+computed from a smaller amplitude on (`System.safe_amplitude`). Lemma 10 holds for the
+linear oscillator that the motion lifts on its first segment at any amplitude: every
+amplitude above one that overturns without impact does so too.
 """
 
 from dataclasses import dataclass, replace
@@ -26,7 +29,9 @@ if TYPE_CHECKING:
 Array = np.ndarray
 Steps = list[tuple[float, int]]  # (amplitude, outcome from there on), amplitudes rising
 
-FINE_STEP = 0.999e-4  # step of the finer scan around changes of the outcome or of the number of impacts, where narrow intervals gather
+# step of the finer scan around changes of the outcome or of the number of impacts,
+# where narrow intervals gather
+FINE_STEP = 0.999e-4
 _AROUND = 12  # points on either side of such a change that the finer scan includes
 _BATCH = 1 << 20  # cells of the scan computed together
 _SCAN_WIDTH = 1e-6  # relative width to which an approximate scan finds changes
@@ -34,8 +39,9 @@ _STRETCH = 80  # points computed together in a search for the first fall
 
 
 class ScanPoints(NamedTuple):
-    """Amplitudes that a scan has computed, by row (Omega) and amplitude: the outcomes, and the numbers of impacts until the outcome was
-    certain."""
+    """Amplitudes that a scan has computed, by row (Omega) and amplitude: the outcomes,
+    and the numbers of impacts until the outcome was certain.
+    """
 
     row: Array
     amplitude: Array
@@ -45,9 +51,12 @@ class ScanPoints(NamedTuple):
 
 @dataclass(frozen=True)
 class Search:
-    """The outcomes of a model with one restitution under one motion, up to an amplitude.
-    a_min: first amplitude of the search, unless uplift is above it; ratio: ratio of neighbouring amplitudes of the scan minus 1, in
-    place of SCAN_STEP and of the finer scan; digits: relative width to which changes are traced; parts: parts of a bracket in one cut."""
+    """The outcomes of a model with one restitution under one motion, up to an
+    amplitude. a_min: first amplitude of the search, unless uplift is above it; ratio:
+    ratio of neighbouring amplitudes of the scan minus 1, in place of SCAN_STEP and of
+    the finer scan; digits: relative width to which changes are traced; parts: parts of
+    a bracket in one cut.
+    """
 
     system: System
     motion: Motion
@@ -71,90 +80,165 @@ class Search:
     @cached_property
     def grid(self) -> ScanGrid:
         """The amplitudes of the scan."""
-        return ScanGrid.between(self.lowest, self.a_max, uplift=self.uplift, ratio=self.ratio)
+        return ScanGrid.between(
+            self.lowest, self.a_max, uplift=self.uplift, ratio=self.ratio
+        )
 
     @cached_property
     def safe_impulse(self) -> float:
-        """The largest A int |s| dphi/Omega from the first uplift on under which nothing overturns (Lemma 9)."""
-        (amplitude, omega, eta), sides = self._cells(np.ones(1), np.ones(1)), np.array([1.0, -1.0])
+        """The largest A int |s| dphi/Omega from the first uplift on under which nothing
+        overturns (Lemma 9).
+        """
+        (amplitude, omega, eta), sides = (
+            self._cells(np.ones(1), np.ones(1)),
+            np.array([1.0, -1.0]),
+        )
         equation = self.system.equation.on(sides)
-        speed = np.sqrt(equation.barrier / equation.fall(np.zeros(2), np.ones(2))[1])  # speed at the ground of a body that just overturns
+        speed = np.sqrt(
+            equation.barrier / equation.fall(np.zeros(2), np.ones(2))[1]
+        )  # speed at the ground of a body that just overturns
         with np.errstate(divide="ignore"):
-            unit = np.array([1.0, np.clip(1.0, eta[-1, 0], 1.0 / eta[0, 0])])  # unit of speed in which no impact raises it
+            unit = np.array(
+                [1.0, np.clip(1.0, eta[-1, 0], 1.0 / eta[0, 0])]
+            )  # unit of speed in which no impact raises it
         growth = unit * (amplitude / omega)[:, 0] * equation.bounds[1]
         return float((unit * speed).min() / growth.max())
 
     def _cells(self, amplitude: Array, omega: Array) -> Cells:
-        return self.system.contact.cells(self.system.equation, amplitude, omega, np.full(omega.shape, self.eta))
+        return self.system.contact.cells(
+            self.system.equation, amplitude, omega, np.full(omega.shape, self.eta)
+        )
 
     def outcome(self, amplitude: Array, omega: Array) -> Array:
-        """Compute the response at these amplitudes: codes of `Outcome`, with ROCKED in place of NO_UPLIFT."""
+        """Compute the response at these amplitudes: codes of `Outcome`, with ROCKED in
+        place of NO_UPLIFT.
+        """
         return self._respond(amplitude, omega)[0]
 
     def _respond(self, amplitude: Array, omega: Array) -> tuple[Array, Array]:
         """(codes of `Outcome`, number of impacts until the outcome was certain)."""
-        found = response(self.system, self.motion, amplitude, omega, self.eta, peaks=False)
+        found = response(
+            self.system, self.motion, amplitude, omega, self.eta, peaks=False
+        )
         return _lifted(found.outcome), found.impacts
 
     def rows(self, omegas: Array) -> list[Steps]:
-        """For each Omega the outcome at the amplitude `lowest` and at every change above it. Changes are traced to the relative width
-        `digits`; intervals narrower than the step of the scan may be missed."""
+        """For each Omega the outcome at the amplitude `lowest` and at every change
+        above it. Changes are traced to the relative width `digits`; intervals narrower
+        than the step of the scan may be missed.
+        """
         from .scan import Scan
 
-        if self.ratio and self.digits >= _SCAN_WIDTH and Scan.supports(self.system, self.motion):
-            scans = [Scan(self.system, self.motion, w, self.eta, fine=True) for w in omegas.tolist()]
+        if (
+            self.ratio
+            and self.digits >= _SCAN_WIDTH
+            and Scan.supports(self.system, self.motion)
+        ):
+            scans = [
+                Scan(self.system, self.motion, w, self.eta, fine=True)
+                for w in omegas.tolist()
+            ]
             return self._steps(*self._scanned_first(omegas, scans))
         begins, brackets = self._scan(omegas)
         return self._steps(begins, self._narrowed(omegas, brackets))
 
-    def _scanned_first(self, omegas: Array, scans: "list[Scan]") -> tuple[Array, Brackets]:
-        """As `_scan` and `_narrowed`, under a record. The march computes the amplitudes of the scan grid, and both sides of every change
-        that the approximate scan of a row finds; other changes are bisected."""
+    def _scanned_first(
+        self, omegas: Array, scans: "list[Scan]"
+    ) -> tuple[Array, Brackets]:
+        """As `_scan` and `_narrowed`, under a record. The march computes the amplitudes
+        of the scan grid, and both sides of every change that the approximate scan of a
+        row finds; other changes are bisected.
+        """
         from .scan import follow
 
         def by_scan(amplitude: Array, row: Array) -> Array:
             amplitude, row = np.broadcast_arrays(amplitude, row)
-            masks, label = [row == i for i in all_rows], np.empty(row.shape, dtype=np.uint8)
+            masks, label = (
+                [row == i for i in all_rows],
+                np.empty(row.shape, dtype=np.uint8),
+            )
             follow(scans, [amplitude[some] for some in masks])
             for scan, some in zip(scans, masks, strict=True):
                 label[some] = scan.outcomes(amplitude[some])
             return label
 
         def by_march(amplitude: Array, row: Array) -> Array:
-            return _lifted(response(self.system, self.motion, amplitude, omegas[row], self.eta, peaks=False, how="floats").outcome)
+            return _lifted(
+                response(
+                    self.system,
+                    self.motion,
+                    amplitude,
+                    omegas[row],
+                    self.eta,
+                    peaks=False,
+                    how="floats",
+                ).outcome
+            )
 
-        all_rows, grid = np.arange(omegas.size), self.grid.amplitude(np.arange(self.grid.size))
+        all_rows, grid = (
+            np.arange(omegas.size),
+            self.grid.amplitude(np.arange(self.grid.size)),
+        )
         row, amplitude = np.repeat(all_rows, grid.size), np.tile(grid, omegas.size)
-        scanned = narrowed(by_scan, Brackets.between(row, amplitude, by_scan(amplitude, row)), self.digits, self.parts, False)
-        row, amplitude = np.concatenate([row, scanned.row, scanned.row]), np.concatenate([amplitude, scanned.low, scanned.high])
+        scanned = narrowed(
+            by_scan,
+            Brackets.between(row, amplitude, by_scan(amplitude, row)),
+            self.digits,
+            self.parts,
+            False,
+        )
+        row, amplitude = (
+            np.concatenate([row, scanned.row, scanned.row]),
+            np.concatenate([amplitude, scanned.low, scanned.high]),
+        )
         order = np.lexsort((amplitude, row))
         row, amplitude, label, _ = self._compute(row[order], amplitude[order], omegas)
-        found = narrowed(by_march, Brackets.between(row, amplitude, label), self.digits, 2, False)
+        found = narrowed(
+            by_march, Brackets.between(row, amplitude, label), self.digits, 2, False
+        )
         return label[np.searchsorted(row, all_rows)], found
 
     def _steps(self, begins: Array, found: Brackets) -> list[Steps]:
         rows = [[(self.lowest, label)] for label in begins.tolist()]
         found = found.take(np.lexsort((found.high, found.row)))
-        for row, amplitude, label in zip(found.row.tolist(), found.high.tolist(), found.above.tolist(), strict=True):
+        for row, amplitude, label in zip(
+            found.row.tolist(), found.high.tolist(), found.above.tolist(), strict=True
+        ):
             rows[row].append((amplitude, label))
         return rows
 
     def fall(self, omega: float) -> tuple[Brackets, int]:
-        """(bracket of the lowest change to an unsafe outcome in the scan at one Omega, row 0, if any; outcome at `a_max`)."""
+        """(bracket of the lowest change to an unsafe outcome in the scan at one Omega,
+        row 0, if any; outcome at `a_max`).
+        """
         begins, brackets = self._scan(np.array([omega]))
-        start = Brackets(*(np.array([x]) for x in (0, self.lowest, self.lowest, Outcome.ROCKED, begins[0])))
+        start = Brackets(
+            *(
+                np.array([x])
+                for x in (0, self.lowest, self.lowest, Outcome.ROCKED, begins[0])
+            )
+        )
         brackets = brackets.join(start)
         falls = np.flatnonzero(~safe(brackets.above))
-        return brackets.take(falls[brackets.high[falls].argsort()[:1]]), int(brackets.above[brackets.high.argmax()])
+        return brackets.take(falls[brackets.high[falls].argsort()[:1]]), int(
+            brackets.above[brackets.high.argmax()]
+        )
 
     def first_falls_in(self, omega: float, brackets: Brackets) -> list[float]:
         """The lowest unsafe amplitude of each bracket at one Omega."""
         rows = np.arange(brackets.row.size)
-        found = self._narrowed(np.full(rows.size, omega), replace(brackets, row=rows), lowest=True)
-        return [float(found.high[(found.row == row) & ~safe(found.above)].min()) for row in rows]
+        found = self._narrowed(
+            np.full(rows.size, omega), replace(brackets, row=rows), lowest=True
+        )
+        return [
+            float(found.high[(found.row == row) & ~safe(found.above)].min())
+            for row in rows
+        ]
 
     def first_falls(self, omegas: Array) -> list[Steps]:
-        """As `rows`, but only up to the lowest unsafe amplitude of the scan, which is computed stretch by stretch."""
+        """As `rows`, but only up to the lowest unsafe amplitude of the scan, which is
+        computed stretch by stretch.
+        """
         scan = self.grid
         going, at, parts = np.arange(omegas.size), 0, []
         while going.size and at < scan.size:
@@ -164,104 +248,203 @@ class Search:
             hit, n = np.flatnonzero(falls.any(axis=1)), falls.argmax(axis=1)
             n = n[hit]
             below = np.full(hit.size, Outcome.ROCKED, dtype=np.uint8)
-            parts.append(Brackets(going[hit], scan.amplitude(np.maximum(at + n - 1, 0)), points[n], below, label[hit, n]))
+            parts.append(
+                Brackets(
+                    going[hit],
+                    scan.amplitude(np.maximum(at + n - 1, 0)),
+                    points[n],
+                    below,
+                    label[hit, n],
+                )
+            )
             going, at = going[~falls.any(axis=1)], at + _STRETCH
         found = self._narrowed(omegas, Brackets.joined(parts), lowest=True)
-        rows = self._steps(np.full(omegas.size, Outcome.ROCKED), found.take(np.flatnonzero(~safe(found.above))))
+        rows = self._steps(
+            np.full(omegas.size, Outcome.ROCKED),
+            found.take(np.flatnonzero(~safe(found.above))),
+        )
         return [row[:2] for row in rows]
 
     def _scan(self, omegas: Array) -> tuple[Array, Brackets]:
-        """(outcome at the first amplitude of each row, brackets of the changes between neighbouring amplitudes)."""
+        """(outcome at the first amplitude of each row, brackets of the changes between
+        neighbouring amplitudes).
+        """
         first, last = self._points_to_compute(omegas)
         starts = np.concatenate([[0], np.cumsum(last - first + 1)])
         begins, parts = np.empty(omegas.size, dtype=np.uint8), list[Brackets]()
         for begin in range(0, int(starts[-1]), _BATCH):
             end = min(begin + _BATCH, int(starts[-1]))
-            a, b = max(0, begin - 1 - _AROUND), min(end + _AROUND, int(starts[-1]))  # including the points around the gaps of this batch
+            a, b = (
+                max(0, begin - 1 - _AROUND),
+                min(end + _AROUND, int(starts[-1])),
+            )  # including the points around the gaps of this batch
             top, bottom = np.searchsorted(starts, [a, b - 1], side="right")
-            row = np.repeat(np.arange(top - 1, bottom), np.diff(np.clip(starts[top - 1 : bottom + 1], a, b)))
+            row = np.repeat(
+                np.arange(top - 1, bottom),
+                np.diff(np.clip(starts[top - 1 : bottom + 1], a, b)),
+            )
             place = np.arange(a, b)
-            points = self._compute(row, self.grid.amplitude(place - starts[row] + first[row]), omegas)
+            points = self._compute(
+                row, self.grid.amplitude(place - starts[row] + first[row]), omegas
+            )
             new = np.flatnonzero(place == starts[row])
             begins[row[new]] = points.label[new]
-            counted = (place[:-1] >= begin - 1) & (place[:-1] < end - 1) & (row[1:] == row[:-1])
+            counted = (
+                (place[:-1] >= begin - 1)
+                & (place[:-1] < end - 1)
+                & (row[1:] == row[:-1])
+            )
             parts.append(self._changes(points, counted, omegas))
         return begins, Brackets.joined(parts)
 
     def _compute(self, row: Array, amplitude: Array, omegas: Array) -> ScanPoints:
         """Compute the outcomes at these amplitudes, batch by batch."""
-        label, impacts = np.empty(row.size, dtype=np.uint8), np.empty(row.size, dtype=np.int32)
+        label, impacts = (
+            np.empty(row.size, dtype=np.uint8),
+            np.empty(row.size, dtype=np.int32),
+        )
         for begin in range(0, row.size, _BATCH):
             batch = slice(begin, begin + _BATCH)
-            label[batch], impacts[batch] = self._respond(amplitude[batch], omegas[row[batch]])
+            label[batch], impacts[batch] = self._respond(
+                amplitude[batch], omegas[row[batch]]
+            )
         return ScanPoints(row, amplitude, label, impacts)
 
     def _changes(self, points: ScanPoints, counted: Array, omegas: Array) -> Brackets:
-        """Brackets of the changes between scan points. Around changes of the outcome or of the number of impacts it scans more finely."""
+        """Brackets of the changes between scan points. Around changes of the outcome or
+        of the number of impacts it scans more finely.
+        """
         width = np.diff(points.amplitude)
-        changed = (points.label[1:] != points.label[:-1]) | (points.impacts[1:] != points.impacts[:-1])
-        changed &= not self.ratio and self.motion.segments.sign_changes > FEW_SIGN_CHANGES
+        changed = (points.label[1:] != points.label[:-1]) | (
+            points.impacts[1:] != points.impacts[:-1]
+        )
+        changed &= (
+            not self.ratio and self.motion.segments.sign_changes > FEW_SIGN_CHANGES
+        )
         gap = np.flatnonzero(counted & _around(changed) & (width > FINE_STEP))
         cuts = np.ceil(width[gap] / FINE_STEP).astype(np.int64) - 1
-        share = (np.arange(cuts.sum()) - np.repeat(np.cumsum(cuts) - cuts, cuts) + 1.0) / np.repeat(cuts + 1, cuts)
+        share = (
+            np.arange(cuts.sum()) - np.repeat(np.cumsum(cuts) - cuts, cuts) + 1.0
+        ) / np.repeat(cuts + 1, cuts)
         gap = np.repeat(gap, cuts)
-        inner = self._compute(points.row[gap], points.amplitude[gap] + share * width[gap], omegas)
+        inner = self._compute(
+            points.row[gap], points.amplitude[gap] + share * width[gap], omegas
+        )
         place = np.concatenate([np.arange(points.row.size), gap + share])
         order = np.argsort(place, kind="stable")
-        row, amplitude, label = (np.concatenate([x, y])[order] for x, y in zip(points[:3], inner[:3], strict=True))
-        return Brackets.between(row, amplitude, label, counted[place[order[:-1]].astype(np.int64)])
+        row, amplitude, label = (
+            np.concatenate([x, y])[order]
+            for x, y in zip(points[:3], inner[:3], strict=True)
+        )
+        return Brackets.between(
+            row, amplitude, label, counted[place[order[:-1]].astype(np.int64)]
+        )
 
     def _points_to_compute(self, omegas: Array) -> tuple[Array, Array]:
-        """(first, last) scan point to compute; there is no change below the first or above the last."""
+        """(first, last) scan point to compute; there is no change below the first or
+        above the last.
+        """
         scan, segments = self.grid, self.motion.segments
-        first, last = np.zeros(omegas.size, dtype=np.int64), np.full(omegas.size, scan.size - 1)
+        first, last = (
+            np.zeros(omegas.size, dtype=np.int64),
+            np.full(omegas.size, scan.size - 1),
+        )
         if self.system.devices is not None or self.motion.vertical is not None:
             return first, last
-        safe_to = self.system.safe_amplitude(self.motion)  # above it bodies may lose contact
-        first = np.minimum(self._last_safe_point(omegas), scan.below(np.full(omegas.size, safe_to)))
-        start, end = segments.s_start[0], segments.s_end[0]  # the largest |s| lifts the body to the same side at any amplitude
-        at_once = abs(start) == self.motion.largest or (abs(end) == self.motion.largest and start * end >= 0.0)
+        safe_to = self.system.safe_amplitude(
+            self.motion
+        )  # above it bodies may lose contact
+        first = np.minimum(
+            self._last_safe_point(omegas), scan.below(np.full(omegas.size, safe_to))
+        )
+        start, end = (
+            segments.s_start[0],
+            segments.s_end[0],
+        )  # the largest |s| lifts the body to the same side at any amplitude
+        at_once = abs(start) == self.motion.largest or (
+            abs(end) == self.motion.largest and start * end >= 0.0
+        )
         if self.system.bounded and self.system.alike and at_once:
             last = self._first_without_impact(omegas, first, last)
         return first, last
 
     def _last_safe_point(self, omegas: Array) -> Array:
-        """The last scan point of each row at which Lemma 9 excludes overturning, since A int |s| dphi/Omega is at most `safe_impulse`."""
-        scan, segments, most = self.grid, self.motion.segments, (1.0 - 1e-9) * self.safe_impulse * omegas
-        if len(segments) > LONGEST_FINE:  # under a record the integral is so large that this excludes no amplitude
+        """The last scan point of each row at which Lemma 9 excludes overturning, since
+        A int |s| dphi/Omega is at most `safe_impulse`.
+        """
+        scan, segments, most = (
+            self.grid,
+            self.motion.segments,
+            (1.0 - 1e-9) * self.safe_impulse * omegas,
+        )
+        if (
+            len(segments) > LONGEST_FINE
+        ):  # under a record the integral is so large that this excludes no amplitude
             return np.zeros(omegas.size, dtype=np.int64)
         from ..dynamics.drive import RemainingImpulse
 
         remaining = RemainingImpulse.of(segments)
-        low, high = np.zeros(omegas.size, dtype=np.int64), np.full(omegas.size, scan.size)
-        while np.any(high - low > 1):  # bisection, since a larger amplitude lifts the body earlier
+        low, high = (
+            np.zeros(omegas.size, dtype=np.int64),
+            np.full(omegas.size, scan.size),
+        )
+        while np.any(
+            high - low > 1
+        ):  # bisection, since a larger amplitude lifts the body earlier
             middle, cell = (low + high) // 2, np.arange(omegas.size)
             amplitude = scan.amplitude(middle)
-            lift = self.system.contact.uplift(self._cells(amplitude, omegas), segments, cell, 0 * cell, np.zeros(omegas.size))
+            lift = self.system.contact.uplift(
+                self._cells(amplitude, omegas),
+                segments,
+                cell,
+                0 * cell,
+                np.zeros(omegas.size),
+            )
             holds = amplitude * remaining.after(lift.k, lift.u) <= most
             low, high = np.where(holds, middle, low), np.where(holds, high, middle)
         return low
 
     def _first_without_impact(self, omegas: Array, first: Array, last: Array) -> Array:
-        """The first scan point of each row between these two that overturns without impact, or `last`; all above it do too (Lemma 10)."""
+        """The first scan point of each row between these two that overturns without
+        impact, or `last`; all above it do too (Lemma 10).
+        """
 
         def overturns(points: Array, rows: Array) -> Array:
             amplitude = self.grid.amplitude(points)
-            return (self.outcome(amplitude, omegas[rows]) == Outcome.OVERTURNED_NO_IMPACT) & (amplitude > self.uplift * (1.0 + 1e-9))
+            return (
+                self.outcome(amplitude, omegas[rows]) == Outcome.OVERTURNED_NO_IMPACT
+            ) & (amplitude > self.uplift * (1.0 + 1e-9))
 
         rows = np.flatnonzero(overturns(last, np.arange(omegas.size)))
         first, high, row = first[rows], last[rows], np.arange(rows.size)
         low = first - 1
         while np.any(high - low > 1):
-            points = np.maximum(low[:, None] + (high - low)[:, None] * np.arange(1, SECTIONS + 1) // SECTIONS, first[:, None])
+            points = np.maximum(
+                low[:, None]
+                + (high - low)[:, None] * np.arange(1, SECTIONS + 1) // SECTIONS,
+                first[:, None],
+            )
             step = overturns(points, rows[:, None]).argmax(axis=1)
-            high, low = points[row, step], np.where(step > 0, points[row, step - 1], low)
+            high, low = (
+                points[row, step],
+                np.where(step > 0, points[row, step - 1], low),
+            )
         last[rows] = high
         return last
 
-    def _narrowed(self, omegas: Array, brackets: Brackets, *, lowest: bool = False) -> Brackets:
-        """The changes in the brackets, traced to the relative width `digits`; lowest: True for only the lowest change of each bracket."""
-        return narrowed(lambda amplitude, row: self.outcome(amplitude, omegas[row]), brackets, self.digits, self.parts, lowest)
+    def _narrowed(
+        self, omegas: Array, brackets: Brackets, *, lowest: bool = False
+    ) -> Brackets:
+        """The changes in the brackets, traced to the relative width `digits`; lowest:
+        True for only the lowest change of each bracket.
+        """
+        return narrowed(
+            lambda amplitude, row: self.outcome(amplitude, omegas[row]),
+            brackets,
+            self.digits,
+            self.parts,
+            lowest,
+        )
 
 
 def _lifted(outcome: Array) -> Array:
@@ -272,4 +455,7 @@ def _lifted(outcome: Array) -> Array:
 def _around(flags: Array) -> Array:
     """True at places that are at most _AROUND places from a True flag."""
     sums, at = np.concatenate([[0], np.cumsum(flags)]), np.arange(flags.size)
-    return sums[np.minimum(at + _AROUND + 1, flags.size)] > sums[np.maximum(at - _AROUND, 0)]
+    return (
+        sums[np.minimum(at + _AROUND + 1, flags.size)]
+        > sums[np.maximum(at - _AROUND, 0)]
+    )

@@ -1,7 +1,9 @@
-"""Capacity: the lowest amplitude that overturns one body, and the end of the safe interval around a demand.
+"""Capacity: the lowest amplitude that overturns one body, and the end of the safe
+interval around a demand.
 
-The boundaries are traced as in an envelope, but the search stops when both answers are known. The demand is one of the amplitudes of
-the search, so the answers agree with the response at the demand.
+The boundaries are traced as in an envelope, but the search stops when both answers are
+known. The demand is one of the amplitudes of the search, so the answers agree with the
+response at the demand.
 """
 
 from __future__ import annotations
@@ -28,22 +30,31 @@ if TYPE_CHECKING:
 
 Array = np.ndarray
 
-RATIO = 5e-3  # ratio of neighbouring amplitudes, minus 1, of an envelope under a record: a cell costs as much as a thousand under a pulse
+# ratio of neighbouring amplitudes, minus 1, of an envelope under a record: a cell costs
+# as much as a thousand under a pulse
+RATIO = 5e-3
 _TRACED = 1e-6  # relative width to which boundaries under a record are traced
 _STATED = 1e-4  # relative width of falls that may be missed in the tenth below a fall
-_FIRST_WINDOW = 1.5  # range of A in the first batch, whose cells cost about as much as one round of the march
+# range of A in the first batch, whose cells cost about as much as one round of the
+# march
+_FIRST_WINDOW = 1.5
 _SCANNED = 0.4  # of a search under a record: about the share of its scan
 _HALF = 60  # marches after which half of the rest of the search is taken as done
-_PARTS = 256  # parts of a bracket in one cut: there are few brackets, and a batch costs the same for any size
+# parts of a bracket in one cut: there are few brackets, and a batch costs the same for
+# any size
+_PARTS = 256
 
 
 @dataclass(frozen=True)
 class Capacity:
-    """The capacity of a body against a demand; amplitudes A [-].
-    first: the lowest amplitude that overturns, None if there is none; safe_to: the end of the safe interval around the demand, None if the
-    body falls under the demand or no larger amplitude overturns it; uplift: the lowest amplitude that lifts the body, None if there is
-    none. share_of_falls: under a record or a pulse of several cycles, the share of amplitudes up to 5 % above `first` that fall, if they
-    form more than one interval, otherwise 0."""
+    """The capacity of a body against a demand; amplitudes A [-]. first: the lowest
+    amplitude that overturns, None if there is none; safe_to: the end of the safe
+    interval around the demand, None if the body falls under the demand or no larger
+    amplitude overturns it; uplift: the lowest amplitude that lifts the body, None if
+    there is none. share_of_falls: under a record or a pulse of several cycles, the
+    share of amplitudes up to 5 % above `first` that fall, if they form more than one
+    interval, otherwise 0.
+    """
 
     first: float | None
     safe_to: float | None
@@ -52,8 +63,9 @@ class Capacity:
 
 
 class CapacitySearch(NamedTuple):
-    """A capacity to be computed: of a structure at Omega [-] against a demand of A = `amplitude` [-]; the search goes up to the larger of
-    `a_max` and twice the demand."""
+    """A capacity to be computed: of a structure at Omega [-] against a demand of A =
+    `amplitude` [-]; the search goes up to the larger of `a_max` and twice the demand.
+    """
 
     structure: RockingParameters
     motion: Motion
@@ -63,10 +75,15 @@ class CapacitySearch(NamedTuple):
     a_max: float
 
     def ends(self) -> tuple[float, float]:
-        """The least and the largest amplitude of the search. Raises UsageError if the largest is above the limit of a scan."""
+        """The least and the largest amplitude of the search. Raises UsageError if the
+        largest is above the limit of a scan.
+        """
         top = max(self.a_max, 2.0 * self.amplitude)
         if not top <= HIGHEST:
-            raise UsageError(f"{self.structure.name}: found a search up to A = {top:.6g}; expected up to {HIGHEST:g}")
+            raise UsageError(
+                f"{self.structure.name}: found a search up to A = {top:.6g}; expected"
+                f" up to {HIGHEST:g}"
+            )
         return self.method.system_of(self.structure).least_uplift(self.motion), top
 
     def fall_search(self) -> FallSearch:
@@ -74,19 +91,31 @@ class CapacitySearch(NamedTuple):
         from .lowest_fall import FallSearch
 
         digits = tracing_width(self.method, self.motion)
-        return FallSearch.of(self.method.system_of(self.structure), self.motion, self.omega, self.structure.eta, digits)
+        return FallSearch.of(
+            self.method.system_of(self.structure),
+            self.motion,
+            self.omega,
+            self.structure.eta,
+            digits,
+        )
 
     def capacity(
         self,
         fall_search: FallSearch | None = None,
         progress: Callable[[float], None] | None = None,
     ) -> Capacity:
-        """Compute the capacity; fall_search: one of `fall_searches`; progress: called now
-        and then with about the share that is done.
+        """Compute the capacity; fall_search: one of `fall_searches`; progress: called
+        now and then with about the share that is done.
 
-        Intervals narrower than `narrowest` may be missed, but not around the demand. Changes are
-        traced to `tracing_width`. Raises UsageError if the demand or `a_max` is above the limit of a scan."""
-        motion, amplitude, system = self.motion, self.amplitude, self.method.system_of(self.structure)
+        Intervals narrower than `narrowest` may be missed, but not around the demand.
+        Changes are traced to `tracing_width`. Raises UsageError if the demand or
+        `a_max` is above the limit of a scan.
+        """
+        motion, amplitude, system = (
+            self.motion,
+            self.amplitude,
+            self.method.system_of(self.structure),
+        )
         lowest, top = self.ends()
         if not lowest < top:
             return Capacity(None, None, lowest if np.isfinite(lowest) else None)
@@ -95,13 +124,37 @@ class CapacitySearch(NamedTuple):
             if progress is not None:
                 told = _told_by_marches(fall_search.falls, progress)
                 fall_search = replace(fall_search, falls=told)
-            stands = amplitude <= lowest or not fall_search.falls(np.array([amplitude]))[0]
-            below = fall_search.first(lowest, min(amplitude, top)) if lowest < amplitude else None
+            stands = (
+                amplitude <= lowest or not fall_search.falls(np.array([amplitude]))[0]
+            )
+            below = (
+                fall_search.first(lowest, min(amplitude, top))
+                if lowest < amplitude
+                else None
+            )
             above = fall_search.first(max(lowest, amplitude), top) if stands else None
-            first = below or (above if stands else fall_search.lowest(lowest, amplitude))
-            return Capacity(first, above, lowest, 0.0 if first is None else fall_search.share_of_falls(first))
-        search = Search(system, motion, self.structure.eta, top, digits=tracing_width(self.method, motion), parts=_PARTS)
-        brackets: list[Brackets] = []  # one window after the other, until the outcome at the demand and the next fall above it are known
+            first = below or (
+                above if stands else fall_search.lowest(lowest, amplitude)
+            )
+            return Capacity(
+                first,
+                above,
+                lowest,
+                0.0 if first is None else fall_search.share_of_falls(first),
+            )
+        search = Search(
+            system,
+            motion,
+            self.structure.eta,
+            top,
+            digits=tracing_width(self.method, motion),
+            parts=_PARTS,
+        )
+        brackets: list[
+            Brackets
+            # one window after the other, until the outcome at the demand and the next
+            # fall above it are known
+        ] = []
         above_demand = False
         for begin, end in _windows(lowest, amplitude, top, at_once=system.bounded):
             fall, last = replace(search, a_min=begin, a_max=end).fall(self.omega)
@@ -109,20 +162,32 @@ class CapacitySearch(NamedTuple):
             above_demand = begin >= amplitude and fall.row.size > 0
             if above_demand or (end <= amplitude and not Outcome(last).safe):
                 break
-        found = search.first_falls_in(self.omega, Brackets.joined(brackets)) if brackets else []
+        found = (
+            search.first_falls_in(self.omega, Brackets.joined(brackets))
+            if brackets
+            else []
+        )
         first, share_of_falls = min(found, default=None), 0.0
         if first is not None and falls_may_be_narrow(motion):
             first, share_of_falls = self.fall_search().lowest_and_share(lowest, first)
         safe_to = found[-1] if above_demand else None
-        return Capacity(first, safe_to if first is None or safe_to is None or first < amplitude else first, lowest, share_of_falls)
+        return Capacity(
+            first,
+            safe_to if first is None or safe_to is None or first < amplitude else first,
+            lowest,
+            share_of_falls,
+        )
 
 
 def fall_searches(
     searches: Sequence[CapacitySearch],
     progress: Callable[[float], None] | None = None,
 ) -> list[FallSearch | None]:
-    """Return for each capacity the search for narrow overturning intervals, None if its motion needs none; one scan serves all searches.
-    progress: called now and then with about the share of the searches that is done. Raises UsageError as `CapacitySearch.ends`."""
+    """Return for each capacity the search for narrow overturning intervals, None if its
+    motion needs none; one scan serves all searches. progress: called now and then with
+    about the share of the searches that is done. Raises UsageError as
+    `CapacitySearch.ends`.
+    """
     found: list[FallSearch | None] = []
     scanned = []
     for one in searches:
@@ -130,7 +195,9 @@ def fall_searches(
         fall_search = one.fall_search() if _long(one.motion) and lowest < top else None
         found.append(fall_search)
         if fall_search is not None:
-            scanned.append((fall_search, lowest, float(np.clip(one.amplitude, lowest, top)), top))
+            scanned.append(
+                (fall_search, lowest, float(np.clip(one.amplitude, lowest, top)), top)
+            )
     if scanned:
         from .lowest_fall import scan_together
 
@@ -139,7 +206,9 @@ def fall_searches(
     return found
 
 
-def _told_by_marches(falls: Callable[[Array], Array], progress: Callable[[float], None]) -> Callable[[Array], Array]:
+def _told_by_marches(
+    falls: Callable[[Array], Array], progress: Callable[[float], None]
+) -> Callable[[Array], Array]:
     """The function `falls` of a search, which calls `progress` after each march. Nobody
     knows how many marches a search takes, so the share approaches 1."""
     marches = 0
@@ -155,17 +224,26 @@ def _told_by_marches(falls: Callable[[Array], Array], progress: Callable[[float]
 
 
 def tracing_width(method: Method, motion: Motion) -> float:
-    """The relative width to which a boundary is traced: 4e-16 for an exact method, else the tolerance; under a record at least 1e-6."""
+    """The relative width to which a boundary is traced: 4e-16 for an exact method, else
+    the tolerance; under a record at least 1e-6.
+    """
     return max(method.stated_tolerance or 4e-16, _TRACED if _long(motion) else 0.0)
 
 
 def narrowest(motion: Motion) -> str:
     """The width of intervals that a search may miss, as text."""
-    return f"{100.0 * COARSE:g} % of the amplitude ({100.0 * _STATED:g} % in the tenth below a fall)" if _long(motion) else "0.001 in A"
+    return (
+        f"{100.0 * COARSE:g} % of the amplitude ({100.0 * _STATED:g} % in the tenth"
+        " below a fall)"
+        if _long(motion)
+        else "0.001 in A"
+    )
 
 
 def falls_may_be_narrow(motion: Motion) -> bool:
-    """True if a search under this motion may find many narrow intervals that overturn."""
+    """True if a search under this motion may find many narrow
+    intervals that overturn.
+    """
     return _long(motion) or motion.segments.sign_changes > FEW_SIGN_CHANGES
 
 
@@ -173,9 +251,12 @@ def _long(motion: Motion) -> bool:
     return len(motion.segments) > LONGEST_FINE
 
 
-def _windows(lowest: float, demand: float, top: float, at_once: bool) -> Iterator[tuple[float, float]]:
-    """Ranges of amplitudes to search one after the other: one up to the demand, then wider and wider ones above it, or a single one with
-    `at_once`."""
+def _windows(
+    lowest: float, demand: float, top: float, at_once: bool
+) -> Iterator[tuple[float, float]]:
+    """Ranges of amplitudes to search one after the other: one up to the demand, then
+    wider and wider ones above it, or a single one with `at_once`.
+    """
     begin, width = lowest, _FIRST_WINDOW
     if demand > lowest * (1.0 + 1e-12):
         yield lowest, demand

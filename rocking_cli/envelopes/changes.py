@@ -1,4 +1,6 @@
-"""Brackets of amplitudes in which the outcome changes, narrowed to the last digits by sections."""
+"""Brackets of amplitudes in which the outcome changes, narrowed to the last digits by
+sections.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,13 +13,19 @@ from ..dynamics.lanes import Arrays
 Array = np.ndarray
 
 SECTIONS = 8  # parts of a bracket in one cut: three bits for each run of the engine
-_PARTS_OF_MANY = 16  # largest number of sections of a bracket after the first cut, which may uncover hundreds of changes
-_MOST_CHANGES = 500  # largest number of changes in a row; above it the outcome is noise between the amplitudes of the scan
+# largest number of sections of a bracket after the first cut, which may uncover
+# hundreds of changes
+_PARTS_OF_MANY = 16
+# largest number of changes in a row; above it the outcome is noise between the
+# amplitudes of the scan
+_MOST_CHANGES = 500
 
 
 @dataclass
 class Brackets(Arrays):
-    """Brackets of changes of the outcome: row, amplitude below and above each change, outcome at the lower and at the upper amplitude."""
+    """Brackets of changes of the outcome: row, amplitude below and above each change,
+    outcome at the lower and at the upper amplitude.
+    """
 
     row: Array
     low: Array
@@ -26,17 +34,29 @@ class Brackets(Arrays):
     above: Array
 
     @classmethod
-    def between(cls, row: Array, amplitude: Array, label: Array, where: Array | bool = True) -> Self:
-        """The changes of the label between neighbouring points of a row; where: True for points after which changes count."""
+    def between(
+        cls, row: Array, amplitude: Array, label: Array, where: Array | bool = True
+    ) -> Self:
+        """The changes of the label between neighbouring points of a row; where: True
+        for points after which changes count.
+        """
         at = np.flatnonzero((label[1:] != label[:-1]) & (row[1:] == row[:-1]) & where)
         return cls(row[at], amplitude[at], amplitude[at + 1], label[at], label[at + 1])
 
 
-def narrowed(outcome: Callable[[Array, Array], Array], brackets: Brackets, digits: float, parts: int, lowest: bool) -> Brackets:
-    """Return the brackets narrowed to a relative width of `digits`.
-    outcome: function from amplitudes and rows, of shapes that broadcast, to outcomes; parts: parts of a bracket in one cut. The first
-    cut keeps every change that it uncovers, unless a row has too many; if `lowest`, it keeps the lowest change of each bracket. Later
-    cuts keep a chain of changes from the outcome below to the outcome above."""
+def narrowed(
+    outcome: Callable[[Array, Array], Array],
+    brackets: Brackets,
+    digits: float,
+    parts: int,
+    lowest: bool,
+) -> Brackets:
+    """Return the brackets narrowed to a relative width of `digits`. outcome: function
+    from amplitudes and rows, of shapes that broadcast, to outcomes; parts: parts of a
+    bracket in one cut. The first cut keeps every change that it uncovers, unless a row
+    has too many; if `lowest`, it keeps the lowest change of each bracket. Later cuts
+    keep a chain of changes from the outcome below to the outcome above.
+    """
     done, first = [], True
     while True:
         low, high = brackets.low, brackets.high
@@ -50,31 +70,45 @@ def narrowed(outcome: Callable[[Array, Array], Array], brackets: Brackets, digit
         share = np.arange(1, count) / count
         inner = brackets.low[:, None] + (brackets.high - brackets.low)[:, None] * share
         points = np.column_stack([brackets.low, inner, brackets.high])
-        labels = np.column_stack([brackets.below, outcome(inner, brackets.row[:, None]), brackets.above])
+        labels = np.column_stack(
+            [brackets.below, outcome(inner, brackets.row[:, None]), brackets.above]
+        )
         if first and lowest:
             of = np.arange(len(labels))
             at = (labels[:, 1:] != labels[:, :1]).argmax(axis=1)
         else:
             of, at = _changes(labels, brackets.row) if first else _one_way(labels)
-        brackets = Brackets(brackets.row[of], points[of, at], points[of, at + 1], labels[of, at], labels[of, at + 1])
+        brackets = Brackets(
+            brackets.row[of],
+            points[of, at],
+            points[of, at + 1],
+            labels[of, at],
+            labels[of, at + 1],
+        )
         first = False
 
 
 def _changes(labels: Array, row: Array) -> tuple[Array, Array]:
-    """Return every change of the outcome inside the brackets as (number of the bracket, number of the section whose two ends differ).
-    labels: outcomes at the ends of the sections, (brackets, sections + 1); row: the row of each bracket. In a row with more than
-    `_MOST_CHANGES` changes only those of `_one_way` are returned."""
+    """Return every change of the outcome inside the brackets as (number of the bracket,
+    number of the section whose two ends differ). labels: outcomes at the ends of the
+    sections, (brackets, sections + 1); row: the row of each bracket. In a row with more
+    than `_MOST_CHANGES` changes only those of `_one_way` are returned.
+    """
     of, at = np.nonzero(labels[:, 1:] != labels[:, :-1])
     many = (np.bincount(row[of], minlength=row.max() + 1) > _MOST_CHANGES)[row]
     if not many.any():
         return of, at
     through, place = _one_way(labels[many])
-    return np.concatenate([of[~many[of]], np.flatnonzero(many)[through]]), np.concatenate([at[~many[of]], place])
+    return np.concatenate(
+        [of[~many[of]], np.flatnonzero(many)[through]]
+    ), np.concatenate([at[~many[of]], place])
 
 
 def _one_way(labels: Array) -> tuple[Array, Array]:
-    """Return (bracket, section) of changes that lead from the first label of a bracket to its last one, leaving each label at its last
-    place. Changes in between may be noise and are left out."""
+    """Return (bracket, section) of changes that lead from the first label of a bracket
+    to its last one, leaving each label at its last place. Changes in between may be
+    noise and are left out.
+    """
     of, now = np.arange(len(labels)), labels[:, 0]
     found, places = [], []
     while of.size:

@@ -1,7 +1,9 @@
-"""Overturning curves of a linear block under a sine pulse, in closed form (Fig. 2 left, curves i-iv).
+"""Overturning curves of a linear block under a sine pulse, in closed form (Fig. 2 left,
+curves i-iv).
 
-Scalar, with SciPy's root finder. It shares no code with the engine, which traces the same boundaries from its outcomes.
-With psi = arcsin(1/A) and T = (2 pi - psi)/Omega the state at the end of one cycle without an impact is
+Scalar, with SciPy's root finder. It shares no code with the engine, which traces the
+same boundaries from its outcomes. With psi = arcsin(1/A) and T = (2 pi - psi)/Omega the
+state at the end of one cycle without an impact is
 
     x_e = 1 - W cosh T + S sinh T,   v_e = -W sinh T + S cosh T - A Omega/(1 + Omega^2)
     W = Omega^2/(1 + Omega^2),       S = Omega sqrt(A^2 - 1)/(1 + Omega^2)
@@ -13,7 +15,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-_SCAN = 600  # amplitudes at which the margin's sign is computed, between initiation and the no-impact curve
+# amplitudes at which the margin's sign is computed, between initiation and the
+# no-impact curve
+_SCAN = 600
 
 
 class CurvePoint(NamedTuple):
@@ -24,14 +28,19 @@ class CurvePoint(NamedTuple):
     amplitude: float
 
 
-PULSES = ("sine", "half-sine", "rectangular")  # one cycle, half a cycle, and a constant for t_d = 2 pi/omega_g
+PULSES = (
+    "sine",
+    "half-sine",
+    "rectangular",
+)  # one cycle, half a cycle, and a constant for t_d = 2 pi/omega_g
 
 
 def no_impact_amplitude(omega: float, pulse: str = "sine") -> float:
     """A from which a body overturns without impact under one of PULSES.
 
-    sine: sqrt(A^2-1) - Omega - A exp(-T) = 0; half-sine: sqrt(A^2-1) - Omega + A exp(-(pi-psi)/Omega) = 0; rectangular:
-    A = 1/(1 - exp(-p t_d)). Raises ValueError for another pulse.
+    sine: sqrt(A^2-1) - Omega - A exp(-T) = 0; half-sine: sqrt(A^2-1) - Omega + A
+    exp(-(pi-psi)/Omega) = 0; rectangular: A = 1/(1 - exp(-p t_d)). Raises ValueError
+    for another pulse.
     """
     if pulse not in PULSES:
         raise ValueError(f"found pulse {pulse!r}; expected one of {', '.join(PULSES)}")
@@ -46,66 +55,113 @@ def no_impact_amplitude(omega: float, pulse: str = "sine") -> float:
     high = 2.0 + omega
     while margin(high) <= 0.0:
         high *= 2.0
-    return float(brentq(margin, 1.0, high, xtol=1e-15, rtol=8.9e-16, maxiter=500)) if margin(1.0) < 0.0 else 1.0
+    return (
+        float(brentq(margin, 1.0, high, xtol=1e-15, rtol=8.9e-16, maxiter=500))
+        if margin(1.0) < 0.0
+        else 1.0
+    )
 
 
 class _FirstSide:
-    """The motion of the block on the side of the first uplift; tau = 0 at uplift, q sin is the particular solution. It takes a float with
-    `math`, or an array of amplitudes with `numpy`."""
+    """The motion of the block on the side of the first uplift; tau = 0 at uplift, q sin
+    is the particular solution. It takes a float with `math`, or an array of amplitudes
+    with `numpy`.
+    """
 
     def __init__(self, amplitude: Any, omega: float, library: Any = math) -> None:
         a, w, self.library = amplitude, omega, library
         self.amplitude, self.omega = a, w
         self.psi: Any = math.asin(1.0 / a) if library is math else np.arcsin(1.0 / a)
         self.duration: Any = (2.0 * math.pi - self.psi) / w
-        self.below: Any = (math.pi - 2.0 * self.psi) / w  # time from which the drive is below 1, so that the body cannot rise again
-        self.big, self.s = w**2 / (1.0 + w**2), w * library.sqrt((a - 1.0) * (a + 1.0)) / (1.0 + w**2)
+        self.below: Any = (
+            (math.pi - 2.0 * self.psi) / w
+        )  # time from which the drive is below 1, so that the body cannot rise again
+        self.big, self.s = (
+            w**2 / (1.0 + w**2),
+            w * library.sqrt((a - 1.0) * (a + 1.0)) / (1.0 + w**2),
+        )
         self.q = a / (1.0 + w**2)
 
     def place(self, t: Any) -> Any:
         """The rotation x at tau = t."""
         m = self.library
-        return 1.0 - self.big * m.cosh(t) + self.s * m.sinh(t) - self.q * m.sin(self.psi + self.omega * t)
+        return (
+            1.0
+            - self.big * m.cosh(t)
+            + self.s * m.sinh(t)
+            - self.q * m.sin(self.psi + self.omega * t)
+        )
 
     def speed(self, t: Any) -> Any:
         """x' at tau = t."""
         m = self.library
-        return -self.big * m.sinh(t) + self.s * m.cosh(t) - self.q * self.omega * m.cos(self.psi + self.omega * t)
+        return (
+            -self.big * m.sinh(t)
+            + self.s * m.cosh(t)
+            - self.q * self.omega * m.cos(self.psi + self.omega * t)
+        )
 
     def impact(self) -> float | None:
-        """Time of the impact inside the pulse, None if there is none; NaN if the motion is below rounding."""
+        """Time of the impact inside the pulse, None if there is none; NaN if the motion
+        is below rounding.
+        """
         if self.place(self.duration) > 0.0:
             return None
         if self.place(self.below) <= 0.0:
             return math.nan
-        return float(brentq(self.place, self.below, self.duration, xtol=1e-15, rtol=8.9e-16, maxiter=500))
+        return float(
+            brentq(
+                self.place,
+                self.below,
+                self.duration,
+                xtol=1e-15,
+                rtol=8.9e-16,
+                maxiter=500,
+            )
+        )
 
     def energy_left(self) -> Any:
         """The energy 1 + v_e^2 - (1 - x_e)^2 at the end of the pulse."""
-        return 1.0 + self.speed(self.duration) ** 2 - (1.0 - self.place(self.duration)) ** 2
+        return (
+            1.0
+            + self.speed(self.duration) ** 2
+            - (1.0 - self.place(self.duration)) ** 2
+        )
 
     def margin_inside(self, at: Any, eta: float) -> Any:
-        """The unstable mode x - 1 + v at the end of the pulse after an impact at time `at`: x'' = x - 1 - A sin(phase + Omega t)."""
+        """The unstable mode x - 1 + v at the end of the pulse after an impact at time
+        `at`: x'' = x - 1 - A sin(phase + Omega t).
+        """
         m, w = self.library, self.omega
         rest, phase = self.duration - at, self.psi + w * at
-        drive = self.amplitude * (w * m.cos(phase) + m.sin(phase) - w * m.exp(-rest)) / (1.0 + w**2)
+        drive = (
+            self.amplitude
+            * (w * m.cos(phase) + m.sin(phase) - w * m.exp(-rest))
+            / (1.0 + w**2)
+        )
         return m.exp(rest) * (-eta * self.speed(at) - 1.0 - drive)
 
 
 def after_impact_margin(amplitude: float, omega: float, eta: float) -> float:
-    """The unstable mode after one impact under a one-cycle sine; positive if the body overturns.
+    """The unstable mode after one impact under a one-cycle sine; positive if the body
+    overturns.
 
-    Impact after the pulse: eta sqrt(1 + v_e^2 - (1 - x_e)^2) - 1, on still ground; inside the pulse: x - 1 + v at its end.
+    Impact after the pulse: eta sqrt(1 + v_e^2 - (1 - x_e)^2) - 1, on still ground;
+    inside the pulse: x - 1 + v at its end.
     """
     first = _FirstSide(amplitude, omega)
     at = first.impact()
     if at is None:
         return eta * math.sqrt(max(0.0, first.energy_left())) - 1.0
-    return -1.0 if math.isnan(at) else float(first.margin_inside(at, eta))  # so close to A = 1 the body does not overturn
+    return (
+        -1.0 if math.isnan(at) else float(first.margin_inside(at, eta))
+    )  # so close to A = 1 the body does not overturn
 
 
 def _overturns(amplitude: np.ndarray, omega: float, eta: float) -> np.ndarray:
-    """True where `after_impact_margin` is positive, (amplitudes,); impact times are bisected."""
+    """True where `after_impact_margin` is positive, (amplitudes,); impact times are
+    bisected.
+    """
     first = _FirstSide(amplitude, omega, np)
     low, high = first.below, first.duration
     for _ in range(50):
@@ -113,13 +169,17 @@ def _overturns(amplitude: np.ndarray, omega: float, eta: float) -> np.ndarray:
         above = first.place(middle) > 0.0
         low, high = np.where(above, middle, low), np.where(above, high, middle)
     inside = (first.place(first.below) > 0.0) & (first.margin_inside(high, eta) > 0.0)
-    return np.where(first.place(first.duration) > 0.0, eta**2 * first.energy_left() > 1.0, inside)
+    return np.where(
+        first.place(first.duration) > 0.0, eta**2 * first.energy_left() > 1.0, inside
+    )
 
 
 def peak_after_impact(amplitude: float, omega: float, eta: float) -> float:
-    """theta_max/alpha after the first impact of a linear block under a one-cycle sine (Eq. 2.7); NaN if it overturns then.
+    """theta_max/alpha after the first impact of a linear block under a one-cycle sine
+    (Eq. 2.7); NaN if it overturns then.
 
-    Exact if the impact follows the pulse: D0* = (1 - x_e)^2 - v_e^2 is the energy at the end of the pulse.
+    Exact if the impact follows the pulse: D0* = (1 - x_e)^2 - v_e^2 is the energy at
+    the end of the pulse.
     """
     first = _FirstSide(amplitude, omega)
     left = 1.0 - eta**2 * first.energy_left()
@@ -127,55 +187,103 @@ def peak_after_impact(amplitude: float, omega: float, eta: float) -> float:
 
 
 def _single_impact(amplitude: float, omega: float, eta: float) -> bool:
-    """True if the body has no second impact until the pulse ends; otherwise the curve does not exist."""
+    """True if the body has no second impact until the pulse ends; otherwise the curve
+    does not exist.
+    """
     first = _FirstSide(amplitude, omega)
     at = first.impact()
     if at is None:
         return True
     t = np.linspace(0.0, first.duration - at, 4001)[1:]
-    phase, q, speed = first.psi + omega * at, amplitude / (1.0 + omega**2), -eta * first.speed(at)
+    phase, q, speed = (
+        first.psi + omega * at,
+        amplitude / (1.0 + omega**2),
+        -eta * first.speed(at),
+    )
     sine, cosine = q * math.sin(phase), q * omega * math.cos(phase)
-    x = 1.0 + (-1.0 - sine) * np.cosh(t) + (speed - cosine) * np.sinh(t) + q * np.sin(phase + omega * t)
+    x = (
+        1.0
+        + (-1.0 - sine) * np.cosh(t)
+        + (speed - cosine) * np.sinh(t)
+        + q * np.sin(phase + omega * t)
+    )
     return bool(np.all(x > 0.0))
 
 
 def after_impact_amplitudes(omega: float, eta: float) -> list[float]:
-    """The amplitudes, rising, at which overturning after exactly one impact begins and ends below the no-impact curve.
+    """The amplitudes, rising, at which overturning after exactly one impact begins and
+    ends below the no-impact curve.
 
-    Roots at which the body comes down again before the pulse ends are left out. At low Omega overturning after two or more
-    impacts begins below these curves; the traced envelope shows it.
+    Roots at which the body comes down again before the pulse ends are left out. At low
+    Omega overturning after two or more impacts begins below these curves; the traced
+    envelope shows it.
     """
     top = no_impact_amplitude(omega)
     if top <= 1.0:
         return []
     span = 1.0 + (top - 1.0) * np.linspace(1e-9, 1.0, _SCAN)
-    # The scalar functions compute the last one: without loss at impacts the margin is 0 there, and rounding decides.
-    signs = np.append(_overturns(span[:-1], omega, eta), after_impact_margin(float(span[-1]), omega, eta) > 0.0)
+    # The scalar functions compute the last one: without loss at impacts the margin is 0
+    # there, and rounding decides.
+    signs = np.append(
+        _overturns(span[:-1], omega, eta),
+        after_impact_margin(float(span[-1]), omega, eta) > 0.0,
+    )
     roots = [
-        float(brentq(after_impact_margin, a, b, args=(omega, eta), xtol=1e-15, rtol=8.9e-16, maxiter=500))
-        for a, b, before, after in zip(span[:-1], span[1:], signs[:-1], signs[1:], strict=True)
+        float(
+            brentq(
+                after_impact_margin,
+                a,
+                b,
+                args=(omega, eta),
+                xtol=1e-15,
+                rtol=8.9e-16,
+                maxiter=500,
+            )
+        )
+        for a, b, before, after in zip(
+            span[:-1], span[1:], signs[:-1], signs[1:], strict=True
+        )
         if before != after
     ]
     return [a for a in roots if _single_impact(a, omega, eta)]
 
 
-def closed_form_curves(omegas: np.ndarray, eta: float, pulse: str = "sine") -> list[CurvePoint]:
-    """The curves of Fig. 2 (left) at these Omega [-], for a restitution eta; only the sine has more than the first two.
+def closed_form_curves(
+    omegas: np.ndarray, eta: float, pulse: str = "sine"
+) -> list[CurvePoint]:
+    """The curves of Fig. 2 (left) at these Omega [-], for a restitution eta; only the
+    sine has more than the first two.
 
     Raises ValueError when there is no closed form for this pulse.
 
     >>> [(point.curve, round(float(point.amplitude), 6)) for point in closed_form_curves([3.0], 0.9)]
-    [('initiation', 1.0), ('no_impact', 3.63115), ('after_impact_lower', 1.403565), ('after_impact_upper', 3.484663)]
+    [('initiation', 1.0), ('no_impact', 3.63115), ('after_impact_lower', 1.403565),
+    ('after_impact_upper', 3.484663)]
     """
     frequencies = [float(omega) for omega in np.atleast_1d(omegas)]
     if not all(0.0 < omega < math.inf for omega in frequencies):
-        raise ValueError("found omegas that are not positive and finite; expected positive numbers")
+        raise ValueError(
+            "found omegas that are not positive and finite; expected positive numbers"
+        )
     rows = [
-        (omega, no_impact_amplitude(omega, pulse), after_impact_amplitudes(omega, eta) if pulse == "sine" else []) for omega in frequencies
+        (
+            omega,
+            no_impact_amplitude(omega, pulse),
+            after_impact_amplitudes(omega, eta) if pulse == "sine" else [],
+        )
+        for omega in frequencies
     ]
     return [
         *(CurvePoint("initiation", omega, 1.0) for omega, _, _ in rows),
         *(CurvePoint("no_impact", omega, a) for omega, a, _ in rows),
-        *(CurvePoint("after_impact_lower", omega, roots[0]) for omega, _, roots in rows if roots),
-        *(CurvePoint("after_impact_upper", omega, roots[1]) for omega, _, roots in rows if len(roots) > 1),
+        *(
+            CurvePoint("after_impact_lower", omega, roots[0])
+            for omega, _, roots in rows
+            if roots
+        ),
+        *(
+            CurvePoint("after_impact_upper", omega, roots[1])
+            for omega, _, roots in rows
+            if len(roots) > 1
+        ),
     ]

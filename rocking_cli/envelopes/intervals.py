@@ -1,8 +1,10 @@
-"""Overturning envelopes: for each frequency, every interval of amplitudes that overturns, traced by root finding (`boundaries`).
+"""Overturning envelopes: for each frequency, every interval of amplitudes that
+overturns, traced by root finding (`boundaries`).
 
-A safe window may separate the interval that overturns after an impact from the one that overturns without impact. Intervals narrower than
-1e-3 in A, safe or overturning, may be missed. Slow pulses (Omega below 1) have them just above uplift, motions of several cycles wherever a
-body has many impacts; so the scan is finer there, which is no proof.
+A safe window may separate the interval that overturns after an impact from the one that
+overturns without impact. Intervals narrower than 1e-3 in A, safe or overturning, may be
+missed. Slow pulses (Omega below 1) have them just above uplift, motions of several
+cycles wherever a body has many impacts; so the scan is finer there, which is no proof.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -24,22 +26,43 @@ from .boundaries import Search, Steps
 A_MAX = 20.0
 NARROWEST = 1e-3  # no interval of this width in A is missed
 HIGHEST = 100_000.0  # largest a_max; a larger scan takes too long
-SIGNS = {"+": (1.0,), "-": (-1.0,), "worse": (1.0, -1.0)}  # of the ground acceleration, for bodies with unequal sides
+SIGNS = {
+    "+": (1.0,),
+    "-": (-1.0,),
+    "worse": (1.0, -1.0),
+}  # of the ground acceleration, for bodies with unequal sides
 NONE = "none"  # the mode of a body that no amplitude overturns
 BOTH = "both"  # each sign by itself
-NAMED = ("motion", "model")  # columns for programs; a printed table has them only if their values differ
+NAMED = (
+    "motion",
+    "model",
+)  # columns for programs; a printed table has them only if their values differ
 # The columns that say which row it is: of an interval, and of a point of a curve.
-INTERVAL_KEYS = ("record", "structure", "alpha", "T", "model", "sign", "Omega", "A_from")
+INTERVAL_KEYS = (
+    "record",
+    "structure",
+    "alpha",
+    "T",
+    "model",
+    "sign",
+    "Omega",
+    "A_from",
+)
 CURVE_KEYS = ("structure", "curve", "Omega")
 INTERVAL_COLUMNS = ("structure", "Omega", "A_from", "A_to", "mode", *NAMED)
 CURVE_COLUMNS = ("structure", "curve", "Omega", "A", *NAMED)
-_IN_STEPS = 20  # number of amplitudes of an exact equation that take as long as one amplitude of another equation
+# number of amplitudes of an exact equation that take as long as one amplitude of
+# another equation
+_IN_STEPS = 20
 _SMALL = 2_000_000  # with fewer amplitudes of an exact equation one process is faster
-_SHARE = 8_000_000  # amplitudes of an exact equation between two reports of a process, some seconds
+# amplitudes of an exact equation between two reports of a process, some seconds
+_SHARE = 8_000_000
 
 
 class Interval(NamedTuple):
-    """An interval of amplitudes that overturns at one Omega: from A_from to A_to (None: beyond the limit of the search)."""
+    """An interval of amplitudes that overturns at one Omega: from A_from to A_to (None:
+    beyond the limit of the search).
+    """
 
     omega: float
     a_from: float
@@ -58,30 +81,47 @@ def trace_envelope(
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Interval]:
-    """Return every interval of amplitudes A up to `a_max` that overturns a structure, wider than 1e-3, for each Omega [-].
-    `dimensionless_oscillator(eta)` is a structure of which only the restitution is known. Boundaries are traced to the last digits of the
-    model's outcome. Intervals that touch but differ in mode are listed apart. sign: of the ground acceleration, for a body with unequal
-    sides: "+", "-", or "worse", which lists the intervals of either sign; omegas: under a record only 1/p, since a record has its own time;
-    workers: number of processes, None for all cores if that saves time. Raises UsageError when a_max is not above the amplitude of the
-    first uplift or the model does not hold for the structure, OutputError when a worker process dies.
+    """Return every interval of amplitudes A up to `a_max` that overturns a structure,
+    wider than 1e-3, for each Omega [-]. `dimensionless_oscillator(eta)` is a structure
+    of which only the restitution is known. Boundaries are traced to the last digits of
+    the model's outcome. Intervals that touch but differ in mode are listed apart. sign:
+    of the ground acceleration, for a body with unequal sides: "+", "-", or "worse",
+    which lists the intervals of either sign; omegas: under a record only 1/p, since a
+    record has its own time; workers: number of processes, None for all cores if that
+    saves time. Raises UsageError when a_max is not above the amplitude of the first
+    uplift or the model does not hold for the structure, OutputError when a worker
+    process dies.
 
     >>> [(round(i.a_from, 6), i.a_to and round(i.a_to, 6)) for i in trace_envelope(dimensionless_oscillator(0.9), sine(), [3.0])]
     [(1.403565, 3.484663), (3.63115, None)]
     """
-    motion, omegas = motion if isinstance(motion, Motion) else motion.motion, np.atleast_1d(np.asarray(omegas, dtype=float))
-    if motion.acceleration is not None and not structure.dimensionless and np.any(np.abs(omegas * structure.p - 1.0) > 1e-9):
-        raise UsageError(f"{motion.name}: a record runs in its own time; expected Omega = 1/p = {1.0 / structure.p:.6g} alone")
+    motion, omegas = (
+        motion if isinstance(motion, Motion) else motion.motion,
+        np.atleast_1d(np.asarray(omegas, dtype=float)),
+    )
+    if (
+        motion.acceleration is not None
+        and not structure.dimensionless
+        and np.any(np.abs(omegas * structure.p - 1.0) > 1e-9)
+    ):
+        raise UsageError(
+            f"{motion.name}: a record runs in its own time; expected Omega = 1/p ="
+            f" {1.0 / structure.p:.6g} alone"
+        )
     searches, amplitudes = _scan_of(motion, omegas.size, structure, method, a_max, sign)
     if workers is not None and workers < 1:
         raise UsageError(f"`workers`: found {workers}; expected a whole number from 1")
     work = amplitudes * (1 if method.exact else _IN_STEPS)
     if workers is None:
         workers = 1 if work < _SMALL else available_cpus()
-    # Neighbouring frequencies cost about the same, so each share takes frequencies from the whole range.
+    # Neighbouring frequencies cost about the same, so each share takes frequencies from
+    # the whole range.
     shares = int(min(omegas.size, max(workers, np.ceil(work / _SHARE))))
     found: list[list[Interval]] = [[] for _ in omegas]
     parts = [omegas[i::shares] for i in range(shares)]
-    for i, rows in enumerate(in_turn(partial(merged, searches), parts, min(workers, shares))):
+    for i, rows in enumerate(
+        in_turn(partial(merged, searches), parts, min(workers, shares))
+    ):
         for at, steps in zip(range(i, omegas.size, shares), rows, strict=True):
             found[at] = list(intervals_of(float(omegas[at]), steps))
         if progress:
@@ -90,21 +130,36 @@ def trace_envelope(
 
 
 def merged(searches: Sequence[Search], omegas: np.ndarray) -> list[Steps]:
-    """The outcomes of several searches at each Omega; each amplitude has the worst of their outcomes. Empty without searches."""
+    """The outcomes of several searches at each Omega; each amplitude has the worst of
+    their outcomes. Empty without searches.
+    """
     rows: list[Steps] = [[] for _ in omegas]
     for search in searches:
-        rows = [worse(one, other) for one, other in zip(rows, search.rows(omegas), strict=True)]
+        rows = [
+            worse(one, other)
+            for one, other in zip(rows, search.rows(omegas), strict=True)
+        ]
     return rows
 
 
 def worse(one: Steps, other: Steps) -> Steps:
-    """The worse of two outcomes at each amplitude: safe if both are safe, failed if one has failed and the other is safe."""
+    """The worse of two outcomes at each amplitude: safe if both are safe, failed if one
+    has failed and the other is safe.
+    """
     if not one:
         return other
-    order = [o.value for o in sorted(Outcome, key=lambda o: (not o.safe, o.overturned, o))]
+    order = [
+        o.value for o in sorted(Outcome, key=lambda o: (not o.safe, o.overturned, o))
+    ]
     merged: Steps = []
     for amplitude in sorted({a for a, _ in (*one, *other)}):
-        labels = [next((label for a, label in reversed(steps) if a <= amplitude), int(Outcome.NO_UPLIFT)) for steps in (one, other)]
+        labels = [
+            next(
+                (label for a, label in reversed(steps) if a <= amplitude),
+                int(Outcome.NO_UPLIFT),
+            )
+            for steps in (one, other)
+        ]
         label = max(labels, key=order.index)
         if not merged or merged[-1][1] != label:
             merged.append((amplitude, label))
@@ -112,32 +167,65 @@ def worse(one: Steps, other: Steps) -> Steps:
 
 
 def _scan_of(
-    motion: Motion, frequencies: int, structure: RockingParameters, method: Method, a_max: float, sign: str
+    motion: Motion,
+    frequencies: int,
+    structure: RockingParameters,
+    method: Method,
+    a_max: float,
+    sign: str,
 ) -> tuple[list[Search], float]:
-    """(a search for each sign of the motion, a bound of the number of amplitudes that they compute together). Raises UsageError."""
+    """(a search for each sign of the motion, a bound of the number of amplitudes that
+    they compute together). Raises UsageError.
+    """
     if sign not in SIGNS:
         raise UsageError(f"`sign`: found {sign!r}; expected {', '.join(SIGNS)}")
     if motion.vertical is not None and structure.dimensionless:
-        raise UsageError("a restitution alone has no weight that a vertical motion could change: give a structure document")
+        raise UsageError(
+            "a restitution alone has no weight that a vertical motion could change:"
+            " give a structure document"
+        )
     system = method.system_of(structure)
     factors = (1.0,) if system.alike else SIGNS[sign]
-    searches = [Search(system, motion.scaled(f) if f < 0.0 else motion, structure.eta, a_max) for f in factors]
+    searches = [
+        Search(system, motion.scaled(f) if f < 0.0 else motion, structure.eta, a_max)
+        for f in factors
+    ]
     lowest = min(search.lowest for search in searches)
     if not np.isfinite(a_max) or a_max <= lowest < np.inf:
-        raise UsageError(f"a-max: found {a_max:g}; expected a finite amplitude above the uplift at A = {lowest:g}")
+        raise UsageError(
+            f"a-max: found {a_max:g}; expected a finite amplitude above the uplift at A"
+            f" = {lowest:g}"
+        )
     if a_max > HIGHEST:
         raise UsageError(f"a-max: found {a_max:g}; expected up to {HIGHEST:g}")
     searches = [search for search in searches if search.lowest < a_max]
-    amplitudes = frequencies * sum((a_max - search.lowest) / SCAN_STEP for search in searches)
+    amplitudes = frequencies * sum(
+        (a_max - search.lowest) / SCAN_STEP for search in searches
+    )
     refuse_endless(amplitudes, len(motion.segments))
     return searches, amplitudes
 
 
 def check_intervals(
-    structure: RockingParameters, motion: Motion, axis: Axis, *, method: Method = LINEAR, a_max: float = A_MAX, sign: str = "worse"
+    structure: RockingParameters,
+    motion: Motion,
+    axis: Axis,
+    *,
+    method: Method = LINEAR,
+    a_max: float = A_MAX,
+    sign: str = "worse",
 ) -> None:
-    """Raises those errors of `structure_intervals` that are known before the search begins."""
-    _scan_of(motion, _scaled(structure, axis).size, structure, method, a_max, "worse" if sign == BOTH else sign)
+    """Raises those errors of `structure_intervals` that are known before the search
+    begins.
+    """
+    _scan_of(
+        motion,
+        _scaled(structure, axis).size,
+        structure,
+        method,
+        a_max,
+        "worse" if sign == BOTH else sign,
+    )
 
 
 def in_turn(
@@ -146,8 +234,9 @@ def in_turn(
     workers: int,
     parts: Callable[[float], None] | None = None,
 ) -> Iterator[Any]:
-    """Runs a search on each share of the work in `workers` processes; yields the results in the order of the shares; parts: as of
-    `processes`."""
+    """Runs a search on each share of the work in `workers` processes; yields the
+    results in the order of the shares; parts: as of `processes`.
+    """
     if workers == 1:
         yield from map(search, shares)
         return
@@ -164,18 +253,26 @@ def intervals_of(omega: float, steps: Steps) -> Iterator[Interval]:
 
 
 def frequency_axis(text: str | None) -> Axis:
-    """Parses the single frequency axis of `--grid`: Omega, omega_g, f_g or T_g. Raises UsageError."""
+    """Parses the single frequency axis of `--grid`: Omega, omega_g, f_g or T_g. Raises
+    UsageError.
+    """
     if text is None:
         raise UsageError("no `grid`; expected one axis, Omega, omega_g, f_g or T_g")
     axes = parse_axes(text)
     if len(axes) != 1 or next(iter(axes)) not in ("Omega", "omega_g"):
-        raise UsageError(f"`grid`: found {written_axes(text)}; expected one axis, Omega, omega_g, f_g or T_g")
+        raise UsageError(
+            f"`grid`: found {written_axes(text)}; expected one axis, Omega, omega_g,"
+            " f_g or T_g"
+        )
     return next(iter(axes.values()))
 
 
 def _scaled(structure: RockingParameters, axis: Axis) -> np.ndarray:
     if structure.dimensionless and axis.name != "Omega":
-        raise UsageError("a restitution alone has no units: give a structure document, or the axis Omega")
+        raise UsageError(
+            "a restitution alone has no units: give a structure document, or the axis"
+            " Omega"
+        )
     return scaled_frequency(axis, structure)
 
 
@@ -189,47 +286,90 @@ def structure_intervals(
     lowest: bool = False,
     **more: Any,
 ) -> Iterator[dict[str, Any]]:
-    """Yield the rows of a structure's overturning intervals, with units if it has any; mode is `NONE` where nothing overturns.
-    sign: as of `trace_envelope`, or "both", which adds the sign, 1 or -1, to each row, None if its sides are equal; lowest: only
-    the lowest interval of each frequency; more: arguments of `trace_envelope`. Raises as `trace_envelope`."""
+    """Yield the rows of a structure's overturning intervals, with units if it has any;
+    mode is `NONE` where nothing overturns. sign: as of `trace_envelope`, or "both",
+    which adds the sign, 1 or -1, to each row, None if its sides are equal; lowest: only
+    the lowest interval of each frequency; more: arguments of `trace_envelope`. Raises
+    as `trace_envelope`.
+    """
     omegas = _scaled(structure, axis)
     apart = sign == BOTH and not method.system_of(structure).alike
     for one in ("+", "-") if apart else ("worse" if sign == BOTH else sign,):
-        rows: dict[float, list[tuple[float | None, float | None, str]]] = {float(omega): [] for omega in omegas}
-        for found in trace_envelope(structure, motion, omegas, method=method, sign=one, **more):
+        rows: dict[float, list[tuple[float | None, float | None, str]]] = {
+            float(omega): [] for omega in omegas
+        }
+        for found in trace_envelope(
+            structure, motion, omegas, method=method, sign=one, **more
+        ):
             rows[found.omega].append(found[1:])
         for omega, intervals in rows.items():
-            for low, high, mode in (intervals[:1] if lowest else intervals) or [(None, None, NONE)]:
-                record: dict[str, Any] = {"structure": structure.name, "Omega": omega, "A_from": low, "A_to": high, "mode": mode}
+            for low, high, mode in (intervals[:1] if lowest else intervals) or [
+                (None, None, NONE)
+            ]:
+                record: dict[str, Any] = {
+                    "structure": structure.name,
+                    "Omega": omega,
+                    "A_from": low,
+                    "A_to": high,
+                    "mode": mode,
+                }
                 if sign == BOTH:
                     record["sign"] = int(SIGNS[one][0]) if apart else None
                 if not structure.dimensionless:
                     record["omega_g"] = omega * structure.p
                     for key, amplitude in (("a_from", low), ("a_to", high)):
-                        record[key] = None if amplitude is None else structure.ground_acceleration(amplitude)
+                        record[key] = (
+                            None
+                            if amplitude is None
+                            else structure.ground_acceleration(amplitude)
+                        )
                 yield record | {"motion": motion.name, "model": method.model}
 
 
-def misjudged(linear: Sequence[Mapping[str, Any]], nonlinear: Sequence[Mapping[str, Any]], *, a_max: float) -> str:
-    """Return a sentence that states over which length in A, summed over the frequencies, the two equations give different outcomes.
-    linear, nonlinear: the rows of `structure_intervals` up to a_max."""
+def misjudged(
+    linear: Sequence[Mapping[str, Any]],
+    nonlinear: Sequence[Mapping[str, Any]],
+    *,
+    a_max: float,
+) -> str:
+    """Return a sentence that states over which length in A, summed over the
+    frequencies, the two equations give different outcomes. linear, nonlinear: the rows
+    of `structure_intervals` up to a_max.
+    """
 
-    def intervals(records: Sequence[Mapping[str, Any]], key: Any) -> list[tuple[float, float]]:
-        mine = [r for r in records if (r["Omega"], r.get("sign")) == key and r["mode"] != NONE]
+    def intervals(
+        records: Sequence[Mapping[str, Any]], key: Any
+    ) -> list[tuple[float, float]]:
+        mine = [
+            r
+            for r in records
+            if (r["Omega"], r.get("sign")) == key and r["mode"] != NONE
+        ]
         return [(r["A_from"], a_max if r["A_to"] is None else r["A_to"]) for r in mine]
 
     unsafe = falls = alarms = 0.0
     for key in {(r["Omega"], r.get("sign")) for r in (*linear, *nonlinear)}:
         both = intervals(linear, key), intervals(nonlinear, key)
-        edges = np.unique([edge for one in both for interval in one for edge in interval])
+        edges = np.unique(
+            [edge for one in both for interval in one for edge in interval]
+        )
         middle, width = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
-        said, true = (sum(((low < middle) & (middle < high) for low, high in one), np.zeros(middle.shape, dtype=bool)) for one in both)
+        said, true = (
+            sum(
+                ((low < middle) & (middle < high) for low, high in one),
+                np.zeros(middle.shape, dtype=bool),
+            )
+            for one in both
+        )
         unsafe += float(width[~said & true].sum())
         falls += float(width[true].sum())
         alarms += float(width[said & ~true].sum())
     share = f"{100.0 * unsafe / falls:.3g} %" if falls else "none"
     overturn = f"the amplitudes that overturn up to A = {a_max:g}"
-    return f"the linear equation is unsafe over {share} of {overturn}, and falls over {alarms:.3g} in A where the body stands"
+    return (
+        f"the linear equation is unsafe over {share} of {overturn}, and falls over"
+        f" {alarms:.3g} in A where the body stands"
+    )
 
 
 def check_curves(structure: RockingParameters, motion: Motion, axis: Axis) -> None:
@@ -238,7 +378,8 @@ def check_curves(structure: RockingParameters, motion: Motion, axis: Axis) -> No
     _closed_form_of(motion)
     if not structure.plain:
         raise UsageError(
-            f"{structure.name}: `closed_form`: found damping, one side, unequal sides, ties or a tendon; expected a body without them"
+            f"{structure.name}: `closed_form`: found damping, one side, unequal sides,"
+            " ties or a tendon; expected a body without them"
         )
 
 
@@ -247,14 +388,28 @@ def _closed_form_of(motion: Motion) -> str:
 
     forms = {pulse(name).pieces: name for name in PULSES}
     if motion.vertical is not None or motion.pieces not in forms:
-        raise UsageError(f"`closed_form`: found {motion.name}; expected a sine of 1 cycle, a half sine or a rectangular pulse")
+        raise UsageError(
+            f"`closed_form`: found {motion.name}; expected a sine of 1 cycle, a half"
+            " sine or a rectangular pulse"
+        )
     return forms[motion.pieces]
 
 
-def structure_curves(structure: RockingParameters, motion: Motion, axis: Axis) -> Iterator[dict[str, Any]]:
-    """Yields rows of the closed-form curves for a structure. Raises UsageError if there is no closed form."""
+def structure_curves(
+    structure: RockingParameters, motion: Motion, axis: Axis
+) -> Iterator[dict[str, Any]]:
+    """Yields rows of the closed-form curves for a structure. Raises UsageError if there
+    is no closed form.
+    """
     from .closed_form import closed_form_curves
 
-    for point in closed_form_curves(_scaled(structure, axis), structure.eta, _closed_form_of(motion)):
-        row = {"structure": structure.name, "curve": point.curve, "Omega": point.omega, "A": point.amplitude}
+    for point in closed_form_curves(
+        _scaled(structure, axis), structure.eta, _closed_form_of(motion)
+    ):
+        row = {
+            "structure": structure.name,
+            "curve": point.curve,
+            "Omega": point.omega,
+            "A": point.amplitude,
+        }
         yield row | {"motion": motion.name, "model": LINEAR.model}

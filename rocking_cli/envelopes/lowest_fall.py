@@ -1,4 +1,6 @@
-"""The lowest amplitude at which one body falls, where falls may be narrow: under a record, or a pulse of several cycles."""
+"""The lowest amplitude at which one body falls, where falls may be narrow: under a
+record, or a pulse of several cycles.
+"""
 
 from __future__ import annotations
 
@@ -20,60 +22,121 @@ if TYPE_CHECKING:
 
 Array = np.ndarray
 
-_FINE = 6e-5  # ratio of neighbouring amplitudes, minus 1, in the tenth below a known fall
-_FINEST, _NEAREST = 5e-6, 0.997  # under a pulse with narrow falls: ratio minus 1, and start of the search over the fall
-_NEAR, _ABOVE = 0.9, 1.05  # times the lowest fall: start of the fine search, and end of the count of falls
-_TOGETHER = 64  # parts of a bracket in one cut, if the march computes all amplitudes together
-_NEIGHBOURS = 5  # number of amplitudes on either side of an approximate fall at which the march looks for it
-_CHECKED = 5  # number of amplitudes that the march computes, below a fall and around an approximate one
-_STRETCH = 1000  # amplitudes of the first stretch of a search by the march: fewer take as long, and those above a fall end soon
+_FINE = (
+    6e-5  # ratio of neighbouring amplitudes, minus 1, in the tenth below a known fall
+)
+# under a pulse with narrow falls: ratio minus 1, and start of the search over the fall
+_FINEST, _NEAREST = (
+    5e-6,
+    0.997,
+)
+_NEAR, _ABOVE = (
+    0.9,
+    1.05,
+)  # times the lowest fall: start of the fine search, and end of the count of falls
+_TOGETHER = (
+    64  # parts of a bracket in one cut, if the march computes all amplitudes together
+)
+# number of amplitudes on either side of an approximate fall at which the march looks
+# for it
+_NEIGHBOURS = 5
+# number of amplitudes that the march computes, below a fall and around an approximate
+# one
+_CHECKED = 5
+# amplitudes of the first stretch of a search by the march: fewer take as long, and
+# those above a fall end soon
+_STRETCH = 1000
 
 
 @dataclass
 class FallSearch:
-    """The search for the lowest amplitude at which one body falls, where falls may be narrow.
-    falls: function that returns True for amplitudes at which the body falls, by the march; approximate_falls: the same for many amplitudes,
-    perhaps approximate, to tell where to look; digits: relative width of a traced boundary; scan: the approximate scan, None without one;
-    by_march: True if `approximate_falls` is the march (bodies with restraints); computed: (amplitudes `COARSE` apart that were computed,
-    True where the body seems to fall)."""
+    """The search for the lowest amplitude at which one body falls, where falls may be
+    narrow. falls: function that returns True for amplitudes at which the body falls, by
+    the march; approximate_falls: the same for many amplitudes, perhaps approximate, to
+    tell where to look; digits: relative width of a traced boundary; scan: the
+    approximate scan, None without one; by_march: True if `approximate_falls` is the
+    march (bodies with restraints); computed: (amplitudes `COARSE` apart that were
+    computed, True where the body seems to fall).
+    """
 
     falls: Callable[[Array], Array]
     approximate_falls: Callable[[Array], Array]
     digits: float
     scan: Scan | None = None
     by_march: bool = False
-    computed: tuple[Array, Array] = field(default_factory=lambda: (np.zeros(0), np.zeros(0, dtype=bool)))
+    computed: tuple[Array, Array] = field(
+        default_factory=lambda: (np.zeros(0), np.zeros(0, dtype=bool))
+    )
 
     @classmethod
-    def of(cls, system: System, motion: Motion, omega: float, eta: float, digits: float) -> Self:
-        """Set up the search for the lowest overturning amplitude of one body at one Omega."""
+    def of(
+        cls, system: System, motion: Motion, omega: float, eta: float, digits: float
+    ) -> Self:
+        """Set up the search for the lowest overturning amplitude of one body at one
+        Omega.
+        """
 
         def falls(amplitude: Array) -> Array:
-            return ~safe(response(system, motion, amplitude, omega, eta, peaks=False, how="floats").outcome)
+            return ~safe(
+                response(
+                    system, motion, amplitude, omega, eta, peaks=False, how="floats"
+                ).outcome
+            )
 
         def approximate_falls(amplitude: Array) -> Array:
-            if scan is not None and amplitude.size <= FEW:  # the march is as fast as a scan
+            if (
+                scan is not None and amplitude.size <= FEW
+            ):  # the march is as fast as a scan
                 return falls(amplitude)
-            fallen = np.zeros(amplitude.size, dtype=bool) if scan is None else ~safe(scan.outcomes(amplitude))
-            doubtful = np.flatnonzero(~fallen & (amplitude > (0.0 if scan is None else system.safe_amplitude(motion))))
+            fallen = (
+                np.zeros(amplitude.size, dtype=bool)
+                if scan is None
+                else ~safe(scan.outcomes(amplitude))
+            )
+            doubtful = np.flatnonzero(
+                ~fallen
+                & (amplitude > (0.0 if scan is None else system.safe_amplitude(motion)))
+            )
             how = "arrays" if scan is None else cheaper(motion, doubtful.size)
-            fallen[doubtful] = ~safe(response(system, motion, amplitude[doubtful], omega, eta, peaks=False, how=how).outcome)
+            fallen[doubtful] = ~safe(
+                response(
+                    system,
+                    motion,
+                    amplitude[doubtful],
+                    omega,
+                    eta,
+                    peaks=False,
+                    how=how,
+                ).outcome
+            )
             return fallen
 
         scan = None
         if len(motion.segments) > LONGEST_FINE:
             from .scan import Scan
 
-            scan = Scan(system, motion, omega, eta) if Scan.supports(system, motion) else None
+            scan = (
+                Scan(system, motion, omega, eta)
+                if Scan.supports(system, motion)
+                else None
+            )
         return cls(falls, approximate_falls, digits, scan, system.devices is not None)
 
     def first(self, begin: float, end: float) -> float | None:
-        """The lowest amplitude from `begin` to `end` at which the body falls, None if there is none."""
+        """The lowest amplitude from `begin` to `end` at which the body falls, None if
+        there is none.
+        """
         low, stretch, found = begin, _STRETCH, None
         while found is None and low < end:
             high = end if self.scan else min(end, low * (1.0 + COARSE) ** stretch)
             amplitude, falling = self._coarse(low, high)
-            found = next(filter(None, (self.lowest(begin, fall) for fall in amplitude[falling].tolist())), None)
+            found = next(
+                filter(
+                    None,
+                    (self.lowest(begin, fall) for fall in amplitude[falling].tolist()),
+                ),
+                None,
+            )
             low, stretch = high, 2 * stretch
         while not self.by_march:  # the march computes a few amplitudes below the fall
             checked = np.geomspace(begin, found or end, _CHECKED + 2)[1:-1]
@@ -83,17 +146,29 @@ class FallSearch:
         return found
 
     def _coarse(self, low: float, high: float) -> tuple[Array, Array]:
-        """(amplitudes `COARSE` apart between these, True where the body seems to fall); each amplitude is computed once."""
+        """(amplitudes `COARSE` apart between these, True where the body seems to fall);
+        each amplitude is computed once.
+        """
         amplitude = _scan_amplitudes(low, high, COARSE)
         new = np.setdiff1d(amplitude, self.computed[0], assume_unique=True)
         if new.size:
-            every, order = np.unique(np.append(self.computed[0], new), return_index=True)
-            self.computed = every, np.append(self.computed[1], self.approximate_falls(new))[order]
+            every, order = np.unique(
+                np.append(self.computed[0], new), return_index=True
+            )
+            self.computed = (
+                every,
+                np.append(self.computed[1], self.approximate_falls(new))[order],
+            )
         return amplitude, self.computed[1][np.searchsorted(self.computed[0], amplitude)]
 
-    def lowest(self, begin: float, found: float, ratio: float = _FINE, near: float = _NEAR) -> float | None:
-        """The lowest fall from `begin` to `found`, at which a body seems to fall; None if the march finds none. It searches amplitudes at
-        this ratio from near^2 times `found` on (`near` times, if the march has found it), then from `near` times each new fall on."""
+    def lowest(
+        self, begin: float, found: float, ratio: float = _FINE, near: float = _NEAR
+    ) -> float | None:
+        """The lowest fall from `begin` to `found`, at which a body seems to fall; None
+        if the march finds none. It searches amplitudes at this ratio from near^2 times
+        `found` on (`near` times, if the march has found it), then from `near` times
+        each new fall on.
+        """
         first = near * (1.0 - 2.0 * COARSE if self.by_march else near)
         low, high, lowest = max(begin, first * found), found, None
         while low < high:
@@ -102,17 +177,25 @@ class FallSearch:
             falling[-1] |= lowest is None
             at = np.flatnonzero(falling)
             runs = np.split(at, np.flatnonzero(np.diff(at) > 1) + 1) if at.size else []
-            new = next(filter(None, (self._confirmed(amplitude, run) for run in runs)), None)
+            new = next(
+                filter(None, (self._confirmed(amplitude, run) for run in runs)), None
+            )
             if new is None:
                 break
             lowest, low, high = new, max(begin, near * new), low
         return lowest
 
     def _confirmed(self, amplitude: Array, run: Array) -> float | None:
-        """The lower end of a fall that the march finds at or near a run of these amplitudes, None if it finds none."""
+        """The lower end of a fall that the march finds at or near a run of these
+        amplitudes, None if it finds none.
+        """
         if self.by_march:
             at = int(run[0])
-            return self.narrowed(float(amplitude[at - 1]), float(amplitude[at])) if at else float(amplitude[0])
+            return (
+                self.narrowed(float(amplitude[at - 1]), float(amplitude[at]))
+                if at
+                else float(amplitude[0])
+            )
         first = np.arange(max(0, run[0] - _NEIGHBOURS), run[0] + 1)
         fallen = first[self.falls(amplitude[first])]
         if not fallen.size:
@@ -124,60 +207,108 @@ class FallSearch:
         at, step = int(fallen[0]), 1
         while at and self.falls(amplitude[(below := max(0, at - step)) : below + 1])[0]:
             at, step = below, 2 * step
-        return self.narrowed(float(amplitude[below]), float(amplitude[at])) if at else float(amplitude[0])
+        return (
+            self.narrowed(float(amplitude[below]), float(amplitude[at]))
+            if at
+            else float(amplitude[0])
+        )
 
     def lowest_and_share(self, begin: float, found: float) -> tuple[float, float]:
-        """(the lowest fall from `begin` to the known fall `found`, `share_of_falls` above it). If this share is not 0, it finds
-        intervals 5e-6 of the amplitude wide."""
+        """(the lowest fall from `begin` to the known fall `found`, `share_of_falls`
+        above it). If this share is not 0, it finds intervals 5e-6 of the amplitude
+        wide.
+        """
         first = self.lowest(begin, found) or found
         self._coarse(first, _ABOVE * first)
         share_of_falls = self.share_of_falls(first)
-        return (self.lowest(begin, first, _FINEST, _NEAREST) or first if share_of_falls else first), share_of_falls
+        return (
+            self.lowest(begin, first, _FINEST, _NEAREST) or first
+            if share_of_falls
+            else first
+        ), share_of_falls
 
     def narrowed(self, low: float, high: float) -> float:
-        """The boundary between `low`, at which the body stands, and `high`, at which it falls, to the relative width `digits`."""
+        """The boundary between `low`, at which the body stands, and `high`, at which it
+        falls, to the relative width `digits`.
+        """
         parts = _TOGETHER if self.by_march else 2
         share = np.arange(1.0, parts)
         while high - low > self.digits * high and low < 0.5 * (low + high) < high:
             between = ((parts - share) * low + share * high) / parts
-            ends, first = [low, *between.tolist(), high], int(np.argmax(np.append(self.falls(between), True)))
+            ends, first = (
+                [low, *between.tolist(), high],
+                int(np.argmax(np.append(self.falls(between), True))),
+            )
             low, high = ends[first], ends[first + 1]
         return high
 
     def share_of_falls(self, first: float) -> float:
-        """The share of overturning amplitudes, 0 to 1, from the first to 5 % above it, by a scan in steps of `COARSE`; 0 if they are one
-        interval."""
-        falls = self.computed[1][(first < self.computed[0]) & (self.computed[0] < _ABOVE * first)].tolist()
+        """The share of overturning amplitudes, 0 to 1, from the first to 5 % above it,
+        by a scan in steps of `COARSE`; 0 if they are one interval.
+        """
+        falls = self.computed[1][
+            (first < self.computed[0]) & (self.computed[0] < _ABOVE * first)
+        ].tolist()
         single = sum(one != other for one, other in pairwise([True, *falls])) <= 1
         return 0.0 if single else 0.5 * sum(falls) / len(falls)
 
 
 def _scan_amplitudes(low: float, high: float, ratio: float) -> Array:
-    """Amplitudes from `low` to `high` at this ratio; those inside do not depend on `low` and `high`."""
-    powers = np.arange(np.ceil(np.log(low) / np.log1p(ratio)), np.log(high) / np.log1p(ratio))
-    return np.unique(np.concatenate([[low, high], np.clip((1.0 + ratio) ** powers, low, high)]))
+    """Amplitudes from `low` to `high` at this ratio; those inside do not depend on
+    `low` and `high`.
+    """
+    powers = np.arange(
+        np.ceil(np.log(low) / np.log1p(ratio)), np.log(high) / np.log1p(ratio)
+    )
+    return np.unique(
+        np.concatenate([[low, high], np.clip((1.0 + ratio) ** powers, low, high)])
+    )
 
 
 def scan_together(
     asked: Sequence[tuple[FallSearch, float, float, float]],
     progress: Callable[[float], None],
 ) -> None:
-    """Scan together the amplitudes that several searches will need; asked: (search, least amplitude, demand, largest amplitude) of each;
-    progress: called now and then with the share that is done."""
+    """Scan together the amplitudes that several searches will need; asked: (search,
+    least amplitude, demand, largest amplitude) of each; progress: called now and then
+    with the share that is done.
+    """
     from .scan import follow
 
-    scanned = [(falls.scan, lowest, demand, top) for falls, lowest, demand, top in asked if falls.scan is not None]
+    scanned = [
+        (falls.scan, lowest, demand, top)
+        for falls, lowest, demand, top in asked
+        if falls.scan is not None
+    ]
     scans = [scan for scan, *_ in scanned]
     follow(
         scans,
-        [np.append(_scan_amplitudes(lowest, top, COARSE), demand) for _, lowest, demand, top in scanned],
+        [
+            np.append(_scan_amplitudes(lowest, top, COARSE), demand)
+            for _, lowest, demand, top in scanned
+        ],
         lambda share: progress(0.5 * share),
     )
-    fine = [[_below(scan, lowest, demand), _below(scan, demand, top)] for scan, lowest, demand, top in scanned]
-    follow(scans, [np.unique(np.concatenate(parts)) for parts in fine], lambda share: progress(0.5 + 0.5 * share))
+    fine = [
+        [_below(scan, lowest, demand), _below(scan, demand, top)]
+        for scan, lowest, demand, top in scanned
+    ]
+    follow(
+        scans,
+        [np.unique(np.concatenate(parts)) for parts in fine],
+        lambda share: progress(0.5 + 0.5 * share),
+    )
 
 
 def _below(scan: Scan, begin: float, end: float) -> Array:
-    """The amplitudes that `FallSearch.lowest` will search below the lowest fall from `begin` to `end` that a scan knows."""
-    fall = scan.known[0][~safe(scan.known[1]) & (begin <= scan.known[0]) & (scan.known[0] <= end)][:1]
-    return _scan_amplitudes(max(begin, _NEAR * _NEAR * fall[0]), fall[0], _FINE) if fall.size else fall
+    """The amplitudes that `FallSearch.lowest` will search below the lowest fall from
+    `begin` to `end` that a scan knows.
+    """
+    fall = scan.known[0][
+        ~safe(scan.known[1]) & (begin <= scan.known[0]) & (scan.known[0] <= end)
+    ][:1]
+    return (
+        _scan_amplitudes(max(begin, _NEAR * _NEAR * fall[0]), fall[0], _FINE)
+        if fall.size
+        else fall
+    )

@@ -22,14 +22,19 @@ from .intervals import A_MAX, in_turn, trace_envelope
 
 _RATIO = 1.04  # of neighbouring frequencies of the scan; narrower minima may be missed
 _WITHIN = 1.2  # upper end of the scan over the least amplitude so far
-_INSIDE = 1e-4  # relative distance from an end at which a lower amplitude shows that the end is no minimum
+# relative distance from an end at which a lower amplitude shows that the end is no
+# minimum
+_INSIDE = 1e-4
 _FINE = 1e-6  # relative width to which the frequency of a minimum is found
-_OUTCOME_REACH = 1.5  # times the demand: the search for falls between the frequencies of an outcome scan
+# times the demand: the search for falls between the frequencies of an outcome scan
+_OUTCOME_REACH = 1.5
 _LADDER = 1.002  # ratio of the amplitudes of this search
 _SCANNED = 0.6  # about the share of the scan of a search
 _HALF = 12  # searches around minima after which half of the rest is taken as done
 _LAST = 0.01  # of a search, which counts when it has come from its process
-_BEYOND = 10.0  # ratio of an end of the range and the last frequency that is tried beyond it
+_BEYOND = (
+    10.0  # ratio of an end of the range and the last frequency that is tried beyond it
+)
 _TRIED = 48  # frequencies beyond an end
 
 Tell = Callable[[float], None]  # called with the share that is done
@@ -39,7 +44,9 @@ class WorstFrequency(NamedTuple):
     """The worst frequency of a range for one structure."""
 
     grid: Grid  # the demand there, of one cell
-    frequency: float | None  # [Hz]; None if the body lifts at no frequency and has no capacity
+    frequency: (
+        float | None
+    )  # [Hz]; None if the body lifts at no frequency and has no capacity
     end: str | None  # "lower" or "upper" if it is this end of the range
 
 
@@ -47,7 +54,9 @@ class BeyondTheEnd(NamedTuple):
     """The answers of a body to the demand at frequencies beyond an end of the range."""
 
     overturns: float | None  # the frequency nearest to the end that overturns it [Hz]
-    larger: float | None  # if none does: the frequency of the largest rotation, if it is larger [Hz]
+    larger: (
+        float | None
+    )  # if none does: the frequency of the largest rotation, if it is larger [Hz]
     last: float  # the last frequency that was tried [Hz]
 
 
@@ -62,36 +71,49 @@ def at_worst_frequency(
 ) -> WorstFrequency:
     """Return the worst frequency between those of two demands of one amplitude.
 
-    At the worst frequency the first overturning amplitude is least. A scan of the range and
-    a search around each minimum of the scan find it; minima narrower than 4 % of the
-    frequency may be missed. If the demand is above this amplitude, and the body stands
-    under it there but falls at other frequencies of the scan, the result is the worst of
-    those. If no amplitude up to `a_max` overturns the body, and it stands under the demand,
-    the result is the frequency of the largest rotation. If it does not even lift, no
-    frequency is worse than another: `frequency` is None, and the grid is `low`.
+    At the worst frequency the first overturning amplitude is least. A scan of the range
+    and a search around each minimum of the scan find it; minima narrower than 4 % of
+    the frequency may be missed. If the demand is above this amplitude, and the body
+    stands under it there but falls at other frequencies of the scan, the result is the
+    worst of those. If no amplitude up to `a_max` overturns the body, and it stands
+    under the demand, the result is the frequency of the largest rotation. If it does
+    not even lift, no frequency is worse than another: `frequency` is None, and the grid
+    is `low`.
 
-    a_max: None if only outcomes are wanted. Then the result is a frequency of the scan at
-    which the demand overturns the body. If there is none, the minima up to 1.5 times the
-    demand are searched: a fall between two frequencies of the scan is missed only if at
-    both of them no amplitude from the demand to 1.5 times the demand overturns the body, or
-    only intervals narrower than 0.2 % do. If no frequency is found, the result is that of
-    the largest rotation. tell: called with the share that is done. Raises UsageError.
+    a_max: None if only outcomes are wanted. Then the result is a frequency of the scan
+    at which the demand overturns the body. If there is none, the minima up to 1.5 times
+    the demand are searched: a fall between two frequencies of the scan is missed only
+    if at both of them no amplitude from the demand to 1.5 times the demand overturns
+    the body, or only intervals narrower than 0.2 % do. If no frequency is found, the
+    result is that of the largest rotation. tell: called with the share that is done.
+    Raises UsageError.
     """
     method = governing_method(structure, dimensionless=low.dimensionless)
     (amplitude, begin), (_, end) = (grid.cell(structure) for grid in (low, high))
     ends = min(begin, end), max(begin, end)
-    search = _Search(structure, motion, amplitude, ends, method, method.system_of(structure), tell)
+    search = _Search(
+        structure, motion, amplitude, ends, method, method.system_of(structure), tell
+    )
     most = None if a_max is None else limit_of(a_max, structure)
     omega = search.outcomes_alone() if most is None else search.least(most)
     if omega is None:
         return WorstFrequency(low, None, None)
 
-    stated = {begin: low.frequency, end: high.frequency}  # as they are, without rounding
+    stated = {
+        begin: low.frequency,
+        end: high.frequency,
+    }  # as they are, without rounding
     if (axis := stated.get(omega)) is None:
-        axis = Axis("Omega", np.array([omega])) if low.dimensionless else Axis("omega_g", np.array([omega * structure.p]))
+        axis = (
+            Axis("Omega", np.array([omega]))
+            if low.dimensionless
+            else Axis("omega_g", np.array([omega * structure.p]))
+        )
     per_second = float(axis.values[0]) * (structure.p if low.dimensionless else 1.0)
     named = {ends[0]: "lower", ends[1]: "upper"}
-    return WorstFrequency(Grid(low.amplitude, axis), per_second / math.tau, named.get(omega))
+    return WorstFrequency(
+        Grid(low.amplitude, axis), per_second / math.tau, named.get(omega)
+    )
 
 
 def at_worst_frequencies(
@@ -106,10 +128,10 @@ def at_worst_frequencies(
 ) -> list[WorstFrequency]:
     """`at_worst_frequency` of each structure.
 
-    workers: number of processes, which share the structures, None for all cores; progress:
-    called with the number of structures that are done, of which a part counts as a
-    fraction, and the number of all. Raises UsageError, OutputError when a worker process
-    dies.
+    workers: number of processes, which share the structures, None for all cores;
+    progress: called with the number of structures that are done, of which a part counts
+    as a fraction, and the number of all. Raises UsageError, OutputError when a worker
+    process dies.
     """
     known = 0.0
 
@@ -130,20 +152,29 @@ def at_worst_frequencies(
     workers = min(workers or available_cpus(), len(structures))
     here = workers == 1
     found: list[WorstFrequency] = []
-    for one in in_turn(alone if here else partial(_reported, search), structures, workers, parts):
+    for one in in_turn(
+        alone if here else partial(_reported, search), structures, workers, parts
+    ):
         found.append(one)
         tell(len(found))
     return found
 
 
-def _reported(search: Callable[..., WorstFrequency], structure: RockingParameters) -> WorstFrequency:
-    """Search in a worker process, which reports its progress to the one that started it."""
+def _reported(
+    search: Callable[..., WorstFrequency], structure: RockingParameters
+) -> WorstFrequency:
+    """Search in a worker process, which reports its progress to the one that started
+    it.
+    """
     return search(structure, tell=part_reporter())
 
 
-def beyond_the_end(structure: RockingParameters, motion: Motion, worst: WorstFrequency) -> BeyondTheEnd:
-    """Compute the answers of a body beyond the end of a range at which its worst frequency
-    lies, up to ten times slower or faster."""
+def beyond_the_end(
+    structure: RockingParameters, motion: Motion, worst: WorstFrequency
+) -> BeyondTheEnd:
+    """Compute the answers of a body beyond the end of a range at which its worst
+    frequency lies, up to ten times slower or faster.
+    """
     method = governing_method(structure, dimensionless=worst.grid.dimensionless)
     amplitude, omega = worst.grid.cell(structure)
     last = omega / _BEYOND if worst.end == "lower" else omega * _BEYOND
@@ -154,17 +185,31 @@ def beyond_the_end(structure: RockingParameters, motion: Motion, worst: WorstFre
     if falls.size:
         return BeyondTheEnd(float(hertz[1 + falls[0]]), None, float(hertz[-1]))
     largest = int(np.argmax(np.nan_to_num(found.theta_ratio)))
-    return BeyondTheEnd(None, float(hertz[largest]) if largest else None, float(hertz[-1]))
+    return BeyondTheEnd(
+        None, float(hertz[largest]) if largest else None, float(hertz[-1])
+    )
 
 
-def _under(system: System, structure: RockingParameters, motion: Motion, amplitude: float, omegas: np.ndarray) -> Response:
+def _under(
+    system: System,
+    structure: RockingParameters,
+    motion: Motion,
+    amplitude: float,
+    omegas: np.ndarray,
+) -> Response:
     """Return the response to one amplitude at several Omega."""
-    return response(system, motion, np.full(omegas.size, amplitude), omegas, structure.eta)
+    return response(
+        system, motion, np.full(omegas.size, amplitude), omegas, structure.eta
+    )
 
 
 def _of_the_largest(under: Response, omegas: np.ndarray) -> float | None:
-    """Return the Omega of the largest rotation, None if the body does not lift at any."""
-    return float(omegas[np.argmax(under.theta_ratio)]) if under.theta_ratio.any() else None
+    """Return the Omega of the largest rotation, None if the body does not
+    lift at any.
+    """
+    return (
+        float(omegas[np.argmax(under.theta_ratio)]) if under.theta_ratio.any() else None
+    )
 
 
 class _Search(NamedTuple):
@@ -181,11 +226,14 @@ class _Search(NamedTuple):
     def scan(self) -> np.ndarray:
         """The Omega of the scan, both ends included."""
         low, high = self.ends
-        return np.geomspace(low, high, 2 + math.ceil(math.log(high / low) / math.log(_RATIO)))
+        return np.geomspace(
+            low, high, 2 + math.ceil(math.log(high / low) / math.log(_RATIO))
+        )
 
     def outcomes_alone(self) -> float | None:
-        """Return an Omega at which the demand overturns the body, else that of the largest
-        rotation; None if the body does not lift."""
+        """Return an Omega at which the demand overturns the body, else that of the
+        largest rotation; None if the body does not lift.
+        """
         scan = self.scan()
         if self.amplitude <= self.system.least_uplift(self.motion):
             return None
@@ -199,13 +247,17 @@ class _Search(NamedTuple):
         minima = self._minima(self._falls_above(scan, reach), reach)
         below = np.array([omega for first, omega in minima if first <= self.amplitude])
         if below.size:
-            there = _under(self.system, self.structure, self.motion, self.amplitude, below)
+            there = _under(
+                self.system, self.structure, self.motion, self.amplitude, below
+            )
             if (falls := ~safe(there.outcome)).any():
                 return float(below[falls][0])
         return _of_the_largest(under, scan)
 
     def least(self, a_max: float) -> float | None:
-        """Return the Omega of the least overturning amplitude, see `at_worst_frequency`."""
+        """Return the Omega of the least overturning amplitude, see
+        `at_worst_frequency`.
+        """
         scan = self.scan()
         most = a_max
         for omega in (scan[0], scan[scan.size // 2], scan[-1]):  # they shorten the scan
@@ -221,19 +273,30 @@ class _Search(NamedTuple):
         if not math.isfinite(first) and not falls.any():
             return _of_the_largest(under, omegas)
         if not falls[-1] and falls.any():
-            return float(min(omegas[falls], key=lambda omega: firsts.get(omega, math.inf)))
+            return float(
+                min(omegas[falls], key=lambda omega: firsts.get(omega, math.inf))
+            )
         return omega
 
     def _first(self, omega: float, most: float) -> float:
-        """The first overturning amplitude at an Omega, infinite if none up to `most` overturns."""
+        """The first overturning amplitude at an Omega, infinite if none up to `most`
+        overturns.
+        """
         least = self.system.least_uplift(self.motion)
         if not least < most:
             return math.inf
-        found = CapacitySearch(self.structure, self.motion, least, omega, self.method, most).capacity().first
+        found = (
+            CapacitySearch(self.structure, self.motion, least, omega, self.method, most)
+            .capacity()
+            .first
+        )
         return math.inf if found is None else found
 
-    def _minima(self, firsts: dict[float, float], most: float) -> list[tuple[float, float]]:
-        """Return the minima of the first overturning amplitude up to `most`, with their Omega.
+    def _minima(
+        self, firsts: dict[float, float], most: float
+    ) -> list[tuple[float, float]]:
+        """Return the minima of the first overturning amplitude up to `most`, with their
+        Omega.
 
         firsts: the amplitude at each Omega of the scan, about, infinite above `most`.
         """
@@ -243,7 +306,9 @@ class _Search(NamedTuple):
         around = [low, *firsts, high]
         for before, omega, after in zip(around, firsts, around[2:], strict=False):
             about = firsts[omega]
-            if not (math.isfinite(about) and about <= min(firsts[before], firsts[after])):
+            if not (
+                math.isfinite(about) and about <= min(firsts[before], firsts[after])
+            ):
                 continue
             first = self._first(omega, most)
             minima.append((first, omega))
@@ -261,12 +326,15 @@ class _Search(NamedTuple):
         return minima
 
     def _falls_above(self, scan: np.ndarray, most: float) -> dict[float, float]:
-        """The least amplitude from the demand to `most` that overturns the body at each Omega
-        of the scan, infinite without one; amplitudes `_LADDER` apart are tried."""
+        """The least amplitude from the demand to `most` that overturns the body at each
+        Omega of the scan, infinite without one; amplitudes `_LADDER` apart are tried.
+        """
         count = 1 + math.ceil(math.log(most / self.amplitude) / math.log(_LADDER))
         ladder = np.geomspace(self.amplitude, most, count)
         amplitude, omega = np.meshgrid(ladder, scan)
-        found = response(self.system, self.motion, amplitude, omega, self.structure.eta, peaks=False)
+        found = response(
+            self.system, self.motion, amplitude, omega, self.structure.eta, peaks=False
+        )
         falls = ~safe(found.outcome)
         first = np.where(falls.any(axis=1), ladder[falls.argmax(axis=1)], math.inf)
         self.tell(_SCANNED)

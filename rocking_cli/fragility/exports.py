@@ -1,8 +1,11 @@
-"""Writes fragility curves as files for other programs: NRML 0.5 of OpenQuake, CSV and JSON of pelicun.
+"""Writes fragility curves as files for other programs: NRML 0.5 of OpenQuake, CSV and
+JSON of pelicun.
 
-A fit is lognormal. OpenQuake takes the mean and the standard deviation of the level, not of its logarithm:
-mean = median exp(beta^2/2), stddev = mean sqrt(exp(beta^2) - 1). An exact share is written as points joined by straight lines, from each
-of its rises to the next: its running maximum, since these programs want probabilities that do not fall. The lines lie above the share.
+A fit is lognormal. OpenQuake takes the mean and the standard deviation of the level,
+not of its logarithm: mean = median exp(beta^2/2), stddev = mean sqrt(exp(beta^2) - 1).
+An exact share is written as points joined by straight lines, from each of its rises to
+the next: its running maximum, since these programs want probabilities that do not fall.
+The lines lie above the share.
 """
 
 import csv
@@ -28,15 +31,19 @@ from .study import Fit, Study
 Array = np.ndarray
 FORMS = {"openquake": ".xml", "pelicun": ".csv"}  # and the suffix of each
 _NRML = "http://openquake.org/xmlns/nrml/0.5"
-_DEMANDS = {"PGA": ("Peak Ground Acceleration", "g"), "PGV": ("Peak Ground Velocity", "cmps")}
+_DEMANDS = {
+    "PGA": ("Peak Ground Acceleration", "g"),
+    "PGV": ("Peak Ground Velocity", "cmps"),
+}
 _NEAR = 1e-3  # the share rises from 0 within this part below its first level
 _SHARE = "running maximum of the exact share of overturning motions"
 
 
 @dataclass(frozen=True, eq=False)
 class Share:
-    """The exact share of overturning motions: points (x [SI], p) joined by straight lines, and the level [SI] up to which the body stays at
-    rest, 0 if unknown."""
+    """The exact share of overturning motions: points (x [SI], p) joined by straight
+    lines, and the level [SI] up to which the body stays at rest, 0 if unknown.
+    """
 
     structure: str
     no_damage: float
@@ -49,59 +56,101 @@ State = Fit | Share
 
 
 def share_of(study: Study) -> Share:
-    """Return the exact share of overturning motions for a file. Raises UsageError if no motion overturns the structure."""
+    """Return the exact share of overturning motions for a file. Raises UsageError if no
+    motion overturns the structure.
+    """
     x, share = share_overturned(study.intervals or (), study.motions.weight)
     most = np.maximum.accumulate(share)
     rises = np.flatnonzero(np.diff(most, prepend=0.0) > 1e-9)
     if not rises.size:
-        raise UsageError(f"{study.structure.name}: no motion overturns it at these levels; found nothing to export")
-    far = rises[np.append(x[rises[1:]] > x[rises[:-1]] * (1.0 + 1e-6), True)]  # the last of equal levels
+        raise UsageError(
+            f"{study.structure.name}: no motion overturns it at these levels; found"
+            " nothing to export"
+        )
+    far = rises[
+        np.append(x[rises[1:]] > x[rises[:-1]] * (1.0 + 1e-6), True)
+    ]  # the last of equal levels
     first = (1.0 - _NEAR) * x[rises[0]]
-    return Share(study.structure.name, min(study.no_damage, first), np.append(first, x[far]), np.append(0.0, most[far]))
+    return Share(
+        study.structure.name,
+        min(study.no_damage, first),
+        np.append(first, x[far]),
+        np.append(0.0, most[far]),
+    )
 
 
 def export_fragility(
-    curves: Sequence[Fit], target: str | Path, form: str = "openquake", *, im: str = "PGA", overwrite: bool = False
+    curves: Sequence[Fit],
+    target: str | Path,
+    form: str = "openquake",
+    *,
+    im: str = "PGA",
+    overwrite: bool = False,
 ) -> list[str]:
-    """Write fragility curves for another program, and return a sentence on each difference between the file and the curves.
+    """Write fragility curves for another program, and return a sentence on each
+    difference between the file and the curves.
 
-    curves: one for each structure and limit state, with levels in SI; limit states that a structure lacks are left out; form: `openquake`
-    (NRML 0.5) or `pelicun` (CSV, and JSON of the same name). Raises UsageError for a measure that the program does not know, and
-    OutputError.
+    curves: one for each structure and limit state, with levels in SI; limit states that
+    a structure lacks are left out; form: `openquake` (NRML 0.5) or `pelicun` (CSV, and
+    JSON of the same name). Raises UsageError for a measure that the program does not
+    know, and OutputError.
 
     >>> export_fragility([], 'f.xml')
     Traceback (most recent call last):
         ...
-    rocking_cli.errors.ArgumentError: export_fragility: `curves`: found an empty list; expected a list of Fit (see fragility)
+    rocking_cli.errors.ArgumentError: export_fragility: `curves`: found an empty list;
+    expected a list of Fit (see fragility)
     """
     measure = measure_of(im)
     check_export(Path(target), form, measure, overwrite)
     return write(curves, Path(target), form, measure, overwrite)
 
 
-def write(states: Sequence[State], target: Path, form: str, measure: Measure, overwrite: bool) -> list[str]:
-    """Write fits or exact shares after `check_export`; return a sentence on each difference between the file and the curves."""
+def write(
+    states: Sequence[State], target: Path, form: str, measure: Measure, overwrite: bool
+) -> list[str]:
+    """Write fits or exact shares after `check_export`; return a sentence on each
+    difference between the file and the curves.
+    """
     if not states:
         raise UsageError("found no fragility curve to export")
     grouped: dict[str, dict[str, State]] = {}
     for state in states:
         if state.limit in grouped.setdefault(state.structure, {}):
-            raise UsageError(f"{state.structure}, {state.limit}: found two curves; expected one, of one method")
+            raise UsageError(
+                f"{state.structure}, {state.limit}: found two curves; expected one, of"
+                " one method"
+            )
         grouped[state.structure][state.limit] = state
     every = sorted({state.limit for state in states}, key=_order)
-    common = [limit for limit in every if all(limit in found for found in grouped.values())]
+    common = [
+        limit for limit in every if all(limit in found for found in grouped.values())
+    ]
     if not common:
         raise UsageError(f"found no limit state that all of {', '.join(grouped)} have")
-    remarks = [f"{limit}: not all structures have this limit state; left out of {target}" for limit in every if limit not in common]
+    remarks = [
+        f"{limit}: not all structures have this limit state; left out of {target}"
+        for limit in every
+        if limit not in common
+    ]
     if shares := [state for state in states if isinstance(state, Share)]:
         remarks.append(f"{target}: holds the {_SHARE}")
     kept = [[found[limit] for limit in common] for found in grouped.values()]
     if form == "openquake":
         files = {target: _nrml(kept, measure)}
     else:
-        files = dict(zip((target, target.with_suffix(".json")), _pelicun(kept, measure), strict=True))
+        files = dict(
+            zip(
+                (target, target.with_suffix(".json")),
+                _pelicun(kept, measure),
+                strict=True,
+            )
+        )
         if any(share.p[-1] < 1.0 for share in shares):
-            remarks.append(f"{target}: a share below 1 at its last rise is set to 1 at 1.001 times that level, as pelicun needs")
+            remarks.append(
+                f"{target}: a share below 1 at its last rise is set to 1 at 1.001 times"
+                " that level, as pelicun needs"
+            )
     for path, text in files.items():
         with published(path, overwrite) as file:
             file.write(text.encode())
@@ -109,16 +158,26 @@ def write(states: Sequence[State], target: Path, form: str, measure: Measure, ov
 
 
 def check_export(target: Path, form: str, measure: Measure, overwrite: bool) -> None:
-    """Refuse, before any work is done, an export that cannot be written. Raises UsageError."""
+    """Refuse, before any work is done, an export that cannot be written. Raises
+    UsageError.
+    """
     if form not in FORMS:
         raise UsageError(f"`export`: found {form!r}; expected {' or '.join(FORMS)}")
     if form == "pelicun":
-        known, expected = measure.name in _DEMANDS or measure.name.startswith("SA("), "PGA, PGV or SA(T)"
+        known, expected = (
+            measure.name in _DEMANDS or measure.name.startswith("SA("),
+            "PGA, PGV or SA(T)",
+        )
     else:
-        known = not measure.of_structure and (len(measure.periods) < 2 or "," not in measure.name)
+        known = not measure.of_structure and (
+            len(measure.periods) < 2 or "," not in measure.name
+        )
         expected = "PGA, PGV, PGD, Arias, CAV, SA(T) or AvgSA(T)"
     if not known:
-        raise UsageError(f"`im`: found {measure.name}; expected a measure that {form} knows: {expected}")
+        raise UsageError(
+            f"`im`: found {measure.name}; expected a measure that {form} knows:"
+            f" {expected}"
+        )
     check_target(target, overwrite, (FORMS[form],))
     if form == "pelicun":
         check_target(target.with_suffix(".json"), overwrite)
@@ -129,19 +188,31 @@ def _names(texts: Iterable[str]) -> list[str]:
     found: list[str] = []
     for text in texts:
         name = re.sub(r"[^A-Za-z0-9_-]+", "_", text)
-        found.append(next(own for own in chain([name], (f"{name}_{n}" for n in count(2))) if own not in found))
+        found.append(
+            next(
+                own
+                for own in chain([name], (f"{name}_{n}" for n in count(2)))
+                if own not in found
+            )
+        )
     return found
 
 
 def _order(limit: str) -> float:
-    """Return the place of a limit state: rotations in rising order, then overturning and that of given counts."""
+    """Return the place of a limit state: rotations in rising order, then overturning
+    and that of given counts.
+    """
     return math.inf if limit in ("overturning", "counted") else float(limit)
 
 
 def _of_limit(limit: str) -> str:
     if limit == "counted":
         return "limit state of the counts"
-    return "overturning" if limit == "overturning" else f"rotation beyond {limit} of the critical angle"
+    return (
+        "overturning"
+        if limit == "overturning"
+        else f"rotation beyond {limit} of the critical angle"
+    )
 
 
 def _number(x: float) -> str:
@@ -150,15 +221,39 @@ def _number(x: float) -> str:
 
 def _nrml(structures: Sequence[Sequence[State]], measure: Measure) -> str:
     scale, states = openquake_unit(measure)[1], structures[0]
-    limits = _names(state.limit if state.limit in ("overturning", "counted") else f"theta_{state.limit}" for state in states)
-    imt = re.sub(r"\((.*)\)", lambda found: f"({float(found[1])})", "IA" if measure.name == "Arias" else measure.name)
+    limits = _names(
+        (
+            state.limit
+            if state.limit in ("overturning", "counted")
+            else f"theta_{state.limit}"
+        )
+        for state in states
+    )
+    imt = re.sub(
+        r"\((.*)\)",
+        lambda found: f"({float(found[1])})",
+        "IA" if measure.name == "Arias" else measure.name,
+    )
     root = ET.Element("nrml", xmlns=_NRML)
-    model = ET.SubElement(root, "fragilityModel", id="rocking", assetCategory="contents", lossCategory="contents")
-    description = "; ".join(f"{name}: {_of_limit(state.limit)}" for name, state in zip(limits, states, strict=True))
+    model = ET.SubElement(
+        root,
+        "fragilityModel",
+        id="rocking",
+        assetCategory="contents",
+        lossCategory="contents",
+    )
+    description = "; ".join(
+        f"{name}: {_of_limit(state.limit)}"
+        for name, state in zip(limits, states, strict=True)
+    )
     share = f" ({_SHARE})" if isinstance(states[0], Share) else ""
-    ET.SubElement(model, "description").text = f"Rocking structures{share}. {description}"
+    ET.SubElement(
+        model, "description"
+    ).text = f"Rocking structures{share}. {description}"
     ET.SubElement(model, "limitStates").text = " ".join(limits)
-    for name, states in zip(_names(some[0].structure for some in structures), structures, strict=True):
+    for name, states in zip(
+        _names(some[0].structure for some in structures), structures, strict=True
+    ):
         function = ET.SubElement(model, "fragilityFunction", id=name)
         imls = ET.SubElement(function, "imls", imt=imt)
         no_damage = min(state.no_damage for state in states) / scale
@@ -169,35 +264,70 @@ def _nrml(structures: Sequence[Sequence[State]], measure: Measure) -> str:
             if isinstance(state, Share):
                 function.set("format", "discrete")
                 imls.text = " ".join(map(_number, state.x / scale))
-                ET.SubElement(function, "poes", ls=limit).text = " ".join(map(_number, state.p))
+                ET.SubElement(function, "poes", ls=limit).text = " ".join(
+                    map(_number, state.p)
+                )
             else:
                 curves.append(c := state.curve)
                 mean = c.median / scale * math.exp(0.5 * c.beta**2)
-                ET.SubElement(function, "params", ls=limit, mean=_number(mean), stddev=_number(mean * math.sqrt(math.expm1(c.beta**2))))
+                ET.SubElement(
+                    function,
+                    "params",
+                    ls=limit,
+                    mean=_number(mean),
+                    stddev=_number(mean * math.sqrt(math.expm1(c.beta**2))),
+                )
         if curves:
             function.set("format", "continuous")
             function.set("shape", "logncdf")
-            least = no_damage or min(c.median * math.exp(-4.0 * c.beta) for c in curves) / scale
+            least = (
+                no_damage
+                or min(c.median * math.exp(-4.0 * c.beta) for c in curves) / scale
+            )
             most = max(c.median * math.exp(3.0 * c.beta) for c in curves) / scale
             imls.set("minIML", _number(least))
             imls.set("maxIML", _number(max(most, 2.0 * least)))
     ET.indent(root)
-    return f"<?xml version='1.0' encoding='utf-8'?>\n{ET.tostring(root, encoding='unicode')}\n"
+    return (
+        "<?xml version='1.0'"
+        f" encoding='utf-8'?>\n{ET.tostring(root, encoding='unicode')}\n"
+    )
 
 
-def _pelicun(structures: Sequence[Sequence[State]], measure: Measure) -> tuple[str, str]:
+def _pelicun(
+    structures: Sequence[Sequence[State]], measure: Measure
+) -> tuple[str, str]:
     """Return the texts of (the CSV, the JSON)."""
     period = "" if measure.name in _DEMANDS else f"|{measure.periods[0]:.2f}"
     demand, unit = _DEMANDS.get(measure.name, (f"Spectral Acceleration{period}", "g"))
     scale, table = openquake_unit(measure)[1], io.StringIO()
     model: dict[str, object] = {
-        "_GeneralInformation": {"ShortName": "Rocking structures", "Description": "Fragility curves of rocking structures"}
+        "_GeneralInformation": {
+            "ShortName": "Rocking structures",
+            "Description": "Fragility curves of rocking structures",
+        }
     }
-    head = ["ID", "Incomplete", "Demand-Type", "Demand-Unit", "Demand-Offset", "Demand-Directional"]
+    head = [
+        "ID",
+        "Incomplete",
+        "Demand-Type",
+        "Demand-Unit",
+        "Demand-Offset",
+        "Demand-Directional",
+    ]
     columns = ("Family", "Theta_0", "Theta_1", "DamageStateWeights")
     writer = csv.writer(table, lineterminator="\n")
-    writer.writerow(head + [f"LS{i}-{column}" for i in range(1, len(structures[0]) + 1) for column in columns])
-    for name, states in zip(_names(some[0].structure for some in structures), structures, strict=True):
+    writer.writerow(
+        head
+        + [
+            f"LS{i}-{column}"
+            for i in range(1, len(structures[0]) + 1)
+            for column in columns
+        ]
+    )
+    for name, states in zip(
+        _names(some[0].structure for some in structures), structures, strict=True
+    ):
         row = [name, "0", demand, unit, "0", "0"]
         for state in states:
             if isinstance(state, Share):
@@ -205,15 +335,28 @@ def _pelicun(structures: Sequence[Sequence[State]], measure: Measure) -> tuple[s
                 if p[-1] <= 1.0 - 1e-9:
                     x, p = np.append(x, (1.0 + _NEAR) * x[-1]), np.append(p, 1.0)
                 ends = x / scale, np.append(p[:-1], 1.0)
-                row += ["multilinear_CDF", "|".join(",".join(map(_number, end)) for end in ends), "", ""]
+                row += [
+                    "multilinear_CDF",
+                    "|".join(",".join(map(_number, end)) for end in ends),
+                    "",
+                    "",
+                ]
             else:
-                row += ["lognormal", _number(state.curve.median / scale), _number(state.curve.beta), ""]
+                row += [
+                    "lognormal",
+                    _number(state.curve.median / scale),
+                    _number(state.curve.beta),
+                    "",
+                ]
         writer.writerow(row)
         share = f", the {_SHARE}" if isinstance(states[0], Share) else ""
         model[name] = {
             "Description": f"{states[0].structure}{share}",
             "SuggestedComponentBlockSize": "1 EA",
             "RoundUpToIntegerQuantity": "True",
-            "LimitStates": {f"LS{i}": {f"DS{i}": {"Description": _of_limit(state.limit)}} for i, state in enumerate(states, 1)},
+            "LimitStates": {
+                f"LS{i}": {f"DS{i}": {"Description": _of_limit(state.limit)}}
+                for i, state in enumerate(states, 1)
+            },
         }
     return table.getvalue(), json.dumps(model, indent=2) + "\n"

@@ -1,4 +1,6 @@
-"""The responses of a structure to a set of motions: at levels of an intensity measure, or at every intensity up to the highest level."""
+"""The responses of a structure to a set of motions: at levels of an intensity measure,
+or at every intensity up to the highest level.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -29,18 +31,25 @@ Progress = Callable[[int, int], None]
 
 @dataclass(frozen=True, eq=False)
 class Exposure:
-    """Responses of one structure to each motion of a set (members), scaled to each level of the intensity measure.
+    """Responses of one structure to each motion of a set (members), scaled to each
+    level of the intensity measure.
 
-    theta_ratio: max |theta|/alpha, NaN where it falls; outcome: codes of `Outcome`; (members, levels).
+    theta_ratio: max |theta|/alpha, NaN where it falls; outcome: codes of `Outcome`;
+    (members, levels).
     """
 
     theta_ratio: Array
     outcome: Array
 
     def beyond(self, limit: float | None) -> tuple[Array, Array]:
-        """Return (beyond, known), both (members, levels). beyond: True if |theta|/alpha exceeds `limit` (None: if the body falls), or if
-        contact is lost; known: True if the cell has an outcome."""
-        gone, known = falls(self.outcome), (self.outcome != Outcome.FAILED) & (self.outcome != Outcome.NOT_COMPUTED)
+        """Return (beyond, known), both (members, levels). beyond: True if |theta|/alpha
+        exceeds `limit` (None: if the body falls), or if contact is lost; known: True if
+        the cell has an outcome.
+        """
+        gone, known = (
+            falls(self.outcome),
+            (self.outcome != Outcome.FAILED) & (self.outcome != Outcome.NOT_COMPUTED),
+        )
         if limit is None:
             return gone, known
         with np.errstate(invalid="ignore"):
@@ -49,7 +58,9 @@ class Exposure:
 
 @dataclass(frozen=True, eq=False)
 class MotionSet:
-    """The motions of a study, the measure that scales them, its levels [SI], (n,), and the equation of motion."""
+    """The motions of a study, the measure that scales them, its levels [SI], (n,), and
+    the equation of motion.
+    """
 
     members: Sequence[Member]
     measure: Measure
@@ -75,37 +86,74 @@ class MotionSet:
         return member.measured(self.measure, structure) ** (-1.0 / self.measure.power)
 
     def unit(self, structure: RockingParameters, member: Member) -> float:
-        """Return the dimensionless amplitude A of a motion at which its intensity measure is 1."""
-        own = float(structure.dimensionless_amplitude(member.acceleration)) / member.motion.largest
+        """Return the dimensionless amplitude A of a motion at which its intensity
+        measure is 1.
+        """
+        own = (
+            float(structure.dimensionless_amplitude(member.acceleration))
+            / member.motion.largest
+        )
         return own * self.factor(structure, member)
 
 
 def exposures(
-    structures: Sequence[RockingParameters], motions: MotionSet, path: Path | None = None, sweep: SweepOptions | None = None
+    structures: Sequence[RockingParameters],
+    motions: MotionSet,
+    path: Path | None = None,
+    sweep: SweepOptions | None = None,
 ) -> list[Exposure]:
     """Return the exposure of each structure: every motion scaled to each level.
 
-    path: the spectra file to write for records; with `resume` a complete file of the same scene is read; for a shard the result is empty.
-    Raises UsageError for a path with pulses, or with several structures under a measure that depends on the structure.
+    path: the spectra file to write for records; with `resume` a complete file of the
+    same scene is read; for a shard the result is empty. Raises UsageError for a path
+    with pulses, or with several structures under a measure that depends on the
+    structure.
     """
     if not motions.of_records:
         if path is not None:
             raise UsageError("a spectra file goes with records, not with site pulses")
-        return [_under_each(s, motions, [motions.unit(s, m) * motions.scales for m in motions.members]) for s in structures]
-    groups = [[s] for s in structures] if motions.measure.of_structure else [list(structures)]
+        return [
+            _under_each(
+                s,
+                motions,
+                [motions.unit(s, m) * motions.scales for m in motions.members],
+            )
+            for s in structures
+        ]
+    groups = (
+        [[s] for s in structures]
+        if motions.measure.of_structure
+        else [list(structures)]
+    )
     if path is not None and len(groups) > 1:
-        raise UsageError(f"{motions.measure.name} depends on the structure; a spectra file then holds one structure only")
-    return [exposure for group in groups for exposure in _under_records(group, motions, path, sweep)]
+        raise UsageError(
+            f"{motions.measure.name} depends on the structure; a spectra file then"
+            " holds one structure only"
+        )
+    return [
+        exposure
+        for group in groups
+        for exposure in _under_records(group, motions, path, sweep)
+    ]
 
 
 def _under_records(
-    structures: Sequence[RockingParameters], motions: MotionSet, path: Path | None, sweep: SweepOptions | None
+    structures: Sequence[RockingParameters],
+    motions: MotionSet,
+    path: Path | None,
+    sweep: SweepOptions | None,
 ) -> list[Exposure]:
     from ..spectra.file.reader import SpectraFile
     from ..spectra.record_scene import structures_scene
 
-    recordings = [m.recording.times(motions.factor(structures[0], m)) for m in motions.members if m.recording]
-    scene = structures_scene(structures, recordings, Axis("scale", motions.scales), motions.method)
+    recordings = [
+        m.recording.times(motions.factor(structures[0], m))
+        for m in motions.members
+        if m.recording
+    ]
+    scene = structures_scene(
+        structures, recordings, Axis("scale", motions.scales), motions.method
+    )
     options = replace(sweep or SweepOptions(), check=0)
     if path is None:
         found = spectrum_of(scene, options)
@@ -118,60 +166,110 @@ def _under_records(
         with SpectraFile(path) as file:
             here = scene.identity()
             if {key: file.scene.get(key) for key in here} != here:
-                raise UsageError(f"{path}: belongs to another scene; give another output, or `overwrite`")
+                raise UsageError(
+                    f"{path}: belongs to another scene; give another output, or"
+                    " `overwrite`"
+                )
             theta, outcome = file.array("theta_ratio"), file.array("outcome")
     return [Exposure(theta[:, i], outcome[:, i]) for i in range(len(structures))]
 
 
-def _under_each(structure: RockingParameters, motions: MotionSet, amplitudes: Sequence[Array]) -> Exposure:
+def _under_each(
+    structure: RockingParameters, motions: MotionSet, amplitudes: Sequence[Array]
+) -> Exposure:
     """Return the exposure of a structure to each motion at its amplitudes A."""
-    system, pairs = motions.method.system_of(structure), zip(motions.members, amplitudes, strict=True)
-    found = [response(system, m.motion, a, np.array([m.omega / structure.p]), structure.eta) for m, a in pairs]
-    return Exposure(np.array([f.theta_ratio for f in found]), np.array([f.outcome for f in found]))
+    system, pairs = (
+        motions.method.system_of(structure),
+        zip(motions.members, amplitudes, strict=True),
+    )
+    found = [
+        response(system, m.motion, a, np.array([m.omega / structure.p]), structure.eta)
+        for m, a in pairs
+    ]
+    return Exposure(
+        np.array([f.theta_ratio for f in found]), np.array([f.outcome for f in found])
+    )
 
 
 def as_recorded(structure: RockingParameters, motions: MotionSet) -> Exposure:
-    """Return the exposure of a structure to each unscaled motion, as if at one level."""
-    own = [structure.dimensionless_amplitude(np.array([m.acceleration / m.motion.largest])) for m in motions.members]
+    """Return the exposure of a structure to each unscaled motion, as if
+    at one level.
+    """
+    own = [
+        structure.dimensionless_amplitude(np.array([m.acceleration / m.motion.largest]))
+        for m in motions.members
+    ]
     return _under_each(structure, motions, own)
 
 
 def traced(
-    structure: RockingParameters, motions: MotionSet, workers: int | None = None, progress: Progress | None = None
+    structure: RockingParameters,
+    motions: MotionSet,
+    workers: int | None = None,
+    progress: Progress | None = None,
 ) -> list[list[Interval]]:
-    """Return for each motion the intervals of the measure (SI) that overturn the structure, up to the highest level; the end of one that
-    goes on beyond it is infinite. Under records intervals narrower than 0.5 % may be missed."""
-    workers = min(workers or (available_cpus() if motions.of_records else 1), len(motions.members))
+    """Return for each motion the intervals of the measure (SI) that overturn the
+    structure, up to the highest level; the end of one that goes on beyond it is
+    infinite. Under records intervals narrower than 0.5 % may be missed.
+    """
+    workers = min(
+        workers or (available_cpus() if motions.of_records else 1), len(motions.members)
+    )
     found = []
-    for intervals in in_turn(partial(_trace, structure, motions), motions.members, workers):
+    for intervals in in_turn(
+        partial(_trace, structure, motions), motions.members, workers
+    ):
         found.append(intervals)
         if progress is not None:
             progress(len(found), len(motions.members))
     return found
 
 
-def _trace(structure: RockingParameters, motions: MotionSet, member: Member) -> list[Interval]:
+def _trace(
+    structure: RockingParameters, motions: MotionSet, member: Member
+) -> list[Interval]:
     unit, method = motions.unit(structure, member), motions.method
     long = len(member.motion.segments) > LONGEST_FINE
     search = Search(
-        method.system_of(structure), member.motion, structure.eta, unit * float(motions.levels[-1]) ** (1.0 / motions.measure.power),
-        ratio=RATIO if long else 0.0, digits=tracing_width(method, member.motion), parts=16,
-    )  # fmt: skip
+        method.system_of(structure),
+        member.motion,
+        structure.eta,
+        unit * float(motions.levels[-1]) ** (1.0 / motions.measure.power),
+        ratio=RATIO if long else 0.0,
+        digits=tracing_width(method, member.motion),
+        parts=16,
+    )
     if not search.lowest < search.a_max:
         return []
     (steps,) = search.rows(np.array([member.omega / structure.p]))
-    runs = [(down, (next(run)[0] / unit) ** motions.measure.power) for down, run in groupby(steps, key=lambda step: Outcome(step[1]).falls)]
-    return [(x, end) for (down, x), (_, end) in pairwise([*runs, (False, np.inf)]) if down]
+    runs = [
+        (down, (next(run)[0] / unit) ** motions.measure.power)
+        for down, run in groupby(steps, key=lambda step: Outcome(step[1]).falls)
+    ]
+    return [
+        (x, end) for (down, x), (_, end) in pairwise([*runs, (False, np.inf)]) if down
+    ]
 
 
 def first_of(intervals: Sequence[Sequence[Interval]]) -> Array:
-    """Return the intensity of first overturning under each motion, NaN without overturning, (members,)."""
+    """Return the intensity of first overturning under each motion, NaN without
+    overturning, (members,).
+    """
     return np.array([found[0][0] if found else np.nan for found in intervals])
 
 
-def share_overturned(intervals: Sequence[Sequence[Interval]], weight: Array) -> tuple[Array, Array]:
-    """Return (the levels at which the exact share of overturning motions changes, the share from each level to the next)."""
-    steps = [step for found, w in zip(intervals, weight, strict=True) for low, high in found for step in ((low, w), (high, -w))]
+def share_overturned(
+    intervals: Sequence[Sequence[Interval]], weight: Array
+) -> tuple[Array, Array]:
+    """Return (the levels at which the exact share of overturning motions changes, the
+    share from each level to the next).
+    """
+    steps = [
+        step
+        for found, w in zip(intervals, weight, strict=True)
+        for low, high in found
+        for step in ((low, w), (high, -w))
+    ]
     steps = sorted(step for step in steps if np.isfinite(step[0]))
     x = np.array([edge for edge, _ in steps])
     share = np.cumsum([change for _, change in steps]) / float(np.sum(weight))

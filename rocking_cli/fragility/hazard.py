@@ -1,8 +1,10 @@
-"""Seismic hazard: how many times a year a site exceeds each level of a measure, and a structure passes a limit state.
+"""Seismic hazard: how many times a year a site exceeds each level of a measure, and a
+structure passes a limit state.
 
-The annual rate of a limit state is the integral of P(x) over |dH(x)|, where P is the fragility and H the hazard curve. Between its
-points H is a straight line in log-log, H = H_i (x/x_i)^-k, so that a lognormal P of median m gives a closed form on each (integration by
-parts, and Cornell's H(m) exp(k^2 beta^2/2) for a line without ends):
+The annual rate of a limit state is the integral of P(x) over |dH(x)|, where P is the
+fragility and H the hazard curve. Between its points H is a straight line in log-log, H
+= H_i (x/x_i)^-k, so that a lognormal P of median m gives a closed form on each
+(integration by parts, and Cornell's H(m) exp(k^2 beta^2/2) for a line without ends):
 
     -[P H] + H_i (x_i/m)^k exp(k^2 beta^2/2) [Phi(u_i+1 + k beta) - Phi(u_i + k beta)],   u = ln(x/m)/beta
 
@@ -27,11 +29,25 @@ from .measures import Measure, measure_of
 
 Array = np.ndarray
 RATE_COLUMNS = (
-    "annual_rate", "annual_rate_low", "annual_rate_high", "rate_beyond", "return_period", "p_50_years", "rate_without_fit", "rejected",
-)  # fmt: skip
-_OPENQUAKE = {"PGV": ("cm/s", 0.01), "PGD": ("cm", 0.01), "Arias": ("m/s", 1.0), "CAV": ("g s", DEFAULT_GRAVITY)}
+    "annual_rate",
+    "annual_rate_low",
+    "annual_rate_high",
+    "rate_beyond",
+    "return_period",
+    "p_50_years",
+    "rate_without_fit",
+    "rejected",
+)
+_OPENQUAKE = {
+    "PGV": ("cm/s", 0.01),
+    "PGD": ("cm", 0.01),
+    "Arias": ("m/s", 1.0),
+    "CAV": ("g s", DEFAULT_GRAVITY),
+}
 _LEVEL = "poe-"  # what the columns of OpenQuake begin with
-_IMT = re.compile(r"""\bimt\s*=\s*["']*([A-Za-z]\w*(?:\([^)]*\))?)""")  # quoted in several ways, by version
+_IMT = re.compile(
+    r"""\bimt\s*=\s*["']*([A-Za-z]\w*(?:\([^)]*\))?)"""
+)  # quoted in several ways, by version
 _TIME = re.compile(r"""\binvestigation_time\s*=\s*["']*([\d.eE+-]+)""")
 _TABLE = "a measure with its unit, and annual_rate or p_50_years: PGA [g],annual_rate"
 
@@ -53,9 +69,11 @@ def openquake_unit(measure: Measure) -> tuple[str, float]:
 
 @dataclass(frozen=True, eq=False)
 class HazardCurve:
-    """The annual rates [1/year] at which levels [SI] of the measure `im` are exceeded, (n,).
+    """The annual rates [1/year] at which levels [SI] of the measure `im` are exceeded,
+    (n,).
 
-    Raises UsageError unless there are two levels or more, positive and rising, with positive rates that do not rise.
+    Raises UsageError unless there are two levels or more, positive and rising, with
+    positive rates that do not rise.
 
     >>> hazard = HazardCurve([1.0, 2.0, 4.0], [1e-2, 1e-3, 1e-4])
     >>> float(hazard(2.0))
@@ -71,15 +89,30 @@ class HazardCurve:
         for name in ("x", "rate"):
             object.__setattr__(self, name, np.asarray(getattr(self, name), dtype=float))
         there = self.x.ndim == 1 and self.x.shape == self.rate.shape and self.x.size > 1
-        if not (there and np.all(np.isfinite(self.x)) and self.x[0] > 0.0 and np.all(np.diff(self.x) > 0.0)):
-            raise UsageError("hazard curve: expected two or more levels, positive and rising")
-        if not (np.all(np.isfinite(self.rate)) and self.rate[-1] > 0.0 and np.all(np.diff(self.rate) <= 0.0)):
+        if not (
+            there
+            and np.all(np.isfinite(self.x))
+            and self.x[0] > 0.0
+            and np.all(np.diff(self.x) > 0.0)
+        ):
+            raise UsageError(
+                "hazard curve: expected two or more levels, positive and rising"
+            )
+        if not (
+            np.all(np.isfinite(self.rate))
+            and self.rate[-1] > 0.0
+            and np.all(np.diff(self.rate) <= 0.0)
+        ):
             raise UsageError("hazard curve: expected positive rates that do not rise")
 
     def __call__(self, x: Array | float) -> Array:
-        """Return H [1/year] at levels x [SI], in the shape of x; outside the points the H of the nearest one."""
+        """Return H [1/year] at levels x [SI], in the shape of x; outside the points the
+        H of the nearest one.
+        """
         with np.errstate(divide="ignore"):
-            return np.asarray(np.exp(np.interp(np.log(x), np.log(self.x), np.log(self.rate))))
+            return np.asarray(
+                np.exp(np.interp(np.log(x), np.log(self.x), np.log(self.rate)))
+            )
 
     @property
     def slope(self) -> Array:
@@ -87,35 +120,73 @@ class HazardCurve:
         return -np.diff(np.log(self.rate)) / np.diff(np.log(self.x))
 
     def density(self, x: Array) -> Array:
-        """Return -dH/d(ln x) [1/year] at levels x [SI], of the line to the right of a point; 0 outside the points."""
+        """Return -dH/d(ln x) [1/year] at levels x [SI], of the line to the right of a
+        point; 0 outside the points.
+        """
         line = np.searchsorted(self.x, x, side="right") - 1
         inside = (line >= 0) & (line < self.slope.size)
-        return np.where(inside, self.slope[np.clip(line, 0, self.slope.size - 1)] * self(x), 0.0)
+        return np.where(
+            inside, self.slope[np.clip(line, 0, self.slope.size - 1)] * self(x), 0.0
+        )
 
     def rate_of(self, ln_median: Array, beta: Array) -> Array:
-        """Return the annual rate [1/year] of lognormal fragilities, in the shape of ln median and beta."""
+        """Return the annual rate [1/year] of lognormal fragilities, in the shape of ln
+        median and beta.
+        """
         from scipy.special import log_ndtr, ndtr
 
         y, k = np.log(self.x), self.slope
-        ln_median, beta = np.asarray(ln_median, dtype=float)[..., None], np.asarray(beta, dtype=float)[..., None]
+        ln_median, beta = (
+            np.asarray(ln_median, dtype=float)[..., None],
+            np.asarray(beta, dtype=float)[..., None],
+        )
         u = (y - ln_median) / beta
         low, high = u[..., :-1] + k * beta, u[..., 1:] + k * beta
-        low, high = np.where(low > 0.0, -high, low), np.where(low > 0.0, -low, high)  # the same difference of Phi, without cancellation
+        low, high = (
+            np.where(low > 0.0, -high, low),
+            np.where(low > 0.0, -low, high),
+        )  # the same difference of Phi, without cancellation
         with np.errstate(divide="ignore", invalid="ignore"):
             between = log_ndtr(high) + np.log1p(-np.exp(log_ndtr(low) - log_ndtr(high)))
-        part = np.exp(np.log(self.rate[:-1]) + k * (y[:-1] - ln_median) + 0.5 * (k * beta) ** 2 + between)
+        part = np.exp(
+            np.log(self.rate[:-1])
+            + k * (y[:-1] - ln_median)
+            + 0.5 * (k * beta) ** 2
+            + between
+        )
         ends = ndtr(u) * self.rate
-        return np.asarray(np.clip(ends[..., 0] - ends[..., -1] + np.nan_to_num(part).sum(-1), 0.0, self.rate[0] - self.rate[-1]))
+        return np.asarray(
+            np.clip(
+                ends[..., 0] - ends[..., -1] + np.nan_to_num(part).sum(-1),
+                0.0,
+                self.rate[0] - self.rate[-1],
+            )
+        )
 
-    def of_intervals(self, intervals: Sequence[Sequence[tuple[float, float]]], highest: float = math.inf) -> Array:
-        """Return the annual rate [1/year] of each motion, (members,): sum of H(x_from) - H(x_to) over its intervals up to `highest`."""
-        return np.array([float(sum(self(min(a, highest)) - self(min(b, highest)) for a, b in found)) for found in intervals])
+    def of_intervals(
+        self,
+        intervals: Sequence[Sequence[tuple[float, float]]],
+        highest: float = math.inf,
+    ) -> Array:
+        """Return the annual rate [1/year] of each motion, (members,): sum of H(x_from)
+        - H(x_to) over its intervals up to `highest`.
+        """
+        return np.array(
+            [
+                float(
+                    sum(self(min(a, highest)) - self(min(b, highest)) for a, b in found)
+                )
+                for found in intervals
+            ]
+        )
 
 
 @dataclass(frozen=True)
 class Rate:
-    """An annual rate [1/year] of passing a limit state, its 95 % band, the most that motions beyond the last level add, that level [SI],
-    and the probability at the first level of the hazard curve."""
+    """An annual rate [1/year] of passing a limit state, its 95 % band, the most that
+    motions beyond the last level add, that level [SI], and the probability at the first
+    level of the hazard curve.
+    """
 
     annual: float
     low: float | None
@@ -125,67 +196,110 @@ class Rate:
     first: float
 
     def probability(self, years: float) -> float:
-        """Return the probability of passing the limit state within this number of years."""
+        """Return the probability of passing the limit state within this number of
+        years.
+        """
         return -math.expm1(-self.annual * years)
 
     def row(self) -> dict[str, float | None]:
         """Return the rate as columns of a row."""
         period = 1.0 / self.annual if self.annual > 0.0 else None
-        values = (self.annual, self.low, self.high, self.beyond, period, self.probability(50.0))
+        values = (
+            self.annual,
+            self.low,
+            self.high,
+            self.beyond,
+            period,
+            self.probability(50.0),
+        )
         return dict(zip(RATE_COLUMNS, values, strict=False))
 
     def remarks(self, hazard: HazardCurve) -> list[str]:
-        """Return a sentence for each end of the levels beyond which more than a tenth of the rate, or P > 0.01, is not counted."""
+        """Return a sentence for each end of the levels beyond which more than a tenth
+        of the rate, or P > 0.01, is not counted.
+        """
         in_words, found = measure_of(hazard.im).in_words, []
         if self.beyond > 0.1 * self.annual:
             rate = f"{self.annual:.3g} a year up to {in_words(self.last)}"
-            found.append(f"{rate}; stronger motions, not counted, add {self.beyond:.3g} at most")
+            found.append(
+                f"{rate}; stronger motions, not counted, add {self.beyond:.3g} at most"
+            )
         if self.first > 0.01:
             place = f"{in_words(float(hazard.x[0]))}, where the hazard curve begins"
-            found.append(f"the probability is {self.first:.2g} at {place}; weaker motions, not counted, add to the rate")
+            found.append(
+                f"the probability is {self.first:.2g} at {place}; weaker motions, not"
+                " counted, add to the rate"
+            )
         return found
 
 
 def annual_rate(median: float, beta: float, hazard: HazardCurve) -> float:
-    """Return the annual rate [1/year] of a limit state: the integral of Phi(ln(x/median)/beta) over |dH(x)|; median in SI.
+    """Return the annual rate [1/year] of a limit state: the integral of
+    Phi(ln(x/median)/beta) over |dH(x)|; median in SI.
 
     >>> round(annual_rate(0.43, 0.35, HazardCurve([1e-4, 1.0, 1e4], [5e5, 5e-5, 5e-15])), 8)
     0.00060472
     """
-    if not (median > 0.0 and beta > 0.0 and math.isfinite(median) and math.isfinite(beta)):
-        raise UsageError(f"found median = {median:g} and beta = {beta:g}; expected positive numbers")
+    if not (
+        median > 0.0 and beta > 0.0 and math.isfinite(median) and math.isfinite(beta)
+    ):
+        raise UsageError(
+            f"found median = {median:g} and beta = {beta:g}; expected positive numbers"
+        )
     return float(hazard.rate_of(np.array(math.log(median)), np.array(beta)))
 
 
-def read_hazard(path: str | Path, im: str = "PGA", site: str | None = None) -> HazardCurve:
-    """Return the hazard curve of a file: a CSV as OpenQuake writes it, or two columns, levels and annual rates or probabilities.
+def read_hazard(
+    path: str | Path, im: str = "PGA", site: str | None = None
+) -> HazardCurve:
+    """Return the hazard curve of a file: a CSV as OpenQuake writes it, or two columns,
+    levels and annual rates or probabilities.
 
-    im: the measure that the levels must have; site: `LON,LAT` of a row of OpenQuake's file, None if it has one row. A probability p in t
-    years is the rate -ln(1 - p)/t. First levels whose probability is 1, and last levels whose rate is 0, are left out. Raises UsageError
-    for an unreadable file or another measure, DocumentError with file, line and column for its faults.
+    im: the measure that the levels must have; site: `LON,LAT` of a row of OpenQuake's
+    file, None if it has one row. A probability p in t years is the rate -ln(1 - p)/t.
+    First levels whose probability is 1, and last levels whose rate is 0, are left out.
+    Raises UsageError for an unreadable file or another measure, DocumentError with
+    file, line and column for its faults.
 
     >>> read_hazard('configs/hazard.csv').rate[:3].tolist()
     [0.1, 0.03, 0.008]
     """
     table, measure = read_table(path), measure_of(im)
     if not table.headings:
-        raise DocumentError(f"{table.source}: found an empty file; expected a hazard curve")
-    if _IMT.search(table.comments) or any(name.startswith(_LEVEL) for name in table.headings):
+        raise DocumentError(
+            f"{table.source}: found an empty file; expected a hazard curve"
+        )
+    if _IMT.search(table.comments) or any(
+        name.startswith(_LEVEL) for name in table.headings
+    ):
         points = _openquake(table, measure, site)
     elif site is not None:
-        raise UsageError(f"{table.source}: `site` goes with a file of OpenQuake; found two columns")
+        raise UsageError(
+            f"{table.source}: `site` goes with a file of OpenQuake; found two columns"
+        )
     else:
         points = _two_columns(table, measure)
     for before, now in pairwise([Point("", "", 0.0, "", math.inf), *points]):
         if not now.level > before.level:
             found = f"{now.text}{f' after {before.text}' if before.text else ''}"
-            raise DocumentError(f"{now.place}: found the level {found}; expected positive, rising levels")
+            raise DocumentError(
+                f"{now.place}: found the level {found}; expected positive, rising"
+                " levels"
+            )
         if now.rate > before.rate:
             found = f"{now.rate_text} above {before.rate_text} of the level before"
-            raise DocumentError(f"{now.place}: found {found}; expected a hazard curve that does not rise")
-    kept = [(point.level, point.rate) for point in points if 0.0 < point.rate < math.inf]
+            raise DocumentError(
+                f"{now.place}: found {found}; expected a hazard curve that does not"
+                " rise"
+            )
+    kept = [
+        (point.level, point.rate) for point in points if 0.0 < point.rate < math.inf
+    ]
     if len(kept) < 2:
-        raise DocumentError(f"{table.source}: found {counted(len(kept), 'level')} with a positive, finite rate; expected two or more")
+        raise DocumentError(
+            f"{table.source}: found {counted(len(kept), 'level')} with a positive,"
+            " finite rate; expected two or more"
+        )
     x, rates = np.array(kept).T
     return HazardCurve(x, rates, measure.name)
 
@@ -195,8 +309,13 @@ def _require_measure(place: str, found: str, wanted: Measure) -> None:
         name = measure_of("Arias" if found == "IA" else found).name
     except UsageError:
         name = ""
-    if found == "AvgSA" or name != wanted.name:  # that of OpenQuake has periods that the file does not state
-        raise UsageError(f"{place}: found levels of {found}; expected levels of {wanted.name}, the measure `im`")
+    if (
+        found == "AvgSA" or name != wanted.name
+    ):  # that of OpenQuake has periods that the file does not state
+        raise UsageError(
+            f"{place}: found levels of {found}; expected levels of {wanted.name}, the"
+            " measure `im`"
+        )
 
 
 def _number(place: str, text: str, dimension: str = "number") -> float:
@@ -204,66 +323,127 @@ def _number(place: str, text: str, dimension: str = "number") -> float:
 
 
 def _rate(place: str, text: str, years: float | None) -> float:
-    """Return the annual rate that a cell states; years: the time of a probability, None for a rate."""
+    """Return the annual rate that a cell states; years: the time of a probability, None
+    for a rate.
+    """
     value = _number(place, text)
     if value < 0.0 or (years is not None and value > 1.0):
-        raise DocumentError(f"{place}: found {text!r}; expected {'a rate from 0' if years is None else 'a probability from 0 to 1'}")
+        raise DocumentError(
+            f"{place}: found {text!r}; expected"
+            f" {'a rate from 0' if years is None else 'a probability from 0 to 1'}"
+        )
     if years is None:
         return value
     return -math.log1p(-value) / years if value < 1.0 else math.inf
 
 
 def _openquake(table: Table, measure: Measure, site: str | None) -> list[Point]:
-    """Return the points of a table of OpenQuake: the line above its heading has the measure, quoted or not, and the time of the poe."""
+    """Return the points of a table of OpenQuake: the line above its heading has the
+    measure, quoted or not, and the time of the poe.
+    """
     first, names = f"{table.source}, line 1", table.headings
     imt, time = _IMT.search(table.comments), _TIME.search(table.comments)
-    if imt is None or time is None or not any(name.startswith(_LEVEL) for name in names):
-        raise DocumentError(f"{first}: found no hazard curve of OpenQuake; expected imt=, investigation_time= and columns poe-")
+    if (
+        imt is None
+        or time is None
+        or not any(name.startswith(_LEVEL) for name in names)
+    ):
+        raise DocumentError(
+            f"{first}: found no hazard curve of OpenQuake; expected imt=,"
+            " investigation_time= and columns poe-"
+        )
     _require_measure(first, imt[1], measure)
     years = _number(first, time[1])
     if not years > 0.0:
-        raise DocumentError(f"{first}: found investigation_time={time[1]}; expected a positive number of years")
+        raise DocumentError(
+            f"{first}: found investigation_time={time[1]}; expected a positive number"
+            " of years"
+        )
     sites = list(table.full_rows())
     if site is not None:
-        sites = [(at, row) for at, row in sites if _is_at(f"{table.source}, line {at}", site, dict(zip(names, row, strict=True)))]
+        sites = [
+            (at, row)
+            for at, row in sites
+            if _is_at(
+                f"{table.source}, line {at}", site, dict(zip(names, row, strict=True))
+            )
+        ]
     if len(sites) != 1:
-        wanted = "one, named by `site` as LON,LAT" if len(table.rows) > 1 else "a row of longitude, latitude, depth and probabilities"
-        raise UsageError(f"{table.source}: found {len(sites)} sites{f' at {site}' if site else ''}; expected {wanted}")
+        wanted = (
+            "one, named by `site` as LON,LAT"
+            if len(table.rows) > 1
+            else "a row of longitude, latitude, depth and probabilities"
+        )
+        raise UsageError(
+            f"{table.source}: found {len(sites)} sites{f' at {site}' if site else ''};"
+            f" expected {wanted}"
+        )
     ((at, row),) = sites
     unit, factor = openquake_unit(measure)
     found = []
     for i, (name, cell) in enumerate(zip(names, row, strict=True), 1):
         if name.startswith(_LEVEL):
             text = name.removeprefix(_LEVEL)
-            level = _number(f"{table.source}, line {table.line}, column {i}", text) * factor
+            level = (
+                _number(f"{table.source}, line {table.line}, column {i}", text) * factor
+            )
             place = f"{table.source}, line {at}, column {i}"
-            found.append(Point(place, f"{text} {unit}", level, cell, _rate(place, cell, years)))
+            found.append(
+                Point(place, f"{text} {unit}", level, cell, _rate(place, cell, years))
+            )
     return found
 
 
 def _is_at(place: str, site: str, row: dict[str, str]) -> bool:
-    """True if a row of a hazard table belongs to the site `LON,LAT` [deg]. Raises UsageError for a site of another form."""
+    """True if a row of a hazard table belongs to the site `LON,LAT` [deg]. Raises
+    UsageError for a site of another form.
+    """
     try:
         lon, lat = (parse_quantity(part, "number") for part in site.split(","))
     except ValueError:
-        raise UsageError(f"`site`: found {site!r}; expected LON,LAT in degrees, such as 9.15,45.15") from None
-    return all(abs(_number(place, row.get(key, "")) - value) < 1e-4 for key, value in (("lon", lon), ("lat", lat)))
+        raise UsageError(
+            f"`site`: found {site!r}; expected LON,LAT in degrees, such as 9.15,45.15"
+        ) from None
+    return all(
+        abs(_number(place, row.get(key, "")) - value) < 1e-4
+        for key, value in (("lon", lon), ("lat", lat))
+    )
 
 
 def _two_columns(table: Table, measure: Measure) -> list[Point]:
     names, first = table.headings, f"{table.source}, line {table.line}"
-    (im, unit), (kind, _) = (split_heading(name) for name in names) if len(names) == 2 else (("", ""), ("", ""))
+    (im, unit), (kind, _) = (
+        (split_heading(name) for name in names)
+        if len(names) == 2
+        else (("", ""), ("", ""))
+    )
     years = re.fullmatch(r"p_([\d.]+)_years?", kind)
     if kind != "annual_rate" and years is None:
-        raise DocumentError(f"{first}: found the columns {', '.join(names)}; expected {_TABLE}")
+        raise DocumentError(
+            f"{first}: found the columns {', '.join(names)}; expected {_TABLE}"
+        )
     _require_measure(first, im, measure)
     time = None if years is None else _number(first, years[1])
     if time == 0.0:
-        raise DocumentError(f"{first}: found {kind}; expected a positive number of years")
+        raise DocumentError(
+            f"{first}: found {kind}; expected a positive number of years"
+        )
     found = []
     for at, (cell, rate) in table.full_rows():
         place, text = f"{table.source}, line {at}", with_unit(cell, unit)
-        if text == cell and is_bare(cell) and measure.unit:  # m/s2 would be the rule, g is what everybody means
-            raise DocumentError(f"{place}: found the level {cell} without a unit; expected {_TABLE}")
-        found.append(Point(place, text, _number(place, text, measure.dimension), rate, _rate(place, rate, time)))
+        if (
+            text == cell and is_bare(cell) and measure.unit
+        ):  # m/s2 would be the rule, g is what everybody means
+            raise DocumentError(
+                f"{place}: found the level {cell} without a unit; expected {_TABLE}"
+            )
+        found.append(
+            Point(
+                place,
+                text,
+                _number(place, text, measure.dimension),
+                rate,
+                _rate(place, rate, time),
+            )
+        )
     return found

@@ -1,7 +1,8 @@
 """Intensity measures of fragility curves, and sets of motions.
 
-A measure that depends on the structure is dimensionless: PGA/(lambda g), p PGV/(g tan alpha), p^2 PGD/(g tan alpha). Each measure is
-proportional to a power of the scale factor of a motion.
+A measure that depends on the structure is dimensionless: PGA/(lambda g), p PGV/(g tan
+alpha), p^2 PGD/(g tan alpha). Each measure is proportional to a power of the scale
+factor of a motion.
 """
 
 import math
@@ -22,12 +23,19 @@ from ..motions.response_spectra import mean_acceleration, periods_of
 from ..structures.parameters import RockingParameters
 
 Value = Callable[[Intensity, RockingParameters], float]
-SPECTRAL = ("SA(0.5)", "SA(1)", "SA(2)", "AvgSA(1)")  # measures of records that are compared with MEASURES
+SPECTRAL = (
+    "SA(0.5)",
+    "SA(1)",
+    "SA(2)",
+    "AvgSA(1)",
+)  # measures of records that are compared with MEASURES
 
 
 @dataclass(frozen=True)
 class Measure:
-    """An intensity measure; dimension: a word of `quantities.UNITS`; value: of a motion for a structure; power: of the scale factor."""
+    """An intensity measure; dimension: a word of `quantities.UNITS`; value: of a motion
+    for a structure; power: of the scale factor.
+    """
 
     name: str
     unit: str
@@ -56,33 +64,68 @@ MEASURES = {
         Measure("PGD", "m", "length", lambda i, s: i.pgd),
         Measure("Arias", "m/s", "velocity", lambda i, s: i.arias, power=2.0),
         Measure("CAV", "m/s", "velocity", lambda i, s: i.cav),
-        Measure("nPGA", "", "number", lambda i, s: i.pga / (s.uplift * s.gravity), of_structure=True),
-        Measure("nPGV", "", "number", lambda i, s: s.p * i.pgv / _tan(s), of_structure=True),
-        Measure("nPGD", "", "number", lambda i, s: s.p**2 * i.pgd / _tan(s), of_structure=True),
+        Measure(
+            "nPGA",
+            "",
+            "number",
+            lambda i, s: i.pga / (s.uplift * s.gravity),
+            of_structure=True,
+        ),
+        Measure(
+            "nPGV", "", "number", lambda i, s: s.p * i.pgv / _tan(s), of_structure=True
+        ),
+        Measure(
+            "nPGD",
+            "",
+            "number",
+            lambda i, s: s.p**2 * i.pgd / _tan(s),
+            of_structure=True,
+        ),
     )
 }
 
 
 def measure_of(name: str) -> Measure:
-    """Return the measure of a name, one of MEASURES or SA(T), AvgSA(T1), AvgSA(T, T, ...) (see `periods_of`). Raises UsageError."""
+    """Return the measure of a name, one of MEASURES or SA(T), AvgSA(T1), AvgSA(T, T,
+    ...) (see `periods_of`). Raises UsageError.
+    """
     if (spectral := periods_of(name)) is not None:
-        return Measure(spectral[0], "m/s2", "acceleration", lambda i, s: math.nan, periods=tuple(spectral[1].tolist()))
-    found = next((m for key, m in MEASURES.items() if key.casefold() == name.strip().casefold()), None)
+        return Measure(
+            spectral[0],
+            "m/s2",
+            "acceleration",
+            lambda i, s: math.nan,
+            periods=tuple(spectral[1].tolist()),
+        )
+    found = next(
+        (m for key, m in MEASURES.items() if key.casefold() == name.strip().casefold()),
+        None,
+    )
     if found is None:
-        raise UsageError(f"`im`: found {name!r}; expected {', '.join(MEASURES)}, SA(T), AvgSA(T){did_you_mean(name, MEASURES)}")
+        raise UsageError(
+            f"`im`: found {name!r}; expected {', '.join(MEASURES)}, SA(T),"
+            f" AvgSA(T){did_you_mean(name, MEASURES)}"
+        )
     return found
 
 
 def compared(members: "Sequence[Member]", own: Measure) -> Collection[Measure]:
-    """Return the measures whose efficiency is compared: MEASURES, those of SPECTRAL if all members are records, and `own`."""
-    spectral = map(measure_of, SPECTRAL) if all(m.recording is not None for m in members) else ()
+    """Return the measures whose efficiency is compared: MEASURES, those of SPECTRAL if
+    all members are records, and `own`.
+    """
+    spectral = (
+        map(measure_of, SPECTRAL)
+        if all(m.recording is not None for m in members)
+        else ()
+    )
     return {m.name: m for m in (*MEASURES.values(), *spectral, own)}.values()
 
 
 @dataclass(frozen=True, eq=False)
 class Member:
-    """A motion of a set: a pulse or a record. acceleration: peak [m/s2]; omega: circular frequency [rad/s], 1 for a record; weight: in
-    means over the set."""
+    """A motion of a set: a pulse or a record. acceleration: peak [m/s2]; omega:
+    circular frequency [rad/s], 1 for a record; weight: in means over the set.
+    """
 
     label: str
     acceleration: float
@@ -101,24 +144,39 @@ class Member:
         return self.recording.motion
 
     def measured(self, measure: Measure, structure: RockingParameters) -> float:
-        """Return the measure of the unscaled motion. Raises UsageError unless it is positive, and for SA or AvgSA of a pulse."""
+        """Return the measure of the unscaled motion. Raises UsageError unless it is
+        positive, and for SA or AvgSA of a pulse.
+        """
         if not measure.periods:
             value = measure.value(self.intensity, structure)
         elif self.recording is None:
-            raise UsageError(f"{self.label}: found {measure.name} of a pulse; expected a record, or another measure")
+            raise UsageError(
+                f"{self.label}: found {measure.name} of a pulse; expected a record, or"
+                " another measure"
+            )
         else:
-            value = abs(self.recording.factor) * mean_acceleration(self.recording.record, np.array(measure.periods))
+            value = abs(self.recording.factor) * mean_acceleration(
+                self.recording.record, np.array(measure.periods)
+            )
         if not (math.isfinite(value) and value > 0.0):
-            raise UsageError(f"{self.label}: its {measure.name} is {value:g}; the motion must have a positive one")
+            raise UsageError(
+                f"{self.label}: its {measure.name} is {value:g}; the motion must have a"
+                " positive one"
+            )
         return value
 
 
 def shaken_upwards(members: Sequence[Member], upwards: Upwards) -> tuple[Member, ...]:
-    """Return the motions with a vertical motion added to each; the measures stay. Raises UsageError if one is a record and the other a
-    pulse."""
+    """Return the motions with a vertical motion added to each; the measures stay.
+    Raises UsageError if one is a record and the other a pulse.
+    """
     upwards(members[0].motion)  # the motions of records are computed later
     return tuple(
-        replace(m, pulse=upwards(m.motion)) if m.recording is None else replace(m, recording=replace(m.recording, upwards=upwards))
+        (
+            replace(m, pulse=upwards(m.motion))
+            if m.recording is None
+            else replace(m, recording=replace(m.recording, upwards=upwards))
+        )
         for m in members
     )
 
@@ -128,69 +186,129 @@ def members_of(recordings: Sequence[Recording]) -> tuple[Member, ...]:
     found = []
     for r in recordings:
         i, f = r.intensity, abs(r.factor)
-        scaled = Intensity(f * i.pga, i.pga_time, f * i.pgv, f * i.pgd, f * f * i.arias, f * i.cav, i.d5_75, i.d5_95)
+        scaled = Intensity(
+            f * i.pga,
+            i.pga_time,
+            f * i.pgv,
+            f * i.pgd,
+            f * f * i.arias,
+            f * i.cav,
+            i.d5_75,
+            i.d5_95,
+        )
         found.append(Member(r.label, r.acceleration, 1.0, scaled, recording=r))
     return tuple(found)
 
 
 def site_pulses(path: str | Path, factor: float | None = None) -> tuple[Member, ...]:
-    """Read the pulses of a site: CSV with columns a_g, one of f_g, T_g, omega_g, optionally weight (default 1) and pulse (default sine).
+    """Read the pulses of a site: CSV with columns a_g, one of f_g, T_g, omega_g,
+    optionally weight (default 1) and pulse (default sine).
 
-    factor: of each pulse. Cells are numbers in SI, or with a unit; weights are scaled to a mean of 1. Raises UsageError for an unreadable
-    file, DocumentError with file, line and column for its faults.
+    factor: of each pulse. Cells are numbers in SI, or with a unit; weights are scaled
+    to a mean of 1. Raises UsageError for an unreadable file, DocumentError with file,
+    line and column for its faults.
     """
     columns, rows = named_rows(path)
     frequencies = {"f_g": "frequency", "T_g": "time", "omega_g": "angular frequency"}
     known = ("a_g", *frequencies, "weight", "pulse")
     for name in columns:
         if name not in known:
-            raise DocumentError(f"{path}, line 1: unknown column {name!r}; expected {', '.join(known)}{did_you_mean(name, known)}")
+            raise DocumentError(
+                f"{path}, line 1: unknown column {name!r}; expected"
+                f" {', '.join(known)}{did_you_mean(name, known)}"
+            )
     given = [name for name in columns if name in frequencies]
     if "a_g" not in columns or len(given) != 1:
         found = ", ".join(columns) or "none"
-        raise DocumentError(f"{path}, line 1: found the columns {found}; expected a_g and one of {', '.join(frequencies)}")
+        raise DocumentError(
+            f"{path}, line 1: found the columns {found}; expected a_g and one of"
+            f" {', '.join(frequencies)}"
+        )
     members: list[Member] = []
     for line, row in rows:
         stated = _positive(path, line, row, given[0], frequencies[given[0]])
-        omega = stated if given[0] == "omega_g" else 2.0 * math.pi * (stated if given[0] == "f_g" else 1.0 / stated)
+        omega = (
+            stated
+            if given[0] == "omega_g"
+            else 2.0 * math.pi * (stated if given[0] == "f_g" else 1.0 / stated)
+        )
         a_g = _positive(path, line, row, "a_g", "acceleration")
         try:
             motion = pulse((row.get("pulse") or "sine").strip())
         except UsageError as error:
             raise DocumentError(f"{path}, line {line}: {error}") from None
         motion = motion if factor is None else motion.scaled(factor)
-        weight = _positive(path, line, row, "weight", "number") if "weight" in columns else 1.0
+        weight = (
+            _positive(path, line, row, "weight", "number")
+            if "weight" in columns
+            else 1.0
+        )
         label = f"{motion.name}, {a_g:.4g} m/s2, {omega / (2.0 * math.pi):.4g} Hz"
-        members.append(Member(label, a_g * motion.largest, omega, pulse_intensity(motion, a_g, omega), weight, pulse=motion))
+        members.append(
+            Member(
+                label,
+                a_g * motion.largest,
+                omega,
+                pulse_intensity(motion, a_g, omega),
+                weight,
+                pulse=motion,
+            )
+        )
     if not members:
         raise DocumentError(f"{path}: holds no pulse")
     mean = sum(m.weight for m in members) / len(members)
     return tuple(replace(m, weight=m.weight / mean) for m in members)
 
 
-def cell(path: str | Path, line: int, row: dict[str, str], column: str, dimension: str) -> float:
-    """Return the quantity that a cell of a table states. Raises DocumentError with file, line and column."""
-    return quantity_at(f"{path}, line {line}: {column}", (row[column] or "").strip(), dimension, DocumentError)
+def cell(
+    path: str | Path, line: int, row: dict[str, str], column: str, dimension: str
+) -> float:
+    """Return the quantity that a cell of a table states. Raises DocumentError with
+    file, line and column.
+    """
+    return quantity_at(
+        f"{path}, line {line}: {column}",
+        (row[column] or "").strip(),
+        dimension,
+        DocumentError,
+    )
 
 
-def _positive(path: str | Path, line: int, row: dict[str, str], column: str, dimension: str) -> float:
+def _positive(
+    path: str | Path, line: int, row: dict[str, str], column: str, dimension: str
+) -> float:
     value = cell(path, line, row, column, dimension)
     if not value > 0.0:
-        raise DocumentError(f"{path}, line {line}: {column}: found {row[column].strip()!r}; expected a positive number")
+        raise DocumentError(
+            f"{path}, line {line}: {column}: found {row[column].strip()!r}; expected a"
+            " positive number"
+        )
     return value
 
 
 def pulse_intensity(motion: Motion, a_g: float, omega: float) -> Intensity:
-    """Return the measures of a pulse of amplitude a_g [m/s2] and frequency omega [rad/s], by the trapezium rule on each piece."""
+    """Return the measures of a pulse of amplitude a_g [m/s2] and frequency omega
+    [rad/s], by the trapezium rule on each piece.
+    """
     from scipy.integrate import cumulative_trapezoid
 
-    phases = [np.linspace(piece.start, piece.stop, 4097) for piece in motion.pieces]  # for measures to 1e-6
+    phases = [
+        np.linspace(piece.start, piece.stop, 4097) for piece in motion.pieces
+    ]  # for measures to 1e-6
     t = np.concatenate(phases) / omega
-    a = a_g * np.concatenate([piece.value(phase) for piece, phase in zip(motion.pieces, phases, strict=True)])
-    v, energy, cav = (cumulative_trapezoid(y, t, initial=0.0) for y in (a, a * a, np.abs(a)))
+    a = a_g * np.concatenate(
+        [piece.value(phase) for piece, phase in zip(motion.pieces, phases, strict=True)]
+    )
+    v, energy, cav = (
+        cumulative_trapezoid(y, t, initial=0.0) for y in (a, a * a, np.abs(a))
+    )
     d = cumulative_trapezoid(v, t, initial=0.0)
     at = int(np.abs(a).argmax())
     pga, pgv, pgd = (float(np.abs(y).max()) for y in (a, v, d))
-    at_5, at_75, at_95 = np.interp(energy[-1] * np.array([0.05, 0.75, 0.95]), energy, t).tolist()
+    at_5, at_75, at_95 = np.interp(
+        energy[-1] * np.array([0.05, 0.75, 0.95]), energy, t
+    ).tolist()
     arias = math.pi / (2.0 * DEFAULT_GRAVITY) * float(energy[-1])
-    return Intensity(pga, float(t[at]), pgv, pgd, arias, float(cav[-1]), at_75 - at_5, at_95 - at_5)
+    return Intensity(
+        pga, float(t[at]), pgv, pgd, arias, float(cav[-1]), at_75 - at_5, at_95 - at_5
+    )

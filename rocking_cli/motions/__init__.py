@@ -1,4 +1,6 @@
-"""Ground motions as exact pieces: pulses here; records and files in other modules, because most sweeps do not need them."""
+"""Ground motions as exact pieces: pulses here; records and files in other modules,
+because most sweeps do not need them.
+"""
 
 from .motion import Harmonic, Motion, Piece
 from .pulses import PULSES, cosine, pulse, sine

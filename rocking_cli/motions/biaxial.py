@@ -1,4 +1,6 @@
-"""Horizontal and vertical ground motion in one motion: both have the same pieces, the same time and the same amplitude."""
+"""Horizontal and vertical ground motion in one motion: both have the same pieces, the
+same time and the same amplitude.
+"""
 
 import hashlib
 from dataclasses import dataclass
@@ -13,12 +15,19 @@ from .polyline import Polyline
 
 
 def with_vertical(motion: Motion, vertical: Motion, scale: float = 1.0) -> Motion:
-    """Return a horizontal motion with a vertical one times `scale`; two records keep the ratio of their amplitudes, others share a_g and
-    phase. Raises UsageError if only one of them is a record."""
+    """Return a horizontal motion with a vertical one times `scale`; two records keep
+    the ratio of their amplitudes, others share a_g and phase. Raises UsageError if only
+    one of them is a record.
+    """
     own, other = motion.acceleration, vertical.acceleration
     if (own is None) != (other is None):
-        raise UsageError("only one of the horizontal and the vertical motion is a record; expected two records, or none")
-    factor = checked_scale(vertical.name, scale) * (1.0 if own is None or other is None else other / own)
+        raise UsageError(
+            "only one of the horizontal and the vertical motion is a record; expected"
+            " two records, or none"
+        )
+    factor = checked_scale(vertical.name, scale) * (
+        1.0 if own is None or other is None else other / own
+    )
     marks = np.sort(np.concatenate([motion.marks, vertical.marks]))
     marks = marks[np.diff(marks, prepend=-np.inf) > 1e-12 * marks[-1]]
     name = vertical.name if scale == 1.0 else f"{vertical.name}, times {scale:g}"
@@ -37,10 +46,14 @@ class Upwards:
         return with_vertical(motion, self.vertical, self.scale)
 
     def identity(self) -> list[Any]:
-        """Return name, hash of the samples, amplitude of a record [m/s2] and factor: the data on which a result depends."""
+        """Return name, hash of the samples, amplitude of a record [m/s2] and factor:
+        the data on which a result depends.
+        """
         lines, found = self.vertical, hashlib.sha256()
         if isinstance(lines, Polyline):
-            for part in blocks(lines.start.size):  # one after the other, as in files of earlier versions
+            for part in blocks(
+                lines.start.size
+            ):  # one after the other, as in files of earlier versions
                 for column in (lines.start, lines.stop, lines.constant, lines.slope):
                     found.update(np.ascontiguousarray(column[part]).tobytes())
         return [lines.name, found.hexdigest(), lines.acceleration, self.scale]
@@ -51,6 +64,15 @@ def combined(motion: Motion, factor: float) -> Motion:
     up = motion.vertical
     assert up is not None
     if isinstance(motion, Polyline) and isinstance(up, Polyline):
-        constant, slope = motion.constant + factor * up.constant, motion.slope + factor * up.slope
+        constant, slope = (
+            motion.constant + factor * up.constant,
+            motion.slope + factor * up.slope,
+        )
         return Polyline(motion.name, motion.start, motion.stop, constant, slope)
-    return Motion(motion.name, tuple(plus(a, b.scaled(factor)) for a, b in zip(motion.pieces, up.pieces, strict=True)))
+    return Motion(
+        motion.name,
+        tuple(
+            plus(a, b.scaled(factor))
+            for a, b in zip(motion.pieces, up.pieces, strict=True)
+        ),
+    )

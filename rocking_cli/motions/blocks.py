@@ -6,7 +6,9 @@ import numpy as np
 
 
 def blocks(size: int, most: int = 1 << 16) -> Iterator[slice]:
-    """Return slices that cut an array of this size into consecutive blocks of at most `most` values (default 2^16)."""
+    """Return slices that cut an array of this size into consecutive blocks of at most
+    `most` values (default 2^16).
+    """
     return (slice(first, min(first + most, size)) for first in range(0, size, most))
 
 

@@ -1,7 +1,9 @@
-"""Elastic spectra for the check by a code: that of a motion, of a file, and of a floor (Circolare 7/2019, section C7.2.3).
+"""Elastic spectra for the check by a code: that of a motion, of a file, and of a floor
+(Circolare 7/2019, section C7.2.3).
 
-A spectrum has `pga` [m/s2], `acceleration`, S_a [m/s2] at periods [s] of shape (n,), and `demand`: the largest S_d [m] up to the secant
-period, since the stiffness falls to the secant one.
+A spectrum has `pga` [m/s2], `acceleration`, S_a [m/s2] at periods [s] of shape (n,),
+and `demand`: the largest S_d [m] up to the secant period, since the stiffness falls to
+the secant one.
 """
 
 import math
@@ -24,11 +26,17 @@ from .response_spectra import DAMPING, acceleration_spectrum, displacement_spect
 
 Array = np.ndarray
 
-_SAMPLES = 4000  # of a pulse; their lines change S_d by less than 1e-5 of it, with a jump inside the pulse by 1e-3
+# of a pulse; their lines change S_d by less than 1e-5 of it, with a jump inside the
+# pulse by 1e-3
+_SAMPLES = 4000
 _LEVELS = ("S_a", "Sa", "Se")  # headings of the accelerations of a file
-_FIRST = 0.03  # s, the longest first period of a file, whose S_a is the peak ground acceleration
+# s, the longest first period of a file, whose S_a is the peak ground acceleration
+_FIRST = 0.03
 _A, _B = 0.8, 1.1  # of T_k: the plateau of a floor spectrum (C7.2.6-8)
-_FLOOR, _FLOOR_KEYS = "T=TIME,xi=RATIO,gamma_psi=NUMBER", {"T": "time", "xi": "number", "gamma_psi": "number"}
+_FLOOR, _FLOOR_KEYS = (
+    "T=TIME,xi=RATIO,gamma_psi=NUMBER",
+    {"T": "time", "xi": "number", "gamma_psi": "number"},
+)
 
 
 @dataclass(frozen=True)
@@ -39,14 +47,30 @@ class MotionSpectrum:
 
     @classmethod
     def of(cls, motion: Motion, amplitude: float, omega: float) -> Self:
-        """Return the spectrum of the horizontal motion with amplitude a_g [m/s2] and frequency omega [rad/s]."""
+        """Return the spectrum of the horizontal motion with amplitude a_g [m/s2] and
+        frequency omega [rad/s].
+        """
         if motion.samples is not None:
             dt, values = motion.samples.step / omega, motion.samples.values
         else:
-            phase = np.linspace(0.0, motion.duration, max(_SAMPLES, 100 * len(motion.segments)) + 1)
+            phase = np.linspace(
+                0.0, motion.duration, max(_SAMPLES, 100 * len(motion.segments)) + 1
+            )
             phase[-1] = np.nextafter(phase[-1], 0.0)
             dt, values = motion.duration / (phase.size - 1) / omega, motion.value(phase)
-        return cls(Record(motion.name, "motion", None, dt, amplitude * values, None, "m/s2", motion.name, ""))
+        return cls(
+            Record(
+                motion.name,
+                "motion",
+                None,
+                dt,
+                amplitude * values,
+                None,
+                "m/s2",
+                motion.name,
+                "",
+            )
+        )
 
     @property
     def pga(self) -> float:
@@ -63,14 +87,18 @@ class MotionSpectrum:
         for _ in range(3):  # then twice nine periods around the largest
             found = displacement_spectrum(self.record, periods, damping)
             i = int(found.argmax())
-            periods = np.linspace(periods[max(0, i - 1)], periods[min(i + 1, periods.size - 1)], 9)
+            periods = np.linspace(
+                periods[max(0, i - 1)], periods[min(i + 1, periods.size - 1)], 9
+            )
         return float(found[i])
 
 
 @dataclass(frozen=True, eq=False)
 class SpectrumFile:
-    """S_a [m/s2] over T [s] at 5 % damping as a file states it, straight lines between its points. For another damping S_a is multiplied by
-    sqrt(10/(5 + xi)) from the largest S_a on, and stays as it is before, which is safe."""
+    """S_a [m/s2] over T [s] at 5 % damping as a file states it, straight lines between
+    its points. For another damping S_a is multiplied by sqrt(10/(5 + xi)) from the
+    largest S_a on, and stays as it is before, which is safe.
+    """
 
     name: str
     periods: Array
@@ -82,26 +110,45 @@ class SpectrumFile:
         return float(self.values[0])
 
     def acceleration(self, periods: Array, damping: float) -> Array:
-        """Return S_a at these periods. Raises UsageError for periods beyond the last one of the file."""
+        """Return S_a at these periods. Raises UsageError for periods beyond the last
+        one of the file.
+        """
         periods = np.asarray(periods)
         if np.max(periods) > self.periods[-1]:
-            found = f"`spectrum` {self.name}: found periods up to {self.periods[-1]:g} s"
-            raise UsageError(f"{found}; expected up to {np.max(periods):.4g} s, the longest period of the check")
-        factor = np.where(periods >= self.periods[self.values.argmax()], damping_factor(damping), 1.0)
+            found = (
+                f"`spectrum` {self.name}: found periods up to {self.periods[-1]:g} s"
+            )
+            raise UsageError(
+                f"{found}; expected up to {np.max(periods):.4g} s, the longest period"
+                " of the check"
+            )
+        factor = np.where(
+            periods >= self.periods[self.values.argmax()], damping_factor(damping), 1.0
+        )
         return np.asarray(np.interp(periods, self.periods, self.values) * factor)
 
     def demand(self, period: float, damping: float) -> float:
-        """Return the largest S_d [m] up to the period: at points of the file, or at its top on a line between them."""
+        """Return the largest S_d [m] up to the period: at points of the file, or at its
+        top on a line between them.
+        """
         slope = np.diff(self.values) / np.diff(self.periods)
-        tops = self.periods[:-1] - self.values[:-1] / np.where(slope < 0.0, slope, np.nan)  # where a line falls to zero
+        tops = self.periods[:-1] - self.values[:-1] / np.where(
+            slope < 0.0, slope, np.nan
+        )  # where a line falls to zero
         periods = np.concatenate([self.periods, 2.0 / 3.0 * tops, [period]])
         periods = periods[periods <= period]
-        return float(np.max(self.acceleration(periods, damping) * (periods / (2.0 * math.pi)) ** 2))
+        return float(
+            np.max(
+                self.acceleration(periods, damping) * (periods / (2.0 * math.pi)) ** 2
+            )
+        )
 
 
 @dataclass(frozen=True)
 class FloorMode:
-    """A mode of a building: period [s], damping [-], and gamma psi [-], its participation times its shape at the floor."""
+    """A mode of a building: period [s], damping [-], and gamma psi [-], its
+    participation times its shape at the floor.
+    """
 
     period: float
     damping: float
@@ -110,7 +157,9 @@ class FloorMode:
 
 @dataclass(frozen=True)
 class FloorSpectrum:
-    """The spectrum on a floor of a building with these modes, over that of the ground."""
+    """The spectrum on a floor of a building with these modes, over that
+    of the ground.
+    """
 
     ground: MotionSpectrum | SpectrumFile
     modes: Sequence[FloorMode]
@@ -124,16 +173,28 @@ class FloorSpectrum:
         """Return S_eZ (C7.2.5-10): the root of the sum of squares over the modes."""
         squares = np.zeros(np.shape(periods))
         for mode in self.modes:
-            own = float(self.ground.acceleration(np.array([mode.period]), mode.damping)[0])
-            a_z = own * abs(mode.gamma_psi) * math.sqrt(1.0 + 0.0004 * (100.0 * mode.damping) ** 2)
+            own = float(
+                self.ground.acceleration(np.array([mode.period]), mode.damping)[0]
+            )
+            a_z = (
+                own
+                * abs(mode.gamma_psi)
+                * math.sqrt(1.0 + 0.0004 * (100.0 * mode.damping) ** 2)
+            )
             gain = max(1.0, 1.1 / math.sqrt(mode.damping) * damping_factor(damping))
             r = np.asarray(periods) / mode.period
-            away = np.where(r < _A, np.maximum(1.0 - r / _A, 0.0) ** 1.6, np.maximum(r / _B - 1.0, 0.0) ** 1.2)
+            away = np.where(
+                r < _A,
+                np.maximum(1.0 - r / _A, 0.0) ** 1.6,
+                np.maximum(r / _B - 1.0, 0.0) ** 1.2,
+            )
             squares += (gain * a_z / (1.0 + (gain - 1.0) * away)) ** 2
         return np.sqrt(squares)
 
     def demand(self, period: float, damping: float) -> float:
-        """Return the displacement [m] at the period, at least the one at b T_1 with the acceleration at T_1 (C8.7.1.12)."""
+        """Return the displacement [m] at the period, at least the one at b T_1 with the
+        acceleration at T_1 (C8.7.1.12).
+        """
         first = max(mode.period for mode in self.modes)
         here, there = self.acceleration(np.array([period, first]), damping).tolist()
         least = there * (_B * first) ** 2 if period > _B * first else 0.0
@@ -153,8 +214,9 @@ def damping_factor(damping: float) -> float:
 
 
 def read_spectrum(path: str | Path) -> SpectrumFile:
-    """Read a CSV file with columns T [s] and S_a (or Sa, Se), whose heading or cells state a unit; other columns are ignored. Raises
-    UsageError if the file cannot be read, DocumentError with file, line and column for its faults.
+    """Read a CSV file with columns T [s] and S_a (or Sa, Se), whose heading or cells
+    state a unit; other columns are ignored. Raises UsageError if the file cannot be
+    read, DocumentError with file, line and column for its faults.
 
     >>> from pathlib import Path
     >>> _ = Path('site.csv').write_text('T,S_a [g]\\n0,0.2\\n0.5,0.5\\n4,0.1')
@@ -169,11 +231,20 @@ def read_spectrum(path: str | Path) -> SpectrumFile:
         row = {cell.key: cell for cell in cells}
         levels = [row[key] for key in _LEVELS if key in row]
         if len(levels) > 1:
-            raise DocumentError(f"{levels[1].place}: found both {levels[0].key} and {levels[1].key}; expected one of them")
+            raise DocumentError(
+                f"{levels[1].place}: found both {levels[0].key} and {levels[1].key};"
+                " expected one of them"
+            )
         at, level = row.get("T"), next(iter(levels), None)
         if at is None or level is None:
-            raise DocumentError(f"{cells[0].place}: found {', '.join(row)}; expected the columns T and S_a")
-        for cell, dimension, kept in ((at, "time", periods), (level, "acceleration", values)):
+            raise DocumentError(
+                f"{cells[0].place}: found {', '.join(row)}; expected the columns T"
+                " and S_a"
+            )
+        for cell, dimension, kept in (
+            (at, "time", periods),
+            (level, "acceleration", values),
+        ):
             try:
                 kept.append(parse_quantity(cell.text, dimension))
             except ValueError as error:
@@ -181,21 +252,36 @@ def read_spectrum(path: str | Path) -> SpectrumFile:
         if periods[-1] < 0.0 or (len(periods) > 1 and not periods[-1] > periods[-2]):
             raise _fault(at, "periods that rise, of one spectrum")
         if (parts := split_quantity(level.text)) is not None and not parts[1]:
-            raise _fault(level, f"{level.key} [g] or [m/s2] as heading", " without a unit")
+            raise _fault(
+                level, f"{level.key} [g] or [m/s2] as heading", " without a unit"
+            )
         if not values[-1] > 0.0:
             raise _fault(level, "a positive acceleration")
         if "damping" in row and row["damping"].text not in ("0.05", "5 %"):
-            raise DocumentError(f"{row['damping'].place}: damping: found {row['damping'].text}; expected 0.05")
+            raise DocumentError(
+                f"{row['damping'].place}: damping: found {row['damping'].text};"
+                " expected 0.05"
+            )
     if len(periods) < 2:
-        raise DocumentError(f"{source}: found {counted(len(periods), 'point')} of a spectrum; expected two or more")
+        raise DocumentError(
+            f"{source}: found {counted(len(periods), 'point')} of a spectrum; expected"
+            " two or more"
+        )
     if periods[0] > _FIRST:
-        wanted = f"a first period up to {_FIRST:g} s, whose S_a is the peak ground acceleration"
-        raise DocumentError(f"{source}: found the first period {periods[0]:g} s; expected {wanted}")
+        wanted = (
+            f"a first period up to {_FIRST:g} s, whose S_a is the peak ground"
+            " acceleration"
+        )
+        raise DocumentError(
+            f"{source}: found the first period {periods[0]:g} s; expected {wanted}"
+        )
     return SpectrumFile(Path(source).stem, np.array(periods), np.array(values))
 
 
 def _fault(cell: Cell, wanted: str, lacks: str = "") -> DocumentError:
-    return DocumentError(f"{cell.place}: {cell.key}: found {cell.text!r}{lacks}; expected {wanted}")
+    return DocumentError(
+        f"{cell.place}: {cell.key}: found {cell.text!r}{lacks}; expected {wanted}"
+    )
 
 
 def parse_floor(text: str) -> FloorMode:
@@ -210,5 +296,8 @@ def parse_floor(text: str) -> FloorMode:
         found[key] = quantity_at(f"`floor`: {key}", given[key], dimension, hint=hint)
     period, damping, shape = found.values()
     if not (period > 0.0 and 0.0 < damping < 1.0 and shape != 0.0):
-        raise UsageError(f"`floor`: found {text!r}; expected a positive T, xi between 0 and 1, and a gamma_psi that is not zero")
+        raise UsageError(
+            f"`floor`: found {text!r}; expected a positive T, xi between 0 and 1, and a"
+            " gamma_psi that is not zero"
+        )
     return FloorMode(period, damping, shape)

@@ -1,4 +1,6 @@
-"""The grid of a sweep: an amplitude axis and a frequency axis, both with units or both dimensionless."""
+"""The grid of a sweep: an amplitude axis and a frequency axis, both with units or both
+dimensionless.
+"""
 
 import math
 import zlib
@@ -9,14 +11,21 @@ from typing import Protocol
 import numpy as np
 
 from ..arguments import check_fields
-from ..documents.quantities import DEFAULT_GRAVITY, parse_whole, quantity_at, split_quantity, with_a_point
+from ..documents.quantities import (
+    DEFAULT_GRAVITY,
+    parse_whole,
+    quantity_at,
+    split_quantity,
+    with_a_point,
+)
 from ..errors import UsageError, did_you_mean
 from ..structures.parameters import RockingParameters
 from .motion import Motion
 
 MAX_CELLS = 10**10
 MAX_VALUES = 10**7
-MOST_OMEGA = 1e10  # omega_g/p; theta is then about 1e-20 alpha, and above 1e13 an outcome is only rounding
+# omega_g/p; theta is then about 1e-20 alpha, and above 1e13 an outcome is only rounding
+MOST_OMEGA = 1e10
 
 _PULSE_AXES = {
     "A": ("A", "number"),
@@ -35,7 +44,15 @@ _RECORD_AXES = {
     "alpha": ("alpha", "angle"),
     "tan_alpha": ("alpha", "number"),
 }
-MEANT = {"pga": "a_g", "a": "A", "w": "omega_g", "f": "f_g", "frequency": "f_g", "period": "T_g", "t": "T_g"}
+MEANT = {
+    "pga": "a_g",
+    "a": "A",
+    "w": "omega_g",
+    "f": "f_g",
+    "frequency": "f_g",
+    "period": "T_g",
+    "t": "T_g",
+}
 _FORM = "NAME=START:STOP:N[:log] or NAME=VALUE"
 AXES = {
     "A": ("1", "dimensionless amplitude a_scale a_g / (alpha g)"),
@@ -47,12 +64,18 @@ AXES = {
     "alpha": ("rad", "critical angle"),
 }  # units and long name of each axis in a file
 _FROM_ZERO = ("A", "a_g", "scale")
-_PAIRS = (("A", "Omega"), ("a_g", "omega_g"), ("A", "omega_g"))  # the last one for records
+_PAIRS = (
+    ("A", "Omega"),
+    ("a_g", "omega_g"),
+    ("A", "omega_g"),
+)  # the last one for records
 
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """An axis: its name in the file, one of AXES, and its rising values in SI units. Raises UsageError for values that are not valid."""
+    """An axis: its name in the file, one of AXES, and its rising values in SI units.
+    Raises UsageError for values that are not valid.
+    """
 
     name: str
     values: np.ndarray
@@ -61,22 +84,36 @@ class Axis:
         v = self.values
         if self.name not in AXES:
             raise UsageError(f"axis {self.name!r} is not one of {', '.join(AXES)}")
-        if v.ndim != 1 or not v.size or not np.all(np.isfinite(v)) or np.any(np.diff(v) <= 0.0):
+        if (
+            v.ndim != 1
+            or not v.size
+            or not np.all(np.isfinite(v))
+            or np.any(np.diff(v) <= 0.0)
+        ):
             raise UsageError(f"axis {self.name}: its values must be finite and rise")
         if v[0] < 0.0 or (v[0] == 0.0 and self.name not in _FROM_ZERO):
-            raise UsageError(f"axis {self.name}: its values must be positive{', or zero' if self.name in _FROM_ZERO else ''}")
+            raise UsageError(
+                f"axis {self.name}: its values must be"
+                f" positive{', or zero' if self.name in _FROM_ZERO else ''}"
+            )
         if self.name == "alpha" and v[-1] >= 0.5 * math.pi:
-            raise UsageError(f"axis alpha: found {v[-1]:g} rad; expected angles below a right one")
+            raise UsageError(
+                f"axis alpha: found {v[-1]:g} rad; expected angles below a right one"
+            )
 
     def stated(self) -> list[float | int]:
-        """Return [first value, last value, number of values, CRC-32 of the values], to compare two axes."""
+        """Return [first value, last value, number of values, CRC-32 of the values], to
+        compare two axes.
+        """
         v = self.values
         return [float(v[0]), float(v[-1]), v.size, zlib.crc32(v.tobytes())]
 
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """The axes A and Omega, or a_g [m/s2] and omega_g [rad/s]; for a record also A and omega_g. Raises UsageError for other pairs."""
+    """The axes A and Omega, or a_g [m/s2] and omega_g [rad/s]; for a record also A and
+    omega_g. Raises UsageError for other pairs.
+    """
 
     amplitude: Axis
     frequency: Axis
@@ -85,7 +122,10 @@ class Grid:
         check_fields(self)
         names = self.amplitude.name, self.frequency.name
         if names not in _PAIRS:
-            raise UsageError(f"axes {' and '.join(names)} do not go together: give A and Omega, or a_g and omega_g")
+            raise UsageError(
+                f"axes {' and '.join(names)} do not go together: give A and Omega, or"
+                " a_g and omega_g"
+            )
 
     @property
     def dimensionless(self) -> bool:
@@ -98,7 +138,9 @@ class Grid:
         return self.frequency.values.size, self.amplitude.values.size
 
     def scaled(self, structure: RockingParameters) -> tuple[np.ndarray, np.ndarray]:
-        """Return the values (A, Omega) of the axes for one structure. Raises UsageError beyond `MOST_OMEGA`."""
+        """Return the values (A, Omega) of the axes for one structure. Raises UsageError
+        beyond `MOST_OMEGA`.
+        """
         a = self.amplitude.values
         a = a if self.amplitude.name == "A" else structure.dimensionless_amplitude(a)
         return a, scaled_frequency(self.frequency, structure)
@@ -119,33 +161,58 @@ class Grid:
         frequencies, amplitudes = self.shape
         found = f"found a grid of {frequencies} frequencies and {amplitudes} amplitudes"
         one = "parse_grid('a_g=0.3g,f_g=1')"
-        raise UsageError(f"`shaking`: {found}; expected one of each, such as {one}; spectrum() computes a grid")
+        raise UsageError(
+            f"`shaking`: {found}; expected one of each, such as {one}; spectrum()"
+            " computes a grid"
+        )
 
 
 def scaled_frequency(axis: Axis, structure: RockingParameters) -> np.ndarray:
-    """Return the Omega values of an axis Omega or omega_g for one structure. Raises UsageError beyond `MOST_OMEGA`."""
+    """Return the Omega values of an axis Omega or omega_g for one structure. Raises
+    UsageError beyond `MOST_OMEGA`.
+    """
     omega = axis.values if axis.name == "Omega" else axis.values / structure.p
     if (highest := float(np.max(omega))) > MOST_OMEGA:
-        found = f"found Omega = omega_g/p = {highest:.3g}; expected a value up to {MOST_OMEGA:g}"
-        raise UsageError(f"{structure.name}: {found}; above it the rotation is below double precision")
+        found = (
+            f"found Omega = omega_g/p = {highest:.3g}; expected a value up to"
+            f" {MOST_OMEGA:g}"
+        )
+        raise UsageError(
+            f"{structure.name}: {found}; above it the rotation is below double"
+            " precision"
+        )
     return omega
 
 
 def parse_axes(text: str, *, records: bool = False) -> dict[str, Axis]:
-    """Return the axes by name of a text such as `a_g=0.1g:1g:50,omega_g=1:20:40:log`; records: those of records. Raises UsageError."""
+    """Return the axes by name of a text such as `a_g=0.1g:1g:50,omega_g=1:20:40:log`;
+    records: those of records. Raises UsageError.
+    """
     axes: dict[str, Axis] = {}
     known = _RECORD_AXES if records else _PULSE_AXES
     for part in text.split(","):
         key, equals, span = (x.strip() for x in part.partition("="))
         if not equals or not span:
-            raise UsageError(f"`grid`: found {part.strip()!r}; expected {_FORM}, with commas between axes{with_a_point(text)}")
+            raise UsageError(
+                f"`grid`: found {part.strip()!r}; expected {_FORM}, with commas between"
+                f" axes{with_a_point(text)}"
+            )
         if key not in known:
-            why = ", since a record runs in its own time" if key in _PULSE_AXES else did_you_mean(key, known, MEANT)
-            raise UsageError(f"`grid`: unknown axis {key!r}; expected {', '.join(known)}{why}")
+            why = (
+                ", since a record runs in its own time"
+                if key in _PULSE_AXES
+                else did_you_mean(key, known, MEANT)
+            )
+            raise UsageError(
+                f"`grid`: unknown axis {key!r}; expected {', '.join(known)}{why}"
+            )
         name, dimension = known[key]
         values = parse_span(f"`grid` {key}", span, dimension)
         if values[0] < 0.0 or (values[0] == 0.0 and key not in _FROM_ZERO):
-            raise UsageError(f"`grid` {key}: found {span!r}; expected positive values{' or zero' if key in _FROM_ZERO else ''}")
+            raise UsageError(
+                f"`grid` {key}: found {span!r}; expected positive"
+                f" values{' or zero' if key in _FROM_ZERO else ''}"
+            )
         if key == "f_g":
             values = 2.0 * math.pi * values
         elif key in ("T_g", "p"):
@@ -163,7 +230,9 @@ def written_axes(text: str) -> str:
     return " and ".join(part.partition("=")[0].strip() for part in text.split(","))
 
 
-OWN_TIME = Axis("omega_g", np.array([1.0]))  # rad/s; then the phase of a record is its time in s
+OWN_TIME = Axis(
+    "omega_g", np.array([1.0])
+)  # rad/s; then the phase of a record is its time in s
 
 
 def as_recorded(acceleration: float) -> Grid:
@@ -180,9 +249,11 @@ class HasMotion(Protocol):
 
 
 def demand_of(motion: Motion | HasMotion, shaking: Grid | None) -> tuple[Motion, Grid]:
-    """Return the motion and its grid of one cell; a record without a grid has its own amplitude.
+    """Return the motion and its grid of one cell; a record without a grid has its own
+    amplitude.
 
-    Raises UsageError for another motion without a grid, and for a grid of several cells.
+    Raises UsageError for another motion without a grid, and for a grid of several
+    cells.
     """
     found, grid = with_grid(motion, shaking)
     grid.require_one_cell()
@@ -199,31 +270,43 @@ def with_grid(motion: Motion | HasMotion, grid: Grid | None) -> tuple[Motion, Gr
         return found, grid
     if found.acceleration is None:
         one = "parse_grid('a_g=0.3g,f_g=1')"
-        raise UsageError(f"{found.name}: no grid; expected one, such as {one}, which only a record does not need")
+        raise UsageError(
+            f"{found.name}: no grid; expected one, such as {one}, which only a record"
+            " does not need"
+        )
     return found, as_recorded(found.acceleration)
 
 
 def demand_in_words(shakes: Sequence[tuple[Motion, Grid]]) -> str:
-    """Return a text on the amplitude and frequency of motions, each with a grid of one cell."""
+    """Return a text on the amplitude and frequency of motions, each with a grid of one
+    cell.
+    """
     values = [float(grid.amplitude.values[0]) for _, grid in shakes]
     motion, grid = shakes[0]
     name, own_time = grid.amplitude.name, motion.acceleration is not None
 
     def span(unit: float, digits: int) -> str:
-        return " to ".join(dict.fromkeys(f"{x / unit:.{digits}g}" for x in (min(values), max(values))))
+        return " to ".join(
+            dict.fromkeys(f"{x / unit:.{digits}g}" for x in (min(values), max(values)))
+        )
 
     text = f"{'PGA' if own_time and name == 'a_g' else name} {span(1.0, 5)}"
     if name == "a_g":
         text += f" m/s2 = {span(DEFAULT_GRAVITY, 3)} g"
     if not own_time:
         values = [float(grid.frequency.values[0]) for _, grid in shakes]
-        text += f", Omega {span(1.0, 5)}" if grid.dimensionless else f", f_g {span(math.tau, 5)} Hz"
+        text += (
+            f", Omega {span(1.0, 5)}"
+            if grid.dimensionless
+            else f", f_g {span(math.tau, 5)} Hz"
+        )
     motions = len({id(motion) for motion, _ in shakes})
     return f"{text}{f', {motions} motions' if motions > 1 else ''}"
 
 
 def parse_grid(text: str, *, own_time: bool = False) -> Grid:
-    """Return the grid of two axes that a text states; own_time: of a record, which has one axis, A or a_g. Raises UsageError.
+    """Return the grid of two axes that a text states; own_time: of a record, which has
+    one axis, A or a_g. Raises UsageError.
 
     >>> parse_grid('a_g=0.1g:1g:50,f_g=0.5:5:40').shape  # frequencies, amplitudes
     (40, 50)
@@ -231,7 +314,10 @@ def parse_grid(text: str, *, own_time: bool = False) -> Grid:
     axes = parse_axes(text)
     if own_time:
         if len(axes) != 1 or next(iter(axes)) not in ("A", "a_g"):
-            raise UsageError(f"`grid`: found {written_axes(text)}; expected A or a_g, since a record runs in its own time")
+            raise UsageError(
+                f"`grid`: found {written_axes(text)}; expected A or a_g, since a record"
+                " runs in its own time"
+            )
         axes["omega_g"] = OWN_TIME
     for amplitude, frequency in _PAIRS[: 3 if own_time else 2]:
         if axes.keys() == {amplitude, frequency}:
@@ -239,12 +325,20 @@ def parse_grid(text: str, *, own_time: bool = False) -> Grid:
             if (cells := math.prod(grid.shape)) <= MAX_CELLS:
                 return grid
             found = f"{cells:.3g} cells ({9e-9 * cells:.3g} GB)"
-            raise UsageError(f"`grid`: {found} are more than the limit of {MAX_CELLS:.0e} in one file; split the grid")
-    raise UsageError(f"`grid`: found {written_axes(text)}; expected A and Omega, or a_g and one of omega_g, f_g, T_g")
+            raise UsageError(
+                f"`grid`: {found} are more than the limit of {MAX_CELLS:.0e} in one"
+                " file; split the grid"
+            )
+    raise UsageError(
+        f"`grid`: found {written_axes(text)}; expected A and Omega, or a_g and one of"
+        " omega_g, f_g, T_g"
+    )
 
 
 def parse_angles(text: str) -> Axis:
-    """Return the axis alpha of `10,15,20deg` (a unit serves the numbers to its left) or START:STOP:N. Raises UsageError."""
+    """Return the axis alpha of `10,15,20deg` (a unit serves the numbers to its left) or
+    START:STOP:N. Raises UsageError.
+    """
     if ":" in text:
         return Axis("alpha", parse_span("`alpha`", text, "angle"))
     unit, found = "", []
@@ -252,33 +346,56 @@ def parse_angles(text: str) -> Axis:
         parts = split_quantity(part)
         unit = parts[1] if parts is not None and parts[1] else unit
         stated = part.strip() if parts is None or parts[1] else f"{part} {unit}".strip()
-        found.append(quantity_at("`alpha`", stated, "angle", hint=", or several with commas between them"))
+        found.append(
+            quantity_at(
+                "`alpha`", stated, "angle", hint=", or several with commas between them"
+            )
+        )
     values = np.unique(found)
     if values.size < len(found):
-        raise UsageError(f"`alpha`: found {text!r}, which states an angle twice; expected distinct angles")
+        raise UsageError(
+            f"`alpha`: found {text!r}, which states an angle twice; expected distinct"
+            " angles"
+        )
     if values[0] <= 0.0:
         raise UsageError(f"`alpha`: found {text!r}; expected positive angles")
     return Axis("alpha", values)
 
 
 def parse_span(key: str, span: str, dimension: str) -> np.ndarray:
-    """Return the values of START:STOP:N[:log] or of a single VALUE, in SI units, of any sign. Raises UsageError."""
+    """Return the values of START:STOP:N[:log] or of a single VALUE, in SI units, of any
+    sign. Raises UsageError.
+    """
     parts = span.split(":")
     if len(parts) not in (1, 3, 4) or (len(parts) == 4 and parts[3] != "log"):
-        raise UsageError(f"{key}: found {span!r}; expected START:STOP:N[:log] or a single VALUE")
+        raise UsageError(
+            f"{key}: found {span!r}; expected START:STOP:N[:log] or a single VALUE"
+        )
     bounds = [quantity_at(key, part, dimension) for part in parts[:2]]
     if len(parts) == 1:
         return np.array(bounds)
     start, stop = bounds
     count = parse_whole(parts[2])
     if count is None or not 2 <= count <= MAX_VALUES:
-        raise UsageError(f"{key}: found N = {parts[2]!r}; expected a whole number from 2 to {MAX_VALUES} (for one value {key}=VALUE)")
+        raise UsageError(
+            f"{key}: found N = {parts[2]!r}; expected a whole number from 2 to"
+            f" {MAX_VALUES} (for one value {key}=VALUE)"
+        )
     if start == stop:
-        raise UsageError(f"{key}: START and STOP are both {parts[0]}; a single value is written {key}={parts[0]}")
+        raise UsageError(
+            f"{key}: START and STOP are both {parts[0]}; a single value is written"
+            f" {key}={parts[0]}"
+        )
     if start > stop:
-        raise UsageError(f"{key}: found START {parts[0]} above STOP {parts[1]}; expected START below STOP")
+        raise UsageError(
+            f"{key}: found START {parts[0]} above STOP {parts[1]}; expected START below"
+            " STOP"
+        )
     if len(parts) == 4:
         if start <= 0.0:
-            raise UsageError(f"{key}: found START {parts[0]}; a logarithmic axis needs a positive START")
+            raise UsageError(
+                f"{key}: found START {parts[0]}; a logarithmic axis needs a positive"
+                " START"
+            )
         return np.asarray(np.geomspace(start, stop, count))
     return np.linspace(start, stop, count)

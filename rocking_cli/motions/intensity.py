@@ -1,4 +1,6 @@
-"""Intensity measures of a record: exact integrals of its samples joined by straight lines, without any correction."""
+"""Intensity measures of a record: exact integrals of its samples joined by straight
+lines, without any correction.
+"""
 
 import math
 from dataclasses import dataclass
@@ -14,8 +16,10 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Intensity:
-    """Peak acceleration [m/s2] and its time [s], peak velocity [m/s] and displacement [m], Arias intensity and cumulative absolute
-    velocity [m/s], and the durations from 5 % to 75 and 95 % of the Arias intensity [s]."""
+    """Peak acceleration [m/s2] and its time [s], peak velocity [m/s] and displacement
+    [m], Arias intensity and cumulative absolute velocity [m/s], and the durations from
+    5 % to 75 and 95 % of the Arias intensity [s].
+    """
 
     pga: float
     pga_time: float
@@ -28,7 +32,8 @@ class Intensity:
 
 
 def intensity(record: Record) -> Intensity:
-    """Return the intensity measures of a record; velocity and displacement start at zero.
+    """Return the intensity measures of a record; velocity and displacement start at
+    zero.
 
     >>> measured = intensity(read_record('configs/motions/synthetic.at2'))
     >>> round(measured.pga, 3), round(measured.pgv, 3)
@@ -41,12 +46,16 @@ def intensity(record: Record) -> Intensity:
     energy = _sums(dt / 3.0 * (a0**2 + a0 * a1 + a1**2))
     total = np.abs(a0) + np.abs(a1)
     i, areas = np.flatnonzero(a0 * a1 < 0.0), 0.5 * dt * total
-    areas[i] = 0.5 * dt * (a0[i] ** 2 + a1[i] ** 2) / total[i]  # two triangles where a changes its sign, else a trapezoid
+    areas[i] = (
+        0.5 * dt * (a0[i] ** 2 + a1[i] ** 2) / total[i]
+    )  # two triangles where a changes its sign, else a trapezoid
     at_5, at_75, at_95 = (_reached(a, dt, energy, part) for part in (0.05, 0.75, 0.95))
     return Intensity(
         pga=largest(a),
         pga_time=int(np.abs(a).argmax()) * dt,
-        pgv=max(largest(v), largest(v[i] + 0.5 * dt * a[i] ** 2 / (a[i] - a[i + 1]))),  # an extreme where a changes its sign
+        pgv=max(
+            largest(v), largest(v[i] + 0.5 * dt * a[i] ** 2 / (a[i] - a[i + 1]))
+        ),  # an extreme where a changes its sign
         pgd=_largest_displacement(a, v, d, dt),
         arias=math.pi / (2.0 * DEFAULT_GRAVITY) * float(energy[-1]),
         cav=float(areas.sum()),
@@ -60,9 +69,12 @@ def _sums(gains: Array) -> Array:
 
 
 def _largest_displacement(a: Array, v: Array, d: Array, dt: float) -> float:
-    """max |d| over samples and over the roots of v = v0 + a0 s + (a1 - a0)/dt s^2/2 inside intervals, without cancellation."""
+    """max |d| over samples and over the roots of v = v0 + a0 s + (a1 - a0)/dt s^2/2
+    inside intervals, without cancellation.
+    """
     most = largest(d)
-    # v has a root inside only if it changes its sign, or if the vertex of its parabola is inside.
+    # v has a root inside only if it changes its sign, or if the vertex of its parabola
+    # is inside.
     i = np.flatnonzero((v[:-1] * v[1:] <= 0.0) | (a[:-1] * a[1:] < 0.0))
     curved, sloped, flat = 0.5 * dt * (a[i + 1] - a[i]), dt * a[i], v[i]
     with np.errstate(all="ignore"):
@@ -71,20 +83,30 @@ def _largest_displacement(a: Array, v: Array, d: Array, dt: float) -> float:
         for s in (q / curved, flat / q):
             inside = np.flatnonzero((s > 0.0) & (s < 1.0))
             j, x = i[inside], s[inside]
-            there = d[j] + dt * x * (v[j] + dt * x * (a[j] / 2.0 + (a[j + 1] - a[j]) * x / 6.0))
+            there = d[j] + dt * x * (
+                v[j] + dt * x * (a[j] / 2.0 + (a[j + 1] - a[j]) * x / 6.0)
+            )
             most = max(most, largest(there))
     return most
 
 
 def _reached(a: Array, dt: float, energy: Array, part: float) -> float:
-    """The time [s] at which the integral of a^2 (`energy` at samples) reaches `part` of its final value; 0 for a zero record."""
+    """The time [s] at which the integral of a^2 (`energy` at samples) reaches `part` of
+    its final value; 0 for a zero record.
+    """
     target = part * float(energy[-1])
     if not target > 0.0:
         return 0.0
     i = int(np.searchsorted(energy, target)) - 1
-    a0, rise, wanted = float(a[i]), float(a[i + 1] - a[i]) / dt, target - float(energy[i])
+    a0, rise, wanted = (
+        float(a[i]),
+        float(a[i + 1] - a[i]) / dt,
+        target - float(energy[i]),
+    )
     low, high = 0.0, dt
-    for _ in range(60):  # bisection of a rising function; 60 steps reach double precision
+    for _ in range(
+        60
+    ):  # bisection of a rising function; 60 steps reach double precision
         middle = 0.5 * (low + high)
         gained = middle * (a0 * a0 + middle * (a0 * rise + middle * rise * rise / 3.0))
         low, high = (low, middle) if gained >= wanted else (middle, high)

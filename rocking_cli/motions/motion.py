@@ -1,6 +1,8 @@
-"""A motion: ground acceleration over its amplitude a_g, as exact pieces over the phase phi = omega_g t, so that one serves every frequency.
+"""A motion: ground acceleration over its amplitude a_g, as exact pieces over the phase
+phi = omega_g t, so that one serves every frequency.
 
-`Segments` cuts the pieces at the extremes of s: on a segment s is monotone, and so the engine can prove where roots are.
+`Segments` cuts the pieces at the extremes of s: on a segment s is monotone, and so the
+engine can prove where roots are.
 """
 
 from __future__ import annotations
@@ -21,7 +23,9 @@ LARGEST_SCALE = 1e100  # larger amplitudes may overflow
 
 @dataclass(frozen=True)
 class Harmonic:
-    """A sinusoid C sin(w phi + f): amplitude C [-], frequency w [multiples of omega_g], phase f [rad]."""
+    """A sinusoid C sin(w phi + f): amplitude C [-], frequency w [multiples of omega_g],
+    phase f [rad].
+    """
 
     amplitude: float
     frequency: float = 1.0
@@ -30,7 +34,9 @@ class Harmonic:
 
 @dataclass(frozen=True)
 class Piece:
-    """One piece of a motion between two phases [rad]: harmonics, constant c0 [-], slope c1 [1/rad]."""
+    """One piece of a motion between two phases [rad]: harmonics, constant c0 [-], slope
+    c1 [1/rad].
+    """
 
     start: float
     stop: float
@@ -48,24 +54,39 @@ class Piece:
 
     def scaled(self, factor: float) -> Piece:
         """Return the piece times a factor."""
-        harmonics = tuple(replace(h, amplitude=factor * h.amplitude) for h in self.harmonics)
-        return Piece(self.start, self.stop, harmonics, factor * self.constant, factor * self.slope)
+        harmonics = tuple(
+            replace(h, amplitude=factor * h.amplitude) for h in self.harmonics
+        )
+        return Piece(
+            self.start,
+            self.stop,
+            harmonics,
+            factor * self.constant,
+            factor * self.slope,
+        )
 
 
 def plus(a: Piece, b: Piece) -> Piece:
     """Return the sum of two pieces; sinusoids of equal frequency become one."""
     waves: dict[float, complex] = {}
     for h in (*a.harmonics, *b.harmonics):
-        waves[h.frequency] = waves.get(h.frequency, 0.0) + h.amplitude * np.exp(1j * h.phase)
-    harmonics = tuple(Harmonic(float(abs(c)), w, float(np.angle(c))) for w, c in waves.items())
+        waves[h.frequency] = waves.get(h.frequency, 0.0) + h.amplitude * np.exp(
+            1j * h.phase
+        )
+    harmonics = tuple(
+        Harmonic(float(abs(c)), w, float(np.angle(c))) for w, c in waves.items()
+    )
     return Piece(a.start, a.stop, harmonics, a.constant + b.constant, a.slope + b.slope)
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Contiguous pieces from phase 0; the ground acceleration is a_g s(phi). vertical: the vertical motion on the same pieces, over
-    the same amplitude, positive upwards; acceleration: a_g of a record [m/s2], which runs in its own time (omega_g = 1 rad/s), else
-    None. Raises MotionError if there is no piece, if pieces overlap or leave a gap, or if a number is not finite."""
+    """Contiguous pieces from phase 0; the ground acceleration is a_g s(phi). vertical:
+    the vertical motion on the same pieces, over the same amplitude, positive upwards;
+    acceleration: a_g of a record [m/s2], which runs in its own time (omega_g = 1
+    rad/s), else None. Raises MotionError if there is no piece, if pieces overlap or
+    leave a gap, or if a number is not finite.
+    """
 
     name: str
     pieces: Sequence[Piece]
@@ -84,17 +105,28 @@ class Motion:
 
     def __post_init__(self) -> None:
         if not self.pieces:
-            raise MotionError(f"motion {self.name!r}: no pieces; a motion needs at least one")
+            raise MotionError(
+                f"motion {self.name!r}: no pieces; a motion needs at least one"
+            )
         at = 0.0
         for i, piece in enumerate(self.pieces):
-            waves = [x for h in piece.harmonics for x in (h.amplitude, h.frequency, h.phase)]
+            waves = [
+                x for h in piece.harmonics for x in (h.amplitude, h.frequency, h.phase)
+            ]
             found = ""
-            if not np.all(np.isfinite([piece.start, piece.stop, piece.constant, piece.slope, *waves])):
+            if not np.all(
+                np.isfinite(
+                    [piece.start, piece.stop, piece.constant, piece.slope, *waves]
+                )
+            ):
                 found = "holds a number that is not finite"
             elif any(h.frequency <= 0.0 for h in piece.harmonics):
                 found = "has a frequency that is not positive"
             elif abs(piece.start - at) > 1e-12 * max(1.0, at):
-                found = f"begins at {piece.start:g} rad, expected {at:g}: pieces must follow one another without gap or overlap"
+                found = (
+                    f"begins at {piece.start:g} rad, expected {at:g}: pieces must"
+                    " follow one another without gap or overlap"
+                )
             elif not piece.stop > piece.start:
                 found = "is empty or runs backwards"
             if found:
@@ -113,27 +145,55 @@ class Motion:
 
     @property
     def marks(self) -> np.ndarray:
-        """The starts of the pieces and the end of the last one [rad], shape (n + 1,)."""
+        """The starts of the pieces and the end of the last one [rad], shape
+        (n + 1,).
+        """
         return np.array([0.0, *(p.stop for p in self.pieces)])
 
     def on(self, marks: np.ndarray, vertical: Motion | None = None) -> Motion:
-        """Return the motion with a piece between each two phases [rad], which include its own marks, at rest after its end; vertical:
-        on the same."""
+        """Return the motion with a piece between each two phases [rad], which include
+        its own marks, at rest after its end; vertical: on the same.
+        """
         pieces = []
         for start, stop in pairwise(marks.tolist()):
             middle = 0.5 * (start + stop)
-            piece = next((p for p in self.pieces if p.start <= middle < p.stop), Piece(start, stop))
-            pieces.append(replace(piece, start=start, stop=stop, constant=piece.constant + piece.slope * (start - piece.start)))
-        return Motion(self.name.removesuffix(upwards(vertical)) + upwards(vertical), tuple(pieces), vertical)
+            piece = next(
+                (p for p in self.pieces if p.start <= middle < p.stop),
+                Piece(start, stop),
+            )
+            pieces.append(
+                replace(
+                    piece,
+                    start=start,
+                    stop=stop,
+                    constant=piece.constant + piece.slope * (start - piece.start),
+                )
+            )
+        return Motion(
+            self.name.removesuffix(upwards(vertical)) + upwards(vertical),
+            tuple(pieces),
+            vertical,
+        )
 
     def scaled(self, factor: float, name: str | None = None) -> Motion:
-        """Return the motion times a factor, and its vertical one times |factor|; name: by default with the factor. Raises MotionError."""
+        """Return the motion times a factor, and its vertical one times |factor|; name:
+        by default with the factor. Raises MotionError.
+        """
         scaled_name, up = self._scaled_name(factor)
-        return Motion(name or scaled_name, tuple(p.scaled(factor) for p in self.pieces), up)
+        return Motion(
+            name or scaled_name, tuple(p.scaled(factor) for p in self.pieces), up
+        )
 
     def _scaled_name(self, factor: float) -> tuple[str, Motion | None]:
-        own = f"{self.name.removesuffix(upwards(self.vertical))}, times {checked_scale(self.name, factor):g}"
-        up = self.vertical if self.vertical is None or abs(factor) == 1.0 else self.vertical.scaled(abs(factor))
+        own = (
+            f"{self.name.removesuffix(upwards(self.vertical))}, times"
+            f" {checked_scale(self.name, factor):g}"
+        )
+        up = (
+            self.vertical
+            if self.vertical is None or abs(factor) == 1.0
+            else self.vertical.scaled(abs(factor))
+        )
         return own + upwards(up), up
 
     @property
@@ -142,7 +202,9 @@ class Motion:
         return float(max(self.segments.later_max[0], -self.segments.later_min[0]))
 
     def value(self, phase: np.ndarray | float) -> np.ndarray:
-        """Return s [-] at phases [rad] of any shape; at a jump the value after it, outside the motion zero."""
+        """Return s [-] at phases [rad] of any shape; at a jump the value after it,
+        outside the motion zero.
+        """
         phase = np.asarray(phase, dtype=float)
         result = np.zeros_like(phase)
         for piece in self.pieces:
@@ -156,21 +218,43 @@ class Motion:
         return self.cut([extremes(piece) for piece in self.pieces])
 
     def cut(self, inner: Sequence[Sequence[float]]) -> Segments:
-        """Return the segments of the pieces; inner: the phases [rad] of the cuts inside each piece, among them its extremes."""
-        marks = [[piece.start, *within, piece.stop] for piece, within in zip(self.pieces, inner, strict=True)]
+        """Return the segments of the pieces; inner: the phases [rad] of the cuts inside
+        each piece, among them its extremes.
+        """
+        marks = [
+            [piece.start, *within, piece.stop]
+            for piece, within in zip(self.pieces, inner, strict=True)
+        ]
         index = np.repeat(np.arange(len(marks)), [len(m) - 1 for m in marks])
-        start, stop = np.concatenate([m[:-1] for m in marks]), np.concatenate([m[1:] for m in marks])
+        start, stop = (
+            np.concatenate([m[:-1] for m in marks]),
+            np.concatenate([m[1:] for m in marks]),
+        )
         shape = max(len(p.harmonics) for p in self.pieces), start.size
-        sin, cos, frequency, s_start, s_end = np.zeros(shape), np.zeros(shape), np.ones(shape), np.empty(start.size), np.empty(start.size)
+        sin, cos, frequency, s_start, s_end = (
+            np.zeros(shape),
+            np.zeros(shape),
+            np.ones(shape),
+            np.empty(start.size),
+            np.empty(start.size),
+        )
         length = stop - start
         for i, piece in enumerate(self.pieces):
             mine = np.flatnonzero(index == i)
-            s_start[mine], s_end[mine] = _exact_value(piece, start[mine]), _exact_value(piece, stop[mine])
+            s_start[mine], s_end[mine] = (
+                _exact_value(piece, start[mine]),
+                _exact_value(piece, stop[mine]),
+            )
             for j, h in enumerate(piece.harmonics):
                 sin[j, mine], cos[j, mine] = _sin_cos(h, start[mine])
                 frequency[j, mine] = h.frequency
-            if len(piece.harmonics) == 1:  # exact between quarter turns, as the sines: the rounding of phases adds up over many cycles
-                (first, rest), (last, left) = _quarters(h, start[mine]), _quarters(h, stop[mine])
+            # exact between quarter turns, as the sines: the rounding of phases adds up
+            # over many cycles
+            if len(piece.harmonics) == 1:
+                (first, rest), (last, left) = (
+                    _quarters(h, start[mine]),
+                    _quarters(h, stop[mine]),
+                )
                 exact = (rest == 0.0) & (left == 0.0) & (last > first)
                 length[mine[exact]] = (last - first)[exact] * (np.pi / 2) / h.frequency
         return Segments(
@@ -184,19 +268,24 @@ class Motion:
             slope=np.array([p.slope for p in self.pieces])[index],
             joins=np.append(index[1:] == index[:-1], False),
             later_max=largest_from(np.maximum(s_start, s_end)),
-            later_min=0.0 - largest_from(-np.minimum(s_start, s_end)),  # no negative zero
+            later_min=0.0
+            - largest_from(-np.minimum(s_start, s_end)),  # no negative zero
         )
 
 
 def extremes(piece: Piece) -> list[float]:
-    """Return the phases [rad] strictly inside the piece at which s has an extreme, in order."""
+    """Return the phases [rad] strictly inside the piece at which s has an extreme, in
+    order.
+    """
     if not piece.harmonics:
         return []
     if len(piece.harmonics) == 1 and piece.slope == 0.0:
         h = piece.harmonics[0]
         first = np.ceil((h.frequency * piece.start + h.phase) / np.pi - 0.5)
         last = np.floor((h.frequency * piece.stop + h.phase) / np.pi - 0.5)
-        found = (((np.arange(first, last + 1) + 0.5) * np.pi - h.phase) / h.frequency).tolist()
+        found = (
+            ((np.arange(first, last + 1) + 0.5) * np.pi - h.phase) / h.frequency
+        ).tolist()
     else:
         waves = np.array([(h.amplitude, h.frequency, h.phase) for h in piece.harmonics])
         found = isolated_extremes(piece.start, piece.stop, piece.slope, waves).tolist()
@@ -210,26 +299,39 @@ def upwards(vertical: Motion | None) -> str:
 
 
 def checked_scale(name: str, factor: float) -> float:
-    """Return the factor. Raises MotionError if it is zero, not finite or above LARGEST_SCALE."""
+    """Return the factor. Raises MotionError if it is zero, not finite or above
+    LARGEST_SCALE.
+    """
     if 0.0 < abs(factor) <= LARGEST_SCALE:
         return factor
-    raise MotionError(f"motion {name!r}: a scale of {factor:g}; expected a number that is not zero, up to {LARGEST_SCALE:g}")
+    raise MotionError(
+        f"motion {name!r}: a scale of {factor:g}; expected a number that is not zero,"
+        f" up to {LARGEST_SCALE:g}"
+    )
 
 
 def _quarters(h: Harmonic, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(quarter turns, rest [rad]) of the argument of a sinusoid; a rest within rounding is 0."""
+    """(quarter turns, rest [rad]) of the argument of a sinusoid; a rest within rounding
+    is 0.
+    """
     argument = h.frequency * phase + h.phase
     quarter = np.rint(argument / (np.pi / 2))
     rest = argument - quarter * (np.pi / 2)
-    return quarter, np.where(np.abs(rest) < 4e-16 * np.maximum(1.0, np.abs(argument)), 0.0, rest)
+    return quarter, np.where(
+        np.abs(rest) < 4e-16 * np.maximum(1.0, np.abs(argument)), 0.0, rest
+    )
 
 
 def _sin_cos(h: Harmonic, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """C sin and C cos of the argument, exact (0 or 1) at quarter turns, so that 10^4 cycles do not drift."""
+    """C sin and C cos of the argument, exact (0 or 1) at quarter turns, so that 10^4
+    cycles do not drift.
+    """
     quarter, rest = _quarters(h, phase)
     turn = quarter.astype(np.int64) % 4
     sin, cos = np.sin(rest), np.cos(rest)
-    return h.amplitude * np.choose(turn, [sin, cos, -sin, -cos]), h.amplitude * np.choose(turn, [cos, -sin, -cos, sin])
+    return h.amplitude * np.choose(
+        turn, [sin, cos, -sin, -cos]
+    ), h.amplitude * np.choose(turn, [cos, -sin, -cos, sin])
 
 
 def _exact_value(piece: Piece, phase: np.ndarray) -> np.ndarray:

@@ -1,4 +1,6 @@
-"""Motions of straight lines, as arrays: records, and points joined by straight lines. All extremes are at points."""
+"""Motions of straight lines, as arrays: records, and points joined by straight lines.
+All extremes are at points.
+"""
 
 from collections.abc import Sequence
 from functools import cached_property
@@ -12,13 +14,18 @@ from .segments import Samples, Segments, largest_from
 
 Array = np.ndarray
 
-_STRAIGHT = 1e-13  # second difference over the largest s of three points on a line: the rounding of an interpolation
-_ROUNDING = 4e-16  # rounding of equal steps over the duration, and of joined lines over the largest s
+# second difference over the largest s of three points on a line: the rounding of an
+# interpolation
+_STRAIGHT = 1e-13
+# rounding of equal steps over the duration, and of joined lines over the largest s
+_ROUNDING = 4e-16
 
 
 class Polyline(Motion):
-    """Straight lines over contiguous intervals of phase, s = constant + slope (phase - start); start, stop [rad], constant [-], slope
-    [1/rad] of shape (n,), start[0] = 0. Raises MotionError if an interval is empty or a number is not finite."""
+    """Straight lines over contiguous intervals of phase, s = constant + slope (phase -
+    start); start, stop [rad], constant [-], slope [1/rad] of shape (n,), start[0] = 0.
+    Raises MotionError if an interval is empty or a number is not finite.
+    """
 
     start: Array
     stop: Array
@@ -26,24 +33,45 @@ class Polyline(Motion):
     slope: Array
 
     def __init__(
-        self, name: str, start: Array, stop: Array, constant: Array, slope: Array, acceleration: float | None = None,
+        self,
+        name: str,
+        start: Array,
+        stop: Array,
+        constant: Array,
+        slope: Array,
+        acceleration: float | None = None,
         vertical: Motion | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         arrays = {"start": start, "stop": stop, "constant": constant, "slope": slope}
         if not start.size:
-            raise MotionError(f"motion {name!r}: no pieces; a motion needs at least one")
+            raise MotionError(
+                f"motion {name!r}: no pieces; a motion needs at least one"
+            )
         if not all(np.all(np.isfinite(x)) for x in arrays.values()):
             raise MotionError(f"motion {name!r}: holds a number that is not finite")
         if not np.all(stop > start):
-            raise MotionError(f"motion {name!r}: an interval is empty or runs backwards")
-        for key, value in {"name": name, **arrays, "acceleration": acceleration, "vertical": vertical}.items():
+            raise MotionError(
+                f"motion {name!r}: an interval is empty or runs backwards"
+            )
+        for key, value in {
+            "name": name,
+            **arrays,
+            "acceleration": acceleration,
+            "vertical": vertical,
+        }.items():
             object.__setattr__(self, key, value)
 
     @cached_property
     def pieces(self) -> Sequence[Piece]:
         """The intervals as pieces."""
-        rows = zip(*(x.tolist() for x in (self.start, self.stop, self.constant, self.slope)), strict=True)
-        return tuple(Piece(start, stop, (), constant, slope) for start, stop, constant, slope in rows)
+        rows = zip(
+            *(x.tolist() for x in (self.start, self.stop, self.constant, self.slope)),
+            strict=True,
+        )
+        return tuple(
+            Piece(start, stop, (), constant, slope)
+            for start, stop, constant, slope in rows
+        )
 
     @property
     def duration(self) -> float:
@@ -55,16 +83,33 @@ class Polyline(Motion):
         phase = np.asarray(phase, dtype=float)
         i = self._at(phase)
         inside = (phase >= self.start[0]) & (phase < self.stop[-1])
-        return np.where(inside, self.constant[i] + self.slope[i] * (phase - self.start[i]), 0.0)
+        return np.where(
+            inside, self.constant[i] + self.slope[i] * (phase - self.start[i]), 0.0
+        )
 
     def _at(self, phase: Array) -> Array:
-        """The index of the interval that holds each phase [rad], or of the nearest one."""
-        return np.asarray(np.clip(np.searchsorted(self.start, phase, side="right") - 1, 0, self.start.size - 1))
+        """The index of the interval that holds each phase [rad], or of
+        the nearest one.
+        """
+        return np.asarray(
+            np.clip(
+                np.searchsorted(self.start, phase, side="right") - 1,
+                0,
+                self.start.size - 1,
+            )
+        )
 
     def scaled(self, factor: float, name: str | None = None) -> "Polyline":
         """See `Motion.scaled`."""
         scaled_name, up = self._scaled_name(factor)
-        return Polyline(name or scaled_name, self.start, self.stop, factor * self.constant, factor * self.slope, vertical=up)
+        return Polyline(
+            name or scaled_name,
+            self.start,
+            self.stop,
+            factor * self.constant,
+            factor * self.slope,
+            vertical=up,
+        )
 
     @property
     def marks(self) -> Array:
@@ -76,19 +121,26 @@ class Polyline(Motion):
         start, stop = marks[:-1], marks[1:]
         i = self._at(0.5 * (start + stop))
         moves = start < self.stop[-1]
-        constant = np.where(moves, self.constant[i] + self.slope[i] * (start - self.start[i]), 0.0)
+        constant = np.where(
+            moves, self.constant[i] + self.slope[i] * (start - self.start[i]), 0.0
+        )
         slope = np.where(moves, self.slope[i], 0.0)
         name = self.name.removesuffix(upwards(vertical)) + upwards(vertical)
         return Polyline(name, start, stop, constant, slope, self.acceleration, vertical)
 
     @cached_property
     def samples(self) -> Samples | None:
-        """Step and samples; None if intervals are unequal beyond rounding or lines not joined, here or in the vertical motion."""
+        """Step and samples; None if intervals are unequal beyond rounding or lines not
+        joined, here or in the vertical motion.
+        """
         if self.vertical is not None and self.vertical.samples is None:
             return None
         count, last, end = self.start.size, self.duration, self.segments.s_end
         apart = _ROUNDING * largest(self.constant)
-        if not largest(self.start - (last / count) * np.arange(count)) <= _ROUNDING * last:
+        if (
+            not largest(self.start - (last / count) * np.arange(count))
+            <= _ROUNDING * last
+        ):
             return None
         if not largest(end[:-1] - self.constant[1:]) <= apart:
             return None
@@ -96,16 +148,27 @@ class Polyline(Motion):
 
     @cached_property
     def coarsest(self) -> "Polyline":
-        """The same lines in the fewest equal intervals with a point at every kink, without interpolated samples."""
+        """The same lines in the fewest equal intervals with a point at every kink,
+        without interpolated samples.
+        """
         if self.samples is None or self.vertical is not None:
             return self
         s = self.samples.values
-        kinks = np.flatnonzero(np.abs(s[2:] - 2.0 * s[1:-1] + s[:-2]) > _STRAIGHT * largest(s))
+        kinks = np.flatnonzero(
+            np.abs(s[2:] - 2.0 * s[1:-1] + s[:-2]) > _STRAIGHT * largest(s)
+        )
         spacing = int(np.gcd.reduce(np.append(kinks + 1, self.start.size)))
         if spacing == 1:
             return self
         start, stop = self.start[::spacing], self.stop[spacing - 1 :: spacing]
-        return Polyline(self.name, start, stop, s[:-1:spacing], np.diff(s[::spacing]) / (stop - start), self.acceleration)
+        return Polyline(
+            self.name,
+            start,
+            stop,
+            s[:-1:spacing],
+            np.diff(s[::spacing]) / (stop - start),
+            self.acceleration,
+        )
 
     @cached_property
     def segments(self) -> Segments:
@@ -113,7 +176,15 @@ class Polyline(Motion):
         length, none = self.stop - self.start, np.zeros((0, self.start.size))
         end = self.constant + self.slope * length
         return Segments(
-            start=self.start, length=length, s_start=self.constant, s_end=end, sin=none, cos=none, frequency=none, slope=self.slope,
-            joins=np.broadcast_to(np.False_, end.size), later_max=largest_from(np.maximum(self.constant, end)),
+            start=self.start,
+            length=length,
+            s_start=self.constant,
+            s_end=end,
+            sin=none,
+            cos=none,
+            frequency=none,
+            slope=self.slope,
+            joins=np.broadcast_to(np.False_, end.size),
+            later_max=largest_from(np.maximum(self.constant, end)),
             later_min=-largest_from(-np.minimum(self.constant, end)),
-        )  # fmt: skip
+        )

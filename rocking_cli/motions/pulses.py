@@ -1,5 +1,7 @@
-"""The pulses of the literature by name, over phi = omega_g t; for a pulse with a duration, omega_g = 2 pi / duration. A new pulse is
-one line in PULSES, and a function that returns its motion where the line does not hold it."""
+"""The pulses of the literature by name, over phi = omega_g t; for a pulse with a
+duration, omega_g = 2 pi / duration. A new pulse is one line in PULSES, and a function
+that returns its motion where the line does not hold it.
+"""
 
 import math
 from collections.abc import Callable
@@ -12,11 +14,13 @@ from .motion import Harmonic, Motion, Piece
 
 MOST_CYCLES = 100_000
 TURN = 2.0 * np.pi
-_TAIL = 8.5  # a Ricker wavelet and its spectrum are below 1e-13 beyond this distance, in units of x
+# a Ricker wavelet and its spectrum are below 1e-13 beyond this distance, in units of x
+_TAIL = 8.5
 
 
 def sine(cycles: float = 1.0) -> Motion:
-    """sin(phi) for `cycles` cycles, a multiple of 0.5 (section 2 of the paper). Raises MotionError for other values.
+    """sin(phi) for `cycles` cycles, a multiple of 0.5 (section 2 of the paper). Raises
+    MotionError for other values.
 
     >>> sine(cycles=1.5).name
     'sine, 1.5 cycles'
@@ -25,7 +29,8 @@ def sine(cycles: float = 1.0) -> Motion:
 
 
 def cosine(cycles: float = 1.0) -> Motion:
-    """cos(phi) for `cycles` cycles, a multiple of 0.5; it begins with a jump. Raises MotionError for other values.
+    """cos(phi) for `cycles` cycles, a multiple of 0.5; it begins with a jump. Raises
+    MotionError for other values.
 
     >>> cosine().name
     'cosine, 1 cycle'
@@ -34,11 +39,20 @@ def cosine(cycles: float = 1.0) -> Motion:
 
 
 def ricker(antisymmetric: bool = False) -> Motion:
-    """Return the symmetric Ricker wavelet (1 - x^2) exp(-x^2/2), x = (phi - phi_0)/sqrt(2), or its derivative x (x^2 - 3) exp(-x^2/2),
-    x = (phi - phi_0)/sqrt(3), over its largest value, as 23 sinusoids (to 1e-13). omega_g is the predominant frequency."""
-    unit, x2, harmonics = math.sqrt(3.0 if antisymmetric else 2.0), 3.0 - math.sqrt(6.0), []
+    """Return the symmetric Ricker wavelet (1 - x^2) exp(-x^2/2), x = (phi -
+    phi_0)/sqrt(2), or its derivative x (x^2 - 3) exp(-x^2/2), x = (phi -
+    phi_0)/sqrt(3), over its largest value, as 23 sinusoids (to 1e-13). omega_g is the
+    predominant frequency.
+    """
+    unit, x2, harmonics = (
+        math.sqrt(3.0 if antisymmetric else 2.0),
+        3.0 - math.sqrt(6.0),
+        [],
+    )
     largest = math.sqrt(x2) * (3.0 - x2) * math.exp(-0.5 * x2)
-    for n in range(1, int(_TAIL * _TAIL / np.pi) + 1):  # the Fourier series on |x| <= _TAIL
+    for n in range(
+        1, int(_TAIL * _TAIL / np.pi) + 1
+    ):  # the Fourier series on |x| <= _TAIL
         k = n * np.pi / _TAIL
         factor, quarter = (-k / largest, 0.0) if antisymmetric else (1.0, 0.5 * np.pi)
         amplitude = math.sqrt(TURN) / _TAIL * k * k * math.exp(-0.5 * k * k) * factor
@@ -48,16 +62,33 @@ def ricker(antisymmetric: bool = False) -> Motion:
 
 
 def mavroeidis_papageorgiou(gamma: float = 2.0, phase: float = 0.0) -> Motion:
-    """Return the near-fault pulse of Mavroeidis and Papageorgiou (2003), scaled to a largest acceleration of 1. Its velocity is
-    cos(phi' + phase) (1 + cos(phi'/gamma))/2, phi' = phi - pi gamma; gamma >= 1, duration over period; phase [rad]. Raises MotionError."""
+    """Return the near-fault pulse of Mavroeidis and Papageorgiou (2003), scaled to a
+    largest acceleration of 1. Its velocity is cos(phi' + phase) (1 +
+    cos(phi'/gamma))/2, phi' = phi - pi gamma; gamma >= 1, duration over period; phase
+    [rad]. Raises MotionError.
+    """
     if not 1.0 <= gamma <= MOST_CYCLES:
-        raise MotionError(f"mavroeidis-papageorgiou pulse: gamma is {gamma:g}; expected a number from 1 to {MOST_CYCLES}")
+        raise MotionError(
+            f"mavroeidis-papageorgiou pulse: gamma is {gamma:g}; expected a number from"
+            f" 1 to {MOST_CYCLES}"
+        )
     if not math.isfinite(phase):
-        raise MotionError(f"mavroeidis-papageorgiou pulse: phase is {phase:g}; expected an angle in rad")
-    parts = [(0.5, 1.0), (0.25 * (1.0 + 1.0 / gamma), 1.0 + 1.0 / gamma), (0.25 * (1.0 - 1.0 / gamma), 1.0 - 1.0 / gamma)]
+        raise MotionError(
+            f"mavroeidis-papageorgiou pulse: phase is {phase:g}; expected an angle"
+            " in rad"
+        )
+    parts = [
+        (0.5, 1.0),
+        (0.25 * (1.0 + 1.0 / gamma), 1.0 + 1.0 / gamma),
+        (0.25 * (1.0 - 1.0 / gamma), 1.0 - 1.0 / gamma),
+    ]
 
     def pieces(largest: float) -> tuple[Piece, ...]:
-        turned = [Harmonic(-c / largest, w, math.remainder(phase - w * np.pi * gamma, TURN)) for c, w in parts if c > 0.0]
+        turned = [
+            Harmonic(-c / largest, w, math.remainder(phase - w * np.pi * gamma, TURN))
+            for c, w in parts
+            if c > 0.0
+        ]
         return (Piece(0.0, TURN * gamma, tuple(turned)),)
 
     name = f"Mavroeidis-Papageorgiou, gamma {gamma:g}, phase {phase:g}"
@@ -67,8 +98,14 @@ def mavroeidis_papageorgiou(gamma: float = 2.0, phase: float = 0.0) -> Motion:
 def _trigonometric(name: str, cycles: float, phase: float) -> Motion:
     halves = 2.0 * cycles
     if not (1.0 <= halves <= 2.0 * MOST_CYCLES and halves == np.rint(halves)):
-        raise MotionError(f"{name} pulse: cycles is {cycles:g}; expected a positive multiple of 0.5 up to {MOST_CYCLES}")
-    return Motion(f"{name}, {cycles:g} cycle{'' if cycles == 1 else 's'}", (Piece(0.0, halves * np.pi, (Harmonic(1.0, 1.0, phase),)),))
+        raise MotionError(
+            f"{name} pulse: cycles is {cycles:g}; expected a positive multiple of 0.5"
+            f" up to {MOST_CYCLES}"
+        )
+    return Motion(
+        f"{name}, {cycles:g} cycle{'' if cycles == 1 else 's'}",
+        (Piece(0.0, halves * np.pi, (Harmonic(1.0, 1.0, phase),)),),
+    )
 
 
 PULSES: dict[str, Callable[..., Motion]] = {
@@ -77,7 +114,10 @@ PULSES: dict[str, Callable[..., Motion]] = {
     "half-sine": lambda: Motion("half sine", (Piece(0.0, np.pi, (Harmonic(1.0),)),)),
     "rectangular": lambda: Motion("rectangular", (Piece(0.0, TURN, constant=1.0),)),
     # For t_p, then for 2 t_p: the impulse of Fig. 7c, which leaves no ground velocity.
-    "rectangular-impulse": lambda: Motion("rectangular impulse", (Piece(0.0, TURN, (), 1.0), Piece(TURN, 3.0 * TURN, (), -0.5))),
+    "rectangular-impulse": lambda: Motion(
+        "rectangular impulse",
+        (Piece(0.0, TURN, (), 1.0), Piece(TURN, 3.0 * TURN, (), -0.5)),
+    ),
     "ricker-symmetric": lambda: ricker(),
     "ricker-antisymmetric": lambda: ricker(antisymmetric=True),
     "mavroeidis-papageorgiou": mavroeidis_papageorgiou,
@@ -85,7 +125,8 @@ PULSES: dict[str, Callable[..., Motion]] = {
 
 
 def pulse(name: str, **parameters: float) -> Motion:
-    """Return the pulse of a name with its parameters (`cycles`, or `gamma` and `phase`). Raises MotionError for other names or parameters.
+    """Return the pulse of a name with its parameters (`cycles`, or `gamma` and
+    `phase`). Raises MotionError for other names or parameters.
 
     >>> pulse('mavroeidis-papageorgiou', gamma=2.0, phase=0.5).name
     'Mavroeidis-Papageorgiou, gamma 2, phase 0.5'
@@ -93,9 +134,15 @@ def pulse(name: str, **parameters: float) -> Motion:
     try:
         make = PULSES[name]
     except KeyError:
-        raise MotionError(f"unknown pulse {name!r}; expected {', '.join(PULSES)}{did_you_mean(name, PULSES)}") from None
+        raise MotionError(
+            f"unknown pulse {name!r}; expected"
+            f" {', '.join(PULSES)}{did_you_mean(name, PULSES)}"
+        ) from None
     known = list(signature(make).parameters)
     for key in parameters:
         if key not in known:
-            raise MotionError(f"{name} pulse: takes no {key}" + (f"; expected {' and '.join(known)}" if known else ""))
+            raise MotionError(
+                f"{name} pulse: takes no {key}"
+                + (f"; expected {' and '.join(known)}" if known else "")
+            )
     return make(**parameters)

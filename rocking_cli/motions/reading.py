@@ -1,4 +1,6 @@
-"""Reads and scales the motions and records of files; the content of a file shows which of the two it holds."""
+"""Reads and scales the motions and records of files; the content of a file shows which
+of the two it holds.
+"""
 
 import io
 import math
@@ -17,33 +19,58 @@ from .intensity import intensity
 from .motion import Motion
 from .motion_document import build_motion
 from .recording import Recording, with_distinct_labels
-from .records import Record, is_record, pick, records_of, require_column, require_unit, unknown, unpacked
+from .records import (
+    Record,
+    is_record,
+    pick,
+    records_of,
+    require_column,
+    require_unit,
+    unknown,
+    unpacked,
+)
 from .records.record import chosen, names_of, record_motion, vertical_of
 from .records.text import HEAD, as_utf_8
 from .response_spectra import mean_acceleration, periods_of
 
 Taken = TypeVar("Taken")
 
-LONG, _BYTES = 5_000_000, 200  # a record with so many samples gets a remark on memory; bytes for each sample
-MEASURES = {"PGA": "acceleration", "PGV": "velocity", "PGD": "length", "Arias": "velocity", "CAV": "velocity"}  # dimensions by name
+LONG, _BYTES = (
+    5_000_000,
+    200,
+)  # a record with so many samples gets a remark on memory; bytes for each sample
+MEASURES = {
+    "PGA": "acceleration",
+    "PGV": "velocity",
+    "PGD": "length",
+    "Arias": "velocity",
+    "CAV": "velocity",
+}  # dimensions by name
 
 
 class MotionChoices(TypedDict, total=False):
-    """Choices for the motion of a file; all but `scale` and `tell` apply to records only."""
+    """Choices for the motion of a file; all but `scale` and `tell` apply to records
+    only.
+    """
 
     component: str | None  # by name or number from 1
     unit: str | None  # of plain numbers
     dt: float | None  # time step of plain numbers [s]
-    column: str | None  # of plain numbers, from 1; `all` where each line goes on from the last
+    column: (
+        str | None
+    )  # of plain numbers, from 1; `all` where each line goes on from the last
     scale: float | None  # factor, which may be negative
     scale_to: str | None  # instead of `scale`, such as `PGA=0.35g`
-    vertical: float | None  # factor of the vertical component of the file, which is added
+    vertical: (
+        float | None
+    )  # factor of the vertical component of the file, which is added
     tell: Callable[[str], None] | None  # called with each remark
 
 
 def read_motion(path: str | Path, **given: Unpack[MotionChoices]) -> Motion:
-    """Return the motion of a motion document or a record; path `-` is standard input. Raises UsageError if the file cannot be read or
-    a choice does not apply, and DocumentError.
+    """Return the motion of a motion document or a record; path `-` is standard input.
+    Raises UsageError if the file cannot be read or a choice does not apply, and
+    DocumentError.
 
     >>> read_motion('configs/motions/two_pulses.yaml').name
     'Two pulses'
@@ -60,18 +87,27 @@ def read_motion(path: str | Path, **given: Unpack[MotionChoices]) -> Motion:
 
 
 def read_motions(
-    paths: Sequence[str], *, unread: Callable[[str], None] | None = None, **given: Unpack[MotionChoices]
+    paths: Sequence[str],
+    *,
+    unread: Callable[[str], None] | None = None,
+    **given: Unpack[MotionChoices],
 ) -> Motion | tuple[Recording, ...]:
-    """Return the motion of a single document, or the records of a set (see `record_files`). unread: called with each file of a
-    directory that cannot be read (None: an error). component may also be `horizontal`, `all`, or None for each horizontal one of each
-    file. Raises as `read_motion`, and UsageError without a record."""
+    """Return the motion of a single document, or the records of a set (see
+    `record_files`). unread: called with each file of a directory that cannot be read
+    (None: an error). component may also be `horizontal`, `all`, or None for each
+    horizontal one of each file. Raises as `read_motion`, and UsageError without a
+    record.
+    """
     tell = given.get("tell") or (lambda text: None)
 
     def take(records: list[Record]) -> list[Recording]:
         return _recordings(records, chosen(records, given.get("component")), given)
 
     try:
-        found = [_scaled(r, given) for r in read_set(paths, take, **_stated(given), tell=tell, unread=unread)]
+        found = [
+            _scaled(r, given)
+            for r in read_set(paths, take, **_stated(given), tell=tell, unread=unread)
+        ]
     except NoRecord as error:
         if len(paths) > 1 or error.source not in (paths[0], STDIN):
             raise DocumentError(f"{error}; a set holds records only") from None
@@ -82,47 +118,81 @@ def read_motions(
 
 
 def load_records(
-    paths: str | Path | Sequence[str | Path], *, unread: Callable[[str], None] | None = None, **given: Unpack[MotionChoices]
+    paths: str | Path | Sequence[str | Path],
+    *,
+    unread: Callable[[str], None] | None = None,
+    **given: Unpack[MotionChoices],
 ) -> tuple[Recording, ...]:
-    """Return the records of a folder, of files, or of lists of files, as `read_motions`. Raises UsageError for a document.
+    """Return the records of a folder, of files, or of lists of files, as
+    `read_motions`. Raises UsageError for a document.
 
     >>> (record,) = load_records('configs/motions/synthetic.at2', scale=0.5)
     >>> record.label, round(record.acceleration, 3)
     ('synthetic', 1.962)
     """
-    found = read_motions([str(x) for x in ([paths] if isinstance(paths, str | Path) else paths)], unread=unread, **given)
+    found = read_motions(
+        [str(x) for x in ([paths] if isinstance(paths, str | Path) else paths)],
+        unread=unread,
+        **given,
+    )
     if isinstance(found, Motion):
-        raise UsageError(f"{found.name}: a motion document; expected records (read_motion takes both)")
+        raise UsageError(
+            f"{found.name}: a motion document; expected records (read_motion takes"
+            " both)"
+        )
     return found
 
 
 def holds_records(path: str) -> bool:
-    """True if a path is a record (by its content), a directory or a list of files; False for standard input."""
+    """True if a path is a record (by its content), a directory or a list of files;
+    False for standard input.
+    """
     if path == "-" or not os.path.exists(path):
         return False
-    return os.path.isdir(path) or (os.path.isfile(path) and (is_record(path) or next(record_files([path]))[0] != path))
+    return os.path.isdir(path) or (
+        os.path.isfile(path)
+        and (is_record(path) or next(record_files([path]))[0] != path)
+    )
 
 
-def _recordings(records: list[Record], taken: Sequence[Record], given: MotionChoices) -> list[Recording]:
-    """Recordings of the records `taken`, each with the vertical one among `records` of the file if its factor is given."""
+def _recordings(
+    records: list[Record], taken: Sequence[Record], given: MotionChoices
+) -> list[Recording]:
+    """Recordings of the records `taken`, each with the vertical one among `records` of
+    the file if its factor is given.
+    """
     vertical = given.get("vertical")
-    up = None if vertical is None else Upwards(record_motion(vertical_of(records)), vertical)
+    up = (
+        None
+        if vertical is None
+        else Upwards(record_motion(vertical_of(records)), vertical)
+    )
     return [Recording(record, upwards=up) for record in taken]
 
 
 def _scaled(recording: Recording, given: MotionChoices) -> Recording:
     """The recording with its factor, after its remarks are told."""
-    record, scale, scale_to = recording.record, given.get("scale"), given.get("scale_to")
+    record, scale, scale_to = (
+        recording.record,
+        given.get("scale"),
+        given.get("scale_to"),
+    )
     if tell := given.get("tell"):
         for remark in record.remarks:
             tell(f"{record.source}: {remark}")
         if record.npts >= LONG:
             gigabytes = _BYTES * record.npts / 1e9
-            tell(f"{record.source}: {record.npts:,} samples; a response to them takes about {gigabytes:.2g} GB of memory")
+            tell(
+                f"{record.source}: {record.npts:,} samples; a response to them takes"
+                f" about {gigabytes:.2g} GB of memory"
+            )
     if scale_to is None:
         return recording if scale is None else replace(recording, factor=scale)
     if scale not in (None, -1.0):
-        raise UsageError("found both `scale` and `scale_to`; expected one of them, or both with a scale of -1, which reverses a record")
+        raise UsageError(
+            "found both `scale` and `scale_to`; expected one of them, or both with a"
+            " scale of -1, which reverses a record"
+        )
     return replace(recording, factor=factor_to(record, scale_to) * (scale or 1.0))
 
 
@@ -132,37 +202,66 @@ def _of_document(source: str, raw: bytes, given: MotionChoices) -> Motion:
     except DocumentError as error:
         raise DocumentError(f"{error}, or a record of a known format") from None
     if len(documents) > 1:
-        raise DocumentError(f"{documents[1].place}: a second document; a motion file holds one")
+        raise DocumentError(
+            f"{documents[1].place}: a second document; a motion file holds one"
+        )
     motion, scale = build_motion(documents[0]), given.get("scale")
     for name in ("component", "unit", "dt", "column", "scale_to", "vertical"):
         if given.get(name) is not None:
-            raise UsageError(f"{source}: found a motion document; `{name}` applies to a record only")
+            raise UsageError(
+                f"{source}: found a motion document; `{name}` applies to a record only"
+            )
     return motion if scale is None else motion.scaled(scale)
 
 
 def factor_to(record: Record, text: str) -> float:
-    """Return the factor that scales a record to a measure, such as PGA=0.35g. Raises UsageError."""
+    """Return the factor that scales a record to a measure, such as PGA=0.35g. Raises
+    UsageError.
+    """
     name, equals, value = (x.strip() for x in text.partition("="))
     spectral = periods_of(name)
-    measure = next((m for m in MEASURES if m.casefold() == name.casefold()), None) if spectral is None else spectral[0]
+    measure = (
+        next((m for m in MEASURES if m.casefold() == name.casefold()), None)
+        if spectral is None
+        else spectral[0]
+    )
     if measure is None or not equals:
         known = f"{', '.join(MEASURES)}, SA(T) and AvgSA(T)"
-        raise UsageError(f"`scale_to`: found {text!r}; expected MEASURE=VALUE, such as PGA=0.35g, with one of {known}")
-    wanted = quantity_at(f"`scale_to` {measure}", value, MEASURES.get(measure, "acceleration"))
-    own = float(getattr(intensity(record), measure.casefold())) if spectral is None else mean_acceleration(record, spectral[1])
+        raise UsageError(
+            f"`scale_to`: found {text!r}; expected MEASURE=VALUE, such as PGA=0.35g,"
+            f" with one of {known}"
+        )
+    wanted = quantity_at(
+        f"`scale_to` {measure}", value, MEASURES.get(measure, "acceleration")
+    )
+    own = (
+        float(getattr(intensity(record), measure.casefold()))
+        if spectral is None
+        else mean_acceleration(record, spectral[1])
+    )
     if not own > 0.0:
-        raise UsageError(f"`scale_to`: the record has a {measure} of {own:g}; expected a non-zero {measure}")
+        raise UsageError(
+            f"`scale_to`: the record has a {measure} of {own:g}; expected a non-zero"
+            f" {measure}"
+        )
     if not wanted > 0.0:
-        raise UsageError(f"`scale_to`: found {text!r}; expected a positive intensity; a scale of -1 reverses a record")
+        raise UsageError(
+            f"`scale_to`: found {text!r}; expected a positive intensity; a scale of -1"
+            " reverses a record"
+        )
     ratio = wanted / own
     return math.sqrt(ratio) if measure == "Arias" else ratio
 
 
 class NoRecord(DocumentError):
-    """A file that is no record, with its content; quoted: the error quotes its beginning."""
+    """A file that is no record, with its content; quoted: the error quotes its
+    beginning.
+    """
 
     def __init__(self, source: str, raw: bytes, quoted: bool) -> None:
-        super().__init__(unknown(source, raw) if quoted else f"{source}: no record format")
+        super().__init__(
+            unknown(source, raw) if quoted else f"{source}: no record format"
+        )
         self.source, self.raw = source, raw
 
 
@@ -175,7 +274,9 @@ class Stated(TypedDict):
 
 
 def _stated(given: MotionChoices) -> Stated:
-    return Stated(unit=given.get("unit"), dt=given.get("dt"), column=given.get("column"))
+    return Stated(
+        unit=given.get("unit"), dt=given.get("dt"), column=given.get("column")
+    )
 
 
 def read_set(
@@ -188,40 +289,66 @@ def read_set(
     tell: Callable[[str], None],
     unread: Callable[[str], None] | None = None,
 ) -> Iterator[Taken]:
-    """Yield the results of the function `take` on the records of each file (see `record_files`); unit, dt [s], column: of plain numbers.
-    tell: called for each file without results and, in a directory, without a record, acceleration or the component; unread: for each file
-    of a directory that cannot be read or taken (None: an error). Raises UsageError, DocumentError and the errors of `take`."""
+    """Yield the results of the function `take` on the records of each file (see
+    `record_files`); unit, dt [s], column: of plain numbers. tell: called for each file
+    without results and, in a directory, without a record, acceleration or the
+    component; unread: for each file of a directory that cannot be read or taken (None:
+    an error). Raises UsageError, DocumentError and the errors of `take`.
+    """
     require_unit(unit)
     require_column(column)
     for path, named, held in record_files(paths):
         try:
             source, raw = held or read_bytes(path)
-            records = records_of(source, raw, unit=unit, dt=dt, column=column, named=named)
+            records = records_of(
+                source, raw, unit=unit, dt=dt, column=column, named=named
+            )
             if records is None:
-                raise NoRecord(source, raw, quoted=path in paths)  # a list may name a file that its reader may not see
+                raise NoRecord(
+                    source, raw, quoted=path in paths
+                )  # a list may name a file that its reader may not see
             taken = take(records)
             if not taken:
-                tell(f"{source}: holds {names_of(records)} and no horizontal component; left out, `component` all takes it")
+                tell(
+                    f"{source}: holds {names_of(records)} and no horizontal component;"
+                    " left out, `component` all takes it"
+                )
         except (NoAcceleration, NoComponent, NoRecord) as error:
             if named:
                 raise
-            tell(f"{path}: left out, no record format" if isinstance(error, NoRecord) else f"{error}; left out")
+            tell(
+                f"{path}: left out, no record format"
+                if isinstance(error, NoRecord)
+                else f"{error}; left out"
+            )
         except (DocumentError, UsageError) as error:
             if named or unread is None:
                 raise
-            unread(f"{'' if str(error).startswith(path) else f'{path}: '}{error}; left out")
+            unread(
+                f"{'' if str(error).startswith(path) else f'{path}: '}{error}; left out"
+            )
         else:
             yield from taken
 
 
-def record_files(paths: Sequence[str]) -> Iterator[tuple[str, bool, tuple[str, bytes] | None]]:
-    """Yield (path, True if the user or a list names it, (source, content) of standard input, else None) of each file of a set. A
-    directory gives its files by name; a list file has a path on each line, relative to its folder; any other path is the file itself.
-    Raises UsageError."""
+def record_files(
+    paths: Sequence[str],
+) -> Iterator[tuple[str, bool, tuple[str, bytes] | None]]:
+    """Yield (path, True if the user or a list names it, (source, content) of standard
+    input, else None) of each file of a set. A directory gives its files by name; a list
+    file has a path on each line, relative to its folder; any other path is the file
+    itself. Raises UsageError.
+    """
     for path in paths:
         if path != "-" and os.path.isdir(path):
-            inside = sorted(os.path.join(path, name) for name in os.listdir(path) if not name.startswith("."))
-            files = [x for x in inside if os.path.isfile(x) or not os.path.exists(x)]  # reading reports a link to nothing
+            inside = sorted(
+                os.path.join(path, name)
+                for name in os.listdir(path)
+                if not name.startswith(".")
+            )
+            files = [
+                x for x in inside if os.path.isfile(x) or not os.path.exists(x)
+            ]  # reading reports a link to nothing
             if not files:
                 raise UsageError(f"{path}: a directory without files")
             yield from ((x, False, None) for x in files)
@@ -232,11 +359,15 @@ def record_files(paths: Sequence[str]) -> Iterator[tuple[str, bool, tuple[str, b
             elif os.path.isfile(path):
                 with open(path, "rb") as file:
                     names = _listed(file, os.path.dirname(path))
-            yield from ((x, True, None) for x in names) if names else [(path, True, held)]
+            yield from (
+                ((x, True, None) for x in names) if names else [(path, True, held)]
+            )
 
 
 def _listed(file: BinaryIO, folder: str) -> list[str]:
-    """The files that a list names, one on each line; none if the first does not exist, so it is no list."""
+    """The files that a list names, one on each line; none if the first does not exist,
+    so it is no list.
+    """
     raw = file.read(HEAD)
     names = _names(as_utf_8(raw), folder)
     if b"\0" in as_utf_8(raw) or not names or not os.path.isfile(names[0]):
@@ -245,5 +376,12 @@ def _listed(file: BinaryIO, folder: str) -> list[str]:
 
 
 def _names(raw: bytes, folder: str) -> list[str]:
-    lines = (line.strip().strip('"') for line in raw.decode("utf-8", "surrogateescape").splitlines())
-    return [os.path.join(folder, line) for line in lines if line and not line.startswith("#")]
+    lines = (
+        line.strip().strip('"')
+        for line in raw.decode("utf-8", "surrogateescape").splitlines()
+    )
+    return [
+        os.path.join(folder, line)
+        for line in lines
+        if line and not line.startswith("#")
+    ]

@@ -18,7 +18,9 @@ from .records.record import Record, record_motion
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """A record times a factor, which may be negative, named in a set by its label. Raises MotionError for a zero record or a bad factor."""
+    """A record times a factor, which may be negative, named in a set by its label.
+    Raises MotionError for a zero record or a bad factor.
+    """
 
     record: Record
     factor: float = 1.0
@@ -26,7 +28,11 @@ class Recording:
     upwards: Upwards | None = None
 
     def __post_init__(self) -> None:
-        label = (self.label or self.record.label).encode("utf-8", "backslashreplace").decode()  # file names may not be valid text
+        label = (
+            (self.label or self.record.label)
+            .encode("utf-8", "backslashreplace")
+            .decode()
+        )  # file names may not be valid text
         object.__setattr__(self, "label", label)
         checked_scale(self.record.label, self.factor)
         if not np.any(self.record.acceleration):
@@ -43,24 +49,38 @@ class Recording:
         return intensity(self.record)
 
     def times(self, factor: float) -> Self:
-        """Return the recording times a positive factor, which also scales its vertical motion."""
-        up = None if self.upwards is None else replace(self.upwards, scale=self.upwards.scale * factor)
+        """Return the recording times a positive factor, which also scales its vertical
+        motion.
+        """
+        up = (
+            None
+            if self.upwards is None
+            else replace(self.upwards, scale=self.upwards.scale * factor)
+        )
         return replace(self, factor=self.factor * factor, upwards=up)
 
     @property
     def motion(self) -> Motion:
-        """The motion in its own time (omega_g = 1 rad/s). Only the last two motions are kept in memory."""
+        """The motion in its own time (omega_g = 1 rad/s). Only the last two motions are
+        kept in memory.
+        """
         return _motion(self)
 
     def identity(self) -> list[Any]:
-        """The data on which a result depends: label, hash of the file, component, dt [s], unit in the file, factor, vertical motion."""
+        """The data on which a result depends: label, hash of the file, component, dt
+        [s], unit in the file, factor, vertical motion.
+        """
         r, up = self.record, [] if self.upwards is None else [self.upwards.identity()]
         return [self.label, r.sha256, r.component, r.dt, r.unit, self.factor, *up]
 
 
 @lru_cache(maxsize=2)
 def _motion(recording: Recording) -> Motion:
-    across = record_motion(recording.record, recording.factor, recording.label + ", times -1" * (recording.factor < 0.0))
+    across = record_motion(
+        recording.record,
+        recording.factor,
+        recording.label + ", times -1" * (recording.factor < 0.0),
+    )
     return across if recording.upwards is None else recording.upwards(across)
 
 
@@ -70,7 +90,9 @@ def with_distinct_labels(recordings: Sequence[Recording]) -> tuple[Recording, ..
     taken = set(times)
     for r in recordings:
         if times[r.label] > 1:
-            label = next(name for n in count(1) if (name := f"{r.label} ({n})") not in taken)  # a file may have such a name
+            label = next(
+                name for n in count(1) if (name := f"{r.label} ({n})") not in taken
+            )  # a file may have such a name
             taken.add(label)
             r = replace(r, label=label)
         found.append(r)

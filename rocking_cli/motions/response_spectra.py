@@ -1,11 +1,14 @@
-"""Elastic response spectra of records, and the intensity measures that are read from them.
+"""Elastic response spectra of records, and the intensity measures that are read from
+them.
 
-The displacement u of an oscillator with circular frequency w and damping xi under straight lines a(t) has z = u' - conj(s) u,
-s = w (-xi + i sqrt(1 - xi^2)), with z' = s z - a, and so an exact recurrence from sample to sample (Nigam and Jennings 1969):
+The displacement u of an oscillator with circular frequency w and damping xi under
+straight lines a(t) has z = u' - conj(s) u, s = w (-xi + i sqrt(1 - xi^2)), with z' = s
+z - a, and so an exact recurrence from sample to sample (Nigam and Jennings 1969):
 
     z(h) = E z - a0 (E - 1)/s - (a1 - a0) (E - 1 - s h)/(s^2 h),   E = exp(s h),   u = Im z / Im s
 
-S_d is the largest |u| at any time, also between the samples and after the record; S_a = w^2 S_d is the pseudo-acceleration.
+S_d is the largest |u| at any time, also between the samples and after the record; S_a =
+w^2 S_d is the pseudo-acceleration.
 """
 
 import math
@@ -21,27 +24,42 @@ from .records import Record
 Array = np.ndarray
 
 DAMPING = 0.05  # of a spectrum that states none, and of measures
-_STEPS = 12  # in the shortest period, at least: then a step holds one turning point of u
+_STEPS = (
+    12  # in the shortest period, at least: then a step holds one turning point of u
+)
 _SIZE = 1 << 21  # samples times periods that are computed at once
 _FINEST = 1 << 24  # samples, to which a short period cuts the steps of a record
 _NAME = re.compile(r"(SA|AvgSA)(?:\((.*)\))?", re.IGNORECASE)
 
 
-def displacement_spectrum(record: Record, periods: Sequence[float] | Array, damping: float = DAMPING) -> Array:
-    """Return S_d [m] of the unscaled record at periods [s], (n,). Raises UsageError for bad periods or damping, and for periods that
-    would cut the record into more than 2^24 samples.
+def displacement_spectrum(
+    record: Record, periods: Sequence[float] | Array, damping: float = DAMPING
+) -> Array:
+    """Return S_d [m] of the unscaled record at periods [s], (n,). Raises UsageError for
+    bad periods or damping, and for periods that would cut the record into more than
+    2^24 samples.
 
     >>> displacement_spectrum(read_record('configs/motions/synthetic.at2'), [0.5, 1.0]).round(4).tolist()
     [0.0621, 0.367]
     """
     periods = np.asarray(periods, dtype=float)
-    if not (periods.ndim == 1 and periods.size and np.all(np.isfinite(periods)) and np.all(periods > 0.0)):
+    if not (
+        periods.ndim == 1
+        and periods.size
+        and np.all(np.isfinite(periods))
+        and np.all(periods > 0.0)
+    ):
         raise UsageError("`periods`: expected one or more positive times in s")
     if not 0.0 <= damping < 1.0:
-        raise UsageError(f"`damping`: found {damping:g}; expected a number from 0 to below 1")
+        raise UsageError(
+            f"`damping`: found {damping:g}; expected a number from 0 to below 1"
+        )
     shortest = min(record.dt, record.dt * _STEPS * record.npts / _FINEST)
     if np.any(periods < shortest):
-        raise UsageError(f"`periods`: found {periods.min():g} s; expected times from {shortest:.3g} s for {record.name}")
+        raise UsageError(
+            f"`periods`: found {periods.min():g} s; expected times from {shortest:.3g}"
+            f" s for {record.name}"
+        )
     found, order = np.empty(periods.size), np.argsort(periods)
     while order.size:
         finer = max(1, math.ceil(record.dt * _STEPS / periods[order[0]]))
@@ -50,46 +68,73 @@ def displacement_spectrum(record: Record, periods: Sequence[float] | Array, damp
     return found
 
 
-def acceleration_spectrum(record: Record, periods: Sequence[float] | Array, damping: float = DAMPING) -> Array:
-    """S_a = (2 pi/T)^2 S_d [m/s2], the pseudo-acceleration of the unscaled record; arguments and errors as `displacement_spectrum`.
+def acceleration_spectrum(
+    record: Record, periods: Sequence[float] | Array, damping: float = DAMPING
+) -> Array:
+    """S_a = (2 pi/T)^2 S_d [m/s2], the pseudo-acceleration of the unscaled record;
+    arguments and errors as `displacement_spectrum`.
 
     >>> acceleration_spectrum(read_record('configs/motions/synthetic.at2'), [0.5, 1.0]).round(3).tolist()
     [9.803, 14.488]
     """
-    return (2.0 * math.pi / np.asarray(periods)) ** 2 * displacement_spectrum(record, periods, damping)
+    return (2.0 * math.pi / np.asarray(periods)) ** 2 * displacement_spectrum(
+        record, periods, damping
+    )
 
 
 def periods_of(name: str) -> tuple[str, Array] | None:
-    """Return the name and the periods [s] of SA(T), AvgSA(T1) (ten from 0.2 to 1.5 T1; by default 1 s) or AvgSA(T, T, ...), None for
-    another measure. Raises UsageError for a period that is not positive."""
+    """Return the name and the periods [s] of SA(T), AvgSA(T1) (ten from 0.2 to 1.5 T1;
+    by default 1 s) or AvgSA(T, T, ...), None for another measure. Raises UsageError for
+    a period that is not positive.
+    """
     if (match := _NAME.fullmatch(name.strip())) is None:
         return None
-    mean, text = match[1].casefold() != "sa", match[2] or ("1" if match[1].casefold() != "sa" else "")
+    mean, text = (
+        match[1].casefold() != "sa",
+        match[2] or ("1" if match[1].casefold() != "sa" else ""),
+    )
     try:
         periods = np.array([parse_quantity(part, "time") for part in text.split(",")])
     except ValueError as error:
-        raise UsageError(f"{name}: found {text!r} for a period; expected {error}") from None
+        raise UsageError(
+            f"{name}: found {text!r} for a period; expected {error}"
+        ) from None
     if not np.all(periods > 0.0) or (periods.size > 1 and not mean):
-        raise UsageError(f"{name}: expected {'positive periods' if mean else 'one positive period'} in s, as in SA(1.0) or AvgSA(0.5,1)")
+        raise UsageError(
+            f"{name}: expected {'positive periods' if mean else 'one positive period'}"
+            " in s, as in SA(1.0) or AvgSA(0.5,1)"
+        )
     name = f"{'AvgSA' if mean else 'SA'}({','.join(f'{x:g}' for x in periods)})"
-    return name, periods[0] * np.linspace(0.2, 1.5, 10) if mean and periods.size == 1 else periods
+    return name, (
+        periods[0] * np.linspace(0.2, 1.5, 10)
+        if mean and periods.size == 1
+        else periods
+    )
 
 
 def mean_acceleration(record: Record, periods: Array) -> float:
-    """Return the geometric mean of S_a [m/s2] over the periods, at 5 % damping; 0 for a record that is zero."""
+    """Return the geometric mean of S_a [m/s2] over the periods, at 5 % damping; 0 for a
+    record that is zero.
+    """
     found = acceleration_spectrum(record, periods)
     return float(np.exp(np.log(found).mean())) if np.all(found > 0.0) else 0.0
 
 
 def _largest(record: Record, finer: int, w: Array, damping: float) -> Array:
-    """max |u| [m] of oscillators of frequency w [rad/s], with each step of the record cut into `finer` equal ones."""
+    """max |u| [m] of oscillators of frequency w [rad/s], with each step of the record
+    cut into `finer` equal ones.
+    """
     steps = finer * (record.npts - 1)
-    a = np.interp(np.arange(steps + 1) / finer, np.arange(record.npts), record.acceleration)[:, None]
+    a = np.interp(
+        np.arange(steps + 1) / finer, np.arange(record.npts), record.acceleration
+    )[:, None]
     h, s = record.dt / finer, w * complex(-damping, math.sqrt(1.0 - damping**2))
     z = np.zeros((steps + 1, w.size), dtype=complex)
     z[1:] = -a[:-1] * _gain(s, h) - np.diff(a, axis=0) * _rise(s, h)
     factor, reach = np.exp(s * h), 1
-    while reach <= steps:  # sums of all that came before, over twice as many steps each time
+    while (
+        reach <= steps
+    ):  # sums of all that came before, over twice as many steps each time
         z[reach:] += factor * z[:-reach]
         factor, reach = factor * factor, 2 * reach
     u, v = z.imag / s.imag, z.real - damping * w * z.imag / s.imag
@@ -98,10 +143,21 @@ def _largest(record: Record, finer: int, w: Array, damping: float) -> Array:
     a0, slope, oscillator, wi = a[k, 0], (a[k + 1, 0] - a[k, 0]) / h, s[i], w[i]
     t = h * v[k, i] / (v[k, i] - v[k + 1, i])
     for _ in range(4):  # Newton's method for u' = 0
-        there = np.exp(oscillator * t) * z[k, i] - a0 * _gain(oscillator, t) - slope * t * _rise(oscillator, t)
-        displacement, speed = there.imag / oscillator.imag, there.real - damping * wi * there.imag / oscillator.imag
-        acceleration = -2.0 * damping * wi * speed - wi**2 * displacement - a0 - slope * t
-        t = np.clip(t - speed / np.where(acceleration == 0.0, np.inf, acceleration), 0.0, h)
+        there = (
+            np.exp(oscillator * t) * z[k, i]
+            - a0 * _gain(oscillator, t)
+            - slope * t * _rise(oscillator, t)
+        )
+        displacement, speed = (
+            there.imag / oscillator.imag,
+            there.real - damping * wi * there.imag / oscillator.imag,
+        )
+        acceleration = (
+            -2.0 * damping * wi * speed - wi**2 * displacement - a0 - slope * t
+        )
+        t = np.clip(
+            t - speed / np.where(acceleration == 0.0, np.inf, acceleration), 0.0, h
+        )
     np.maximum.at(most, i, np.abs(displacement))
     turn = np.mod(-np.angle(z[-1] * s), math.pi) / s.imag  # the first after the record
     return np.maximum(most, np.abs((z[-1] * np.exp(s * turn)).imag) / s.imag)
@@ -116,4 +172,8 @@ def _rise(s: Array, h: Array | float) -> Array:
     x = s * h
     small = np.abs(x) < 1e-3
     safe = np.where(x == 0.0, 1.0, x)
-    return h * np.where(small, 0.5 + x / 6.0 + x * x / 24.0 + x**3 / 120.0, (np.expm1(x) - x) / (safe * safe))
+    return h * np.where(
+        small,
+        0.5 + x / 6.0 + x * x / 24.0 + x**3 / 120.0,
+        (np.expm1(x) - x) / (safe * safe),
+    )

@@ -1,4 +1,6 @@
-"""Segments: a motion cut at the extremes of s, as arrays; s is monotone on a segment."""
+"""Segments: a motion cut at the extremes of s, as arrays; s is monotone
+on a segment.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
@@ -13,7 +15,9 @@ from .sinusoids import Table, table_of
 
 @dataclass(frozen=True)
 class Wave:
-    """Segments with a single sinusoid in rising form: sign (s - offset) = radius sin(angle + w u), u the phase from the start [rad]."""
+    """Segments with a single sinusoid in rising form: sign (s - offset) = radius
+    sin(angle + w u), u the phase from the start [rad].
+    """
 
     sign: np.ndarray
     offset: np.ndarray
@@ -23,10 +27,13 @@ class Wave:
 
 @dataclass(frozen=True)
 class Segments:
-    """The K monotone segments of a motion, arrays of shape (K,), or (harmonics, K) for sin, cos and frequency. start, length [rad];
-    s_start, s_end: s at the ends, inside the segment; sin, cos: of each sinusoid at the start, times its amplitude; frequency: over
-    omega_g; slope [1/rad]; joins: True if the next segment is of the same piece; later_max, later_min: largest and least s from the segment
-    on, 0 for the ground at rest."""
+    """The K monotone segments of a motion, arrays of shape (K,), or (harmonics, K) for
+    sin, cos and frequency. start, length [rad]; s_start, s_end: s at the ends, inside
+    the segment; sin, cos: of each sinusoid at the start, times its amplitude;
+    frequency: over omega_g; slope [1/rad]; joins: True if the next segment is of the
+    same piece; later_max, later_min: largest and least s from the segment on, 0 for the
+    ground at rest.
+    """
 
     start: np.ndarray
     length: np.ndarray
@@ -60,86 +67,152 @@ class Segments:
 
     @property
     def weighed(self) -> Any:
-        """The segments of a motion under which the weight varies (`dynamics.weighed_drive`); None where it is constant."""
+        """The segments of a motion under which the weight varies
+        (`dynamics.weighed_drive`); None where it is constant.
+        """
         return None
 
-    def weight(self, _side: np.ndarray, _amplitude: np.ndarray, _k: np.ndarray, _u: np.ndarray) -> np.ndarray | float:
-        """Return the weight over m g at phase u of segment k, 1 under a motion without a vertical part."""
+    def weight(
+        self, _side: np.ndarray, _amplitude: np.ndarray, _k: np.ndarray, _u: np.ndarray
+    ) -> np.ndarray | float:
+        """Return the weight over m g at phase u of segment k, 1 under a motion without
+        a vertical part.
+        """
         return 1.0
 
-    def force_at_impact(self, _side: np.ndarray, _amplitude: np.ndarray, _k: np.ndarray, _u: np.ndarray, b: np.ndarray) -> np.ndarray:
-        """Return the force on bodies at theta = 0; b: the same force for a constant weight."""
+    def force_at_impact(
+        self,
+        _side: np.ndarray,
+        _amplitude: np.ndarray,
+        _k: np.ndarray,
+        _u: np.ndarray,
+        b: np.ndarray,
+    ) -> np.ndarray:
+        """Return the force on bodies at theta = 0; b: the same force for a constant
+        weight.
+        """
         return b
 
     def ended(self, k: np.ndarray) -> np.ndarray:
         """True where the motion is over at the start of segment k."""
         return k >= len(self)
 
-    def strongest_inward(self, side: np.ndarray, amplitude: np.ndarray, k: np.ndarray) -> np.ndarray:
-        """Return the strongest inward drive from segment k on, over the least weight from there on; infinite if that is not positive."""
+    def strongest_inward(
+        self, side: np.ndarray, amplitude: np.ndarray, k: np.ndarray
+    ) -> np.ndarray:
+        """Return the strongest inward drive from segment k on, over the least weight
+        from there on; infinite if that is not positive.
+        """
         return amplitude * np.where(side > 0.0, self.later_max[k], -self.later_min[k])
 
     def followed_by_rest(self, length: float) -> "Segments":
-        """Return the same motion, then the ground at rest for a phase of this length [rad]."""
+        """Return the same motion, then the ground at rest for a phase of this length
+        [rad].
+        """
         end = self.start[-1] + self.length[-1]
         lasts = {"start": end, "length": length, "frequency": 1.0, "joins": False}
-        return Segments(**{f.name: followed_by(getattr(self, f.name), lasts.get(f.name, 0.0)) for f in fields(Segments)})
+        return Segments(
+            **{
+                f.name: followed_by(getattr(self, f.name), lasts.get(f.name, 0.0))
+                for f in fields(Segments)
+            }
+        )
 
     @cached_property
     def _blocks(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(largest s, largest -s, first index of each level j) over blocks of 2^j segments, up to a single block."""
+        """(largest s, largest -s, first index of each level j) over blocks of 2^j
+        segments, up to a single block.
+        """
         found, levels = [], list[np.ndarray]()
-        for values in (np.maximum(self.s_start, self.s_end), np.maximum(-self.s_start, -self.s_end)):
+        for values in (
+            np.maximum(self.s_start, self.s_end),
+            np.maximum(-self.s_start, -self.s_end),
+        ):
             levels = [values]
             while levels[-1].size > 1:
-                levels.append(np.maximum.reduceat(levels[-1], np.arange(0, levels[-1].size, 2)))
+                levels.append(
+                    np.maximum.reduceat(levels[-1], np.arange(0, levels[-1].size, 2))
+                )
             found.append(np.concatenate(levels))
         return found[0], found[1], np.cumsum([0, *map(len, levels)])
 
-    def next_beyond(self, k: np.ndarray, above: np.ndarray, below: np.ndarray) -> np.ndarray:
-        """Return the first segment from k on with s > above or -s > below; K if there is none; shape of k."""
+    def next_beyond(
+        self, k: np.ndarray, above: np.ndarray, below: np.ndarray
+    ) -> np.ndarray:
+        """Return the first segment from k on with s > above or -s > below; K if there
+        is none; shape of k.
+        """
         high, low, start = self._blocks
         found = np.full(k.shape, len(self))
         lanes = np.flatnonzero(k < len(self))
-        at, above, below, level = k[lanes], above[lanes], below[lanes], np.zeros(lanes.size, dtype=np.int64)
-        while lanes.size:  # to larger blocks while no value is large, then down into the first block with a large value
+        at, above, below, level = (
+            k[lanes],
+            above[lanes],
+            below[lanes],
+            np.zeros(lanes.size, dtype=np.int64),
+        )
+        # to larger blocks while no value is large, then down into the first block with
+        # a large value
+        while lanes.size:
             block = start[level] + (at >> level)
             loud = (high[block] > above) | (low[block] > below)
             over = ((at >> level) + 1) << level
-            level = np.where(loud, level - 1, np.where((over >> level) & 1, level, np.minimum(level + 1, start.size - 2)))
+            level = np.where(
+                loud,
+                level - 1,
+                np.where(
+                    (over >> level) & 1, level, np.minimum(level + 1, start.size - 2)
+                ),
+            )
             at = np.where(loud, at, over)
             done = (level < 0) | (at >= len(self))
             if done.any():
                 here = level < 0
                 found[lanes[here]] = at[here]
                 going = ~done
-                lanes, at, above, below, level = lanes[going], at[going], above[going], below[going], level[going]
+                lanes, at, above, below, level = (
+                    lanes[going],
+                    at[going],
+                    above[going],
+                    below[going],
+                    level[going],
+                )
         return found
 
     @cached_property
     def wave(self) -> Wave:
-        """The sinusoids of the segments; only for a motion with one harmonic and no slope."""
+        """The sinusoids of the segments; only for a motion with one harmonic and no
+        slope.
+        """
         s, c = self.sin[0], self.cos[0]
         sign = np.where(self.s_end > self.s_start, 1.0, -1.0)
-        return Wave(sign, self.s_start - s, s * s + c * c, np.arctan2(sign * s, sign * c))
+        return Wave(
+            sign, self.s_start - s, s * s + c * c, np.arctan2(sign * s, sign * c)
+        )
 
     @cached_property
     def table(self) -> Table | None:
-        """The segments as polynomials; None if the motion has at most one sinusoid and no slope, or if the table is too large."""
+        """The segments as polynomials; None if the motion has at most one sinusoid and
+        no slope, or if the table is too large.
+        """
         if self.harmonics == 0 or (self.harmonics == 1 and not self.sloped):
             return None
         return table_of(self)
 
     @cached_property
     def variation(self) -> np.ndarray:
-        """The total variation of s from the end of each segment until the ground is at rest, (K,)."""
+        """The total variation of s from the end of each segment until the ground is at
+        rest, (K,).
+        """
         start, to = np.append(self.s_start[1:], 0.0), np.append(self.s_end[1:], 0.0)
         return np.cumsum((np.abs(start - self.s_end) + np.abs(to - start))[::-1])[::-1]
 
     @cached_property
     def largest_later(self) -> np.ndarray:
         """The largest |s| after the end of each segment, (K,)."""
-        return np.append(largest_from(np.maximum(np.abs(self.s_start), np.abs(self.s_end)))[1:], 0.0)
+        return np.append(
+            largest_from(np.maximum(np.abs(self.s_start), np.abs(self.s_end)))[1:], 0.0
+        )
 
     @cached_property
     def largest(self) -> float:
@@ -157,12 +230,16 @@ class Segments:
     def steepest(self) -> tuple[float, float]:
         """Bounds of |ds/dphase| [1/rad] and |d2s/dphase2| [1/rad2]."""
         size, w = np.hypot(self.sin, self.cos), self.frequency
-        return float(((size * w).sum(axis=0) + np.abs(self.slope)).max()), float((size * w * w).sum(axis=0).max())
+        return float(((size * w).sum(axis=0) + np.abs(self.slope)).max()), float(
+            (size * w * w).sum(axis=0).max()
+        )
 
 
 @dataclass(frozen=True)
 class Chain(Segments):
-    """The segments of several motions behind one another, each followed by still ground without an end; first: of each motion."""
+    """The segments of several motions behind one another, each followed by still ground
+    without an end; first: of each motion.
+    """
 
     first: np.ndarray
 
@@ -170,26 +247,41 @@ class Chain(Segments):
     def of(cls, motions: Sequence[Segments]) -> "Chain":
         """Return the chain of these motions."""
         rested = [one.followed_by_rest(np.inf) for one in motions]
-        columns = {f.name: np.concatenate([getattr(one, f.name) for one in rested], axis=-1) for f in fields(Segments)}
+        columns = {
+            f.name: np.concatenate([getattr(one, f.name) for one in rested], axis=-1)
+            for f in fields(Segments)
+        }
         return cls(**columns, first=np.cumsum([0, *map(len, rested[:-1])]))
 
     @cached_property
     def _still(self) -> np.ndarray:
         """The still ground behind the motion of each segment, (K + 1,)."""
-        return np.append(np.repeat(np.append(self.first[1:], len(self)) - 1, np.diff(self.first, append=len(self))), 0)
+        return np.append(
+            np.repeat(
+                np.append(self.first[1:], len(self)) - 1,
+                np.diff(self.first, append=len(self)),
+            ),
+            0,
+        )
 
     def ended(self, k: np.ndarray) -> np.ndarray:
         """True also on the still ground between two motions."""
         return np.asarray(k >= self._still.take(k))
 
-    def next_beyond(self, k: np.ndarray, above: np.ndarray, below: np.ndarray) -> np.ndarray:
-        """Return the first such segment within the motion of segment k, as `Segments.next_beyond` does."""
+    def next_beyond(
+        self, k: np.ndarray, above: np.ndarray, below: np.ndarray
+    ) -> np.ndarray:
+        """Return the first such segment within the motion of segment k, as
+        `Segments.next_beyond` does.
+        """
         found = super().next_beyond(k, above, below)
         return np.where(found < self._still.take(k), found, len(self))
 
 
 class Samples(NamedTuple):
-    """Straight lines over equal steps: the step [rad] and s at the ends of the steps, (steps + 1,)."""
+    """Straight lines over equal steps: the step [rad] and s at the ends of the steps,
+    (steps + 1,).
+    """
 
     step: float
     values: np.ndarray
@@ -202,4 +294,6 @@ def largest_from(values: np.ndarray) -> np.ndarray:
 
 def followed_by(values: np.ndarray, last: float | bool) -> np.ndarray:
     """Return the array with one more value at the end of its last axis."""
-    return np.concatenate([values, np.full((*values.shape[:-1], 1), last, dtype=values.dtype)], axis=-1)
+    return np.concatenate(
+        [values, np.full((*values.shape[:-1], 1), last, dtype=values.dtype)], axis=-1
+    )

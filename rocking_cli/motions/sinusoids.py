@@ -1,14 +1,19 @@
-"""Sums of sinusoids and a ramp: their extremes, and Taylor polynomials, which are faster than a sine and a cosine for each sinusoid.
+"""Sums of sinusoids and a ramp: their extremes, and Taylor polynomials, which are
+faster than a sine and a cosine for each sinusoid.
 
-The search misses no extreme, however close two are. An interval of half width d about m is tested with the Taylor series of r = ds/dphase,
-T_n = r^(n)(m) d^n/n!, whose remainder follows from |r^(n)| <= sum_j |C_j| w_j^(n+1), and is halved if it passes no test:
+The search misses no extreme, however close two are. An interval of half width d about m
+is tested with the Taylor series of r = ds/dphase, T_n = r^(n)(m) d^n/n!, whose
+remainder follows from |r^(n)| <= sum_j |C_j| w_j^(n+1), and is halved if it passes no
+test:
 
     free      |T_0| > sum_{n>=1} |T_n|               r has no root
     monotone  |T_1| > sum_{n>=2} n |T_n|             r has one root or none; its signs at the ends decide
     flat      sum |T_n| below rounding               s is constant
 
-Ends at which r is zero within rounding decide nothing: an inflection, or two extremes about 1e-7 apart, between which s is constant in
-double precision. On a patch of half width d the remainder of a polynomial, sum_j |C_j| (w_j d)^(n+1)/(n+1)!, is below rounding.
+Ends at which r is zero within rounding decide nothing: an inflection, or two extremes
+about 1e-7 apart, between which s is constant in double precision. On a patch of half
+width d the remainder of a polynomial, sum_j |C_j| (w_j d)^(n+1)/(n+1)!, is below
+rounding.
 """
 
 import math
@@ -27,9 +32,14 @@ _MOST_PATCHES = 50_000  # above it there is no table
 
 
 def isolated_extremes(start: float, stop: float, slope: float, waves: Array) -> Array:
-    """Return the phases [rad] of the extremes of s; slope: of the ramp [1/rad]; waves: amplitude, frequency, phase [rad], (sinusoids,
-    3)."""
-    edges = np.linspace(start, stop, math.ceil((stop - start) * waves[:, 1].max() / (2.0 * math.pi) * _CELLS) + 2)
+    """Return the phases [rad] of the extremes of s; slope: of the ramp [1/rad]; waves:
+    amplitude, frequency, phase [rad], (sinusoids, 3).
+    """
+    edges = np.linspace(
+        start,
+        stop,
+        math.ceil((stop - start) * waves[:, 1].max() / (2.0 * math.pi) * _CELLS) + 2,
+    )
     low, high = edges[:-1], edges[1:]
     ends = [edges]
     n = np.arange(float(_TERMS))[:, None]
@@ -44,7 +54,10 @@ def isolated_extremes(start: float, stop: float, slope: float, waves: Array) -> 
             break
         middle = 0.5 * (low[open_] + high[open_])
         ends.append(middle)
-        low, high = np.concatenate([low[open_], middle]), np.concatenate([middle, high[open_]])
+        low, high = (
+            np.concatenate([low[open_], middle]),
+            np.concatenate([middle, high[open_]]),
+        )
     at = np.unique(np.concatenate(ends))
     terms, _, rounding = _series(slope, waves, at, at)
     at, rises = (x[np.abs(terms[0]) > rounding[0]] for x in (at, terms[0] > 0.0))
@@ -52,10 +65,18 @@ def isolated_extremes(start: float, stop: float, slope: float, waves: Array) -> 
     return _bisected(slope, waves, at[change], at[change + 1])
 
 
-def _series(slope: float, waves: Array, low: Array, high: Array) -> tuple[Array, Array, Array]:
-    """T_n (terms, intervals); bound of the remainder (intervals); bound of rounding in r and r' d (2, intervals)."""
+def _series(
+    slope: float, waves: Array, low: Array, high: Array
+) -> tuple[Array, Array, Array]:
+    """T_n (terms, intervals); bound of the remainder (intervals); bound of rounding in
+    r and r' d (2, intervals).
+    """
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
-    terms, rest, rounding = np.zeros((_TERMS, middle.size)), np.zeros(middle.size), np.zeros((2, middle.size))
+    terms, rest, rounding = (
+        np.zeros((_TERMS, middle.size)),
+        np.zeros(middle.size),
+        np.zeros((2, middle.size)),
+    )
     terms[0] = slope
     for amplitude, w, f in waves:
         argument, x = w * middle + f, w * half
@@ -72,11 +93,15 @@ def _series(slope: float, waves: Array, low: Array, high: Array) -> tuple[Array,
 
 
 def _bisected(slope: float, waves: Array, low: Array, high: Array) -> Array:
-    """Phases [rad] where ds/dphase changes its sign between two ends, to the last bit."""
+    """Phases [rad] where ds/dphase changes its sign between two ends, to
+    the last bit.
+    """
     amplitude, w, f = waves.T[:, :, None]
 
     def rises(phase: Array) -> Array:
-        return np.asarray((amplitude * w * np.cos(w * phase + f)).sum(axis=0) + slope >= 0.0)
+        return np.asarray(
+            (amplitude * w * np.cos(w * phase + f)).sum(axis=0) + slope >= 0.0
+        )
 
     sign = rises(low)
     for _ in range(_HALVINGS if low.size else 0):
@@ -88,8 +113,10 @@ def _bisected(slope: float, waves: Array, low: Array, high: Array) -> Array:
 
 @dataclass(frozen=True)
 class Table:
-    """The polynomials of K segments in P patches: first and last patch of a segment and half width of its patches [rad], (K,); terms:
-    coefficients of the powers of (u - centre)/half, (DEGREE + 1, P)."""
+    """The polynomials of K segments in P patches: first and last patch of a segment and
+    half width of its patches [rad], (K,); terms: coefficients of the powers of (u -
+    centre)/half, (DEGREE + 1, P).
+    """
 
     first: Array
     last: Array
@@ -97,7 +124,9 @@ class Table:
     terms: Array
 
     def change_at(self, k: Array, u: Array) -> tuple[Array, Array, Array]:
-        """Return s - s_start and its derivatives at phase u [rad] from the start of segment k."""
+        """Return s - s_start and its derivatives at phase u [rad] from the start of
+        segment k.
+        """
         half = self.half[k]
         x = 0.5 * u / half
         patch = x.astype(np.int64)
@@ -107,7 +136,11 @@ class Table:
         x -= 1.0
         patch += self.first[k]
         rows = self.terms.take(patch, axis=1)
-        value, rate, second_derivative = rows[-1].copy(), np.zeros(x.shape), np.zeros(x.shape)
+        value, rate, second_derivative = (
+            rows[-1].copy(),
+            np.zeros(x.shape),
+            np.zeros(x.shape),
+        )
         for row in rows[-2::-1]:  # Horner's rule for the value and both derivatives
             second_derivative *= x
             second_derivative += rate
@@ -125,12 +158,19 @@ class Table:
 def table_of(segments: Any) -> Table | None:
     """Return the table of `Segments`; None if the table would be too large."""
     size, w = np.hypot(segments.sin, segments.cos), segments.frequency  # (harmonics, K)
-    length = np.where(np.isinf(segments.length), 1.0, segments.length)  # ground that stays at rest has polynomials of zeros
+    length = np.where(
+        np.isinf(segments.length), 1.0, segments.length
+    )  # ground that stays at rest has polynomials of zeros
     largest = max(segments.later_max[0], -segments.later_min[0])
-    counts, over = np.ones(segments.length.size, dtype=np.int64), float(np.prod(np.arange(2.0, DEGREE + 2.0)))
+    counts, over = (
+        np.ones(segments.length.size, dtype=np.int64),
+        float(np.prod(np.arange(2.0, DEGREE + 2.0))),
+    )
     for _ in range(64):
         half = 0.5 * length / counts
-        wide = (size * (w * half) ** (DEGREE + 1)).sum(axis=0) > 1e-17 * largest * over  # the remainder
+        wide = (size * (w * half) ** (DEGREE + 1)).sum(
+            axis=0
+        ) > 1e-17 * largest * over  # the remainder
         if not wide.any():
             break
         counts[wide] = counts[wide] * 5 // 4 + 1
@@ -142,12 +182,16 @@ def table_of(segments: Any) -> Table | None:
     first = last - counts + 1
     centre = (2.0 * (np.arange(k.size) - first[k]) + 1.0) * half[k]
     terms = np.zeros((DEGREE + 1, k.size))
-    for s, c, f in zip(segments.sin[:, k], segments.cos[:, k], segments.frequency[:, k], strict=True):
+    for s, c, f in zip(
+        segments.sin[:, k], segments.cos[:, k], segments.frequency[:, k], strict=True
+    ):
         sin, cos = np.sin(f * centre), np.cos(f * centre)
         now, grows = s * cos + c * sin, c * cos - s * sin
         factor = np.ones(k.size)
         for n in range(DEGREE + 1):
-            terms[n] += factor * (now - s if n == 0 else (now, grows, -now, -grows)[n % 4])
+            terms[n] += factor * (
+                now - s if n == 0 else (now, grows, -now, -grows)[n % 4]
+            )
             factor *= f * half[k] / (n + 1)
     terms[0] += segments.slope[k] * centre
     terms[1] += segments.slope[k] * half[k]

@@ -1,6 +1,7 @@
 """Figures of spectra files and of the CSV tables that the commands write.
 
-A new figure is one file with a function of figure, rows and units, and one line in TABLES.
+A new figure is one file with a function of figure, rows and units, and one line in
+TABLES.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,7 +21,11 @@ from .figures.capacities import checked
 from .figures.characters import place_of
 from .figures.curves import accuracy, closed_forms, comparison, family, response
 from .figures.envelopes import bands
-from .figures.fragility_curves import fragility_curves, overturning_spectra, two_measures
+from .figures.fragility_curves import (
+    fragility_curves,
+    overturning_spectra,
+    two_measures,
+)
 from .figures.maps import outcome_map
 from .figures.phase import phase
 from .figures.slices import of_record, record_spectra, slice_of, spectrum_lines
@@ -28,30 +33,54 @@ from .rows import Rows, rows_of
 from .units import Units
 
 Kind = tuple[set[str], Callable[[Figure, Rows, Units], list[Axes]]]
-DRAWN = "check, envelope, response, compare (curves), params (a family), fragility (curves, cells) or accuracy"
+DRAWN = (
+    "check, envelope, response, compare (curves), params (a family), fragility (curves,"
+    " cells) or accuracy"
+)
 
 
 def draw(
-    source: str | Path | Sequence[str | Path], target: str | Path | Axes, *, structure: str | None = None, cut: str | None = None,
-    every: bool = False, over: str | None = None, log: str = "", units: Units | None = None, look: Look | None = None,
-    portrait: bool = False, body: Document | None = None, align: bool = False, overwrite: bool = True,
+    source: str | Path | Sequence[str | Path],
+    target: str | Path | Axes,
+    *,
+    structure: str | None = None,
+    cut: str | None = None,
+    every: bool = False,
+    over: str | None = None,
+    log: str = "",
+    units: Units | None = None,
+    look: Look | None = None,
+    portrait: bool = False,
+    body: Document | None = None,
+    align: bool = False,
+    overwrite: bool = True,
     tell: Callable[[str], None] | None = None,
-) -> str | Axes | None:  # fmt: skip
-    """Draw a file into a PNG, SVG or PDF; for a slice, return a sentence that states its value. Or into Axes, which are returned.
+) -> str | Axes | None:
+    """Draw a file into a PNG, SVG or PDF; for a slice, return a sentence that states
+    its value. Or into Axes, which are returned.
 
-    source: a spectra file, or CSV (`-`: standard input), or the CSV of several responses; structure: name of the structure or record of
-    a map, None for the first; cut: a slice of a spectra file, such as `Omega=5` or `f_g=1.5`; every: a panel for each structure; over:
-    the abscissa of a family, `KEY` or `KEY/KEY`; log: x, y or xy; units: None for g and Hz; portrait: the phase portrait of a response;
-    body: the structure of its separatrix, None for the block with its p and alpha; align: the time of each response counts from its
-    largest rotation; tell: called with the characters that the font lacks. Raises UsageError for another file or nothing to draw, and
-    OutputError.
+    source: a spectra file, or CSV (`-`: standard input), or the CSV of several
+    responses; structure: name of the structure or record of a map, None for the first;
+    cut: a slice of a spectra file, such as `Omega=5` or `f_g=1.5`; every: a panel for
+    each structure; over: the abscissa of a family, `KEY` or `KEY/KEY`; log: x, y or xy;
+    units: None for g and Hz; portrait: the phase portrait of a response; body: the
+    structure of its separatrix, None for the block with its p and alpha; align: the
+    time of each response counts from its largest rotation; tell: called with the
+    characters that the font lacks. Raises UsageError for another file or nothing to
+    draw, and OutputError.
 
     >>> _ = write_spectrum([dimensionless_oscillator(0.9)], sine(), parse_grid('A=1:8:50,Omega=4:5:2'), 'd.h5', workers=1)
     >>> draw('d.h5', 'slice.svg', cut='Omega=5')
     'slice at Omega = 5, the nearest of the file'
     """
-    sources = [Path(x) for x in ([source] if isinstance(source, str | Path) else source)]
-    source, shown, remark = sources[0], Units({**FIGURE_UNITS.chosen, **(units.chosen if units else {})}), None
+    sources = [
+        Path(x) for x in ([source] if isinstance(source, str | Path) else source)
+    ]
+    source, shown, remark = (
+        sources[0],
+        Units({**FIGURE_UNITS.chosen, **(units.chosen if units else {})}),
+        None,
+    )
     instead = "; `text` needs nothing" if is_spectra_file(source) else ""
     place: Any
     if isinstance(target, str | Path):
@@ -66,13 +95,28 @@ def draw(
                     axes = [figure.add_subplot()]
                     spectrum_lines(axes[0], found, shown)
                     name, unit, factor = shown.column(found.where)
-                    remark = f"slice at {name} = {found.value / factor:.6g} {unit}".rstrip() + ", the nearest of the file"
+                    remark = (
+                        f"slice at {name} = {found.value / factor:.6g} {unit}".rstrip()
+                        + ", the nearest of the file"
+                    )
                 else:
                     axes = _places(figure, file, structure, every, shown)
         else:
-            axes = _table(figure, str(source), _rows(sources), shown, over, partial(phase, body=body) if portrait else None, align)
-        lines = [np.asarray(line.get_xydata()) for one in axes for line in one.get_lines()]
-        if not any(one.collections or one.patches for one in axes) and not any(np.isfinite(x).all(axis=1).any() for x in lines):
+            axes = _table(
+                figure,
+                str(source),
+                _rows(sources),
+                shown,
+                over,
+                partial(phase, body=body) if portrait else None,
+                align,
+            )
+        lines = [
+            np.asarray(line.get_xydata()) for one in axes for line in one.get_lines()
+        ]
+        if not any(one.collections or one.patches for one in axes) and not any(
+            np.isfinite(x).all(axis=1).any() for x in lines
+        ):
             raise UsageError(f"{source}: holds nothing to draw")
         for one in axes:
             one.set(**{f"{axis}scale": "log" for axis in log})
@@ -96,19 +140,33 @@ class OneAxes:
         return self._axes
 
     def subplots(self, down: int = 1, across: int = 1, **_: Any) -> np.ndarray:
-        """Return the Axes in an array. Raises UsageError if the drawing needs several panels."""
+        """Return the Axes in an array. Raises UsageError if the drawing needs several
+        panels.
+        """
         if down * across > 1:
-            raise UsageError(f"found a drawing of {down * across} panels; expected one, or a file as target")
+            raise UsageError(
+                f"found a drawing of {down * across} panels; expected one, or a file as"
+                " target"
+            )
         return np.array([[self._axes]])
 
 
 def _rows(sources: Sequence[Path]) -> Rows:
-    """Return the rows of one CSV, or of several responses with the names of their files. Raises UsageError."""
+    """Return the rows of one CSV, or of several responses with the names of their
+    files. Raises UsageError.
+    """
     if len(sources) == 1:
         return rows_of(str(sources[0]))
-    found = [{SOURCE: source.stem, **row} for source in sources for row in rows_of(str(source))]
+    found = [
+        {SOURCE: source.stem, **row}
+        for source in sources
+        for row in rows_of(str(source))
+    ]
     if len({tuple(row) for row in found}) > 1 or not _is_response(found[0]):
-        raise UsageError(f"{', '.join(map(str, sources))}: expected one file, or several CSV of rocking response with the same columns")
+        raise UsageError(
+            f"{', '.join(map(str, sources))}: expected one file, or several CSV of"
+            " rocking response with the same columns"
+        )
     return found
 
 
@@ -117,8 +175,12 @@ def is_spectra_file(source: Path) -> bool:
     return source.suffix.lower() in (".h5", ".hdf5", ".nc", ".part")
 
 
-def _places(figure: Figure, file: SpectraFile, name: str | None, every: bool, units: Units) -> list[Axes]:
-    """Draw the map of one structure or record, or of all with `every`; records over structures as lines, over alpha and T as quantiles."""
+def _places(
+    figure: Figure, file: SpectraFile, name: str | None, every: bool, units: Units
+) -> list[Axes]:
+    """Draw the map of one structure or record, or of all with `every`; records over
+    structures as lines, over alpha and T as quantiles.
+    """
     names, *both = file.frame.dimensions.values()
     if "alpha" in file.frame.dimensions and name is None and not every:
         return record_spectra(figure, file, units)
@@ -130,9 +192,16 @@ def _places(figure: Figure, file: SpectraFile, name: str | None, every: bool, un
         if of_structures:
             spectrum_lines(one, of_record(file, place), units)
         else:
-            entries |= {entry.get_label(): entry for entry in outcome_map(one, file, place, units)}
+            entries |= {
+                entry.get_label(): entry
+                for entry in outcome_map(one, file, place, units)
+            }
     if entries:
-        figure.legend(handles=list(entries.values()), loc="outside lower center", ncols=min(3, len(entries)))
+        figure.legend(
+            handles=list(entries.values()),
+            loc="outside lower center",
+            ncols=min(3, len(entries)),
+        )
     return axes
 
 
@@ -146,7 +215,9 @@ TABLES: tuple[Kind, ...] = (
     ({"pga", "pgv_pga", "outcome"}, two_measures),
     ({"p", "pga_ratio_16", "pga_ratio_50", "pga_ratio_84"}, overturning_spectra),
 )
-"""Columns and figure of each table; the first entry whose columns are all there applies."""
+"""Columns and figure of each table; the first entry whose columns are all there
+applies.
+"""
 
 
 def _is_response(row: dict[str, str]) -> bool:
@@ -154,13 +225,25 @@ def _is_response(row: dict[str, str]) -> bool:
 
 
 def _table(
-    figure: Figure, source: str, rows: Rows, units: Units, over: str | None, portrait: Callable[..., list[Axes]] | None, align: bool
+    figure: Figure,
+    source: str,
+    rows: Rows,
+    units: Units,
+    over: str | None,
+    portrait: Callable[..., list[Axes]] | None,
+    align: bool,
 ) -> list[Axes]:
     there = set(rows[0])
     if "event" in there:
-        raise UsageError(f"{source}: found events; expected the time history, which rocking response prints without them")
+        raise UsageError(
+            f"{source}: found events; expected the time history, which rocking response"
+            " prints without them"
+        )
     try:
-        if any(heading.startswith(curves.VARIED) for heading in there) and there & {"first_overturning_a", "A_from"}:
+        if any(heading.startswith(curves.VARIED) for heading in there) and there & {
+            "first_overturning_a",
+            "A_from",
+        }:
             return curves.least_amplitudes(figure, rows, units, over)
         if portrait is not None or align or _is_response(rows[0]):
             return (portrait or partial(response, align=align))(figure, rows, units)
@@ -172,4 +255,7 @@ def _table(
     except (ValueError, TypeError, KeyError) as error:
         raise UsageError(f"{source}: cannot be drawn: {error}") from None
     found = ", ".join(sorted(there))[:80]
-    raise UsageError(f"{source}: found the columns {found}; expected the CSV table of one of these commands: {DRAWN}")
+    raise UsageError(
+        f"{source}: found the columns {found}; expected the CSV table of one of these"
+        f" commands: {DRAWN}"
+    )

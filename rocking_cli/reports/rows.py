@@ -16,25 +16,38 @@ Rows = list[dict[str, str]]
 
 
 def rows_of(source: str) -> Rows:
-    """Return the rows of a CSV file, or of JSON Lines without summaries; `-` is standard input. Raises UsageError for others or no rows."""
+    """Return the rows of a CSV file, or of JSON Lines without summaries; `-` is
+    standard input. Raises UsageError for others or no rows.
+    """
     try:
         name, raw = read_bytes(source)
         text = text_of(name, raw)
         if text.lstrip().startswith("{"):
             found = [json.loads(line) for line in text.splitlines() if line.strip()]
-            rows = [{k: "" if v is None else str(v) for k, v in row.items()} for row in found if row.get("event") != "summary"]
+            rows = [
+                {k: "" if v is None else str(v) for k, v in row.items()}
+                for row in found
+                if row.get("event") != "summary"
+            ]
         else:
             table = table_of(text, name)
-            rows = [_in_si(dict(zip(table.headings, cells, strict=True))) for _, cells in table.full_rows()]
+            rows = [
+                _in_si(dict(zip(table.headings, cells, strict=True)))
+                for _, cells in table.full_rows()
+            ]
     except (DocumentError, ValueError) as error:
-        raise UsageError(f"{source}: neither a spectra file nor CSV ({error})") from None
+        raise UsageError(
+            f"{source}: neither a spectra file nor CSV ({error})"
+        ) from None
     if not rows:
         raise UsageError(f"{source}: holds no rows")
     return rows
 
 
 def _in_si(row: dict[str, str]) -> dict[str, str]:
-    """Return a row in SI units. The columns before `name`, the varied keys of a family, keep their headings and units."""
+    """Return a row in SI units. The columns before `name`, the varied keys of a family,
+    keep their headings and units.
+    """
     found = {}
     varied = "name" in row and "structure" not in row
     for heading, text in row.items():
@@ -53,7 +66,9 @@ def column(rows: Iterable[dict[str, str]], key: str) -> np.ndarray:
 
 
 def groups(rows: Rows, *keys: str) -> dict[tuple[str, ...], Rows]:
-    """Return the rows grouped by their texts in those of the columns `keys` that they have, in order."""
+    """Return the rows grouped by their texts in those of the columns `keys` that they
+    have, in order.
+    """
     found: dict[tuple[str, ...], Rows] = {}
     for row in rows:
         found.setdefault(tuple(row[key] for key in keys if key in row), []).append(row)

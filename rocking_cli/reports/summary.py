@@ -9,41 +9,92 @@ from ..spectra.results import Summary
 
 
 def summary_lines(summary: Summary, output: str) -> Iterator[str]:
-    """Yield the sentences of the summary: size, run time, estimated error, outcomes, and work that was skipped."""
+    """Yield the sentences of the summary: size, run time, estimated error, outcomes,
+    and work that was skipped.
+    """
     s, w = summary, summary.work
     records = f" under {counted(s.records, 'record')}" if s.records else ""
-    yield f"{output}: {counted(s.cells, 'cell')}, {counted(s.structures, 'structure')}{records}"
+    yield (
+        f"{output}: {counted(s.cells, 'cell')},"
+        f" {counted(s.structures, 'structure')}{records}"
+    )
     if s.records and s.model == LINEAR.model:
         yield "the linear equation is not safe under records; `model` nonlinear decides"
-    yield f"run time: {s.run_time:.3g} s, {1e6 * s.time_per_cell:.3g} us a cell, {counted(s.workers, 'worker')}"
+    yield (
+        f"run time: {s.run_time:.3g} s, {1e6 * s.time_per_cell:.3g} us a cell,"
+        f" {counted(s.workers, 'worker')}"
+    )
     if s.resumed_cells:
-        yield f"resumed: {s.resumed_cells} cells were there before; times, checks and skipped work are those of this run"
+        yield (
+            f"resumed: {s.resumed_cells} cells were there before; times, checks and"
+            " skipped work are those of this run"
+        )
     if s.machine_differences:
-        yield f"computed on machines that differ: {s.machine_differences}; the last digits of cells may differ from those of one machine"
+        yield (
+            f"computed on machines that differ: {s.machine_differences}; the last"
+            " digits of cells may differ from those of one machine"
+        )
     if s.checked_cells:
-        agree = "every outcome equal" if not s.misjudged else f"{s.misjudged} OUTCOMES DIFFER"
-        sensitive = f" ({s.sensitive_cells} for their sensitivity)" if s.sensitive_cells else ""
-        many = f"{counted(s.checked_cells, 'cell')}{sensitive} computed again by {s.checked_by}"
-        yield f"estimated error: {s.estimated_error:.1e} in theta/alpha at {many}, {agree}"
+        agree = (
+            "every outcome equal"
+            if not s.misjudged
+            else f"{s.misjudged} OUTCOMES DIFFER"
+        )
+        sensitive = (
+            f" ({s.sensitive_cells} for their sensitivity)" if s.sensitive_cells else ""
+        )
+        many = (
+            f"{counted(s.checked_cells, 'cell')}{sensitive} computed again by"
+            f" {s.checked_by}"
+        )
+        yield (
+            f"estimated error: {s.estimated_error:.1e} in theta/alpha at {many},"
+            f" {agree}"
+        )
         if s.misjudged or s.beyond_tolerance:
             cells = f"{s.misjudged + s.beyond_tolerance} of these cells"
-            yield f"warning: the two paths differ by more than the tolerance times the condition at {cells}; do not rely on single cells"
+            yield (
+                "warning: the two paths differ by more than the tolerance times the"
+                f" condition at {cells}; do not rely on single cells"
+            )
     else:
         yield "estimated error: not checked"
     if s.compared:
-        yield f"{s.differing} of {s.compared} checked cells have another outcome by the nonlinear equation"
+        yield (
+            f"{s.differing} of {s.compared} checked cells have another outcome by the"
+            " nonlinear equation"
+        )
     if s.validity is not None:
-        of = f"{s.validity.differ} of {s.validity.sampled} sampled cells differ, {s.validity.unsafe} unsafe"
-        yield f"nonlinear: {of}{'; `model` both compares every cell' if s.validity.differ else ''}"
+        of = (
+            f"{s.validity.differ} of {s.validity.sampled} sampled cells differ,"
+            f" {s.validity.unsafe} unsafe"
+        )
+        yield (
+            "nonlinear:"
+            f" {of}{'; `model` both compares every cell' if s.validity.differ else ''}"
+        )
     if s.differences:
-        unsafe, alarms = (s.differences[d.flag] for d in (Difference.LINEAR_UNSAFE, Difference.LINEAR_FALSE_ALARM))
-        fell = f"{sum(n for flag, n in s.outcomes.items() if Outcome[flag.upper()].falls)} cells that overturn or lose contact"
-        yield f"the linear equation is unsafe in {unsafe} of the {fell}, and falls in {alarms} that stand"
+        unsafe, alarms = (
+            s.differences[d.flag]
+            for d in (Difference.LINEAR_UNSAFE, Difference.LINEAR_FALSE_ALARM)
+        )
+        fell = (
+            f"{sum(n for flag, n in s.outcomes.items() if Outcome[flag.upper()].falls)}"
+            " cells that overturn or lose contact"
+        )
+        yield (
+            f"the linear equation is unsafe in {unsafe} of the {fell}, and falls in"
+            f" {alarms} that stand"
+        )
     yield "outcomes: " + ", ".join(f"{n} {flag}" for flag, n in s.outcomes.items() if n)
     if s.weighed or s.outcomes[Outcome.LOST_CONTACT.flag]:
-        yield "lost contact: g + z_g'' <= 0, or Fz <= 0 under a rigid body that rocks; the Fz of other mechanisms is not computed"
+        yield (
+            "lost contact: g + z_g'' <= 0, or Fz <= 0 under a rigid body that rocks;"
+            " the Fz of other mechanisms is not computed"
+        )
     yield (
-        f"skipped: {w.no_uplift} cells below uplift, {w.free_phase} free motions after the shaking, "
-        f"{w.certain_overturning} certain overturnings, {w.rests_skipped} rests, the last part of "
-        f"{w.sequences_closed} sequences of impacts, {s.shared_cells} cells shared between structures"
+        f"skipped: {w.no_uplift} cells below uplift, {w.free_phase} free motions after"
+        f" the shaking, {w.certain_overturning} certain overturnings, {w.rests_skipped}"
+        f" rests, the last part of {w.sequences_closed} sequences of impacts,"
+        f" {s.shared_cells} cells shared between structures"
     )

@@ -1,4 +1,6 @@
-"""Rows on standard output, as an aligned table, JSON Lines or CSV. A row is a mapping of column names to values."""
+"""Rows on standard output, as an aligned table, JSON Lines or CSV. A row is a mapping
+of column names to values.
+"""
 
 import csv
 import io
@@ -20,7 +22,14 @@ WIDTH = 100  # of a table, if no terminal says otherwise
 _GAP = "  "  # between two columns
 _LEAST = 4  # characters of a column that gives way to others
 _NUMBER = re.compile(r"(?:[<>] ?)?[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?")
-_FORMULA = ("=", "+", "-", "@")  # a spreadsheet reads a text that begins so as a formula, after blanks and in full width too
+# a spreadsheet reads a text that begins so as a formula, after blanks and in full width
+# too
+_FORMULA = (
+    "=",
+    "+",
+    "-",
+    "@",
+)
 
 
 class Above(float):
@@ -33,16 +42,23 @@ class Above(float):
 
 
 def json_line(row: Row, encoding: str = "utf-8") -> str:
-    """Return a row as a JSON object on one line; NaN and infinity become null. All non-ASCII characters are escaped if one of them is not
-    printable or not in the encoding."""
+    """Return a row as a JSON object on one line; NaN and infinity become null. All
+    non-ASCII characters are escaped if one of them is not printable or not in the
+    encoding.
+    """
     line = json.dumps(_plain(row), ensure_ascii=False, allow_nan=False)
     fits = line.encode(encoding, "ignore").decode(encoding, "ignore") == line
-    return line if fits and line.isprintable() else json.dumps(_plain(row), allow_nan=False)
+    return (
+        line
+        if fits and line.isprintable()
+        else json.dumps(_plain(row), allow_nan=False)
+    )
 
 
 def csv_lines(rows: Iterable[Row], columns: Sequence[str] = ()) -> Iterator[str]:
-    """Yield CSV lines: a header, that of `columns` if there is no row, and the rows. A text that a spreadsheet reads as a formula gets a
-    leading apostrophe."""
+    """Yield CSV lines: a header, that of `columns` if there is no row, and the rows. A
+    text that a spreadsheet reads as a formula gets a leading apostrophe.
+    """
     header: list[str] | None = None
     for row in rows:
         if header is None:
@@ -84,8 +100,8 @@ def table_lines(
     empty all columns that have values; keys: names of the columns that say which row it
     is, the first column if there is none. A table that is too wide is cut into blocks;
     each block begins with the key columns. A table of up to three rows, or one without
-    room for the headings of its keys, has a line for each quantity, and its blocks hold as
-    many rows as fit. Raises UsageError for an unknown column.
+    room for the headings of its keys, has a line for each quantity, and its blocks hold
+    as many rows as fit. Raises UsageError for an unknown column.
     """
     body = list(rows)
     table = []
@@ -103,7 +119,9 @@ def table_lines(
 
 def _headings(body: Sequence[Row], chosen: Sequence[str]) -> list[str]:
     """Return the headings of a table: the chosen ones, or those that have values."""
-    known = {key.partition(" [")[0]: key for row in body for key in row if key != "kind"}
+    known = {
+        key.partition(" [")[0]: key for row in body for key in row if key != "kind"
+    }
     if not body:
         return []
     for name in chosen:
@@ -123,14 +141,17 @@ def _breaks_headings(table: Sequence[_Column], width: int) -> bool:
         return False
     keys = [column for column in table if column.key] or list(table[:1])
     others = [column for column in table if column not in keys]
-    return any(found < column.heading_width for found, column in zip(_key_widths(keys, others, width), keys, strict=True))
+    return any(
+        found < column.heading_width
+        for found, column in zip(_key_widths(keys, others, width), keys, strict=True)
+    )
 
 
 def _level(table: Sequence[_Column], width: int) -> Iterator[str]:
     """Yield a line for each row; columns beyond the width stand in further blocks.
 
-    A key that has no room continues on the next line, so that two rows never look alike;
-    any other text is cut.
+    A key that has no room continues on the next line, so that two rows never look
+    alike; any other text is cut.
     """
     for number, block in enumerate(_blocks(table, width)):
         if number:
@@ -141,12 +162,15 @@ def _level(table: Sequence[_Column], width: int) -> Iterator[str]:
                 parts.append(_wrapped(cell, room) if column.key else [_cut(cell, room)])
             for line in zip_longest(*parts, fillvalue=""):
                 aligned = [
-                    text.rjust(room) if column.numeric else text.ljust(room) for text, (column, room) in zip(line, block, strict=True)
+                    text.rjust(room) if column.numeric else text.ljust(room)
+                    for text, (column, room) in zip(line, block, strict=True)
                 ]
                 yield _GAP.join(aligned).rstrip()
 
 
-def _blocks(table: Sequence[_Column], width: int) -> Iterator[list[tuple[_Column, int]]]:
+def _blocks(
+    table: Sequence[_Column], width: int
+) -> Iterator[list[tuple[_Column, int]]]:
     """Yield the columns of each block, the key columns first, with their widths."""
     if _together([column.width for column in table]) <= width:
         yield [(column, column.width) for column in table]
@@ -171,7 +195,9 @@ def _blocks(table: Sequence[_Column], width: int) -> Iterator[list[tuple[_Column
     yield block
 
 
-def _key_widths(keys: Sequence[_Column], others: Sequence[_Column], width: int) -> list[int]:
+def _key_widths(
+    keys: Sequence[_Column], others: Sequence[_Column], width: int
+) -> list[int]:
     """Return the widths of the key columns at the begin of each block.
 
     The widest of the other columns takes up to half of the width, the keys the rest.
@@ -191,7 +217,9 @@ def _upright(table: Sequence[_Column], width: int) -> Iterator[str]:
     headings = [column.cells[0] for column in table]
     first = max(map(len, headings))
     room = max(width - first - len(_GAP), 1)
-    rest = [list(row) for row in zip(*(column.cells[1:] for column in table), strict=True)]
+    rest = [
+        list(row) for row in zip(*(column.cells[1:] for column in table), strict=True)
+    ]
     begun = False
     while rest:
         count, widths = _abreast(rest, room)
@@ -212,7 +240,9 @@ def _abreast(rows: Sequence[Sequence[str]], room: int) -> tuple[int, list[int]]:
     natural = [max(map(len, cells)) for cells in rows]
     for count in range(len(rows), 1, -1):
         widths = _narrowed(natural[:count], room)
-        words = [max((len(w) for c in cells for w in c.split()), default=0) for cells in rows]
+        words = [
+            max((len(w) for c in cells for w in c.split()), default=0) for cells in rows
+        ]
         whole = all(w >= word for w, word in zip(widths, words[:count], strict=True))
         if whole and _together(widths) <= room:
             return count, widths
@@ -233,7 +263,11 @@ def _narrowed(widths: Sequence[int], room: int, kept: Sequence[int] = ()) -> lis
     for least in (kept, []):
         floors = [max(one, _LEAST) for one in least] or [_LEAST] * len(found)
         while _together(found) > room:
-            able = [i for i, (w, floor) in enumerate(zip(found, floors, strict=True)) if w > floor]
+            able = [
+                i
+                for i, (w, floor) in enumerate(zip(found, floors, strict=True))
+                if w > floor
+            ]
             if not able:
                 break
             found[max(able, key=lambda i: found[i])] -= 1
@@ -258,11 +292,23 @@ def _is_number(value: Any) -> bool:
 
 
 def flat(row: Row) -> dict[str, Any]:
-    """Return the row with a column for each item of its lists and mappings, such as hinges_1_angle or sides_2_p."""
+    """Return the row with a column for each item of its lists and mappings, such as
+    hinges_1_angle or sides_2_p.
+    """
     out: dict[str, Any] = {}
     for key, value in row.items():
-        items = value.items() if isinstance(value, Mapping) else enumerate(value, 1) if isinstance(value, list | tuple) else None
-        out |= {key: value} if items is None else flat({f"{key}_{name}": item for name, item in items})
+        items = (
+            value.items()
+            if isinstance(value, Mapping)
+            else enumerate(value, 1)
+            if isinstance(value, list | tuple)
+            else None
+        )
+        out |= (
+            {key: value}
+            if items is None
+            else flat({f"{key}_{name}": item for name, item in items})
+        )
     return out
 
 
@@ -278,9 +324,9 @@ def lines(
 ) -> Iterator[str]:
     """Yield the rows as lines of `json`, `csv` or `table`, the last two in `units`.
 
-    columns: the header of a CSV without rows; units: None for SI; keys: the columns that
-    say which row it is, repeated in every block of a table; table: further arguments of
-    `table_lines`.
+    columns: the header of a CSV without rows; units: None for SI; keys: the columns
+    that say which row it is, repeated in every block of a table; table: further
+    arguments of `table_lines`.
     """
     if form == "json":
         return (json_line(r, encoding) for r in rows)
@@ -310,7 +356,9 @@ def _csv_row(cells: list[Any]) -> str:
 
 def _csv_cell(value: Any) -> Any:
     value = _plain(value)
-    if isinstance(value, str) and normalize("NFKC", value).lstrip().startswith(_FORMULA):
+    if isinstance(value, str) and normalize("NFKC", value).lstrip().startswith(
+        _FORMULA
+    ):
         return f"'{value}"
     return "" if value is None else value
 

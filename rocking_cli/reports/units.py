@@ -1,4 +1,6 @@
-"""The unit of every printed column, and the choices of `--units`, which change tables, CSV and figures; JSON and files stay in SI."""
+"""The unit of every printed column, and the choices of `--units`, which change tables,
+CSV and figures; JSON and files stay in SI.
+"""
 
 import math
 import re
@@ -11,27 +13,124 @@ from ..documents.quantities import DEFAULT_GRAVITY, headed
 from ..errors import UsageError
 
 SI = {
-    "angle": "rad", "angular velocity": "rad/s", "frequency parameter": "rad/s", "circular frequency": "rad/s",
-    "acceleration": "m/s2", "velocity": "m/s", "length": "m", "mass": "kg", "time": "s", "intensity": "m/s", "gravity": "m/s2",
-    "frequency": "Hz", "force": "N", "stiffness": "N/m", "moment": "N m", "annual rate": "1/yr", "years": "yr",
-}  # fmt: skip
-"""The SI unit of each dimension (years for rates). `--units` must not change gravity and Arias intensity: they are separate dimensions."""
+    "angle": "rad",
+    "angular velocity": "rad/s",
+    "frequency parameter": "rad/s",
+    "circular frequency": "rad/s",
+    "acceleration": "m/s2",
+    "velocity": "m/s",
+    "length": "m",
+    "mass": "kg",
+    "time": "s",
+    "intensity": "m/s",
+    "gravity": "m/s2",
+    "frequency": "Hz",
+    "force": "N",
+    "stiffness": "N/m",
+    "moment": "N m",
+    "annual rate": "1/yr",
+    "years": "yr",
+}
+"""The SI unit of each dimension (years for rates). `--units` must not change gravity
+and Arias intensity: they are separate dimensions.
+"""
 
 COLUMNS = {
-    **dict.fromkeys(("alpha", "alpha_geometric", "equilibrium", "theta", "theta_max", "angle", "azimuth"), "angle"),
-    "p": "frequency parameter", "theta_dot": "angular velocity", "omega_g": "circular frequency",
-    **dict.fromkeys(("a_g", "a_from", "a_to", "demand_a", "uplift_a", "first_overturning_a", "safe_to", "searched_to"), "acceleration"),
-    "first_overturning_a_free": "acceleration", "tie_elongation": "length", "permanent": "length",
-    **dict.fromkeys(("ground_acceleration", "pga", "header_pga", "S_a", "sa", "avgsa"), "acceleration"),
-    **dict.fromkeys(("t", "t_max", "dt", "duration", "pga_time", "d5_75", "d5_95", "T", "run_time", "time_per_cell", "pgv_pga"), "time"),
+    **dict.fromkeys(
+        (
+            "alpha",
+            "alpha_geometric",
+            "equilibrium",
+            "theta",
+            "theta_max",
+            "angle",
+            "azimuth",
+        ),
+        "angle",
+    ),
+    "p": "frequency parameter",
+    "theta_dot": "angular velocity",
+    "omega_g": "circular frequency",
+    **dict.fromkeys(
+        (
+            "a_g",
+            "a_from",
+            "a_to",
+            "demand_a",
+            "uplift_a",
+            "first_overturning_a",
+            "safe_to",
+            "searched_to",
+        ),
+        "acceleration",
+    ),
+    "first_overturning_a_free": "acceleration",
+    "tie_elongation": "length",
+    "permanent": "length",
+    **dict.fromkeys(
+        ("ground_acceleration", "pga", "header_pga", "S_a", "sa", "avgsa"),
+        "acceleration",
+    ),
+    **dict.fromkeys(
+        (
+            "t",
+            "t_max",
+            "dt",
+            "duration",
+            "pga_time",
+            "d5_75",
+            "d5_95",
+            "T",
+            "run_time",
+            "time_per_cell",
+            "pgv_pga",
+        ),
+        "time",
+    ),
     **dict.fromkeys(("impulse_x", "impulse_z"), "time"),
-    "worst_f_g": "frequency", "pgv": "velocity", "arias": "intensity", "cav": "intensity", "gravity": "gravity", "mass": "mass",
-    **dict.fromkeys(("pgd", "S_d", "top_displacement", "x", "z", "arm", "length", "tip_height", "crack_height", "inset"), "length"),
-    **dict.fromkeys(("code_linear", "code_slv", "code_slc", "theta_04_a"), "acceleration"), "d_slv": "length", "d_slc": "length",
-    "t_slv": "time", "t_slc": "time", "force": "force", "tendon_force": "force",
-    **dict.fromkeys(("annual_rate", "annual_rate_low", "annual_rate_high", "rate_beyond", "rate_without_fit"), "annual rate"),
-    **dict.fromkeys(("hazard", "deaggregation"), "annual rate"), "return_period": "years",
-}  # fmt: skip
+    "worst_f_g": "frequency",
+    "pgv": "velocity",
+    "arias": "intensity",
+    "cav": "intensity",
+    "gravity": "gravity",
+    "mass": "mass",
+    **dict.fromkeys(
+        (
+            "pgd",
+            "S_d",
+            "top_displacement",
+            "x",
+            "z",
+            "arm",
+            "length",
+            "tip_height",
+            "crack_height",
+            "inset",
+        ),
+        "length",
+    ),
+    **dict.fromkeys(
+        ("code_linear", "code_slv", "code_slc", "theta_04_a"), "acceleration"
+    ),
+    "d_slv": "length",
+    "d_slc": "length",
+    "t_slv": "time",
+    "t_slc": "time",
+    "force": "force",
+    "tendon_force": "force",
+    **dict.fromkeys(
+        (
+            "annual_rate",
+            "annual_rate_low",
+            "annual_rate_high",
+            "rate_beyond",
+            "rate_without_fit",
+        ),
+        "annual rate",
+    ),
+    **dict.fromkeys(("hazard", "deaggregation"), "annual rate"),
+    "return_period": "years",
+}
 """The dimension of each column that has a unit."""
 
 OF_THE_MEASURE = ("x", "median", "median_low", "median_high")
@@ -39,23 +138,38 @@ OF_THE_MEASURE = ("x", "median", "median_low", "median_high")
 
 _OF_A_RESTRAINT = re.compile(r"(?:(?:ties|stands)_\d+|tendon)_(.+)")
 _RESTRAINT = {
-    **dict.fromkeys(("height", "behind", "ultimate", "lever"), "length"), **dict.fromkeys(("prestress", "yield", "rupture"), "force"),
-    "stiffness": "stiffness", "moment": "moment",
-}  # fmt: skip
+    **dict.fromkeys(("height", "behind", "ultimate", "lever"), "length"),
+    **dict.fromkeys(("prestress", "yield", "rupture"), "force"),
+    "stiffness": "stiffness",
+    "moment": "moment",
+}
 
 _CHOICES: dict[str, dict[str, tuple[str, float]]] = {
-    "g": {"acceleration": ("g", DEFAULT_GRAVITY)}, "m/s2": {"acceleration": ("m/s2", 1.0)},
-    "cm/s2": {"acceleration": ("cm/s2", 1e-2)}, "gal": {"acceleration": ("gal", 1e-2)},
-    "Hz": {"circular frequency": ("Hz", 2.0 * math.pi)}, "rad/s": {"circular frequency": ("rad/s", 1.0)},
-    "deg": {"angle": ("deg", math.pi / 180.0), "angular velocity": ("deg/s", math.pi / 180.0)},
+    "g": {"acceleration": ("g", DEFAULT_GRAVITY)},
+    "m/s2": {"acceleration": ("m/s2", 1.0)},
+    "cm/s2": {"acceleration": ("cm/s2", 1e-2)},
+    "gal": {"acceleration": ("gal", 1e-2)},
+    "Hz": {"circular frequency": ("Hz", 2.0 * math.pi)},
+    "rad/s": {"circular frequency": ("rad/s", 1.0)},
+    "deg": {
+        "angle": ("deg", math.pi / 180.0),
+        "angular velocity": ("deg/s", math.pi / 180.0),
+    },
     "mrad": {"angle": ("mrad", 1e-3), "angular velocity": ("mrad/s", 1e-3)},
     "rad": {"angle": ("rad", 1.0), "angular velocity": ("rad/s", 1.0)},
-    "mm": {"length": ("mm", 1e-3)}, "cm": {"length": ("cm", 1e-2)}, "m": {"length": ("m", 1.0)},
-    "cm/s": {"velocity": ("cm/s", 1e-2)}, "m/s": {"velocity": ("m/s", 1.0)},
-}  # fmt: skip
-"""The choices of `--units`: for each dimension that a choice changes, the unit and its factor to SI."""
+    "mm": {"length": ("mm", 1e-3)},
+    "cm": {"length": ("cm", 1e-2)},
+    "m": {"length": ("m", 1.0)},
+    "cm/s": {"velocity": ("cm/s", 1e-2)},
+    "m/s": {"velocity": ("m/s", 1.0)},
+}
+"""The choices of `--units`: for each dimension that a choice changes, the unit and its
+factor to SI.
+"""
 
-_OF_ONE = re.compile(r"(?:left|right|[a-z]+_\d+)_(.+)|(.+)_(?:linear|nonlinear)")  # a column for a side, a list item or an equation
+_OF_ONE = re.compile(
+    r"(?:left|right|[a-z]+_\d+)_(.+)|(.+)_(?:linear|nonlinear)"
+)  # a column for a side, a list item or an equation
 _FREQUENCY = {"omega_g": "f_g"}  # the name of a column in Hz
 HEADING = re.compile(r"(?P<column>.*?) \[(?P<unit>[^\]]*)\]")
 
@@ -75,7 +189,9 @@ class Units:
         return self.chosen.get(dimension, (SI[dimension], 1.0))
 
     def column(self, name: str) -> tuple[str, str, float]:
-        """Return (name, unit, factor to SI) of a column; without a dimension "" and 1."""
+        """Return (name, unit, factor to SI) of a column; without a dimension
+        "" and 1.
+        """
         own = name in self.dimensions
         dimension = self.dimensions[name] if own else dimension_of(name)
         if dimension is None:
@@ -95,12 +211,18 @@ class Units:
             out = {}
             for name, value in record.items():
                 title, factor = heading(name)
-                out[title] = value / factor if factor != 1.0 and isinstance(value, int | float) else value
+                out[title] = (
+                    value / factor
+                    if factor != 1.0 and isinstance(value, int | float)
+                    else value
+                )
             yield out
 
 
 def dimension_of(column: str) -> str | None:
-    """Return the dimension of a column, also of a side (left_p), a list item (hinges_1_angle) or an equation (theta_linear), or None."""
+    """Return the dimension of a column, also of a side (left_p), a list item
+    (hinges_1_angle) or an equation (theta_linear), or None.
+    """
     if found := COLUMNS.get(column.partition("(")[0]):  # SA(1) is SA at 1 s
         return found
     if (match := _OF_A_RESTRAINT.fullmatch(column)) and match[1] in _RESTRAINT:
@@ -110,15 +232,23 @@ def dimension_of(column: str) -> str | None:
 
 
 def parse_units(text: str) -> Units:
-    """Return the units that a text such as `g,Hz,deg` states. Raises UsageError for an unknown unit, or for two units of one dimension."""
+    """Return the units that a text such as `g,Hz,deg` states. Raises UsageError for an
+    unknown unit, or for two units of one dimension.
+    """
     chosen: dict[str, tuple[str, float]] = {}
     names: dict[str, str] = {}
     for name in (part.strip() for part in text.split(",")):
         if name not in _CHOICES:
-            raise UsageError(f"`units`: found {name!r}; expected {', '.join(_CHOICES)}, separated by commas")
+            raise UsageError(
+                f"`units`: found {name!r}; expected {', '.join(_CHOICES)}, separated by"
+                " commas"
+            )
         for dimension, unit in _CHOICES[name].items():
             if dimension in names:
-                raise UsageError(f"`units`: found {names[dimension]} and {name}; expected one unit of {dimension}")
+                raise UsageError(
+                    f"`units`: found {names[dimension]} and {name}; expected one unit"
+                    f" of {dimension}"
+                )
             names[dimension], chosen[dimension] = name, unit
     return Units(chosen)
 
@@ -129,19 +259,26 @@ def is_choice(unit: str) -> bool:
 
 
 def dimension_of_measure(im: str) -> str | None:
-    """Return the dimension of an intensity measure such as PGA or SA(1), None without a unit."""
+    """Return the dimension of an intensity measure such as PGA or SA(1), None without a
+    unit.
+    """
     return dimension_of(im.lower())
 
 
 def si_of(heading: str) -> tuple[str, float]:
-    """Return (column, factor of its unit to SI) of a heading; the heading itself and 1 without a unit. f_g [Hz] becomes omega_g."""
+    """Return (column, factor of its unit to SI) of a heading; the heading itself and 1
+    without a unit. f_g [Hz] becomes omega_g.
+    """
     match = HEADING.fullmatch(heading)
     if match is None:
         return heading, 1.0
     if match["column"] in OF_THE_MEASURE:
         return match["column"], _factor_of(match["unit"])
     for units in [Units(), *(Units(choice) for choice in _CHOICES.values())]:
-        for column in (match["column"], *(name for name, shown in _FREQUENCY.items() if shown == match["column"])):
+        for column in (
+            match["column"],
+            *(name for name, shown in _FREQUENCY.items() if shown == match["column"]),
+        ):
             if units.column(column)[:2] == (match["column"], match["unit"]):
                 return column, units.column(column)[2]
     return heading, 1.0

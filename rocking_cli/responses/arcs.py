@@ -1,4 +1,6 @@
-"""The record of a response in time, every arc as a series and the events, and the class that writes it down during a march."""
+"""The record of a response in time, every arc as a series and the events, and the class
+that writes it down during a march.
+"""
 
 from array import array
 from collections.abc import Sequence
@@ -24,8 +26,10 @@ LATE = 1.0 + 1e-14  # of a time: what still belongs to the arc that ends there
 
 
 class Arcs(NamedTuple):
-    """All arcs in the order of time, arrays (arcs,). An arc is the motion on one side between two times tau, given by one series, a lane of
-    `flow`. pace: tau of the side over tau of the history."""
+    """All arcs in the order of time, arrays (arcs,). An arc is the motion on one side
+    between two times tau, given by one series, a lane of `flow`. pace: tau of the side
+    over tau of the history.
+    """
 
     start: Array
     stop: Array
@@ -34,21 +38,32 @@ class Arcs(NamedTuple):
     pace: Array
 
     def at(self, tau: Array) -> tuple[Array, Array]:
-        """Return (the indices of the times that lie on an arc, the index of the arc of each)."""
+        """Return (the indices of the times that lie on an arc, the index of the arc of
+        each).
+        """
         arc = np.searchsorted(self.start, tau * LATE, side="right") - 1
-        inside = np.flatnonzero((arc >= 0) & (tau <= self.stop.take(arc) * LATE)) if self.start.size else np.zeros(0, dtype=np.int64)
+        inside = (
+            np.flatnonzero((arc >= 0) & (tau <= self.stop.take(arc) * LATE))
+            if self.start.size
+            else np.zeros(0, dtype=np.int64)
+        )
         return inside, arc[inside]
 
     def points(self, arc: Array, tau: Array) -> Point:
-        """Return y and its derivatives at times tau; arc: the index of the arc of each time."""
+        """Return y and its derivatives at times tau; arc: the index of the arc of each
+        time.
+        """
         return self.flow.take(arc).at((tau - self.start[arc]) * self.pace[arc])
 
 
 class Event(NamedTuple):
-    """An event at a time tau: release, uplift, impact, peak, rest, overturning, lost contact, or an event of a tie or tendon.
+    """An event at a time tau: release, uplift, impact, peak, rest, overturning, lost
+    contact, or an event of a tie or tendon.
 
-    theta/alpha and its rate by tau (before an impact), with alpha of the side on which the body is and tau = p t of the edge that lifts
-    first; side: +1 or -1; device: the tie or tendon, "" without one."""
+    theta/alpha and its rate by tau (before an impact), with alpha of the side on which
+    the body is and tau = p t of the edge that lifts first; side: +1 or -1; device: the
+    tie or tendon, "" without one.
+    """
 
     tau: float
     event: str
@@ -59,8 +74,10 @@ class Event(NamedTuple):
 
 
 class DeviceForces(NamedTuple):
-    """The forces of ties and the tendon over time, fixed + rate e from each time start [tau] on: arrays (times,), of fixed [N] and rate
-    [N/m] (devices, times). row: of the side, as in `Devices`. At rest a tie of both sides has the larger of its two forces."""
+    """The forces of ties and the tendon over time, fixed + rate e from each time start
+    [tau] on: arrays (times,), of fixed [N] and rate [N/m] (devices, times). row: of the
+    side, as in `Devices`. At rest a tie of both sides has the larger of its two forces.
+    """
 
     devices: "Devices"
     start: Array
@@ -69,19 +86,28 @@ class DeviceForces(NamedTuple):
     rate: Array
 
     def columns(self, tau: Array, theta: Array) -> dict[str, Array]:
-        """Return the force [N] of each device at times tau, with rotations theta [rad] of either sign, as tie_1_force, tendon_force."""
+        """Return the force [N] of each device at times tau, with rotations theta [rad]
+        of either sign, as tie_1_force, tendon_force.
+        """
         at = np.searchsorted(self.start, tau, side="right") - 1
         row = self.row[at]
-        elongation = self.devices.elongation(row, np.abs(theta) / self.devices.unit[row, 0])
+        elongation = self.devices.elongation(
+            row, np.abs(theta) / self.devices.unit[row, 0]
+        )
         force = np.maximum(self.fixed[:, at] + self.rate[:, at] * elongation, 0.0)
-        return {f"{name.replace(' ', '_')}_force": of for name, of in zip(self.devices.names, force, strict=True)}
+        return {
+            f"{name.replace(' ', '_')}_force": of
+            for name, of in zip(self.devices.names, force, strict=True)
+        }
 
 
 @dataclass(frozen=True)
 class History:
-    """A response in time: arcs, events, the time tau at which they end; the outcome and the largest |theta|/alpha of the whole motion,
-    which may come later (NaN if the body overturned); devices: a row for each tie and tendon, and device_forces: their
-    forces over time."""
+    """A response in time: arcs, events, the time tau at which they end; the outcome and
+    the largest |theta|/alpha of the whole motion, which may come later (NaN if the body
+    overturned); devices: a row for each tie and tendon, and device_forces: their forces
+    over time.
+    """
 
     equation: Equation
     arcs: Arcs
@@ -93,7 +119,9 @@ class History:
     device_forces: DeviceForces | None = None
 
     def at(self, tau: Array) -> tuple[Array, Array]:
-        """Return theta/alpha [-] and its derivative by tau [-] at times tau, in the shape of tau; zero at rest, NaN after the end."""
+        """Return theta/alpha [-] and its derivative by tau [-] at times tau, in the
+        shape of tau; zero at rest, NaN after the end.
+        """
         tau = np.asarray(tau, dtype=float)
         ratio, rate = np.zeros(tau.size), np.zeros(tau.size)
         for part in blocks(tau.size):
@@ -104,10 +132,14 @@ class History:
                 point = self.arcs.points(arc, here[inside])
                 equation = self.equation.on(side)
                 ratio[part][inside] = side * equation.rotation(point.y)
-                rate[part][inside] = side * equation.rotation_rate(point.y, point.v) * pace
+                rate[part][inside] = (
+                    side * equation.rotation_rate(point.y, point.v) * pace
+                )
         over = tau.ravel() > self.end
         ratio[over] = rate[over] = np.nan
-        return (ratio + 0.0).reshape(tau.shape), (rate + 0.0).reshape(tau.shape)  # no -0
+        return (ratio + 0.0).reshape(tau.shape), (rate + 0.0).reshape(
+            tau.shape
+        )  # no -0
 
     def sides(self, tau: Array) -> Array:
         """Return the side, +1 or -1, on which the body is at times tau; +1 at rest."""
@@ -118,20 +150,37 @@ class History:
 
     def steps(self) -> Array:
         """Return the times tau of the ends of all arcs and of the events."""
-        return np.unique(np.concatenate([[0.0, self.end], self.arcs.start, self.arcs.stop, [e.tau for e in self.events]]))
+        return np.unique(
+            np.concatenate(
+                [
+                    [0.0, self.end],
+                    self.arcs.start,
+                    self.arcs.stop,
+                    [e.tau for e in self.events],
+                ]
+            )
+        )
 
     @property
     def theta_ratio(self) -> float | None:
-        """max |theta|/alpha [-]: 0 if the body never lifted, None if it overturned, lost contact or has no outcome."""
+        """max |theta|/alpha [-]: 0 if the body never lifted, None if it overturned,
+        lost contact or has no outcome.
+        """
         if self.outcome == Outcome.NO_UPLIFT:
             return 0.0
         if self.outcome not in _KNOWN:
             return None
-        return self.highest if self.peak is None else max(self.highest, abs(self.peak.theta_ratio))
+        return (
+            self.highest
+            if self.peak is None
+            else max(self.highest, abs(self.peak.theta_ratio))
+        )
 
     @cached_property
     def peak(self) -> Event | None:
-        """The event of the largest |theta|/alpha up to the end; None if the body never lifted, or overturned."""
+        """The event of the largest |theta|/alpha up to the end; None if the body never
+        lifted, or overturned.
+        """
         if self.outcome not in _KNOWN:
             return None
         found = [e for e in self.events if e.event in ("peak", "release")]
@@ -139,41 +188,94 @@ class History:
 
 
 class Writer:
-    """Writes down the arcs and events of one body; times are tau of the history, which is the phase over omega."""
+    """Writes down the arcs and events of one body; times are tau of the history, which
+    is the phase over omega.
+    """
 
     def __init__(self, equation: Equation, omega: float) -> None:
         self.equation, self.omega = equation, omega
         self.numbers, self.terms, self.lengths = array("d"), array("d"), array("l")
         self.events = list[Event]()
 
-    def add_arc(self, start: float, reach: float, side: float, pace: float, h: float, terms: Sequence[float]) -> None:
-        """Add an arc that lasts `reach` [tau of the side]; terms: its series over a step h."""
+    def add_arc(
+        self,
+        start: float,
+        reach: float,
+        side: float,
+        pace: float,
+        h: float,
+        terms: Sequence[float],
+    ) -> None:
+        """Add an arc that lasts `reach` [tau of the side]; terms: its series over a
+        step h.
+        """
         self.numbers.extend((start, reach, side, pace, h))
         self.terms.extend(terms)
         self.lengths.append(len(terms))
 
-    def add_event(self, tau: float, event: str, side: float, y: float, v: float, pace: float, device: str = "") -> None:
+    def add_event(
+        self,
+        tau: float,
+        event: str,
+        side: float,
+        y: float,
+        v: float,
+        pace: float,
+        device: str = "",
+    ) -> None:
         """Add an event at y and y', both in the unit of the side."""
-        tau = max(tau, self.events[-1].tau if self.events else 0.0)  # in order, whatever the last digit
+        tau = max(
+            tau, self.events[-1].tau if self.events else 0.0
+        )  # in order, whatever the last digit
         equation = self.equation.on(np.array([side]))
-        rotation, rate = equation.rotation(np.array([y])), equation.rotation_rate(np.array([y]), np.array([v]))
-        numbers = float(side * rotation[0]) + 0.0, float(side * rate[0]) * pace + 0.0  # no -0
+        rotation, rate = (
+            equation.rotation(np.array([y])),
+            equation.rotation_rate(np.array([y]), np.array([v])),
+        )
+        numbers = (
+            float(side * rotation[0]) + 0.0,
+            float(side * rate[0]) * pace + 0.0,
+        )  # no -0
         self.events.append(Event(tau, event, *numbers, float(side), device))
 
     def arcs(self) -> Arcs:
         """Return the arcs; each series gets as many terms as the longest one."""
         start, reach, side, pace, unit = np.array(self.numbers).reshape(-1, 5).T
-        lengths, most = np.array(self.lengths, dtype=np.int64), max(self.lengths, default=5)
+        lengths, most = (
+            np.array(self.lengths, dtype=np.int64),
+            max(self.lengths, default=5),
+        )
         terms = np.zeros((start.size, most))
         terms[np.arange(most) < lengths[:, None]] = self.terms
-        flow = TaylorSeries(np.ascontiguousarray(terms.T), unit, unit, np.ones(unit.size), float(self.equation.damping))
+        flow = TaylorSeries(
+            np.ascontiguousarray(terms.T),
+            unit,
+            unit,
+            np.ones(unit.size),
+            float(self.equation.damping),
+        )
         return Arcs(start, start + reach / pace, side, flow, pace)
 
-    def history(self, arcs: Arcs, duration: float, outcome: Outcome, highest: float) -> History:
-        """Return the history up to tau = duration, or to the overturning or the loss of contact."""
-        end = min([duration, *(e.tau for e in self.events if e.event in ("overturning", LOST))])
+    def history(
+        self, arcs: Arcs, duration: float, outcome: Outcome, highest: float
+    ) -> History:
+        """Return the history up to tau = duration, or to the overturning or the loss of
+        contact.
+        """
+        end = min(
+            [
+                duration,
+                *(e.tau for e in self.events if e.event in ("overturning", LOST)),
+            ]
+        )
         events = tuple(e for e in self.events if e.tau <= end)
         kept = int(np.searchsorted(arcs.start, end, side="right"))
         flow = arcs.flow.take(np.arange(kept))
-        arcs = Arcs(arcs.start[:kept], np.minimum(arcs.stop[:kept], end), arcs.side[:kept], flow, arcs.pace[:kept])
+        arcs = Arcs(
+            arcs.start[:kept],
+            np.minimum(arcs.stop[:kept], end),
+            arcs.side[:kept],
+            flow,
+            arcs.pace[:kept],
+        )
         return History(self.equation, arcs, events, end, outcome, highest)

@@ -1,4 +1,6 @@
-"""Extremes of a smooth function on an interval of time, found as roots of the derivative of its Chebyshev series, not by sampling."""
+"""Extremes of a smooth function on an interval of time, found as roots of the
+derivative of its Chebyshev series, not by sampling.
+"""
 
 from collections.abc import Callable
 from functools import cache
@@ -10,7 +12,9 @@ from numpy.polynomial import chebyshev
 Array = np.ndarray
 
 _DEGREE = 24
-_ENDED = 1e-10  # last coefficients over the largest: the place of an extremum is then good to 1e-5 of the stretch, its value to rounding
+# last coefficients over the largest: the place of an extremum is then good to 1e-5 of
+# the stretch, its value to rounding
+_ENDED = 1e-10
 _SMALL = 1e-14  # coefficients that are rounding
 _DEEPEST = 12  # halvings of a stretch whose series does not end
 
@@ -25,15 +29,22 @@ class Extent(NamedTuple):
 
     def join(self, other: "Extent") -> "Extent":
         """Return the extent over the intervals of both."""
-        low, high = min(self, other, key=lambda e: e.least), max(self, other, key=lambda e: e.largest)
+        low, high = (
+            min(self, other, key=lambda e: e.least),
+            max(self, other, key=lambda e: e.largest),
+        )
         return Extent(low.least, low.at_least, high.largest, high.at_largest)
 
 
-def extent(f: Callable[[Array], Array], low: float, high: float, depth: int = 0) -> Extent:
-    """Return the least and the largest value of an analytic, vectorised function f on [low, high], from its ends and all extrema inside.
+def extent(
+    f: Callable[[Array], Array], low: float, high: float, depth: int = 0
+) -> Extent:
+    """Return the least and the largest value of an analytic, vectorised function f on
+    [low, high], from its ends and all extrema inside.
 
-    The interval is halved until the Chebyshev series of f converges on each part. The roots of the derivative of the series are the
-    extrema; f itself is then evaluated there.
+    The interval is halved until the Chebyshev series of f converges on each part. The
+    roots of the derivative of the series are the extrema; f itself is then evaluated
+    there.
     """
     x, analyse = _nodes()
     half, middle = 0.5 * (high - low), 0.5 * (high + low)
@@ -45,9 +56,14 @@ def extent(f: Callable[[Array], Array], low: float, high: float, depth: int = 0)
     if not np.isfinite(scale):
         return Extent(-np.inf, low, np.inf, low)
     if np.abs(terms[-3:]).max() > _ENDED * scale and depth < _DEEPEST:
-        return extent(f, low, middle, depth + 1).join(extent(f, middle, high, depth + 1))
+        return extent(f, low, middle, depth + 1).join(
+            extent(f, middle, high, depth + 1)
+        )
     slope = chebyshev.chebder(np.where(np.abs(terms) > _SMALL * scale, terms, 0.0))
-    if np.abs(slope[0]) <= np.abs(slope[1:]).sum() and (slope := np.trim_zeros(slope, "b")).size > 1:
+    if (
+        np.abs(slope[0]) <= np.abs(slope[1:]).sum()
+        and (slope := np.trim_zeros(slope, "b")).size > 1
+    ):
         roots = chebyshev.chebroots(slope)
         inner = roots.real[(np.abs(roots.imag) < 1e-6) & (np.abs(roots.real) < 1.0)]
         if inner.size:
@@ -57,9 +73,12 @@ def extent(f: Callable[[Array], Array], low: float, high: float, depth: int = 0)
     return Extent(float(values[i]), float(t[i]), float(values[j]), float(t[j]))
 
 
-def first_below(f: Callable[[Array], Array], low: float, high: float, level: float) -> float | None:
-    """Return the first instant of [low, high] with f <= level, None without one. f as in `extent`; the level must be far above the
-    rounding error of f."""
+def first_below(
+    f: Callable[[Array], Array], low: float, high: float, level: float
+) -> float | None:
+    """Return the first instant of [low, high] with f <= level, None without one. f as
+    in `extent`; the level must be far above the rounding error of f.
+    """
     reach = extent(f, low, high)
     if reach.least > level:
         return None
@@ -74,7 +93,9 @@ def first_below(f: Callable[[Array], Array], low: float, high: float, level: flo
 
 @cache
 def _nodes() -> tuple[Array, Array]:
-    """Return the Chebyshev points of the second kind, from -1 to 1, and the matrix from values at them to the coefficients."""
+    """Return the Chebyshev points of the second kind, from -1 to 1, and the matrix from
+    values at them to the coefficients.
+    """
     k = np.arange(_DEGREE + 1)
     x = -np.cos(np.pi * k / _DEGREE)
     return x, np.linalg.inv(chebyshev.chebvander(x, _DEGREE))

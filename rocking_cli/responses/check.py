@@ -1,4 +1,6 @@
-"""The verdict on a structure under one motion: its outcome, the capacity it has left, and the outcome by the linear equation."""
+"""The verdict on a structure under one motion: its outcome, the capacity it has left,
+and the outcome by the linear equation.
+"""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -32,7 +34,9 @@ Progress = Callable[[float, int], None]
 
 _STAGES = 3  # of a verdict: responses, search, history
 _SEARCHED = 0.95  # of a verdict whose search is long: about its share
-_SHIFTS = np.array([0.0, *(sign * 10.0**-n for n in (12, 9, 6) for sign in (-1.0, 1.0))])  # relative changes of a demand
+_SHIFTS = np.array(
+    [0.0, *(sign * 10.0**-n for n in (12, 9, 6) for sign in (-1.0, 1.0))]
+)  # relative changes of a demand
 _SAME = 0.01  # of theta/alpha: rotations under them that differ by less are one
 _DIGITS = 4  # of a capacity where many narrow intervals overturn
 _LAST = 0.01  # of a verdict, which counts when it has come from its process
@@ -40,26 +44,52 @@ _TOGETHER = 10  # demands that share a scan
 _WORTH = 3  # demands for each process that is started, at least
 CHECK_KEYS = ("structure", "motion")  # the columns that say which row it is
 CHECK_COLUMNS = (
-    "structure", "motion", "model", "outcome", "theta_ratio", "top_displacement", "demand_a", "uplift_a", "first_overturning_a",
-    "capacity_demand", "safe_to", "searched_to", "outcome_linear", "friction_needed", "fz_min",
-)  # fmt: skip
-TIED_COLUMNS = ("first_overturning_a_free", "tie_force", "tie_elongation", "permanent", "tie_state")
+    "structure",
+    "motion",
+    "model",
+    "outcome",
+    "theta_ratio",
+    "top_displacement",
+    "demand_a",
+    "uplift_a",
+    "first_overturning_a",
+    "capacity_demand",
+    "safe_to",
+    "searched_to",
+    "outcome_linear",
+    "friction_needed",
+    "fz_min",
+)
+TIED_COLUMNS = (
+    "first_overturning_a_free",
+    "tie_force",
+    "tie_elongation",
+    "permanent",
+    "tie_state",
+)
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """The verdict on a structure under a motion by its governing equation; accelerations are amplitudes a_g of the motion [m/s2].
+    """The verdict on a structure under a motion by its governing equation;
+    accelerations are amplitudes a_g of the motion [m/s2].
 
-    demand_a: the demand; uplift_a, first_overturning_a: the lowest that lift and overturn the body, None if none does; safe_to: upper end
-    of the interval around the demand in which the body stands, None if it falls or no larger one overturns it; theta_ratio: max
+    demand_a: the demand; uplift_a, first_overturning_a: the lowest that lift and
+    overturn the body, None if none does; safe_to: upper end of the interval around the
+    demand in which the body stands, None if it falls or no larger one overturns it;
+    theta_ratio: max
     |theta|/alpha, None if it falls; outcome_linear: by the linear equation; friction_needed, fz_min: the friction that the motion needs
-    (impacts apart), and the least vertical force over the weight, of a rigid body whose mass centre is known; friction_needed is also None
-    if the body loses contact; unsettled: true if changes of the demand by 1e-12 to 1e-6 of it change the outcome, or theta_ratio by 0.01;
-    share_of_falls: if many narrow intervals overturn the body, the share of overturning amplitudes within 5 % above the first one; slides:
-    true if friction_needed exceeds the friction of the document; top_displacement: the largest displacement of the top [m], None without a
-    geometry or if the body falls; first_overturning_a_free: first_overturning_a of the body without its ties and tendon; devices: a row for
-    each tie and tendon, see `History.devices`; opens: true if a further hinge opens in an arch, whose
-    mechanism is then another one; None for another structure.
+    (impacts apart), and the least vertical force over the weight, of a rigid body whose
+    mass centre is known; friction_needed is also None if the body loses contact;
+    unsettled: true if changes of the demand by 1e-12 to 1e-6 of it change the outcome,
+    or theta_ratio by 0.01; share_of_falls: if many narrow intervals overturn the body,
+    the share of overturning amplitudes within 5 % above the first one; slides: true if
+    friction_needed exceeds the friction of the document; top_displacement: the largest
+    displacement of the top [m], None without a geometry or if the body falls;
+    first_overturning_a_free: first_overturning_a of the body without its ties and
+    tendon; devices: a row for each tie and tendon, see `History.devices`; opens: true
+    if a further hinge opens in an arch, whose mechanism is then another one; None for
+    another structure.
     """
 
     structure: str
@@ -81,21 +111,35 @@ class Verdict:
     first_overturning_a_free: float | None = None
     devices: tuple[dict[str, Any], ...] = ()
     opens: bool | None = None
-    searched_to: float | None = None  # the largest amplitude a_g of the search [m/s2]; None without one
+    searched_to: float | None = (
+        None  # the largest amplitude a_g of the search [m/s2]; None without one
+    )
 
     @property
     def sentence(self) -> str:
         """The outcome in words."""
-        return self.outcome.sentence + ", on the last digits" * self.unsettled + ", though its base would slide" * self.slides
+        return (
+            self.outcome.sentence
+            + ", on the last digits" * self.unsettled
+            + ", though its base would slide" * self.slides
+        )
 
     @property
     def capacity_demand(self) -> float | None:
-        """The lowest overturning amplitude over the demand; None if nothing overturns the body."""
-        return None if self.first_overturning_a is None else self.first_overturning_a / self.demand_a
+        """The lowest overturning amplitude over the demand; None if nothing overturns
+        the body.
+        """
+        return (
+            None
+            if self.first_overturning_a is None
+            else self.first_overturning_a / self.demand_a
+        )
 
     @property
     def capacity_above(self) -> float | None:
-        """If the search found no overturning: the number that `capacity_demand` exceeds."""
+        """If the search found no overturning: the number that `capacity_demand`
+        exceeds.
+        """
         if self.first_overturning_a is not None or self.searched_to is None:
             return None
         return self.searched_to / self.demand_a
@@ -122,7 +166,11 @@ class Verdict:
             return found
         from .tied_history import columns_of
 
-        return found | {"first_overturning_a_free": self.first_overturning_a_free} | columns_of(self.devices)
+        return (
+            found
+            | {"first_overturning_a_free": self.first_overturning_a_free}
+            | columns_of(self.devices)
+        )
 
 
 def check(
@@ -133,45 +181,82 @@ def check(
     a_max: float | None = A_MAX,
     progress: Progress | None = None,
 ) -> Verdict:
-    """Return the verdict on a structure under a motion; shaking: the demand, a grid of one cell; a record does not need it.
+    """Return the verdict on a structure under a motion; shaking: the demand, a grid of
+    one cell; a record does not need it.
 
-    a_max: the search for overturning goes up to this A, or to twice the demand if that is
-    larger; None: no search. progress: called with the number of finished stages, of which
-    a part counts as a fraction, and of all (responses, search, forces). Raises UsageError
-    for a demand of zero, for one above the limit of the search, and for a structure
-    without units.
+    a_max: the search for overturning goes up to this A, or to twice the demand if that
+    is larger; None: no search. progress: called with the number of finished stages, of
+    which a part counts as a fraction, and of all (responses, search, forces). Raises
+    UsageError for a demand of zero, for one above the limit of the search, and for a
+    structure without units.
 
     >>> (column,) = load_structures('configs/block.yaml')
     >>> verdict = check(column, sine(), parse_grid('a_g=0.35g,f_g=1.5'))
     >>> verdict.outcome.flag, round(verdict.capacity_demand, 4)
     ('rocked', 1.1149)
     """
-    told = _Shares(1, lambda done: progress(_STAGES * done, _STAGES) if progress else None)
+    told = _Shares(
+        1, lambda done: progress(_STAGES * done, _STAGES) if progress else None
+    )
     return _judged(structure, *demand_of(motion, shaking), a_max, None, told.of(0))
 
 
-def outcome_alone(structure: RockingParameters, motion: Motion, shaking: Grid) -> Outcome:
+def outcome_alone(
+    structure: RockingParameters, motion: Motion, shaking: Grid
+) -> Outcome:
     """Return only the outcome of the verdict of `check`."""
-    _, _, amplitude, omega, method, _ = _capacity_search(structure, motion, shaking, 0.0)
-    return Outcome(int(_respond(method, structure, motion, np.array([amplitude]), omega).outcome[0]))
+    _, _, amplitude, omega, method, _ = _capacity_search(
+        structure, motion, shaking, 0.0
+    )
+    return Outcome(
+        int(
+            _respond(method, structure, motion, np.array([amplitude]), omega).outcome[0]
+        )
+    )
 
 
-def first_overturning(structure: RockingParameters, motion: Motion, shaking: Grid, a_max: float, near: float) -> float | None:
-    """Return the lowest amplitude that overturns a body [m/s2], None without one; near: a guess of it [m/s2], which saves time."""
+def first_overturning(
+    structure: RockingParameters,
+    motion: Motion,
+    shaking: Grid,
+    a_max: float,
+    near: float,
+) -> float | None:
+    """Return the lowest amplitude that overturns a body [m/s2], None without one; near:
+    a guess of it [m/s2], which saves time.
+    """
     asked = _capacity_search(structure, motion, shaking, a_max)
-    near = min(float(structure.dimensionless_amplitude(near)), max(asked.amplitude, 0.5 * a_max))
-    found = asked._replace(amplitude=near, a_max=max(a_max, 2.0 * asked.amplitude)).capacity().first
+    near = min(
+        float(structure.dimensionless_amplitude(near)),
+        max(asked.amplitude, 0.5 * a_max),
+    )
+    found = (
+        asked._replace(amplitude=near, a_max=max(a_max, 2.0 * asked.amplitude))
+        .capacity()
+        .first
+    )
     return None if found is None else float(structure.ground_acceleration(found))
 
 
-def _capacity_search(structure: RockingParameters, motion: Motion, shaking: Grid, a_max: float) -> CapacitySearch:
-    """Return the search for the overturning amplitudes of a demand. Raises UsageError as `check` does."""
+def _capacity_search(
+    structure: RockingParameters, motion: Motion, shaking: Grid, a_max: float
+) -> CapacitySearch:
+    """Return the search for the overturning amplitudes of a demand. Raises UsageError
+    as `check` does.
+    """
     if structure.dimensionless:
         raise UsageError("a restitution alone has no units: give a structure document")
     amplitude, omega = shaking.cell(structure)
     if not amplitude > 0.0:
         raise UsageError("the amplitude is 0; expected a positive one")
-    return CapacitySearch(structure, motion, amplitude, omega, governing_method(structure, dimensionless=shaking.dimensionless), a_max)
+    return CapacitySearch(
+        structure,
+        motion,
+        amplitude,
+        omega,
+        governing_method(structure, dimensionless=shaking.dimensionless),
+        a_max,
+    )
 
 
 def _judged(
@@ -182,14 +267,19 @@ def _judged(
     fall_search: "FallSearch | None",
     done: Callable[[float], None],
 ) -> Verdict:
-    """Return the verdict of `check`; fall_search: the search for overturning amplitudes, if one has begun; done: called with the share of
-    the verdict that is known."""
+    """Return the verdict of `check`; fall_search: the search for overturning
+    amplitudes, if one has begun; done: called with the share of the verdict that is
+    known.
+    """
     search = _capacity_search(structure, motion, shaking, a_max or 0.0)
     _, _, amplitude, omega, method, _ = search
     shifted = amplitude * (1.0 + _SHIFTS)
     governs = _respond(method, structure, motion, shifted, omega)
     outcome, rotation = Outcome(int(governs.outcome[0])), float(governs.theta_ratio[0])
-    stands, falls = safe(governs.outcome), ~safe(governs.outcome) & (governs.outcome != Outcome.FAILED)
+    stands, falls = (
+        safe(governs.outcome),
+        ~safe(governs.outcome) & (governs.outcome != Outcome.FAILED),
+    )
     linear = _respond(LINEAR, structure, motion, shifted[:1], omega)
     done(1 / _STAGES)
     if a_max is None:
@@ -199,7 +289,11 @@ def _judged(
         found = search.capacity(fall_search, lambda share: done(_SEARCHED * share))
     free = None
     if structure.restraints and a_max is not None:
-        free = search._replace(structure=replace(structure, restraints=None)).capacity().first
+        free = (
+            search._replace(structure=replace(structure, restraints=None))
+            .capacity()
+            .first
+        )
     done(2 / _STAGES)
     asked = _of_history(method, structure, motion, shaking)
     done(1.0)
@@ -216,19 +310,29 @@ def _judged(
         demand_a=float(structure.ground_acceleration(amplitude)),
         uplift_a=acceleration(found.uplift),
         first_overturning_a=_rounded_down(acceleration(found.first, *near), digits),
-        safe_to=_rounded_down(acceleration(found.safe_to, *near[near > amplitude]), digits),
+        safe_to=_rounded_down(
+            acceleration(found.safe_to, *near[near > amplitude]), digits
+        ),
         outcome_linear=Outcome(int(linear.outcome[0])),
-        unsettled=bool(stands.any() and (falls.any() or np.ptp(governs.theta_ratio[stands]) > _SAME)),
+        unsettled=bool(
+            stands.any()
+            and (falls.any() or np.ptp(governs.theta_ratio[stands]) > _SAME)
+        ),
         share_of_falls=found.share_of_falls,
         searched_to=None if a_max is None else acceleration(search.ends()[1]),
         first_overturning_a_free=acceleration(free),
-        slides=structure.friction is not None and (asked.get("friction_needed") or 0.0) > structure.friction,
+        slides=structure.friction is not None
+        and (asked.get("friction_needed") or 0.0) > structure.friction,
         **asked,
     )
 
 
-def _least_acceleration(structure: RockingParameters, *amplitudes: float | None) -> float | None:
-    """Return the least of these amplitudes A as an acceleration [m/s2], None without one."""
+def _least_acceleration(
+    structure: RockingParameters, *amplitudes: float | None
+) -> float | None:
+    """Return the least of these amplitudes A as an acceleration [m/s2], None without
+    one.
+    """
     least = min((x for x in amplitudes if x is not None), default=None)
     return None if least is None else float(structure.ground_acceleration(least))
 
@@ -248,21 +352,27 @@ def verdicts(
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> Iterator[Verdict]:
-    """Yield the verdict on each demand (structure, motion, shaking), in their order, as soon as it is found.
+    """Yield the verdict on each demand (structure, motion, shaking), in their order, as
+    soon as it is found.
 
     a_max: an A, or an acceleration for every structure, None for no search; workers:
-    number of processes, None for all cores if that saves time; progress: called with the
-    number of finished checks, of which a part counts as a fraction, and of all. Raises as
-    `check` does, and OutputError when a worker process dies.
+    number of processes, None for all cores if that saves time; progress: called with
+    the number of finished checks, of which a part counts as a fraction, and of all.
+    Raises as `check` does, and OutputError when a worker process dies.
     """
     available, done = workers or available_cpus(), progress or _no_progress
     several = max(1, min(available, len(demands) // (1 if workers else _WORTH)))
-    shared = any(len(motion.segments) > LONGEST_FINE for _, motion, _ in demands) and a_max is not None
+    shared = (
+        any(len(motion.segments) > LONGEST_FINE for _, motion, _ in demands)
+        and a_max is not None
+    )
     size = min(_TOGETHER, -(-len(demands) // several)) if shared else 1
     groups = [demands[i : i + size] for i in range(0, len(demands), size)]
     if several == 1:
         for i, group in enumerate(groups):
-            yield from _each(a_max, group, partial(_after, done, i * size, len(demands)))
+            yield from _each(
+                a_max, group, partial(_after, done, i * size, len(demands))
+            )
         return
     known = 0.0  # verdicts, of those under way the parts that are known
 
@@ -282,11 +392,24 @@ def verdicts(
 
 
 def tally(verdicts: Sequence[Verdict]) -> str:
-    """Return a text with the number of structures that overturn, and, if there are any, of those that lose contact or lean."""
-    lost, leans = (sum(v.outcome == outcome for v in verdicts) for outcome in (Outcome.LOST_CONTACT, Outcome.LEANING))
-    overturn = f"{sum(v.outcome.overturned for v in verdicts)} of {len(verdicts)} overturn"
-    overturn += f", {lost} lose{'s' if lost == 1 else ''} contact with the ground" if lost else ""
-    return overturn + (f", {leans} come{'s' if leans == 1 else ''} to rest leaning" if leans else "")
+    """Return a text with the number of structures that overturn, and, if there are any,
+    of those that lose contact or lean.
+    """
+    lost, leans = (
+        sum(v.outcome == outcome for v in verdicts)
+        for outcome in (Outcome.LOST_CONTACT, Outcome.LEANING)
+    )
+    overturn = (
+        f"{sum(v.outcome.overturned for v in verdicts)} of {len(verdicts)} overturn"
+    )
+    overturn += (
+        f", {lost} lose{'s' if lost == 1 else ''} contact with the ground"
+        if lost
+        else ""
+    )
+    return overturn + (
+        f", {leans} come{'s' if leans == 1 else ''} to rest leaning" if leans else ""
+    )
 
 
 def _no_progress(done: float, total: int) -> None:
@@ -294,8 +417,9 @@ def _no_progress(done: float, total: int) -> None:
 
 
 def _after(progress: Progress, before: int, checks: int, done: float) -> None:
-    """Call `progress` with the number of finished checks and of all; before: those before
-    the present group, done: those in it."""
+    """Call `progress` with the number of finished checks and of all; before: those
+    before the present group, done: those in it.
+    """
     progress(before + done, checks)
 
 
@@ -327,14 +451,25 @@ def _each(
     demands: Sequence[Demand],
     tell: Callable[[float], None],
 ) -> Iterator[Verdict]:
-    """Yield the verdicts on several demands; their searches share their scans. tell: called with the number of those that are known."""
+    """Yield the verdicts on several demands; their searches share their scans. tell:
+    called with the number of those that are known.
+    """
     shares = _Shares(len(demands), tell)
-    most = [None if a_max is None else limit_of(a_max, structure) for structure, _, _ in demands]
+    most = [
+        None if a_max is None else limit_of(a_max, structure)
+        for structure, _, _ in demands
+    ]
     found = fall_searches(
-        [_capacity_search(*demand, a) for demand, a in zip(demands, most, strict=True) if a is not None],
+        [
+            _capacity_search(*demand, a)
+            for demand, a in zip(demands, most, strict=True)
+            if a is not None
+        ],
         lambda share: shares.all(_SEARCHED * share),
     )
-    for i, (demand, a, fall_search) in enumerate(zip(demands, most, found or repeat(None), strict=False)):
+    for i, (demand, a, fall_search) in enumerate(
+        zip(demands, most, found or repeat(None), strict=False)
+    ):
         yield _judged(*demand, a, fall_search, shares.of(i))
 
 
@@ -343,10 +478,23 @@ def _all(a_max: float | Limit | None, demands: Sequence[Demand]) -> list[Verdict
     return list(_each(a_max, demands, part_reporter()))
 
 
-def _of_history(method: Method, structure: RockingParameters, motion: Motion, shaking: Grid) -> dict[str, Any]:
-    """Return friction_needed, fz_min, top_displacement and devices, or opens, from the history, which goes on to `FALLEN`."""
-    arch = isinstance(structure.mechanism, FourBar) and method.model == "nonlinear" and not structure.damping
-    if structure.arm is None and not structure.top and not structure.restraints and not arch:
+def _of_history(
+    method: Method, structure: RockingParameters, motion: Motion, shaking: Grid
+) -> dict[str, Any]:
+    """Return friction_needed, fz_min, top_displacement and devices, or opens, from the
+    history, which goes on to `FALLEN`.
+    """
+    arch = (
+        isinstance(structure.mechanism, FourBar)
+        and method.model == "nonlinear"
+        and not structure.damping
+    )
+    if (
+        structure.arm is None
+        and not structure.top
+        and not structure.restraints
+        and not arch
+    ):
         return {}
     found = time_history(structure, motion, shaking, [method])
     if arch:
@@ -354,12 +502,28 @@ def _of_history(method: Method, structure: RockingParameters, motion: Motion, sh
         assert not isinstance(forces, ForceHistory)
         return {"opens": forces.opens()}
     devices = found.histories[method.model].devices
-    top: dict[str, Any] = {"top_displacement": found.top_displacement(method.model), **({"devices": devices} if devices else {})}
+    top: dict[str, Any] = {
+        "top_displacement": found.top_displacement(method.model),
+        **({"devices": devices} if devices else {}),
+    }
     if structure.arm is None or devices:
         return top
     asked = found.forces[method.model].summary("tau", 1.0)
     return top | {key: asked[key] for key in ("friction_needed", "fz_min")}
 
 
-def _respond(method: Method, structure: RockingParameters, motion: Motion, amplitude: np.ndarray, omega: float) -> Response:
-    return response(method.system_of(structure), motion, amplitude, omega, structure.eta, how="floats")
+def _respond(
+    method: Method,
+    structure: RockingParameters,
+    motion: Motion,
+    amplitude: np.ndarray,
+    omega: float,
+) -> Response:
+    return response(
+        method.system_of(structure),
+        motion,
+        amplitude,
+        omega,
+        structure.eta,
+        how="floats",
+    )

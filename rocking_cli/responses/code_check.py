@@ -1,8 +1,10 @@
-"""The check of a local mechanism by the Italian code: Circolare 21 gennaio 2019 n. 7, section C8.7.1.2.1.
+"""The check of a local mechanism by the Italian code: Circolare 21 gennaio 2019 n. 7,
+section C8.7.1.2.1.
 
     a = alpha g/(e* FC) (C8.7.1.3),   T_s = k pi sqrt(d_s/a(d_s)), k = 1.68 at SLV and 1.56 at SLC (C8.7.1.10, 11)
 
-A motion reaches a limit state at the amplitude whose spectral displacement is d_s, or at uplift if that amplitude is larger.
+A motion reaches a limit state at the amplitude whose spectral displacement is d_s, or
+at uplift if that amplitude is larger.
 """
 
 import math
@@ -18,19 +20,33 @@ from ..dynamics.outcome import safe
 from ..dynamics.response import response
 from ..errors import UsageError
 from ..motions import Motion
-from ..motions.design_spectra import FloorMode, FloorSpectrum, MotionSpectrum, Spectrum, SpectrumFile
+from ..motions.design_spectra import (
+    FloorMode,
+    FloorSpectrum,
+    MotionSpectrum,
+    Spectrum,
+    SpectrumFile,
+)
 from ..motions.grid import Grid, HasMotion, demand_of
 from ..structures.mechanics.capacity_curve import CapacityCurve, capacity_curves
 from ..structures.parameters import RockingParameters
 
 Q = 2.0  # behaviour factor of the linear check
 ROTATION = 0.40  # of alpha, which is d_SLV of a slender body
-_RATIO, _EXACT, _AT_ONCE = 5e-3, 1e-4, 20  # of amplitudes: step of a search, width of its answer; amplitudes that are looked at together
+# of amplitudes: step of a search, width of its answer; amplitudes that are looked at
+# together
+_RATIO, _EXACT, _AT_ONCE = (
+    5e-3,
+    1e-4,
+    20,
+)
 METHODS = {"code_linear": f"q = {Q:g}", "code_slv": "SLV", "code_slc": "SLC"}
 
 
 class LimitState(NamedTuple):
-    """A limit state of the displacement method: share of d0, secant period over pi sqrt(d/a), damping of the demand."""
+    """A limit state of the displacement method: share of d0, secant period over pi
+    sqrt(d/a), damping of the demand.
+    """
 
     share: float
     factor: float
@@ -41,8 +57,10 @@ SLV, SLC = LimitState(0.40, 1.68, 0.08), LimitState(0.60, 1.56, 0.10)
 
 
 class Reached(NamedTuple):
-    """A limit state of a mechanism: d [m], a [m/s2] and secant period T [s]; the demand on it [m], and the amplitude [m/s2] that reaches
-    it; broken: True if a tie decides it by its break."""
+    """A limit state of a mechanism: d [m], a [m/s2] and secant period T [s]; the demand
+    on it [m], and the amplitude [m/s2] that reaches it; broken: True if a tie decides
+    it by its break.
+    """
 
     state: LimitState
     displacement: float
@@ -55,11 +73,14 @@ class Reached(NamedTuple):
 
 @dataclass(frozen=True)
 class CodeCheck:
-    """A structure checked by the code; amplitudes are of the motion, or the peak of a spectrum file [m/s2].
+    """A structure checked by the code; amplitudes are of the motion, or the peak of a
+    spectrum file [m/s2].
 
-    demand, demand_a: name and amplitude of the motion or the file; factor: a over alpha, g/(e* FC) [m/s2]; linear: the amplitude that
-    q = 2 accepts; slv, slc: the limit states; curve: the mechanism. Of several directions these are the least amplitudes, and the curve
-    with the least code_slv. on_floor: True for the spectrum of a floor.
+    demand, demand_a: name and amplitude of the motion or the file; factor: a over
+    alpha, g/(e* FC) [m/s2]; linear: the amplitude that q = 2 accepts; slv, slc: the
+    limit states; curve: the mechanism. Of several directions these are the least
+    amplitudes, and the curve with the least code_slv. on_floor: True for the spectrum
+    of a floor.
     """
 
     structure: str
@@ -74,27 +95,51 @@ class CodeCheck:
     on_floor: bool
 
     def row(self, beyond: float | None = None) -> dict[str, Any]:
-        """Return the columns that `rocking check --code` adds; beyond: the amplitude [m/s2] of `first_beyond`."""
+        """Return the columns that `rocking check --code` adds; beyond: the amplitude
+        [m/s2] of `first_beyond`.
+        """
         found: dict[str, Any] = {}
         for key, a in {**self.accepted(), "theta_04_a": beyond}.items():
-            found |= {key: a, f"{key.removesuffix('_a')}_ratio": None if a is None else a / self.demand_a}
-        limits = {"d_slv": self.slv.displacement, "t_slv": self.slv.period, "d_slc": self.slc.displacement, "t_slc": self.slc.period}
+            found |= {
+                key: a,
+                f"{key.removesuffix('_a')}_ratio": (
+                    None if a is None else a / self.demand_a
+                ),
+            }
+        limits = {
+            "d_slv": self.slv.displacement,
+            "t_slv": self.slv.period,
+            "d_slc": self.slc.displacement,
+            "t_slc": self.slc.period,
+        }
         return found | {"e_star": self.curve.e_star, **limits}
 
     def accepted(self) -> dict[str, float]:
         """Return the amplitude [m/s2] that each method accepts, by its column."""
-        return {"code_linear": self.linear, "code_slv": self.slv.amplitude, "code_slc": self.slc.amplitude}
+        return {
+            "code_linear": self.linear,
+            "code_slv": self.slv.amplitude,
+            "code_slc": self.slc.amplitude,
+        }
 
     def promises(self, fall: float | None, beyond: float | None) -> list[str]:
-        """Return a sentence on each method that accepts more than `fall`, the amplitude that overturns the body, and on SLV if it accepts
-        more than `beyond`, that of `first_beyond` [m/s2]; no sentence on a floor spectrum, since the dynamics are those on the ground."""
+        """Return a sentence on each method that accepts more than `fall`, the amplitude
+        that overturns the body, and on SLV if it accepts more than `beyond`, that of
+        `first_beyond` [m/s2]; no sentence on a floor spectrum, since the dynamics are
+        those on the ground.
+        """
         lines = []
         for key, a in {} if self.on_floor else self.accepted().items():
             method = f"the {METHODS[key]} method accepts {a / DEFAULT_GRAVITY:.3f} g"
             if fall is not None and a > fall:
-                lines.append(f"{method}, the body overturns at {fall / DEFAULT_GRAVITY:.3f} g")
+                lines.append(
+                    f"{method}, the body overturns at {fall / DEFAULT_GRAVITY:.3f} g"
+                )
             elif key == "code_slv" and beyond is not None and a > beyond:
-                lines.append(f"{method}, theta exceeds {ROTATION:g} alpha at {beyond / DEFAULT_GRAVITY:.3f} g")
+                lines.append(
+                    f"{method}, theta exceeds {ROTATION:g} alpha at"
+                    f" {beyond / DEFAULT_GRAVITY:.3f} g"
+                )
         return lines
 
 
@@ -107,11 +152,13 @@ def code_check(
     floor: Sequence[FloorMode] = (),
     confidence: float = 1.0,
 ) -> CodeCheck:
-    """Check a structure by the code "ntc2018" under the spectrum of a motion, or of the site; shaking: as for `check`.
+    """Check a structure by the code "ntc2018" under the spectrum of a motion, or of the
+    site; shaking: as for `check`.
 
-    site: the spectrum of a file; floor: the modes of the building that carries the body, on a ground with this spectrum; confidence: FC.
-    Raises UsageError for a structure without geometry, without a motion and a spectrum, for an amplitude of zero, or periods beyond those
-    of the spectrum.
+    site: the spectrum of a file; floor: the modes of the building that carries the
+    body, on a ground with this spectrum; confidence: FC. Raises UsageError for a
+    structure without geometry, without a motion and a spectrum, for an amplitude of
+    zero, or periods beyond those of the spectrum.
 
     >>> (column,) = load_structures('configs/block.yaml')
     >>> found = code_check(column, sine(), parse_grid('a_g=0.3g,T_g=0.4'))
@@ -119,7 +166,10 @@ def code_check(
     (0.5, 0.537, 0.765)
     """
     if not 1.0 <= confidence < math.inf:
-        raise UsageError(f"`fc`: found {confidence:g}; expected a confidence factor from 1, such as 1.35")
+        raise UsageError(
+            f"`fc`: found {confidence:g}; expected a confidence factor from 1, such as"
+            " 1.35"
+        )
     demand: Spectrum
     if site is not None:
         demand, name, amplitude = site, site.name, site.pga
@@ -137,32 +187,79 @@ def code_check(
     for curve in capacity_curves(structure):
         factor = structure.gravity / (curve.e_star * confidence)
         uplift = amplitude * factor * float(curve.multiplier[0]) / demand.pga
-        slv, slc = (_reached(curve, factor, state, demand, amplitude, uplift) for state in (SLV, SLC))
-        found.append(CodeCheck(structure.name, name, amplitude, factor, Q * uplift, slv, slc, curve, demand, bool(floor)))
+        slv, slc = (
+            _reached(curve, factor, state, demand, amplitude, uplift)
+            for state in (SLV, SLC)
+        )
+        found.append(
+            CodeCheck(
+                structure.name,
+                name,
+                amplitude,
+                factor,
+                Q * uplift,
+                slv,
+                slc,
+                curve,
+                demand,
+                bool(floor),
+            )
+        )
     weakest = min(found, key=lambda one: one.slv.amplitude)
-    return replace(weakest, linear=min(one.linear for one in found), slc=min((one.slc for one in found), key=lambda at: at.amplitude))
+    return replace(
+        weakest,
+        linear=min(one.linear for one in found),
+        slc=min((one.slc for one in found), key=lambda at: at.amplitude),
+    )
 
 
-def _reached(curve: CapacityCurve, factor: float, state: LimitState, demand: Spectrum, amplitude: float, uplift: float) -> Reached:
+def _reached(
+    curve: CapacityCurve,
+    factor: float,
+    state: LimitState,
+    demand: Spectrum,
+    amplitude: float,
+    uplift: float,
+) -> Reached:
     d, alpha, broken = curve.limit(state.share)
     period = state.factor * math.pi * math.sqrt(d / (alpha * factor))
     asked = demand.demand(period, state.damping)
-    return Reached(state, d, alpha * factor, period, asked, max(uplift, amplitude * d / asked), broken)
+    return Reached(
+        state,
+        d,
+        alpha * factor,
+        period,
+        asked,
+        max(uplift, amplitude * d / asked),
+        broken,
+    )
 
 
 def first_beyond(
-    structure: RockingParameters, motion: Motion, shaking: Grid, share: float = ROTATION, *, most: float | None = None
+    structure: RockingParameters,
+    motion: Motion,
+    shaking: Grid,
+    share: float = ROTATION,
+    *,
+    most: float | None = None,
 ) -> float | None:
-    """Return the lowest amplitude a_g [m/s2] under which |theta| exceeds `share` alpha or the body falls, by the governing equation; None
-    without one up to `most` [m/s2] (default: ten times the demand). Tries amplitudes 0.5 % apart. Raises UsageError as `check` does.
+    """Return the lowest amplitude a_g [m/s2] under which |theta| exceeds `share` alpha
+    or the body falls, by the governing equation; None without one up to `most` [m/s2]
+    (default: ten times the demand). Tries amplitudes 0.5 % apart. Raises UsageError as
+    `check` does.
 
     >>> (column,) = load_structures('configs/block.yaml')
     >>> round(first_beyond(column, sine(), parse_grid('a_g=0.3g,T_g=0.4')) / 9.81, 3)
     0.571
     """
     demand, omega = shaking.cell(structure)
-    system = governing_method(structure, dimensionless=shaking.dimensionless).system_of(structure)
-    low, top = system.least_uplift(motion), 10.0 * demand if most is None else structure.dimensionless_amplitude(most)
+    system = governing_method(structure, dimensionless=shaking.dimensionless).system_of(
+        structure
+    )
+    low, top = (
+        system.least_uplift(motion),
+        10.0 * demand if most is None else structure.dimensionless_amplitude(most),
+    )
 
     def beyond(amplitude: np.ndarray) -> np.ndarray:
         found = response(system, motion, amplitude, omega, structure.eta, how="floats")
@@ -178,7 +275,9 @@ def first_beyond(
             low = float(amplitudes[max(0, gone[0] - 1)])
             while high - low > _EXACT * high:
                 middle = 0.5 * (low + high)
-                low, high = (low, middle) if beyond(np.array([middle]))[0] else (middle, high)
+                low, high = (
+                    (low, middle) if beyond(np.array([middle]))[0] else (middle, high)
+                )
             return float(structure.ground_acceleration(high))
         low = float(amplitudes[-1])
     return None

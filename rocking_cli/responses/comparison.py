@@ -1,5 +1,6 @@
-"""Comparison of structures under motions of equal A and Omega, whose dimensionless curves collapse (Fig. 8), and of the linear with the
-nonlinear equation (Fig. 7)."""
+"""Comparison of structures under motions of equal A and Omega, whose dimensionless
+curves collapse (Fig. 8), and of the linear with the nonlinear equation (Fig. 7).
+"""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -21,49 +22,77 @@ _SAMPLES = 4001
 _SHAKEN = 201  # times at least of a curve while the ground moves
 
 
-def scaled_alike(structure: RockingParameters, shaking: Grid, first: RockingParameters) -> Grid:
-    """Return the grid of one cell, a_g and omega_g, that gives `structure` the A and Omega that `shaking` gives `first`."""
+def scaled_alike(
+    structure: RockingParameters, shaking: Grid, first: RockingParameters
+) -> Grid:
+    """Return the grid of one cell, a_g and omega_g, that gives `structure` the A and
+    Omega that `shaking` gives `first`.
+    """
     shaking.require_one_cell()
     amplitude, omega = shaking.scaled(first)
     if structure.dimensionless:
         return Grid(Axis("A", amplitude), Axis("Omega", omega))
-    return Grid(Axis("a_g", structure.ground_acceleration(amplitude)), Axis("omega_g", omega * structure.p))
+    return Grid(
+        Axis("a_g", structure.ground_acceleration(amplitude)),
+        Axis("omega_g", omega * structure.p),
+    )
 
 
 def compare(
-    structures: Sequence[RockingParameters], motion: Motion | HasMotion, shaking: Grid | None = None, methods: Sequence[Method] = ()
+    structures: Sequence[RockingParameters],
+    motion: Motion | HasMotion,
+    shaking: Grid | None = None,
+    methods: Sequence[Method] = (),
 ) -> list[TimeHistory]:
-    """Return the response of each structure to the motion, scaled so that all have equal A and Omega.
+    """Return the response of each structure to the motion, scaled so that all have
+    equal A and Omega.
 
-    shaking: a grid of one cell for the first structure; a record does not need it; methods: the equations of motion, empty for
-    `governing_method`. Raises UsageError.
+    shaking: a grid of one cell for the first structure; a record does not need it;
+    methods: the equations of motion, empty for `governing_method`. Raises UsageError.
 
     >>> found = compare(load_structures(['configs/block.yaml', 'configs/arch.yaml']), sine(), parse_grid('A=2,Omega=5'))
     >>> [history.outcome('linear').flag for history in found]
     ['rocked', 'rocked']
     """
     motion, shaking = demand_of(motion, shaking)
-    methods = methods or [governing_method(*structures, dimensionless=shaking.dimensionless)]
-    return [time_history(s, motion, scaled_alike(s, shaking, structures[0]), methods) for s in structures]
+    methods = methods or [
+        governing_method(*structures, dimensionless=shaking.dimensionless)
+    ]
+    return [
+        time_history(s, motion, scaled_alike(s, shaking, structures[0]), methods)
+        for s in structures
+    ]
 
 
 def collapse(responses: Sequence[TimeHistory], model: str) -> float:
-    """Return the largest distance between the curves theta/alpha over p t of the structures by one equation [-]."""
+    """Return the largest distance between the curves theta/alpha over p t of the
+    structures by one equation [-].
+    """
     curves = [r.histories[model] for r in responses]
     tau = np.linspace(0.0, min(c.end for c in curves), _SAMPLES)
     first, *others = (c.at(tau)[0] for c in curves)
     return max((float(np.abs(other - first).max()) for other in others), default=0.0)
 
 
-def comparison_rows(responses: Sequence[TimeHistory], methods: Sequence[Method]) -> Iterator[dict[str, Any]]:
-    """Yield a row for each structure: motion in units (no frequency for a record), peaks, and for two equations their
-    difference and ratios of quarter periods."""
+def comparison_rows(
+    responses: Sequence[TimeHistory], methods: Sequence[Method]
+) -> Iterator[dict[str, Any]]:
+    """Yield a row for each structure: motion in units (no frequency for a record),
+    peaks, and for two equations their difference and ratios of quarter periods.
+    """
     for r in responses:
-        s, omega = r.structure, None if r.motion.acceleration is not None else r.omega  # a record has no frequency
+        s, omega = (
+            r.structure,
+            None if r.motion.acceleration is not None else r.omega,
+        )  # a record has no frequency
         row: dict[str, Any] = {
-            "structure": s.name, "eta": s.eta, "A": r.amplitude, "Omega": omega,
-            "a_g": s.ground_acceleration(r.amplitude), "omega_g": None if omega is None else omega * s.p,
-        }  # fmt: skip
+            "structure": s.name,
+            "eta": s.eta,
+            "A": r.amplitude,
+            "Omega": omega,
+            "a_g": s.ground_acceleration(r.amplitude),
+            "omega_g": None if omega is None else omega * s.p,
+        }
         ratios: list[float] = []
         for method in methods:
             found = r.histories[method.model]
@@ -73,29 +102,56 @@ def comparison_rows(responses: Sequence[TimeHistory], methods: Sequence[Method])
             ratios += [] if ratio is None else [ratio]
             row |= {
                 f"outcome{suffix}": found.outcome.flag,
-                f"theta_max{suffix}": None if peak is None else float(s.alpha_on(peak.side)) * abs(peak.theta_ratio),
+                f"theta_max{suffix}": (
+                    None
+                    if peak is None
+                    else float(s.alpha_on(peak.side)) * abs(peak.theta_ratio)
+                ),
                 f"theta_ratio{suffix}": ratio,
                 f"t_max{suffix}": None if peak is None else peak.tau / s.p,
             }
         if len(methods) > 1:
-            row["peak_difference"] = ratios[1] / ratios[0] - 1.0 if len(ratios) == 2 else None
+            row["peak_difference"] = (
+                ratios[1] / ratios[0] - 1.0 if len(ratios) == 2 else None
+            )
             for release in RELEASES:
-                linear, nonlinear = (quarter_period(m.system_of(s), release) for m in methods)
+                linear, nonlinear = (
+                    quarter_period(m.system_of(s), release) for m in methods
+                )
                 row[f"quarter_period_ratio_{release:g}"] = nonlinear / linear
         yield row
 
 
-def curve_rows(responses: Sequence[TimeHistory], methods: Sequence[Method]) -> Iterator[dict[str, Any]]:
-    """Yield the points of all curves: structure, model, t [s], theta [rad], tau, theta/alpha, ground acceleration [m/s2], motion."""
+def curve_rows(
+    responses: Sequence[TimeHistory], methods: Sequence[Method]
+) -> Iterator[dict[str, Any]]:
+    """Yield the points of all curves: structure, model, t [s], theta [rad], tau,
+    theta/alpha, ground acceleration [m/s2], motion.
+    """
     for r in responses:
-        tau = np.union1d(r.times(None, False), np.linspace(0.0, r.motion.duration / r.omega, _SHAKEN))
-        ground = r.structure.ground_acceleration(r.amplitude * r.motion.value(tau * r.omega))
+        tau = np.union1d(
+            r.times(None, False), np.linspace(0.0, r.motion.duration / r.omega, _SHAKEN)
+        )
+        ground = r.structure.ground_acceleration(
+            r.amplitude * r.motion.value(tau * r.omega)
+        )
         for method in methods:
             found = r.histories[method.model]
-            for x, y, alpha, a in zip(tau, found.at(tau)[0], r.structure.alpha_on(found.sides(tau)), ground, strict=True):
+            for x, y, alpha, a in zip(
+                tau,
+                found.at(tau)[0],
+                r.structure.alpha_on(found.sides(tau)),
+                ground,
+                strict=True,
+            ):
                 if np.isfinite(y):
                     yield {
-                        "structure": r.structure.name, "model": method.model, "t": float(x) / r.structure.p,
-                        "theta": float(alpha) * float(y), "tau": float(x), "theta_ratio": float(y), "ground_acceleration": float(a),
+                        "structure": r.structure.name,
+                        "model": method.model,
+                        "t": float(x) / r.structure.p,
+                        "theta": float(alpha) * float(y),
+                        "tau": float(x),
+                        "theta_ratio": float(y),
+                        "ground_acceleration": float(a),
                         "motion": r.motion.name,
-                    }  # fmt: skip
+                    }

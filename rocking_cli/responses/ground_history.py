@@ -1,4 +1,6 @@
-"""The ground acceleration along a history, piece by piece: a closed form on each piece, or straight lines."""
+"""The ground acceleration along a history, piece by piece: a closed form on each piece,
+or straight lines.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -26,19 +28,29 @@ class Ground:
     @property
     def _signals(self) -> tuple[Motion, ...]:
         """The horizontal motion, and the vertical one if there is one."""
-        return (self.motion,) if self.motion.vertical is None else (self.motion, self.motion.vertical)
+        return (
+            (self.motion,)
+            if self.motion.vertical is None
+            else (self.motion, self.motion.vertical)
+        )
 
     @cached_property
     def stops(self) -> Array:
         """The ends of the pieces [tau]."""
         across = self._signals[0]
-        stop = across.stop if isinstance(across, Polyline) else [piece.stop for piece in self.motion.pieces]
+        stop = (
+            across.stop
+            if isinstance(across, Polyline)
+            else [piece.stop for piece in self.motion.pieces]
+        )
         stops = np.array(stop, dtype=float)
         stops /= self.omega
         return stops
 
     def during(self, inside: Array | float, tau: Array) -> tuple[Array, Array]:
-        """Return (xg''/g, zg''/g) at times tau by the closed form of the piece that holds the time `inside`, one of each tau or of all."""
+        """Return (xg''/g, zg''/g) at times tau by the closed form of the piece that
+        holds the time `inside`, one of each tau or of all.
+        """
         k = np.broadcast_to(np.searchsorted(self.stops, inside), tau.shape)
         found = [np.zeros(tau.shape) for _ in range(2)]
         shaken = np.flatnonzero(k < self.stops.size)
@@ -46,22 +58,35 @@ class Ground:
             if isinstance(signal, Polyline):
                 at = k[shaken]
                 phase = tau[shaken] * self.omega - signal.start[at]
-                values[shaken] = self.amplitude * (signal.constant[at] + signal.slope[at] * phase)
+                values[shaken] = self.amplitude * (
+                    signal.constant[at] + signal.slope[at] * phase
+                )
             else:
                 for piece in np.unique(k[shaken]).tolist():
                     at = np.flatnonzero(k == piece)
-                    values[at] = self.amplitude * signal.pieces[piece].value(tau[at] * self.omega)
+                    values[at] = self.amplitude * signal.pieces[piece].value(
+                        tau[at] * self.omega
+                    )
         return found[0], found[1]
 
     def at(self, tau: Array) -> tuple[Array, Array]:
         """Return (xg''/g, zg''/g) at times tau; at a jump the values after it."""
         motions = (self.motion, self.motion.vertical)
-        across, up = (np.zeros(tau.shape) if m is None else self.amplitude * m.value(tau * self.omega) for m in motions)
+        across, up = (
+            (
+                np.zeros(tau.shape)
+                if m is None
+                else self.amplitude * m.value(tau * self.omega)
+            )
+            for m in motions
+        )
         return across, up
 
     def extents(self, low: float, high: float) -> Iterator[tuple[Extent, Extent]]:
-        """Yield the extents on [low, high] of the weight over m g, and of the ratio of xg''/g to it; for straight lines once, otherwise for
-        each piece. The ratio means nothing if the weight is not positive."""
+        """Yield the extents on [low, high] of the weight over m g, and of the ratio of
+        xg''/g to it; for straight lines once, otherwise for each piece. The ratio means
+        nothing if the weight is not positive.
+        """
         if (lines := self.lines(low, high)) is not None:
             yield lines
             return
@@ -69,7 +94,14 @@ class Ground:
         for a, b in pairwise([low, *self.stops[first:last].tolist(), high]):
             middle = 0.5 * (a + b)
             weight = extent(partial(self._weight, middle), a, b)
-            yield weight, extent(partial(self._ratio, middle), a, b) if weight.least > 0.0 else weight
+            yield (
+                weight,
+                (
+                    extent(partial(self._ratio, middle), a, b)
+                    if weight.least > 0.0
+                    else weight
+                ),
+            )
 
     def _weight(self, inside: float, tau: Array) -> Array:
         return 1.0 + self.during(inside, tau)[1]
@@ -78,12 +110,19 @@ class Ground:
         return self.during(inside, tau)[0] / self._weight(inside, tau)
 
     def _between(self, low: float, high: float) -> tuple[int, int]:
-        """Return the indices of the first piece that ends after `low`, and of the first one that does not end before `high`."""
-        return int(np.searchsorted(self.stops, low, side="right")), int(np.searchsorted(self.stops, high))
+        """Return the indices of the first piece that ends after `low`, and of the first
+        one that does not end before `high`.
+        """
+        return int(np.searchsorted(self.stops, low, side="right")), int(
+            np.searchsorted(self.stops, high)
+        )
 
     def lines(self, low: float, high: float) -> tuple[Extent, Extent] | None:
-        """Return the extents on [low, high] of the weight over m g, and of the ratio of xg''/g to it, for straight lines: the extremes are
-        at the ends of lines. The ratio means nothing if the weight is not positive. None for a motion of other pieces."""
+        """Return the extents on [low, high] of the weight over m g, and of the ratio of
+        xg''/g to it, for straight lines: the extremes are at the ends of lines. The
+        ratio means nothing if the weight is not positive. None for a motion of other
+        pieces.
+        """
         signals = [x for x in self._signals if isinstance(x, Polyline)]
         if len(signals) < len(self._signals):
             return None
@@ -94,17 +133,32 @@ class Ground:
         found: list[tuple[Extent, Extent]] = []
         for part in blocks(min(last, self.stops.size - 1) + 1 - first):
             k = np.arange(first + part.start, first + part.stop)
-            tau = np.array([np.maximum(self.stops[np.maximum(k - 1, 0)], low), np.minimum(self.stops[k], high)])
+            tau = np.array(
+                [
+                    np.maximum(self.stops[np.maximum(k - 1, 0)], low),
+                    np.minimum(self.stops[k], high),
+                ]
+            )
             tau[0, k == 0] = low
             phase = tau * self.omega - across.start[k]
-            push, *rise = (self.amplitude * (x.constant[k] + x.slope[k] * phase) for x in (across, *up))
+            push, *rise = (
+                self.amplitude * (x.constant[k] + x.slope[k] * phase)
+                for x in (across, *up)
+            )
             weight = 1.0 + sum(rise, start=np.zeros(tau.shape))
             with np.errstate(divide="ignore", invalid="ignore"):
                 found.append((_extent(weight, tau), _extent(push / weight, tau)))
-        return reduce(Extent.join, (weight for weight, _ in found)), reduce(Extent.join, (ratio for _, ratio in found))
+        return reduce(Extent.join, (weight for weight, _ in found)), reduce(
+            Extent.join, (ratio for _, ratio in found)
+        )
 
 
 def _extent(values: Array, tau: Array) -> Extent:
     """Return the extent of these values; among equal values the last one counts."""
     least, most = float(values.min()), float(values.max())
-    return Extent(least, float(tau[values == least].max(initial=-np.inf)), most, float(tau[values == most].max(initial=-np.inf)))
+    return Extent(
+        least,
+        float(tau[values == least].max(initial=-np.inf)),
+        most,
+        float(tau[values == most].max(initial=-np.inf)),
+    )

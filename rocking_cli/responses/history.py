@@ -1,7 +1,8 @@
 """The response of one body in time: every arc as a series, and the events.
 
-`history` listens to the march of one body on floats. Only the last, invisible part of a sequence of impacts is summed; all else is
-followed in time. After the motion the ground is at rest.
+`history` listens to the march of one body on floats. Only the last, invisible part of a
+sequence of impacts is summed; all else is followed in time. After the motion the ground
+is at rest.
 """
 
 import math
@@ -22,70 +23,122 @@ from .arcs import INVISIBLE, Arcs, Event, History, Writer
 
 Array = np.ndarray
 
-_SUMMED, _UNSEEN = 1e-3, 1000  # part of the speed INVISIBLE at which the rest of a bouncing is summed, and bounces until then at most
+# part of the speed INVISIBLE at which the rest of a bouncing is summed, and bounces
+# until then at most
+_SUMMED, _UNSEEN = (
+    1e-3,
+    1000,
+)
 LONGEST = 1e9  # tau: beyond, doubles do not tell the times of an arc apart
 
 
 def history(
-    system: System, motion: Motion, amplitude: float, omega: float, eta: float, *, release: float = 0.0, duration: float
+    system: System,
+    motion: Motion,
+    amplitude: float,
+    omega: float,
+    eta: float,
+    *,
+    release: float = 0.0,
+    duration: float,
 ) -> History:
-    """Return the response of a body that begins at rest, or at theta/alpha = release, up to tau = duration or the end of the shaking.
+    """Return the response of a body that begins at rest, or at theta/alpha = release,
+    up to tau = duration or the end of the shaking.
 
-    Parameters as in `response`; amplitude 0 is free rocking. A body is released to its right side. Raises ValueError when a
-    number is out of range.
+    Parameters as in `response`; amplitude 0 is free rocking. A body is released to its
+    right side. Raises ValueError when a number is out of range.
 
     >>> (column,) = load_structures('configs/block.yaml')
     >>> found = history(Method().system_of(column), sine(), 2.0, 6.0, column.eta, duration=40.0)
     >>> [e.event for e in found.events][:3]
     ['uplift', 'peak', 'impact']
     """
-    numbers = {"amplitude": amplitude, "omega": omega, "release": release, "duration": duration}
+    numbers = {
+        "amplitude": amplitude,
+        "omega": omega,
+        "release": release,
+        "duration": duration,
+    }
     for name, x in numbers.items():
         if not (math.isfinite(x) and x >= 0.0):
-            raise ValueError(f"{name}: found {x:g}; expected a finite number that is not negative")
+            raise ValueError(
+                f"{name}: found {x:g}; expected a finite number that is not negative"
+            )
     if not (omega > 0.0 and duration > 0.0 and release < 1.0):
         raise ValueError("omega and duration must be positive and release below 1")
     if motion.duration / omega > LONGEST:
-        raise ValueError(f"omega: found {omega:g}; expected a larger one, so that the shaking ends before tau = {LONGEST:g}")
+        raise ValueError(
+            f"omega: found {omega:g}; expected a larger one, so that the shaking ends"
+            f" before tau = {LONGEST:g}"
+        )
     duration = max(motion.duration / omega, duration)
     if system.devices is not None:
         from .tied_history import tied_history
 
         return tied_history(system, motion, amplitude, omega, eta, release, duration)
     segments = system.segments(motion.coarsest.still_until(1.001 * duration * omega))
-    return _MarchWriter(system, segments, omega, eta).record(amplitude, release, duration)
+    return _MarchWriter(system, segments, omega, eta).record(
+        amplitude, release, duration
+    )
 
 
 class _MarchWriter(Writer):
     """Writes down the march of one body on floats."""
 
-    def __init__(self, system: System, segments: Segments, omega: float, eta: float) -> None:
+    def __init__(
+        self, system: System, segments: Segments, omega: float, eta: float
+    ) -> None:
         super().__init__(system.equation, omega)
         self.system = system
         self.lane = Lane(system, segments, omega, eta)
         self.segments = self.lane.segments
 
     def _fallen(self, side: float) -> float:
-        """Return the y at which a body counts as fallen: theta/alpha = `FALLEN`, or the rotation at which it lies on the ground."""
+        """Return the y at which a body counts as fallen: theta/alpha = `FALLEN`, or the
+        rotation at which it lies on the ground.
+        """
         equation = self.equation.on(np.array([side]))
-        return min(float(np.min(equation.limit)), float(equation.displacement(np.array([FALLEN]))[0]))
+        return min(
+            float(np.min(equation.limit)),
+            float(equation.displacement(np.array([FALLEN]))[0]),
+        )
 
     def record(self, amplitude: float, release: float, duration: float) -> History:
-        listener = Listener(self.add_arc, self._note, self._rest, INVISIBLE, (self._fallen(1.0), self._fallen(-1.0)))
-        self.cells = self.system.contact.cells(self.equation, np.array([amplitude]), self.lane.omega, self.lane.eta)
+        listener = Listener(
+            self.add_arc,
+            self._note,
+            self._rest,
+            INVISIBLE,
+            (self._fallen(1.0), self._fallen(-1.0)),
+        )
+        self.cells = self.system.contact.cells(
+            self.equation, np.array([amplitude]), self.lane.omega, self.lane.eta
+        )
         with np.errstate(all="ignore"):
-            ended = march(self.lane, amplitude, listener=listener, release=release, most=MAX_STEPS + 40 * len(self.segments))
+            ended = march(
+                self.lane,
+                amplitude,
+                listener=listener,
+                release=release,
+                most=MAX_STEPS + 40 * len(self.segments),
+            )
             arcs = self.arcs()
             if ended.outcome.overturned:
                 self._overturn(arcs)
             if ended.outcome == Outcome.LOST_CONTACT and ended.lost is not None:
                 self._lose(arcs, ended.lost)
-        return self.history(arcs, duration, self._became(ended.outcome), ended.theta_ratio)
+        return self.history(
+            arcs, duration, self._became(ended.outcome), ended.theta_ratio
+        )
 
     def _became(self, outcome: Outcome) -> Outcome:
         words = [e.event for e in self.events]
         if outcome.overturned and "overturning" in words:
-            return Outcome.OVERTURNED_AFTER_IMPACT if "impact" in words else Outcome.OVERTURNED_NO_IMPACT
+            return (
+                Outcome.OVERTURNED_AFTER_IMPACT
+                if "impact" in words
+                else Outcome.OVERTURNED_NO_IMPACT
+            )
         if outcome in (Outcome.ROCKED, Outcome.NO_UPLIFT):
             return Outcome.ROCKED if words else Outcome.NO_UPLIFT
         return outcome
@@ -94,30 +147,57 @@ class _MarchWriter(Writer):
         self.add_event(tau, event, side, y, v, self.omega / self.lane.omega_of(side))
 
     def _overturn(self, arcs: Arcs) -> None:
-        """Note the overturning at the last time at which the body passes y of `_fallen`, which may be many arcs before the march is certain
-        of the fall."""
+        """Note the overturning at the last time at which the body passes y of
+        `_fallen`, which may be many arcs before the march is certain of the fall.
+        """
         i = arcs.start.size - 1
         fallen = self._fallen(float(arcs.side[i]))
         while i and arcs.flow.terms[0, i] >= fallen:
             i -= 1
-        start, length, arc = float(arcs.start[i]), float(arcs.stop[i] - arcs.start[i]), np.array([i])
+        start, length, arc = (
+            float(arcs.start[i]),
+            float(arcs.stop[i] - arcs.start[i]),
+            np.array([i]),
+        )
         share = np.linspace(0.0, 1.0, 65)  # beyond it, and perhaps back within this arc
-        beyond = np.flatnonzero(arcs.flow.take(np.full(65, i)).at(share * (length * arcs.pace[i])).y >= fallen)
-        low, high = start, start + float(share[beyond[0]] if beyond.size else 1.0) * length
+        beyond = np.flatnonzero(
+            arcs.flow.take(np.full(65, i)).at(share * (length * arcs.pace[i])).y
+            >= fallen
+        )
+        low, high = (
+            start,
+            start + float(share[beyond[0]] if beyond.size else 1.0) * length,
+        )
         for _ in range(80):
             middle = 0.5 * (low + high)
-            low, high = (low, middle) if arcs.points(arc, np.array([middle])).y[0] >= fallen else (middle, high)
+            low, high = (
+                (low, middle)
+                if arcs.points(arc, np.array([middle])).y[0] >= fallen
+                else (middle, high)
+            )
         point = arcs.points(arc, np.array([high]))
         if float(point.y[0]) >= fallen * (1.0 - 1e-9):
             self.events = [e for e in self.events if e.tau <= high]
-            self._note(high, "overturning", float(arcs.side[i]), float(point.y[0]), float(point.v[0]))
+            self._note(
+                high,
+                "overturning",
+                float(arcs.side[i]),
+                float(point.y[0]),
+                float(point.v[0]),
+            )
 
     def _lose(self, arcs: Arcs, tau: float) -> None:
-        """Note the loss of contact at tau, when the ground begins to fall as fast as the body."""
+        """Note the loss of contact at tau, when the ground begins to fall as fast as
+        the body.
+        """
         self.events = [e for e in self.events if e.tau <= tau]
         found = History(self.equation, arcs, (), tau, Outcome.LOST_CONTACT, math.nan)
         ratio, rate = (float(x[0]) for x in found.at(np.array([tau])))
-        self.events.append(Event(tau, LOST, ratio, rate, float(arcs.side[-1]) if arcs.side.size else 1.0))
+        self.events.append(
+            Event(
+                tau, LOST, ratio, rate, float(arcs.side[-1]) if arcs.side.size else 1.0
+            )
+        )
 
     def _rest(self, before: Lanes, after: Lanes) -> None:
         """Note the rest at the end of the bounces, and the uplift after it."""
@@ -131,8 +211,9 @@ class _MarchWriter(Writer):
         return self.lane.tau(int(lanes.k[0]), float(lanes.u[0]))
 
     def _end_of_bounces(self, lanes: Lanes) -> float:
-        """Return the tau at which bounces too low to be seen come to rest: each bounce under a force linear in time, the last ones by the
-        sum of a series."""
+        """Return the tau at which bounces too low to be seen come to rest: each bounce
+        under a force linear in time, the last ones by the sum of a series.
+        """
         lanes, contact = lanes.take(np.zeros(1, dtype=np.int64)), self.system.contact
         least = _SUMMED * lanes.v
         for _ in range(_UNSEEN):
@@ -154,12 +235,25 @@ class _MarchWriter(Writer):
         """Return the force on a body at theta = 0 after a time h [tau of its side]."""
         seg, u = self.segments, lanes.u + lanes.omega * h
         k = np.minimum(lanes.k, len(seg) - 1)  # the ground is still at the end
-        b = -lanes.side * lanes.amplitude * (seg.s_start[k] + drive_change(seg, k, u)) - 1.0
+        b = (
+            -lanes.side * lanes.amplitude * (seg.s_start[k] + drive_change(seg, k, u))
+            - 1.0
+        )
         return seg.force_at_impact(lanes.side, lanes.amplitude, k, u, b)
 
 
 def quarter_period(system: System, release: float) -> float:
-    """Return the time tau [-] from the release at theta/alpha = release to the first impact, on still ground. Raises ValueError."""
+    """Return the time tau [-] from the release at theta/alpha = release to the first
+    impact, on still ground. Raises ValueError.
+    """
     reach = 4.0 * math.acosh(1.0 / (1.0 - release)) + 10.0
-    free = history(system, Motion("still", (Piece(0.0, reach),)), 0.0, 1.0, 0.0, release=release, duration=reach)
+    free = history(
+        system,
+        Motion("still", (Piece(0.0, reach),)),
+        0.0,
+        1.0,
+        0.0,
+        release=release,
+        duration=reach,
+    )
     return next((e.tau for e in free.events if e.event == "impact"), math.inf)

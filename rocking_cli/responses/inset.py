@@ -1,4 +1,6 @@
-"""The effect of worn or rounded edges on a capacity: pivots that lie inside the edges."""
+"""The effect of worn or rounded edges on a capacity: pivots that lie
+inside the edges.
+"""
 
 from collections.abc import Callable, Iterator, Sequence
 
@@ -13,8 +15,9 @@ INSET = 0.05  # of the width
 
 
 def may_be_worn(verdicts: Sequence[Verdict], demands: Sequence[Demand]) -> bool:
-    """True if a body stands whose capacity worn edges would lower, and its document states
-    no inset."""
+    """True if a body stands whose capacity worn edges would lower, and its document
+    states no inset.
+    """
     stands = {v.structure for v in verdicts if v.outcome.safe and v.first_overturning_a}
     return any(s.name in stands and _inset_of(s) is not None for s, _, _ in demands)
 
@@ -30,10 +33,14 @@ def effects(
     width inside the edges would take.
 
     a_max: the largest amplitude of the search; progress: called with the number of
-    structures that are done and of all. A structure with an `inset` of its own, with ties,
-    without a capacity or without edges has no line. Raises UsageError as `check` does.
+    structures that are done and of all. A structure with an `inset` of its own, with
+    ties, without a capacity or without edges has no line. Raises UsageError as `check`
+    does.
     """
-    asked = {(structure.name, motion.name): (structure, motion, grid) for structure, motion, grid in demands}
+    asked = {
+        (structure.name, motion.name): (structure, motion, grid)
+        for structure, motion, grid in demands
+    }
     least: dict[str, Verdict] = {}
     for verdict in sorted(verdicts, key=lambda v: v.capacity_demand or 0.0):
         if verdict.first_overturning_a:
@@ -65,9 +72,14 @@ def _effect(
     pivots = f"pivots {1000.0 * inset:.3g} mm inside the edges"
     why = f"({100.0 * INSET:g} % of the width: rounding, wear)"
     does = "take" if change <= 0.0 else "add"
-    return f"{structure.name}: {pivots} {why} would {does} {abs(change):.2g} % of the capacity"
+    return (
+        f"{structure.name}: {pivots} {why} would {does} {abs(change):.2g} % of the"
+        " capacity"
+    )
 
 
 def _inset_of(structure: RockingParameters) -> tuple[float, RockingParameters] | None:
-    """Return (inset [m], the body with it), None if the body has an inset or no edges."""
+    """Return (inset [m], the body with it), None if the body has an inset
+    or no edges.
+    """
     return None if "inset" in structure.details else worn(structure, INSET)

@@ -1,4 +1,6 @@
-"""The response in time of a body with ties or a tendon: it listens to the march of one such body (`dynamics.tied`)."""
+"""The response in time of a body with ties or a tendon: it listens to the march of one
+such body (`dynamics.tied`).
+"""
 
 from dataclasses import replace
 from typing import Any
@@ -19,7 +21,9 @@ STATES = ("elastic", "yielded", "broken")  # of ties and tendons
 
 
 class _Recorder(Writer):
-    """Writes down the march of one body with ties or a tendon, up to the phase `until` [rad]; march: the one that it listens to."""
+    """Writes down the march of one body with ties or a tendon, up to the phase `until`
+    [rad]; march: the one that it listens to.
+    """
 
     visible = INVISIBLE
     march: March
@@ -28,29 +32,82 @@ class _Recorder(Writer):
         super().__init__(system.equation, omega)
         assert system.devices is not None
         self.until, self.devices = until, system.devices
-        self.laws = [(0.0, 0, system.devices.prestress.max(axis=0), 0.0 * system.devices.prestress[0])]
+        self.laws = [
+            (
+                0.0,
+                0,
+                system.devices.prestress.max(axis=0),
+                0.0 * system.devices.prestress[0],
+            )
+        ]
 
     def tau(self, lanes: Lanes) -> float:
         """Return the time of the first lane, as tau of the history."""
-        segments, k = self.march.segments, min(int(lanes.k[0]), len(self.march.segments) - 1)
+        segments, k = (
+            self.march.segments,
+            min(int(lanes.k[0]), len(self.march.segments) - 1),
+        )
         return (float(segments.start[k]) + float(lanes.u[0])) / self.omega
 
     def keep(self, lanes: Lanes, arc: TaylorSeries, reach: float, now: Phase) -> None:
-        """Keep an arc of the first lane that begins now and lasts `reach` [tau of the side], and the force law of the devices on it."""
-        self.laws.append((self.tau(lanes), int(self.devices.row(lanes.side)[0]), now.fixed[:, 0], now.rate[:, 0]))
+        """Keep an arc of the first lane that begins now and lasts `reach` [tau of the
+        side], and the force law of the devices on it.
+        """
+        self.laws.append(
+            (
+                self.tau(lanes),
+                int(self.devices.row(lanes.side)[0]),
+                now.fixed[:, 0],
+                now.rate[:, 0],
+            )
+        )
         pace = self.omega / float(lanes.omega[0])
-        self.add_arc(self.tau(lanes), reach, float(lanes.side[0]), pace, float(arc.unit[0]), arc.terms[:, 0].tolist())
+        self.add_arc(
+            self.tau(lanes),
+            reach,
+            float(lanes.side[0]),
+            pace,
+            float(arc.unit[0]),
+            arc.terms[:, 0].tolist(),
+        )
 
-    def note(self, lanes: Lanes, event: str, y: float, v: float, device: str = "", later: float = 0.0) -> None:
-        """Keep an event of the first lane, at the time of the lane plus `later` [tau]."""
-        self.add_event(self.tau(lanes) + later, event, float(lanes.side[0]), y, v, self.omega / float(lanes.omega[0]), device)
+    def note(
+        self,
+        lanes: Lanes,
+        event: str,
+        y: float,
+        v: float,
+        device: str = "",
+        later: float = 0.0,
+    ) -> None:
+        """Keep an event of the first lane, at the time of the lane
+        plus `later` [tau].
+        """
+        self.add_event(
+            self.tau(lanes) + later,
+            event,
+            float(lanes.side[0]),
+            y,
+            v,
+            self.omega / float(lanes.omega[0]),
+            device,
+        )
 
     def rest(self, before: TiedLanes, after: TiedLanes, bounces: float) -> None:
-        """Keep a rest, which begins after bounces of a duration `bounces` [tau of the side], and the uplift after the rest."""
+        """Keep a rest, which begins after bounces of a duration `bounces` [tau of the
+        side], and the uplift after the rest.
+        """
         lasts = bounces * float(before.omega[0]) / self.omega
         rows = range(len(self.devices.stiffness))
-        held = [self.devices.force_at_ground(np.array([row]), before.phase[row], before.plastic[row])[:, 0] for row in rows]
-        self.laws.append((self.tau(before) + lasts, 0, np.max(held, axis=0), 0.0 * held[0]))
+        held = [
+            self.devices.force_at_ground(
+                np.array([row]), before.phase[row], before.plastic[row]
+            )[:, 0]
+            for row in rows
+        ]
+        self.laws.append(
+            (self.tau(before) + lasts, 0, np.max(held, axis=0), 0.0 * held[0])
+        )
         lifts = after.k[0] < len(self.march.segments)
         if not lifts or self.tau(after) > self.tau(before) + lasts:
             self.note(before, "rest", 0.0, 0.0, later=lasts)
@@ -63,71 +120,148 @@ class _Recorder(Writer):
         return DeviceForces(self.devices, start, row, fixed.T, rate.T)
 
 
-def tied_history(system: System, motion: Motion, amplitude: float, omega: float, eta: float, release: float, duration: float) -> History:
-    """Return the history of a body with ties or a tendon; arguments as `history`. Raises UsageError for a vertical motion."""
+def tied_history(
+    system: System,
+    motion: Motion,
+    amplitude: float,
+    omega: float,
+    eta: float,
+    release: float,
+    duration: float,
+) -> History:
+    """Return the history of a body with ties or a tendon; arguments as `history`.
+    Raises UsageError for a vertical motion.
+    """
     recorder = _Recorder(system, duration * omega, omega)
-    recorder.march = march = March(system, motion.coarsest, np.array([amplitude]), np.array([omega]), np.array([eta]), recorder)
+    recorder.march = march = March(
+        system,
+        motion.coarsest,
+        np.array([amplitude]),
+        np.array([omega]),
+        np.array([eta]),
+        recorder,
+    )
     found = march.run(release)
     outcome, rows = Outcome(int(found.outcome[0])), tuple(device_rows(system, march))
-    history = recorder.history(recorder.arcs(), duration, outcome, float(found.theta_ratio[0]))
+    history = recorder.history(
+        recorder.arcs(), duration, outcome, float(found.theta_ratio[0])
+    )
     return replace(history, devices=rows, device_forces=recorder.forces())
 
 
 def device_rows(system: System, march: March) -> list[dict[str, Any]]:
-    """Return a row for each tie and the tendon of the first cell. device: its name; force: its largest force [N]; tie_force: force over its
-    yield, without one over its force at rupture [-], None without both; tie_elongation, permanent: its largest and its permanent elongation
-    [m]; state: elastic, yielded or broken; words: the row as a sentence. A tie of both sides acts as two; its row has the larger numbers
-    and the worse state."""
+    """Return a row for each tie and the tendon of the first cell. device: its name;
+    force: its largest force [N]; tie_force: force over its yield, without one over its
+    force at rupture [-], None without both; tie_elongation, permanent: its largest and
+    its permanent elongation [m]; state: elastic, yielded or broken; words: the row as a
+    sentence. A tie of both sides acts as two; its row has the larger numbers and the
+    worse state.
+    """
     devices, found = system.devices, march.found
     assert devices is not None
     rows = np.arange(len(devices.stiffness))
-    force = np.minimum(devices.prestress + devices.stiffness * found.farthest[:, :, 0], devices.force)
+    force = np.minimum(
+        devices.prestress + devices.stiffness * found.farthest[:, :, 0], devices.force
+    )
     table = []
     for i, name in enumerate(devices.names):
-        on = [row for row in rows if devices.stiffness[row, i] or devices.prestress[row, i]]
+        on = [
+            row
+            for row in rows
+            if devices.stiffness[row, i] or devices.prestress[row, i]
+        ]
         at = on[0], i
-        largest, limit, word = float(max(force[row, i] for row in on)), float(devices.force[at]), "yield"
+        largest, limit, word = (
+            float(max(force[row, i] for row in on)),
+            float(devices.force[at]),
+            "yield",
+        )
         if np.isinf(limit) and devices.stiffness[at]:
-            limit, word = float(devices.prestress[at] + devices.stiffness[at] * devices.ultimate[at]), "rupture"
+            limit, word = (
+                float(
+                    devices.prestress[at] + devices.stiffness[at] * devices.ultimate[at]
+                ),
+                "rupture",
+            )
         row: dict[str, Any] = {
             "device": name,
             "force": largest,
             "tie_force": largest / limit if np.isfinite(limit) else None,
             "tie_elongation": float(max(found.farthest[row, i, 0] for row in on)),
             "permanent": float(max(found.plastic[row, i, 0] for row in on)),
-            "state": STATES[max(_rank(int(found.phase[row, i, 0]), float(found.plastic[row, i, 0])) for row in on)],
+            "state": STATES[
+                max(
+                    _rank(int(found.phase[row, i, 0]), float(found.plastic[row, i, 0]))
+                    for row in on
+                )
+            ],
         }
         table.append({**row, "words": _in_words(row, word)})
     return table
 
 
 def _rank(phase: int, plastic: float) -> int:
-    """Return the index in STATES of a device in this phase with this permanent elongation [m]."""
+    """Return the index in STATES of a device in this phase with this permanent
+    elongation [m].
+    """
     return 2 if phase == BROKEN else int(phase == YIELDING or plastic > 0.0)
 
 
 def columns_of(devices: tuple[dict[str, Any], ...]) -> dict[str, Any]:
-    """Return the columns of `rocking check` from the rows of `device_rows`: the largest of each number, and the worst state."""
+    """Return the columns of `rocking check` from the rows of `device_rows`: the largest
+    of each number, and the worst state.
+    """
     keys = ("tie_force", "tie_elongation", "permanent")
-    most = {key: max((x for one in devices if (x := one[key]) is not None), default=None) for key in keys}
-    return {**most, "tie_state": max((one["state"] for one in devices), key=STATES.index)}
+    most = {
+        key: max((x for one in devices if (x := one[key]) is not None), default=None)
+        for key in keys
+    }
+    return {
+        **most,
+        "tie_state": max((one["state"] for one in devices), key=STATES.index),
+    }
 
 
 def _in_words(device: dict[str, Any], limit: str) -> str:
     """Return the text of a row of `device_rows`; limit: to what tie_force refers."""
-    share = "" if device["tie_force"] is None else f" ({device['tie_force']:.4g} of its {limit})"
-    left = f", {1e3 * device['permanent']:.4g} mm of them permanent" if device["permanent"] else ""
-    return f"{device['device']} {device['state']}, up to {device['force']:.6g} N{share} and {1e3 * device['tie_elongation']:.4g} mm{left}"
+    share = (
+        ""
+        if device["tie_force"] is None
+        else f" ({device['tie_force']:.4g} of its {limit})"
+    )
+    left = (
+        f", {1e3 * device['permanent']:.4g} mm of them permanent"
+        if device["permanent"]
+        else ""
+    )
+    return (
+        f"{device['device']} {device['state']}, up to {device['force']:.6g} N{share}"
+        f" and {1e3 * device['tie_elongation']:.4g} mm{left}"
+    )
 
 
-def remarks(devices: tuple[dict[str, Any], ...], first: float | None, free: float | None) -> list[str]:
-    """Return a sentence for each row of `device_rows`, and one that compares first, the lowest overturning amplitude, with free, that
-    without these devices."""
+def remarks(
+    devices: tuple[dict[str, Any], ...], first: float | None, free: float | None
+) -> list[str]:
+    """Return a sentence for each row of `device_rows`, and one that compares first, the
+    lowest overturning amplitude, with free, that without these devices.
+    """
     lines = [one["words"] for one in devices]
     if first is not None and free is not None:
         change = 100.0 * (first / free - 1.0)
-        tendon, ties = (any((one["device"] == "tendon") is held for one in devices) for held in (True, False))
-        name, without = ("ties and tendon", "them") if ties and tendon else ("ties", "them") if ties else ("tendon", "it")
+        tendon, ties = (
+            any((one["device"] == "tendon") is held for one in devices)
+            for held in (True, False)
+        )
+        name, without = (
+            ("ties and tendon", "them")
+            if ties and tendon
+            else ("ties", "them")
+            if ties
+            else ("tendon", "it")
+        )
         verb = ("add" if change >= 0.0 else "take") + "s" * (name == "tendon")
-        lines.append(f"its {name} {verb} {abs(change):.3g} % of the capacity without {without}")
+        lines.append(
+            f"its {name} {verb} {abs(change):.3g} % of the capacity without {without}"
+        )
     return lines

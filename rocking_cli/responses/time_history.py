@@ -1,4 +1,6 @@
-"""Responses in time as rows, with units or as theta/alpha over p t, by the linear and the nonlinear equation."""
+"""Responses in time as rows, with units or as theta/alpha over p t, by the linear and
+the nonlinear equation.
+"""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -22,7 +24,9 @@ from .history import history
 if TYPE_CHECKING:
     from .arch_history import ArchHistory
 
-FREE = 30.0  # tau for which a response is followed after the shaking, unless the user says
+FREE = (
+    30.0  # tau for which a response is followed after the shaking, unless the user says
+)
 POINTS = 500  # times of a history over its whole length, unless the user says
 MOST_POINTS = 10_000_000
 NAMED = ("structure", "motion", "model")  # columns that are the same in every row
@@ -34,7 +38,8 @@ STILL = Motion("free rocking", (Piece(0.0, 1.0),))
 
 @dataclass(frozen=True, eq=False)
 class TimeHistory:
-    """The response of one structure to one motion: A, Omega, and a history for each equation of motion, at least to the end of the shaking.
+    """The response of one structure to one motion: A, Omega, and a history for each
+    equation of motion, at least to the end of the shaking.
 
     shown: the tau up to which rows, events and figures go.
     """
@@ -57,8 +62,10 @@ class TimeHistory:
         return any(h.outcome == Outcome.FAILED for h in self.histories.values())
 
     def times(self, dt: float | None, steps: bool) -> np.ndarray:
-        """Return the times of the rows [tau]: every dt [tau]; with `steps` those of `History.steps`; without dt the samples of a record,
-        its impacts and peaks, or the ends of POINTS equal intervals for a pulse. Raises UsageError."""
+        """Return the times of the rows [tau]: every dt [tau]; with `steps` those of
+        `History.steps`; without dt the samples of a record, its impacts and peaks, or
+        the ends of POINTS equal intervals for a pulse. Raises UsageError.
+        """
         if steps:
             marks = [h.steps() for h in self.histories.values()]
         elif dt is None and self.motion.acceleration is not None:
@@ -66,59 +73,111 @@ class TimeHistory:
         elif dt is None:
             return np.linspace(0.0, self.end, POINTS + 1)
         elif not (dt > 0.0 and self.end / dt <= MOST_POINTS):
-            raise UsageError(f"`dt`: found {dt / self.structure.p:g} s; expected a positive time that gives up to {MOST_POINTS} points")
+            raise UsageError(
+                f"`dt`: found {dt / self.structure.p:g} s; expected a positive time"
+                f" that gives up to {MOST_POINTS} points"
+            )
         else:
             return dt * np.arange(math.floor(self.end / dt * (1.0 + 1e-12)) + 1)
         times = np.unique(np.concatenate(marks))
         return np.append(times[times < self.end], self.end)
 
     def _samples(self) -> list[np.ndarray]:
-        """Return tau at the samples of a record, at the same mean step after its end, and at impacts and peaks. Raises UsageError."""
+        """Return tau at the samples of a record, at the same mean step after its end,
+        and at impacts and peaks. Raises UsageError.
+        """
         stops = Ground(self.motion, self.amplitude, self.omega).stops
         last, step = float(stops[-1]), float(stops[-1]) / stops.size
         if self.end / step > MOST_POINTS:
-            raise UsageError(f"the record gives more than {MOST_POINTS} rows; `dt` sets their step")
+            raise UsageError(
+                f"the record gives more than {MOST_POINTS} rows; `dt` sets their step"
+            )
         after = last + step * np.arange(1, max(1, math.ceil((self.end - last) / step)))
-        turns = [event.tau for found in self.histories.values() for event in found.events if event.event in ("impact", "peak")]
+        turns = [
+            event.tau
+            for found in self.histories.values()
+            for event in found.events
+            if event.event in ("impact", "peak")
+        ]
         return [np.zeros(1), stops, after, np.array(turns)]
 
     @cached_property
     def forces(self) -> "dict[str, ForceHistory | ArchHistory]":
-        """The forces for each equation of motion: between a rigid body and the ground, or at the hinges and joints of an arch. Raises
-        UsageError."""
+        """The forces for each equation of motion: between a rigid body and the ground,
+        or at the hinges and joints of an arch. Raises UsageError.
+        """
         s = self.structure
         if any(found.devices for found in self.histories.values()):
-            raise UsageError(f"{s.name}: found ties or a tendon; expected a body without them, whose forces on the ground are known")
-        ground = Ground(self.motion, float(s.ground_acceleration(self.amplitude)) / s.gravity, self.omega)
+            raise UsageError(
+                f"{s.name}: found ties or a tendon; expected a body without them, whose"
+                " forces on the ground are known"
+            )
+        ground = Ground(
+            self.motion,
+            float(s.ground_acceleration(self.amplitude)) / s.gravity,
+            self.omega,
+        )
         if s.mechanism is not None:
             from ..structures.mechanics.fourbar import FourBar
             from .arch_history import ArchHistory
 
             if isinstance(s.mechanism, FourBar):
                 if any(model != "nonlinear" for model in self.histories):
-                    raise UsageError(f"{s.name}: the forces in an arch follow from the nonlinear equation: give `model` nonlinear")
-                return {model: ArchHistory(s, ground, found) for model, found in self.histories.items()}
+                    raise UsageError(
+                        f"{s.name}: the forces in an arch follow from the nonlinear"
+                        " equation: give `model` nonlinear"
+                    )
+                return {
+                    model: ArchHistory(s, ground, found)
+                    for model, found in self.histories.items()
+                }
         edges = edges_of(s)
-        return {model: ForceHistory(s, edges, ground, found) for model, found in self.histories.items()}
+        return {
+            model: ForceHistory(s, edges, ground, found)
+            for model, found in self.histories.items()
+        }
 
     def top_displacement(self, model: str) -> float | None:
-        """Return the largest displacement of the top from its rest position [m]; None without a geometry, and if the body falls."""
+        """Return the largest displacement of the top from its rest position [m]; None
+        without a geometry, and if the body falls.
+        """
         s, found = self.structure, self.histories[model]
         if not s.top or found.theta_ratio is None or self.outcome(model).falls:
             return None
-        largest = [(abs(e.theta_ratio), e.side) for e in found.events if e.event in ("release", "peak")]
-        if found.theta_ratio > max((ratio for ratio, _ in largest), default=0.0) * (1.0 + 1e-9):  # at the end, or after it
-            largest.append((found.theta_ratio, float(found.sides(np.array([found.end]))[0])))
-        turned = [(s.top[side > 0.0], ratio * float(s.alpha_on(side))) for ratio, side in largest]
-        return max((2.0 * arm * math.sin(0.5 * angle) for arm, angle in turned), default=0.0)
+        largest = [
+            (abs(e.theta_ratio), e.side)
+            for e in found.events
+            if e.event in ("release", "peak")
+        ]
+        if found.theta_ratio > max((ratio for ratio, _ in largest), default=0.0) * (
+            1.0 + 1e-9
+        ):  # at the end, or after it
+            largest.append(
+                (found.theta_ratio, float(found.sides(np.array([found.end]))[0]))
+            )
+        turned = [
+            (s.top[side > 0.0], ratio * float(s.alpha_on(side)))
+            for ratio, side in largest
+        ]
+        return max(
+            (2.0 * arm * math.sin(0.5 * angle) for arm, angle in turned), default=0.0
+        )
 
     def outcome(self, model: str) -> Outcome:
-        """Return the outcome by one equation. A body that rocks has lost contact if its forces are known and Fz <= 0 at some time."""
-        return self.histories[model].outcome if self._lost(model) is None else Outcome.LOST_CONTACT
+        """Return the outcome by one equation. A body that rocks has lost contact if its
+        forces are known and Fz <= 0 at some time.
+        """
+        return (
+            self.histories[model].outcome
+            if self._lost(model) is None
+            else Outcome.LOST_CONTACT
+        )
 
     def _lost(self, model: str) -> float | None:
-        """Return the first instant tau with Fz <= 0 of a body that does not overturn; None without one, if forces are not known, and for a
-        body with ties, whose march checks Fz itself."""
+        """Return the first instant tau with Fz <= 0 of a body that does not overturn;
+        None without one, if forces are not known, and for a body with ties, whose march
+        checks Fz itself.
+        """
         if self.histories[model].outcome not in (Outcome.ROCKED, Outcome.LOST_CONTACT):
             return None
         try:
@@ -130,22 +189,39 @@ class TimeHistory:
         """Yield the events up to tau = `shown`, or up to the loss of contact."""
         found, lost = self.histories[model], self._lost(model)
         stop = self.shown if lost is None else min(lost, self.shown)
-        yield from (m for m in found.events if m.tau <= stop and (lost is None or m.event != LOST))
+        yield from (
+            m
+            for m in found.events
+            if m.tau <= stop and (lost is None or m.event != LOST)
+        )
         if lost is not None and lost <= self.shown:
             at = np.array([lost])
             ratio, rate = found.at(at)
-            yield Event(lost, LOST, float(ratio[0]), float(rate[0]), float(found.sides(at)[0]))
+            yield Event(
+                lost, LOST, float(ratio[0]), float(rate[0]), float(found.sides(at)[0])
+            )
 
     def rows(
-        self, *, dt: float | None = None, steps: bool = False, dimensionless: bool = False, forces: bool = False
+        self,
+        *,
+        dt: float | None = None,
+        steps: bool = False,
+        dimensionless: bool = False,
+        forces: bool = False,
     ) -> Iterator[dict[str, Any]]:
-        """Yield a row for each time; dt in s, or in tau with `dimensionless`; forces: add the forces over m g. Columns have the name of
-        the model if there are two. Columns with units come first, among them the force of each
-        tie and tendon [N], then tau and theta/alpha, last those of `NAMED`."""
+        """Yield a row for each time; dt in s, or in tau with `dimensionless`; forces:
+        add the forces over m g. Columns have the name of the model if there are two.
+        Columns with units come first, among them the force of each tie and tendon [N],
+        then tau and theta/alpha, last those of `NAMED`.
+        """
         s = self.structure
         time = 1.0 if dimensionless else 1.0 / s.p
         tau = self.times(None if dt is None else dt / time, steps)
-        names = ("tau", "theta_ratio", "theta_ratio_rate", "A") if dimensionless else ("t", "theta", "theta_dot", "ground_acceleration")
+        names = (
+            ("tau", "theta_ratio", "theta_ratio_rate", "A")
+            if dimensionless
+            else ("t", "theta", "theta_dot", "ground_acceleration")
+        )
         ground = self.amplitude * self.motion.value(tau * self.omega)
         columns: dict[str, np.ndarray] = {names[0]: tau * time}
         last = {} if dimensionless else {"tau": tau}
@@ -153,43 +229,83 @@ class TimeHistory:
             suffix = f"_{model}" if len(self.histories) > 1 else ""
             ratio, rate = found.at(tau)
             angle = 1.0 if dimensionless else s.alpha_on(found.sides(tau))
-            columns[names[1] + suffix], columns[names[2] + suffix] = ratio * angle, rate * angle / time
+            columns[names[1] + suffix], columns[names[2] + suffix] = (
+                ratio * angle,
+                rate * angle / time,
+            )
             last |= {} if dimensionless else {f"theta_ratio{suffix}": ratio}
             more = self.forces[model].columns(tau) if forces else {}
             if found.device_forces and not dimensionless:
                 more = found.device_forces.columns(tau, columns[names[1] + suffix])
             columns |= {name + suffix: values for name, values in more.items()}
-        columns |= {names[3]: ground if dimensionless else s.ground_acceleration(ground), **last}
-        named = dict(zip(NAMED, (s.name, self.motion.name, " and ".join(self.histories)), strict=True))
+        columns |= {
+            names[3]: ground if dimensionless else s.ground_acceleration(ground),
+            **last,
+        }
+        named = dict(
+            zip(
+                NAMED,
+                (s.name, self.motion.name, " and ".join(self.histories)),
+                strict=True,
+            )
+        )
         keys = list(columns)
         for row in zip(*columns.values(), strict=True):
-            yield {k: None if math.isnan(x) else float(x) for k, x in zip(keys, row, strict=True)} | named
+            yield {
+                k: None if math.isnan(x) else float(x)
+                for k, x in zip(keys, row, strict=True)
+            } | named
 
-    def events(self, *, dimensionless: bool = False, forces: bool = False) -> Iterator[dict[str, Any]]:
-        """Yield a row for each event; a loss of contact is the last one. The rate at an impact is the rate before it.
+    def events(
+        self, *, dimensionless: bool = False, forces: bool = False
+    ) -> Iterator[dict[str, Any]]:
+        """Yield a row for each event; a loss of contact is the last one. The rate at an
+        impact is the rate before it.
 
-        forces: add the forces over m g before and after the event, and the impulses of an impact over m g [s].
+        forces: add the forces over m g before and after the event, and the impulses of
+        an impact over m g [s].
         """
         s = self.structure
         for model, found in self.histories.items():
             for m in self._events(model):
                 if dimensionless:
-                    row = {"tau": m.tau, "theta_ratio": m.theta_ratio, "theta_ratio_rate": m.rate}
+                    row = {
+                        "tau": m.tau,
+                        "theta_ratio": m.theta_ratio,
+                        "theta_ratio_rate": m.rate,
+                    }
                 else:
                     alpha = float(s.alpha_on(m.side))
-                    row = {"t": m.tau / s.p, "theta": alpha * m.theta_ratio, "theta_dot": alpha * s.p * m.rate}
+                    row = {
+                        "t": m.tau / s.p,
+                        "theta": alpha * m.theta_ratio,
+                        "theta_dot": alpha * s.p * m.rate,
+                    }
                 time = 1.0 if dimensionless else 1.0 / s.p
                 force_columns = self.forces[model].event(m, time) if forces else {}
-                yield {"model": model, "event": m.event, **row, **({"device": m.device or None} if found.devices else {}), **force_columns}
+                yield {
+                    "model": model,
+                    "event": m.event,
+                    **row,
+                    **({"device": m.device or None} if found.devices else {}),
+                    **force_columns,
+                }
 
-    def summaries(self, *, dimensionless: bool = False, forces: bool = False) -> Iterator[dict[str, Any]]:
-        """Yield a row for each model with theta_ratio (None if the structure overturned or
-        lost contact) and outcome.
+    def summaries(
+        self, *, dimensionless: bool = False, forces: bool = False
+    ) -> Iterator[dict[str, Any]]:
+        """Yield a row for each model with theta_ratio (None if the structure overturned
+        or lost contact) and outcome.
 
-        forces: add the required friction and its time, the friction that impacts need, the least Fz over m g and its time; if the
-        document states a friction, also when the base slides (None if it does not).
+        forces: add the required friction and its time, the friction that impacts need,
+        the least Fz over m g and its time; if the document states a friction, also when
+        the base slides (None if it does not).
         """
-        s, when, time = self.structure, "tau" if dimensionless else "t", 1.0 if dimensionless else 1.0 / self.structure.p
+        s, when, time = (
+            self.structure,
+            "tau" if dimensionless else "t",
+            1.0 if dimensionless else 1.0 / self.structure.p,
+        )
         for model, found in self.histories.items():
             summary = self.forces[model].summary(when, time) if forces else {}
             if self.amplitude and not dimensionless:
@@ -197,11 +313,21 @@ class TimeHistory:
             if not dimensionless:
                 summary["top_displacement"] = self.top_displacement(model)
             if found.devices:
-                summary["devices"] = [{key: x for key, x in one.items() if key != "words"} for one in found.devices]
+                summary["devices"] = [
+                    {key: x for key, x in one.items() if key != "words"}
+                    for one in found.devices
+                ]
             outcome = self.outcome(model)
-            # The motion after a loss of contact is not known, nor is its largest rotation.
+            # The motion after a loss of contact is not known, nor is its largest
+            # rotation.
             ratio = None if outcome == Outcome.LOST_CONTACT else found.theta_ratio
-            yield {"model": model, "event": "summary", **summary, "theta_ratio": ratio, "outcome": outcome.flag}
+            yield {
+                "model": model,
+                "event": "summary",
+                **summary,
+                "theta_ratio": ratio,
+                "outcome": outcome.flag,
+            }
 
     def summary(self, *, forces: bool = False) -> Iterator[str]:
         """Yield a sentence on the outcome for each model."""
@@ -210,12 +336,20 @@ class TimeHistory:
             peak, ratio = found.peak, found.theta_ratio or 0.0
             text = self.outcome(model).sentence
             if ratio > (0.0 if peak is None else abs(peak.theta_ratio) * (1.0 + 1e-9)):
-                text += f", largest theta {ratio:.6g} alpha after {found.end / s.p:.4g} s"
+                text += (
+                    f", largest theta {ratio:.6g} alpha after {found.end / s.p:.4g} s"
+                )
             elif peak is not None:
-                text += f", largest theta {ratio * float(s.alpha_on(peak.side)):.6g} rad ({ratio:.6g} alpha) at {peak.tau / s.p:.4g} s"
+                text += (
+                    f", largest theta {ratio * float(s.alpha_on(peak.side)):.6g} rad"
+                    f" ({ratio:.6g} alpha) at {peak.tau / s.p:.4g} s"
+                )
             if top := self.top_displacement(model):
                 text += f", top displaced by up to {1e3 * top:.4g} mm"
-            if not any(m.event in ("rest", "overturning") for m in found.events) and found.outcome == Outcome.ROCKED:
+            if (
+                not any(m.event in ("rest", "overturning") for m in found.events)
+                and found.outcome == Outcome.ROCKED
+            ):
                 text += f"; still rocking at {found.end / s.p:.4g} s"
             text += "".join(f"; {device['words']}" for device in found.devices)
             if forces:
@@ -232,29 +366,51 @@ def time_history(
     release: float = 0.0,
     duration: float | None = None,
 ) -> TimeHistory:
-    """Return the response of one structure; motion: None for free rocking from theta/alpha = release; shaking: a grid of one cell; a
-    record does not need it; methods: the equations of motion, empty for `governing_method`.
+    """Return the response of one structure; motion: None for free rocking from
+    theta/alpha = release; shaking: a grid of one cell; a record does not need it;
+    methods: the equations of motion, empty for `governing_method`.
 
-    duration [s]: the time that is shown, None for the shaking and 30/p after it; the outcome holds for the whole motion.
-    Raises UsageError.
+    duration [s]: the time that is shown, None for the shaking and 30/p after it; the
+    outcome holds for the whole motion. Raises UsageError.
 
     >>> found = time_history(load_structures('configs/block.yaml')[0], sine(), parse_grid('a_g=0.35g,f_g=1.5'))
     >>> [event.event for event in found.histories['nonlinear'].events][:3]
     ['uplift', 'peak', 'impact']
     """
     moved, shaking = (STILL, None) if motion is None else demand_of(motion, shaking)
-    methods = methods or [governing_method(structure, dimensionless=shaking is not None and shaking.dimensionless)]
+    methods = methods or [
+        governing_method(
+            structure, dimensionless=shaking is not None and shaking.dimensionless
+        )
+    ]
     amplitude, omega = shaking.cell(structure) if shaking else (0.0, 1.0)
     if shaking and not amplitude > 0.0:
-        raise UsageError("the amplitude is 0; expected a positive one; free rocking is `release` without a motion")
+        raise UsageError(
+            "the amplitude is 0; expected a positive one; free rocking is `release`"
+            " without a motion"
+        )
     if not (0.0 <= release < 1.0):
-        raise UsageError(f"`release`: found {release:g}; expected theta/alpha from 0 to below 1")
+        raise UsageError(
+            f"`release`: found {release:g}; expected theta/alpha from 0 to below 1"
+        )
     tau = moved.duration / omega + FREE if duration is None else duration * structure.p
     if not (math.isfinite(tau) and tau > 0.0):
-        raise UsageError(f"`duration`: found {duration if duration is not None else tau:g}; expected a positive time [s]")
+        raise UsageError(
+            f"`duration`: found {duration if duration is not None else tau:g}; expected"
+            " a positive time [s]"
+        )
     try:
         histories = {
-            m.model: history(m.system_of(structure), moved, amplitude, omega, structure.eta, release=release, duration=tau) for m in methods
+            m.model: history(
+                m.system_of(structure),
+                moved,
+                amplitude,
+                omega,
+                structure.eta,
+                release=release,
+                duration=tau,
+            )
+            for m in methods
         }
     except ValueError as error:
         raise UsageError(f"{structure.name}: {error}") from None

@@ -1,4 +1,5 @@
-"""The tables of a spectra file: the variables of its cells, their three dimensions, and the lists of values that belong to each.
+"""The tables of a spectra file: the variables of its cells, their three dimensions, and
+the lists of values that belong to each.
 
 A new variable, parameter, coordinate or measure is one entry of a table below.
 """
@@ -19,7 +20,9 @@ _TEXT = None  # the type of a list of texts
 
 
 class About(NamedTuple):
-    """The attributes of a list of values in a file: units, long name, type (None for text); get: reads a value of a structure or record."""
+    """The attributes of a list of values in a file: units, long name, type (None for
+    text); get: reads a value of a structure or record.
+    """
 
     units: str
     long_name: str
@@ -41,7 +44,11 @@ PARAMETERS = {
 def _edge(number: int, word: str, key: str) -> About:
     name = {"lambda": "uplift"}.get(key, key)
     long_name = f"{PARAMETERS[key].long_name} on the {word} edge"
-    return About(PARAMETERS[key].units, long_name, lambda s: float(getattr(s.sides[number], name)) if s.sides else np.nan)
+    return About(
+        PARAMETERS[key].units,
+        long_name,
+        lambda s: float(getattr(s.sides[number], name)) if s.sides else np.nan,
+    )
 
 
 EDGE_PARAMETERS = {
@@ -49,23 +56,61 @@ EDGE_PARAMETERS = {
     for number, word in enumerate(("left", "right"))
     for key in ("p", "alpha", "eta", "lambda", "a_scale")
 }
-"""The lists for each edge of a body with unequal edges, NaN for other bodies; only in files with such a body."""
+"""The lists for each edge of a body with unequal edges, NaN for other bodies; only in
+files with such a body.
+"""
 
 RECORDED = {
-    "factor": About("1", "factor that the record was multiplied by", lambda r: r.factor),
-    "pga": About("m s-2", "peak ground acceleration of the record, before its factor", lambda r: r.intensity.pga),
-    "pga_time": About("s", "time of the peak ground acceleration", lambda r: r.intensity.pga_time),
-    "pgv": About("m s-1", "peak ground velocity of the record, before its factor", lambda r: r.intensity.pgv),
-    "pgd": About("m", "peak ground displacement of the record, before its factor", lambda r: r.intensity.pgd),
-    "arias": About("m s-1", "Arias intensity of the record, before the square of its factor", lambda r: r.intensity.arias),
-    "cav": About("m s-1", "cumulative absolute velocity of the record, before its factor", lambda r: r.intensity.cav),
-    "d5_75": About("s", "duration from 5 to 75 % of the Arias intensity", lambda r: r.intensity.d5_75),
-    "d5_95": About("s", "duration from 5 to 95 % of the Arias intensity", lambda r: r.intensity.d5_95),
+    "factor": About(
+        "1", "factor that the record was multiplied by", lambda r: r.factor
+    ),
+    "pga": About(
+        "m s-2",
+        "peak ground acceleration of the record, before its factor",
+        lambda r: r.intensity.pga,
+    ),
+    "pga_time": About(
+        "s", "time of the peak ground acceleration", lambda r: r.intensity.pga_time
+    ),
+    "pgv": About(
+        "m s-1",
+        "peak ground velocity of the record, before its factor",
+        lambda r: r.intensity.pgv,
+    ),
+    "pgd": About(
+        "m",
+        "peak ground displacement of the record, before its factor",
+        lambda r: r.intensity.pgd,
+    ),
+    "arias": About(
+        "m s-1",
+        "Arias intensity of the record, before the square of its factor",
+        lambda r: r.intensity.arias,
+    ),
+    "cav": About(
+        "m s-1",
+        "cumulative absolute velocity of the record, before its factor",
+        lambda r: r.intensity.cav,
+    ),
+    "d5_75": About(
+        "s",
+        "duration from 5 to 75 % of the Arias intensity",
+        lambda r: r.intensity.d5_75,
+    ),
+    "d5_95": About(
+        "s",
+        "duration from 5 to 95 % of the Arias intensity",
+        lambda r: r.intensity.d5_95,
+    ),
     "npts": About("1", "number of samples", lambda r: r.record.npts, np.dtype("<i8")),
     "dt": About("s", "time between samples", lambda r: r.record.dt),
     "format": About("1", "format of the file", lambda r: r.record.format, _TEXT),
-    "component": About("1", "component as the file calls it", lambda r: r.record.component or "", _TEXT),
-    "record_unit": About("1", "unit of the file's numbers", lambda r: r.record.unit, _TEXT),
+    "component": About(
+        "1", "component as the file calls it", lambda r: r.record.component or "", _TEXT
+    ),
+    "record_unit": About(
+        "1", "unit of the file's numbers", lambda r: r.record.unit, _TEXT
+    ),
     "sha256": About("1", "SHA-256 of the file", lambda r: r.record.sha256, _TEXT),
 }
 """The lists of records."""
@@ -85,8 +130,10 @@ ABOUT: dict[str, About] = {
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """The axes of a spectra file. dimensions: the values on each of the three dimensions, in their order; extra: further lists of values by
-    name, each with its dimension; units: the units of the varied keys of a family, which are not in ABOUT."""
+    """The axes of a spectra file. dimensions: the values on each of the three
+    dimensions, in their order; extra: further lists of values by name, each with its
+    dimension; units: the units of the varied keys of a family, which are not in ABOUT.
+    """
 
     dimensions: Mapping[str, Values]
     extra: Mapping[str, tuple[str, Values]]
@@ -94,16 +141,25 @@ class Frame:
 
     def about(self, name: str) -> About:
         """Return the attributes of a list in the file."""
-        return About(self.units[name], f"{name.removeprefix(VARIED)} as it was varied") if name in self.units else ABOUT[name]
+        return (
+            About(self.units[name], f"{name.removeprefix(VARIED)} as it was varied")
+            if name in self.units
+            else ABOUT[name]
+        )
 
     @property
     def lists(self) -> dict[str, tuple[str, Values]]:
         """All lists by name, those of the dimensions first, each with its dimension."""
-        return {**{name: (name, values) for name, values in self.dimensions.items()}, **self.extra}
+        return {
+            **{name: (name, values) for name, values in self.dimensions.items()},
+            **self.extra,
+        }
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """The further lists that distinguish places, for the CF attribute `coordinates`."""
+        """The further lists that distinguish places, for the CF attribute
+        `coordinates`.
+        """
         return tuple(self.extra) if self.of_records else tuple(self.units)
 
     @property
@@ -118,31 +174,60 @@ class Frame:
         return "record" in self.dimensions
 
 
-def lists_of(table: Mapping[str, About], dimension: str, of: Sequence[Any]) -> dict[str, tuple[str, Values]]:
-    """Return the lists of a table (PARAMETERS, RECORDED) along these structures or records."""
+def lists_of(
+    table: Mapping[str, About], dimension: str, of: Sequence[Any]
+) -> dict[str, tuple[str, Values]]:
+    """Return the lists of a table (PARAMETERS, RECORDED) along these structures or
+    records.
+    """
     values = {name: [about.get(one) for one in of] for name, about in table.items()}
-    return {name: (dimension, some if table[name].dtype is None else np.array(some, table[name].dtype)) for name, some in values.items()}
+    return {
+        name: (
+            dimension,
+            some if table[name].dtype is None else np.array(some, table[name].dtype),
+        )
+        for name, some in values.items()
+    }
 
 
-def structure_lists(structures: Sequence[RockingParameters]) -> dict[str, tuple[str, Values]]:
-    """Return the lists along the structures: their parameters, the parameters of each edge if the edges differ, and varied keys."""
-    found = lists_of(PARAMETERS | (EDGE_PARAMETERS if any(s.sides for s in structures) else {}), "structure", structures)
+def structure_lists(
+    structures: Sequence[RockingParameters],
+) -> dict[str, tuple[str, Values]]:
+    """Return the lists along the structures: their parameters, the parameters of each
+    edge if the edges differ, and varied keys.
+    """
+    found = lists_of(
+        PARAMETERS | (EDGE_PARAMETERS if any(s.sides for s in structures) else {}),
+        "structure",
+        structures,
+    )
     for name in varied_units(structures):
-        values = [s.details.get("varied", {}).get(name.removeprefix(VARIED), np.nan) for s in structures]
+        values = [
+            s.details.get("varied", {}).get(name.removeprefix(VARIED), np.nan)
+            for s in structures
+        ]
         found[name] = "structure", np.array(values, dtype=float)
     return found
 
 
 def varied_units(structures: Sequence[RockingParameters]) -> dict[str, str]:
-    """Return the names (varied_KEY) of the keys that families among these structures vary, with the units of their values."""
-    return {f"{VARIED}{key}": unit or "1" for s in structures for key, unit in s.details.get("varied_units", {}).items()}
+    """Return the names (varied_KEY) of the keys that families among these structures
+    vary, with the units of their values.
+    """
+    return {
+        f"{VARIED}{key}": unit or "1"
+        for s in structures
+        for key, unit in s.details.get("varied_units", {}).items()
+    }
 
 
 Codes = type[Outcome] | type[Difference]
 
 
 class Variable(NamedTuple):
-    """The type of a variable, its attributes in a file, and the meaning of its values where they are codes."""
+    """The type of a variable, its attributes in a file, and the meaning of its values
+    where they are codes.
+    """
 
     dtype: np.dtype
     attributes: dict[str, Any]
@@ -155,38 +240,69 @@ class Variable(NamedTuple):
 
 
 def _real(long_name: str, comment: str = "", units: str = "1") -> Variable:
-    about = {"units": units, "long_name": long_name, "_FillValue": np.nan, "comment": comment}
-    return Variable(np.dtype("<f8"), {key: value for key, value in about.items() if value != ""})
+    about = {
+        "units": units,
+        "long_name": long_name,
+        "_FillValue": np.nan,
+        "comment": comment,
+    }
+    return Variable(
+        np.dtype("<f8"), {key: value for key, value in about.items() if value != ""}
+    )
 
 
 def _coded(long_name: str, codes: Codes) -> Variable:
-    flags = {"flag_values": np.array([c.value for c in codes], dtype="u1"), "flag_meanings": " ".join(c.flag for c in codes)}
-    return Variable(np.dtype("u1"), {"units": "1", "long_name": long_name, **flags}, codes)
+    flags = {
+        "flag_values": np.array([c.value for c in codes], dtype="u1"),
+        "flag_meanings": " ".join(c.flag for c in codes),
+    }
+    return Variable(
+        np.dtype("u1"), {"units": "1", "long_name": long_name, **flags}, codes
+    )
 
 
 VARIABLES: dict[str, Variable] = {
-    "theta_ratio": _real("largest rotation over critical angle", "max over time of abs(theta)/alpha; NaN where overturned or not computed"),
+    "theta_ratio": _real(
+        "largest rotation over critical angle",
+        "max over time of abs(theta)/alpha; NaN where overturned or not computed",
+    ),
     "outcome": _coded("outcome", Outcome),
-    "impacts": Variable(np.dtype("<i4"), {"units": "1", "long_name": "impacts during shaking"}),
+    "impacts": Variable(
+        np.dtype("<i4"), {"units": "1", "long_name": "impacts during shaking"}
+    ),
     "velocity_ratio": _real(
-        "largest angular speed over p", "max over time of abs(d theta/dt)/p; NaN where overturned or not computed", units="rad"
+        "largest angular speed over p",
+        "max over time of abs(d theta/dt)/p; NaN where overturned or not computed",
+        units="rad",
     ),
     "condition": _real(
         "condition of the largest rotation",
-        "sum of abs(d theta_ratio / d ln x) over the amplitude, the frequency and the restitution, by central differences; NaN "
-        "where overturned, failed or not computed, or if a cell of the differences is",
+        "sum of abs(d theta_ratio / d ln x) over the amplitude, the frequency and the"
+        " restitution, by central differences; NaN where overturned, failed or not"
+        " computed, or if a cell of the differences is",
     ),
     "friction": _real(
         "required coefficient of friction",
-        "max over time of abs(Fx)/Fz between impacts; infinite where Fz <= 0, NaN where overturned or not computed",
+        "max over time of abs(Fx)/Fz between impacts; infinite where Fz <= 0, NaN where"
+        " overturned or not computed",
     ),
-    "fz_min": _real("least vertical force over weight", "min over time of Fz/(m g) between impacts; NaN where overturned or not computed"),
-    "theta_ratio_linear": _real("largest rotation over critical angle by the linear equation"),
+    "fz_min": _real(
+        "least vertical force over weight",
+        "min over time of Fz/(m g) between impacts; NaN where overturned or not"
+        " computed",
+    ),
+    "theta_ratio_linear": _real(
+        "largest rotation over critical angle by the linear equation"
+    ),
     "outcome_linear": _coded("outcome by the linear equation", Outcome),
-    "difference": _coded("how the linear equation judges what the nonlinear one decides", Difference),
+    "difference": _coded(
+        "how the linear equation judges what the nonlinear one decides", Difference
+    ),
 }
-"""A file has theta_ratio and outcome, and others on request, in this order; a chunk's checksum runs over them in the same order. friction
-and fz_min stand in files of version 0.1.0 only."""
+"""A file has theta_ratio and outcome, and others on request, in this order; a chunk's
+checksum runs over them in the same order. friction and fz_min stand in files of version
+0.1.0 only.
+"""
 
 QUANTITIES: dict[str, tuple[str, ...]] = {
     "velocity_ratio": ("velocity_ratio",),

@@ -1,7 +1,9 @@
-"""Overturning scales of records: the intervals of each structure, or of each (alpha, 2 pi/p), and their quantiles over the records.
+"""Overturning scales of records: the intervals of each structure, or of each (alpha, 2
+pi/p), and their quantiles over the records.
 
-Under a record a body overturns after many impacts. Its intervals have no least width, and a cell costs as much as a thousand cells of a
-pulse. The ratio of neighbouring amplitudes of the scan is therefore 1 + `RATIO`; narrower intervals may be missed.
+Under a record a body overturns after many impacts. Its intervals have no least width,
+and a cell costs as much as a thousand cells of a pulse. The ratio of neighbouring
+amplitudes of the scan is therefore 1 + `RATIO`; narrower intervals may be missed.
 """
 
 import math
@@ -15,7 +17,18 @@ from ..dynamics.method import Method, governing_method
 from ..envelopes.amplitudes import Limit, limit_of
 from ..envelopes.boundaries import Search, Steps
 from ..envelopes.capacity import RATIO, tracing_width
-from ..envelopes.intervals import A_MAX, BOTH, HIGHEST, NONE, SIGNS, frequency_axis, in_turn, intervals_of, structure_intervals, worse
+from ..envelopes.intervals import (
+    A_MAX,
+    BOTH,
+    HIGHEST,
+    NONE,
+    SIGNS,
+    frequency_axis,
+    in_turn,
+    intervals_of,
+    structure_intervals,
+    worse,
+)
 from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Axis
@@ -27,13 +40,17 @@ from .record_scene import RecordScene, structures_scene
 
 Array = np.ndarray
 
-_PARTS = 128  # parts of a bracket in one cut: there are few brackets, and a batch costs the same for any size
+# parts of a bracket in one cut: there are few brackets, and a batch costs the same for
+# any size
+_PARTS = 128
 _SMALL = 20_000  # cells below which starting processes takes longer than they save
 
 
 @dataclass(frozen=True)
 class Task:
-    """One piece of the work, by index: a record, a structure and some of its Omegas; sign: that of the ground acceleration."""
+    """One piece of the work, by index: a record, a structure and some of its Omegas;
+    sign: that of the ground acceleration.
+    """
 
     record: int
     structure: int
@@ -43,8 +60,10 @@ class Task:
 
 @dataclass(frozen=True)
 class Tracing:
-    """A scene of records whose overturning intervals are searched; its columns are T, or are not used. first: search only the lowest
-    overturning amplitude. Raises UsageError for a limit or columns that the search cannot take."""
+    """A scene of records whose overturning intervals are searched; its columns are T,
+    or are not used. first: search only the lowest overturning amplitude. Raises
+    UsageError for a limit or columns that the search cannot take.
+    """
 
     scene: RecordScene
     a_max: float | Limit = A_MAX
@@ -54,9 +73,15 @@ class Tracing:
         columns = self.scene.columns
         for most in map(self.limit, range(len(self.scene.structures))):
             if not (math.isfinite(most) and 0.0 < most <= HIGHEST):
-                raise UsageError(f"a-max: found {most:g}; expected a positive amplitude up to {HIGHEST:g}")
+                raise UsageError(
+                    f"a-max: found {most:g}; expected a positive amplitude up to"
+                    f" {HIGHEST:g}"
+                )
         if columns.name != "T" and columns.values.tolist() != [1.0]:
-            raise UsageError(f"`grid`: found {columns.name}; expected no axis, since the search varies the scale")
+            raise UsageError(
+                f"`grid`: found {columns.name}; expected no axis, since the search"
+                " varies the scale"
+            )
 
     def limit(self, structure: int) -> float:
         """Return the largest A of the search for a structure."""
@@ -65,7 +90,11 @@ class Tracing:
     @property
     def most(self) -> str:
         """The limit of the search in words."""
-        return f"{self.a_max.value:g} m/s2" if isinstance(self.a_max, Limit) and self.a_max.acceleration else f"A = {self.limit(0):g}"
+        return (
+            f"{self.a_max.value:g} m/s2"
+            if isinstance(self.a_max, Limit) and self.a_max.acceleration
+            else f"A = {self.limit(0):g}"
+        )
 
     def omegas(self, structure: int) -> Array:
         """Omega = 1/p [s/rad] of the structure, or of each size of the grid."""
@@ -74,35 +103,70 @@ class Tracing:
         return np.array([1.0 / self.scene.structures[structure].p])
 
     def __call__(self, task: Task) -> list[Steps]:
-        """Return for each Omega of a task the changes (amplitude, outcome from there on), rising; none if no amplitude lifts the body."""
-        structure, motion = self.scene.structures[task.structure], self.scene.recordings[task.record].motion
-        system, digits = self.scene.method.system_of(structure), tracing_width(self.scene.method, motion)
-        omegas, most = self.omegas(task.structure)[list(task.omegas)], self.limit(task.structure)
+        """Return for each Omega of a task the changes (amplitude, outcome from there
+        on), rising; none if no amplitude lifts the body.
+        """
+        structure, motion = (
+            self.scene.structures[task.structure],
+            self.scene.recordings[task.record].motion,
+        )
+        system, digits = (
+            self.scene.method.system_of(structure),
+            tracing_width(self.scene.method, motion),
+        )
+        omegas, most = (
+            self.omegas(task.structure)[list(task.omegas)],
+            self.limit(task.structure),
+        )
         found: list[Steps] = [[] for _ in omegas]
         for factor in (1.0,) if system.alike else SIGNS[task.sign]:
             under = motion if factor > 0.0 else motion.scaled(factor)
-            search = Search(system, under, structure.eta, most, ratio=RATIO, digits=digits, parts=_PARTS)
+            search = Search(
+                system,
+                under,
+                structure.eta,
+                most,
+                ratio=RATIO,
+                digits=digits,
+                parts=_PARTS,
+            )
             if search.lowest < most:
                 rows = search.first_falls(omegas) if self.first else search.rows(omegas)
-                found = [worse(known, steps) for known, steps in zip(found, rows, strict=True)]
+                found = [
+                    worse(known, steps)
+                    for known, steps in zip(found, rows, strict=True)
+                ]
         return found
 
 
 def tracing_rows(
-    tracing: Tracing, *, sign: str = "worse", workers: int | None = None, progress: Callable[[int, int], None] | None = None
+    tracing: Tracing,
+    *,
+    sign: str = "worse",
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Iterator[dict[str, Any]]:
-    """Rows of the overturning intervals, in the order of records and structures.
-    A row has record; structure, or alpha [rad] and T = 2 pi/p [s]; the ends as dimensionless amplitudes A_from and A_to, as peaks of the
-    ground a_from and a_to [m/s2], and as factors of the original record scale_from and scale_to (A_to, a_to and scale_to None if the
-    interval continues beyond a_max); mode. With `first` only the first interval, without its end; A_from None and mode "none" if no
-    amplitude overturns. sign "both" adds `sign`, None if the sides are equal. Raises OutputError when a worker process dies."""
+    """Rows of the overturning intervals, in the order of records and structures. A row
+    has record; structure, or alpha [rad] and T = 2 pi/p [s]; the ends as dimensionless
+    amplitudes A_from and A_to, as peaks of the ground a_from and a_to [m/s2], and as
+    factors of the original record scale_from and scale_to (A_to, a_to and scale_to None
+    if the interval continues beyond a_max); mode. With `first` only the first interval,
+    without its end; A_from None and mode "none" if no amplitude overturns. sign "both"
+    adds `sign`, None if the sides are equal. Raises OutputError when a worker process
+    dies.
+    """
     scene = tracing.scene
     tasks = list(_tasks(tracing, sign, 1))
-    cells = sum(len(task.omegas) * math.log(max(2.0, tracing.limit(task.structure))) for task in tasks) / math.log1p(RATIO)
+    cells = sum(
+        len(task.omegas) * math.log(max(2.0, tracing.limit(task.structure)))
+        for task in tasks
+    ) / math.log1p(RATIO)
     workers = workers or (1 if cells < _SMALL else available_cpus())
     if len(tasks) < 4 * workers:
         tasks = list(_tasks(tracing, sign, workers))
-    for n, (task, found) in enumerate(zip(tasks, in_turn(tracing, tasks, min(workers, len(tasks))), strict=True), 1):
+    for n, (task, found) in enumerate(
+        zip(tasks, in_turn(tracing, tasks, min(workers, len(tasks))), strict=True), 1
+    ):
         for column, steps in zip(task.omegas, found, strict=True):
             yield from _rows(scene, task, column, steps, tracing.first, sign == BOTH)
         if progress:
@@ -110,27 +174,57 @@ def tracing_rows(
 
 
 def envelope(
-    structure: RockingParameters, motion: Motion | Record | Recording, axis: Axis | str | None = None, *, method: Method | None = None,
-    a_max: float = A_MAX, sign: str = "worse", workers: int | None = None,
-) -> list[dict[str, Any]]:  # fmt: skip
-    """Return every overturning interval of a structure, as the rows of `rocking envelope`.
-    axis: of frequencies, such as 'f_g=0.5:5:10'; None for a `Recording`, whose scale is varied; method: None for `governing_method`; the
-    other arguments as of `trace_envelope`. Raises UsageError as that does.
+    structure: RockingParameters,
+    motion: Motion | Record | Recording,
+    axis: Axis | str | None = None,
+    *,
+    method: Method | None = None,
+    a_max: float = A_MAX,
+    sign: str = "worse",
+    workers: int | None = None,
+) -> list[dict[str, Any]]:
+    """Return every overturning interval of a structure, as the rows of `rocking
+    envelope`. axis: of frequencies, such as 'f_g=0.5:5:10'; None for a `Recording`,
+    whose scale is varied; method: None for `governing_method`; the other arguments as
+    of `trace_envelope`. Raises UsageError as that does.
 
     >>> rows = envelope(load_structures('configs/parameters.yaml')[0], sine(), 'f_g=1.5')
     >>> [(round(row['a_from'], 3), row['mode']) for row in rows]
     [(11.734, 'after_impact'), (26.953, 'no_impact')]
     """
     axis = frequency_axis(axis) if isinstance(axis, str) else axis
-    method = method or governing_method(structure, dimensionless=axis is not None and axis.name == "Omega")
+    method = method or governing_method(
+        structure, dimensionless=axis is not None and axis.name == "Omega"
+    )
     if isinstance(motion, Motion):
         if axis is None:
-            raise UsageError(f"{motion.name}: no axis of frequencies; expected one, such as 'f_g=0.5:5:10', or a record of load_records")
-        return list(structure_intervals(structure, motion, axis, method=method, sign=sign, a_max=a_max, workers=workers))
+            raise UsageError(
+                f"{motion.name}: no axis of frequencies; expected one, such as"
+                " 'f_g=0.5:5:10', or a record of load_records"
+            )
+        return list(
+            structure_intervals(
+                structure,
+                motion,
+                axis,
+                method=method,
+                sign=sign,
+                a_max=a_max,
+                workers=workers,
+            )
+        )
     if axis is not None:
-        raise UsageError("a record runs in its own time; expected no axis of frequencies")
+        raise UsageError(
+            "a record runs in its own time; expected no axis of frequencies"
+        )
     recording = motion if isinstance(motion, Recording) else Recording(motion)
-    return list(tracing_rows(Tracing(structures_scene([structure], [recording], method=method), a_max), sign=sign, workers=workers))
+    return list(
+        tracing_rows(
+            Tracing(structures_scene([structure], [recording], method=method), a_max),
+            sign=sign,
+            workers=workers,
+        )
+    )
 
 
 def _tasks(tracing: Tracing, sign: str, shares: int) -> Iterator[Task]:
@@ -143,38 +237,78 @@ def _tasks(tracing: Tracing, sign: str, shares: int) -> Iterator[Task]:
                     yield Task(record, i, tuple(part.tolist()), one)
 
 
-def _rows(scene: RecordScene, task: Task, column: int, steps: Steps, first: bool, signed: bool) -> Iterator[dict[str, Any]]:
+def _rows(
+    scene: RecordScene, task: Task, column: int, steps: Steps, first: bool, signed: bool
+) -> Iterator[dict[str, Any]]:
     """Yield the intervals of one search as rows."""
-    recording, structure = scene.recordings[task.record], scene.structures[task.structure]
+    recording, structure = (
+        scene.recordings[task.record],
+        scene.structures[task.structure],
+    )
     if scene.over_angles:
-        of: dict[str, Any] = {"record": recording.label, "alpha": structure.alpha, "T": float(scene.columns.values[column])}
+        of: dict[str, Any] = {
+            "record": recording.label,
+            "alpha": structure.alpha,
+            "T": float(scene.columns.values[column]),
+        }
     else:
         of = {"record": recording.label, "structure": structure.name}
     if signed:
-        of["sign"] = None if scene.method.system_of(structure).alike else int(SIGNS[task.sign][0])
+        of["sign"] = (
+            None
+            if scene.method.system_of(structure).alike
+            else int(SIGNS[task.sign][0])
+        )
     own = float(structure.dimensionless_amplitude(recording.acceleration))
-    found: list[tuple[float | None, float | None, str]] = [interval[1:] for interval in intervals_of(math.nan, steps)]
+    found: list[tuple[float | None, float | None, str]] = [
+        interval[1:] for interval in intervals_of(math.nan, steps)
+    ]
     for begin, end, mode in (found[:1] or [(None, None, NONE)]) if first else found:
         bounds = {"from": begin} if first else {"from": begin, "to": end}
-        row: dict[str, Any] = {**of, **{f"A_{key}": a for key, a in bounds.items()}, "mode": mode}
-        row |= {f"a_{key}": None if a is None else float(structure.ground_acceleration(a)) for key, a in bounds.items()}
-        yield row | {f"scale_{key}": None if a is None else a / own for key, a in bounds.items()} | {"model": scene.method.model}
+        row: dict[str, Any] = {
+            **of,
+            **{f"A_{key}": a for key, a in bounds.items()},
+            "mode": mode,
+        }
+        row |= {
+            f"a_{key}": None if a is None else float(structure.ground_acceleration(a))
+            for key, a in bounds.items()
+        }
+        yield (
+            row
+            | {
+                f"scale_{key}": None if a is None else a / own
+                for key, a in bounds.items()
+            }
+            | {"model": scene.method.model}
+        )
 
 
-def overturning_spectrum(scene: RecordScene, records: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
-    """Yield the rows of an overturning spectrum, one for each size or structure, from the rows of `tracing_rows` with `first`.
-    structure, or alpha [rad] and T [s]; p [rad/s]; pga_ratio_16, _50, _84: quantiles of the first overturning PGA/(lambda g) over the
-    records [%], None if too few of them overturn the body; overturned, records: their numbers."""
+def overturning_spectrum(
+    scene: RecordScene, records: Iterable[Mapping[str, Any]]
+) -> Iterator[dict[str, Any]]:
+    """Yield the rows of an overturning spectrum, one for each size or structure, from
+    the rows of `tracing_rows` with `first`. structure, or alpha [rad] and T [s]; p
+    [rad/s]; pga_ratio_16, _50, _84: quantiles of the first overturning PGA/(lambda g)
+    over the records [%], None if too few of them overturn the body; overturned,
+    records: their numbers.
+    """
     found: dict[tuple[Any, ...], list[float]] = {}
     keys = ("alpha", "T") if scene.over_angles else ("structure",)
     for record in records:
         a = record["A_from"]
-        found.setdefault(tuple(record[key] for key in keys), []).append(math.inf if a is None else a)
+        found.setdefault(tuple(record[key] for key in keys), []).append(
+            math.inf if a is None else a
+        )
     bodies = {s.alpha if scene.over_angles else s.name: s for s in scene.structures}
     for place, amplitudes in found.items():
         body = bodies[place[0]]
         uplift = math.tan(body.alpha) if scene.over_angles else body.uplift
-        ratio = np.sort(amplitudes) * body.ground_acceleration(1.0) / (uplift * body.gravity)
+        ratio = (
+            np.sort(amplitudes)
+            * body.ground_acceleration(1.0)
+            / (uplift * body.gravity)
+        )
         yield {
             **dict(zip(keys, place, strict=True)),
             "p": 2.0 * math.pi / place[1] if scene.over_angles else body.p,
@@ -185,7 +319,13 @@ def overturning_spectrum(scene: RecordScene, records: Iterable[Mapping[str, Any]
 
 
 def _quantile(rising: np.ndarray, share: float) -> float | None:
-    """Return the quantile of rising values, linear between the order statistics; None if it is infinite."""
+    """Return the quantile of rising values, linear between the order statistics; None
+    if it is infinite.
+    """
     place = share * (rising.size - 1)
     low, high = float(rising[math.floor(place)]), float(rising[math.ceil(place)])
-    return low + (place - math.floor(place)) * (high - low) if math.isfinite(high) else None
+    return (
+        low + (place - math.floor(place)) * (high - low)
+        if math.isfinite(high)
+        else None
+    )

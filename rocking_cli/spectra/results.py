@@ -18,21 +18,35 @@ if TYPE_CHECKING:
 
 
 _RECORDED = (
-    "structures", "records", "cells", "model", "run_time", "time_per_cell", "workers",
-    "estimated_error", "checked_by", "checked_cells", "sensitive_cells",
-)  # fmt: skip
+    "structures",
+    "records",
+    "cells",
+    "model",
+    "run_time",
+    "time_per_cell",
+    "workers",
+    "estimated_error",
+    "checked_by",
+    "checked_cells",
+    "sensitive_cells",
+)
 
 
 @dataclass(frozen=True)
 class Summary:
-    """Counts, times and checks of a sweep; for a resumed sweep the times, checks and counters of the last run only. run_time [s];
-    estimated_error: largest difference of theta/alpha from the reference on the checked cells; sensitive_cells: checked cells that were
-    chosen for their sensitivity; misjudged: checked cells whose outcome differs; beyond_tolerance: those where theta/alpha differs by more
-    than the tolerance times the condition; shared_cells: cells taken from another structure of equal restitution; resumed_cells: cells from
-    an earlier run; machine_differences: what its machine does differently; records: their number, 0 for a pulse; compared: checked cells of
-    a linear sweep of records that were also computed by the nonlinear equation; differing: those of them that differ in overturning;
-    differences: cells by `Difference`, if both equations were computed; validity: of a linear sweep, if requested; weighed: True if the
-    ground also moved vertically."""
+    """Counts, times and checks of a sweep; for a resumed sweep the times, checks and
+    counters of the last run only. run_time [s]; estimated_error: largest difference of
+    theta/alpha from the reference on the checked cells; sensitive_cells: checked cells
+    that were chosen for their sensitivity; misjudged: checked cells whose outcome
+    differs; beyond_tolerance: those where theta/alpha differs by more than the
+    tolerance times the condition; shared_cells: cells taken from another structure of
+    equal restitution; resumed_cells: cells from an earlier run; machine_differences:
+    what its machine does differently; records: their number, 0 for a pulse; compared:
+    checked cells of a linear sweep of records that were also computed by the nonlinear
+    equation; differing: those of them that differ in overturning; differences: cells by
+    `Difference`, if both equations were computed; validity: of a linear sweep, if
+    requested; weighed: True if the ground also moved vertically.
+    """
 
     structures: int
     cells: int
@@ -60,7 +74,10 @@ class Summary:
     @property
     def time_per_cell(self) -> float:
         """Run time over the cells of this run [s], without cells of other shards."""
-        return self.run_time / max(1, self.cells - self.resumed_cells - self.outcomes[Outcome.NOT_COMPUTED.flag])
+        return self.run_time / max(
+            1,
+            self.cells - self.resumed_cells - self.outcomes[Outcome.NOT_COMPUTED.flag],
+        )
 
     @property
     def failed(self) -> int:
@@ -68,28 +85,48 @@ class Summary:
         return self.outcomes[Outcome.FAILED.flag]
 
     def row(self) -> dict[str, Any]:
-        """Return the fields as one flat mapping, for JSON and for the file's attributes."""
+        """Return the fields as one flat mapping, for JSON and for the file's
+        attributes.
+        """
         compared = {"compared_cells": self.compared, "differing_cells": self.differing}
         work = {key: n for key, n in asdict(self.work).items() if key != "cells"}
         return {
-            **{name: getattr(self, name) for name in _RECORDED if name != "records" or self.records},
+            **{
+                name: getattr(self, name)
+                for name in _RECORDED
+                if name != "records" or self.records
+            },
             "misjudged_cells": self.misjudged,
             "beyond_tolerance": self.beyond_tolerance,
             **(compared if self.compared else {}),
             **{f"cells_{k}": v for k, v in self.outcomes.items()},
-            **({} if self.validity is None else {f"nonlinear_{k}": v for k, v in asdict(self.validity).items()}),
-            **{f"cells_{k}": v for k, v in self.differences.items() if k.startswith("linear")},
+            **(
+                {}
+                if self.validity is None
+                else {f"nonlinear_{k}": v for k, v in asdict(self.validity).items()}
+            ),
+            **{
+                f"cells_{k}": v
+                for k, v in self.differences.items()
+                if k.startswith("linear")
+            },
             "shared_cells": self.shared_cells,
             "resumed_cells": self.resumed_cells,
-            **({"machine_differences": self.machine_differences} if self.machine_differences else {}),
+            **(
+                {"machine_differences": self.machine_differences}
+                if self.machine_differences
+                else {}
+            ),
             **work,
         }
 
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """A spectrum in memory: theta_ratio, outcome, impacts, and by name the requested variables of `QUANTITIES`. All have the
-    dimensions of the scene, such as (structure, frequency, amplitude) or (record, structure, scale)."""
+    """A spectrum in memory: theta_ratio, outcome, impacts, and by name the requested
+    variables of `QUANTITIES`. All have the dimensions of the scene, such as (structure,
+    frequency, amplitude) or (record, structure, scale).
+    """
 
     scene: Scene
     theta_ratio: np.ndarray
@@ -100,7 +137,9 @@ class Spectrum:
 
     @property
     def velocity_ratio(self) -> np.ndarray | None:
-        """max |d theta/dt|/p [rad], in spectra of records over alpha and T and on request, otherwise None."""
+        """max |d theta/dt|/p [rad], in spectra of records over alpha and T and on
+        request, otherwise None.
+        """
         return self.quantities.get("velocity_ratio")
 
     @property
@@ -109,17 +148,41 @@ class Spectrum:
         return self.quantities.get("condition")
 
     def to_xarray(self) -> "xarray.Dataset":
-        """Return an xarray Dataset with the names, dimensions and attributes of the file. Raises OutputError without xarray."""
+        """Return an xarray Dataset with the names, dimensions and attributes of the
+        file. Raises OutputError without xarray.
+        """
         require("to_xarray needs", "xarray")
         import xarray as xr
 
-        frame, cells = self.scene.frame(), {"theta_ratio": self.theta_ratio, "outcome": self.outcome, "impacts": self.impacts}
+        frame, cells = (
+            self.scene.frame(),
+            {
+                "theta_ratio": self.theta_ratio,
+                "outcome": self.outcome,
+                "impacts": self.impacts,
+            },
+        )
         along = {
-            name: xr.Variable(dimension, values, {"units": frame.about(name).units, "long_name": frame.about(name).long_name})
+            name: xr.Variable(
+                dimension,
+                values,
+                {
+                    "units": frame.about(name).units,
+                    "long_name": frame.about(name).long_name,
+                },
+            )
             for name, (dimension, values) in frame.lists.items()
         }
         data = {
-            name: xr.Variable(tuple(frame.dimensions), values, {k: v for k, v in VARIABLES[name].attributes.items() if k != "_FillValue"})
+            name: xr.Variable(
+                tuple(frame.dimensions),
+                values,
+                {
+                    k: v
+                    for k, v in VARIABLES[name].attributes.items()
+                    if k != "_FillValue"
+                },
+            )
             for name, values in {**cells, **self.quantities}.items()
         }
         found = xr.Dataset({**data, **along})

@@ -1,7 +1,9 @@
-"""A scene is all that a sweep computes: structures, motions, grid and equation. It is cut into units of work, one chunk of the file each.
+"""A scene is all that a sweep computes: structures, motions, grid and equation. It is
+cut into units of work, one chunk of the file each.
 
-Every result has three dimensions, such as (structure, frequency, amplitude) under one pulse; a place is an index on a dimension. Units cut
-the first into single places. Spectra of records are other scenes (`record_scene`).
+Every result has three dimensions, such as (structure, frequency, amplitude) under one
+pulse; a place is an index on a dimension. Units cut the first into single places.
+Spectra of records are other scenes (`record_scene`).
 """
 
 import json
@@ -25,7 +27,9 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Unit:
-    """One unit of work: a block of the last two dimensions, computed once for all `places` on the first; row, column: its first cell."""
+    """One unit of work: a block of the last two dimensions, computed once for all
+    `places` on the first; row, column: its first cell.
+    """
 
     places: tuple[int, ...]
     row: int
@@ -33,8 +37,10 @@ class Unit:
 
 
 class Band(NamedTuple):
-    """Rows of a unit with one structure under one motion: A and Omega broadcast to the shape (rows, columns); sharers: the structures at
-    all places of the unit; they have the rotations of `structure`, which are computed once."""
+    """Rows of a unit with one structure under one motion: A and Omega broadcast to the
+    shape (rows, columns); sharers: the structures at all places of the unit; they have
+    the rotations of `structure`, which are computed once.
+    """
 
     structure: RockingParameters
     motion: Motion
@@ -50,7 +56,12 @@ class Band(NamedTuple):
 
     def cells(self) -> Array:
         """Return A, Omega and eta of each cell."""
-        return np.stack([np.broadcast_to(x, self.shape).ravel() for x in (self.amplitude, self.omega, self.structure.eta)])
+        return np.stack(
+            [
+                np.broadcast_to(x, self.shape).ravel()
+                for x in (self.amplitude, self.omega, self.structure.eta)
+            ]
+        )
 
 
 class Cell(NamedTuple):
@@ -63,7 +74,9 @@ class Cell(NamedTuple):
 
 
 class Scene(ABC):
-    """The structures, motions and method of a sweep, on a grid of three dimensions: the interface of every kind of scene."""
+    """The structures, motions and method of a sweep, on a grid of three dimensions: the
+    interface of every kind of scene.
+    """
 
     structures: tuple[RockingParameters, ...]
     method: Method
@@ -77,7 +90,9 @@ class Scene(ABC):
     @property
     @abstractmethod
     def segments(self) -> int:
-        """The number of segments of the motion; of several motions the largest number."""
+        """The number of segments of the motion; of several motions
+        the largest number.
+        """
 
     @property
     @abstractmethod
@@ -94,7 +109,9 @@ class Scene(ABC):
 
     @abstractmethod
     def bands(self, unit: Unit, size: tuple[int, int]) -> Iterator[Band]:
-        """Yield the parts of a unit that have one structure each, in the order of their rows; size: (rows, columns) of the unit."""
+        """Yield the parts of a unit that have one structure each, in the order of their
+        rows; size: (rows, columns) of the unit.
+        """
 
     @abstractmethod
     def frame(self) -> Frame:
@@ -108,13 +125,22 @@ class Scene(ABC):
     def cell(self, place: int, row: int, column: int) -> Cell:
         """Return the cell at these indices on the three dimensions."""
         (band,) = self.bands(Unit((place,), row, column), (1, 1))
-        return Cell(band.structure, band.motion, band.amplitude.item(), band.omega.item())
+        return Cell(
+            band.structure, band.motion, band.amplitude.item(), band.omega.item()
+        )
 
     def identity(self) -> dict[str, Any]:
-        """Return the input of the result by name, as JSON values; two scenes of equal identity have equal spectra."""
+        """Return the input of the result by name, as JSON values; two scenes of equal
+        identity have equal spectra.
+        """
         from .work.machine import version
 
-        stated = {"version": version(), **self.stated(), "model": self.method.model, "tolerance": self.method.stated_tolerance}
+        stated = {
+            "version": version(),
+            **self.stated(),
+            "model": self.method.model,
+            "tolerance": self.method.stated_tolerance,
+        }
         return dict(json.loads(json.dumps(stated)))
 
     def only(self, units: Sequence[Unit]) -> "Scene":
@@ -122,7 +148,9 @@ class Scene(ABC):
         return self
 
     def judge_of(self, cell: Cell) -> Outcome | None:
-        """Return the outcome of a cell by the nonlinear equation; None if the scene does not compare the equations."""
+        """Return the outcome of a cell by the nonlinear equation; None if the scene
+        does not compare the equations.
+        """
         return None
 
     @property
@@ -137,21 +165,29 @@ class Scene(ABC):
         return False
 
     def shares(self, structure: RockingParameters) -> tuple[Any, ...]:
-        """Return a key of a structure. Under one motion, structures with equal keys differ only in restitution."""
+        """Return a key of a structure. Under one motion, structures with equal keys
+        differ only in restitution.
+        """
         scale = (structure.alpha / structure.a_scale,) if self.weighed else ()
-        body = None if self.method.exact else self.method.body_of(structure)  # forces of the linear oscillator are computed afterwards
+        body = (
+            None if self.method.exact else self.method.body_of(structure)
+        )  # forces of the linear oscillator are computed afterwards
         return (*self.method.shares(structure), *scale, body)
 
     def runs_with(self, structure: RockingParameters) -> tuple[Any, ...]:
-        """Return a key of a structure. One run of the engine computes all structures with equal keys under one motion."""
+        """Return a key of a structure. One run of the engine computes all structures
+        with equal keys under one motion.
+        """
         return self.shares(structure)
 
 
 @dataclass(frozen=True, eq=False)
 class PulseScene(Scene):
-    """Structures over a grid of amplitude and frequency, under one motion.
-    Structures of equal restitution share one dimensionless linear spectrum, which is computed once (section 3.3 of the paper). Raises
-    UsageError when a structure has no units but the grid does, or the scene holds no structure."""
+    """Structures over a grid of amplitude and frequency, under one motion. Structures
+    of equal restitution share one dimensionless linear spectrum, which is computed once
+    (section 3.3 of the paper). Raises UsageError when a structure has no units but the
+    grid does, or the scene holds no structure.
+    """
 
     structures: tuple[RockingParameters, ...]
     grid: Grid
@@ -160,17 +196,33 @@ class PulseScene(Scene):
 
     def __post_init__(self) -> None:
         if not self.structures:
-            raise UsageError("no structure: give a structure document, or a restitution for a dimensionless grid")
+            raise UsageError(
+                "no structure: give a structure document, or a restitution for a"
+                " dimensionless grid"
+            )
         for s in self.structures:
             if s.dimensionless and not self.grid.dimensionless:
-                raise UsageError("a restitution alone has no units: give a structure document, or axes A and Omega")
+                raise UsageError(
+                    "a restitution alone has no units: give a structure document, or"
+                    " axes A and Omega"
+                )
             if s.dimensionless and self.weighed:
-                raise UsageError("a restitution alone has no weight that a vertical motion could change: give a structure document")
+                raise UsageError(
+                    "a restitution alone has no weight that a vertical motion could"
+                    " change: give a structure document"
+                )
             self.method.system_of(s)
             with np.errstate(all="ignore"):
                 amplitude, omega = self.grid.scaled(s)
-            if not (np.all(np.isfinite(amplitude)) and np.all(np.isfinite(omega)) and np.all(omega > 0.0)):
-                raise UsageError(f"{s.name}: the grid in units of this structure (A, Omega) leaves the range of double precision")
+            if not (
+                np.all(np.isfinite(amplitude))
+                and np.all(np.isfinite(omega))
+                and np.all(omega > 0.0)
+            ):
+                raise UsageError(
+                    f"{s.name}: the grid in units of this structure (A, Omega) leaves"
+                    " the range of double precision"
+                )
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -194,19 +246,40 @@ class PulseScene(Scene):
         amplitude, omega = self.grid.scaled(structure)
         columns = amplitude[unit.column : unit.column + size[1]]
         sharers = tuple(self.structures[i] for i in unit.places)
-        yield Band(structure, self.motion, size, columns, omega[unit.row : unit.row + size[0], None], sharers)
+        yield Band(
+            structure,
+            self.motion,
+            size,
+            columns,
+            omega[unit.row : unit.row + size[0], None],
+            sharers,
+        )
 
     def frame(self) -> Frame:
-        axes = {axis.name: axis.values for axis in (self.grid.frequency, self.grid.amplitude)}
+        axes = {
+            axis.name: axis.values
+            for axis in (self.grid.frequency, self.grid.amplitude)
+        }
         names = [s.name for s in self.structures]
-        return Frame({"structure": names, **axes}, structure_lists(self.structures), varied_units(self.structures))
+        return Frame(
+            {"structure": names, **axes},
+            structure_lists(self.structures),
+            varied_units(self.structures),
+        )
 
     def stated(self) -> dict[str, Any]:
         return {
             "structures": [s.row() for s in self.structures],
-            **{f"axis {axis.name}": axis.stated() for axis in (self.grid.frequency, self.grid.amplitude)},
+            **{
+                f"axis {axis.name}": axis.stated()
+                for axis in (self.grid.frequency, self.grid.amplitude)
+            },
             "motion": [self.motion.name, list(map(asdict, self.motion.pieces))],
-            **({} if self.motion.vertical is None else {"vertical": list(map(asdict, self.motion.vertical.pieces))}),
+            **(
+                {}
+                if self.motion.vertical is None
+                else {"vertical": list(map(asdict, self.motion.vertical.pieces))}
+            ),
         }
 
     def sharing(self) -> list[tuple[int, ...]]:
@@ -219,7 +292,9 @@ class PulseScene(Scene):
 
 
 def cut_into_units(scene: Scene, chunk: tuple[int, int]) -> Iterator[Unit]:
-    """Yield the units of work of a scene, row by row; chunk: (rows, columns) of a unit."""
+    """Yield the units of work of a scene, row by row; chunk: (rows, columns)
+    of a unit.
+    """
     _, rows, columns = scene.shape
     for group in scene.sharing():
         for row in range(0, rows, chunk[0]):

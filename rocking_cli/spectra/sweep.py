@@ -1,4 +1,6 @@
-"""Sweeps: structures over a grid, streamed chunk by chunk into a file, or into memory."""
+"""Sweeps: structures over a grid, streamed chunk by chunk into a file,
+or into memory.
+"""
 
 import time
 from collections.abc import Callable, Sequence
@@ -36,15 +38,20 @@ Progress = Callable[[int, int], None]
 class SweepOptions:
     """Options of a sweep, checked at construction. Raises UsageError.
 
-    workers: number of processes, None for all cores; scheduler: address of a dask.distributed cluster that computes instead; chunk_cells:
-    number of cells in one unit of work; check: number of cells to compute again by the reference, None for a few; quantities: names of
-    `QUANTITIES` to compute as well; sample_validity: compare some cells of a linear sweep with the nonlinear equation; progress: called
-    with (units done, all units); tell: called with a line while the sweep waits for its cluster.
+    workers: number of processes, None for all cores; scheduler: address of a
+    dask.distributed cluster that computes instead; chunk_cells: number of cells in one
+    unit of work; check: number of cells to compute again by the reference, None for a
+    few; quantities: names of `QUANTITIES` to compute as well; sample_validity: compare
+    some cells of a linear sweep with the nonlinear equation; progress: called with
+    (units done, all units); tell: called with a line while the sweep waits for its
+    cluster.
 
-    For the file of `write_spectrum`: impacts: store the number of impacts; overwrite: replace an existing output; resume: continue the
-    partial file PATH.part of an interrupted sweep of the same scene; strict: refuse a partial file that another machine began whose results
-    may differ in the last digits; shard: (i, n), compute the i-th of n parts, for `merge`; documents, history: texts to store in the
-    file."""
+    For the file of `write_spectrum`: impacts: store the number of impacts; overwrite:
+    replace an existing output; resume: continue the partial file PATH.part of an
+    interrupted sweep of the same scene; strict: refuse a partial file that another
+    machine began whose results may differ in the last digits; shard: (i, n), compute
+    the i-th of n parts, for `merge`; documents, history: texts to store in the file.
+    """
 
     workers: int | None = None
     scheduler: str | None = None
@@ -64,14 +71,23 @@ class SweepOptions:
 
     def __post_init__(self) -> None:
         if self.workers is not None and self.workers < 1:
-            raise UsageError(f"workers is {self.workers}; it must be a whole number from 1")
+            raise UsageError(
+                f"workers is {self.workers}; it must be a whole number from 1"
+            )
         if self.chunk_cells < 1:
-            raise UsageError(f"a unit of work: found {self.chunk_cells} cells; expected one or more")
+            raise UsageError(
+                f"a unit of work: found {self.chunk_cells} cells; expected one or more"
+            )
         for name in self.quantities:
             if name in ("friction", "fz_min"):
-                raise UsageError(f"quantity {name}: a sweep no longer stores it; check and response give friction_needed and fz_min")
+                raise UsageError(
+                    f"quantity {name}: a sweep no longer stores it; check and response"
+                    " give friction_needed and fz_min"
+                )
             if name not in QUANTITIES:
-                raise UsageError(f"unknown quantity {name!r}; expected {', '.join(QUANTITIES)}")
+                raise UsageError(
+                    f"unknown quantity {name!r}; expected {', '.join(QUANTITIES)}"
+                )
         if self.resume and self.overwrite:
             raise UsageError("`resume` does not go with `overwrite`")
         if self.scheduler is not None:
@@ -80,7 +96,9 @@ class SweepOptions:
             check_scheduler(self.scheduler)
 
     def processes(self, scene: Scene) -> int:
-        """Return the number of processes for a scene: `workers` if given, otherwise one for a small scene."""
+        """Return the number of processes for a scene: `workers` if given, otherwise one
+        for a small scene.
+        """
         return self.workers or (1 if scene.cells < _SMALL else available_cpus())
 
     def chunk(self, scene: Scene) -> tuple[int, int]:
@@ -90,137 +108,255 @@ class SweepOptions:
         return min(rows, max(1, self.chunk_cells // width)), width
 
     def quantities_of(self, scene: Scene) -> tuple[str, ...]:
-        """Return the quantities to compute, in the order of `QUANTITIES`: the requested ones, and those that the scene always has. Raises
-        UsageError if the scene does not define one of them."""
-        found = tuple(name for name in QUANTITIES if name in (*self.quantities, *scene.quantities))
+        """Return the quantities to compute, in the order of `QUANTITIES`: the requested
+        ones, and those that the scene always has. Raises UsageError if the scene does
+        not define one of them.
+        """
+        found = tuple(
+            name for name in QUANTITIES if name in (*self.quantities, *scene.quantities)
+        )
         if "velocity_ratio" in found and not scene.of_records:
-            raise UsageError("quantity velocity_ratio: found the sweep of a pulse; expected a sweep of records")
+            raise UsageError(
+                "quantity velocity_ratio: found the sweep of a pulse; expected a sweep"
+                " of records"
+            )
         if "linear" in found and scene.method.exact:
-            raise UsageError("quantity linear: compares with the nonlinear equation; `model` must be nonlinear")
+            raise UsageError(
+                "quantity linear: compares with the nonlinear equation; `model` must be"
+                " nonlinear"
+            )
         return found
 
     def variables_of(self, scene: Scene) -> tuple[str, ...]:
-        """Return the variables in the file of a scene, in the order of `VARIABLES`. Raises UsageError as `quantities_of`."""
-        of_quantities = {name for key in self.quantities_of(scene) for name in QUANTITIES[key]}
-        wanted = {"theta_ratio", "outcome", *of_quantities} | ({"impacts"} if self.impacts else set())
+        """Return the variables in the file of a scene, in the order of `VARIABLES`.
+        Raises UsageError as `quantities_of`.
+        """
+        of_quantities = {
+            name for key in self.quantities_of(scene) for name in QUANTITIES[key]
+        }
+        wanted = {"theta_ratio", "outcome", *of_quantities} | (
+            {"impacts"} if self.impacts else set()
+        )
         return tuple(name for name in VARIABLES if name in wanted)
 
 
 def spectrum(
-    structures: Sequence[RockingParameters], motion: Motion | HasMotion, grid: Grid | None = None, *, method: Method | None = None,
+    structures: Sequence[RockingParameters],
+    motion: Motion | HasMotion,
+    grid: Grid | None = None,
+    *,
+    method: Method | None = None,
     **options: Any,
-) -> Spectrum:  # fmt: skip
-    """Return the rocking spectrum of structures over a grid, in memory. A record needs no grid; parse_grid(..., own_time=True) scales it.
-    method: the equation of motion, None for `governing_method`; options: workers, check and quantities of `SweepOptions`. Raises
-    UsageError.
+) -> Spectrum:
+    """Return the rocking spectrum of structures over a grid, in memory. A record needs
+    no grid; parse_grid(..., own_time=True) scales it. method: the equation of motion,
+    None for `governing_method`; options: workers, check and quantities of
+    `SweepOptions`. Raises UsageError.
 
     >>> found = spectrum([dimensionless_oscillator(0.9)], sine(), parse_grid('A=1:8:50,Omega=1:8:40'), workers=1)
     >>> found.theta_ratio.shape, int(overturned(found.outcome).sum())
     ((1, 40, 50), 1163)
     """
     check_choices("spectrum", SweepOptions, options)
-    return spectrum_of(_pulse_scene(structures, *with_grid(motion, grid), method), SweepOptions(**options))
+    return spectrum_of(
+        _pulse_scene(structures, *with_grid(motion, grid), method),
+        SweepOptions(**options),
+    )
 
 
-def _pulse_scene(structures: Sequence[RockingParameters], motion: Motion, grid: Grid, method: Method | None) -> PulseScene:
-    return PulseScene(tuple(structures), grid, motion, method or governing_method(*structures, dimensionless=grid.dimensionless))
+def _pulse_scene(
+    structures: Sequence[RockingParameters],
+    motion: Motion,
+    grid: Grid,
+    method: Method | None,
+) -> PulseScene:
+    return PulseScene(
+        tuple(structures),
+        grid,
+        motion,
+        method or governing_method(*structures, dimensionless=grid.dimensionless),
+    )
 
 
 def spectrum_of(scene: Scene, options: SweepOptions | None = None) -> Spectrum:
-    """Return the spectrum of a scene (structures, motion, grid, equation), in memory. Raises UsageError."""
+    """Return the spectrum of a scene (structures, motion, grid, equation), in memory.
+    Raises UsageError.
+    """
     options = replace(options or SweepOptions(), impacts=True)
-    arrays = {name: np.full(scene.shape, VARIABLES[name].fill, VARIABLES[name].dtype) for name in options.variables_of(scene)}
+    arrays = {
+        name: np.full(scene.shape, VARIABLES[name].fill, VARIABLES[name].dtype)
+        for name in options.variables_of(scene)
+    }
 
     def keep(unit: Unit, blocks: tuple[Block, ...]) -> None:
         rows, columns = blocks[0]["outcome"].shape
         for i, block in zip(unit.places, blocks, strict=True):
             for name, values in arrays.items():
-                values[i, unit.row : unit.row + rows, unit.column : unit.column + columns] = block[name]
+                values[
+                    i, unit.row : unit.row + rows, unit.column : unit.column + columns
+                ] = block[name]
 
     summary = _run(scene, options, _units_of(scene, options), keep)
-    theta_ratio, outcome, impacts = (arrays.pop(name) for name in ("theta_ratio", "outcome", "impacts"))
+    theta_ratio, outcome, impacts = (
+        arrays.pop(name) for name in ("theta_ratio", "outcome", "impacts")
+    )
     return Spectrum(scene, theta_ratio, outcome, impacts, summary, arrays)
 
 
 def write_spectrum(
-    structures: Sequence[RockingParameters], motion: Motion, grid: Grid, path: str | Path, *, method: Method | None = None, **options: Any
+    structures: Sequence[RockingParameters],
+    motion: Motion,
+    grid: Grid,
+    path: str | Path,
+    *,
+    method: Method | None = None,
+    **options: Any,
 ) -> Summary:
     """Compute a spectrum of structures under a pulse and stream it into an HDF5 file.
-    method: as in `spectrum`; options: those of `SweepOptions`: workers, scheduler, chunk_cells, check, quantities, impacts, overwrite,
-    resume, strict, shard, documents, history, progress and tell. Raises what `write_scene` raises.
+    method: as in `spectrum`; options: those of `SweepOptions`: workers, scheduler,
+    chunk_cells, check, quantities, impacts, overwrite, resume, strict, shard,
+    documents, history, progress and tell. Raises what `write_scene` raises.
 
     >>> grid = parse_grid('A=1:8:50,Omega=1:8:40')
     >>> write_spectrum([dimensionless_oscillator(0.9)], sine(), grid, 'shared.h5', workers=1).cells
     2000
     """
     check_choices("write_spectrum", SweepOptions, options)
-    return write_scene(_pulse_scene(structures, motion, grid, method), path, SweepOptions(**options))
+    return write_scene(
+        _pulse_scene(structures, motion, grid, method), path, SweepOptions(**options)
+    )
 
 
-def write_scene(scene: Scene, path: str | Path, options: SweepOptions | None = None) -> Summary:
-    """Compute a scene and stream it, chunk by chunk, into an HDF5 file (layout: `rocking help files`). Raises UsageError for a refused
-    scene or output, OutputError when the file cannot be written or a worker process dies, Interrupted on Ctrl-C."""
+def write_scene(
+    scene: Scene, path: str | Path, options: SweepOptions | None = None
+) -> Summary:
+    """Compute a scene and stream it, chunk by chunk, into an HDF5 file (layout:
+    `rocking help files`). Raises UsageError for a refused scene or output, OutputError
+    when the file cannot be written or a worker process dies, Interrupted on Ctrl-C.
+    """
     from .file.layout import Layout
     from .file.writer import SpectraWriter
 
     options = options or SweepOptions()
-    units, chunk, names, method = _units_of(scene, options), options.chunk(scene), options.variables_of(scene), scene.method
-    attributes: dict[str, Any] = {"history": options.history, "documents": options.documents, "motion": scene.title, "model": method.model}
+    units, chunk, names, method = (
+        _units_of(scene, options),
+        options.chunk(scene),
+        options.variables_of(scene),
+        scene.method,
+    )
+    attributes: dict[str, Any] = {
+        "history": options.history,
+        "documents": options.documents,
+        "motion": scene.title,
+        "model": method.model,
+    }
     if method.stated_tolerance is not None:
         attributes["tolerance"] = method.stated_tolerance
     attributes["shard"] = "{}/{}".format(*options.shard or (1, 1))
-    stored = {"impacts": options.impacts, "quantities": list(options.quantities_of(scene)), "chunk": list(chunk)}
-    layout = Layout(scene.frame(), chunk, names, {**scene.identity(), **stored}, attributes)
-    with SpectraWriter(Path(path), layout, overwrite=options.overwrite, resume=options.resume, strict=options.strict) as writer:
+    stored = {
+        "impacts": options.impacts,
+        "quantities": list(options.quantities_of(scene)),
+        "chunk": list(chunk),
+    }
+    layout = Layout(
+        scene.frame(), chunk, names, {**scene.identity(), **stored}, attributes
+    )
+    with SpectraWriter(
+        Path(path),
+        layout,
+        overwrite=options.overwrite,
+        resume=options.resume,
+        strict=options.strict,
+    ) as writer:
 
         def keep(unit: Unit, data: tuple[dict[str, bytes], ...]) -> None:
             for i, own in zip(unit.places, data, strict=True):
                 writer.write((i, unit.row, unit.column), own)
 
         try:
-            summary = _run(scene, options, units, keep, partial(_packed, names, chunk), writer.found)
+            summary = _run(
+                scene,
+                options,
+                units,
+                keep,
+                partial(_packed, names, chunk),
+                writer.found,
+            )
         except KeyboardInterrupt:
             kept = int(writer.done.sum())
             if not kept:
-                raise Interrupted("interrupted before the first chunk was done; nothing is kept") from None
-            raise Interrupted(f"interrupted; {kept} of {writer.cut.size} chunks are kept in {writer.part}; `resume` goes on") from None
+                raise Interrupted(
+                    "interrupted before the first chunk was done; nothing is kept"
+                ) from None
+            raise Interrupted(
+                f"interrupted; {kept} of {writer.cut.size} chunks are kept in"
+                f" {writer.part}; `resume` goes on"
+            ) from None
         judged = validity(scene) if options.sample_validity else None
-        summary = replace(summary, machine_differences=writer.machine_differences, validity=judged)
+        summary = replace(
+            summary, machine_differences=writer.machine_differences, validity=judged
+        )
         writer.finish(summary.row())
     return summary
 
 
-def _packed(names: Sequence[str], chunk: tuple[int, int], block: Block) -> dict[str, bytes]:
-    """Return the bytes of the variables of a block as the file stores them; worker processes call this."""
+def _packed(
+    names: Sequence[str], chunk: tuple[int, int], block: Block
+) -> dict[str, bytes]:
+    """Return the bytes of the variables of a block as the file stores them; worker
+    processes call this.
+    """
     from .file.layout import pack
 
     return {name: pack(block[name], chunk) for name in names}
 
 
 def _units_of(scene: Scene, options: SweepOptions) -> list[Unit]:
-    """Return the units of work of a whole scene. Raises UsageError for a sweep that would take years, and for one of too many units."""
+    """Return the units of work of a whole scene. Raises UsageError for a sweep that
+    would take years, and for one of too many units.
+    """
     chunk = options.chunk(scene)
-    rows, columns = (-(-n // size) for n, size in zip(scene.shape[1:], chunk, strict=True))
+    rows, columns = (
+        -(-n // size) for n, size in zip(scene.shape[1:], chunk, strict=True)
+    )
     count, cells = rows * columns * len(scene.sharing()), chunk[0] * chunk[1]
     if count > _MOST_UNITS:
-        raise UsageError(f"found {count} units of work of {cells} cells; expected up to {_MOST_UNITS} larger ones")
+        raise UsageError(
+            f"found {count} units of work of {cells} cells; expected up to"
+            f" {_MOST_UNITS} larger ones"
+        )
     refuse_endless(count * cells, 1 if scene.of_records else scene.segments)
     return list(cut_into_units(scene, chunk))
 
 
 def _run(
-    scene: Scene, options: SweepOptions, units: Sequence[Unit], keep: Callable[[Unit, Any], None],
-    convert: Callable[[Block], Any] | None = None, found: Callable[[Unit], np.ndarray | None] = lambda unit: None,
-) -> Summary:  # fmt: skip
-    """Compute the units of a shard, and call `keep` with each unit and its converted data, in order. found: returns the counts of outcomes
-    of a unit that a resumed file already has, None for a unit to compute."""
+    scene: Scene,
+    options: SweepOptions,
+    units: Sequence[Unit],
+    keep: Callable[[Unit, Any], None],
+    convert: Callable[[Block], Any] | None = None,
+    found: Callable[[Unit], np.ndarray | None] = lambda unit: None,
+) -> Summary:
+    """Compute the units of a shard, and call `keep` with each unit and its converted
+    data, in order. found: returns the counts of outcomes of a unit that a resumed file
+    already has, None for a unit to compute.
+    """
     began, (part, parts) = time.perf_counter(), options.shard or (1, 1)
     there = {unit: found(unit) for unit in units[part - 1 :: parts]}
     todo = [unit for unit, counts in there.items() if counts is None]
-    before = sum((counts for counts in there.values() if counts is not None), np.zeros(len(Outcome), dtype=np.int64))
-    workers, chunk = max(1, min(options.processes(scene), len(todo))), options.chunk(scene)
+    before = sum(
+        (counts for counts in there.values() if counts is not None),
+        np.zeros(len(Outcome), dtype=np.int64),
+    )
+    workers, chunk = (
+        max(1, min(options.processes(scene), len(todo))),
+        options.chunk(scene),
+    )
     check = default_check(scene) if options.check is None else options.check
-    verification, quantities = Verification(scene, check, chunk, todo), options.quantities_of(scene)
+    verification, quantities = (
+        Verification(scene, check, chunk, todo),
+        options.quantities_of(scene),
+    )
     job = Job(scene, chunk, tuple(verification.sensitive), convert, quantities)
     if options.scheduler is None:
         crew = local_crew(job, workers)
@@ -228,18 +364,29 @@ def _run(
         from .work.cluster import cluster
 
         crew = cluster(job, options.scheduler, options.tell)
-    total, shared, differences, outcomes = Work(), 0, np.zeros(len(Difference), dtype=np.int64), before.copy()
-    for done, (unit, report) in enumerate(unit_reports(job, todo, crew, verification), 1 + len(units) - len(todo)):
+    total, shared, differences, outcomes = (
+        Work(),
+        0,
+        np.zeros(len(Difference), dtype=np.int64),
+        before.copy(),
+    )
+    for done, (unit, report) in enumerate(
+        unit_reports(job, todo, crew, verification), 1 + len(units) - len(todo)
+    ):
         with deferred():
             keep(unit, report.data)
         total += report.work
         outcomes += report.outcomes
         differences += report.differences
-        shared += int(report.outcomes.sum()) // len(unit.places) * (len(unit.places) - 1)
+        shared += (
+            int(report.outcomes.sum()) // len(unit.places) * (len(unit.places) - 1)
+        )
         if options.progress:
             options.progress(done, len(units))
     check_for_a_stop()
-    outcomes[Outcome.NOT_COMPUTED] = scene.cells - outcomes.sum()  # those of other shards
+    outcomes[Outcome.NOT_COMPUTED] = (
+        scene.cells - outcomes.sum()
+    )  # those of other shards
     return Summary(
         structures=len(scene.structures),
         cells=scene.cells,
@@ -252,7 +399,11 @@ def _run(
         model=scene.method.model,
         records=scene.shape[0] if scene.of_records else 0,
         weighed=scene.weighed,
-        differences={d.flag: int(differences[d]) for d in Difference} if "linear" in quantities else {},
+        differences=(
+            {d.flag: int(differences[d]) for d in Difference}
+            if "linear" in quantities
+            else {}
+        ),
         resumed_cells=int(before.sum()),
         **verification.compared(),
     )

@@ -1,4 +1,6 @@
-"""Families of structures: one document with some values varied, in all combinations (Figs. 4 and 6)."""
+"""Families of structures: one document with some values varied, in all combinations
+(Figs. 4 and 6).
+"""
 
 import itertools
 import math
@@ -7,7 +9,14 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from ..documents.document import Document
-from ..documents.quantities import headed, parse_quantity, parse_whole, si_unit, split_quantity, with_a_point
+from ..documents.quantities import (
+    headed,
+    parse_quantity,
+    parse_whole,
+    si_unit,
+    split_quantity,
+    with_a_point,
+)
 from ..errors import DocumentError, UsageError
 from .parameters import OTHERS, RockingParameters
 
@@ -26,14 +35,16 @@ class Member(NamedTuple):
     """One member of a family."""
 
     varied: dict[str, float]  # SI values by key, empty without parameters
-    shown: dict[str, float]  # the same values in the units of the option, by heading with unit
+    shown: dict[
+        str, float
+    ]  # the same values in the units of the option, by heading with unit
     parameters: RockingParameters | None
     fault: str | None  # the reason why the document has no solution
 
 
 def parse_variation(text: str, count: int | None = None) -> Variation:
-    """Return the variation that `KEY=START:STOP:N` states. Bounds without a unit take the unit of the document; count: the N of a text
-    without N. Raises UsageError.
+    """Return the variation that `KEY=START:STOP:N` states. Bounds without a unit take
+    the unit of the document; count: the N of a text without N. Raises UsageError.
 
     >>> parse_variation('angle=150deg:160deg:3')
     Variation(key='angle', values=(150.0, 155.0, 160.0), unit='deg')
@@ -43,37 +54,63 @@ def parse_variation(text: str, count: int | None = None) -> Variation:
     parts += [str(count)] * (count is not None and len(parts) == 2)
     ends = [split_quantity(part) for part in parts[:2]]
     if not equals or not key.strip() or len(parts) != 3 or not ends[0] or not ends[1]:
-        wanted = "KEY=START:STOP:N" if count is None else "KEY=START:STOP or KEY=START:STOP:N"
-        raise UsageError(f"`vary`: found {text!r}; expected {wanted}, such as thickness=1.2:2.0:9 or angle=150deg:180deg:31")
+        wanted = (
+            "KEY=START:STOP:N"
+            if count is None
+            else "KEY=START:STOP or KEY=START:STOP:N"
+        )
+        raise UsageError(
+            f"`vary`: found {text!r}; expected {wanted}, such as thickness=1.2:2.0:9 or"
+            " angle=150deg:180deg:31"
+        )
     if "," in span:
-        raise UsageError(f"`vary` {key}: found {span!r}; expected numbers without commas{with_a_point(span)}")
+        raise UsageError(
+            f"`vary` {key}: found {span!r}; expected numbers without"
+            f" commas{with_a_point(span)}"
+        )
     (start, unit), (stop, other) = ends[0], ends[1]
     if unit != other and unit and other:
-        raise UsageError(f"`vary` {key}: found bounds in {unit} and {other}; expected one unit for both")
+        raise UsageError(
+            f"`vary` {key}: found bounds in {unit} and {other}; expected one unit for"
+            " both"
+        )
     count = parse_whole(parts[2])
     if count is None or not 1 <= count <= MAX_MEMBERS:
-        raise UsageError(f"`vary` {key}: found N = {parts[2]!r}; expected a whole number from 1 to {MAX_MEMBERS}")
+        raise UsageError(
+            f"`vary` {key}: found N = {parts[2]!r}; expected a whole number from 1 to"
+            f" {MAX_MEMBERS}"
+        )
     if count == 1 and start != stop:
-        raise UsageError(f"`vary` {key}: found one value from {start:g} to {stop:g}; expected N of 2 or more, or equal bounds")
+        raise UsageError(
+            f"`vary` {key}: found one value from {start:g} to {stop:g}; expected N of 2"
+            " or more, or equal bounds"
+        )
     step = (stop - start) / max(1, count - 1)
     values = (*(start + i * step for i in range(count - 1)), stop)
     return Variation(key.strip(), values, unit or other or None)
 
 
 def members(variations: Sequence[Variation]) -> int:
-    """Return the number of structures of a family. Raises UsageError if a key is varied twice or the number is too large."""
+    """Return the number of structures of a family. Raises UsageError if a key is varied
+    twice or the number is too large.
+    """
     if len({v.key for v in variations}) < len(variations):
         raise UsageError("`vary`: a key is varied twice")
     count = math.prod(len(v.values) for v in variations)
     if count > MAX_MEMBERS:
-        raise UsageError(f"`vary`: found {count} structures; expected up to {MAX_MEMBERS}")
+        raise UsageError(
+            f"`vary`: found {count} structures; expected up to {MAX_MEMBERS}"
+        )
     return count
 
 
-def family(document: Document, variations: Sequence[Variation | str], each: bool = False) -> Iterator[Member]:
-    """Yield a member for each combination of the varied values; the last key varies fastest. A variation may be a text, see
-    `parse_variation`; each: a stack has a member for each interface, see `on_each_interface`. Raises DocumentError if a key is unknown,
-    and UsageError if a key takes a text.
+def family(
+    document: Document, variations: Sequence[Variation | str], each: bool = False
+) -> Iterator[Member]:
+    """Yield a member for each combination of the varied values; the last key varies
+    fastest. A variation may be a text, see `parse_variation`; each: a stack has a
+    member for each interface, see `on_each_interface`. Raises DocumentError if a key is
+    unknown, and UsageError if a key takes a text.
 
     >>> (document,) = read_documents('configs/block.yaml')
     >>> [round(member.parameters.p, 4) for member in family(document, ['height=2:4:3'])]
@@ -81,39 +118,88 @@ def family(document: Document, variations: Sequence[Variation | str], each: bool
     """
     from . import build_structure, on_each_interface
 
-    if each and document.values.get(OTHERS):  # parameters: each interface has its own keys
+    if each and document.values.get(
+        OTHERS
+    ):  # parameters: each interface has its own keys
         for one in on_each_interface(document):
             yield from family(one, variations)
         return
     parsed = [parse_variation(v) if isinstance(v, str) else v for v in variations]
     keys = [v.key for v in parsed]
-    units = [v.unit if v.unit is not None else _own_unit(document, v.key) for v in parsed]
+    units = [
+        v.unit if v.unit is not None else _own_unit(document, v.key) for v in parsed
+    ]
     for values in itertools.product(*(v.values for v in parsed)):
-        varied, texts = document, {key: f"{float(value)!r} {unit}".strip() for key, value, unit in zip(keys, values, units, strict=True)}
+        varied, texts = (
+            document,
+            {
+                key: f"{float(value)!r} {unit}".strip()
+                for key, value, unit in zip(keys, values, units, strict=True)
+            },
+        )
         for key, text in texts.items():
-            varied = varied.with_value(key, text, f"{document.source} with {key}={text}")
+            varied = varied.with_value(
+                key, text, f"{document.source} with {key}={text}"
+            )
         try:
-            found = [build_structure(one) for one in (on_each_interface(varied) if each else [varied])]
+            found = [
+                build_structure(one)
+                for one in (on_each_interface(varied) if each else [varied])
+            ]
             fault = None
         except DocumentError as error:
-            if any(key not in varied.asked and key not in varied.dimensions for key in keys):
+            if any(
+                key not in varied.asked and key not in varied.dimensions for key in keys
+            ):
                 raise
             found, fault = [], str(error)
         dimensions = varied.dimensions
         if found and (words := [key for key in keys if key not in dimensions]):
-            raise UsageError(f"`vary` {words[0]}: found a key that takes a text; expected a key that takes a number")
-        shown = {headed(key, unit or si_unit(dimensions.get(key))): value for key, unit, value in zip(keys, units, values, strict=True)}
-        si = {key: parse_quantity(text, dimensions[key]) for key, text in texts.items()} if found else {}
+            raise UsageError(
+                f"`vary` {words[0]}: found a key that takes a text; expected a key that"
+                " takes a number"
+            )
+        shown = {
+            headed(key, unit or si_unit(dimensions.get(key))): value
+            for key, unit, value in zip(keys, units, values, strict=True)
+        }
+        si = (
+            {key: parse_quantity(text, dimensions[key]) for key, text in texts.items()}
+            if found
+            else {}
+        )
         for built in found:
-            name = " ".join([built.name, *(f"{key}={value:g}{unit}" for key, value, unit in zip(keys, values, units, strict=True))])
-            more = {"varied": si, "varied_units": {key: si_unit(dimensions[key]) for key in keys}}
-            yield Member(si, shown, replace(built, name=name, details={**built.details, **more}), None)
+            name = " ".join(
+                [
+                    built.name,
+                    *(
+                        f"{key}={value:g}{unit}"
+                        for key, value, unit in zip(keys, values, units, strict=True)
+                    ),
+                ]
+            )
+            more = {
+                "varied": si,
+                "varied_units": {key: si_unit(dimensions[key]) for key in keys},
+            }
+            yield Member(
+                si,
+                shown,
+                replace(built, name=name, details={**built.details, **more}),
+                None,
+            )
         if fault is not None:
             yield Member(si, shown, None, fault)
 
 
 def _own_unit(document: Document, key: str) -> str:
-    """Return the unit that the document states for the value of a key; empty if it states none."""
+    """Return the unit that the document states for the value of a key; empty if it
+    states none.
+    """
     value = document.value_at(key)
-    parts = split_quantity(value.content) if value is not None and isinstance(value.content, str) else None
+    parts = (
+        split_quantity(value.content)
+        if value is not None and isinstance(value.content, str)
+        else None
+    )
     return parts[1] if parts else ""

@@ -1,4 +1,6 @@
-"""Structures stated on the command line, such as `block:0.5x2` or `spire:1.5x12,thickness=0.15,crack=diagonal`."""
+"""Structures stated on the command line, such as `block:0.5x2` or
+`spire:1.5x12,thickness=0.15,crack=diagonal`.
+"""
 
 import os
 import re
@@ -14,9 +16,11 @@ _KIND = re.compile(r"([A-Za-z_][A-Za-z0-9_]+):(.*)", re.DOTALL)
 
 
 def inline_document(text: str) -> "Document | None":
-    """Return the document that `KIND:SIZES,KEY=VALUE,…` states, or None if the text is a file name or has another form.
-    The sizes are the keys SIZES of the kind, with an x between them. A unit of length after the last size holds for the sizes that have
-    none. Raises DocumentError."""
+    """Return the document that `KIND:SIZES,KEY=VALUE,…` states, or None if the text is
+    a file name or has another form. The sizes are the keys SIZES of the kind, with an x
+    between them. A unit of length after the last size holds for the sizes that have
+    none. Raises DocumentError.
+    """
     match = _KIND.fullmatch(text)
     if match is None or os.path.exists(text):
         return None
@@ -34,26 +38,40 @@ def inline_document(text: str) -> "Document | None":
         elif word in KINDS:  # `build_structure` refuses any other word
             given = [size.strip() for size in part.split("x")]
             if i or not sizes or len(given) != len(sizes) or not all(given):
-                short = f"{word}:{'x'.join(size.upper() for size in sizes)} or " if sizes else ""
-                raise DocumentError(f"{text}: found {part.strip()!r}; expected {short}{word}:KEY=VALUE,KEY=VALUE{with_a_point(rest)}")
+                short = (
+                    f"{word}:{'x'.join(size.upper() for size in sizes)} or "
+                    if sizes
+                    else ""
+                )
+                raise DocumentError(
+                    f"{text}: found {part.strip()!r}; expected"
+                    f" {short}{word}:KEY=VALUE,KEY=VALUE{with_a_point(rest)}"
+                )
             stated += zip(sizes, _in_one_unit(given), strict=True)
     keys = [key for key, _ in stated]
     if twice := [key for key in keys if keys.count(key) > 1]:
         raise DocumentError(f"{text}: {twice[0]} is given twice")
     if "name" not in keys:
         stated.append(("name", text.replace(",", " ")))
-    return document_of([Cell(key, value, Place(text, 0, 0)) for key, value in stated], text)
+    return document_of(
+        [Cell(key, value, Place(text, 0, 0)) for key, value in stated], text
+    )
 
 
 def _in_one_unit(sizes: list[str]) -> list[str]:
-    """Return the sizes; the unit of length of the last size holds for the sizes that have none, so 45x180cm is 45 cm by 180 cm."""
+    """Return the sizes; the unit of length of the last size holds for the sizes that
+    have none, so 45x180cm is 45 cm by 180 cm.
+    """
     from ..documents.quantities import UNITS, split_quantity
 
     parts = [split_quantity(size) for size in sizes]
     unit = parts[-1][1] if parts[-1] else ""
     if unit not in UNITS["length"]:
         return sizes
-    return [f"{size} {unit}" if part and not part[1] else size for size, part in zip(sizes, parts, strict=True)]
+    return [
+        f"{size} {unit}" if part and not part[1] else size
+        for size, part in zip(sizes, parts, strict=True)
+    ]
 
 
 def _parts(text: str) -> list[str]:

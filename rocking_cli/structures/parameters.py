@@ -1,4 +1,6 @@
-"""Rocking parameters: the numbers p, alpha, eta, lambda and a_scale that govern the rocking of a structure."""
+"""Rocking parameters: the numbers p, alpha, eta, lambda and a_scale that govern the
+rocking of a structure.
+"""
 
 from __future__ import annotations
 
@@ -14,12 +16,24 @@ from .restraints import Restraints
 if TYPE_CHECKING:
     from .mechanics.kinematics import Mechanism
 
-VARIED = ("varied", "varied_units")  # details of a member of a family: SI value by key, and SI unit by key
-OTHERS = "other_interfaces"  # the detail of stated parameters of a stack: those on its other interfaces, each a document
+VARIED = (
+    "varied",
+    "varied_units",
+)  # details of a member of a family: SI value by key, and SI unit by key
+# the detail of stated parameters of a stack: those on its other interfaces, each a
+# document
+OTHERS = "other_interfaces"
 DIMENSIONLESS = "dimensionless"  # `structure` of an oscillator without units
 MOST_DAMPING = 1.0  # zeta stays below it
-_FIELDS = {"p": "p", "alpha": "alpha", "eta": "eta", "lambda": "uplift", "a_scale": "a_scale"}  # by the printed name
-LEAST_ALPHA = 1e-30  # rad; a fallen body has theta/alpha = 1/alpha, so a smaller alpha costs too many steps
+_FIELDS = {
+    "p": "p",
+    "alpha": "alpha",
+    "eta": "eta",
+    "lambda": "uplift",
+    "a_scale": "a_scale",
+}  # by the printed name
+# rad; a fallen body has theta/alpha = 1/alpha, so a smaller alpha costs too many steps
+LEAST_ALPHA = 1e-30
 
 
 def _require(label: str, value: float, holds: bool, wanted: str) -> None:
@@ -28,19 +42,28 @@ def _require(label: str, value: float, holds: bool, wanted: str) -> None:
 
 
 def _check_numbers(of: Side | RockingParameters) -> None:
-    for label, x in (("p", of.p), ("alpha", of.alpha), ("lambda", of.uplift), ("a_scale", of.a_scale)):
+    for label, x in (
+        ("p", of.p),
+        ("alpha", of.alpha),
+        ("lambda", of.uplift),
+        ("a_scale", of.a_scale),
+    ):
         _require(label, x, x > 0.0, "a positive finite number")
     if of.alpha < LEAST_ALPHA:
-        raise StructureError(f"alpha is {of.alpha:g} rad; expected {LEAST_ALPHA:g} rad or more")
+        raise StructureError(
+            f"alpha is {of.alpha:g} rad; expected {LEAST_ALPHA:g} rad or more"
+        )
     if of.arm is not None:
         _require("arm", of.arm, of.arm > 0.0, "a positive finite length")
 
 
 @dataclass(frozen=True)
 class Side:
-    """The parameters of an unsymmetric body while it stands on its `side` "right" (theta > 0) or "left" (theta < 0).
-    eta: angular speed after over before the impact with which it leaves this edge [-]; the others as in `RockingParameters`. Raises
-    StructureError if a number is not finite or out of range."""
+    """The parameters of an unsymmetric body while it stands on its `side` "right"
+    (theta > 0) or "left" (theta < 0). eta: angular speed after over before the impact
+    with which it leaves this edge [-]; the others as in `RockingParameters`. Raises
+    StructureError if a number is not finite or out of range.
+    """
 
     side: str
     p: float
@@ -58,7 +81,11 @@ class Side:
 
     def row(self) -> dict[str, Any]:
         """Return the parameters as `rocking params --json` prints them."""
-        return {"side": self.side, **numbers_of(self), **({} if self.arm is None else {"arm": self.arm})}
+        return {
+            "side": self.side,
+            **numbers_of(self),
+            **({} if self.arm is None else {"arm": self.arm}),
+        }
 
 
 def numbers_of(of: Side | RockingParameters) -> dict[str, float]:
@@ -75,18 +102,24 @@ def fields_in(row: Mapping[str, Any]) -> dict[str, Any]:
 class RockingParameters:
     """The parameters of a rocking structure (section 4 of the paper).
 
-    structure: its kind; p: frequency parameter [rad/s]; alpha: critical angle [rad]; eta: coefficient of restitution [-]; uplift:
-    lambda, the static uplift acceleration over g [-]; a_scale [-]; eta_source: "momentum" or "given"; gravity [m/s2]; details:
-    further results of the kind; mechanism: for the nonlinear model, None for a rigid body.
+    structure: its kind; p: frequency parameter [rad/s]; alpha: critical angle [rad];
+    eta: coefficient of restitution [-]; uplift: lambda, the static uplift acceleration
+    over g [-]; a_scale [-]; eta_source: "momentum" or "given"; gravity [m/s2]; details:
+    further results of the kind; mechanism: for the nonlinear model, None for a rigid
+    body.
 
-    sides: (left, right) if the edges differ; the numbers above are then those of the edge with the smaller lambda.
-    one_sided: the body rocks on its right edge only (theta > 0). Its eta includes the impact on its backing and lies in (-1, 0].
-    damping: zeta of the moment -2 zeta p theta' [-]; friction: coefficient of the base or joints [-], None if not stated.
-    arm: R, distance from the edge to the mass centre [m], only for one rigid body; without R the ground forces are not known.
-    restraints: ties and a tendon, which change uplift, stiffness and equilibrium; all other numbers are those of the free body.
-    top: distances from the left and the right edge to the farthest point of the top [m], empty without a geometry.
-    labels: texts by name that a document or a table has beside its numbers; remarks: sentences on numbers that are probably wrong.
-    Raises StructureError if a number is not finite or out of range, or if the sides do not agree with the rest.
+    sides: (left, right) if the edges differ; the numbers above are then those of the
+    edge with the smaller lambda. one_sided: the body rocks on its right edge only
+    (theta > 0). Its eta includes the impact on its backing and lies in (-1, 0].
+    damping: zeta of the moment -2 zeta p theta' [-]; friction: coefficient of the base
+    or joints [-], None if not stated. arm: R, distance from the edge to the mass centre
+    [m], only for one rigid body; without R the ground forces are not known. restraints:
+    ties and a tendon, which change uplift, stiffness and equilibrium; all other numbers
+    are those of the free body. top: distances from the left and the right edge to the
+    farthest point of the top [m], empty without a geometry. labels: texts by name that
+    a document or a table has beside its numbers; remarks: sentences on numbers that are
+    probably wrong. Raises StructureError if a number is not finite or out of range, or
+    if the sides do not agree with the rest.
     """
 
     name: str
@@ -113,63 +146,123 @@ class RockingParameters:
     def __post_init__(self) -> None:
         _check_numbers(self)
         if self.one_sided:
-            _require("eta", self.eta, -1.0 < self.eta <= 0.0, "a number above -1 and up to 0 for a one-sided body")
+            _require(
+                "eta",
+                self.eta,
+                -1.0 < self.eta <= 0.0,
+                "a number above -1 and up to 0 for a one-sided body",
+            )
         else:
             _require("eta", self.eta, 0.0 <= self.eta <= 1.0, "a number from 0 to 1")
-        _require("damping", self.damping, 0.0 <= self.damping < MOST_DAMPING, f"a number from 0 to below {MOST_DAMPING:g}")
+        _require(
+            "damping",
+            self.damping,
+            0.0 <= self.damping < MOST_DAMPING,
+            f"a number from 0 to below {MOST_DAMPING:g}",
+        )
         if self.friction is not None:
-            _require("friction", self.friction, self.friction > 0.0, "a positive finite number")
+            _require(
+                "friction",
+                self.friction,
+                self.friction > 0.0,
+                "a positive finite number",
+            )
         if not self.sides:
             return
         if [side.side for side in self.sides] != ["left", "right"]:
-            raise StructureError("found other `sides`; expected two, the left one first and then the right one")
+            raise StructureError(
+                "found other `sides`; expected two, the left one first and then the"
+                " right one"
+            )
         if self.one_sided:
             raise StructureError("a one-sided body has one side")
         weaker = weaker_side(self.sides)
         if numbers_of(weaker) != numbers_of(self):
-            raise StructureError(f"p, alpha, lambda, a_scale and eta are not those of the {weaker.side} edge, which lifts first")
+            raise StructureError(
+                f"p, alpha, lambda, a_scale and eta are not those of the {weaker.side}"
+                " edge, which lifts first"
+            )
 
     @classmethod
-    def of_sides(cls, name: str, structure: str, left: Side, right: Side, **more: Any) -> RockingParameters:
-        """Return a body on two edges; without `sides` if their parameters are equal. `more`: the other fields."""
+    def of_sides(
+        cls, name: str, structure: str, left: Side, right: Side, **more: Any
+    ) -> RockingParameters:
+        """Return a body on two edges; without `sides` if their parameters are equal.
+        `more`: the other fields.
+        """
         sides = () if numbers_of(left) == numbers_of(right) else (left, right)
         weaker = weaker_side((left, right))
-        return cls(name, structure, **fields_in(numbers_of(weaker)), sides=sides, arm=weaker.arm, **more)
+        return cls(
+            name,
+            structure,
+            **fields_in(numbers_of(weaker)),
+            sides=sides,
+            arm=weaker.arm,
+            **more,
+        )
 
     @property
     def plain(self) -> bool:
-        """True for the body of the paper: two equal edges, no damping and no restraints."""
+        """True for the body of the paper: two equal edges, no damping and no
+        restraints.
+        """
         return not (self.sides or self.one_sided or self.damping or self.restraints)
 
     @classmethod
     def from_row(cls, row: Mapping[str, Any]) -> RockingParameters:
-        """Return the parameters from the dictionary of `row()`. Raises KeyError, TypeError or ValueError if it is not valid."""
-        sides = tuple(Side(side["side"], arm=side.get("arm"), **fields_in(side)) for side in row.get("sides", ()))
-        kind = row["structure_kind"] if "structure_kind" in row else row["structure"]  # files of earlier versions
-        more = {key: row[key] for key in ("one_sided", "damping", "friction", "arm") if key in row}
+        """Return the parameters from the dictionary of `row()`. Raises KeyError,
+        TypeError or ValueError if it is not valid.
+        """
+        sides = tuple(
+            Side(side["side"], arm=side.get("arm"), **fields_in(side))
+            for side in row.get("sides", ())
+        )
+        kind = (
+            row["structure_kind"] if "structure_kind" in row else row["structure"]
+        )  # files of earlier versions
+        more = {
+            key: row[key]
+            for key in ("one_sided", "damping", "friction", "arm")
+            if key in row
+        }
         more |= {"eta_source": row["eta_source"], "gravity": row["gravity"]}
         if "ties" in row or "tendon" in row:
             more["restraints"] = Restraints.from_row(row)
         details = {key: row[key] for key in (*VARIED, "restrained") if key in row}
         more["labels"] = row.get("labels", {})
-        return cls(row["name"], kind, **fields_in(row), sides=sides, details=details, **more)
+        return cls(
+            row["name"], kind, **fields_in(row), sides=sides, details=details, **more
+        )
 
     @property
     def linear_uplift(self) -> float:
-        """alpha/a_scale, the ground acceleration over g at which the linear oscillator lifts [-]; the body itself lifts at lambda."""
+        """alpha/a_scale, the ground acceleration over g at which the linear oscillator
+        lifts [-]; the body itself lifts at lambda.
+        """
         return self.alpha / self.a_scale
 
     def lifting_at_lambda(self) -> RockingParameters:
-        """Return the body with a_scale = alpha/lambda (Eq. 3.9) on every edge: its linear oscillator lifts at lambda, as the body does.
-        A structure whose a_scale is not 1 is returned unchanged."""
+        """Return the body with a_scale = alpha/lambda (Eq. 3.9) on every edge: its
+        linear oscillator lifts at lambda, as the body does. A structure whose a_scale
+        is not 1 is returned unchanged.
+        """
         if self.a_scale != 1.0:
             return self
-        sides = tuple(replace(side, a_scale=side.alpha / side.uplift) for side in self.sides)
+        sides = tuple(
+            replace(side, a_scale=side.alpha / side.uplift) for side in self.sides
+        )
         return replace(self, a_scale=self.alpha / self.uplift, sides=sides)
 
     def with_restitution(self, eta: float) -> RockingParameters:
-        """Return the same body with another restitution on every edge. Raises StructureError if it is out of range."""
-        return replace(self, eta=eta, eta_source="given", sides=tuple(replace(side, eta=eta) for side in self.sides))
+        """Return the same body with another restitution on every edge. Raises
+        StructureError if it is out of range.
+        """
+        return replace(
+            self,
+            eta=eta,
+            eta_source="given",
+            sides=tuple(replace(side, eta=eta) for side in self.sides),
+        )
 
     @property
     def dimensionless(self) -> bool:
@@ -177,16 +270,36 @@ class RockingParameters:
         return self.structure == DIMENSIONLESS
 
     def row(self) -> dict[str, Any]:
-        """Return the parameters as `rocking params --json` prints them: a document of kind `parameters`."""
-        kind = {"name": self.name, "kind": "parameters", "structure_kind": self.structure}
-        more = {key: getattr(self, key) for key in ("one_sided", "damping", "friction", "arm") if getattr(self, key)}
+        """Return the parameters as `rocking params --json` prints them: a document of
+        kind `parameters`.
+        """
+        kind = {
+            "name": self.name,
+            "kind": "parameters",
+            "structure_kind": self.structure,
+        }
+        more = {
+            key: getattr(self, key)
+            for key in ("one_sided", "damping", "friction", "arm")
+            if getattr(self, key)
+        }
         sides = {"sides": [side.row() for side in self.sides]} if self.sides else {}
         more |= self.restraints.row() if self.restraints else {}
         more |= {"labels": dict(self.labels)} if self.labels else {}
-        return {**kind, **numbers_of(self), "eta_source": self.eta_source, "gravity": self.gravity, **sides, **more, **self.details}
+        return {
+            **kind,
+            **numbers_of(self),
+            "eta_source": self.eta_source,
+            "gravity": self.gravity,
+            **sides,
+            **more,
+            **self.details,
+        }
 
     def alpha_on(self, side: Any) -> Any:
-        """Return alpha [rad] on the right edge (side = +1) or the left edge (side = -1), in the shape of `side`."""
+        """Return alpha [rad] on the right edge (side = +1) or the left edge (side =
+        -1), in the shape of `side`.
+        """
         if not self.sides:
             return self.alpha + 0.0 * side
         left, right = self.sides
@@ -207,10 +320,13 @@ def weaker_side(sides: Sequence[Side]) -> Side:
 
 
 def dimensionless_oscillator(eta: float) -> RockingParameters:
-    """Return the oscillator of a dimensionless spectrum. Its p, alpha, lambda, a_scale and gravity are 1, so a_g = A and omega_g = Omega.
-    Raises StructureError if eta is not in [0, 1].
+    """Return the oscillator of a dimensionless spectrum. Its p, alpha, lambda, a_scale
+    and gravity are 1, so a_g = A and omega_g = Omega. Raises StructureError if eta is
+    not in [0, 1].
 
     >>> dimensionless_oscillator(0.9).eta
     0.9
     """
-    return RockingParameters(f"eta={eta:g}", DIMENSIONLESS, 1.0, 1.0, eta, 1.0, 1.0, "given", 1.0)
+    return RockingParameters(
+        f"eta={eta:g}", DIMENSIONLESS, 1.0, 1.0, eta, 1.0, 1.0, "given", 1.0
+    )

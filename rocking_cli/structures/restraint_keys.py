@@ -14,15 +14,28 @@ if TYPE_CHECKING:
     from ..documents.document import Document
 
 _STIFFEST = 1e9  # m g R, of the restraints after uplift
-_TIES = "a list of ties, each with height, stiffness (or length, area and modulus), and prestress, yield, ultimate, behind, side"
+_TIES = (
+    "a list of ties, each with height, stiffness (or length, area and modulus), and"
+    " prestress, yield, ultimate, behind, side"
+)
 
 
 def restrained(
-    document: Document, body: RockingParameters, *, crown: float = math.inf, level: float = 0.0, inset: float = 0.0,
-    width: float = math.inf, radius: float | None = None, share: float = 1.0,
-) -> RockingParameters:  # fmt: skip
-    """Return the body with the ties, the tendon and the dampers of its document, and their statics in its details. Raises DocumentError.
-    crown, width: of the body [m]; level, inset: of its pivots [m]; radius: R of a body without an arm [m]; share: m g R over mass g R."""
+    document: Document,
+    body: RockingParameters,
+    *,
+    crown: float = math.inf,
+    level: float = 0.0,
+    inset: float = 0.0,
+    width: float = math.inf,
+    radius: float | None = None,
+    share: float = 1.0,
+) -> RockingParameters:
+    """Return the body with the ties, the tendon and the dampers of its document, and
+    their statics in its details. Raises DocumentError. crown, width: of the body [m];
+    level, inset: of its pivots [m]; radius: R of a body without an arm [m]; share: m g
+    R over mass g R.
+    """
     mass, given = mass_of(document) or body.details.get("mass"), restraints_in(document)
     if mass is None:
         raise document.missing("mass", f"the mass [kg], which {given[0]} need")
@@ -30,73 +43,167 @@ def restrained(
     stands = []
     for side, of in zip(SIDES["both"], both, strict=True):
         if (arm := of.arm or radius) is None:
-            raise document.fault(given[0], f"{given[0]} of a body whose arm is not known", "arm as well")
-        stands.append(Stand(side, of.alpha, mass * body.gravity * arm * share, arm * math.sin(of.alpha)))
+            raise document.fault(
+                given[0], f"{given[0]} of a body whose arm is not known", "arm as well"
+            )
+        stands.append(
+            Stand(
+                side,
+                of.alpha,
+                mass * body.gravity * arm * share,
+                arm * math.sin(of.alpha),
+            )
+        )
     for key in ("tendon", "dampers"):
         if key in given and (body.sides or body.arm is None):
             found = "two unequal sides" if body.sides else "other parts on each edge"
-            raise document.fault(key, f"{key} of a body with {found}", "a body that rocks alike and as a whole on both edges")
+            raise document.fault(
+                key,
+                f"{key} of a body with {found}",
+                "a body that rocks alike and as a whole on both edges",
+            )
     if "dampers" in given:
-        body = replace(body, damping=_damping(document, body.p, stands[0].moment, (width - inset) ** 2 + inset**2))
+        body = replace(
+            body,
+            damping=_damping(
+                document, body.p, stands[0].moment, (width - inset) ** 2 + inset**2
+            ),
+        )
     ties = _ties(document, crown, level, inset, width) if "ties" in given else ()
-    held = Restraints(ties, _tendon(document) if "tendon" in given else None, tuple(stands))
+    held = Restraints(
+        ties, _tendon(document) if "tendon" in given else None, tuple(stands)
+    )
     if not (held.ties or held.tendon):
         return body
     if document.has("friction"):
-        raise document.fault("friction", f"friction of a body with {given[0]}, whose ground forces are not computed", "no friction")
-    rows = [{"side": stand.side, **held.statics(stand)} for stand in (stands[1:] if body.one_sided else stands)]
+        raise document.fault(
+            "friction",
+            f"friction of a body with {given[0]}, whose ground forces are not computed",
+            "no friction",
+        )
+    rows = [
+        {"side": stand.side, **held.statics(stand)}
+        for stand in (stands[1:] if body.one_sided else stands)
+    ]
     if not (stiffest := max(row["stiffness"] for row in rows)) < _STIFFEST:
-        found = f"{given[0]} that add {stiffest:.3g} m g R to the stiffness after uplift"
-        raise document.fault(given[0], found, f"up to {_STIFFEST:g} m g R: the march of a stiffer body takes minutes")
+        found = (
+            f"{given[0]} that add {stiffest:.3g} m g R to the stiffness after uplift"
+        )
+        raise document.fault(
+            given[0],
+            found,
+            f"up to {_STIFFEST:g} m g R: the march of a stiffer body takes minutes",
+        )
     if len(rows) == 2 and rows[0] == {**rows[1], "side": "left"}:
         rows = [{**rows[0], "side": "both"}]
     return replace(body, restraints=held, details={**body.details, "restrained": rows})
 
 
-def _ties(document: Document, crown: float, level: float, inset: float, width: float) -> tuple[Tie, ...]:
+def _ties(
+    document: Document, crown: float, level: float, inset: float, width: float
+) -> tuple[Tie, ...]:
     one_sided, ties = document.flag("one_sided"), []
     for part in document.parts("ties", _TIES):
-        where = f"a height above the ground, and up to {crown:g} m, the top of the body (of the columns of a frame)"
-        height = part.quantity("height", "length", above=0.0, most=crown * (1.0 + 1e-9), where=where) - level
-        where, least = f"a length from 0 to {width:g} m, the width of the body", 0.0 if width < math.inf else -math.inf
-        behind = part.quantity("behind", "length", least=least, most=width, where=where, default=0.0)
+        where = (
+            f"a height above the ground, and up to {crown:g} m, the top of the body (of"
+            " the columns of a frame)"
+        )
+        height = (
+            part.quantity(
+                "height", "length", above=0.0, most=crown * (1.0 + 1e-9), where=where
+            )
+            - level
+        )
+        where, least = (
+            f"a length from 0 to {width:g} m, the width of the body",
+            0.0 if width < math.inf else -math.inf,
+        )
+        behind = part.quantity(
+            "behind", "length", least=least, most=width, where=where, default=0.0
+        )
         stiffness, prestress = _stiffness(part), _force(part, "prestress", 0.0)
-        force = part.quantity("yield", "force", above=0.0, where="a force above 0", default=math.inf)
+        force = part.quantity(
+            "yield", "force", above=0.0, where="a force above 0", default=math.inf
+        )
         if prestress >= force:
-            raise part.fault("prestress", f"{prestress:g} N, not below the yield of {force:g} N", "a prestress below the yield")
+            raise part.fault(
+                "prestress",
+                f"{prestress:g} N, not below the yield of {force:g} N",
+                "a prestress below the yield",
+            )
         most = math.hypot(height, behind) + behind  # of any rotation
-        where = f"an elongation at rupture above 0 and up to {most:g} m, which the body can reach"
-        ultimate = part.quantity("ultimate", "length", above=0.0, most=most, where=where) if part.has("ultimate") else math.inf
+        where = (
+            f"an elongation at rupture above 0 and up to {most:g} m, which the body can"
+            " reach"
+        )
+        ultimate = (
+            part.quantity("ultimate", "length", above=0.0, most=most, where=where)
+            if part.has("ultimate")
+            else math.inf
+        )
         if stiffness and ultimate * stiffness < force - prestress < math.inf:
-            found = f"{ultimate:g} m, below the elongation at yield of {(force - prestress) / stiffness:g} m"
+            found = (
+                f"{ultimate:g} m, below the elongation at yield of"
+                f" {(force - prestress) / stiffness:g} m"
+            )
             raise part.fault("ultimate", found, "an elongation from the yield on")
         side = part.choice("side", list(SIDES), "right" if one_sided else "both")
         if one_sided and side == "left":
-            raise part.fault("side", "left on a one-sided body, which never leans there", "right")
-        if height > 0.0:  # a tie below the interface on which a stack rocks does not hold the pieces above
-            ties.append(Tie(height, stiffness, prestress, force, ultimate, behind - inset, side))
+            raise part.fault(
+                "side", "left on a one-sided body, which never leans there", "right"
+            )
+        # a tie below the interface on which a stack rocks does not hold the pieces
+        # above
+        if height > 0.0:
+            ties.append(
+                Tie(height, stiffness, prestress, force, ultimate, behind - inset, side)
+            )
     return tuple(ties)
 
 
 def _tendon(document: Document) -> Tendon:
     part = document.part("tendon", document.values["tendon"])
-    tendon = Tendon(_stiffness(part), _force(part, "prestress", 0.0), _force(part, "rupture", math.inf))
+    tendon = Tendon(
+        _stiffness(part),
+        _force(part, "prestress", 0.0),
+        _force(part, "rupture", math.inf),
+    )
     if tendon.prestress >= tendon.rupture:
-        found = f"{tendon.rupture:g} N, not above the prestress of {tendon.prestress:g} N"
+        found = (
+            f"{tendon.rupture:g} N, not above the prestress of {tendon.prestress:g} N"
+        )
         raise part.fault("rupture", found, "a force above the prestress")
     part.finish()
     return tendon
 
 
 def _damping(document: Document, p: float, moment: float, levers: float) -> float:
-    """Return zeta = c levers p/(2 m g R) of two dashpots; levers: the sum of their squared distances from the pivot [m2]."""
+    """Return zeta = c levers p/(2 m g R) of two dashpots; levers: the sum of their
+    squared distances from the pivot [m2].
+    """
     part = document.part("dampers", document.values["dampers"])
     if levers == math.inf:
-        raise document.fault("dampers", "dampers of a body whose width is not known", "damping")
-    zeta = part.quantity("coefficient", "damping coefficient", least=0.0, where="a coefficient from 0") * levers * p / (2.0 * moment)
+        raise document.fault(
+            "dampers", "dampers of a body whose width is not known", "damping"
+        )
+    zeta = (
+        part.quantity(
+            "coefficient",
+            "damping coefficient",
+            least=0.0,
+            where="a coefficient from 0",
+        )
+        * levers
+        * p
+        / (2.0 * moment)
+    )
     part.finish()
     if not zeta + damping_of(document) < MOST_DAMPING:
-        raise document.fault("dampers", f"dampers of zeta = {zeta:.4g}", f"zeta below {MOST_DAMPING:g}, with the damping of the document")
+        raise document.fault(
+            "dampers",
+            f"dampers of zeta = {zeta:.4g}",
+            f"zeta below {MOST_DAMPING:g}, with the damping of the document",
+        )
     return zeta
 
 
@@ -105,12 +212,22 @@ def _stiffness(part: Document) -> float:
     rod = {"length": "length", "area": "area", "modulus": "stress"}
     given = [key for key in rod if part.has(key)]
     if given and part.has("stiffness"):
-        raise part.fault(given[0], f"{given[0]} together with stiffness", "stiffness, or length, area and modulus, not both")
+        raise part.fault(
+            given[0],
+            f"{given[0]} together with stiffness",
+            "stiffness, or length, area and modulus, not both",
+        )
     if not given:
-        return part.quantity("stiffness", "stiffness", least=0.0, where="a stiffness from 0")
-    length, area, modulus = (part.quantity(key, rod[key], above=0.0, where="a positive value") for key in rod)
+        return part.quantity(
+            "stiffness", "stiffness", least=0.0, where="a stiffness from 0"
+        )
+    length, area, modulus = (
+        part.quantity(key, rod[key], above=0.0, where="a positive value") for key in rod
+    )
     return modulus * area / length
 
 
 def _force(part: Document, key: str, default: float) -> float:
-    return part.quantity(key, "force", least=0.0, where="a force from 0", default=default)
+    return part.quantity(
+        key, "force", least=0.0, where="a force from 0", default=default
+    )

@@ -1,4 +1,6 @@
-"""Keys that documents of several kinds share: gravity, restitution, damping, friction, mass."""
+"""Keys that documents of several kinds share: gravity, restitution, damping, friction,
+mass.
+"""
 
 from __future__ import annotations
 
@@ -13,93 +15,167 @@ if TYPE_CHECKING:
     from ..documents.document import Document
 
 RESTRAINTS = ("ties", "tendon", "dampers")
-ONE_SIDED_RESTITUTION = "a number above -1 and up to 0 (one_sided: it returns to the side it came from)"
+ONE_SIDED_RESTITUTION = (
+    "a number above -1 and up to 0 (one_sided: it returns to the side it came from)"
+)
 
 
 def gravity_of(document: Document) -> float:
     """Return the document's gravity [m/s2], 9.81 by default."""
-    return document.quantity("gravity", "acceleration", above=0.0, where="a positive acceleration", default=DEFAULT_GRAVITY)
+    return document.quantity(
+        "gravity",
+        "acceleration",
+        above=0.0,
+        where="a positive acceleration",
+        default=DEFAULT_GRAVITY,
+    )
 
 
 def restraints_in(document: Document) -> list[str]:
-    """Return the document's keys of restraints. Raises DocumentError for one without a value, which would silently leave them out."""
+    """Return the document's keys of restraints. Raises DocumentError for one without a
+    value, which would silently leave them out.
+    """
     for key in RESTRAINTS:
         if not document.has(key) and key in document.values:
             raise document.fault(key, "nothing", f"the {key}, or no such key")
     return [key for key in RESTRAINTS if document.has(key)]
 
 
-def restitution_of(document: Document, momentum: float, limit: str) -> tuple[float, str]:
-    """Return (eta, its source): the document's value, or `momentum`, the value from conservation of angular momentum. limit: a text on the
-    bodies for which the momentum model holds. Raises DocumentError if eta is not given and `momentum` is negative."""
+def restitution_of(
+    document: Document, momentum: float, limit: str
+) -> tuple[float, str]:
+    """Return (eta, its source): the document's value, or `momentum`, the value from
+    conservation of angular momentum. limit: a text on the bodies for which the momentum
+    model holds. Raises DocumentError if eta is not given and `momentum` is negative.
+    """
     if _given(document):
-        return abs(_stated(document, "a number from 0 to 1, or auto", least=0.0, most=1.0)), "given"
+        return (
+            abs(
+                _stated(document, "a number from 0 to 1, or auto", least=0.0, most=1.0)
+            ),
+            "given",
+        )
     if momentum < 0.0:
         found = _swapped(document) or f"a restitution of {momentum:.4g} from momentum"
         raise document.fault(None, found, f"{limit}; or give restitution")
     return momentum, "momentum"
 
 
-def one_sided_restitution_of(document: Document, base: tuple[float, float], backing: float | None) -> tuple[float, str]:
-    """Return (e, its source) of a one-sided body, -1 < e <= 0: the document's value, or the product of three impacts.
-    base: eta of the impact on the right edge and on the left edge; backing: the factor of the impact on the backing, None if the geometry
-    does not define the point of impact. Raises DocumentError."""
+def one_sided_restitution_of(
+    document: Document, base: tuple[float, float], backing: float | None
+) -> tuple[float, str]:
+    """Return (e, its source) of a one-sided body, -1 < e <= 0: the document's value, or
+    the product of three impacts. base: eta of the impact on the right edge and on the
+    left edge; backing: the factor of the impact on the backing, None if the geometry
+    does not define the point of impact. Raises DocumentError.
+    """
     if _given(document):
         wanted = ONE_SIDED_RESTITUTION + ("" if backing is None else ", or auto")
         return _stated(document, wanted, above=-1.0, most=0.0) + 0.0, "given"
     if backing is None:
-        found = "a one-sided body whose geometry does not define its impact on the backing"
-        raise document.fault("one_sided", found, f"restitution as well: {ONE_SIDED_RESTITUTION}")
+        found = (
+            "a one-sided body whose geometry does not define its impact on the backing"
+        )
+        raise document.fault(
+            "one_sided", found, f"restitution as well: {ONE_SIDED_RESTITUTION}"
+        )
     e = base[0] * base[1] * backing
     if min(base) < 0.0 or not -1.0 < e <= 0.0:
-        found = f"a restitution of {e:.4g} from three impacts, {base[0]:.4g} and {base[1]:.4g} on its base and {backing:.4g} on its backing"
+        found = (
+            f"a restitution of {e:.4g} from three impacts, {base[0]:.4g} and"
+            f" {base[1]:.4g} on its base and {backing:.4g} on its backing"
+        )
         swapped = _swapped(document)
-        raise document.fault(None if swapped else "one_sided", swapped or found, "a body more slender than this one; or give restitution")
+        raise document.fault(
+            None if swapped else "one_sided",
+            swapped or found,
+            "a body more slender than this one; or give restitution",
+        )
     return e, "momentum"
 
 
 def _swapped(document: Document) -> str:
-    """Return the sizes of a body that is wider than high in words, an empty text for another one."""
-    for key, halves in (("width", 1.0), ("base_radius", 2.0), ("thickness", 1.0), ("radius", 2.0)):
+    """Return the sizes of a body that is wider than high in words, an empty text for
+    another one.
+    """
+    for key, halves in (
+        ("width", 1.0),
+        ("base_radius", 2.0),
+        ("thickness", 1.0),
+        ("radius", 2.0),
+    ):
         if document.has(key) and document.has("height"):
             size, height = document.length(key), document.length("height")
             if halves * size > height:
-                return f"{key} {size:g} m and height {height:g} m, wider than high (did you swap {key} and height?)"
+                return (
+                    f"{key} {size:g} m and height {height:g} m, wider than high (did"
+                    f" you swap {key} and height?)"
+                )
     return ""
 
 
 def _given(document: Document) -> bool:
-    return document.has("restitution") and document.values["restitution"].content != "auto"
+    return (
+        document.has("restitution") and document.values["restitution"].content != "auto"
+    )
 
 
-def _stated(document: Document, wanted: str, *, above: float = -math.inf, least: float = -math.inf, most: float) -> float:
-    """Return the document's restitution. Raises DocumentError if it is out of bounds; wanted: the bounds in words."""
+def _stated(
+    document: Document,
+    wanted: str,
+    *,
+    above: float = -math.inf,
+    least: float = -math.inf,
+    most: float,
+) -> float:
+    """Return the document's restitution. Raises DocumentError if it is out of bounds;
+    wanted: the bounds in words.
+    """
     try:
-        return document.quantity("restitution", "number", above=above, least=least, most=most)
+        return document.quantity(
+            "restitution", "number", above=above, least=least, most=most
+        )
     except DocumentError:  # its sentence lacks `auto`
-        raise document.fault("restitution", str(document.values["restitution"]), wanted) from None
+        raise document.fault(
+            "restitution", str(document.values["restitution"]), wanted
+        ) from None
 
 
 def labels_of(document: Document) -> dict[str, str]:
-    """Return the document's labels: texts by name, which the computation does not use. Raises DocumentError."""
+    """Return the document's labels: texts by name, which the computation does not use.
+    Raises DocumentError.
+    """
     if not document.has("labels"):
         return {}
     part = document.part("labels", document.values["labels"])
-    return {name: part.word(name, "") if value.word() != "" else "" for name, value in part.values.items()}
+    return {
+        name: part.word(name, "") if value.word() != "" else ""
+        for name, value in part.values.items()
+    }
 
 
 def damping_of(document: Document) -> float:
     """Return the document's viscous damping zeta [-], 0 by default."""
     where = f"a number from 0 to below {MOST_DAMPING:g} (zeta)"
-    return document.quantity("damping", "number", least=0.0, below=MOST_DAMPING, where=where, default=0.0)
+    return document.quantity(
+        "damping", "number", least=0.0, below=MOST_DAMPING, where=where, default=0.0
+    )
 
 
 def friction_of(document: Document) -> float | None:
     """Return the document's coefficient of friction [-], None if absent."""
     where = "a positive number (a coefficient of friction)"
-    return document.quantity("friction", "number", above=0.0, where=where) if document.has("friction") else None
+    return (
+        document.quantity("friction", "number", above=0.0, where=where)
+        if document.has("friction")
+        else None
+    )
 
 
 def mass_of(document: Document) -> float | None:
     """Return the document's mass [kg], None if absent."""
-    return document.quantity("mass", "mass", above=0.0, where="a positive mass") if document.has("mass") else None
+    return (
+        document.quantity("mass", "mass", above=0.0, where="a positive mass")
+        if document.has("mass")
+        else None
+    )

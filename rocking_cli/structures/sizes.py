@@ -16,7 +16,9 @@ _MILLIMETRES = 1000.0  # m; a body that is higher than this was probably stated 
 
 
 def size_remarks(document: Document, built: RockingParameters) -> tuple[str, ...]:
-    """Return a remark with file, line and key if lengths without a unit make the body of a document higher than 30 m."""
+    """Return a remark with file, line and key if lengths without a unit make the body
+    of a document higher than 30 m.
+    """
     if 2.0 * sum(abs(number) for number, _ in document.bare.values()) <= TALL:
         return ()
     if (height := _height_of(document, built)) <= TALL:
@@ -25,12 +27,17 @@ def size_remarks(document: Document, built: RockingParameters) -> tuple[str, ...
     number, place = document.bare[key]
     guess = "mm" if height > _MILLIMETRES else "cm"
     name = key.partition(".")[0] if key.startswith("corners") else key
-    found = f"{name}: {number:g} without a unit is {number:g} m, and the body is {height:.4g} m high"
+    found = (
+        f"{name}: {number:g} without a unit is {number:g} m, and the body is"
+        f" {height:.4g} m high"
+    )
     return (f"{place}: {found}; did you mean {number:g} {guess}?",)
 
 
 def _height_of(document: Document, built: RockingParameters) -> float:
-    """Return the height of the body [m], 0 for a kind without a geometry, or one of an installed package."""
+    """Return the height of the body [m], 0 for a kind without a geometry, or one of an
+    installed package.
+    """
     if document.values["kind"].content not in KINDS:
         return 0.0
     try:

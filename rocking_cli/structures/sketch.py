@@ -12,10 +12,12 @@ Lines = tuple[tuple[str, Outline], ...]
 
 @dataclass(frozen=True)
 class Sketch:
-    """Geometry to draw; points are (x, z) [m].
-    bodies: outlines of the rocking bodies at rest; still: of the parts that do not move; moved: of the bodies at theta = alpha; hollows: of
-    cavities; pivots: name and place; centre: mass centre of the rocking body, None for a linkage; lines: label and points of other lines,
-    such as a crack."""
+    """Geometry to draw; points are (x, z) [m]. bodies: outlines of the rocking bodies
+    at rest; still: of the parts that do not move; moved: of the bodies at theta =
+    alpha; hollows: of cavities; pivots: name and place; centre: mass centre of the
+    rocking body, None for a linkage; lines: label and points of other lines, such as a
+    crack.
+    """
 
     bodies: tuple[Outline, ...]
     still: tuple[Outline, ...] = ()
@@ -27,24 +29,51 @@ class Sketch:
 
 
 def rocker(
-    bodies: Iterable[Outline], left: Point, right: Point, centre: Point, *, inset: float = 0.0, lines: Lines = (), **more: Any
+    bodies: Iterable[Outline],
+    left: Point,
+    right: Point,
+    centre: Point,
+    *,
+    inset: float = 0.0,
+    lines: Lines = (),
+    **more: Any,
 ) -> Sketch:
-    """Return the sketch of a rigid body on two edges, at rest and turned by alpha about the right pivot. more: other fields of the sketch;
-    inset: the distance of the pivots inside the edges [m]."""
+    """Return the sketch of a rigid body on two edges, at rest and turned by alpha about
+    the right pivot. more: other fields of the sketch; inset: the distance of the pivots
+    inside the edges [m].
+    """
     bodies, edges = tuple(bodies), (left, right)
     if inset:
         left, right = (left[0] + inset, left[1]), (right[0] - inset, right[1])
         lines = (("inset", (right, edges[1])), ("_inset", (edges[0], left)), *lines)
     alpha = math.atan2(right[0] - centre[0], centre[1] - right[1])
     moved = tuple(turned(outline, right, alpha) for outline in bodies)
-    return Sketch(bodies, moved=moved, pivots=(("left", left), ("right", right)), centre=centre, lines=lines, **more)
+    return Sketch(
+        bodies,
+        moved=moved,
+        pivots=(("left", left), ("right", right)),
+        centre=centre,
+        lines=lines,
+        **more,
+    )
 
 
 def redrawn(drawn: Sketch, inset: float) -> Sketch:
-    """Return a sketch that `rocker` has made, with its pivots moved inside the edges by a length [m]."""
+    """Return a sketch that `rocker` has made, with its pivots moved inside the edges by
+    a length [m].
+    """
     assert drawn.centre is not None
     (_, left), (_, right) = drawn.pivots
-    return rocker(drawn.bodies, left, right, drawn.centre, inset=inset, still=drawn.still, hollows=drawn.hollows, lines=drawn.lines)
+    return rocker(
+        drawn.bodies,
+        left,
+        right,
+        drawn.centre,
+        inset=inset,
+        still=drawn.still,
+        hollows=drawn.hollows,
+        lines=drawn.lines,
+    )
 
 
 def rectangle(left: float, right: float, low: float, high: float) -> Outline:
@@ -56,10 +85,15 @@ def turned(outline: Sequence[Point], about: Point, angle: float) -> Outline:
     """Turn an outline clockwise (towards +x) about a point by an angle [rad]."""
     cos, sin = math.cos(angle), math.sin(angle)
     offsets = [(x - about[0], z - about[1]) for x, z in outline]
-    return tuple((about[0] + cos * x + sin * z, about[1] + cos * z - sin * x) for x, z in offsets)
+    return tuple(
+        (about[0] + cos * x + sin * z, about[1] + cos * z - sin * x) for x, z in offsets
+    )
 
 
 def circle(centre: Point, radius: float) -> Outline:
     """Return a circle as a polygon of 48 corners."""
     steps = (2.0 * math.pi * i / 48 for i in range(48))
-    return tuple((centre[0] + radius * math.cos(s), centre[1] + radius * math.sin(s)) for s in steps)
+    return tuple(
+        (centre[0] + radius * math.cos(s), centre[1] + radius * math.sin(s))
+        for s in steps
+    )

@@ -1,4 +1,6 @@
-"""A commented example document of each kind, from the configs that are shipped with the package."""
+"""A commented example document of each kind, from the configs that are shipped with the
+package.
+"""
 
 from importlib.resources import files
 from pathlib import Path
@@ -7,7 +9,8 @@ from ..errors import UsageError
 
 
 def template(kind: str) -> str:
-    """Return the text of the example document of a kind. Raises UsageError if there is none.
+    """Return the text of the example document of a kind. Raises UsageError if there is
+    none.
 
     >>> build_structure(parse_documents(template('block'))[0]).structure
     'block'
@@ -18,6 +21,11 @@ def template(kind: str) -> str:
 
 
 def shipped(name: str | Path) -> Path | None:
-    """Return the path of a file or folder in the shipped folder `configs`; None if there is none."""
-    places = (Path(str(folder)) / "configs" / name for folder in (files("rocking_cli"), Path(__file__).resolve().parents[2]))
+    """Return the path of a file or folder in the shipped folder `configs`; None if
+    there is none.
+    """
+    places = (
+        Path(str(folder)) / "configs" / name
+        for folder in (files("rocking_cli"), Path(__file__).resolve().parents[2])
+    )
     return next(filter(Path.exists, places), None)

@@ -1,6 +1,8 @@
-"""A lower bound: the engine's algorithm for one sine cycle and the linear equation, as a scalar kernel compiled by numba.
+"""A lower bound: the engine's algorithm for one sine cycle and the linear equation, as
+a scalar kernel compiled by numba.
 
-Same windows, same flow, same roots, cell by cell in threads. It knows nothing but this one motion.
+Same windows, same flow, same roots, cell by cell in threads. It knows nothing but this
+one motion.
 """
 
 import math
@@ -54,8 +56,16 @@ def _impact(y0, v0, b0, s, c, w, low, high, h):
         step = -r * (1.0 - 0.5 * r * e) / (1.0 - r * e + r * r * j / (6.0 * v))
         inside = v < 0.0 and low < h + step <= high
         size = abs(step)
-        short = size <= 1e-5 * h and size * (1.0 + w) <= 1e-5 and size * abs(b) <= 1e-5 * abs(v)
-        if (inside and short) or high - low <= 4e-16 * high or (v < 0.0 and size <= 4e-16 * h):
+        short = (
+            size <= 1e-5 * h
+            and size * (1.0 + w) <= 1e-5
+            and size * abs(b) <= 1e-5 * abs(v)
+        )
+        if (
+            (inside and short)
+            or high - low <= 4e-16 * high
+            or (v < 0.0 and size <= 4e-16 * h)
+        ):
             d = step if inside else 0.0
             return h + d, min(0.0, v + d * (b + 0.5 * d * j))
         h = h + step if inside else 0.5 * (low + high)
@@ -74,7 +84,12 @@ def _turn(y0, v0, b0, s, c, w, low, high, sense):
             low = h
         step = -v / (b - 0.5 * v * j / b) if b != 0.0 else math.inf
         inside = sense * b < 0.0 and low <= h + step <= high
-        if inside and abs(step) * (1.0 + w) <= 1e-4 and abs(step * j) <= 1e-3 * abs(b) and abs(step) <= 1e-3 * h:
+        if (
+            inside
+            and abs(step) * (1.0 + w) <= 1e-4
+            and abs(step * j) <= 1e-3 * abs(b)
+            and abs(step) <= 1e-3 * h
+        ):
             return y + step * (v + step * (0.5 * b + step * j / 6.0)), h + step
         if high - low <= 4e-16 * high:
             return y, h
@@ -84,7 +99,9 @@ def _turn(y0, v0, b0, s, c, w, low, high, sense):
 
 @njit(cache=False)
 def _cell(amplitude, omega, eta):
-    """(outcome, peak): 1 no uplift, 2 rocked, 3 and 4 overturned without and after impact."""
+    """(outcome, peak): 1 no uplift, 2 rocked, 3 and 4 overturned without and after
+    impact.
+    """
     if amplitude <= 1.0:
         return 1, 0.0
     psi = math.asin(1.0 / amplitude)
@@ -101,7 +118,8 @@ def _cell(amplitude, omega, eta):
             ridge = False
         else:
             target = last if ridge else (first if phase < first else end)
-        # A valley whose drive rises at its end may hold a trough: stop where the drive turns.
+        # A valley whose drive rises at its end may hold a trough: stop where the drive
+        # turns.
         bottom = 1.5 * PI if side < 0.0 else 0.5 * PI
         if not ridge and phase < bottom < target and bottom - phase > valley_at * omega:
             target = bottom
@@ -115,7 +133,9 @@ def _cell(amplitude, omega, eta):
                 hit, reach = True, at
         if hit:
             start = valley_at
-            reach, vi = _impact(y, v, b, da, a, omega, start, reach, 0.5 * (start + reach))
+            reach, vi = _impact(
+                y, v, b, da, a, omega, start, reach, 0.5 * (start + reach)
+            )
         if not ridge and (valley_at > 0.0 or v > 0.0) and (hit or ve <= 0.0):
             top, _ = _turn(y, v, b, da, a, omega, valley_at, reach, 1.0)
             peak = max(peak, top)
@@ -141,7 +161,12 @@ def _cell(amplitude, omega, eta):
                 continue
         elif target < end:
             phase, y, v, b = target, ye, ve, be
-            inward = amplitude if (side < 0.0 and phase <= 1.5 * PI) or (side > 0.0 and phase < 0.5 * PI) else 0.0
+            inward = (
+                amplitude
+                if (side < 0.0 and phase <= 1.5 * PI)
+                or (side > 0.0 and phase < 0.5 * PI)
+                else 0.0
+            )
             if side < 0.0 and phase > 1.5 * PI:
                 inward = amplitude * abs(math.sin(phase))
             if y - 1.0 + v > inward:

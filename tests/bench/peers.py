@@ -1,7 +1,8 @@
-"""The same cells by general-purpose integrators: heyoka (Taylor, compiled) and SciPy, one process a core.
+"""The same cells by general-purpose integrators: heyoka (Taylor, compiled) and SciPy,
+one process a core.
 
-Each integrates through the pulse with the impact as a terminal event and closes the motion after it by the paper's Eq. 2.7 or by
-energy; nothing of the engine is used.
+Each integrates through the pulse with the impact as a terminal event and closes the
+motion after it by the paper's Eq. 2.7 or by energy; nothing of the engine is used.
 """
 
 import math
@@ -26,7 +27,10 @@ class Cell:
         if self.a <= self.lift:
             return None
         psi = math.asin(self.lift / self.a)
-        for start, stop, side in ((psi, math.pi - psi, -1.0), (math.pi + psi, TURN - psi, 1.0)):
+        for start, stop, side in (
+            (psi, math.pi - psi, -1.0),
+            (math.pi + psi, TURN - psi, 1.0),
+        ):
             if time * self.w < stop:
                 return max(time, start / self.w), side
         return None
@@ -41,10 +45,16 @@ class Cell:
 
             def crest(k):
                 return 1.0 - math.sqrt(max(0.0, 1.0 - k))
+
         else:
             rest = math.cos(self.alpha)
-            level, barrier = 0.5 * (v * self.alpha) ** 2 + math.cos(self.alpha * (1.0 - y)) - rest, 1.0 - rest
-            if (y > 1.0 and (v >= 0.0 or level < barrier)) or (y <= 1.0 and v > 0.0 and level > barrier):
+            level, barrier = (
+                0.5 * (v * self.alpha) ** 2 + math.cos(self.alpha * (1.0 - y)) - rest,
+                1.0 - rest,
+            )
+            if (y > 1.0 and (v >= 0.0 or level < barrier)) or (
+                y <= 1.0 and v > 0.0 and level > barrier
+            ):
                 return falls, math.nan
 
             def crest(k):
@@ -86,10 +96,16 @@ def heyoka_cells(cells, eta, alpha, tol):
     down = hy.event_direction.negative
     limit = 1e3 if alpha is None else 0.5 * math.pi / alpha  # on its side
     ta = hy.taylor_adaptive(
-        [(y, v), (v, force)], [0.0, 0.0], tol=tol, pars=[1.0, 1.0, 1.0],
-        t_events=[hy.t_event(y, direction=down, callback=impact), hy.t_event(y - limit, direction=hy.event_direction.positive)],
+        [(y, v), (v, force)],
+        [0.0, 0.0],
+        tol=tol,
+        pars=[1.0, 1.0, 1.0],
+        t_events=[
+            hy.t_event(y, direction=down, callback=impact),
+            hy.t_event(y - limit, direction=hy.event_direction.positive),
+        ],
         nt_events=[hy.nt_event(v, callback=crest, direction=down)],
-    )  # fmt: skip
+    )
     found = np.empty((len(cells), 2))
     for i, (amplitude, omega) in enumerate(cells):
         cell = now[0] = Cell(amplitude, omega, eta, alpha)
@@ -97,7 +113,8 @@ def heyoka_cells(cells, eta, alpha, tol):
         found[i] = (1, 0.0) if start is None else (2, cell.peak)
         while start is not None:
             begin, ta.pars[0] = start
-            # At uplift y has a triple root, which event detection takes for an impact: begin a little later, on its series.
+            # At uplift y has a triple root, which event detection takes for an impact:
+            # begin a little later, on its series.
             late = 1e-4 / (1.0 + omega)
             rate = (
                 omega * math.sqrt(max(0.0, (amplitude / cell.lift) ** 2 - 1.0))
@@ -136,7 +153,12 @@ def scipy_cells(cells, eta, alpha, tol, method="DOP853"):
         return z[0] - limit
 
     limit = 1e3 if alpha is None else 0.5 * math.pi / alpha
-    ground.terminal, ground.direction, turn.direction, fallen.terminal = True, -1, -1, True
+    ground.terminal, ground.direction, turn.direction, fallen.terminal = (
+        True,
+        -1,
+        -1,
+        True,
+    )
     found = np.empty((len(cells), 2))
     for i, (amplitude, omega) in enumerate(cells):
         cell = Cell(amplitude, omega, eta, alpha)
@@ -155,9 +177,20 @@ def scipy_cells(cells, eta, alpha, tol, method="DOP853"):
             y, v, start = 0.0, 1e-15, None
             while True:
                 path = solve_ivp(
-                    rate, (now, TURN / omega), (y, v), args=(side,), method=method, rtol=tol, atol=tol, events=(ground, turn, fallen)
+                    rate,
+                    (now, TURN / omega),
+                    (y, v),
+                    args=(side,),
+                    method=method,
+                    rtol=tol,
+                    atol=tol,
+                    events=(ground, turn, fallen),
                 )
-                tops = [z[0] for t, z in zip(path.t_events[1], path.y_events[1], strict=True) if t > now]
+                tops = [
+                    z[0]
+                    for t, z in zip(path.t_events[1], path.y_events[1], strict=True)
+                    if t > now
+                ]
                 cell.peak = max([cell.peak, *tops])
                 if path.t_events[2].size:
                     found[i] = (4 if cell.bounced else 3), math.nan
@@ -165,7 +198,13 @@ def scipy_cells(cells, eta, alpha, tol, method="DOP853"):
                 if path.status != 1 or path.t[-1] <= now:
                     found[i] = cell.end(path.y[0, -1], path.y[1, -1])
                     break
-                now, side, y, v, cell.bounced = path.t[-1], -side, 0.0, -eta * path.y[1, -1], True
+                now, side, y, v, cell.bounced = (
+                    path.t[-1],
+                    -side,
+                    0.0,
+                    -eta * path.y[1, -1],
+                    True,
+                )
                 if v < 1e-9 and amplitude * abs(math.sin(omega * now)) < cell.lift:
                     found[i], start = (2, cell.peak), cell.uplift(now)
                     break
@@ -173,9 +212,15 @@ def scipy_cells(cells, eta, alpha, tol, method="DOP853"):
 
 
 def on_all_cores(run, cells, *arguments, workers=2):
-    """(seconds, results): the cells dealt out to processes, one a core, which have compiled what they need before the clock starts."""
+    """(seconds, results): the cells dealt out to processes, one a core, which have
+    compiled what they need before the clock starts.
+    """
     with get_context("fork").Pool(workers) as pool:
-        parts = pool.starmap(_timed, [(run, cells[i::workers], *arguments) for i in range(workers)], chunksize=1)
+        parts = pool.starmap(
+            _timed,
+            [(run, cells[i::workers], *arguments) for i in range(workers)],
+            chunksize=1,
+        )
     found = np.empty((len(cells), 2))
     for i, (_, part) in enumerate(parts):
         found[i::workers] = part

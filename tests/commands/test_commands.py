@@ -1,4 +1,6 @@
-"""The program as a whole at the shell: unknown words, pipes, full disks, help, start-up."""
+"""The program as a whole at the shell: unknown words, pipes, full disks, help,
+start-up.
+"""
 
 import os
 import subprocess
@@ -24,56 +26,127 @@ SINGLE = [
 
 @pytest.mark.parametrize(("command", "option"), SINGLE, ids=" ".join)
 def test_a_single_valued_option_is_not_taken_twice(command, option):
-    with pytest.raises(click.UsageError, match=f"^{option} is given twice; expected one value$"):
+    with pytest.raises(
+        click.UsageError, match=f"^{option} is given twice; expected one value$"
+    ):
         cli.main([command, option, "1", option, "2"], standalone_mode=False)
 
 
 def test_an_option_means_one_thing_in_every_command():
-    """Help texts of options of one name are compared by their first words, but for those that ask for the same thing differently."""
-    alike = {"--vary", "--json", "--output", "-o", "--title", "--sign", "--model", "--eta", "--grid", "--seed"}
+    """Help texts of options of one name are compared by their first words, but for
+    those that ask for the same thing differently.
+    """
+    alike = {
+        "--vary",
+        "--json",
+        "--output",
+        "-o",
+        "--title",
+        "--sign",
+        "--model",
+        "--eta",
+        "--grid",
+        "--seed",
+    }
     meanings: dict[str, dict[str, str]] = {}
     for command in COMMANDS:
         for option in cli.get_command(click.Context(cli), command).params:
             for name in option.opts if isinstance(option, click.Option) else ():
                 meanings.setdefault(name, {})[str(option.help)] = command
-    assert {name: said for name, said in meanings.items() if len(said) > 1 and name not in alike} == {}
+    assert {
+        name: said
+        for name, said in meanings.items()
+        if len(said) > 1 and name not in alike
+    } == {}
 
 
 @pytest.mark.parametrize(("command", "old"), RENAMED)
-def test_an_old_name_of_an_option_stays_for_a_version_with_a_line(command, old, rocking):
+def test_an_old_name_of_an_option_stays_for_a_version_with_a_line(
+    command, old, rocking
+):
     """A value that cannot be read is refused under the new name."""
     new = RENAMED[command, old]
-    line = f"{old} of rocking {command} is now called {new}; the old name goes with the next version"
+    line = (
+        f"{old} of rocking {command} is now called {new}; the old name goes with the"
+        " next version"
+    )
     given = "nothing.x" if command in ("plot", "predict") else "x"
     for call in ([old, given], [f"{old}={given}"]) if given == "x" else ([old, given],):
         assert line in rocking(command, *call).stderr.splitlines()
     assert line not in rocking(command, old, given, "-q").stderr
     assert line not in rocking(command, new, given).stderr
     if given == "x":
-        done = rocking(command, old, given, "configs/block.yaml", *(("-o", "s.h5") * (command == "spectrum")))
+        done = rocking(
+            command,
+            old,
+            given,
+            "configs/block.yaml",
+            *(("-o", "s.h5") * (command == "spectrum")),
+        )
         assert (done.returncode, new in done.stderr.splitlines()[1]) == (2, True)
 
 
 def test_repeatable_options_flags_and_values_that_look_like_options_are_taken(rocking):
-    twice = rocking("envelope", "--eta", "0.9", "--eta", "0.8", "--grid", "Omega=5", "--csv", "--csv", "-q", "-q")
-    assert {line.split(",")[0] for line in twice.stdout.splitlines()[1:]} == {"eta=0.9", "eta=0.8"}
-    assert "--grid: cannot be read" in rocking("params", "--", "--grid", "--grid").stderr
+    twice = rocking(
+        "envelope",
+        "--eta",
+        "0.9",
+        "--eta",
+        "0.8",
+        "--grid",
+        "Omega=5",
+        "--csv",
+        "--csv",
+        "-q",
+        "-q",
+    )
+    assert {line.split(",")[0] for line in twice.stdout.splitlines()[1:]} == {
+        "eta=0.9",
+        "eta=0.8",
+    }
+    assert (
+        "--grid: cannot be read" in rocking("params", "--", "--grid", "--grid").stderr
+    )
 
 
 ONE_SIDED = "kind: wall\nname: w\nthickness: 0.5\nheight: 2\none_sided: true\n"
-TIED = "kind: block\nname: w\nwidth: 0.5\nheight: 2\nmass: 2 t\nties: [{height: 2, stiffness: 1e4, side: right}]\n"
+TIED = (
+    "kind: block\nname: w\nwidth: 0.5\nheight: 2\nmass: 2 t\nties: [{height: 2,"
+    " stiffness: 1e4, side: right}]\n"
+)
 
 
-def test_a_command_that_computes_one_direction_of_unequal_sides_says_so(rocking, tmp_path):
+def test_a_command_that_computes_one_direction_of_unequal_sides_says_so(
+    rocking, tmp_path
+):
     (tmp_path / "w.yaml").write_text(ONE_SIDED)
-    (tmp_path / "p.csv").write_text("a_g,T_g\n" + "".join(f"{0.3 + 0.05 * i} g,{0.5 + 0.1 * i}\n" for i in range(4)))
-    at, sweep = ("--a-g", "0.3g", "--f-g", "2"), ("--grid", "a_g=0.1g:0.3g:2,f_g=2", "-o")
+    (tmp_path / "p.csv").write_text(
+        "a_g,T_g\n" + "".join(f"{0.3 + 0.05 * i} g,{0.5 + 0.1 * i}\n" for i in range(4))
+    )
+    at, sweep = (
+        ("--a-g", "0.3g", "--f-g", "2"),
+        ("--grid", "a_g=0.1g:0.3g:2,f_g=2", "-o"),
+    )
     pulses = ("--pulses", "p.csv", "--bootstrap", "0", "--levels")
-    calls = [("compare", *at), ("spectrum", *sweep, "w.h5"), ("fragility", *pulses, "0.3g:2g:4"), ("fragility", *pulses, "0.01g:0.02g:2")]
-    line = "one direction of the motion only, though the sides differ: w; the other {} gives the opposite one\n"
+    calls = [
+        ("compare", *at),
+        ("spectrum", *sweep, "w.h5"),
+        ("fragility", *pulses, "0.3g:2g:4"),
+        ("fragility", *pulses, "0.01g:0.02g:2"),
+    ]
+    line = (
+        "one direction of the motion only, though the sides differ: w; the other {}"
+        " gives the opposite one\n"
+    )
     for name, *more in calls:  # the last one has no fit
-        assert line.format("sign of --scale (1 if not given)") in rocking(name, "w.yaml", *more).stderr
-    assert line.format("--sign") in rocking("solve", "w.yaml", "--vary", "thickness=0.4:0.5:2", *at).stderr
+        assert (
+            line.format("sign of --scale (1 if not given)")
+            in rocking(name, "w.yaml", *more).stderr
+        )
+    assert (
+        line.format("--sign")
+        in rocking("solve", "w.yaml", "--vary", "thickness=0.4:0.5:2", *at).stderr
+    )
     for name, side, told in (("t.yaml", "right", True), ("w.yaml", "both", False)):
         (tmp_path / name).write_text(TIED.replace("right", side))
         assert ("one direction" in rocking("compare", name, *at).stderr) is told
@@ -88,12 +161,20 @@ LOSS = "rocking_cli.dynamics.observers.contact_loss"
 def loaded(arguments: str, folder: Path) -> dict[str, str]:
     """The modules that a call has loaded, with their files."""
     code = (  # NumPy before its version 2 imports its own `ma`
-        "import sys\nfrom rocking_cli.commands import main\n"
-        f"try: main({arguments.replace('OUT', str(folder / 's.h5')).split()!r})\nexcept SystemExit as e: assert not e.code, e.code\n"
-        "own = ['numpy.ma'] if 'numpy' in sys.modules and sys.modules['numpy'].__version__ < '2' else []\n"
-        "print(*(f'{n} {vars(m).get(\"__file__\")}' for n, m in list(sys.modules.items()) if n not in own), sep='\\n', file=sys.stderr)"
+        "import sys\nfrom rocking_cli.commands import main\ntry:"
+        f" main({arguments.replace('OUT', str(folder / 's.h5')).split()!r})\nexcept"
+        " SystemExit as e: assert not e.code, e.code\nown = ['numpy.ma'] if 'numpy' in"
+        " sys.modules and sys.modules['numpy'].__version__ < '2' else"
+        " []\nprint(*(f'{n} {vars(m).get(\"__file__\")}' for n, m in"
+        " list(sys.modules.items()) if n not in own), sep='\\n', file=sys.stderr)"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=True,
+        cwd=ROOT,
+    )
     return dict(line.split(" ", 1) for line in done.stderr.splitlines() if " " in line)
 
 
@@ -102,16 +183,36 @@ def loaded(arguments: str, folder: Path) -> dict[str, str]:
     [
         ("--help", ["numpy", "scipy", "h5py", "yaml"]),
         ("params configs/block.yaml", ["numpy", "scipy", "h5py"]),
-        ("envelope --eta 0.9 --grid Omega=5 --a-max 2", ["scipy", "h5py", "multiprocessing"]),
+        (
+            "envelope --eta 0.9 --grid Omega=5 --a-max 2",
+            ["scipy", "h5py", "multiprocessing"],
+        ),
         (
             "spectrum --eta 0.9 --grid A=1:2:2,Omega=1:2:2 -q -o OUT",
-            ["scipy", "yaml", "numpy.ma", RECORDS, "rocking_cli.spectra.file.reader", BODY, LOSS],
+            [
+                "scipy",
+                "yaml",
+                "numpy.ma",
+                RECORDS,
+                "rocking_cli.spectra.file.reader",
+                BODY,
+                LOSS,
+            ],
         ),
         (
-            "spectrum block:0.5x2 --model nonlinear --grid a_g=0.1g:1g:3,f_g=1:5:3 -o OUT",
+            (
+                "spectrum block:0.5x2 --model nonlinear --grid a_g=0.1g:1g:3,f_g=1:5:3"
+                " -o OUT"
+            ),
             ["scipy", RECORDS, ARCH, "rocking_cli.dynamics.samples.exact"],
         ),
-        (f"spectrum block:0.5x2 --model nonlinear --motion {RECORD} --grid a_g=0.1g:0.5g:3 -o OUT", ["scipy", ARCH]),
+        (
+            (
+                f"spectrum block:0.5x2 --model nonlinear --motion {RECORD} --grid"
+                " a_g=0.1g:0.5g:3 -o OUT"
+            ),
+            ["scipy", ARCH],
+        ),
         ("response block:0.5x2 --a-g 0.3g --f-g 1 --events", ["h5py"]),
     ],
     ids=lambda x: x[:12],
@@ -121,27 +222,51 @@ def test_commands_import_only_what_they_use(arguments, unwanted, tmp_path):
 
 
 def code_tokens(file: Path) -> int:
-    """The names, operators, numbers and strings of a file: what a reader holds in his head, however it is laid out."""
-    layout = (tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER, tokenize.ENCODING)
+    """The names, operators, numbers and strings of a file: what a reader holds in his
+    head, however it is laid out.
+    """
+    layout = (
+        tokenize.COMMENT,
+        tokenize.NL,
+        tokenize.NEWLINE,
+        tokenize.INDENT,
+        tokenize.DEDENT,
+        tokenize.ENDMARKER,
+        tokenize.ENCODING,
+    )
     with tokenize.open(file) as text:
-        return sum(token.type not in layout for token in tokenize.generate_tokens(text.readline))
+        return sum(
+            token.type not in layout
+            for token in tokenize.generate_tokens(text.readline)
+        )
 
 
 @pytest.mark.parametrize(
     ("arguments", "most"),
-    [("check configs/block.yaml --a-g 0.35g --f-g 1.5", 118_000), ("spectrum --eta 0.9 --grid A=1:2:2,Omega=1:2:2 -q -o OUT", 88_000)],
+    [
+        ("check configs/block.yaml --a-g 0.35g --f-g 1.5", 118_000),
+        ("spectrum --eta 0.9 --grid A=1:2:2,Omega=1:2:2 -q -o OUT", 88_000),
+    ],
     ids=["check", "spectrum"],
 )
 def test_commands_load_no_more_code_of_the_package_than_now(arguments, most, tmp_path):
     """The code that a newcomer has to read to follow one command."""
-    files = [Path(file) for name, file in loaded(arguments, tmp_path).items() if name.partition(".")[0] == "rocking_cli"]
+    files = [
+        Path(file)
+        for name, file in loaded(arguments, tmp_path).items()
+        if name.partition(".")[0] == "rocking_cli"
+    ]
     assert len(files) > 50
     assert sum(map(code_tokens, files)) <= most
 
 
 @pytest.mark.parametrize(("given", "kept"), [(None, "1"), ("3", "3")])
-def test_openblas_has_one_thread_unless_the_user_says_otherwise(rocking, monkeypatch, given, kept):
-    monkeypatch.setenv("OPENBLAS_NUM_THREADS", given or "")  # so that it is put back afterwards
+def test_openblas_has_one_thread_unless_the_user_says_otherwise(
+    rocking, monkeypatch, given, kept
+):
+    monkeypatch.setenv(
+        "OPENBLAS_NUM_THREADS", given or ""
+    )  # so that it is put back afterwards
     if given is None:
         monkeypatch.delenv("OPENBLAS_NUM_THREADS")
     assert rocking("--version").returncode == 0
@@ -155,12 +280,17 @@ def test_openblas_has_one_thread_unless_the_user_says_otherwise(rocking, monkeyp
         (["help", "do"], ["documents"]),
         (["envelope", "--pulse", "ric"], ["ricker-symmetric", "ricker-antisymmetric"]),
         (["compare", "--model", ""], ["linear", "nonlinear", "both"]),
-        (["check", "--vertical", "cos"], ["cosine", "cos"]),  # a pulse, or what there is of files
+        (
+            ["check", "--vertical", "cos"],
+            ["cosine", "cos"],
+        ),  # a pulse, or what there is of files
     ],
     ids=lambda x: " ".join(x),
 )
 def test_words_are_completed(words, completed):
-    found = ShellComplete(cli, {}, "rocking", "_ROCKING_COMPLETE").get_completions(words[:-1], words[-1])
+    found = ShellComplete(cli, {}, "rocking", "_ROCKING_COMPLETE").get_completions(
+        words[:-1], words[-1]
+    )
     assert [item.value for item in found] == completed
 
 
@@ -168,7 +298,17 @@ FILES = [
     (name, parameter.name)
     for name in COMMANDS
     for parameter in cli.get_command(click.Context(cli), name).params
-    if parameter.name in ("file", "files", "spectrum", "motion", "output", "pulses", "counts", "vertical")
+    if parameter.name
+    in (
+        "file",
+        "files",
+        "spectrum",
+        "motion",
+        "output",
+        "pulses",
+        "counts",
+        "vertical",
+    )
 ]
 
 
@@ -176,10 +316,22 @@ FILES = [
 def test_every_shell_completes_files(command, parameter):
     context = click.Context(cli.get_command(click.Context(cli), command))
     (found,) = (p for p in context.command.params if p.name == parameter)
-    assert [item.type for item in found.shell_complete(context, "con")] == ["file"]  # no pulse begins like this
+    assert [item.type for item in found.shell_complete(context, "con")] == [
+        "file"
+    ]  # no pulse begins like this
 
 
 def test_shell_completion(tmp_path):
     program = [sys.executable, "-c", "from rocking_cli.commands import main; main()"]
-    env = {**os.environ, "_ROCKING_COMPLETE": "bash_complete", "COMP_WORDS": "rocking sp", "COMP_CWORD": "1"}
-    assert "plain,spectrum" in subprocess.run(program, env=env, capture_output=True, text=True, check=False).stdout
+    env = {
+        **os.environ,
+        "_ROCKING_COMPLETE": "bash_complete",
+        "COMP_WORDS": "rocking sp",
+        "COMP_CWORD": "1",
+    }
+    assert (
+        "plain,spectrum"
+        in subprocess.run(
+            program, env=env, capture_output=True, text=True, check=False
+        ).stdout
+    )

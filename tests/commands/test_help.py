@@ -1,4 +1,6 @@
-"""`rocking help`: every command and topic has its reference, and what a page shows runs."""
+"""`rocking help`: every command and topic has its reference, and what a page shows
+runs.
+"""
 
 import re
 
@@ -46,12 +48,22 @@ def example(rocking, command):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", dict.fromkeys((*COMMANDS, *PAGES)))
 def test_examples_and_pages_run_in_order_anywhere(rocking, tmp_path, name):
-    """In an empty folder, where `configs` is found in the package, and shortened; no line of a table is wider than 100 columns."""
+    """In an empty folder, where `configs` is found in the package, and shortened; no
+    line of a table is wider than 100 columns.
+    """
     (tmp_path / "configs").unlink()
     shown = example(rocking, name) if name in COMMANDS else []
-    for line in dict.fromkeys([*shown, *re.findall(r"^    (rocking .*)$", page(name), re.MULTILINE)]):
-        shorter = re.sub(r"(:[\d.]+g?:)([4-9]|\d\d+)\b", r"\g<1>3", line.replace("--duration 2 ", "--duration 0.2 "))
-        shorter = shorter.replace("--f-g 0.5:5", "--f-g 0.5:1").replace("rocking fragility", "rocking fragility --bootstrap 20")
+    for line in dict.fromkeys(
+        [*shown, *re.findall(r"^    (rocking .*)$", page(name), re.MULTILINE)]
+    ):
+        shorter = re.sub(
+            r"(:[\d.]+g?:)([4-9]|\d\d+)\b",
+            r"\g<1>3",
+            line.replace("--duration 2 ", "--duration 0.2 "),
+        )
+        shorter = shorter.replace("--f-g 0.5:5", "--f-g 0.5:1").replace(
+            "rocking fragility", "rocking fragility --bootstrap 20"
+        )
         printed = shell(rocking, shorter, tmp_path)
         if not re.search(r"--(json|csv|documents)|convert", line):
             assert max(map(len, printed.splitlines()), default=0) <= 100
@@ -59,9 +71,14 @@ def test_examples_and_pages_run_in_order_anywhere(rocking, tmp_path, name):
 
 @pytest.mark.parametrize("name", PAGES)
 def test_a_page_fits_a_terminal_and_points_to_what_is_there(name):
-    prose = [line for line in page(name).splitlines() if not line.startswith("    rocking ")]
+    prose = [
+        line for line in page(name).splitlines() if not line.startswith("    rocking ")
+    ]
     assert max(map(len, prose)) <= 80
-    assert set(re.findall(r"`rocking help ([a-z]+)`", page(name))) <= COMMANDS.keys() | TOPICS.keys()
+    assert (
+        set(re.findall(r"`rocking help ([a-z]+)`", page(name)))
+        <= COMMANDS.keys() | TOPICS.keys()
+    )
 
 
 def test_every_kind_and_every_pulse_stands_in_a_page():

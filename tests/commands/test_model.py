@@ -1,4 +1,6 @@
-"""One rule for the equation in every command: of motion itself for a known geometry in units, else the linear one; each run says which."""
+"""One rule for the equation in every command: of motion itself for a known geometry in
+units, else the linear one; each run says which.
+"""
 
 import pytest
 
@@ -7,15 +9,24 @@ COMMANDS = {
     "response": ((*UNITS, "--csv"), (*BARE, "--csv")),
     "compare": (UNITS, BARE),
     "check": (UNITS, BARE),
-    "envelope": (("--grid", "f_g=2", "--first", "--a-max", "4"), ("--grid", "Omega=3", "--first", "--a-max", "4")),
-    "spectrum": (("--grid", "a_g=0.2g:0.3g:2,f_g=2", "-o", "s.h5"), ("--grid", "A=2,Omega=3", "-o", "s.h5")),
+    "envelope": (
+        ("--grid", "f_g=2", "--first", "--a-max", "4"),
+        ("--grid", "Omega=3", "--first", "--a-max", "4"),
+    ),
+    "spectrum": (
+        ("--grid", "a_g=0.2g:0.3g:2,f_g=2", "-o", "s.h5"),
+        ("--grid", "A=2,Omega=3", "-o", "s.h5"),
+    ),
     "accuracy": (
         ("--grid", "a_g=0.5g:0.6g:2,f_g=1", "--sample", "1", "--scipy", "0"),
         ("--grid", "A=2,Omega=3", "--sample", "1", "--scipy", "0"),
     ),
 }
 WITH_MODEL = ("response", "compare", "envelope", "spectrum", "accuracy")
-LINEAR, NONLINEAR = "model: linear, on dimensionless axes (A, Omega)", "model: nonlinear"
+LINEAR, NONLINEAR = (
+    "model: linear, on dimensionless axes (A, Omega)",
+    "model: nonlinear",
+)
 
 
 def said(done) -> list[str]:
@@ -32,8 +43,14 @@ def test_the_axes_and_the_geometry_decide(rocking, command):
     stated = "model: linear, since the geometry of Measured arch is not known"
     assert said(rocking(command, "configs/parameters.yaml", *units, *again)) == [stated]
     if command in WITH_MODEL:
-        assert said(rocking(command, "configs/block.yaml", *units, *again, "--model", "linear")) == ["model: linear"]
-        assert said(rocking(command, "configs/block.yaml", *bare, *again, "--model", "nonlinear")) == [NONLINEAR]
+        assert said(
+            rocking(command, "configs/block.yaml", *units, *again, "--model", "linear")
+        ) == ["model: linear"]
+        assert said(
+            rocking(
+                command, "configs/block.yaml", *bare, *again, "--model", "nonlinear"
+            )
+        ) == [NONLINEAR]
 
 
 @pytest.mark.parametrize("command", [*COMMANDS, "fragility"])
@@ -45,9 +62,21 @@ def test_help_states_the_rule(rocking, command):
 
 def test_free_rocking_and_records_have_units(rocking):
     record = ("--motion", "configs/motions/synthetic.at2")
-    assert said(rocking("response", "configs/block.yaml", "--release", "0.5", "--csv")) == [NONLINEAR]
-    assert said(rocking("response", "configs/block.yaml", *record, "--A", "1.5", "--csv")) == [NONLINEAR]
-    assert said(rocking("check", "configs/block.yaml", "configs/parameters.yaml", *record, "--verdict-only")) == [
+    assert said(
+        rocking("response", "configs/block.yaml", "--release", "0.5", "--csv")
+    ) == [NONLINEAR]
+    assert said(
+        rocking("response", "configs/block.yaml", *record, "--A", "1.5", "--csv")
+    ) == [NONLINEAR]
+    assert said(
+        rocking(
+            "check",
+            "configs/block.yaml",
+            "configs/parameters.yaml",
+            *record,
+            "--verdict-only",
+        )
+    ) == [
         NONLINEAR,
         "model: linear, since the geometry of Measured arch is not known",
     ]

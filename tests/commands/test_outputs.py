@@ -15,13 +15,41 @@ SHAKEN = "--a-g 0.35g --f-g 1.5"
 FIGURE, PAGE, CLUSTER = "figures need", "a report needs", "--scheduler needs"
 ON_A_CLUSTER = "--scheduler localhost:8786"
 NEEDING = [
-    (f"check block:0.5x2 {SHAKEN} -o OUT.png", ("matplotlib",), f"{FIGURE} matplotlib: pip install matplotlib"),
-    (f"check block:0.5x2 {SHAKEN} --code ntc2018 -o OUT.png", ("matplotlib",), f"{FIGURE} matplotlib: pip install matplotlib"),
-    ("draw block:0.5x2 -o OUT.svg", ("matplotlib",), f"{FIGURE} matplotlib: pip install matplotlib"),
-    ("plot - -o OUT.pdf", ("matplotlib",), f"{FIGURE} matplotlib: pip install matplotlib"),
-    ("plot - --animate OUT.gif", ("matplotlib",), f"{FIGURE} matplotlib: pip install matplotlib"),
-    (f"report block:0.5x2 {SHAKEN} -o OUT.html", ("jinja2",), f"{PAGE} jinja2: pip install jinja2"),
-    (f"report block:0.5x2 {SHAKEN} -o OUT.html", ("matplotlib",), f"{PAGE} matplotlib: pip install matplotlib"),
+    (
+        f"check block:0.5x2 {SHAKEN} -o OUT.png",
+        ("matplotlib",),
+        f"{FIGURE} matplotlib: pip install matplotlib",
+    ),
+    (
+        f"check block:0.5x2 {SHAKEN} --code ntc2018 -o OUT.png",
+        ("matplotlib",),
+        f"{FIGURE} matplotlib: pip install matplotlib",
+    ),
+    (
+        "draw block:0.5x2 -o OUT.svg",
+        ("matplotlib",),
+        f"{FIGURE} matplotlib: pip install matplotlib",
+    ),
+    (
+        "plot - -o OUT.pdf",
+        ("matplotlib",),
+        f"{FIGURE} matplotlib: pip install matplotlib",
+    ),
+    (
+        "plot - --animate OUT.gif",
+        ("matplotlib",),
+        f"{FIGURE} matplotlib: pip install matplotlib",
+    ),
+    (
+        f"report block:0.5x2 {SHAKEN} -o OUT.html",
+        ("jinja2",),
+        f"{PAGE} jinja2: pip install jinja2",
+    ),
+    (
+        f"report block:0.5x2 {SHAKEN} -o OUT.html",
+        ("matplotlib",),
+        f"{PAGE} matplotlib: pip install matplotlib",
+    ),
     (
         f"report block:0.5x2 {SHAKEN} -o OUT.html",
         ("jinja2", "matplotlib"),
@@ -33,7 +61,10 @@ NEEDING = [
         f"{CLUSTER} distributed: pip install distributed",
     ),
     (
-        f"fragility block:0.5x2 --pulses configs/motions/site_pulses.csv --levels 0.2g:0.7g:4 -o OUT.h5 {ON_A_CLUSTER}",
+        (
+            "fragility block:0.5x2 --pulses configs/motions/site_pulses.csv --levels"
+            f" 0.2g:0.7g:4 -o OUT.h5 {ON_A_CLUSTER}"
+        ),
         ("distributed",),
         f"{CLUSTER} distributed: pip install distributed",
     ),
@@ -46,8 +77,20 @@ WRITING = [
     ("plot - --animate", ".gif"),
     (f"report block:0.5x2 {SHAKEN} -o", ".html"),
     ("spectrum block:0.5x2 --grid a_g=0.1g:1g:3,f_g=1:3:3 -o", ".h5"),
-    ("fragility block:0.5x2 --pulses configs/motions/site_pulses.csv --levels 0.2g:0.7g:4 -o", ".h5"),
-    ("fragility block:0.5x2 --pulses configs/motions/site_pulses.csv --levels 0.2g:0.7g:4 --export openquake -o", ".xml"),
+    (
+        (
+            "fragility block:0.5x2 --pulses configs/motions/site_pulses.csv --levels"
+            " 0.2g:0.7g:4 -o"
+        ),
+        ".h5",
+    ),
+    (
+        (
+            "fragility block:0.5x2 --pulses configs/motions/site_pulses.csv --levels"
+            " 0.2g:0.7g:4 --export openquake -o"
+        ),
+        ".xml",
+    ),
 ]
 
 BLOCKER = """
@@ -83,9 +126,15 @@ def _nothing_is_computed(monkeypatch):
             monkeypatch.setattr(import_module(f"rocking_cli.{module}"), name, computed)
 
 
-@pytest.mark.parametrize(("call", "packages", "said"), NEEDING, ids=lambda x: x[:30] if isinstance(x, str) else "+".join(x))
+@pytest.mark.parametrize(
+    ("call", "packages", "said"),
+    NEEDING,
+    ids=lambda x: x[:30] if isinstance(x, str) else "+".join(x),
+)
 @pytest.mark.usefixtures("_nothing_is_computed")
-def test_a_package_that_is_missing_is_named_before_anything_is_computed(rocking, monkeypatch, call, packages, said):
+def test_a_package_that_is_missing_is_named_before_anything_is_computed(
+    rocking, monkeypatch, call, packages, said
+):
     for package in packages:
         monkeypatch.setitem(sys.modules, package, None)
     done = rocking(*call.split())
@@ -95,7 +144,9 @@ def test_a_package_that_is_missing_is_named_before_anything_is_computed(rocking,
 def test_an_installation_without_the_packages_says_so_itself(tmp_path):
     call = ["check", "block:0.5x2", *SHAKEN.split(), "-o", str(tmp_path / "x.png")]
     code = BLOCKER.replace("MISSING", "{'matplotlib'}").replace("CALL", repr(call))
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False
+    )
     assert (done.returncode, done.stdout) == (1, "")
     assert done.stderr == "rocking: figures need matplotlib: pip install matplotlib\n"
 
@@ -103,7 +154,9 @@ def test_an_installation_without_the_packages_says_so_itself(tmp_path):
 @pytest.mark.parametrize(("call", "suffix"), WRITING, ids=lambda x: x[:30])
 @pytest.mark.parametrize("fault", ["ending", "exists", "folder", "closed"])
 @pytest.mark.usefixtures("_nothing_is_computed")
-def test_an_output_that_cannot_be_written_is_refused_before_anything_is_computed(rocking, tmp_path, monkeypatch, call, suffix, fault):
+def test_an_output_that_cannot_be_written_is_refused_before_anything_is_computed(
+    rocking, tmp_path, monkeypatch, call, suffix, fault
+):
     name = f"out{suffix}"
     if fault == "ending":
         name, said = "out.txt", ".txt"
@@ -129,6 +182,14 @@ def test_python_refuses_a_taken_name_before_anything_is_computed(tmp_path):
     taken.write_text("mine")
     documents = read_documents("block:0.5x2")
     with pytest.raises(UsageError, match=r"r\.html: exists"):
-        report(documents, sine(), taken, shaking=parse_grid("a_g=0.2g,f_g=2"), overwrite=False)
-    with pytest.raises(UsageError, match=r"x\.doc: expected a name that ends in .*\.png"):
+        report(
+            documents,
+            sine(),
+            taken,
+            shaking=parse_grid("a_g=0.2g,f_g=2"),
+            overwrite=False,
+        )
+    with pytest.raises(
+        UsageError, match=r"x\.doc: expected a name that ends in .*\.png"
+    ):
         draw_structures(documents, tmp_path / "x.doc")

@@ -12,25 +12,38 @@ def test_json_lines_are_documents_again(rocking):
         ("Column", "parameters", "block"),
         ("Spire", "parameters", "spire"),
     ]
-    assert not any("structure" in r for r in records)  # which is a name, in every other output
+    assert not any(
+        "structure" in r for r in records
+    )  # which is a name, in every other output
     assert records[0]["p"] == pytest.approx(2.6716705, abs=1e-6)
     assert rocking("params", "-", "--json", stdin=first.stdout).stdout == first.stdout
 
 
 def test_every_shipped_config_has_parameters(rocking, pytestconfig):
-    configs = sorted(f"configs/{p.name}" for p in (pytestconfig.rootpath / "configs").glob("*.yaml"))
+    configs = sorted(
+        f"configs/{p.name}" for p in (pytestconfig.rootpath / "configs").glob("*.yaml")
+    )
     done = rocking("params", *configs, "--csv")
     assert done.returncode == 0, done.stderr
     assert len(done.stdout.splitlines()) == 1 + len(configs)
 
 
-LEANING = "{kind: rigid, name: Statue, left: 0.2, right: 0.3, height: 1.2, gyration: 0.7}"
+LEANING = (
+    "{kind: rigid, name: Statue, left: 0.2, right: 0.3, height: 1.2, gyration: 0.7}"
+)
 
 
 def test_a_table_has_a_row_for_each_side(rocking):
-    lines = rocking("params", "configs/block.yaml", "-", stdin=LEANING).stdout.splitlines()
+    lines = rocking(
+        "params", "configs/block.yaml", "-", stdin=LEANING
+    ).stdout.splitlines()
     heads, column, statue, left, right = (line.split() for line in lines[:5])
-    assert (column[0], statue[0], left[:2], right[:2]) == ("Column", "Statue", ["left", "edge"], ["right", "edge"])
+    assert (column[0], statue[0], left[:2], right[:2]) == (
+        "Column",
+        "Statue",
+        ["left", "edge"],
+        ["right", "edge"],
+    )
     assert statue[2:4] == left[3:5]  # p and alpha of the edge that lifts first
     assert "side" not in heads
     assert (heads[2], left[2], left[6]) == ("p", "-", "0.1667")
@@ -47,7 +60,16 @@ def test_csv_has_columns_for_both_sides(rocking):
 
 
 def test_a_family_has_both_sides_even_if_its_first_member_is_symmetric(rocking):
-    done = rocking("params", "-", "--vary", "left=0.3:0.2:2", "--vary", "damping=0:0.05:2", "--csv", stdin=LEANING)
+    done = rocking(
+        "params",
+        "-",
+        "--vary",
+        "left=0.3:0.2:2",
+        "--vary",
+        "damping=0:0.05:2",
+        "--csv",
+        stdin=LEANING,
+    )
     rows = done.rows
     assert [row["left_lambda"] for row in rows] == ["", "", *2 * [repr(0.2 / 1.2)]]
     assert [row["right_lambda"] for row in rows] == ["", "", *2 * [repr(0.3 / 1.2)]]
@@ -56,9 +78,18 @@ def test_a_family_has_both_sides_even_if_its_first_member_is_symmetric(rocking):
 
 
 def test_a_family_has_the_columns_of_its_later_members(rocking):
-    rows = rocking("params", "configs/block.yaml", "configs/wall_tied.yaml", "--vary", "height=6:7:2", "--csv").rows
+    rows = rocking(
+        "params",
+        "configs/block.yaml",
+        "configs/wall_tied.yaml",
+        "--vary",
+        "height=6:7:2",
+        "--csv",
+    ).rows
     assert [row["ties_1_yield"] for row in rows] == ["", "", "20000.0", "20000.0"]
-    assert rocking("params", "block:0.5x2", "--vary", "damping=0:0.1:2").stdout.startswith("damping_varied ")
+    assert rocking(
+        "params", "block:0.5x2", "--vary", "damping=0:0.1:2"
+    ).stdout.startswith("damping_varied ")
 
 
 def test_members_without_a_solution_are_reported_and_the_rest_kept(rocking):
@@ -70,59 +101,115 @@ def test_members_without_a_solution_are_reported_and_the_rest_kept(rocking):
 
 
 def test_a_family_in_json_is_a_stream_of_documents(rocking):
-    family = rocking("params", "configs/arch.yaml", "--vary", "thickness=1.6:1.8:2", "--json")
+    family = rocking(
+        "params", "configs/arch.yaml", "--vary", "thickness=1.6:1.8:2", "--json"
+    )
     records = family.records
-    assert [r["name"] for r in records] == ["Oppenheim thickness=1.6m", "Oppenheim thickness=1.8m"]
+    assert [r["name"] for r in records] == [
+        "Oppenheim thickness=1.6m",
+        "Oppenheim thickness=1.8m",
+    ]
     assert records[0]["varied"] == {"thickness": 1.6}
     assert rocking("params", "-", "--json", stdin=family.stdout).stdout == family.stdout
 
 
 def test_a_table_has_the_interfaces_of_a_stack_and_hinges_in_degrees(rocking):
-    lines = rocking("params", "configs/stack.yaml", "configs/arch.yaml").stdout.splitlines()
+    lines = rocking(
+        "params", "configs/stack.yaml", "configs/arch.yaml"
+    ).stdout.splitlines()
     assert [line.split("  ")[0] or line.split("  ")[1] for line in lines[1:6]] == [
-        "Statue on a plinth", "on its base", "on piece 1 from below", "on piece 2 from below", "Oppenheim",
-    ]  # fmt: skip
+        "Statue on a plinth",
+        "on its base",
+        "on piece 1 from below",
+        "on piece 2 from below",
+        "Oppenheim",
+    ]
     (at,) = (i for i, line in enumerate(lines) if "hinges [deg]" in line)
     assert lines[at + 5].split("  ")[-1].strip() == "0, 67.5, 112.5, 157.5"
 
 
 def test_csv_tells_the_units_asked_for_and_json_stays_in_si(rocking):
-    plain, shown = (rocking("params", "configs/block.yaml", "--csv", *more).stdout.splitlines() for more in ((), ("--units", "deg")))
+    plain, shown = (
+        rocking("params", "configs/block.yaml", "--csv", *more).stdout.splitlines()
+        for more in ((), ("--units", "deg"))
+    )
     assert plain[0].split(",")[3:5] == ["p [rad/s]", "alpha [rad]"]
     assert shown[0].split(",")[3:5] == ["p [rad/s]", "alpha [deg]"]
-    assert float(shown[1].split(",")[4]) == pytest.approx(math.degrees(math.atan(0.25)), rel=1e-14, abs=0)
-    both = [rocking("params", "configs/block.yaml", "--json", *more).stdout for more in ((), ("--units", "deg"))]
+    assert float(shown[1].split(",")[4]) == pytest.approx(
+        math.degrees(math.atan(0.25)), rel=1e-14, abs=0
+    )
+    both = [
+        rocking("params", "configs/block.yaml", "--json", *more).stdout
+        for more in ((), ("--units", "deg"))
+    ]
     assert both[0] == both[1]
 
 
 def test_what_linear_means_at_uplift_is_said_and_chosen(rocking):
     said = rocking("params", "configs/block.yaml")
-    assert said.stderr == "Column: the linear equation lifts it at alpha/a_scale = 0.245 g, the body at lambda = 0.25 g\n"
-    lifted = rocking("params", "configs/block.yaml", "--linear-uplift", "lambda", "--json")
+    assert (
+        said.stderr
+        == "Column: the linear equation lifts it at alpha/a_scale = 0.245 g, the body"
+        " at lambda = 0.25 g\n"
+    )
+    lifted = rocking(
+        "params", "configs/block.yaml", "--linear-uplift", "lambda", "--json"
+    )
     assert lifted.record["a_scale"] == pytest.approx(0.24497866 / 0.25, rel=1e-7)
-    wanted = rocking("envelope", "-", "--grid", "Omega=4", "--json", stdin=lifted.stdout)
-    found = rocking("envelope", "configs/block.yaml", "--linear-uplift", "lambda", "--grid", "Omega=4", "--json")
+    wanted = rocking(
+        "envelope", "-", "--grid", "Omega=4", "--json", stdin=lifted.stdout
+    )
+    found = rocking(
+        "envelope",
+        "configs/block.yaml",
+        "--linear-uplift",
+        "lambda",
+        "--grid",
+        "Omega=4",
+        "--json",
+    )
     assert found.stdout == wanted.stdout
 
 
 def test_default_names_hold_no_commas(rocking, tmp_path):
-    (tmp_path / "a, b.yaml").write_text("kind: block\nwidth: 1\nheight: 5\n---\nkind: block\nwidth: 1\nheight: 6\n")
-    lines = rocking("params", "a, b.yaml", "block:1x7,restitution=0.9", "--csv", "-q").stdout.splitlines()
-    assert [line.split(",")[0] for line in lines[1:]] == ["a  b", "a  b-2", "block:1x7 restitution=0.9"]
+    (tmp_path / "a, b.yaml").write_text(
+        "kind: block\nwidth: 1\nheight: 5\n---\nkind: block\nwidth: 1\nheight: 6\n"
+    )
+    lines = rocking(
+        "params", "a, b.yaml", "block:1x7,restitution=0.9", "--csv", "-q"
+    ).stdout.splitlines()
+    assert [line.split(",")[0] for line in lines[1:]] == [
+        "a  b",
+        "a  b-2",
+        "block:1x7 restitution=0.9",
+    ]
 
 
-MUSEUM = "sep=;\r\nroom;kind;name;width [cm];height;outcome\r\n2 b;block;A;45;1,9;seen\r\n;block;B;50;2,0;\r\n"
+MUSEUM = (
+    "sep=;\r\nroom;kind;name;width [cm];height;outcome\r\n2"
+    " b;block;A;45;1,9;seen\r\n;block;B;50;2,0;\r\n"
+)
 
 
-@pytest.mark.parametrize("command", [("params",), ("check", "--a-g", "0.1g", "--f-g", "1", "--verdict-only")])
+@pytest.mark.parametrize(
+    "command", [("params",), ("check", "--a-g", "0.1g", "--f-g", "1", "--verdict-only")]
+)
 def test_labels_of_a_table_are_named_and_kept(rocking, tmp_path, command):
     (tmp_path / "m.csv").write_text(MUSEUM)
     name = "name" if command[0] == "params" else "structure"
     done = rocking(command[0], "m.csv", *command[1:], "--columns", f"{name},room")
-    assert [line.split(maxsplit=1) for line in done.stdout.splitlines()] == [[name, "A    B"], ["room", "2 b  -"]]
+    assert [line.split(maxsplit=1) for line in done.stdout.splitlines()] == [
+        [name, "A    B"],
+        ["room", "2 b  -"],
+    ]
     assert "labels, not used: room, outcome (--columns shows them)" in done.stderr
     first, second = rocking(command[0], "m.csv", *command[1:], "--json").records
-    assert (first["labels"], "labels" in second) == ({"room": "2 b", "outcome": "seen"}, False)
+    assert (first["labels"], "labels" in second) == (
+        {"room": "2 b", "outcome": "seen"},
+        False,
+    )
     rows = rocking(command[0], "m.csv", *command[1:], "--csv").rows
-    own = "outcome" if command[0] == "params" else "label_outcome"  # check has a column of this name
+    own = (
+        "outcome" if command[0] == "params" else "label_outcome"
+    )  # check has a column of this name
     assert [(row["room"], row[own]) for row in rows] == [("2 b", "seen"), ("", "")]

@@ -1,4 +1,6 @@
-"""The progress of a call: units, time left, in a log and on a terminal, from a thread."""
+"""The progress of a call: units, time left, in a log and on a terminal,
+from a thread.
+"""
 
 import io
 import os
@@ -23,7 +25,9 @@ class Terminal(io.StringIO):
 
 
 class Clock:
-    """The time. A tick is what the thread does each second, here when a test says so."""
+    """The time. A tick is what the thread does each second, here when a
+    test says so.
+    """
 
     def __init__(self, monkeypatch):
         self.now = 0.0
@@ -76,7 +80,9 @@ def test_units_done_and_in_total_and_the_time_left(begin, clock):
     assert terminal.getvalue().endswith("\n")
 
 
-def test_a_terminal_shows_every_second_what_is_left_though_nothing_is_reported(begin, clock):
+def test_a_terminal_shows_every_second_what_is_left_though_nothing_is_reported(
+    begin, clock
+):
     terminal = begin()
     with progress.reporting():
         line = ProgressLine("check", "checks")
@@ -220,7 +226,9 @@ def test_it_is_told_while_the_main_thread_waits_for_processes(tmp_path):
     assert 3 <= len(lines) <= 10
     assert all(re.fullmatch(r"check: .* \(.*\d s\)", line) for line in lines), lines
     assert any("of 4 checks" in line for line in lines)
-    closed = subprocess.run([*call, "closed"], capture_output=True, timeout=60, check=True)
+    closed = subprocess.run(
+        [*call, "closed"], capture_output=True, timeout=60, check=True
+    )
     assert (closed.stdout, closed.stderr) == (b"a row\n", b"")
 
 

@@ -1,4 +1,6 @@
-"""`rocking report`: a page that stands alone, holds what `rocking check` prints, and trusts no name."""
+"""`rocking report`: a page that stands alone, holds what `rocking check` prints, and
+trusts no name.
+"""
 
 import base64
 import hashlib
@@ -12,13 +14,30 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rocking_cli import Outcome, Recording, Verdict, build_structure, check, cosine, parse_documents, parse_grid, pulse, sine
+from rocking_cli import (
+    Outcome,
+    Recording,
+    Verdict,
+    build_structure,
+    check,
+    cosine,
+    parse_documents,
+    parse_grid,
+    pulse,
+    sine,
+)
 from rocking_cli.fragility.exposure import Exposure
 from rocking_cli.fragility.measures import members_of, shaken_upwards
 from rocking_cli.motions.biaxial import Upwards
 from rocking_cli.motions.reading import read_motions
 from rocking_cli.reports.page import Subject, page
-from rocking_cli.reports.wording import OVERVIEW, demand_plainly, opposite_in_words, overview_row, verdict_plainly
+from rocking_cli.reports.wording import (
+    OVERVIEW,
+    demand_plainly,
+    opposite_in_words,
+    overview_row,
+    verdict_plainly,
+)
 
 HOSTILE = """<script>document.title = "taken"</script>'"&amp; $x$ {{ 7 * 7 }}"""
 DEMAND = parse_grid("a_g=0.6g,f_g=1.2")
@@ -37,7 +56,11 @@ class Page(HTMLParser):
 
     def handle_starttag(self, tag, attrs):
         self.tags.append(tag)
-        self.sources += [value for key, value in attrs if key in ("src", "href", "data", "action", "srcset", "poster")]
+        self.sources += [
+            value
+            for key, value in attrs
+            if key in ("src", "href", "data", "action", "srcset", "poster")
+        ]
         if tag == "tr":
             self.rows.append([])
         if tag in ("td", "th"):
@@ -52,8 +75,15 @@ class Page(HTMLParser):
             self.rows[-1][-1] += data
 
 
-BLOCK = "# </pre><script>1</script>\nkind: block\nwidth: 0.5\nheight: 2\nrestitution: 0.9\nname: " + json.dumps(HOSTILE)
-DAMPED = "{{kind: parameters, name: S{}, p: 2, alpha: {}, eta: 0.9, a_scale: 1, damping: 0.01}}\n"  # no closed form crosses its map
+BLOCK = (
+    "# </pre><script>1</script>\nkind: block\nwidth: 0.5\nheight: 2\nrestitution:"
+    " 0.9\nname: " + json.dumps(HOSTILE)
+)
+# no closed form crosses its map
+DAMPED = (
+    "{{kind: parameters, name: S{}, p: 2, alpha: {}, eta: 0.9, a_scale: 1, damping:"
+    " 0.01}}\n"
+)
 STATED = "{kind: parameters, name: Arch, p: 1.84, alpha: 0.069, eta: 0.9, lambda: 0.37}"
 
 
@@ -79,43 +109,78 @@ def verdict() -> Verdict:
 @pytest.fixture(scope="module")
 def text(verdict) -> str:
     """The page of a block with a hostile name and document."""
-    return page([subject(BLOCK)], [verdict], pulse=(sine(), DEMAND), demand="strong", command=f"rocking {HOSTILE}", made="today", workers=1)
+    return page(
+        [subject(BLOCK)],
+        [verdict],
+        pulse=(sine(), DEMAND),
+        demand="strong",
+        command=f"rocking {HOSTILE}",
+        made="today",
+        workers=1,
+    )
 
 
 def test_the_page_holds_the_verdict_and_trusts_no_name(text, verdict):
     found = Page(text)
     assert not {"script", "link", "iframe", "object", "form"} & set(found.tags)
-    assert all(source.startswith("data:image/svg+xml;base64,") for source in found.sources)
+    assert all(
+        source.startswith("data:image/svg+xml;base64,") for source in found.sources
+    )
     assert len(found.sources) == 3  # capacities, the block's drawing, the map
     assert not re.search(r"https?://", text)
     for source in found.sources:
         assert base64.b64decode(source.partition(",")[2]).lstrip().startswith(b"<?xml")
     heads, row = ([cell.strip() for cell in row] for row in found.rows[:2])
     shown = dict(zip(heads, row, strict=True))
-    assert (shown["structure"], shown["model"], shown["outcome"]) == (HOSTILE, "nonlinear", verdict.outcome.sentence)
-    assert float(shown["capacity over demand"]) == pytest.approx(verdict.capacity_demand, rel=1e-3)
-    assert float(shown["overturns from [g]"]) * 9.81 == pytest.approx(verdict.first_overturning_a, rel=1e-3)
+    assert (shown["structure"], shown["model"], shown["outcome"]) == (
+        HOSTILE,
+        "nonlinear",
+        verdict.outcome.sentence,
+    )
+    assert float(shown["capacity over demand"]) == pytest.approx(
+        verdict.capacity_demand, rel=1e-3
+    )
+    assert float(shown["overturns from [g]"]) * 9.81 == pytest.approx(
+        verdict.first_overturning_a, rel=1e-3
+    )
     relations = {row[0].strip(): row[4].strip() for row in found.rows if len(row) == 5}
     assert relations["p"] == "p² = 3 g/(4 R)"
-    assert relations["η"] == "θ̇ after = η θ̇ before an impact"  # given, and not from momentum
-    assert re.search(r"In \d+ of \d+ cells of the map the linear equation ends otherwise", text)
+    assert (
+        relations["η"] == "θ̇ after = η θ̇ before an impact"
+    )  # given, and not from momentum
+    assert re.search(
+        r"In \d+ of \d+ cells of the map the linear equation ends otherwise", text
+    )
     assert [found.rows[-1][0].strip(), len(found.rows[-1][1].strip())] == ["<text>", 64]
 
 
 def recordings(folder: Path, count: int) -> tuple[Recording, ...]:
     """Two seconds of a sine in g, each record faster than the one before."""
     for i in range(count):
-        (folder / f"{i}.txt").write_text("\n".join(f"{0.6 * math.sin((0.06 + 0.03 * i) * k):.6f}" for k in range(100)))
-    return read_motions([str(folder / f"{i}.txt") for i in range(count)], unit="g", dt=0.02)
+        (folder / f"{i}.txt").write_text(
+            "\n".join(
+                f"{0.6 * math.sin((0.06 + 0.03 * i) * k):.6f}" for k in range(100)
+            )
+        )
+    return read_motions(
+        [str(folder / f"{i}.txt") for i in range(count)], unit="g", dt=0.02
+    )
 
 
-STANDS = Verdict("Arch", "0", "linear", Outcome.ROCKED, 0.5, 4.0, 3.6, None, None, Outcome.ROCKED)
+STANDS = Verdict(
+    "Arch", "0", "linear", Outcome.ROCKED, 0.5, 4.0, 3.6, None, None, Outcome.ROCKED
+)
 
 
 def test_a_capacity_above_the_limit_of_the_search_and_worn_edges_are_shown(tmp_path):
     above = replace(STANDS, searched_to=52.0)
     lines = ["Arch: pivots 25 mm inside the edges would take 10 % of the capacity"]
-    given = {"recordings": recordings(tmp_path, 2), "demand": "", "command": "rocking report", "made": "today"}
+    given = {
+        "recordings": recordings(tmp_path, 2),
+        "demand": "",
+        "command": "rocking report",
+        "made": "today",
+    }
     text = page([subject(STATED)], [above], insets=lines, **given)
     heads, row = ([cell.strip() for cell in row] for row in Page(text).rows[:2])
     assert dict(zip(heads, row, strict=True))["capacity over demand"] == "> 13"
@@ -124,28 +189,66 @@ def test_a_capacity_above_the_limit_of_the_search_and_worn_edges_are_shown(tmp_p
 
 def test_a_few_records_bear_no_curve(tmp_path):
     records = recordings(tmp_path, 2)
-    text = page([subject(STATED)], [STANDS], recordings=records, demand="", command="rocking report", made="today")
+    text = page(
+        [subject(STATED)],
+        [STANDS],
+        recordings=records,
+        demand="",
+        command="rocking report",
+        made="today",
+    )
     assert "2 records; a fit needs at least 4" in text
-    assert [(row[0].strip(), row[1].strip()) for row in Page(text).rows[-2:]] == [(r.record.source, r.record.sha256) for r in records]
+    assert [(row[0].strip(), row[1].strip()) for row in Page(text).rows[-2:]] == [
+        (r.record.source, r.record.sha256) for r in records
+    ]
 
 
-def test_each_edge_and_the_damping_are_stated_and_what_leaves_the_ground_is_not_called_agreed(tmp_path):
-    statue = subject("{kind: rigid, name: Arch, left: 0.42, right: 0.31, height: 1.15, gyration: 0.68, damping: 0.05}")
-    gone = replace(STANDS, model="nonlinear", outcome=Outcome.LOST_CONTACT, theta_ratio=None)
+def test_each_edge_and_the_damping_are_stated_and_what_leaves_the_ground_is_not_called_agreed(
+    tmp_path,
+):
+    statue = subject(
+        "{kind: rigid, name: Arch, left: 0.42, right: 0.31, height: 1.15, gyration:"
+        " 0.68, damping: 0.05}"
+    )
+    gone = replace(
+        STANDS, model="nonlinear", outcome=Outcome.LOST_CONTACT, theta_ratio=None
+    )
     falls = replace(gone, outcome=Outcome.OVERTURNED_NO_IMPACT)
     failed = replace(gone, outcome=Outcome.FAILED)
-    text = page([statue], [gone, falls, failed], recordings=recordings(tmp_path, 2), demand="", command="rocking report", made="today")
-    rows = {(row[0].strip(), row[1].strip()): float(row[2]) for row in Page(text).rows if len(row) == 5 and row[3].strip() in ("-", "rad")}
+    text = page(
+        [statue],
+        [gone, falls, failed],
+        recordings=recordings(tmp_path, 2),
+        demand="",
+        command="rocking report",
+        made="today",
+    )
+    rows = {
+        (row[0].strip(), row[1].strip()): float(row[2])
+        for row in Page(text).rows
+        if len(row) == 5 and row[3].strip() in ("-", "rad")
+    }
     for side in statue.structure.sides:
-        assert rows["α", f"critical angle, {side.side} edge"] == pytest.approx(side.alpha, rel=1e-5)
-        assert rows["η", f"coefficient of restitution, {side.side} edge"] == pytest.approx(side.eta, rel=1e-5)
+        assert rows["α", f"critical angle, {side.side} edge"] == pytest.approx(
+            side.alpha, rel=1e-5
+        )
+        assert rows[
+            "η", f"coefficient of restitution, {side.side} edge"
+        ] == pytest.approx(side.eta, rel=1e-5)
     assert rows["ζ", "viscous damping"] == 0.05
-    assert "In 2 of 2 motions the linear equation ends otherwise than the nonlinear one; in 2 of them" in text
+    assert (
+        "In 2 of 2 motions the linear equation ends otherwise than the nonlinear one;"
+        " in 2 of them" in text
+    )
     assert "1 more is not compared" in text
 
 
-def test_a_vertical_motion_is_in_every_verdict_and_in_the_curves(rocking, monkeypatch, tmp_path):
-    """The structures are checked under both together, and fragility is that of the command; its file is among the hashes."""
+def test_a_vertical_motion_is_in_every_verdict_and_in_the_curves(
+    rocking, monkeypatch, tmp_path
+):
+    """The structures are checked under both together, and fragility is that of the
+    command; its file is among the hashes.
+    """
     records, demands, members = recordings(tmp_path, 5), [], []
 
     def noted(found, **_):
@@ -154,16 +257,50 @@ def test_a_vertical_motion_is_in_every_verdict_and_in_the_curves(rocking, monkey
 
     def half_of_them(structures, motions, sweep):
         members.extend(motions.members)
-        down = np.arange(len(motions.levels)) >= np.arange(4, 4 + len(motions.members))[:, None]
-        return [Exposure(np.where(down, np.nan, 0.5), np.where(down, Outcome.OVERTURNED_NO_IMPACT, Outcome.ROCKED))]
+        down = (
+            np.arange(len(motions.levels))
+            >= np.arange(4, 4 + len(motions.members))[:, None]
+        )
+        return [
+            Exposure(
+                np.where(down, np.nan, 0.5),
+                np.where(down, Outcome.OVERTURNED_NO_IMPACT, Outcome.ROCKED),
+            )
+        ]
 
     monkeypatch.setattr("rocking_cli.reports.page.verdicts", noted)
     monkeypatch.setattr("rocking_cli.reports.page.exposures", half_of_them)
-    call = ("report", "configs/parameters.yaml", "--unit", "g", "--dt", "0.02", "--motion", *(f"{i}.txt" for i in range(5)), "-o", "r.html")
-    assert rocking(*call, "--vertical", "3.txt", "--vertical-unit", "g", "--vertical-dt", "0.02", "--vertical-scale", "0.5").returncode == 0
+    call = (
+        "report",
+        "configs/parameters.yaml",
+        "--unit",
+        "g",
+        "--dt",
+        "0.02",
+        "--motion",
+        *(f"{i}.txt" for i in range(5)),
+        "-o",
+        "r.html",
+    )
+    assert (
+        rocking(
+            *call,
+            "--vertical",
+            "3.txt",
+            "--vertical-unit",
+            "g",
+            "--vertical-dt",
+            "0.02",
+            "--vertical-scale",
+            "0.5",
+        ).returncode
+        == 0
+    )
     assert [motion.vertical is not None for _, motion, _ in demands] == [True] * 5
     wanted = shaken_upwards(members_of(records), Upwards(records[3].motion, 0.5))
-    assert [m.recording.identity() for m in members] == [m.recording.identity() for m in wanted]
+    assert [m.recording.identity() for m in members] == [
+        m.recording.identity() for m in wanted
+    ]
     found = Page((tmp_path / "r.html").read_text(encoding="utf-8"))
     assert len([row for row in found.rows if row[0].strip() == "overturning"]) == 1
     rows = [[cell.strip() for cell in row] for row in found.rows]
@@ -174,44 +311,81 @@ def test_a_first_page_in_words_comes_before_the_details(rocking, tmp_path):
     """And an input has one hash."""
     text = "---\n".join(DAMPED.format(i, alpha) for i, alpha in enumerate((0.4, 0.2)))
     (tmp_path / "two.yaml").write_text(text)
-    call = ("report", "two.yaml", "--a-g", "0.35g", "--f-g", "1", "--summary", "--title", "Sculpture hall", "--sort", "capacity")
+    call = (
+        "report",
+        "two.yaml",
+        "--a-g",
+        "0.35g",
+        "--f-g",
+        "1",
+        "--summary",
+        "--title",
+        "Sculpture hall",
+        "--sort",
+        "capacity",
+    )
     assert rocking(*call, "-o", "r.html").returncode == 0
     shown = (tmp_path / "r.html").read_text(encoding="utf-8")
     assert "<h1>Sculpture hall</h1>" in shown
     assert "under one cycle of a sine of 0.35 g at 1 Hz." in shown
     head, *rows = [[cell.strip() for cell in row] for row in Page(shown).rows]
-    assert [row for row in rows if row[0] == "two.yaml"] == [["two.yaml", hashlib.sha256(text.encode()).hexdigest()]]
+    assert [row for row in rows if row[0] == "two.yaml"] == [
+        ["two.yaml", hashlib.sha256(text.encode()).hexdigest()]
+    ]
     assert head == list(OVERVIEW)
     assert [row[0] for row in rows[:2]] == ["S1", "S0"]
     assert [row[1].split(":")[0] for row in rows[:2]] == ["Falls", "Stands"]
-    assert re.findall(r'<a href="#s\d">(.*?)</a>', shown) == ["S1", "S0"] == re.findall(r'<h2 id="s\d">(.*?)</h2>', shown)
+    assert (
+        re.findall(r'<a href="#s\d">(.*?)</a>', shown)
+        == ["S1", "S0"]
+        == re.findall(r'<h2 id="s\d">(.*?)</h2>', shown)
+    )
 
 
 def test_the_page_says_what_check_says_of_the_opposite_direction(rocking, tmp_path):
     call = ("block:0.5x2,one_sided=true", "block:0.5x2", "--a-g=-0.6g", "--f-g", "1")
     assert rocking("report", *call, "-o", "r.html", "--summary").returncode == 0
-    said = "opposite direction (--scale -1), which may differ for unequal sides: overturns block:0.5x2 one_sided=true"
+    said = (
+        "opposite direction (--scale -1), which may differ for unequal sides: overturns"
+        " block:0.5x2 one_sided=true"
+    )
     assert f"<p>The {said}.</p>" in (tmp_path / "r.html").read_text(encoding="utf-8")
     assert f"the {said}\n" in rocking("check", *call, "--verdict-only").stderr
 
 
-def test_the_page_of_a_tied_body_has_its_uplift_and_what_check_says_of_its_ties(rocking, tmp_path):
+def test_the_page_of_a_tied_body_has_its_uplift_and_what_check_says_of_its_ties(
+    rocking, tmp_path
+):
     call = ("configs/wall_tied.yaml", "--a-g=-0.6g", "--T-g", "0.5")
     assert rocking("report", *call, "-o", "r.html").returncode == 0
     shown = (tmp_path / "r.html").read_text(encoding="utf-8")
     assert "under sine, 1 cycle, times -1: a_g 5.886 m/s2 = 0.6 g, f_g 2 Hz." in shown
-    uplift = 0.1 + 5000 * 5.5 / (7200 * 9.81 * 3)  # tan alpha, and the moment of the prestress over m g h_G
+    uplift = 0.1 + 5000 * 5.5 / (
+        7200 * 9.81 * 3
+    )  # tan alpha, and the moment of the prestress over m g h_G
     rows = {row[1]: row for row in Page(shown).rows if len(row) == 5}
     held = "static uplift acceleration over g with its ties and tendon (side: right)"
     assert rows[held][2:] == [f"{uplift:.6g}", "-", "it lifts at ẍg = λ g"]
-    assert rows["static uplift acceleration over g"][4] == "it lifts at ẍg = λ g, of the free body"
-    said = [line.partition(": ")[2] for line in rocking("check", *call).stderr.splitlines() if ": tie 1 " in line or ": its ties" in line]
+    assert (
+        rows["static uplift acceleration over g"][4]
+        == "it lifts at ẍg = λ g, of the free body"
+    )
+    said = [
+        line.partition(": ")[2]
+        for line in rocking("check", *call).stderr.splitlines()
+        if ": tie 1 " in line or ": its ties" in line
+    ]
     assert len(said) == 2
     assert all(f"<li>sine, 1 cycle, times -1: {line}</li>" in shown for line in said)
 
 
 def test_the_worst_outcomes_in_the_opposite_direction_are_told():
-    found = [("A", Outcome.ROCKED), ("B", Outcome.FAILED), ("C", Outcome.LEANING), ("C", Outcome.OVERTURNED_NO_IMPACT)]
+    found = [
+        ("A", Outcome.ROCKED),
+        ("B", Outcome.FAILED),
+        ("C", Outcome.LEANING),
+        ("C", Outcome.OVERTURNED_NO_IMPACT),
+    ]
     ends = [opposite_in_words(found[:n]).partition(" sides: ")[2] for n in (1, 2, 4)]
     assert ends == ["does not overturn A", "is not known for B", "overturns C"]
 
@@ -220,15 +394,39 @@ def test_the_worst_outcomes_in_the_opposite_direction_are_told():
     ("changes", "said"),
     [
         ({}, "Stands: it rocks to 50 % of its critical angle."),
-        ({"model": "linear"}, "Stands: it rocks to 50 % of its critical angle. This is by the linear equation alone."),
-        ({"first_overturning_a": 3.924}, "Stands: it rocks to 50 % of its critical angle. Weaker shaking, from 0.4 g, overturns it."),
+        (
+            {"model": "linear"},
+            (
+                "Stands: it rocks to 50 % of its critical angle. This is by the linear"
+                " equation alone."
+            ),
+        ),
+        (
+            {"first_overturning_a": 3.924},
+            (
+                "Stands: it rocks to 50 % of its critical angle. Weaker shaking, from"
+                " 0.4 g, overturns it."
+            ),
+        ),
         (
             {"outcome": Outcome.NO_UPLIFT, "unsettled": True},
-            "Stands: it does not lift. A change of the demand in its last digits changes this.",
+            (
+                "Stands: it does not lift. A change of the demand in its last digits"
+                " changes this."
+            ),
         ),
-        ({"outcome": Outcome.LOST_CONTACT}, "Leaves the ground: its later motion is not known, so it counts as falling."),
+        (
+            {"outcome": Outcome.LOST_CONTACT},
+            (
+                "Leaves the ground: its later motion is not known, so it counts as"
+                " falling."
+            ),
+        ),
         ({"outcome": Outcome.FAILED}, "Not known: the computation failed."),
-        ({"outcome": Outcome.OVERTURNED_NO_IMPACT, "slides": True}, "Falls: it overturns without impact. Its base would slide."),
+        (
+            {"outcome": Outcome.OVERTURNED_NO_IMPACT, "slides": True},
+            "Falls: it overturns without impact. Its base would slide.",
+        ),
     ],
 )
 def test_a_verdict_in_a_sentence(changes, said):
@@ -236,9 +434,14 @@ def test_a_verdict_in_a_sentence(changes, said):
 
 
 def test_the_worst_of_several_motions_speaks_for_a_structure():
-    falls = replace(STANDS, model="nonlinear", motion="1", outcome=Outcome.OVERTURNED_NO_IMPACT)
+    falls = replace(
+        STANDS, model="nonlinear", motion="1", outcome=Outcome.OVERTURNED_NO_IMPACT
+    )
     failed = replace(falls, motion="2", outcome=Outcome.FAILED)
-    assert overview_row([STANDS, falls, STANDS])[1:3] == ("Falls: it overturns without impact. It falls under 1 of 3 motions.", "1")
+    assert overview_row([STANDS, falls, STANDS])[1:3] == (
+        "Falls: it overturns without impact. It falls under 1 of 3 motions.",
+        "1",
+    )
     assert overview_row([STANDS, falls, failed])[2] == "2"
 
 
@@ -246,9 +449,25 @@ def test_the_worst_of_several_motions_speaks_for_a_structure():
     ("motion", "axes", "words"),
     [
         (sine(0.5), "a_g=0.3g,f_g=2", "half a cycle of a sine of 0.3 g at 2 Hz"),
-        (pulse("ricker-antisymmetric"), "A=2,Omega=4", "an antisymmetric Ricker of A = 2 at Omega = 4"),
-        (cosine(2), "a_g=3,omega_g=5", "2 cycles of a cosine of 0.306 g at 0.7958 Hz, with the vertical motion up.at2"),
+        (
+            pulse("ricker-antisymmetric"),
+            "A=2,Omega=4",
+            "an antisymmetric Ricker of A = 2 at Omega = 4",
+        ),
+        (
+            cosine(2),
+            "a_g=3,omega_g=5",
+            (
+                "2 cycles of a cosine of 0.306 g at 0.7958 Hz, with the vertical motion"
+                " up.at2"
+            ),
+        ),
     ],
 )
 def test_a_demand_in_words(motion, axes, words):
-    assert demand_plainly([(motion, parse_grid(axes))], "up.at2" if "up.at2" in words else None) == words
+    assert (
+        demand_plainly(
+            [(motion, parse_grid(axes))], "up.at2" if "up.at2" in words else None
+        )
+        == words
+    )

@@ -10,19 +10,57 @@ NAMED = ("structure", "motion", "model")
 
 
 def test_time_history_has_the_documented_columns(rocking):
-    done = rocking("response", "configs/block.yaml", "--a-g", "3.5", "--f-g", "1.5", "--row-step", "0.01", "--csv")
+    done = rocking(
+        "response",
+        "configs/block.yaml",
+        "--a-g",
+        "3.5",
+        "--f-g",
+        "1.5",
+        "--row-step",
+        "0.01",
+        "--csv",
+    )
     found = done.rows
-    assert list(found[0]) == ["t", "theta", "theta_dot", "ground_acceleration", "tau", "theta_ratio", *NAMED]
-    assert {tuple(row[key] for key in NAMED) for row in found} == {("Column", "sine, 1 cycle", "nonlinear")}
+    assert list(found[0]) == [
+        "t",
+        "theta",
+        "theta_dot",
+        "ground_acceleration",
+        "tau",
+        "theta_ratio",
+        *NAMED,
+    ]
+    assert {tuple(row[key] for key in NAMED) for row in found} == {
+        ("Column", "sine, 1 cycle", "nonlinear")
+    }
     assert [float(r["t"]) for r in found[:3]] == pytest.approx([0.0, 0.01, 0.02])
-    assert float(found[10]["ground_acceleration"]) == pytest.approx(3.5 * math.sin(2 * math.pi * 1.5 * 0.1))
+    assert float(found[10]["ground_acceleration"]) == pytest.approx(
+        3.5 * math.sin(2 * math.pi * 1.5 * 0.1)
+    )
     assert "Column, nonlinear: rocks and survives, largest theta" in done.stderr
 
 
 def test_both_models_side_by_side_and_their_events(rocking):
-    done = rocking("response", "configs/arch.yaml", *IMPULSE, "--model", "both", "--csv")
-    assert list(done.rows[0])[:5] == ["t", "theta_linear", "theta_dot_linear", "theta_nonlinear", "theta_dot_nonlinear"]
-    events = rocking("response", "configs/arch.yaml", *IMPULSE, "--model", "both", "--events", "--json").records
+    done = rocking(
+        "response", "configs/arch.yaml", *IMPULSE, "--model", "both", "--csv"
+    )
+    assert list(done.rows[0])[:5] == [
+        "t",
+        "theta_linear",
+        "theta_dot_linear",
+        "theta_nonlinear",
+        "theta_dot_nonlinear",
+    ]
+    events = rocking(
+        "response",
+        "configs/arch.yaml",
+        *IMPULSE,
+        "--model",
+        "both",
+        "--events",
+        "--json",
+    ).records
     for model in ("linear", "nonlinear"):
         mine = [e for e in events if e["model"] == model]
         assert [e["event"] for e in mine][:3] == ["uplift", "peak", "impact"]
@@ -31,47 +69,130 @@ def test_both_models_side_by_side_and_their_events(rocking):
 
 
 def test_dimensionless_history_is_the_same_curve(rocking):
-    call = ("response", "configs/block.yaml", "--A", "2", "--Omega", "4", "--steps", "--json")
+    call = (
+        "response",
+        "configs/block.yaml",
+        "--A",
+        "2",
+        "--Omega",
+        "4",
+        "--steps",
+        "--json",
+    )
     si, plain = rocking(*call).records, rocking(*call, "--dimensionless").records
     block = rocking("params", "configs/block.yaml", "--json").record
     assert list(plain[0]) == ["tau", "theta_ratio", "theta_ratio_rate", "A", *NAMED]
     for a, b in zip(si, plain, strict=True):
         assert a["t"] * block["p"] == pytest.approx(b["tau"], rel=1e-12, abs=0)
-        assert a["theta"] == pytest.approx(b["theta_ratio"] * block["alpha"], rel=1e-12, abs=0)
+        assert a["theta"] == pytest.approx(
+            b["theta_ratio"] * block["alpha"], rel=1e-12, abs=0
+        )
 
 
 def test_free_rocking_by_release(rocking):
-    done = rocking("response", "configs/arch.yaml", "--release", "0.6", "--model", "both", "--events", "--json")
-    first = {event["model"]: event["t"] for event in reversed(done.records) if event["event"] == "impact"}
+    done = rocking(
+        "response",
+        "configs/arch.yaml",
+        "--release",
+        "0.6",
+        "--model",
+        "both",
+        "--events",
+        "--json",
+    )
+    first = {
+        event["model"]: event["t"]
+        for event in reversed(done.records)
+        if event["event"] == "impact"
+    }
     assert first["nonlinear"] / first["linear"] == pytest.approx(1.0622, abs=2e-4)
 
 
 def test_own_motion_in_every_command(rocking, tmp_path):
     own = ("--motion", "configs/motions/two_pulses.yaml")
-    assert rocking("response", "configs/block.yaml", *own, "--a-g", "5", "--T-g", "1 s", "--csv").returncode == 0
-    assert rocking("envelope", "configs/block.yaml", *own, "--grid", "T_g=1", "--a-max", "6").stdout.count("after_impact") > 0
-    assert rocking("spectrum", "configs/block.yaml", *own, "--grid", "a_g=1:8:8,T_g=0.5:2:8", "-o", "own.h5").returncode == 0
+    assert (
+        rocking(
+            "response",
+            "configs/block.yaml",
+            *own,
+            "--a-g",
+            "5",
+            "--T-g",
+            "1 s",
+            "--csv",
+        ).returncode
+        == 0
+    )
+    assert (
+        rocking(
+            "envelope", "configs/block.yaml", *own, "--grid", "T_g=1", "--a-max", "6"
+        ).stdout.count("after_impact")
+        > 0
+    )
+    assert (
+        rocking(
+            "spectrum",
+            "configs/block.yaml",
+            *own,
+            "--grid",
+            "a_g=1:8:8,T_g=0.5:2:8",
+            "-o",
+            "own.h5",
+        ).returncode
+        == 0
+    )
 
 
 def test_forces_in_the_history_and_in_the_closing_record(rocking, tmp_path):
-    (tmp_path / "b.yaml").write_text("kind: block\nwidth: 0.6\nheight: 3\nfriction: 0.19\n")
+    (tmp_path / "b.yaml").write_text(
+        "kind: block\nwidth: 0.6\nheight: 3\nfriction: 0.19\n"
+    )
     call = ("response", "b.yaml", "--a-g", "0.3g", "--f-g", "2", "--model", "nonlinear")
     done = rocking(*call, "--forces", "--csv")
     assert list(done.rows[0]) == [
-        "t", "theta", "theta_dot", "fx_ratio", "fz_ratio", "ground_acceleration", "tau", "theta_ratio", *NAMED,
-    ]  # fmt: skip
-    assert "with the friction 0.19 of the document the base would slide before it rocks" in done.stderr
+        "t",
+        "theta",
+        "theta_dot",
+        "fx_ratio",
+        "fz_ratio",
+        "ground_acceleration",
+        "tau",
+        "theta_ratio",
+        *NAMED,
+    ]
+    assert (
+        "with the friction 0.19 of the document the base would slide before it rocks"
+        in done.stderr
+    )
     *events, last = rocking(*call, "--forces", "--events", "--json").records
     assert list(last)[:2] == ["model", "event"]
-    assert (last["event"], last["outcome"], last["slides"]) == ("summary", "rocked", "before rocking")
+    assert (last["event"], last["outcome"], last["slides"]) == (
+        "summary",
+        "rocked",
+        "before rocking",
+    )
     assert last["fz_min"] < 1.0 < last["friction_needed"] / 0.19
     impact = next(e for e in events if e["event"] == "impact")
-    assert abs(impact["impulse_x"]) / impact["impulse_z"] == pytest.approx(last["friction_impact"], rel=1e-12)
+    assert abs(impact["impulse_x"]) / impact["impulse_z"] == pytest.approx(
+        last["friction_impact"], rel=1e-12
+    )
     bare = rocking(*call, "--events", "--json").records[-1]
-    assert bare == {key: last[key] for key in ("model", "event", "demand_a", "top_displacement", "theta_ratio", "outcome")}
+    assert bare == {
+        key: last[key]
+        for key in (
+            "model",
+            "event",
+            "demand_a",
+            "top_displacement",
+            "theta_ratio",
+            "outcome",
+        )
+    }
     again = rocking("params", "b.yaml", "--json").stdout
     assert json.loads(
-        rocking("response", "-", *call[2:], "--forces", "--events", "--json", stdin=again).stdout.splitlines()[-1]
+        rocking(
+            "response", "-", *call[2:], "--forces", "--events", "--json", stdin=again
+        ).stdout.splitlines()[-1]
     ) == last | {"top_displacement": None}
 
 
@@ -90,24 +211,69 @@ def test_forces_of_an_arch(rocking):
 
 def test_a_vertical_motion_in_the_response_the_spectrum_and_the_envelope(rocking):
     up = ("--vertical", "cosine", "--vertical-scale", "3")
-    done = rocking("response", "configs/block.yaml", "--a-g", "0.4g", "--f-g", "1.5", *up, "--events", "--json", "--forces")
+    done = rocking(
+        "response",
+        "configs/block.yaml",
+        "--a-g",
+        "0.4g",
+        "--f-g",
+        "1.5",
+        *up,
+        "--events",
+        "--json",
+        "--forces",
+    )
     *_, before, last = done.records
-    assert (before["event"], last["outcome"], last["theta_ratio"]) == ("lost contact", "lost_contact", None)
+    assert (before["event"], last["outcome"], last["theta_ratio"]) == (
+        "lost contact",
+        "lost_contact",
+        None,
+    )
     assert before["t"] == pytest.approx(math.acos(-1 / 1.2) / (3 * math.pi), rel=1e-12)
     call = ("configs/block.yaml", "--grid", "A=0.5:6:6,Omega=2:4:2")
-    done = rocking("spectrum", *call, *up, "-o", "up.h5", "--model", "nonlinear", "--json")
+    done = rocking(
+        "spectrum", *call, *up, "-o", "up.h5", "--model", "nonlinear", "--json"
+    )
     record = done.record
     assert record["cells_lost_contact"] > 0
     assert record["estimated_error"] < 1e-8
     assert record["misjudged_cells"] == 0
     assert "Fz <= 0 under a rigid body that rocks" in done.stderr
-    found = rocking("envelope", "configs/block.yaml", "--grid", "Omega=2", *up, "--a-max", "6", "--csv")
+    found = rocking(
+        "envelope",
+        "configs/block.yaml",
+        "--grid",
+        "Omega=2",
+        *up,
+        "--a-max",
+        "6",
+        "--csv",
+    )
     assert found.rows[-1]["mode"] == "lost_contact"
     (block,) = rocking("params", "configs/block.yaml", "--json").records
-    assert float(found.rows[-1]["A_from"]) == pytest.approx(1.0 / (3 * block["alpha"]), rel=1e-9)
+    assert float(found.rows[-1]["A_from"]) == pytest.approx(
+        1.0 / (3 * block["alpha"]), rel=1e-9
+    )
 
 
 def test_impulses_over_the_weight_are_times_unless_they_are_dimensionless(rocking):
-    call = ("response", "configs/block.yaml", "--a-g", "0.4g", "--f-g", "2", "--forces", "--events", "--csv", "-q")
-    assert rocking(*call).stdout.splitlines()[0].endswith(",impulse_x [s],impulse_z [s]")
-    assert rocking(*call, "--dimensionless").stdout.splitlines()[0].endswith(",impulse_x,impulse_z")
+    call = (
+        "response",
+        "configs/block.yaml",
+        "--a-g",
+        "0.4g",
+        "--f-g",
+        "2",
+        "--forces",
+        "--events",
+        "--csv",
+        "-q",
+    )
+    assert (
+        rocking(*call).stdout.splitlines()[0].endswith(",impulse_x [s],impulse_z [s]")
+    )
+    assert (
+        rocking(*call, "--dimensionless")
+        .stdout.splitlines()[0]
+        .endswith(",impulse_x,impulse_z")
+    )

@@ -10,24 +10,52 @@ SHAKING = ("--a-g", "0.4g", "--f-g", "1")
 
 
 def test_the_value_found_is_that_from_which_the_check_finds_the_margin(rocking):
-    call = ("solve", "block:50cmx2m,name=Pier", "--vary", "width=60:80:2", "--margin", "1.2", *SHAKING)
+    call = (
+        "solve",
+        "block:50cmx2m,name=Pier",
+        "--vary",
+        "width=60:80:2",
+        "--margin",
+        "1.2",
+        *SHAKING,
+    )
     found = rocking(*call, "--json").record
-    assert (found["structure"], found["key"], found["side"]) == ("Pier", "width", "stands above")
+    assert (found["structure"], found["key"], found["side"]) == (
+        "Pier",
+        "width",
+        "stands above",
+    )
     assert found["value"] == float(f"{found['value']:.6g}")
     widths = found["value"] - 1e-6, found["value"]
-    falls, stands = (rocking("check", f"block:{width}x2", *SHAKING, "--json").record["capacity_demand"] for width in widths)
-    assert falls < 1.2 <= stands == pytest.approx(found["capacity_demand"], rel=1e-8)  # the tolerance is 1e-9
+    falls, stands = (
+        rocking("check", f"block:{width}x2", *SHAKING, "--json").record[
+            "capacity_demand"
+        ]
+        for width in widths
+    )
+    assert (
+        falls < 1.2 <= stands == pytest.approx(found["capacity_demand"], rel=1e-8)
+    )  # the tolerance is 1e-9
 
 
 @pytest.fixture
 def judged(monkeypatch):
-    """A function that makes the capacity under each motion a function of the varied height."""
+    """A function that makes the capacity under each motion a function of the varied
+    height.
+    """
 
     def by(*capacities):
         def verdicts(demands, **_):
-            heights = [structure.details["varied"]["height"] for structure, _, _ in demands]
-            found = [capacity(h) for capacity, h in zip(capacities, heights, strict=True)]
-            return [SimpleNamespace(outcome=Outcome.ROCKED, falls=False, capacity_demand=c) for c in found]
+            heights = [
+                structure.details["varied"]["height"] for structure, _, _ in demands
+            ]
+            found = [
+                capacity(h) for capacity, h in zip(capacities, heights, strict=True)
+            ]
+            return [
+                SimpleNamespace(outcome=Outcome.ROCKED, falls=False, capacity_demand=c)
+                for c in found
+            ]
 
         monkeypatch.setattr("rocking_cli.responses.solving.verdicts", verdicts)
 
@@ -49,62 +77,131 @@ def test_every_boundary_of_the_range_and_a_range_without_one(rocking, judged):
     in_cm = rocking(*call[:-2], "--vary", "height=130cm:600cm:5").stdout.splitlines()
     assert in_cm[1].split() == ["height", "[cm]", "200", "500"]
     descending = rocking(*call, "height=6:1.3:5").records
-    assert [(row["value"], row["side"]) for row in descending] == [(row["value"], row["side"]) for row in (low, high)]
-    for span, side, said in (("height=3:4", "everywhere", "stands"), ("height=6:6.5", "nowhere", "does not stand")):
+    assert [(row["value"], row["side"]) for row in descending] == [
+        (row["value"], row["side"]) for row in (low, high)
+    ]
+    for span, side, said in (
+        ("height=3:4", "everywhere", "stands"),
+        ("height=6:6.5", "nowhere", "does not stand"),
+    ):
         none = rocking(*call, span)
         assert none.returncode == 0
-        assert [(row["value"], row["side"], row["capacity_demand"]) for row in none.records] == [(None, f"stands {side}", None)]
+        assert [
+            (row["value"], row["side"], row["capacity_demand"]) for row in none.records
+        ] == [(None, f"stands {side}", None)]
         assert f"{said} with this margin at any value of the scan" in none.stderr
-        assert "the scan has 17 values; two boundaries between neighbours of them may be missed" in none.stderr
+        assert (
+            "the scan has 17 values; two boundaries between neighbours of them may be"
+            " missed" in none.stderr
+        )
 
 
 def test_a_share_of_the_records(rocking, judged):
     judged(lambda h: h, lambda h: 0.5 * h, lambda h: 0.25 * h)
     record = "configs/motions/synthetic.at2"
-    call = ("solve", "block:0.6x9", "--motion", record, record, record, "--vary", "height=0.8:9:7", "--margin", "1.5", "--json")
+    call = (
+        "solve",
+        "block:0.6x9",
+        "--motion",
+        record,
+        record,
+        record,
+        "--vary",
+        "height=0.8:9:7",
+        "--margin",
+        "1.5",
+        "--json",
+    )
     for share, value in (("1", 6.0), ("0.9", 6.0), ("0.66", 3.0), ("0.3", 1.5)):
-        assert rocking(*call, "--share", share).record["value"] == pytest.approx(value, rel=5e-6)
+        assert rocking(*call, "--share", share).record["value"] == pytest.approx(
+            value, rel=5e-6
+        )
 
 
-def test_values_without_a_structure_are_named_and_nothing_is_claimed_of_them(rocking, judged):
+def test_values_without_a_structure_are_named_and_nothing_is_claimed_of_them(
+    rocking, judged
+):
     """A height is no negative one, and the capacity is known of positive ones only."""
     judged(lambda h: 0.8 * h)
-    done = rocking("solve", "block:0.6x1", *SHAKING, "--vary", "height=-1:2:4", "--json")
+    done = rocking(
+        "solve", "block:0.6x1", *SHAKING, "--vary", "height=-1:2:4", "--json"
+    )
     assert (done.returncode, done.record["value"]) == (4, pytest.approx(1.25, rel=1e-5))
     assert done.stderr.count("no solution for height = ") == 2
-    none = rocking("solve", "block:0.6x1", *SHAKING, "--vary", "height=-2:-1:2", "--json")
-    assert (none.returncode, none.stdout, "at any value" in none.stderr) == (4, "", False)
+    none = rocking(
+        "solve", "block:0.6x1", *SHAKING, "--vary", "height=-2:-1:2", "--json"
+    )
+    assert (none.returncode, none.stdout, "at any value" in none.stderr) == (
+        4,
+        "",
+        False,
+    )
 
 
 def test_both_directions_are_those_of_the_weaker_one(rocking, judged, monkeypatch):
-    """Of a body whose right edge is nearer; check has a row for each of its directions, and one for a body that is alike."""
-    statue, asked = "rigid:left=0.6,right=0.4,height=2,gyration=0.9", ("--a-g", "0.35g", "--f-g", "1", "--json")
+    """Of a body whose right edge is nearer; check has a row for each of its directions,
+    and one for a body that is alike.
+    """
+    statue, asked = (
+        "rigid:left=0.6,right=0.4,height=2,gyration=0.9",
+        ("--a-g", "0.35g", "--f-g", "1", "--json"),
+    )
     found = {}
-    for sign, capacities in (("+", [lambda h: h]), ("both", [lambda h: h, lambda h: 0.5 * h])):
+    for sign, capacities in (
+        ("+", [lambda h: h]),
+        ("both", [lambda h: h, lambda h: 0.5 * h]),
+    ):
         judged(*capacities)
-        found[sign] = rocking("solve", statue, "--vary", "height=0.5:4:7", "--sign", sign, *asked)
-    assert [done.record["value"] for done in found.values()] == pytest.approx([1.0, 2.0], rel=1.1e-5)
+        found[sign] = rocking(
+            "solve", statue, "--vary", "height=0.5:4:7", "--sign", sign, *asked
+        )
+    assert [done.record["value"] for done in found.values()] == pytest.approx(
+        [1.0, 2.0], rel=1.1e-5
+    )
     monkeypatch.undo()
     assert "one direction of the motion only" in found["+"].stderr
     assert "the other --sign gives the opposite one" in found["+"].stderr
     assert "one direction" not in found["both"].stderr
-    rows = {sign: rocking("check", statue, "block:0.5x2", "--sign", sign, "--verdict-only", *asked) for sign in ("+", "-", "both")}
+    rows = {
+        sign: rocking(
+            "check", statue, "block:0.5x2", "--sign", sign, "--verdict-only", *asked
+        )
+        for sign in ("+", "-", "both")
+    }
     assert rows["both"].records == [*rows["+"].records, rows["-"].records[0]]
-    assert [row["motion"] for row in rows["-"].records] == ["sine, 1 cycle, times -1"] * 2
+    assert [row["motion"] for row in rows["-"].records] == [
+        "sine, 1 cycle, times -1"
+    ] * 2
     assert "opposite direction" not in rows["both"].stderr
 
 
 def test_the_worst_frequency_of_a_range_counts(rocking):
-    """The value has the capacity that check finds at the worst frequency; just below it the body does not stand."""
-    body, at = "parameters:p={},alpha=0.2,eta=0.8,lambda=0.2", ("--a-g", "0.5g", "--f-g", "0.7:1.5")
+    """The value has the capacity that check finds at the worst frequency; just below it
+    the body does not stand.
+    """
+    body, at = (
+        "parameters:p={},alpha=0.2,eta=0.8,lambda=0.2",
+        ("--a-g", "0.5g", "--f-g", "0.7:1.5"),
+    )
     done = rocking("solve", body.format(2), *at, "--vary", "p=1:4:2", "--json")
     row = done.record
-    assert (row["side"], row["capacity_demand"]) == ("stands below", pytest.approx(1.0, abs=1e-4))
-    found = [rocking("check", body.format(row["value"] * x), *at, "--json").record for x in (1.0, 1.0 + 1e-4)]
-    assert found[0]["capacity_demand"] == pytest.approx(row["capacity_demand"], rel=1e-9)
+    assert (row["side"], row["capacity_demand"]) == (
+        "stands below",
+        pytest.approx(1.0, abs=1e-4),
+    )
+    found = [
+        rocking("check", body.format(row["value"] * x), *at, "--json").record
+        for x in (1.0, 1.0 + 1e-4)
+    ]
+    assert found[0]["capacity_demand"] == pytest.approx(
+        row["capacity_demand"], rel=1e-9
+    )
     assert found[0]["capacity_demand"] >= 1.0 > found[1]["capacity_demand"]
     assert "f_g 0.7 to 1.5 Hz" in done.stderr
-    end = "the worst frequency at this boundary is the lower end of the range, 0.7 Hz; slower motions may overturn it"
+    end = (
+        "the worst frequency at this boundary is the lower end of the range, 0.7 Hz;"
+        " slower motions may overturn it"
+    )
     assert (end in done.stderr) == (found[0]["worst_f_g_end"] == "lower")
 
 
@@ -112,15 +209,31 @@ def test_a_stack_stands_if_it_stands_on_each_of_its_interfaces(rocking, tmp_path
     """The piece on top is what falls: by itself it needs the same width."""
     stack = "kind: stack\npieces: [{width: 1, height: 4}, {width: 0.1, height: 0.38}]"
     motion = ("--a-g", "0.5g", "--f-g", "2.5", "--json")
-    of_stack = rocking("solve", "-", *motion, "--vary", "pieces.1.width=0.05:0.3:6", stdin=stack).record
-    alone = rocking("solve", "block:0.1x0.38", *motion, "--vary", "width=0.05:0.3:6").record
+    of_stack = rocking(
+        "solve", "-", *motion, "--vary", "pieces.1.width=0.05:0.3:6", stdin=stack
+    ).record
+    alone = rocking(
+        "solve", "block:0.1x0.38", *motion, "--vary", "width=0.05:0.3:6"
+    ).record
     assert (of_stack["side"], of_stack["value"]) == ("stands above", alone["value"])
 
 
 def test_csv_states_the_unit_of_the_value(rocking):
-    call = ("solve", "configs/block.yaml", "--vary", "width=50cm:80cm:3", "--a-g", "0.4g", "--f-g", "1", "-q")
+    call = (
+        "solve",
+        "configs/block.yaml",
+        "--vary",
+        "width=50cm:80cm:3",
+        "--a-g",
+        "0.4g",
+        "--f-g",
+        "1",
+        "-q",
+    )
     heading, row = rocking(*call, "--csv").stdout.splitlines()
     assert heading == "structure,key,value [m],side,capacity_demand"
     assert float(row.split(",")[2]) == rocking(*call, "--json").record["value"]
-    pure = rocking("solve", *call[1:2], "--vary", "restitution=0.88:0.9:2", *call[4:], "--csv")
+    pure = rocking(
+        "solve", *call[1:2], "--vary", "restitution=0.88:0.9:2", *call[4:], "--csv"
+    )
     assert pure.stdout.splitlines()[0] == "structure,key,value,side,capacity_demand"

@@ -1,4 +1,6 @@
-"""`rocking spectrum` at the shell: what it writes, what it says, and the calls a user gets wrong."""
+"""`rocking spectrum` at the shell: what it writes, what it says, and the calls a user
+gets wrong.
+"""
 
 import os
 import re
@@ -19,7 +21,16 @@ SMALL = "A=0.5:9:40,Omega=0.5:12:30"
 
 
 def test_summary_and_file(rocking, tmp_path):
-    done = rocking("spectrum", "configs/block.yaml", "configs/spire.yaml", "--grid", SMALL, "-o", "s.h5", "--json")
+    done = rocking(
+        "spectrum",
+        "configs/block.yaml",
+        "configs/spire.yaml",
+        "--grid",
+        SMALL,
+        "-o",
+        "s.h5",
+        "--json",
+    )
     assert done.returncode == 0, done.stderr
     record = done.record
     assert record["cells"] == 2400
@@ -28,13 +39,27 @@ def test_summary_and_file(rocking, tmp_path):
     assert "skipped: " in done.stderr
     with h5py.File(tmp_path / "s.h5") as f:
         assert f["structure"].asstr()[...].tolist() == ["Column", "Spire"]
-        assert re.match(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ: rocking spectrum configs/block.yaml", f.attrs["history"])
+        assert re.match(
+            r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ: rocking spectrum configs/block.yaml",
+            f.attrs["history"],
+        )
         assert f.attrs["cells"] == 2400
         assert "kind: spire" in f.attrs["documents"]
 
 
 def test_quantities_on_request_are_variables_of_the_file(rocking, tmp_path):
-    done = rocking("spectrum", "--eta", "0.9", "--grid", "A=0.5:9:7,Omega=5", "--quantity", "condition", "--impacts", "-o", "s.h5")
+    done = rocking(
+        "spectrum",
+        "--eta",
+        "0.9",
+        "--grid",
+        "A=0.5:9:7,Omega=5",
+        "--quantity",
+        "condition",
+        "--impacts",
+        "-o",
+        "s.h5",
+    )
     assert done.returncode == 0, done.stderr
     with h5py.File(tmp_path / "s.h5") as f:
         condition, theta = f["condition"][0, 0], f["theta_ratio"][0, 0]
@@ -44,22 +69,57 @@ def test_quantities_on_request_are_variables_of_the_file(rocking, tmp_path):
     assert condition[0] == 0.0
     assert np.isnan(condition[np.isnan(theta)]).all()
     rows = rocking("convert", "s.h5", "--json").records
-    assert [row["condition"] for row in rows] == [None if np.isnan(x) else x for x in condition]
+    assert [row["condition"] for row in rows] == [
+        None if np.isnan(x) else x for x in condition
+    ]
 
 
 def test_pipeline_from_params(rocking, tmp_path):
-    records = rocking("params", "configs/block.yaml", "configs/spire.yaml", "--json").stdout
-    assert rocking("spectrum", "-", "--grid", "a_g=0.1g:1g:20,f_g=0.5:3:10", "-o", "a.h5", stdin=records).returncode == 0
-    direct = rocking("spectrum", "configs/block.yaml", "configs/spire.yaml", "--grid", "a_g=0.1g:1g:20,f_g=0.5:3:10", "-o", "b.h5")
+    records = rocking(
+        "params", "configs/block.yaml", "configs/spire.yaml", "--json"
+    ).stdout
+    assert (
+        rocking(
+            "spectrum",
+            "-",
+            "--grid",
+            "a_g=0.1g:1g:20,f_g=0.5:3:10",
+            "-o",
+            "a.h5",
+            stdin=records,
+        ).returncode
+        == 0
+    )
+    direct = rocking(
+        "spectrum",
+        "configs/block.yaml",
+        "configs/spire.yaml",
+        "--grid",
+        "a_g=0.1g:1g:20,f_g=0.5:3:10",
+        "-o",
+        "b.h5",
+    )
     assert direct.returncode == 0
     same_file(tmp_path / "a.h5", tmp_path / "b.h5")
 
 
 def test_arches_and_spires_sweep_like_any_other_structure(rocking, tmp_path):
-    """A cell of the spectrum overturns just where it lies inside an interval of the envelope."""
-    files, periods = [f"configs/{name}.yaml" for name in ("arch", "spire_cracked", "prism")], "T_g=0.6:1.6:2"
-    assert rocking("spectrum", *files, "--grid", f"a_g=0.1g:2g:20,{periods}", "-o", "s.h5").returncode == 0
-    envelope = rocking("envelope", *files, "--grid", periods, "--a-max", "20", "--sign", "+", "--json")
+    """A cell of the spectrum overturns just where it lies inside an interval of the
+    envelope.
+    """
+    files, periods = (
+        [f"configs/{name}.yaml" for name in ("arch", "spire_cracked", "prism")],
+        "T_g=0.6:1.6:2",
+    )
+    assert (
+        rocking(
+            "spectrum", *files, "--grid", f"a_g=0.1g:2g:20,{periods}", "-o", "s.h5"
+        ).returncode
+        == 0
+    )
+    envelope = rocking(
+        "envelope", *files, "--grid", periods, "--a-max", "20", "--sign", "+", "--json"
+    )
     rows = envelope.records
     with h5py.File(tmp_path / "s.h5") as f:
         outcome, a_g, omega_g = f["outcome"][...], f["a_g"][...], f["omega_g"][...]
@@ -67,7 +127,10 @@ def test_arches_and_spires_sweep_like_any_other_structure(rocking, tmp_path):
     inside = np.zeros(outcome.shape, dtype=bool)
     for row in rows:
         if row["a_from"] is not None:
-            place = names.index(row["structure"]), int(np.abs(omega_g - row["omega_g"]).argmin())
+            place = (
+                names.index(row["structure"]),
+                int(np.abs(omega_g - row["omega_g"]).argmin()),
+            )
             inside[place] |= (a_g > row["a_from"]) & (a_g < (row["a_to"] or np.inf))
     assert {row["structure"] for row in rows} == set(names)
     np.testing.assert_array_equal(outcome >= 3, inside)
@@ -79,18 +142,59 @@ def test_an_input_is_never_the_output(refused, tmp_path):
     (tmp_path / "mine.dat").write_text("0\n1\n0\n")
     (tmp_path / "link.h5").symlink_to("mine.dat")
     (tmp_path / "set.lst").write_text("mine.dat\n")
-    assert "is an input of this call" in refused(2, "spectrum", "mine.doc", "--grid", SMALL, "-o", "mine.doc", "--overwrite")
-    shaken = ("spectrum", "mine.doc", "--unit", "g", "--dt", "1", "--overwrite", "--motion")
-    for motion, output in (("mine.dat", "mine.dat"), ("mine.dat", "link.h5"), ("set.lst", "mine.dat"), ("set.lst", "set.lst")):
-        assert f"{output} is an input of this call" in refused(2, *shaken, motion, "-o", output)
+    assert "is an input of this call" in refused(
+        2, "spectrum", "mine.doc", "--grid", SMALL, "-o", "mine.doc", "--overwrite"
+    )
+    shaken = (
+        "spectrum",
+        "mine.doc",
+        "--unit",
+        "g",
+        "--dt",
+        "1",
+        "--overwrite",
+        "--motion",
+    )
+    for motion, output in (
+        ("mine.dat", "mine.dat"),
+        ("mine.dat", "link.h5"),
+        ("set.lst", "mine.dat"),
+        ("set.lst", "set.lst"),
+    ):
+        assert f"{output} is an input of this call" in refused(
+            2, *shaken, motion, "-o", output
+        )
 
 
 @pytest.mark.parametrize(
-    ("workers", "stop"), [("1", signal.SIGTERM), ("2", signal.SIGINT), pytest.param("2", signal.SIGTERM, marks=pytest.mark.soak)]
+    ("workers", "stop"),
+    [
+        ("1", signal.SIGTERM),
+        ("2", signal.SIGINT),
+        pytest.param("2", signal.SIGTERM, marks=pytest.mark.soak),
+    ],
 )
 def test_ctrl_c_and_sigterm_keep_what_was_done(tmp_path, workers, stop):
-    call = [*PROGRAM, "spectrum", "--eta", "0.9", "--grid", "A=0.5:12:3000,Omega=0.5:12:3000", "--chunk", "30000", "-q", "-o", "s.h5"]
-    process = subprocess.Popen([*call, "--workers", workers], cwd=tmp_path, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    call = [
+        *PROGRAM,
+        "spectrum",
+        "--eta",
+        "0.9",
+        "--grid",
+        "A=0.5:12:3000,Omega=0.5:12:3000",
+        "--chunk",
+        "30000",
+        "-q",
+        "-o",
+        "s.h5",
+    ]
+    process = subprocess.Popen(
+        [*call, "--workers", workers],
+        cwd=tmp_path,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
     part = tmp_path / "s.h5.part"
     assert grows(part, 200_000, process)
     if stop == signal.SIGINT:
@@ -110,14 +214,42 @@ def test_ctrl_c_and_sigterm_keep_what_was_done(tmp_path, workers, stop):
 
 def test_a_step_count_that_runs_away_is_a_failed_cell(rocking, monkeypatch, tmp_path):
     monkeypatch.setattr(batch, "MAX_STEPS", -119)
-    assert rocking("spectrum", "--grid", "A=1.5:1.6:2,Omega=4", "--eta", "1", "-q", "--workers", "1", "-o", "s.h5").returncode == 4
+    assert (
+        rocking(
+            "spectrum",
+            "--grid",
+            "A=1.5:1.6:2,Omega=4",
+            "--eta",
+            "1",
+            "-q",
+            "--workers",
+            "1",
+            "-o",
+            "s.h5",
+        ).returncode
+        == 4
+    )
     assert (tmp_path / "s.h5").exists()
     monkeypatch.setattr(histories, "MAX_STEPS", -158)
-    assert history(System(LinearEquation()), sine(), 1.5, 4.0, 1.0, duration=30.0).outcome == Outcome.FAILED
+    assert (
+        history(System(LinearEquation()), sine(), 1.5, 4.0, 1.0, duration=30.0).outcome
+        == Outcome.FAILED
+    )
 
 
 def test_two_paths_are_said_to_differ_beyond_the_tolerance_and_not_below_it(rocking):
-    call = ("spectrum", "configs/block.yaml", "--grid", "a_g=0.5g:0.9g:5,f_g=1:2:3", "--cycles", "3", "--tolerance", "1e-3", "-o", "s.h5")
+    call = (
+        "spectrum",
+        "configs/block.yaml",
+        "--grid",
+        "a_g=0.5g:0.9g:5,f_g=1:2:3",
+        "--cycles",
+        "3",
+        "--tolerance",
+        "1e-3",
+        "-o",
+        "s.h5",
+    )
     done = rocking(*call, "--json")
     assert done.record["estimated_error"] > 1e-6
     assert "do not rely" not in done.stderr

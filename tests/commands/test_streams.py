@@ -1,4 +1,6 @@
-"""The standard streams: readers who go, devices that are full or closed, encodings, control characters, names that are none."""
+"""The standard streams: readers who go, devices that are full or closed, encodings,
+control characters, names that are none.
+"""
 
 import io
 import json
@@ -17,7 +19,14 @@ SWEEP = "spectrum --eta 0.9 --grid A=1:2:3,Omega=1:2:3"
 
 def shell(line: str, folder) -> subprocess.CompletedProcess[str]:
     line = f"set -o pipefail; {line.replace('rocking', PROGRAM)}"
-    return subprocess.run(["bash", "-c", line], cwd=folder, capture_output=True, text=True, timeout=60, check=False)
+    return subprocess.run(
+        ["bash", "-c", line],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
 
 
 @pytest.mark.parametrize(
@@ -36,7 +45,10 @@ def test_only_visible_characters_reach_a_terminal(text, shown, capsys):
     assert capsys.readouterr() == (f"{shown}\n", f"{shown}\n")
 
 
-@pytest.mark.parametrize(("encoding", "shown"), [("latin-1", "ä\\u03b2"), ("ascii", "\\xe4\\u03b2"), ("utf-8", "äβ")])
+@pytest.mark.parametrize(
+    ("encoding", "shown"),
+    [("latin-1", "ä\\u03b2"), ("ascii", "\\xe4\\u03b2"), ("utf-8", "äβ")],
+)
 def test_what_the_encoding_lacks_is_escaped(encoding, shown, monkeypatch):
     raw = io.BytesIO()
     monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(raw, encoding=encoding))
@@ -46,30 +58,54 @@ def test_what_the_encoding_lacks_is_escaped(encoding, shown, monkeypatch):
 
 
 def test_json_is_json_in_ascii(tmp_path):
-    (tmp_path / "b.yaml").write_text('kind: block\nname: "Säule β \U0001f5fc"\nwidth: 1\nheight: 5\n', encoding="utf-8")
+    (tmp_path / "b.yaml").write_text(
+        'kind: block\nname: "Säule β \U0001f5fc"\nwidth: 1\nheight: 5\n',
+        encoding="utf-8",
+    )
     env = {**os.environ, "PYTHONIOENCODING": "ascii"}
-    done = subprocess.run([*PROGRAM.split(), "params", "b.yaml", "--json"], cwd=tmp_path, env=env, capture_output=True, check=True)
+    done = subprocess.run(
+        [*PROGRAM.split(), "params", "b.yaml", "--json"],
+        cwd=tmp_path,
+        env=env,
+        capture_output=True,
+        check=True,
+    )
     assert json.loads(done.stdout.decode("ascii"))["name"] == "Säule β \U0001f5fc"
 
 
-MORE = [pytest.param(call, marks=pytest.mark.soak) for call in ("--version", "params b.yaml", "info s.h5", "plot s.h5 --text")]
+MORE = [
+    pytest.param(call, marks=pytest.mark.soak)
+    for call in ("--version", "params b.yaml", "info s.h5", "plot s.h5 --text")
+]
 
 
 @pytest.mark.parametrize("call", ["--help", "convert s.h5", *MORE])
 def test_every_output_ends_alike(call, tmp_path, spectrum_file):
     (tmp_path / "b.yaml").write_text("kind: block\nwidth: 1\nheight: 5\n")
     (tmp_path / "s.h5").symlink_to(spectrum_file)
-    gone = shell(f"(sleep 0.3; rocking {call}) | true", tmp_path)  # the reader is gone before the first line
+    gone = shell(
+        f"(sleep 0.3; rocking {call}) | true", tmp_path
+    )  # the reader is gone before the first line
     assert (gone.returncode, gone.stderr) == (0, "")
     full = shell(f"rocking {call} > /dev/full", tmp_path)
-    assert (full.returncode, full.stderr) == (1, "rocking: standard output: cannot be written: No space left on device\n")
+    assert (full.returncode, full.stderr) == (
+        1,
+        "rocking: standard output: cannot be written: No space left on device\n",
+    )
     closed = shell(f"rocking {call} >&-", tmp_path)
-    assert (closed.returncode, closed.stderr) == (1, "rocking: standard output: cannot be written: it is closed\n")
+    assert (closed.returncode, closed.stderr) == (
+        1,
+        "rocking: standard output: cannot be written: it is closed\n",
+    )
 
 
 @pytest.mark.parametrize("closing", ["2>/dev/full", "2>&-", "<&- >&- 2>&-"])
-def test_standard_error_may_fail_and_closed_descriptors_do_not_end_up_in_the_file(rocking, tmp_path, closing):
-    """Without care the file would be opened as descriptor 2, and what a library says there be written into it."""
+def test_standard_error_may_fail_and_closed_descriptors_do_not_end_up_in_the_file(
+    rocking, tmp_path, closing
+):
+    """Without care the file would be opened as descriptor 2, and what a library says
+    there be written into it.
+    """
     assert shell(f"rocking {SWEEP} -o s.h5 {closing}", tmp_path).returncode == 0
     told = rocking("info", "--verify", "s.h5", "--json").record
     assert (told["complete"], told["damaged_chunks"]) == ("yes", 0)
@@ -89,7 +125,10 @@ def test_names_that_are_not_utf_8_or_too_long(rocking, tmp_path):
 
 
 def test_a_message_is_one_line_whatever_it_quotes(refused):
-    assert refused(2, "params", "--\x1b[31mx\ny") == "rocking params: No such option --\\x1b[31mx\\ny (see --help)\n"
+    assert (
+        refused(2, "params", "--\x1b[31mx\ny")
+        == "rocking params: No such option --\\x1b[31mx\\ny (see --help)\n"
+    )
 
 
 def test_more_workers_than_cpus_are_reduced_with_a_line(rocking, monkeypatch):

@@ -17,9 +17,21 @@ PACKAGE = Path(__file__).resolve().parents[2] / "rocking_cli"
     ("command", "text", "said"),
     [
         ("spectrum", "`grid` a_g: found 1", "--grid a_g: found 1"),
-        ("spectrum", "fewer `workers` or a smaller `chunk_cells`", "fewer --workers or a smaller --chunk"),
-        ("response", "`scale_to`: found x; `motion_dt` and `dt`", "--scale-to: found x; --motion-dt and --row-step"),
-        ("info", "it is kept for `resume`; `a b` and ``", "it is kept for `resume`; `a b` and ``"),
+        (
+            "spectrum",
+            "fewer `workers` or a smaller `chunk_cells`",
+            "fewer --workers or a smaller --chunk",
+        ),
+        (
+            "response",
+            "`scale_to`: found x; `motion_dt` and `dt`",
+            "--scale-to: found x; --motion-dt and --row-step",
+        ),
+        (
+            "info",
+            "it is kept for `resume`; `a b` and ``",
+            "it is kept for `resume`; `a b` and ``",
+        ),
     ],
 )
 def test_arguments_become_the_options_of_the_command(command, text, said):
@@ -31,6 +43,17 @@ def test_arguments_become_the_options_of_the_command(command, text, said):
 def test_no_sentence_of_the_library_names_an_option():
     for path in PACKAGE.rglob("*.py"):
         tree = ast.parse(path.read_text(encoding="utf-8"))
-        explained = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
-        said = [n.value for n in ast.walk(tree) if isinstance(n, ast.Constant) and isinstance(n.value, str) and id(n) not in explained]
-        assert path.parent.name == "commands" or [text for text in said if re.search(r"--[a-z]", text)] == [], path
+        explained = {
+            id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)
+        }
+        said = [
+            n.value
+            for n in ast.walk(tree)
+            if isinstance(n, ast.Constant)
+            and isinstance(n.value, str)
+            and id(n) not in explained
+        ]
+        assert (
+            path.parent.name == "commands"
+            or [text for text in said if re.search(r"--[a-z]", text)] == []
+        ), path

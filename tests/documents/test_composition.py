@@ -1,4 +1,6 @@
-"""Text to nodes: bounds that cost nothing, and a line for every refusal, whatever was written."""
+"""Text to nodes: bounds that cost nothing, and a line for every refusal, whatever was
+written.
+"""
 
 import random
 import re
@@ -19,21 +21,34 @@ REFUSED = [
     (b"\xef\xbb\xbfkind: block\nname: S\xe4ule\n", r"2:8: not a UTF-8 text"),
     ("name: Säule".encode() + b"\n\xff\n", r"2:1: not a UTF-8 text"),
     ("kind: block".encode("utf-16") + b"\n", r"1:12: not a UTF-8 text"),
-    (b"kind: block\nname: a\x1b[31m\n", "2:8: not valid YAML: holds the control character U\\+001B"),
-    (b'{"kind": "block"}\n\n{"kind":\n "a\x7f"}', "4:4: not valid YAML: holds the control character U\\+007F"),
+    (
+        b"kind: block\nname: a\x1b[31m\n",
+        "2:8: not valid YAML: holds the control character U\\+001B",
+    ),
+    (
+        b'{"kind": "block"}\n\n{"kind":\n "a\x7f"}',
+        "4:4: not valid YAML: holds the control character U\\+007F",
+    ),
     (b"a: " + b"[" * 100, "1:23: nested too deeply"),
     (b'{"a": ' + b"[" * 100_000 + b"]" * 100_000 + b"}", "1:26: nested too deeply"),
     (b'{"a": 1}\n{"a": 2}\n{"a" 3}', "3:6: not valid JSON"),
 ]
 ROWS = [(raw, rf"f\.yaml:{words}") for raw, words in REFUSED]
-test_every_fault_of_a_text_has_its_place = refuses(read_documents, DocumentError, ROWS, file="f.yaml")
+test_every_fault_of_a_text_has_its_place = refuses(
+    read_documents, DocumentError, ROWS, file="f.yaml"
+)
 
 
 def test_a_file_beyond_the_limit_is_not_composed(tmp_path, monkeypatch):
     monkeypatch.setattr(composition, "_Composer", None)  # would fail
     path = tmp_path / "f.yaml"
     path.write_text("# a comment\n" * 200_000)
-    with pytest.raises(DocumentError, match=r"f\.yaml:174763:9: longer than 2 MiB, the limit of a structure document$"):
+    with pytest.raises(
+        DocumentError,
+        match=(
+            r"f\.yaml:174763:9: longer than 2 MiB, the limit of a structure document$"
+        ),
+    ):
         read_documents(path)
     monkeypatch.setattr(files, "LARGEST", 1 << 20)
     with pytest.raises(DocumentError, match=r"f\.yaml: larger than 1 MiB"):
@@ -42,8 +57,12 @@ def test_a_file_beyond_the_limit_is_not_composed(tmp_path, monkeypatch):
 
 def test_composing_stops_at_the_limit_of_values(monkeypatch):
     monkeypatch.setattr(composition, "MOST_VALUES", 20)
-    text = "points:\n" + "".join(f"- [{i}, 0]\n" for i in range(1000)) + "- }"  # what follows is not composed
-    with pytest.raises(DocumentError, match=r"f:8:7: too many values to be a structure document$"):
+    text = (
+        "points:\n" + "".join(f"- [{i}, 0]\n" for i in range(1000)) + "- }"
+    )  # what follows is not composed
+    with pytest.raises(
+        DocumentError, match=r"f:8:7: too many values to be a structure document$"
+    ):
         parse_documents(text, "f")
 
 
@@ -54,32 +73,89 @@ def test_the_limit_of_values_is_that_of_one_document(monkeypatch):
 
 def test_a_long_stream_of_json_objects_is_read(monkeypatch):
     monkeypatch.setattr(composition, "LONGEST", 60)  # of each, not of the stream
-    documents = parse_documents('{"kind": "block", "width": 1, "height": 5}\n\n' * 200, "f")
+    documents = parse_documents(
+        '{"kind": "block", "width": 1, "height": 5}\n\n' * 200, "f"
+    )
     assert [d.place.line for d in documents] == list(range(1, 400, 2))
 
 
-CHARACTERS = list(" \n\t:-#'\"{}[]&*!|>%@`,?\\~\0\x1b0123456789.eE+-²½αabcxyz<\ufeff\x85\u2028\U0001f5fc")
-WORDS = ["1e400", "-1", "0", "1e-300", "nan", ".inf", "null", "~", "true", "auto", "[1]", "{a: b}", "''", "010", "1:30", "2 kg", "90 deg"]
-WORDS += ["1 m", "|", "&x a", "*a", "!!int 3", "<<", "---", "...", "%YAML 1.1", "diagonal", "parameters", "arch", "spire"]
+CHARACTERS = list(
+    " \n\t:-#'\"{}[]&*!|>%@`,?\\~\0\x1b0123456789.eE+-²½αabcxyz<\ufeff\x85\u2028\U0001f5fc"
+)
+WORDS = [
+    "1e400",
+    "-1",
+    "0",
+    "1e-300",
+    "nan",
+    ".inf",
+    "null",
+    "~",
+    "true",
+    "auto",
+    "[1]",
+    "{a: b}",
+    "''",
+    "010",
+    "1:30",
+    "2 kg",
+    "90 deg",
+]
+WORDS += [
+    "1 m",
+    "|",
+    "&x a",
+    "*a",
+    "!!int 3",
+    "<<",
+    "---",
+    "...",
+    "%YAML 1.1",
+    "diagonal",
+    "parameters",
+    "arch",
+    "spire",
+]
 
 
 def mutated(raw: bytes, rng: random.Random) -> bytes:
-    """One to three slips of the hand, or of a disk: a character, a word, a line or a byte that is wrong, missing or doubled."""
+    """One to three slips of the hand, or of a disk: a character, a word, a line or a
+    byte that is wrong, missing or doubled.
+    """
     text = raw.decode()
     for _ in range(rng.choice([1, 1, 1, 2, 3])):
         at, lines = rng.randrange(len(text) + 1), text.splitlines() or [""]
         line = rng.randrange(len(lines))
         match rng.randrange(6):
             case 0:
-                text = text[:at] + rng.choice(CHARACTERS) + text[at + rng.randrange(2) :]
+                text = (
+                    text[:at] + rng.choice(CHARACTERS) + text[at + rng.randrange(2) :]
+                )
             case 1:
                 text = text[:at] + text[at + rng.choice([1, 2, 5, 20]) :]
             case 2:
-                text = "\n".join([*lines[:line], lines[rng.randrange(len(lines))], *lines[line + rng.randrange(2) :]])
+                text = "\n".join(
+                    [
+                        *lines[:line],
+                        lines[rng.randrange(len(lines))],
+                        *lines[line + rng.randrange(2) :],
+                    ]
+                )
             case 3:
-                text = "\n".join([*lines[:line], f"{lines[line].partition(':')[0]}: {rng.choice(WORDS)}", *lines[line + 1 :]])
+                text = "\n".join(
+                    [
+                        *lines[:line],
+                        f"{lines[line].partition(':')[0]}: {rng.choice(WORDS)}",
+                        *lines[line + 1 :],
+                    ]
+                )
             case 4:
-                text = re.sub(r"\d+(\.\d+)?", lambda m: rng.choice([rng.choice(WORDS), m[0]]), text, count=rng.randrange(1, 4))
+                text = re.sub(
+                    r"\d+(\.\d+)?",
+                    lambda m: rng.choice([rng.choice(WORDS), m[0]]),
+                    text,
+                    count=rng.randrange(1, 4),
+                )
             case _:
                 text = text[:at] + rng.choice(WORDS) + text[at:]
     if rng.randrange(5) == 0:
@@ -92,7 +168,9 @@ def mutated(raw: bytes, rng: random.Random) -> bytes:
 def test_every_refusal_of_a_mutated_document_names_a_line(seed, tmp_path, pytestconfig):
     configs = pytestconfig.rootpath / "configs"
     builders = [(p, build_structure) for p in sorted(configs.glob("*.yaml"))]
-    builders += [(p, build_motion) for p in sorted((configs / "motions").glob("*.yaml"))]
+    builders += [
+        (p, build_motion) for p in sorted((configs / "motions").glob("*.yaml"))
+    ]
     rng, refusals = random.Random(seed), []
     path = tmp_path / "f.yaml"
     for original, build in (rng.choice(builders) for _ in range(60)):
@@ -103,4 +181,8 @@ def test_every_refusal_of_a_mutated_document_names_a_line(seed, tmp_path, pytest
         except DocumentError as error:
             refusals.append(str(error))
     assert len(refusals) > 20
-    assert [r for r in refusals if not re.fullmatch(rf"{re.escape(str(path))}:[1-9]\d*:[1-9]\d*: .+", r)] == []
+    assert [
+        r
+        for r in refusals
+        if not re.fullmatch(rf"{re.escape(str(path))}:[1-9]\d*:[1-9]\d*: .+", r)
+    ] == []

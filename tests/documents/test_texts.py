@@ -1,4 +1,6 @@
-"""Bytes to text: the encodings of Windows, and files that hold no text, which are named and never quoted."""
+"""Bytes to text: the encodings of Windows, and files that hold no text, which are named
+and never quoted.
+"""
 
 import io
 import zipfile
@@ -13,7 +15,9 @@ from rocking_cli.fragility.measures import site_pulses
 TEXT = "kind;name;width [cm]\nblock;Säule ² µ;45\n"
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-32", "cp1252"])
+@pytest.mark.parametrize(
+    "encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-32", "cp1252"]
+)
 def test_a_text_is_read_in_the_encodings_of_windows(encoding):
     assert text_of("f.csv", TEXT.encode(encoding)) == TEXT
 
@@ -27,7 +31,10 @@ def archive(*names: str) -> bytes:
 
 
 NO_TEXTS = [
-    (archive("[Content_Types].xml", "xl/workbook.xml"), r"found an Excel workbook \(.xlsx\); expected a text: save it as CSV UTF-8"),
+    (
+        archive("[Content_Types].xml", "xl/workbook.xml"),
+        r"found an Excel workbook \(.xlsx\); expected a text: save it as CSV UTF-8",
+    ),
     (archive("word/document.xml"), r"a Word document \(.docx\)"),
     (archive("mimetype", "Index/Tables.iwa"), "a Numbers or Pages file"),
     (archive("a.csv"), "a zip archive; expected a text: unpack it"),

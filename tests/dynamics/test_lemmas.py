@@ -1,4 +1,6 @@
-"""The lemmas on which the march rests, each with what tries to break it; `rocking_cli.dynamics.lemmas` names the tests of the others."""
+"""The lemmas on which the march rests, each with what tries to break it;
+`rocking_cli.dynamics.lemmas` names the tests of the others.
+"""
 
 import math
 import re
@@ -21,48 +23,79 @@ from rocking_cli.dynamics.march.roots import hidden_turn
 from rocking_cli.motions import Motion, Piece, pulse, sine
 from rocking_cli.motions.biaxial import with_vertical
 
-RIGHT_UNEQUAL = Unequal(drive=(1.0, 0.8), omega=(1.0, 1.15), eta=(1.05, 0.6), rotation=(1.0, 1.0))
-CONTACTS = {"equal": (Symmetric(), 0.9), "unequal": (RIGHT_UNEQUAL, 0.9), "one side": (OneSided(), -0.6)}
+RIGHT_UNEQUAL = Unequal(
+    drive=(1.0, 0.8), omega=(1.0, 1.15), eta=(1.05, 0.6), rotation=(1.0, 1.0)
+)
+CONTACTS = {
+    "equal": (Symmetric(), 0.9),
+    "unequal": (RIGHT_UNEQUAL, 0.9),
+    "one side": (OneSided(), -0.6),
+}
 LINEAR = {"undamped": LinearEquation(), "damped": LinearEquation(0.3)}
 
 
 @dataclass
 class ClosedForm(Arrays):
-    """y - 1 as a sum of c exp(r tau), with complex rates and coefficients, (terms, lanes): both modes and the steady motion."""
+    """y - 1 as a sum of c exp(r tau), with complex rates and coefficients, (terms,
+    lanes): both modes and the steady motion.
+    """
 
     rates: np.ndarray
     coefficients: np.ndarray
     damping: float
 
     def at(self, h):
-        y, *more = (np.sum(self.coefficients * self.rates**n * np.exp(self.rates * h), axis=0).real for n in range(4))
+        y, *more = (
+            np.sum(
+                self.coefficients * self.rates**n * np.exp(self.rates * h), axis=0
+            ).real
+            for n in range(4)
+        )
         return Point(y + 1.0, *more)
 
 
 def flow(damping, y, v, a, rate, w):
-    """The linear arc from (y, v) under the outward drive a cos(w tau) + rate sin(w tau), one lane for each number."""
-    y, v, a, rate, w = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (y, v, a, rate, w)))
-    up, down = (-damping + sign * math.sqrt(1.0 + damping * damping) for sign in (1.0, -1.0))
+    """The linear arc from (y, v) under the outward drive a cos(w tau) + rate sin(w
+    tau), one lane for each number.
+    """
+    y, v, a, rate, w = np.broadcast_arrays(
+        *(np.asarray(x, dtype=float) for x in (y, v, a, rate, w))
+    )
+    up, down = (
+        -damping + sign * math.sqrt(1.0 + damping * damping) for sign in (1.0, -1.0)
+    )
     turns = 1j * w
-    steady = (a - 1j * rate) / (turns * turns + 2.0 * damping * turns - 1.0)  # of exp(i w tau); its real part counts
+    steady = (a - 1j * rate) / (
+        turns * turns + 2.0 * damping * turns - 1.0
+    )  # of exp(i w tau); its real part counts
     out, speed = y - 1.0 - steady.real, v - (steady * turns).real
     rising = (speed - down * out) / (up - down)
     rates = np.array([up + 0.0 * turns, down + 0.0 * turns, turns])
-    return ClosedForm(rates, np.array([rising + 0.0j, out - rising + 0.0j, steady]), damping)
+    return ClosedForm(
+        rates, np.array([rising + 0.0j, out - rising + 0.0j, steady]), damping
+    )
 
 
 def watched(damping, cells, low, high, seed):
-    """Random linear arcs sampled finely: (y, v, drive) of shape (samples, cells), for as long as the drive stays within (low, high)."""
+    """Random linear arcs sampled finely: (y, v, drive) of shape (samples, cells), for
+    as long as the drive stays within (low, high).
+    """
     random = np.random.default_rng(seed)
     y, v = random.uniform(0.0, 1.5, cells), random.uniform(-2.0, 1.5, cells)
     w = random.uniform(0.1, 6.0, cells)
-    size, phase = random.uniform(0.0, 4.0, cells), random.uniform(0.0, 2.0 * math.pi, cells)
+    size, phase = (
+        random.uniform(0.0, 4.0, cells),
+        random.uniform(0.0, 2.0 * math.pi, cells),
+    )
     arc = flow(damping, y, v, size * np.cos(phase), size * np.sin(phase), w)
     times = np.linspace(0.0, 4.0, 801)
     drive = size * np.cos(w * times[:, None] - phase)
     inside = np.logical_and.accumulate((drive > low) & (drive < high))
     points = [arc.at(np.full(cells, t)) for t in times]
-    y, v = (np.where(inside, np.array([getattr(p, name) for p in points]), np.nan) for name in ("y", "v"))
+    y, v = (
+        np.where(inside, np.array([getattr(p, name) for p in points]), np.nan)
+        for name in ("y", "v")
+    )
     return y, v, np.where(inside, drive, np.nan)
 
 
@@ -86,11 +119,18 @@ def test_lemma_2_under_a_supercritical_drive_there_is_one_minimum_at_most(dampin
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.05, 0.8])
-def test_lemma_3_a_drive_that_falls_and_then_rises_lets_the_body_turn_back_once(damping):
+def test_lemma_3_a_drive_that_falls_and_then_rises_lets_the_body_turn_back_once(
+    damping,
+):
     y, v, drive = watched(damping, 2400, -np.inf, 1.0, 3)
     change = np.sign(np.diff(drive, axis=0))
     rises_once = np.logical_or.accumulate(change > 0.0)
-    usable = np.vstack([np.ones(v.shape[1], dtype=bool), np.logical_and.accumulate(~(rises_once & (change < 0.0)))])
+    usable = np.vstack(
+        [
+            np.ones(v.shape[1], dtype=bool),
+            np.logical_and.accumulate(~(rises_once & (change < 0.0))),
+        ]
+    )
     peaks = (v[:-1] > 0.0) & (v[1:] <= 0.0) & usable[1:] & (y[1:] > 0.0)
     assert (peaks.sum(axis=0) == 1).sum() > 200
     assert peaks.sum(axis=0).max() == 1
@@ -99,26 +139,40 @@ def test_lemma_3_a_drive_that_falls_and_then_rises_lets_the_body_turn_back_once(
 @pytest.mark.parametrize("damping", [0.0, 0.05, 0.8])
 @pytest.mark.parametrize("depth", [1e-2, 1e-4, 1e-7])
 def test_lemma_4_finds_a_pair_of_turns_that_hides_between_two_ends(damping, depth):
-    """y' is made to dip to -depth (and, for the other answer, to +depth) inside a window whose drive rises all the way."""
+    """y' is made to dip to -depth (and, for the other answer, to +depth) inside a
+    window whose drive rises all the way.
+    """
     random = np.random.default_rng(4)
     for sign in (-1.0, 1.0):
         w = random.uniform(0.5, 2.0, 60)
         middle = random.uniform(0.2, 0.4, 60) / w
-        # From the bottom of the dip, v = sign depth and v' = 0, the flow runs both ways; backwards is forwards with -v, -zeta.
+        # From the bottom of the dip, v = sign depth and v' = 0, the flow runs both
+        # ways; backwards is forwards with -v, -zeta.
         y, rate = random.uniform(0.3, 0.9, 60), random.uniform(2.0, 4.0, 60)
         a = 1.0 - y + 2.0 * damping * sign * depth
         back = flow(-damping, y, -sign * depth, a, -rate, w).at(middle)
-        start = flow(damping, back.y, -back.v, a * np.cos(w * middle) - rate * np.sin(w * middle),
-                     rate * np.cos(w * middle) + a * np.sin(w * middle), w)  # fmt: skip
+        start = flow(
+            damping,
+            back.y,
+            -back.v,
+            a * np.cos(w * middle) - rate * np.sin(w * middle),
+            rate * np.cos(w * middle) + a * np.sin(w * middle),
+            w,
+        )
         assert np.all(-back.v > 0.0)
         found = hidden_turn(start, np.zeros(60), 2.0 * middle, 1.0)
         assert np.all(np.isfinite(found)) if sign < 0.0 else np.all(np.isnan(found))
 
 
 @pytest.mark.parametrize("cells", [800, pytest.param(4000, marks=pytest.mark.soak)])
-@pytest.mark.parametrize("equation", [*LINEAR.values(), RigidBodyEquation(0.3), RigidBodyEquation(0.5, damping=0.2)])
+@pytest.mark.parametrize(
+    "equation",
+    [*LINEAR.values(), RigidBodyEquation(0.3), RigidBodyEquation(0.5, damping=0.2)],
+)
 def test_lemma_6_no_drive_up_to_the_strongest_brings_back_what_is_lost(equation, cells):
-    """States on the very edge of what the lemma calls lost, then the worst drive, and random ones, in small Runge-Kutta steps."""
+    """States on the very edge of what the lemma calls lost, then the worst drive, and
+    random ones, in small Runge-Kutta steps.
+    """
     random = np.random.default_rng(6)
     e = random.uniform(0.0, 3.0, cells)
     y, v = random.uniform(0.0, 3.0, cells), random.uniform(0.0, 4.0, cells)
@@ -149,13 +203,24 @@ def _step(equation, y, v, a, h):
     k2 = rate(y + 0.5 * h * k1[0], v + 0.5 * h * k1[1])
     k3 = rate(y + 0.5 * h * k2[0], v + 0.5 * h * k2[1])
     k4 = rate(y + h * k3[0], v + h * k3[1])
-    return (x + h / 6.0 * (p + 2.0 * q + 2.0 * r + s) for x, p, q, r, s in zip((y, v), k1, k2, k3, k4, strict=True))
+    return (
+        x + h / 6.0 * (p + 2.0 * q + 2.0 * r + s)
+        for x, p, q, r, s in zip((y, v), k1, k2, k3, k4, strict=True)
+    )
 
 
 def ramp(rng):
-    """A monotone motion that passes from inside the uplift to beyond it, on either side."""
+    """A monotone motion that passes from inside the uplift to beyond it, on either
+    side.
+    """
     ends, sign = rng.uniform(-1.6, 1.6, 2), -1.0
-    return Motion("ramp", (Piece(0.0, 6.0, (), sign * 1.3, -0.2 * sign), Piece(6.0, 30.0, (), ends[0], (ends[1] - ends[0]) / 24.0)))
+    return Motion(
+        "ramp",
+        (
+            Piece(0.0, 6.0, (), sign * 1.3, -0.2 * sign),
+            Piece(6.0, 30.0, (), ends[0], (ends[1] - ends[0]) / 24.0),
+        ),
+    )
 
 
 @pytest.mark.parametrize("motions", [1, pytest.param(10, marks=pytest.mark.soak)])
@@ -167,58 +232,106 @@ def ramp(rng):
         pytest.param(LINEAR["damped"], 0.0, id="damped"),
         pytest.param(RigidBodyEquation(0.3, 1e-11), 0.0, id="rigid"),
         pytest.param(LINEAR["undamped"], 0.6, id="linear, upwards"),
-        pytest.param(LINEAR["damped"], 0.6, id="damped, upwards", marks=pytest.mark.soak),
+        pytest.param(
+            LINEAR["damped"], 0.6, id="damped, upwards", marks=pytest.mark.soak
+        ),
         pytest.param(RigidBodyEquation(0.3, 1e-11), 0.6, id="rigid, upwards"),
     ],
 )
-def test_lemma_7_a_summed_sequence_ends_before_anything_else_happens(name, equation, upwards, motions, monkeypatch):
-    """The same cells with every bounce marched through, down to speeds of 1e-9: the same outcome, and the same largest rotation."""
+def test_lemma_7_a_summed_sequence_ends_before_anything_else_happens(
+    name, equation, upwards, motions, monkeypatch
+):
+    """The same cells with every bounce marched through, down to speeds of 1e-9: the
+    same outcome, and the same largest rotation.
+    """
     contact, eta = CONTACTS[name]
     ends = type(contact).sequence_ends
     random = np.random.default_rng(7)
     closed = marched = 0
     for _ in range(motions):
-        motion = with_vertical(ramp(random), ramp(random), upwards) if upwards else ramp(random)
+        motion = (
+            with_vertical(ramp(random), ramp(random), upwards)
+            if upwards
+            else ramp(random)
+        )
         system = System(equation, contact, scale=0.3)
         amplitude, omega = random.uniform(0.85, 1.5, 12), random.uniform(0.5, 6.0, 12)
         summed = response(system, motion, amplitude, omega, eta)
         closed += summed.work.sequences_closed
-        run = Run(Batch.of(system, system.segments(motion), amplitude, omega, np.full(12, eta)), 12)
+        run = Run(
+            Batch.of(
+                system, system.segments(motion), amplitude, omega, np.full(12, eta)
+            ),
+            12,
+        )
         run.closings = [closing for closing in run.closings if closing.still]
         with monkeypatch.context() as patch:
-            patch.setattr(type(contact), "sequence_ends", lambda self, seg, lanes, law: ends(self, seg, lanes, law) & (lanes.v < 1e-9))
+            patch.setattr(
+                type(contact),
+                "sequence_ends",
+                lambda self, seg, lanes, law: (
+                    ends(self, seg, lanes, law) & (lanes.v < 1e-9)
+                ),
+            )
             run.all()
         assert run.outcome.tolist() == summed.outcome.tolist()
-        assert run.theta_ratio == pytest.approx(summed.theta_ratio, rel=1e-9, abs=1e-12, nan_ok=True)
+        assert run.theta_ratio == pytest.approx(
+            summed.theta_ratio, rel=1e-9, abs=1e-12, nan_ok=True
+        )
         marched += run.work.impacts - summed.work.impacts
     assert closed
     assert marched
 
 
-@pytest.mark.parametrize("motion", [sine(2), pulse("rectangular-impulse"), pulse("mavroeidis-papageorgiou")], ids=lambda m: m.name)
+@pytest.mark.parametrize(
+    "motion",
+    [sine(2), pulse("rectangular-impulse"), pulse("mavroeidis-papageorgiou")],
+    ids=lambda m: m.name,
+)
 def test_zero_damping_changes_no_bit_and_little_damping_little(motion):
     random = np.random.default_rng(8)
-    omega = random.uniform(1.0, 8.0, 200) * np.repeat([1.0, 10.0], [150, 50])  # as short as an impulse: the body rocks long after it
-    cells = random.uniform(1.0, 4.0, 200) * np.maximum(1.0, omega / 8.0), omega, random.uniform(0.3, 0.95, 200)
-    plain, none, little = (response(System(LinearEquation(*d)), motion, *cells) for d in ((), (0.0,), (1e-9,)))
+    omega = random.uniform(1.0, 8.0, 200) * np.repeat(
+        [1.0, 10.0], [150, 50]
+    )  # as short as an impulse: the body rocks long after it
+    cells = (
+        random.uniform(1.0, 4.0, 200) * np.maximum(1.0, omega / 8.0),
+        omega,
+        random.uniform(0.3, 0.95, 200),
+    )
+    plain, none, little = (
+        response(System(LinearEquation(*d)), motion, *cells)
+        for d in ((), (0.0,), (1e-9,))
+    )
     assert none.theta_ratio.tobytes() == plain.theta_ratio.tobytes()
     assert little.outcome.tolist() == plain.outcome.tolist()
     assert little.theta_ratio == pytest.approx(plain.theta_ratio, abs=1e-5, nan_ok=True)
 
 
 @pytest.mark.parametrize("inward", [0.0, 0.4, 3.0, 12.0])
-@pytest.mark.parametrize("equation", [LinearEquation(), RigidBodyEquation(0.2), RigidBodyEquation(0.6)], ids=["linear", "0.2", "0.6"])
-def test_lemma_6_calls_lost_what_has_the_speed_to_pass_the_barrier_and_no_less(equation, inward):
-    """The work against the strongest inward drive up to where the force turns outwards, by quadrature."""
+@pytest.mark.parametrize(
+    "equation",
+    [LinearEquation(), RigidBodyEquation(0.2), RigidBodyEquation(0.6)],
+    ids=["linear", "0.2", "0.6"],
+)
+def test_lemma_6_calls_lost_what_has_the_speed_to_pass_the_barrier_and_no_less(
+    equation, inward
+):
+    """The work against the strongest inward drive up to where the force turns outwards,
+    by quadrature.
+    """
 
     def force(y):
         return float(equation.force(np.array([y]), np.array([-inward]))[0])
 
-    summit = brentq(force, 0.0, min(1.2 * (1.0 + inward), equation.limit + 1.0), xtol=1e-15)
+    summit = brentq(
+        force, 0.0, min(1.2 * (1.0 + inward), equation.limit + 1.0), xtol=1e-15
+    )
     for y in (0.0, 0.3, 0.9):
         work = -quad(force, y, summit, epsabs=1e-14, epsrel=1e-13)[0]
         speed = math.sqrt(2.0 * work) * np.array([1.0 - 1e-10, 1.0 + 1e-10])
-        assert equation.certainly_overturns(np.full(2, y), speed, np.full(2, inward)).tolist() == [False, True]
+        assert equation.certainly_overturns(
+            np.full(2, y), speed, np.full(2, inward)
+        ).tolist() == [False, True]
 
 
 def stated():
@@ -229,8 +342,16 @@ def stated():
 
 def test_every_lemma_that_is_cited_is_stated():
     package = Path(lemmas.__file__).parents[1]
-    texts = [path.read_text() for room in ("dynamics", "envelopes") for path in (package / room).rglob("*.py")]
-    lists = [found for text in texts for found in re.findall(r"Lemmas?\s+(\d+(?:(?:,| and|, and)\s+\d+)*)", text)]
+    texts = [
+        path.read_text()
+        for room in ("dynamics", "envelopes")
+        for path in (package / room).rglob("*.py")
+    ]
+    lists = [
+        found
+        for text in texts
+        for found in re.findall(r"Lemmas?\s+(\d+(?:(?:,| and|, and)\s+\d+)*)", text)
+    ]
     cited = {int(number) for found in lists for number in re.findall(r"\d+", found)}
     assert cited == set(stated())
 
@@ -239,7 +360,10 @@ def test_every_lemma_that_is_cited_is_stated():
 def test_a_lemma_has_a_proof_and_a_test_that_exist(number):
     text = stated()[number]
     assert "Proof. " in text or number == 14  # whose statement is the proof
-    tests = re.findall(r"`([\w/.]+)::(\w+)`", re.search(r"^Test (.*)", text, flags=re.MULTILINE | re.DOTALL)[1])
+    tests = re.findall(
+        r"`([\w/.]+)::(\w+)`",
+        re.search(r"^Test (.*)", text, flags=re.MULTILINE | re.DOTALL)[1],
+    )
     assert tests
     here = Path(__file__).parent
     for path, name in tests:

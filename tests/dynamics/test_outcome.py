@@ -6,7 +6,9 @@ from rocking_cli import Outcome, overturned, safe
 
 
 def test_a_failed_or_missing_cell_is_neither_safe_nor_overturned():
-    assert {o.flag: (int(o), o.safe, o.overturned, o.mode) for o in Outcome} == {  # mode: the word of an envelope's interval
+    assert {
+        o.flag: (int(o), o.safe, o.overturned, o.mode) for o in Outcome
+    } == {  # mode: the word of an envelope's interval
         "not_computed": (0, False, False, "not_computed"),
         "no_uplift": (1, True, False, "no_uplift"),
         "rocked": (2, True, False, "rocked"),

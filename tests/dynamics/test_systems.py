@@ -1,4 +1,6 @@
-"""Bodies of every kind against an integration that shares no code with the package, on arrays and, under records, one at a time."""
+"""Bodies of every kind against an integration that shares no code with the package, on
+arrays and, under records, one at a time.
+"""
 
 import math
 from functools import partial
@@ -17,46 +19,118 @@ ERROR = 1e-10  # of theta/alpha where the cell's condition is 1 or less: ten tol
 
 
 FEW = [(0.0, False, 6, 1), (0.8, False, 2, 1), (0.0, True, 2, 1), (0.5, True, 1, 1)]
-MANY = [(0.0, False, 2000, 2), (0.8, False, 500, 2), (0.0, True, 500, 2), (0.5, True, 200, 2)]
+MANY = [
+    (0.0, False, 2000, 2),
+    (0.8, False, 500, 2),
+    (0.0, True, 500, 2),
+    (0.5, True, 200, 2),
+]
 
 
-@pytest.mark.parametrize(("share", "recorded", "count", "seed"), [*FEW, *(pytest.param(*x, marks=pytest.mark.soak) for x in MANY)])
+@pytest.mark.parametrize(
+    ("share", "recorded", "count", "seed"),
+    [*FEW, *(pytest.param(*x, marks=pytest.mark.soak) for x in MANY)],
+)
 @pytest.mark.parametrize("model", ["linear", "nonlinear"])
-@pytest.mark.parametrize("kind", [kind + damped for kind in ("symmetric", "unequal", "one-sided") for damped in ("", " damped")])
-def test_a_body_answers_as_an_independent_integration(kind, model, share, recorded, count, seed):
+@pytest.mark.parametrize(
+    "kind",
+    [
+        kind + damped
+        for kind in ("symmetric", "unequal", "one-sided")
+        for damped in ("", " damped")
+    ],
+)
+def test_a_body_answers_as_an_independent_integration(
+    kind, model, share, recorded, count, seed
+):
     """Outcomes are equal where they are certain."""
-    random, method, sensitive, asked, seen = np.random.default_rng(seed), Method(model, 1e-11), 0, 0, set()
+    random, method, sensitive, asked, seen = (
+        np.random.default_rng(seed),
+        Method(model, 1e-11),
+        0,
+        0,
+        set(),
+    )
     while asked < count:
-        structure, body, _ = drawn(f"{kind} {model}", random, (0.08, 0.4), (0.3, 0.98), 0.4, (0.01, 0.05, 0.2, 0.6))
-        motion, amplitude, omega = shaken(random, structure, (share,), (0.8, 7.0), recorded)
-        amplitude = 1.0 + 10.0 ** random.uniform(-3.0, -0.5) if random.random() < 0.2 else amplitude
+        structure, body, _ = drawn(
+            f"{kind} {model}",
+            random,
+            (0.08, 0.4),
+            (0.3, 0.98),
+            0.4,
+            (0.01, 0.05, 0.2, 0.6),
+        )
+        motion, amplitude, omega = shaken(
+            random, structure, (share,), (0.8, 7.0), recorded
+        )
+        amplitude = (
+            1.0 + 10.0 ** random.uniform(-3.0, -0.5)
+            if random.random() < 0.2
+            else amplitude
+        )
         up = 0.0 if motion.vertical is None else motion.vertical.largest
-        if up * float(structure.ground_acceleration(amplitude)) > 0.95 * structure.gravity:
+        if (
+            up * float(structure.ground_acceleration(amplitude))
+            > 0.95 * structure.gravity
+        ):
             continue  # the ground may fall away
         asked, shaking = asked + 1, shaking_of(structure, motion, amplitude, omega)
         answer, condition = integrate(body, shaking), None
         for respond in (response, response_alone) if recorded else (response,):
-            found = respond(method.system_of(structure)._replace(body=None), motion, amplitude, omega, structure.eta)
+            found = respond(
+                method.system_of(structure)._replace(body=None),
+                motion,
+                amplitude,
+                omega,
+                structure.eta,
+            )
             same = Outcome(int(found.outcome)).flag == answer.outcome
-            gap = abs(answer.rotation - float(found.theta_ratio)) if same and not math.isnan(answer.rotation) else 0.0
+            gap = (
+                abs(answer.rotation - float(found.theta_ratio))
+                if same and not math.isnan(answer.rotation)
+                else 0.0
+            )
             if same and gap <= ERROR:
                 continue
             condition = conditioning(body, shaking) if condition is None else condition
-            assert gap <= ERROR * condition if same else math.isinf(condition), (kind, model, motion.name, amplitude, omega, structure)
+            assert gap <= ERROR * condition if same else math.isinf(condition), (
+                kind,
+                model,
+                motion.name,
+                amplitude,
+                omega,
+                structure,
+            )
         sensitive += condition is not None
         seen.add(answer.outcome)
-    assert sensitive <= max(1.0, 0.01 * count)  # those that are only as sure as their condition allows
+    assert sensitive <= max(
+        1.0, 0.01 * count
+    )  # those that are only as sure as their condition allows
     assert len(seen) > 1 or count < 6
 
 
 def test_a_one_sided_body_rocks_like_a_free_one_up_to_its_first_impact():
     """Its backing plays no part before, and afterwards it never passes it."""
     free = RockingParameters("wall", "block", 1.35, 0.149, 0.9, math.tan(0.149), 1.0)
-    wall = RockingParameters("wall", "block", 1.35, 0.149, -0.43667308, math.tan(0.149), 1.0, one_sided=True)
+    wall = RockingParameters(
+        "wall", "block", 1.35, 0.149, -0.43667308, math.tan(0.149), 1.0, one_sided=True
+    )
     for model in ("linear", "nonlinear"):
-        both, one = (history(Method(model, 1e-11).system_of(s), sine().scaled(-1.0), 2.5, 4.0, s.eta, duration=20.0) for s in (free, wall))
+        both, one = (
+            history(
+                Method(model, 1e-11).system_of(s),
+                sine().scaled(-1.0),
+                2.5,
+                4.0,
+                s.eta,
+                duration=20.0,
+            )
+            for s in (free, wall)
+        )
         end = next(e.tau for e in one.events if e.event == "impact")
-        assert end == pytest.approx(next(e.tau for e in both.events if e.event == "impact"), rel=1e-12, abs=0)
+        assert end == pytest.approx(
+            next(e.tau for e in both.events if e.event == "impact"), rel=1e-12, abs=0
+        )
         times = np.linspace(0.0, end, 200, endpoint=False)
         assert one.at(times)[0].tolist() == both.at(times)[0].tolist()
         after = np.linspace(end, one.end, 500)[1:]

@@ -1,4 +1,6 @@
-"""Approximate scans of amplitudes: where they fall, as the march does, and what they do not depend on."""
+"""Approximate scans of amplitudes: where they fall, as the march does, and what they do
+not depend on.
+"""
 
 from itertools import cycle
 
@@ -12,14 +14,26 @@ from rocking_cli.dynamics.outcome import safe
 from rocking_cli.envelopes.scan import Scan, follow
 
 NAMES = [name for name in SYSTEMS if name != "an arch"]
-SCANNED = {"a step a sample": shaken(noise(100, 0.06, 4), 0.06), "five samples a step": shaken(noise(600, 0.01, 9), 0.01)}
+SCANNED = {
+    "a step a sample": shaken(noise(100, 0.06, 4), 0.06),
+    "five samples a step": shaken(noise(600, 0.01, 9), 0.01),
+}
 
 
-@pytest.mark.parametrize(("name", "motion"), list(zip(NAMES, cycle(SCANNED), strict=False)))
+@pytest.mark.parametrize(
+    ("name", "motion"), list(zip(NAMES, cycle(SCANNED), strict=False))
+)
 def test_a_scan_falls_as_the_march_but_next_to_boundaries(name, motion):
     (system, eta), motion = SYSTEMS[name], SCANNED[motion]
     amplitude = np.geomspace(1.01, 4.0, 150) * system.least_uplift(motion)
-    near = response(system, motion, np.outer([1.0 - 2e-4, 1.0, 1.0 + 2e-4], amplitude), 0.4, eta, peaks=False)
+    near = response(
+        system,
+        motion,
+        np.outer([1.0 - 2e-4, 1.0, 1.0 + 2e-4], amplitude),
+        0.4,
+        eta,
+        peaks=False,
+    )
     falls = ~safe(near.outcome)
     settled = falls.all(axis=0) | ~falls.any(axis=0)
     found = ~safe(Scan(system, motion, 0.4, eta).outcomes(amplitude))
@@ -27,18 +41,36 @@ def test_a_scan_falls_as_the_march_but_next_to_boundaries(name, motion):
     assert np.mean((found != falls[1])[settled]) < 0.015
 
 
-@pytest.mark.parametrize("name", ["a body on one side", "a damped body of unlike edges", "the oscillator", "the damped oscillator"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "a body on one side",
+        "a damped body of unlike edges",
+        "the oscillator",
+        "the damped oscillator",
+    ],
+)
 def test_a_scan_ends_where_a_sample_just_reaches_the_uplift(name):
     system, eta = SYSTEMS[name]
     motion = SCANNED["a step a sample"]
     for fine in (False, True):
         scan = Scan(system, motion, 0.4, eta, fine=fine)
-        amplitude = np.unique([x for edge in scan.edges for x in 1.0 / (edge.drive * scan.lines.s[scan.lines.s != 0.0]) if 0.0 < x < 20.0])
+        amplitude = np.unique(
+            [
+                x
+                for edge in scan.edges
+                for x in 1.0 / (edge.drive * scan.lines.s[scan.lines.s != 0.0])
+                if 0.0 < x < 20.0
+            ]
+        )
         assert amplitude.size > 20
         assert np.all(scan.outcomes(amplitude) != Outcome.FAILED)
 
 
-@pytest.mark.parametrize("name", ["a body", "the oscillator", "a damped body of unlike edges", "a body on one side"])
+@pytest.mark.parametrize(
+    "name",
+    ["a body", "the oscillator", "a damped body of unlike edges", "a body on one side"],
+)
 def test_a_close_scan_has_the_outcomes_of_the_march(name):
     system, eta = SYSTEMS[name]
     motion = SCANNED["a step a sample"]
@@ -46,14 +78,33 @@ def test_a_close_scan_has_the_outcomes_of_the_march(name):
     expected = response(system, motion, amplitude, 0.4, eta, peaks=False).outcome
     expected[expected == Outcome.NO_UPLIFT] = Outcome.ROCKED
     assert np.unique(expected).size >= 2
-    assert np.mean(Scan(system, motion, 0.4, eta, fine=True).outcomes(amplitude) != expected) < 0.005
+    assert (
+        np.mean(
+            Scan(system, motion, 0.4, eta, fine=True).outcomes(amplitude) != expected
+        )
+        < 0.005
+    )
 
 
 def test_no_fall_depends_on_the_bodies_and_the_motions_that_are_scanned_with_it():
-    cases = [(SYSTEMS[name][0], SCANNED[motion], 0.4, SYSTEMS[name][1]) for name, motion in zip(NAMES, cycle(SCANNED), strict=False)]
-    cases += [(System(RigidBodyEquation(alpha), scale=alpha), SCANNED["a step a sample"], 0.4, 0.9) for alpha in (0.1, 0.3)]
+    cases = [
+        (SYSTEMS[name][0], SCANNED[motion], 0.4, SYSTEMS[name][1])
+        for name, motion in zip(NAMES, cycle(SCANNED), strict=False)
+    ]
+    cases += [
+        (
+            System(RigidBodyEquation(alpha), scale=alpha),
+            SCANNED["a step a sample"],
+            0.4,
+            0.9,
+        )
+        for alpha in (0.1, 0.3)
+    ]
     together = [Scan(*case) for case in cases]
-    amplitudes = [np.geomspace(1.01, 4.0, 12 + i) * case[0].least_uplift(case[1]) for i, case in enumerate(cases)]
+    amplitudes = [
+        np.geomspace(1.01, 4.0, 12 + i) * case[0].least_uplift(case[1])
+        for i, case in enumerate(cases)
+    ]
     follow(together, amplitudes)
     for scan, case, amplitude in zip(together, cases, amplitudes, strict=True):
         assert scan.known[1].tolist() == Scan(*case).outcomes(amplitude).tolist()

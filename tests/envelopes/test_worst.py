@@ -1,4 +1,6 @@
-"""A minimum of the first overturning amplitude inside the range of frequencies, against a raster of an independent integration."""
+"""A minimum of the first overturning amplitude inside the range of frequencies, against
+a raster of an independent integration.
+"""
 
 from __future__ import annotations
 
@@ -6,23 +8,39 @@ import numpy as np
 import pytest
 from support.references import answers
 
-from rocking_cli import dimensionless_oscillator, linear_response, overturned, parse_grid, pulse
+from rocking_cli import (
+    dimensionless_oscillator,
+    linear_response,
+    overturned,
+    parse_grid,
+    pulse,
+)
 from rocking_cli.envelopes.intervals import trace_envelope
 from rocking_cli.envelopes.worst import at_worst_frequency
 
 
 @pytest.mark.soak
 def test_a_minimum_inside_the_range_is_found_between_the_points_of_the_scan():
-    """The tongue of two cycles of a cosine ends at Omega = 3.03; its lowest point is near 3.015. Nothing on the raster falls below it."""
+    """The tongue of two cycles of a cosine ends at Omega = 3.03; its lowest point is
+    near 3.015. Nothing on the raster falls below it.
+    """
     oscillator, motion = dimensionless_oscillator(0.7), pulse("cosine", cycles=2)
     low, high = (parse_grid(f"A=3.5,Omega={omega}") for omega in (2.85, 3.1))
     grid = at_worst_frequency(oscillator, motion, low, high, 4.0).grid
     omega = float(grid.frequency.values[0])
     assert 3.0 < omega < 3.03
-    first, *around = (trace_envelope(oscillator, motion, [omega + d], a_max=4.0, workers=1)[0].a_from for d in (0.0, -1e-3, 1e-3))
+    first, *around = (
+        trace_envelope(oscillator, motion, [omega + d], a_max=4.0, workers=1)[0].a_from
+        for d in (0.0, -1e-3, 1e-3)
+    )
     assert first < min(around)
-    raster = np.meshgrid(np.linspace(1.001, first * 0.997, 40), np.linspace(2.85, 3.1, 11))
-    cells = [np.append(x, there) for x, there in zip(raster, (first * 1.003, omega), strict=True)]
+    raster = np.meshgrid(
+        np.linspace(1.001, first * 0.997, 40), np.linspace(2.85, 3.1, 11)
+    )
+    cells = [
+        np.append(x, there)
+        for x, there in zip(raster, (first * 1.003, omega), strict=True)
+    ]
     outcome, _, _ = answers(motion, *cells, np.full(cells[0].size, 0.7))
     assert overturned(outcome).tolist() == [False] * (outcome.size - 1) + [True]
     assert first == pytest.approx(3.351, abs=1e-3)
@@ -31,10 +49,16 @@ def test_a_minimum_inside_the_range_is_found_between_the_points_of_the_scan():
 @pytest.mark.soak
 @pytest.mark.parametrize(("demand", "falls"), [(3.349, False), (3.353, True)])
 def test_outcomes_alone_find_the_tongue_between_the_points_of_their_scan(demand, falls):
-    """At the points of the scan, 3.0, 3.04 and 3.08, the body stands under both demands."""
+    """At the points of the scan, 3.0, 3.04 and 3.08, the body stands under both
+    demands.
+    """
     oscillator, motion = dimensionless_oscillator(0.7), pulse("cosine", cycles=2)
     low, high = (parse_grid(f"A={demand},Omega={omega}") for omega in (3.0, 3.08))
     scan = linear_response(motion, demand, np.geomspace(3.0, 3.08, 3), 0.7)
     assert not overturned(scan.outcome).any()
-    omega = float(at_worst_frequency(oscillator, motion, low, high, None).grid.frequency.values[0])
-    assert bool(overturned(linear_response(motion, demand, omega, 0.7).outcome)) == falls
+    omega = float(
+        at_worst_frequency(oscillator, motion, low, high, None).grid.frequency.values[0]
+    )
+    assert (
+        bool(overturned(linear_response(motion, demand, omega, 0.7).outcome)) == falls
+    )

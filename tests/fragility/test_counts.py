@@ -34,21 +34,37 @@ def test_counts_with_a_hazard_curve_have_the_annual_rate_of_their_curve(tmp_path
     hazard = HazardCurve([0.2, 1.0, 4.0, 9.0], [0.1, 0.02, 1e-3, 1e-5])
     fit = fit_counts(read_counts(tmp_path / "c.csv"), Resampling(50), hazard=hazard)
     assert fit.rate is not None
-    assert fit.rate.annual == pytest.approx(annual_rate(fit.curve.median, fit.curve.beta, hazard), rel=1e-12)
+    assert fit.rate.annual == pytest.approx(
+        annual_rate(fit.curve.median, fit.curve.beta, hazard), rel=1e-12
+    )
     assert fit.rate.low < fit.rate.annual < fit.rate.high
 
 
 REFUSED = [
-    ("im,n,z\n0.5,1,0.1\n", "c.csv, line 2: z: found '0.1'; expected a whole number of motions, from 0"),
-    ("im,n,z\n0.5,9.5,1\n", "line 2: n: found '9.5'; expected a whole number of motions, from 1"),
-    ("im,n,z\n0.5,0,0\n", "line 2: n: found '0'; expected a whole number of motions, from 1"),
+    (
+        "im,n,z\n0.5,1,0.1\n",
+        "c.csv, line 2: z: found '0.1'; expected a whole number of motions, from 0",
+    ),
+    (
+        "im,n,z\n0.5,9.5,1\n",
+        "line 2: n: found '9.5'; expected a whole number of motions, from 1",
+    ),
+    (
+        "im,n,z\n0.5,0,0\n",
+        "line 2: n: found '0'; expected a whole number of motions, from 1",
+    ),
     ("im,n,z\n0.5,9,-1\n", "line 2: z: found '-1'; expected a whole number"),
     ("im,n,z\n0.5,9,1\n0.6,9,10\n", "line 3: z: found 10 of n = 9 motions"),
     ("im [g],n,z\n0.5,9,nan\n", "line 2: z: found 'nan'; expected a number"),
     ("im,n,z\n0.5 g,9,1\n0.7,9,2\n", "line 3: im: found the level 0.7 without a unit"),
-    ("period,n,z\n0.5,9,1\n", "line 1: found the column period; expected im, or the name of a measure"),
+    (
+        "period,n,z\n0.5,9,1\n",
+        "line 1: found the column period; expected im, or the name of a measure",
+    ),
 ]
-test_counts_that_are_none_are_refused = refuses(read_counts, DocumentError, REFUSED, file="c.csv")
+test_counts_that_are_none_are_refused = refuses(
+    read_counts, DocumentError, REFUSED, file="c.csv"
+)
 
 
 def test_levels_must_be_of_the_measure_of_the_hazard_curve(tmp_path):
@@ -66,10 +82,46 @@ def test_levels_must_be_of_the_measure_of_the_hazard_curve(tmp_path):
 
 def test_the_command_gives_the_annual_rate_and_writes_the_file(rocking, tmp_path):
     (tmp_path / "c.csv").write_text(FORMS[0])
-    call = ("fragility", "--counts", "c.csv", "--hazard", "configs/hazard.csv", "--bootstrap", "50")
-    (row,) = rocking(*call, "--limit", "overturning", "--standing", "1000yr", "--export", "openquake", "-o", "f.xml", "--json").records
+    call = (
+        "fragility",
+        "--counts",
+        "c.csv",
+        "--hazard",
+        "configs/hazard.csv",
+        "--bootstrap",
+        "50",
+    )
+    (row,) = rocking(
+        *call,
+        "--limit",
+        "overturning",
+        "--standing",
+        "1000yr",
+        "--export",
+        "openquake",
+        "-o",
+        "f.xml",
+        "--json",
+    ).records
     assert row["annual_rate_low"] < row["annual_rate"] < row["annual_rate_high"]
-    assert (row["im"], row["limit_state"], row["rejected"]) == ("PGA", "overturning", pytest.approx(1 - np.exp(-1e3 * row["annual_rate"])))
+    assert (row["im"], row["limit_state"], row["rejected"]) == (
+        "PGA",
+        "overturning",
+        pytest.approx(1 - np.exp(-1e3 * row["annual_rate"])),
+    )
     assert '<params ls="overturning"' in (tmp_path / "f.xml").read_text()
-    assert rocking("fragility", "--counts", "c.csv", "--export", "pelicun", "-o", "f.csv", "--bootstrap", "0").returncode == 0
+    assert (
+        rocking(
+            "fragility",
+            "--counts",
+            "c.csv",
+            "--export",
+            "pelicun",
+            "-o",
+            "f.csv",
+            "--bootstrap",
+            "0",
+        ).returncode
+        == 0
+    )
     assert rocking(*call, "--im", "PGV").returncode == 3

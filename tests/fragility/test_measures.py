@@ -1,4 +1,6 @@
-"""Measures of pulses and structures: closed forms; site pulses and what is wrong with them."""
+"""Measures of pulses and structures: closed forms; site pulses and what is wrong with
+them.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,14 @@ from support.refusals import refuses
 from support.synthetic_records import pulsed, recorded
 
 from rocking_cli import DocumentError, UsageError, pulse, sine
-from rocking_cli.fragility.measures import MEASURES, compared, measure_of, members_of, pulse_intensity, site_pulses
+from rocking_cli.fragility.measures import (
+    MEASURES,
+    compared,
+    measure_of,
+    members_of,
+    pulse_intensity,
+    site_pulses,
+)
 from rocking_cli.motions.response_spectra import mean_acceleration
 
 BLOCK = built("kind: block\nwidth: 0.5\nheight: 2")
@@ -19,11 +28,29 @@ RECORDING = recorded(wave(300, 3.0), 0.02, factor=-2.0)
 
 def test_the_measures_of_pulses_are_their_closed_forms():
     a, w, t = 3.0, 8.0, 2 * np.pi / 8.0
-    sines = (a, 2 * a / w, 2 * np.pi * a / w**2, np.pi / (2 * 9.81) * a * a * np.pi / w, 4 * a / w)
-    boxes = (a, a * t, a * t * t / 2 + a * t * t, np.pi / (2 * 9.81) * (a * a * t + 0.25 * a * a * 2 * t), a * t + 0.5 * a * 2 * t)
+    sines = (
+        a,
+        2 * a / w,
+        2 * np.pi * a / w**2,
+        np.pi / (2 * 9.81) * a * a * np.pi / w,
+        4 * a / w,
+    )
+    boxes = (
+        a,
+        a * t,
+        a * t * t / 2 + a * t * t,
+        np.pi / (2 * 9.81) * (a * a * t + 0.25 * a * a * 2 * t),
+        a * t + 0.5 * a * 2 * t,
+    )
     for motion, closed in ((sine(), sines), (pulse("rectangular-impulse"), boxes)):
         found = pulse_intensity(motion, a, w)
-        assert (found.pga, found.pgv, found.pgd, found.arias, found.cav) == pytest.approx(closed, rel=1e-6, abs=0)
+        assert (
+            found.pga,
+            found.pgv,
+            found.pgd,
+            found.arias,
+            found.cav,
+        ) == pytest.approx(closed, rel=1e-6, abs=0)
 
 
 def test_measures_of_a_structure_are_dimensionless():
@@ -32,11 +59,15 @@ def test_measures_of_a_structure_are_dimensionless():
     g, tan = 9.81, 0.25
     assert values["nPGA"] == pytest.approx(3.0 / (tan * g), rel=1e-12)
     assert values["nPGV"] == pytest.approx(BLOCK.p * (6.0 / 8.0) / (g * tan), rel=1e-6)
-    assert values["nPGD"] == pytest.approx(BLOCK.p**2 * (6.0 * np.pi / 64.0) / (g * tan), rel=1e-6)
+    assert values["nPGD"] == pytest.approx(
+        BLOCK.p**2 * (6.0 * np.pi / 64.0) / (g * tan), rel=1e-6
+    )
 
 
 def test_site_pulses_have_units_weights_and_shapes(tmp_path):
-    (tmp_path / "p.csv").write_text("a_g,T_g,weight,pulse\n0.3 g,0.5 s,1,\n2.0,0.8,3,rectangular\n")
+    (tmp_path / "p.csv").write_text(
+        "a_g,T_g,weight,pulse\n0.3 g,0.5 s,1,\n2.0,0.8,3,rectangular\n"
+    )
     one, two = site_pulses(tmp_path / "p.csv")
     assert (one.acceleration, two.acceleration) == pytest.approx((0.3 * 9.81, 2.0))
     assert (one.omega, two.omega) == pytest.approx((4 * np.pi, 2.5 * np.pi))
@@ -54,7 +85,9 @@ REFUSED = [
     ("a_g,f_g\n", "holds no pulse"),
     ("", "line 1: found the columns none; expected a_g"),
 ]
-test_wrong_tables_are_refused_with_their_place = refuses(site_pulses, DocumentError, REFUSED, file="p.csv")
+test_wrong_tables_are_refused_with_their_place = refuses(
+    site_pulses, DocumentError, REFUSED, file="p.csv"
+)
 
 
 def test_unknown_measures_and_those_that_a_motion_lacks_are_refused():
@@ -67,13 +100,23 @@ def test_unknown_measures_and_those_that_a_motion_lacks_are_refused():
 def test_spectral_measures_are_of_records_only():
     (member,) = members_of([RECORDING])
     measure = measure_of("avgsa(0.5,1)")
-    assert (measure.name, measure.dimension, measure.power) == ("AvgSA(0.5,1)", "acceleration", 1.0)
-    assert member.measured(measure, BLOCK) == pytest.approx(2.0 * mean_acceleration(RECORDING.record, np.array([0.5, 1.0])), rel=1e-14)
-    with pytest.raises(UsageError, match=r"found AvgSA\(0.5,1\) of a pulse; expected a record"):
+    assert (measure.name, measure.dimension, measure.power) == (
+        "AvgSA(0.5,1)",
+        "acceleration",
+        1.0,
+    )
+    assert member.measured(measure, BLOCK) == pytest.approx(
+        2.0 * mean_acceleration(RECORDING.record, np.array([0.5, 1.0])), rel=1e-14
+    )
+    with pytest.raises(
+        UsageError, match=r"found AvgSA\(0.5,1\) of a pulse; expected a record"
+    ):
         pulsed(sine(), 1.0, 1.0).measured(measure, BLOCK)
 
 
 def test_the_efficiency_of_spectral_measures_is_compared_under_records():
     names = [m.name for m in compared(members_of([RECORDING]), measure_of("SA(0.3)"))]
     assert names == [*MEASURES, "SA(0.5)", "SA(1)", "SA(2)", "AvgSA(1)", "SA(0.3)"]
-    assert [m.name for m in compared([pulsed(sine(), 1.0, 1.0)], MEASURES["PGA"])] == [*MEASURES]
+    assert [m.name for m in compared([pulsed(sine(), 1.0, 1.0)], MEASURES["PGA"])] == [
+        *MEASURES
+    ]

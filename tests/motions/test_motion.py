@@ -1,4 +1,6 @@
-"""Motions: values, monotone segments and their turning points, segments of many sinusoids as polynomials, and what is refused."""
+"""Motions: values, monotone segments and their turning points, segments of many
+sinusoids as polynomials, and what is refused.
+"""
 
 import math
 from functools import partial
@@ -17,19 +19,33 @@ from rocking_cli.motions.motion import extremes
 
 def test_sine_and_cosine_are_cut_at_their_extremes_without_rounding():
     segments = sine(1).segments
-    np.testing.assert_allclose(segments.start, [0, math.pi / 2, 3 * math.pi / 2], rtol=1e-15)
+    np.testing.assert_allclose(
+        segments.start, [0, math.pi / 2, 3 * math.pi / 2], rtol=1e-15
+    )
     assert segments.s_start.tolist() == [0, 1, -1]
     assert segments.s_end.tolist() == [1, -1, 0]
     long = cosine(10_000).segments
     assert set(np.abs(long.s_start)) == {1.0}
     assert (len(long), long.later_max[-1], long.later_min[-1]) == (20_000, 1.0, -1.0)
-    for motion in (cosine(5), cosine(10_000), sine(300.5)):  # half cycles, which no difference of two phases rounds
+    for motion in (
+        cosine(5),
+        cosine(10_000),
+        sine(300.5),
+    ):  # half cycles, which no difference of two phases rounds
         assert set(motion.segments.length[1:-1]) == {math.pi}
-    assert cosine(1).value(np.array([-0.1, 0.0, 1.0, 6.2, 6.3])).tolist() == [0.0, 1.0, math.cos(1.0), math.cos(6.2), 0.0]
+    assert cosine(1).value(np.array([-0.1, 0.0, 1.0, 6.2, 6.3])).tolist() == [
+        0.0,
+        1.0,
+        math.cos(1.0),
+        math.cos(6.2),
+        0.0,
+    ]
 
 
 test_cycles_must_be_half_cycles = refuses(
-    sine, MotionError, [(cycles, "positive multiple") for cycles in (0, -1, 0.3, 1e9, math.nan, math.inf)]
+    sine,
+    MotionError,
+    [(cycles, "positive multiple") for cycles in (0, -1, 0.3, 1e9, math.nan, math.inf)],
 )
 REFUSED = [
     ((), "no pieces"),
@@ -50,8 +66,11 @@ def test_two_extremes_close_together_are_both_found(apart):
     """s' = cos(phi - c) - cos(d/2) is positive for |phi - c| < d/2 only."""
     piece = Piece(0.0, 6.0, (Harmonic(1.0, 1.0, -AT),), 0.0, -math.cos(apart / 2))
     found = extremes(piece)
-    # A rate of rounding 1e-16 over its slope d/2 there; the cosine rounds its own roots by 1e-16 / d too.
-    assert found == pytest.approx([AT - apart / 2, AT + apart / 2], abs=1e-15 / apart + 1e-15)
+    # A rate of rounding 1e-16 over its slope d/2 there; the cosine rounds its own roots
+    # by 1e-16 / d too.
+    assert found == pytest.approx(
+        [AT - apart / 2, AT + apart / 2], abs=1e-15 / apart + 1e-15
+    )
     segments = Motion("two", (piece,)).segments
     rise = (segments.s_end - segments.s_start)[1]
     assert rise == pytest.approx(apart**3 / 12.0, rel=1e-3, abs=2e-15)
@@ -59,11 +78,22 @@ def test_two_extremes_close_together_are_both_found(apart):
 
 
 def test_a_double_extreme_is_none_and_a_triple_one_is_one():
-    """s' = 1 - cos(phi - c) touches zero: s rises throughout; s' = sin^3(phi - c) = (3 sin - sin 3)/4 crosses it with no slope."""
+    """s' = 1 - cos(phi - c) touches zero: s rises throughout; s' = sin^3(phi - c) = (3
+    sin - sin 3)/4 crosses it with no slope.
+    """
     for at in (0.5, AT, 3.0):
         assert extremes(Piece(0.0, 6.0, (Harmonic(-1.0, 1.0, -at),), 0.0, 1.0)) == []
-    piece = Piece(0.0, 4.0, (Harmonic(-0.75, 1.0, math.pi / 2 - AT), Harmonic(1.0 / 12.0, 3.0, math.pi / 2 - 3.0 * AT)))
-    assert extremes(piece) == pytest.approx([AT], abs=1e-5)  # the cube root of its rounding
+    piece = Piece(
+        0.0,
+        4.0,
+        (
+            Harmonic(-0.75, 1.0, math.pi / 2 - AT),
+            Harmonic(1.0 / 12.0, 3.0, math.pi / 2 - 3.0 * AT),
+        ),
+    )
+    assert extremes(piece) == pytest.approx(
+        [AT], abs=1e-5
+    )  # the cube root of its rounding
 
 
 @given(
@@ -72,8 +102,14 @@ def test_a_double_extreme_is_none_and_a_triple_one_is_one():
     st.floats(-0.5, 0.5),
 )
 def test_every_root_of_the_rate_is_found(amplitudes, phases, slope):
-    """With frequencies 1 ... 6 and z = exp(i phi) the rate is a polynomial in z over z^6: its roots of modulus one are the extremes."""
-    harmonics = tuple(Harmonic(c, float(n), f) for n, (c, f) in enumerate(zip(amplitudes, phases, strict=True), 1) if abs(c) > 1e-3)
+    """With frequencies 1 ... 6 and z = exp(i phi) the rate is a polynomial in z over
+    z^6: its roots of modulus one are the extremes.
+    """
+    harmonics = tuple(
+        Harmonic(c, float(n), f)
+        for n, (c, f) in enumerate(zip(amplitudes, phases, strict=True), 1)
+        if abs(c) > 1e-3
+    )
     if not harmonics:
         return
     piece = Piece(0.0, 2.0 * math.pi, harmonics, 0.0, slope)
@@ -81,23 +117,47 @@ def test_every_root_of_the_rate_is_found(amplitudes, phases, slope):
     polynomial[6] = slope
     for h in harmonics:
         n = int(h.frequency)
-        polynomial[6 - n] += 0.5 * h.amplitude * n * np.exp(1j * h.phase)  # highest power first
+        polynomial[6 - n] += (
+            0.5 * h.amplitude * n * np.exp(1j * h.phase)
+        )  # highest power first
         polynomial[6 + n] += 0.5 * h.amplitude * n * np.exp(-1j * h.phase)
     roots = np.roots(np.trim_zeros(polynomial))
-    circle = np.sort(np.angle(roots[np.abs(np.abs(roots) - 1.0) < 1e-9]) % (2.0 * math.pi))
+    circle = np.sort(
+        np.angle(roots[np.abs(np.abs(roots) - 1.0) < 1e-9]) % (2.0 * math.pi)
+    )
     close = np.abs(np.abs(roots) - 1.0) < 1e-3
-    apart = np.abs(roots[close, None] - roots[None, close])[~np.eye(int(close.sum()), dtype=bool)]
-    if (close.sum() != circle.size) or (apart < 1e-3).any() or (circle < 1e-6).any() or (circle > 2.0 * math.pi - 1e-6).any():
+    apart = np.abs(roots[close, None] - roots[None, close])[
+        ~np.eye(int(close.sum()), dtype=bool)
+    ]
+    if (
+        (close.sum() != circle.size)
+        or (apart < 1e-3).any()
+        or (circle < 1e-6).any()
+        or (circle > 2.0 * math.pi - 1e-6).any()
+    ):
         return  # what a companion matrix cannot tell
     assert extremes(piece) == pytest.approx(circle, abs=1e-9)
 
 
-TWO_TONES = Motion("two tones", (Piece(0.0, 5.0, (Harmonic(1.0), Harmonic(0.3, 7.0, 1.0)), 0.1, 0.2), Piece(5.0, 6.0, slope=-0.5)))
-MOTIONS = [pulse("ricker-symmetric"), pulse("ricker-antisymmetric"), pulse("mavroeidis-papageorgiou", gamma=3.3, phase=1.0), TWO_TONES]
+TWO_TONES = Motion(
+    "two tones",
+    (
+        Piece(0.0, 5.0, (Harmonic(1.0), Harmonic(0.3, 7.0, 1.0)), 0.1, 0.2),
+        Piece(5.0, 6.0, slope=-0.5),
+    ),
+)
+MOTIONS = [
+    pulse("ricker-symmetric"),
+    pulse("ricker-antisymmetric"),
+    pulse("mavroeidis-papageorgiou", gamma=3.3, phase=1.0),
+    TWO_TONES,
+]
 
 
 @pytest.mark.parametrize("motion", MOTIONS, ids=lambda m: m.name)
-def test_polynomials_are_the_sums_of_sinusoids_and_cross_each_level_where_the_drive_has_it(motion):
+def test_polynomials_are_the_sums_of_sinusoids_and_cross_each_level_where_the_drive_has_it(
+    motion,
+):
     segments, random = motion.segments, np.random.default_rng(1)
     k = random.integers(0, len(segments), 3000)
     u = random.uniform(0.0, 1.0, k.size) * segments.length[k]
@@ -111,12 +171,24 @@ def test_polynomials_are_the_sums_of_sinusoids_and_cross_each_level_where_the_dr
     assert np.abs(second_derivative + (w * w * sin).sum(axis=0)).max() < 5e-13
     rises = np.abs(segments.s_end - segments.s_start) > 1e-3
     k = random.choice(np.flatnonzero(rises), 2000)
-    share = np.concatenate([10.0 ** -np.arange(1.0, 13.0), 1.0 - 10.0 ** -np.arange(1.0, 13.0), random.uniform(0.0, 1.0, 1976)])
+    share = np.concatenate(
+        [
+            10.0 ** -np.arange(1.0, 13.0),
+            1.0 - 10.0 ** -np.arange(1.0, 13.0),
+            random.uniform(0.0, 1.0, 1976),
+        ]
+    )
     level = segments.s_start[k] + share * (segments.s_end[k] - segments.s_start[k])
     u = crossing(segments, k, level)
     assert np.all((u >= 0.0) & (u <= segments.length[k]))
-    assert np.abs(segments.s_start[k] + segment_value(segments, k, u)[0] - level).max() < 3e-15
-    assert np.array_equal(u[:50], [crossing(segments, k[i : i + 1], level[i : i + 1])[0] for i in range(50)])  # each by itself
+    assert (
+        np.abs(segments.s_start[k] + segment_value(segments, k, u)[0] - level).max()
+        < 3e-15
+    )
+    assert np.array_equal(
+        u[:50],
+        [crossing(segments, k[i : i + 1], level[i : i + 1])[0] for i in range(50)],
+    )  # each by itself
 
 
 def test_a_motion_of_too_many_patches_is_summed_term_by_term(monkeypatch):
@@ -126,5 +198,8 @@ def test_a_motion_of_too_many_patches_is_summed_term_by_term(monkeypatch):
     k = np.ones(5, dtype=int)
     level = np.linspace(segments.s_start[1], segments.s_end[1], 7)[1:-1]
     u = crossing(segments, k, level)
-    assert np.abs(segments.s_start[k] + segment_value(segments, k, u)[0] - level).max() < 1e-15
+    assert (
+        np.abs(segments.s_start[k] + segment_value(segments, k, u)[0] - level).max()
+        < 1e-15
+    )
     assert np.abs(u - crossing(TWO_TONES.segments, k, level)).max() < 1e-14

@@ -1,4 +1,6 @@
-"""Pulses by name: their shape, their closed forms, and cells under them against an independent integration."""
+"""Pulses by name: their shape, their closed forms, and cells under them against an
+independent integration.
+"""
 
 import math
 
@@ -9,7 +11,14 @@ from support.documents import TWO_PULSES, built_motion
 from support.references import reference
 from support.refusals import refuses
 
-from rocking_cli import Outcome, UsageError, dimensionless_oscillator, linear_response, nonlinear_response, trace_envelope
+from rocking_cli import (
+    Outcome,
+    UsageError,
+    dimensionless_oscillator,
+    linear_response,
+    nonlinear_response,
+    trace_envelope,
+)
 from rocking_cli.motions import PULSES, pulse
 
 
@@ -20,12 +29,17 @@ def symmetric(phase):
 
 
 def antisymmetric(phase):
-    """The same; the largest |x (x^2 - 3)| exp(-x^2/2), at x^2 = 3 - sqrt 6, is 1.38 in the literature."""
+    """The same; the largest |x (x^2 - 3)| exp(-x^2/2), at x^2 = 3 - sqrt 6, is 1.38 in
+    the literature.
+    """
     x = phase / math.sqrt(3) - 8.5
     return x * (x * x - 3) * np.exp(-x * x / 2) / 1.380119046161
 
 
-SHAPES = {"ricker-symmetric": (symmetric, 5e-14), "ricker-antisymmetric": (antisymmetric, 1e-11)}
+SHAPES = {
+    "ricker-symmetric": (symmetric, 5e-14),
+    "ricker-antisymmetric": (antisymmetric, 1e-11),
+}
 
 
 @pytest.mark.parametrize("name", list(PULSES))
@@ -36,7 +50,9 @@ def test_amplitude_of_every_pulse_is_one(name):
     assert np.abs(motion.value(fine)).max() == pytest.approx(1.0, abs=1e-7)
 
 
-@pytest.mark.parametrize(("gamma", "phase"), [(1.0, 0.3), (1.5, 0.0), (2.0, math.pi / 2), (3.7, 4.0)])
+@pytest.mark.parametrize(
+    ("gamma", "phase"), [(1.0, 0.3), (1.5, 0.0), (2.0, math.pi / 2), (3.7, 4.0)]
+)
 def test_mavroeidis_papageorgiou_is_the_derivative_of_its_velocity(gamma, phase):
     motion = pulse("mavroeidis-papageorgiou", gamma=gamma, phase=phase)
 
@@ -45,28 +61,51 @@ def test_mavroeidis_papageorgiou_is_the_derivative_of_its_velocity(gamma, phase)
         return 0.5 * (1 + np.cos(turned / gamma)) * np.cos(turned + phase)
 
     phi, h = np.linspace(0.1, motion.duration - 0.1, 500), 1e-3
-    slope = (8 * (velocity(phi + h) - velocity(phi - h)) - (velocity(phi + 2 * h) - velocity(phi - 2 * h))) / (12 * h)
+    slope = (
+        8 * (velocity(phi + h) - velocity(phi - h))
+        - (velocity(phi + 2 * h) - velocity(phi - 2 * h))
+    ) / (12 * h)
     assert motion.duration == pytest.approx(2 * math.pi * gamma)
     scale = motion.value(phi) @ slope / (slope @ slope)
     assert np.abs(motion.value(phi) - scale * slope).max() < 1e-11
 
 
 def test_rectangular_pulse_overturns_where_its_closed_form_says():
-    lasting = np.array([0.5, 1.0, 2.0])  # p t_d, for which A = 1/(1 - exp(-p t_d)) = 2.54149, 1.58198, 1.15652
-    traced = trace_envelope(dimensionless_oscillator(0.5), pulse("rectangular"), 2 * math.pi / lasting, a_max=5)
+    lasting = np.array(
+        [0.5, 1.0, 2.0]
+    )  # p t_d, for which A = 1/(1 - exp(-p t_d)) = 2.54149, 1.58198, 1.15652
+    traced = trace_envelope(
+        dimensionless_oscillator(0.5),
+        pulse("rectangular"),
+        2 * math.pi / lasting,
+        a_max=5,
+    )
     found = [i.a_from for i in traced if i.mode == "no_impact"]
-    assert found == pytest.approx((1 / (1 - np.exp(-lasting))).tolist(), rel=1e-12, abs=0)
+    assert found == pytest.approx(
+        (1 / (1 - np.exp(-lasting))).tolist(), rel=1e-12, abs=0
+    )
 
 
 @pytest.mark.parametrize("name", list(SHAPES))
 def test_a_ricker_wavelet_and_cells_under_it_against_its_formula(name):
-    (shape, tolerance), motion, random = SHAPES[name], pulse(name), np.random.default_rng(3)
+    (shape, tolerance), motion, random = (
+        SHAPES[name],
+        pulse(name),
+        np.random.default_rng(3),
+    )
     phase = np.linspace(0.0, motion.duration, 5001)[:-1]
     assert np.abs(motion.value(phase) - shape(phase)).max() < tolerance
     for _ in range(6):
-        amplitude, omega, eta = random.uniform(1.1, 6), random.uniform(0.7, 6), random.uniform(0.5, 1)
+        amplitude, omega, eta = (
+            random.uniform(1.1, 6),
+            random.uniform(0.7, 6),
+            random.uniform(0.5, 1),
+        )
         edge = Edge(1.0, 0.1, eta)
-        flag, theta, _ = integrate(Body(edge, edge), Shaking.of(shape, amplitude * 0.1 * 9.81, omega, [motion.duration]))
+        flag, theta, _ = integrate(
+            Body(edge, edge),
+            Shaking.of(shape, amplitude * 0.1 * 9.81, omega, [motion.duration]),
+        )
         found = linear_response(motion, amplitude, omega, eta)
         assert Outcome(int(found.outcome)).flag == flag
         assert math.isnan(theta) or abs(float(found.theta_ratio) - theta) < 1e-8
@@ -75,7 +114,10 @@ def test_a_ricker_wavelet_and_cells_under_it_against_its_formula(name):
 @pytest.mark.parametrize(
     "motion",
     [pulse(n) for n in PULSES if "ricker" not in n]
-    + [built_motion(TWO_PULSES), built_motion("points: [[0, 0], [0.25, 1], [0.75, -1.2], [1, 0.1]]")],
+    + [
+        built_motion(TWO_PULSES),
+        built_motion("points: [[0, 0], [0.25, 1], [0.75, -1.2], [1, 0.1]]"),
+    ],
     ids=lambda m: m.name,
 )
 def test_both_models_agree_with_their_references_under_every_motion(motion):
@@ -83,8 +125,14 @@ def test_both_models_agree_with_their_references_under_every_motion(motion):
     for i in range(11):
         cell = random.uniform(1.1, 6), random.uniform(0.7, 8), random.uniform(0.4, 1)
         linear, alpha = i < 8, None if i < 8 else 0.3
-        found = linear_response(motion, *cell) if linear else nonlinear_response(motion, *cell, alpha, tolerance=1e-10)
-        expected = pytest.approx(float(found.theta_ratio), abs=1e-10 if linear else 1e-9, nan_ok=True)
+        found = (
+            linear_response(motion, *cell)
+            if linear
+            else nonlinear_response(motion, *cell, alpha, tolerance=1e-10)
+        )
+        expected = pytest.approx(
+            float(found.theta_ratio), abs=1e-10 if linear else 1e-9, nan_ok=True
+        )
         assert reference(motion, *cell, alpha) == (int(found.outcome), expected)
 
 
@@ -96,7 +144,9 @@ REFUSED = [
     (("sine", {"gamma": 2}), "takes no gamma; expected cycles"),
     (("ricker", {}), "unknown pulse 'ricker'; expected sine"),
 ]
-test_faulty_pulses_are_refused = refuses(lambda given: pulse(given[0], **given[1]), UsageError, REFUSED)
+test_faulty_pulses_are_refused = refuses(
+    lambda given: pulse(given[0], **given[1]), UsageError, REFUSED
+)
 STEP = """
 pieces:
   - {from: 0, to: 1, constant: -1}
@@ -108,12 +158,27 @@ pieces:
 @pytest.mark.parametrize(
     ("motion", "cell", "theta"),
     [
-        # A valley of the drive entered inwards, in which the body turns outwards and then crests; by a Runge-Kutta program.
+        # A valley of the drive entered inwards, in which the body turns outwards and
+        # then crests; by a Runge-Kutta program.
         (built_motion(STEP), (1.5, 2 * math.pi, 0.0), 0.75639),
-        (pulse("mavroeidis-papageorgiou", gamma=3, phase=0.06), (1.5788, 2.698, 0.9), 0.882476),
-        (pulse("mavroeidis-papageorgiou", gamma=3, phase=0.0610721), (1.5788487654715873, 2.6981940340400308, 0.9), 0.881604),
-        (pulse("mavroeidis-papageorgiou", gamma=3, phase=6.21634), (1.5133430666785952, 2.5930464639444697, 0.9), 0.902486),
+        (
+            pulse("mavroeidis-papageorgiou", gamma=3, phase=0.06),
+            (1.5788, 2.698, 0.9),
+            0.882476,
+        ),
+        (
+            pulse("mavroeidis-papageorgiou", gamma=3, phase=0.0610721),
+            (1.5788487654715873, 2.6981940340400308, 0.9),
+            0.881604,
+        ),
+        (
+            pulse("mavroeidis-papageorgiou", gamma=3, phase=6.21634),
+            (1.5133430666785952, 2.5930464639444697, 0.9),
+            0.902486,
+        ),
     ],
 )
 def test_a_crest_after_an_inward_start_is_seen(motion, cell, theta):
-    assert float(linear_response(motion, *cell).theta_ratio) == pytest.approx(theta, abs=1e-5)
+    assert float(linear_response(motion, *cell).theta_ratio) == pytest.approx(
+        theta, abs=1e-5
+    )

@@ -1,4 +1,6 @@
-"""The motion of a file and of a set: documents and records told apart, scaled, turned over, and what becomes of other files."""
+"""The motion of a file and of a set: documents and records told apart, scaled, turned
+over, and what becomes of other files.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,12 @@ import pytest
 from support.record_layouts import at2, of_a_station, wave
 
 from rocking_cli import DocumentError, Motion, UsageError, intensity, pulse, read_record
-from rocking_cli.motions.reading import factor_to, holds_records, read_motion, read_motions
+from rocking_cli.motions.reading import (
+    factor_to,
+    holds_records,
+    read_motion,
+    read_motions,
+)
 
 ESM = "EVENT_NAME: \nSAMPLING_INTERVAL_S: 0.01\nNDATA: 3"
 
@@ -25,7 +32,9 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for i, name in enumerate(("b.AT2", "a.AT2")):
         (tmp_path / name).write_text(at2(wave(40, 0.2 + 0.1 * i), 0.02))
-    (tmp_path / "c.txt.gz").write_bytes(gzip.compress(b"0 0\n0.1 1.0\n0.2 -2.0\n0.3 0\n"))
+    (tmp_path / "c.txt.gz").write_bytes(
+        gzip.compress(b"0 0\n0.1 1.0\n0.2 -2.0\n0.3 0\n")
+    )
     (tmp_path / "block.yaml").write_text("kind: block\nwidth: 1\nheight: 3\n")
     (tmp_path / "pulse.yaml").write_text("points: [[0, 0], [1, 1], [2, 0]]\n")
     (tmp_path / "binary.h5").write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(500))
@@ -43,20 +52,32 @@ def test_files_a_list_and_standard_input_name_the_same_set(folder, monkeypatch):
     monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(b"a.AT2\nb.AT2\n")))
     for other in (read_motions(["list"]), read_motions(["-"])):
         assert [r.identity() for r in other] == [r.identity() for r in by_name]
-    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO((folder / "a.AT2").read_bytes())))
+    monkeypatch.setattr(
+        sys, "stdin", io.TextIOWrapper(io.BytesIO((folder / "a.AT2").read_bytes()))
+    )
     (only,) = read_motions(["-"])  # a record on standard input is a set of one
-    assert (only.label, only.acceleration) == ("record", pytest.approx(0.3 * 9.81, rel=1e-6))
+    assert (only.label, only.acceleration) == (
+        "record",
+        pytest.approx(0.3 * 9.81, rel=1e-6),
+    )
 
 
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "cp1252"])
 def test_a_list_as_windows_writes_it(folder, encoding):
-    (folder / "list").write_bytes("# für uns\r\na.AT2\r\n\r\nb.AT2 \r\n".encode(encoding))
+    (folder / "list").write_bytes(
+        "# für uns\r\na.AT2\r\n\r\nb.AT2 \r\n".encode(encoding)
+    )
     assert labels(read_motions(["list"])) == ["a", "b"]
 
 
 def test_a_packed_document_is_a_motion_and_no_fault_quotes_packed_bytes(folder):
-    (folder / "pulse.yaml.gz").write_bytes(gzip.compress((folder / "pulse.yaml").read_bytes()))
-    assert read_motion("pulse.yaml.gz").acceleration == read_motion("pulse.yaml").acceleration
+    (folder / "pulse.yaml.gz").write_bytes(
+        gzip.compress((folder / "pulse.yaml").read_bytes())
+    )
+    assert (
+        read_motion("pulse.yaml.gz").acceleration
+        == read_motion("pulse.yaml").acceleration
+    )
     (folder / "x.gz").write_bytes(gzip.compress(b"kind: block\n"))
     for call in (read_motion, lambda path: read_motions([path, "a.AT2"])):
         with pytest.raises(DocumentError) as error:
@@ -69,7 +90,11 @@ def test_no_two_records_have_one_name(folder):
     alike = read_motions(["a.AT2", "list"])
     assert labels(alike) == [r.motion.name for r in alike] == ["a (1)", "a (2)", "b"]
     (folder / "a (1).AT2").write_bytes((folder / "a.AT2").read_bytes())
-    assert labels(read_motions(["a.AT2", "a (1).AT2", "a.AT2"])) == ["a (2)", "a (1)", "a (3)"]
+    assert labels(read_motions(["a.AT2", "a (1).AT2", "a.AT2"])) == [
+        "a (2)",
+        "a (1)",
+        "a (3)",
+    ]
 
 
 def test_of_a_directory_the_records_are_taken(folder):
@@ -78,11 +103,18 @@ def test_of_a_directory_the_records_are_taken(folder):
     (folder / "c.txt.gz").unlink()
     said: list[str] = []
     assert labels(read_motions(["."], tell=said.append)) == ["a", "b"]
-    assert sorted(line.partition(":")[0] for line in said) == ["./binary.h5", "./block.yaml", "./list", "./pulse.yaml"]
+    assert sorted(line.partition(":")[0] for line in said) == [
+        "./binary.h5",
+        "./block.yaml",
+        "./list",
+        "./pulse.yaml",
+    ]
 
 
 def test_of_a_directory_uncorrected_accelerograms_are_left_out_and_said(folder):
-    """The corrected ones may lie beside them, and would be counted twice; velocities are left out too."""
+    """The corrected ones may lie beside them, and would be counted twice; velocities
+    are left out too.
+    """
     (folder / "set").mkdir()
     text = (folder / "a.AT2").read_text()
     (folder / "set" / "a.AT2").write_text(text)
@@ -101,8 +133,16 @@ def test_of_a_directory_uncorrected_accelerograms_are_left_out_and_said(folder):
         (folder / "set" / name).write_text(f"{first}\n1 2 3\n")
     said: list[str] = []
     assert labels(read_motions(["set"], tell=said.append)) == ["a"]
-    assert [line.split(":")[0] for line in said] == [f"set/{name}" for name, _ in (*uncorrected, ("z.VT2", ""))]
-    assert all(line.endswith("an uncorrected accelerogram, which is taken where the file itself is named; left out") for line in said[:-1])
+    assert [line.split(":")[0] for line in said] == [
+        f"set/{name}" for name, _ in (*uncorrected, ("z.VT2", ""))
+    ]
+    assert all(
+        line.endswith(
+            "an uncorrected accelerogram, which is taken where the file itself is"
+            " named; left out"
+        )
+        for line in said[:-1]
+    )
     assert "VELOCITY" in said[-1]
     with pytest.raises(DocumentError, match="the file ends within its header"):
         read_motions(["set/b.V1"])
@@ -110,11 +150,23 @@ def test_of_a_directory_uncorrected_accelerograms_are_left_out_and_said(folder):
 
 @pytest.fixture
 def mixed(folder):
-    """A station of three components, numbers without a unit, half a file, and text that is no record."""
+    """A station of three components, numbers without a unit, half a file, and text that
+    is no record.
+    """
     text = (folder / "a.AT2").read_text()
-    files = {"a.AT2": text, "half.AT2": text[:-100], "up.AT2": text.replace("\n\n", "\nNowhere, 1/2/1900, Some Station, UP\n")}
-    files |= {"still.csv": "0 0\n0.1 0\n0.2 0\n", "plain.csv": "0 0\n0.1 1\n0.2 0\n", "README": "free\n"}
-    files["station.txt"] = of_a_station(wave(50, 200.0), wave(50, 150.0), wave(50, 90.0))
+    files = {
+        "a.AT2": text,
+        "half.AT2": text[:-100],
+        "up.AT2": text.replace("\n\n", "\nNowhere, 1/2/1900, Some Station, UP\n"),
+    }
+    files |= {
+        "still.csv": "0 0\n0.1 0\n0.2 0\n",
+        "plain.csv": "0 0\n0.1 1\n0.2 0\n",
+        "README": "free\n",
+    }
+    files["station.txt"] = of_a_station(
+        wave(50, 200.0), wave(50, 150.0), wave(50, 90.0)
+    )
     (folder / "set").mkdir()
     for name, content in files.items():
         (folder / "set" / name).write_text(content)
@@ -124,12 +176,24 @@ def mixed(folder):
 
 def test_one_file_ends_no_set(mixed):
     said, unread = list[str](), list[str]()
-    assert labels(read_motions(["set"], tell=said.append, unread=unread.append)) == ["a", "station N-S", "station E-W"]
+    assert labels(read_motions(["set"], tell=said.append, unread=unread.append)) == [
+        "a",
+        "station N-S",
+        "station E-W",
+    ]
     assert said == [
         "set/README: left out, no record format",
-        "set/up.AT2: holds UP and no horizontal component; left out, `component` all takes it",
+        (
+            "set/up.AT2: holds UP and no horizontal component; left out, `component`"
+            " all takes it"
+        ),
     ]
-    assert [line.split(":")[0] for line in unread] == ["set/half.AT2", "set/link", "set/plain.csv", "set/still.csv"]
+    assert [line.split(":")[0] for line in unread] == [
+        "set/half.AT2",
+        "set/link",
+        "set/plain.csv",
+        "set/still.csv",
+    ]
     assert all(line.endswith("; left out") for line in unread)
     with pytest.raises(DocumentError, match=r"half\.AT2:\d+: the file ends after"):
         read_motions(["set/half.AT2"], unread=unread.append)
@@ -148,8 +212,18 @@ def test_what_a_list_names_is_not_quoted(folder):
 def test_a_unit_goes_to_the_plain_numbers_of_a_directory(mixed):
     unread: list[str] = []
     found = read_motions(["set"], unit="g", component="all", unread=unread.append)
-    assert labels(found) == ["a", "plain", "station N-S", "station E-W", "station U-D", "up UP"]
-    assert "set/still.csv: motion 'still': zero throughout; the motion must have a non-zero value; left out" in unread
+    assert labels(found) == [
+        "a",
+        "plain",
+        "station N-S",
+        "station E-W",
+        "station U-D",
+        "up UP",
+    ]
+    assert (
+        "set/still.csv: motion 'still': zero throughout; the motion must have a"
+        " non-zero value; left out" in unread
+    )
     with pytest.raises(UsageError, match="`unit`: found 'furlong'"):
         read_motions(["set"], unit="furlong", unread=unread.append)
 
@@ -158,28 +232,48 @@ def test_the_vertical_component_of_the_same_file_shakes_with_each_horizontal_one
     unread: list[str] = []
     found = read_motions(["set"], vertical=0.5, unread=unread.append)
     assert labels(found) == ["station N-S", "station E-W"]
-    assert "set/a.AT2: holds no vertical component, only one without a name" in unread[0]
+    assert (
+        "set/a.AT2: holds no vertical component, only one without a name" in unread[0]
+    )
     for r, peak in zip(found, (200.0, 150.0), strict=True):
-        assert r.motion.vertical.largest * r.acceleration == pytest.approx(0.5 * 0.9, rel=1e-12)
+        assert r.motion.vertical.largest * r.acceleration == pytest.approx(
+            0.5 * 0.9, rel=1e-12
+        )
         assert r.acceleration == pytest.approx(0.01 * peak, rel=1e-12)
     one = read_motion("set/station.txt", component="E-W", vertical=0.5)
-    assert one.vertical.value([0.3, 0.5]) == pytest.approx(found[1].motion.vertical.value([0.3, 0.5]), rel=1e-14)
+    assert one.vertical.value([0.3, 0.5]) == pytest.approx(
+        found[1].motion.vertical.value([0.3, 0.5]), rel=1e-14
+    )
 
 
 def test_what_a_path_holds(folder):
-    held = {name: holds_records(name) for name in (*sorted(os.listdir()), ".", "-", "nowhere")}
-    assert {name for name, there in held.items() if there} == {"a.AT2", "b.AT2", "c.txt.gz", "list", "."}
+    held = {
+        name: holds_records(name)
+        for name in (*sorted(os.listdir()), ".", "-", "nowhere")
+    }
+    assert {name for name, there in held.items() if there} == {
+        "a.AT2",
+        "b.AT2",
+        "c.txt.gz",
+        "list",
+        ".",
+    }
 
 
 def test_one_document_is_a_motion_and_belongs_to_no_set(folder):
     found = read_motions(["pulse.yaml"], scale=2.0)
     assert (isinstance(found, Motion), found.largest) == (True, 2.0)
-    with pytest.raises(DocumentError, match=r"pulse\.yaml: no record format .* a set holds records only"):
+    with pytest.raises(
+        DocumentError,
+        match=r"pulse\.yaml: no record format .* a set holds records only",
+    ):
         read_motions(["a.AT2", "pulse.yaml"])
 
 
 def test_a_set_is_scaled_record_by_record(folder):
-    assert [r.acceleration for r in read_motions(["list"], scale_to="PGA=0.5g")] == pytest.approx([0.5 * 9.81] * 2, rel=1e-12)
+    assert [
+        r.acceleration for r in read_motions(["list"], scale_to="PGA=0.5g")
+    ] == pytest.approx([0.5 * 9.81] * 2, rel=1e-12)
     assert [r.factor for r in read_motions(["list"], scale=-1.5)] == [-1.5, -1.5]
 
 
@@ -189,14 +283,24 @@ def test_a_pipe_is_read_where_somebody_writes_to_it(folder, monkeypatch):
     with pytest.raises(UsageError, match="pipe: a pipe that nobody writes to"):
         read_motion("pipe")
     ends = os.open("pipe", os.O_RDWR)  # a writer who has not begun
-    begin = threading.Timer(0.1, lambda: (os.write(ends, (folder / "a.AT2").read_bytes()), os.close(ends)))
+    begin = threading.Timer(
+        0.1, lambda: (os.write(ends, (folder / "a.AT2").read_bytes()), os.close(ends))
+    )
     begin.start()
-    assert np.array_equal(read_motion("pipe").value([0.3]), read_motion("a.AT2").value([0.3]))
+    assert np.array_equal(
+        read_motion("pipe").value([0.3]), read_motion("a.AT2").value([0.3])
+    )
     begin.join()
 
 
 SAMPLES = wave(400, -2.5)
-SCALED = [("PGA=0.35g", 0.35 * 9.81), ("pgv=12 cm/s", 0.12), ("PGD=30 mm", 0.03), ("Arias=0.4", 0.4), ("CAV=3 m/s", 3.0)]
+SCALED = [
+    ("PGA=0.35g", 0.35 * 9.81),
+    ("pgv=12 cm/s", 0.12),
+    ("PGD=30 mm", 0.03),
+    ("Arias=0.4", 0.4),
+    ("CAV=3 m/s", 3.0),
+]
 
 
 @pytest.fixture
@@ -211,27 +315,53 @@ def test_a_record_is_scaled_to_a_measure(plain, text, value):
     record = read_record(plain, unit="m/s2", dt=0.02)
     factor = factor_to(record, text)
     scaled = replace(record, acceleration=factor * record.acceleration)
-    assert getattr(intensity(scaled), text.partition("=")[0].lower()) == pytest.approx(value, rel=1e-12)
+    assert getattr(intensity(scaled), text.partition("=")[0].lower()) == pytest.approx(
+        value, rel=1e-12
+    )
     assert factor > 0.0
     peak = int(np.argmax(np.abs(SAMPLES)))
     for turned, more in ((1.0, {}), (-1.0, {"scale": -1.0})):
-        motion = read_motion(plain, unit="m/s2", dt=0.02, component="1", scale_to=text, **more)
+        motion = read_motion(
+            plain, unit="m/s2", dt=0.02, component="1", scale_to=text, **more
+        )
         assert motion.acceleration == pytest.approx(factor * 2.5, rel=1e-14)
-        assert float(motion.value(0.02 * peak)) == pytest.approx(turned * np.sign(SAMPLES[peak]), rel=1e-12)
+        assert float(motion.value(0.02 * peak)) == pytest.approx(
+            turned * np.sign(SAMPLES[peak]), rel=1e-12
+        )
 
 
-def test_documents_and_pulses_are_turned_over_and_what_goes_with_a_record_is_refused(tmp_path):
+def test_documents_and_pulses_are_turned_over_and_what_goes_with_a_record_is_refused(
+    tmp_path,
+):
     path = tmp_path / "own.yaml"
     path.write_text("points: [[0, 0], [0.25, 1], [0.75, -1], [1, 0]]\n")
-    for given in ({"component": "NS"}, {"unit": "g"}, {"dt": 0.1}, {"scale_to": "PGA=1"}, {"vertical": 1.0}):
-        with pytest.raises(UsageError, match=f"`{next(iter(given))}` applies to a record only"):
+    for given in (
+        {"component": "NS"},
+        {"unit": "g"},
+        {"dt": 0.1},
+        {"scale_to": "PGA=1"},
+        {"vertical": 1.0},
+    ):
+        with pytest.raises(
+            UsageError, match=f"`{next(iter(given))}` applies to a record only"
+        ):
             read_motion(path, **given)
     phase = np.linspace(0.0, 7.0, 50)
     own = read_motion(path)
-    np.testing.assert_array_equal(read_motion(path, scale=-2.0).value(phase), -2.0 * own.value(phase))
-    for name in ("sine", "cosine", "rectangular-impulse", "ricker-symmetric", "mavroeidis-papageorgiou"):
+    np.testing.assert_array_equal(
+        read_motion(path, scale=-2.0).value(phase), -2.0 * own.value(phase)
+    )
+    for name in (
+        "sine",
+        "cosine",
+        "rectangular-impulse",
+        "ricker-symmetric",
+        "mavroeidis-papageorgiou",
+    ):
         turned = pulse(name).scaled(-1.0)
-        np.testing.assert_allclose(turned.value(phase), -pulse(name).value(phase), rtol=1e-12, atol=1e-15)
+        np.testing.assert_allclose(
+            turned.value(phase), -pulse(name).value(phase), rtol=1e-12, atol=1e-15
+        )
         assert turned.largest == pytest.approx(pulse(name).largest, rel=1e-12)
         assert len(turned.segments) == len(pulse(name).segments)
     path.write_text("kind: block\n")
@@ -242,9 +372,18 @@ def test_documents_and_pulses_are_turned_over_and_what_goes_with_a_record_is_ref
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ({"scale_to": "PGA"}, "`scale_to`: found 'PGA'; expected MEASURE=VALUE, such as PGA=0.35g, with one of PGA, PGV, PGD, Arias, CAV"),
+        (
+            {"scale_to": "PGA"},
+            (
+                "`scale_to`: found 'PGA'; expected MEASURE=VALUE, such as PGA=0.35g,"
+                " with one of PGA, PGV, PGD, Arias, CAV"
+            ),
+        ),
         ({"scale_to": "SA=1g"}, "SA: found '' for a period; expected a time"),
-        ({"scale_to": "PGA=1 m"}, "`scale_to` PGA: found '1 m'; expected an acceleration"),
+        (
+            {"scale_to": "PGA=1 m"},
+            "`scale_to` PGA: found '1 m'; expected an acceleration",
+        ),
         ({"scale_to": "PGA=0"}, "expected a positive intensity"),
         ({"scale_to": "PGA=-0.1g"}, "expected a positive intensity"),
         ({"scale_to": "PGA=1", "scale": 2.0}, "found both"),
@@ -263,4 +402,6 @@ def test_the_memory_of_a_long_record_is_said_beforehand(plain, monkeypatch):
     monkeypatch.setattr("rocking_cli.motions.reading._BYTES", 1e9)
     said = []
     read_motion(plain, unit="m/s2", dt=0.02, tell=said.append)
-    assert said == [f"{plain}: 400 samples; a response to them takes about 4e+02 GB of memory"]
+    assert said == [
+        f"{plain}: 400 samples; a response to them takes about 4e+02 GB of memory"
+    ]

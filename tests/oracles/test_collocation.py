@@ -16,4 +16,7 @@ def test_conditioning_is_the_slope_of_the_answer():
     assert 0.0 < smooth < 100.0
     assert smooth == pytest.approx(slow, rel=1e-3, abs=0)
     boundary = 1.0 / (1.0 - math.exp(-1.0)) * LEFT.alpha * UNEQUAL.gravity
-    assert conditioning(UNEQUAL, Shaking.of(np.ones_like, boundary, LEFT.p, [1.0])) == math.inf
+    assert (
+        conditioning(UNEQUAL, Shaking.of(np.ones_like, boundary, LEFT.p, [1.0]))
+        == math.inf
+    )

@@ -1,4 +1,6 @@
-"""Shared by the tests of figures: a figure instead of a file, the files that it is drawn from, and what its axes hold."""
+"""Shared by the tests of figures: a figure instead of a file, the files that it is
+drawn from, and what its axes hold.
+"""
 
 import pytest
 from matplotlib.figure import Figure
@@ -11,13 +13,17 @@ from rocking_cli.reports.drawing_files import draw
 def figures(monkeypatch):
     """The figures that would be saved, in order."""
     saved = []
-    monkeypatch.setattr(Figure, "savefig", lambda figure, target, **_: saved.append(figure))
+    monkeypatch.setattr(
+        Figure, "savefig", lambda figure, target, **_: saved.append(figure)
+    )
     return saved
 
 
 @pytest.fixture
 def drawn(figures, tmp_path):
-    """A function that draws a file, or the text of a CSV, and returns the figure; its attribute `remark` is what `draw` returned."""
+    """A function that draws a file, or the text of a CSV, and returns the figure; its
+    attribute `remark` is what `draw` returned.
+    """
 
     def run(source, **options):
         if isinstance(source, str):
@@ -48,7 +54,9 @@ def swept(rocking, tmp_path):
 
     def run(*call, stdin=None):
         path = tmp_path / f"{len(list(tmp_path.glob('*.h5')))}.h5"
-        done = rocking("spectrum", *call, "--verify-cells", "0", "-o", path.name, "-q", stdin=stdin)
+        done = rocking(
+            "spectrum", *call, "--verify-cells", "0", "-o", path.name, "-q", stdin=stdin
+        )
         assert done.returncode == 0, done.stderr
         return path
 

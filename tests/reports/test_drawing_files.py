@@ -9,14 +9,27 @@ from rocking_cli import OutputError, UsageError
 from rocking_cli.reports.figures.canvas import Look, canvas, legend, line_style
 
 
-@pytest.mark.parametrize(("log", "scales"), [("", ("linear", "linear")), ("x", ("log", "linear")), ("xy", ("log", "log"))])
+@pytest.mark.parametrize(
+    ("log", "scales"),
+    [("", ("linear", "linear")), ("x", ("log", "linear")), ("xy", ("log", "log"))],
+)
 def test_axes_are_logarithmic_where_asked(drawn, spectrum_file, log, scales):
     (axes,) = drawn(spectrum_file, cut="Omega=5", log=log).axes
     assert (axes.get_xscale(), axes.get_yscale()) == scales
 
 
 def test_accuracy_is_error_over_time(drawn, table):
-    call = ("accuracy", "--eta", "0.9", "--grid", "A=1:9:9,Omega=1:9:9", "--sample", "3", "--scipy", "1")
+    call = (
+        "accuracy",
+        "--eta",
+        "0.9",
+        "--grid",
+        "A=1:9:9,Omega=1:9:9",
+        "--sample",
+        "3",
+        "--scipy",
+        "1",
+    )
     source, rows = table(*call)
     (axes,) = drawn(source).axes
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
@@ -26,9 +39,15 @@ def test_accuracy_is_error_over_time(drawn, table):
         same(line, line[0], np.maximum(numbers(mine, "error_max"), 1e-17))
 
 
-@pytest.mark.parametrize(("count", "name", "outside"), [(2, "a", False), (5, "a", False), (6, "a", True), (2, "a" * 40, True)])
+@pytest.mark.parametrize(
+    ("count", "name", "outside"),
+    [(2, "a", False), (5, "a", False), (6, "a", True), (2, "a" * 40, True)],
+)
 def test_a_long_legend_stands_beside_the_axes(count, name, outside):
-    for figure, room in ((Figure(layout="constrained"), outside), (Figure(), False)):  # the latter of a caller makes no room outside
+    for figure, room in (
+        (Figure(layout="constrained"), outside),
+        (Figure(), False),
+    ):  # the latter of a caller makes no room outside
         axes = figure.add_subplot()
         for i in range(count):
             axes.plot([0, 1], [0, i], label=f"{name}{i}")
@@ -43,8 +62,14 @@ def test_a_long_legend_stands_beside_the_axes(count, name, outside):
         ("p,alpha\n", "holds no rows"),
         ("event,t\nuplift,1\n", "found events"),
         ("t,theta,theta_dot,ground_acceleration\n0,x,0,1\n", "cannot be drawn"),
-        ("t,theta,theta_dot,ground_acceleration\n0,,,\n1,,,\n", "holds nothing to draw"),
-        ("structure,Omega,A_from,A_to,mode\nx,1,,,none\nx,2,,,none\n", "holds nothing to draw"),
+        (
+            "t,theta,theta_dot,ground_acceleration\n0,,,\n1,,,\n",
+            "holds nothing to draw",
+        ),
+        (
+            "structure,Omega,A_from,A_to,mode\nx,1,,,none\nx,2,,,none\n",
+            "holds nothing to draw",
+        ),
     ],
 )
 def test_tables_that_cannot_be_drawn(drawn, text, words):
@@ -52,8 +77,12 @@ def test_tables_that_cannot_be_drawn(drawn, text, words):
         drawn(text)
 
 
-@pytest.mark.parametrize(("form", "begins"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")])
-def test_a_figure_is_written_whole_or_not_at_all_and_alike_each_time(tmp_path, monkeypatch, form, begins):
+@pytest.mark.parametrize(
+    ("form", "begins"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")]
+)
+def test_a_figure_is_written_whole_or_not_at_all_and_alike_each_time(
+    tmp_path, monkeypatch, form, begins
+):
     target, again = tmp_path / f"x.{form}", tmp_path / f"y.{form}"
     for path in (target, again):
         with canvas(path) as figure:
@@ -65,15 +94,27 @@ def test_a_figure_is_written_whole_or_not_at_all_and_alike_each_time(tmp_path, m
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("os.replace", full)
-    with pytest.raises(OutputError, match=r"x.\w+: cannot be written: No space left on device"), canvas(target) as figure:
+    with (
+        pytest.raises(
+            OutputError, match=r"x.\w+: cannot be written: No space left on device"
+        ),
+        canvas(target) as figure,
+    ):
         figure.add_subplot()
     assert target.read_bytes() == again.read_bytes()
     assert sorted(path.name for path in tmp_path.iterdir()) == [target.name, again.name]
 
 
-def test_a_figure_has_the_size_the_title_and_the_style_asked_for_and_its_texts_as_text(tmp_path):
-    (tmp_path / "grey.mplstyle").write_text("axes.prop_cycle: cycler('color', ['808080'])\nlines.linewidth: 3\n")
-    with canvas(tmp_path / "x.svg", look=Look(0.085, None, "Hall $1", tmp_path / "grey.mplstyle")) as figure:
+def test_a_figure_has_the_size_the_title_and_the_style_asked_for_and_its_texts_as_text(
+    tmp_path,
+):
+    (tmp_path / "grey.mplstyle").write_text(
+        "axes.prop_cycle: cycler('color', ['808080'])\nlines.linewidth: 3\n"
+    )
+    with canvas(
+        tmp_path / "x.svg",
+        look=Look(0.085, None, "Hall $1", tmp_path / "grey.mplstyle"),
+    ) as figure:
         figure.add_subplot(title="its own").plot([0, 1], [0, 1], **line_style(0))
     drawn = (tmp_path / "x.svg").read_text()
     assert f'width="{85 / 25.4 * 72:.6f}pt"' in drawn
@@ -82,6 +123,11 @@ def test_a_figure_has_the_size_the_title_and_the_style_asked_for_and_its_texts_a
     assert "stroke: #808080; stroke-width: 3" in drawn
     with canvas(tmp_path / "y.png", look=Look(0.1, 100.0)) as figure:
         figure.add_subplot()
-    assert int.from_bytes((tmp_path / "y.png").read_bytes()[16:20], "big") == int(0.1 / 0.0254 * 100)
-    with pytest.raises(UsageError, match="cannot be read as a style"), canvas(tmp_path / "z.png", look=Look(style="none.mplstyle")):
+    assert int.from_bytes((tmp_path / "y.png").read_bytes()[16:20], "big") == int(
+        0.1 / 0.0254 * 100
+    )
+    with (
+        pytest.raises(UsageError, match="cannot be read as a style"),
+        canvas(tmp_path / "z.png", look=Look(style="none.mplstyle")),
+    ):
         pass

@@ -11,7 +11,15 @@ from rocking_cli import UsageError
 from rocking_cli.reports.tables import lines
 from rocking_cli.reports.units import COLUMNS, Units, dimension_of, parse_units, si_of
 
-RECORD = {"structure": "x", "omega_g": 2 * math.pi, "a_from": 9.81, "theta_linear": math.pi, "theta_dot": math.pi, "left_p": 2.0, "A": 3.0}
+RECORD = {
+    "structure": "x",
+    "omega_g": 2 * math.pi,
+    "a_from": 9.81,
+    "theta_linear": math.pi,
+    "theta_dot": math.pi,
+    "left_p": 2.0,
+    "A": 3.0,
+}
 
 
 def shown(units, form="csv"):
@@ -21,15 +29,34 @@ def shown(units, form="csv"):
 
 def test_headings_tell_si_units_and_those_asked_for():
     assert list(shown(None)) == [
-        "structure", "omega_g [rad/s]", "a_from [m/s2]", "theta_linear [rad]", "theta_dot [rad/s]", "left_p [rad/s]", "A",
-    ]  # fmt: skip
+        "structure",
+        "omega_g [rad/s]",
+        "a_from [m/s2]",
+        "theta_linear [rad]",
+        "theta_dot [rad/s]",
+        "left_p [rad/s]",
+        "A",
+    ]
     found = shown(parse_units("g,Hz,deg"))
-    assert list(found) == ["structure", "f_g [Hz]", "a_from [g]", "theta_linear [deg]", "theta_dot [deg/s]", "left_p [rad/s]", "A"]
-    assert [float(x) for x in list(found.values())[1:]] == pytest.approx([1, 1, 180, 180, 2, 3], rel=1e-14, abs=0)
+    assert list(found) == [
+        "structure",
+        "f_g [Hz]",
+        "a_from [g]",
+        "theta_linear [deg]",
+        "theta_dot [deg/s]",
+        "left_p [rad/s]",
+        "A",
+    ]
+    assert [float(x) for x in list(found.values())[1:]] == pytest.approx(
+        [1, 1, 180, 180, 2, 3], rel=1e-14, abs=0
+    )
 
 
 def test_a_table_says_the_same_and_json_does_not_change():
-    shown = [line.split("  ", 1)[0] + line.split()[-1] for line in lines([RECORD], "table", units=parse_units("g,deg"))]
+    shown = [
+        line.split("  ", 1)[0] + line.split()[-1]
+        for line in lines([RECORD], "table", units=parse_units("g,deg"))
+    ]
     assert any(line.startswith("a_from [g]") for line in shown)
     assert any(line.endswith("180") for line in shown)
     (line,) = lines([RECORD], "json", units=parse_units("g,deg"))
@@ -37,7 +64,9 @@ def test_a_table_says_the_same_and_json_does_not_change():
 
 
 def test_the_header_of_no_rows_tells_units_too():
-    assert list(lines([], "csv", ["structure", "a_from"], units=parse_units("g"))) == ["structure,a_from [g]"]
+    assert list(lines([], "csv", ["structure", "a_from"], units=parse_units("g"))) == [
+        "structure,a_from [g]"
+    ]
 
 
 @pytest.mark.parametrize("column", COLUMNS)
@@ -49,9 +78,24 @@ def test_a_heading_is_read_back_as_what_was_meant(column, text):
 
 
 def test_the_dimension_of_a_side_an_item_and_a_model_is_that_of_the_column():
-    assert [dimension_of(x) for x in ("right_alpha", "hinges_3_angle", "interfaces_2_p", "theta_max_nonlinear", "theta_ratio", "name")] == [
-        "angle", "angle", "frequency parameter", "angle", None, None,
-    ]  # fmt: skip
+    assert [
+        dimension_of(x)
+        for x in (
+            "right_alpha",
+            "hinges_3_angle",
+            "interfaces_2_p",
+            "theta_max_nonlinear",
+            "theta_ratio",
+            "name",
+        )
+    ] == [
+        "angle",
+        "angle",
+        "frequency parameter",
+        "angle",
+        None,
+        None,
+    ]
     restraints = (
         "ties_2_height",
         "tendon_rupture",
@@ -61,7 +105,15 @@ def test_the_dimension_of_a_side_an_item_and_a_model_is_that_of_the_column():
         "tie_force",
         "ties_1_side",
     )
-    assert [dimension_of(x) for x in restraints] == ["length", "force", "stiffness", "moment", None, None, None]  # two are ratios
+    assert [dimension_of(x) for x in restraints] == [
+        "length",
+        "force",
+        "stiffness",
+        "moment",
+        None,
+        None,
+        None,
+    ]  # two are ratios
     assert si_of("base_radius [cm]") == ("base_radius [cm]", 1.0)
 
 

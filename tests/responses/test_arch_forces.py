@@ -1,4 +1,6 @@
-"""Forces in an arch that sways: against Eq. 3.4, the static theorem, and the momentum of the links."""
+"""Forces in an arch that sways: against Eq. 3.4, the static theorem, and the momentum
+of the links.
+"""
 
 import numpy as np
 import pytest
@@ -21,9 +23,13 @@ def at_rest(across):
     return State(zero, zero, np.array([across]), zero)
 
 
-@pytest.mark.parametrize(("text", "sections"), [(SEVEN, 7), (WHOLE, 500)], ids=["voussoirs", "continuous"])
+@pytest.mark.parametrize(
+    ("text", "sections"), [(SEVEN, 7), (WHOLE, 500)], ids=["voussoirs", "continuous"]
+)
 def test_at_incipient_motion_no_joint_is_beyond_its_face(text, sections):
-    """The static theorem: under lambda a thrust line lies within the arch and touches its faces at the hinges."""
+    """The static theorem: under lambda a thrust line lies within the arch and touches
+    its faces at the hinges.
+    """
     structure, forces = arch(text)
     moving = at_rest(-structure.uplift * G)
     assert forces.hinges(moving).acceleration == pytest.approx([0.0], abs=1e-12)
@@ -31,14 +37,21 @@ def test_at_incipient_motion_no_joint_is_beyond_its_face(text, sections):
     found = forces.resultants(moving, joints)
     assert found.thrust.min() > 0.0
     assert found.eccentricity.max() <= 1.0 + 1e-9
-    assert np.abs(forces.resultants(moving, np.array(forces.mechanism.hinges)).eccentricity) == pytest.approx(1.0, abs=1e-10)
+    assert np.abs(
+        forces.resultants(moving, np.array(forces.mechanism.hinges)).eccentricity
+    ) == pytest.approx(1.0, abs=1e-10)
     beyond = forces.resultants(at_rest(-1.02 * structure.uplift * G), joints)
     assert beyond.eccentricity.max() > 1.0 or sections == 7
 
 
 def swaying(structure, count=6):
     phi = np.linspace(0.01, 0.9, count) * structure.alpha
-    return State(phi, np.linspace(0.1, 0.6, count), np.linspace(-3.0, 2.0, count), np.linspace(-1.0, 2.0, count))
+    return State(
+        phi,
+        np.linspace(0.1, 0.6, count),
+        np.linspace(-3.0, 2.0, count),
+        np.linspace(-1.0, 2.0, count),
+    )
 
 
 def test_the_angular_acceleration_is_that_of_the_equation_of_motion():
@@ -47,15 +60,25 @@ def test_the_angular_acceleration_is_that_of_the_equation_of_motion():
     state, m = swaying(structure), structure.mechanism
     c, h = m.coefficients(state.phi), 1e-4
     slope = sum(
-        w * (m.coefficients(state.phi + i * h).inertia - m.coefficients(state.phi - i * h).inertia) / h
+        w
+        * (
+            m.coefficients(state.phi + i * h).inertia
+            - m.coefficients(state.phi - i * h).inertia
+        )
+        / h
         for i, w in enumerate((4 / 5, -1 / 5, 4 / 105, -1 / 280), 1)
     )
-    wanted = -(c.push * state.across + c.lift * (G + state.up) + 0.5 * slope * state.rate**2) / c.inertia
+    wanted = (
+        -(c.push * state.across + c.lift * (G + state.up) + 0.5 * slope * state.rate**2)
+        / c.inertia
+    )
     assert forces.hinges(state).acceleration == pytest.approx(wanted, rel=1e-9)
 
 
 def test_the_springings_give_the_links_their_momentum():
-    """H_A - H_D and the weight, against second differences of the mass centres on the way of that instant."""
+    """H_A - H_D and the weight, against second differences of the mass centres on the
+    way of that instant.
+    """
     structure, forces = arch(WHOLE)
     state, m = swaying(structure), structure.mechanism
     hinges, acceleration = forces.hinges(state)
@@ -66,20 +89,33 @@ def test_the_springings_give_the_links_their_momentum():
         angles = (phi, *m._angles(phi))
         start, total = np.tile(m.points[0], (phi.size, 1)), np.zeros((phi.size, 2))
         for i, (angle, body) in enumerate(zip(angles, m.links, strict=True)):
-            turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]]).transpose(2, 0, 1)
-            total += body.mass * start + turn @ (np.array([body.x, body.z]) - body.mass * m.points[i])
+            turn = np.array(
+                [[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]]
+            ).transpose(2, 0, 1)
+            total += body.mass * start + turn @ (
+                np.array([body.x, body.z]) - body.mass * m.points[i]
+            )
             start = start + turn @ (m.points[i + 1] - m.points[i])
         return total
 
     weights = {0: -205 / 72, 1: 8 / 5, 2: -1 / 5, 3: 8 / 315, 4: -1 / 560}
-    change = sum(w * first_moments(s * i * h) for i, w in weights.items() for s in ((1, -1) if i else (1,))) / h**2
+    change = (
+        sum(
+            w * first_moments(s * i * h)
+            for i, w in weights.items()
+            for s in ((1, -1) if i else (1,))
+        )
+        / h**2
+    )
     mass = sum(body.mass for body in m.links)
     wanted = change + mass * np.stack([state.across, G + state.up], axis=-1)
     assert hinges[:, 0] - hinges[:, 3] == pytest.approx(wanted, rel=1e-7)
 
 
 def test_joints_on_the_ground_carry_what_stands_on_them():
-    """Between a springing and the next hinge nothing moves: the thrust differs by the weight between two sections."""
+    """Between a springing and the next hinge nothing moves: the thrust differs by the
+    weight between two sections.
+    """
     structure, forces = arch(WHOLE)
     state, m = swaying(structure, 1), structure.mechanism
     low, high = m.hinges[0], m.hinges[3]
@@ -92,4 +128,6 @@ def test_joints_on_the_ground_carry_what_stands_on_them():
     hinge = forces.hinges(state).hinges[0, 0 if low > 0.0 else 3]
     sign = 1.0 if low > 0.0 else -1.0
     pushed = hinge + sign * part.mass * np.array([state.across[0], G + state.up[0]])
-    assert sorted(squares) == pytest.approx(sorted([hinge @ hinge, pushed @ pushed]), rel=1e-12)
+    assert sorted(squares) == pytest.approx(
+        sorted([hinge @ hinge, pushed @ pushed]), rel=1e-12
+    )

@@ -1,4 +1,6 @@
-"""Forces at the hinges of an arch along its response, against the momenta of its links as another hand places them."""
+"""Forces at the hinges of an arch along its response, against the momenta of its links
+as another hand places them.
+"""
 
 import numpy as np
 import pytest
@@ -6,7 +8,15 @@ from oracles.arch_linkage import SECOND, Linkage, carried, places
 from oracles.collocation import Edge, integrate
 from support.bodies import shaking_of
 
-from rocking_cli import Method, cosine, load_structures, parse_grid, response, sine, time_history
+from rocking_cli import (
+    Method,
+    cosine,
+    load_structures,
+    parse_grid,
+    response,
+    sine,
+    time_history,
+)
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.responses.arch_history import HINGE_COLUMNS
 
@@ -19,7 +29,13 @@ def masses(structure):
 
 
 def shaken(motion, amplitude=1.6, omega=5.0):
-    return time_history(ARCH, motion, parse_grid(f"A={amplitude!r},Omega={omega!r}"), [EXACT], duration=1.2)
+    return time_history(
+        ARCH,
+        motion,
+        parse_grid(f"A={amplitude!r},Omega={omega!r}"),
+        [EXACT],
+        duration=1.2,
+    )
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +45,9 @@ def swaying():
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_each_link_moves_as_the_forces_at_its_hinges_say(swaying, side):
-    """Newton and Euler of every link: its forces at both hinges and its weight, against second differences of its place."""
+    """Newton and Euler of every link: its forces at both hinges and its weight, against
+    second differences of its place.
+    """
     history, forces = swaying.histories["nonlinear"], swaying.forces["nonlinear"]
     arcs = history.arcs
     arc = np.argmax(np.where(arcs.side == side, arcs.stop - arcs.start, 0.0))
@@ -38,55 +56,109 @@ def test_each_link_moves_as_the_forces_at_its_hinges_say(swaying, side):
     mirror = np.array([side, 1.0])
     weight = forces.forces.weight
     # from left to right, and back to the order of the mechanism
-    at = np.array([float(forces.columns(np.array([tau]))[name][0]) for name in HINGE_COLUMNS]).reshape(4, 2) * weight
+    at = (
+        np.array(
+            [float(forces.columns(np.array([tau]))[name][0]) for name in HINGE_COLUMNS]
+        ).reshape(4, 2)
+        * weight
+    )
     hinges = at if side > 0.0 else -(at[::-1] * mirror) * np.array([1.0, 1.0])
-    phis = {i: abs(float(history.at(np.array([tau + i * h]))[0][0])) * ARCH.alpha for i in range(-4, 5)}
+    phis = {
+        i: abs(float(history.at(np.array([tau + i * h]))[0][0])) * ARCH.alpha
+        for i in range(-4, 5)
+    }
     points, own = ARCH.mechanism.points, masses(ARCH)
     motion = {i: carried(points, own, phi) for i, phi in phis.items()}
-    acceleration = sum(w * (motion[i] + motion[-i] if i else motion[0]) for i, w in SECOND.items()) / h**2 * p * p
+    acceleration = (
+        sum(w * (motion[i] + motion[-i] if i else motion[0]) for i, w in SECOND.items())
+        / h**2
+        * p
+        * p
+    )
     across, up = forces.ground.at(np.array([tau]))
     ground = np.array([side * float(across[0]), 1.0 + float(up[0])]) * g
     now = places(points, phis[0])
     for i, (m, x, z, polar) in enumerate(own):
         centre, turn = motion[0][i, :2], acceleration[i, 2]
-        assert hinges[i] - hinges[i + 1] == pytest.approx(m * (acceleration[i, :2] + ground), abs=1e-6 * weight)
+        assert hinges[i] - hinges[i + 1] == pytest.approx(
+            m * (acceleration[i, :2] + ground), abs=1e-6 * weight
+        )
         (ax, az), (bx, bz) = now[i] - centre, now[i + 1] - centre
-        moment = az * hinges[i, 0] - ax * hinges[i, 1] - bz * hinges[i + 1, 0] + bx * hinges[i + 1, 1]
-        assert moment == pytest.approx((polar - (x * x + z * z) / m) * turn, abs=1e-6 * weight * ARCH.mechanism.ring.radius)
+        moment = (
+            az * hinges[i, 0]
+            - ax * hinges[i, 1]
+            - bz * hinges[i + 1, 0]
+            + bx * hinges[i + 1, 1]
+        )
+        assert moment == pytest.approx(
+            (polar - (x * x + z * z) / m) * turn,
+            abs=1e-6 * weight * ARCH.mechanism.ring.radius,
+        )
 
 
 def test_the_largest_force_at_a_hinge_is_an_extreme_of_the_history(swaying):
     forces = swaying.forces["nonlinear"]
     tau = np.linspace(0.0, swaying.end, 400)
     columns = forces.columns(tau)
-    sizes = np.array([np.hypot(columns[f"hinge{n}_fx"], columns[f"hinge{n}_fz"]) for n in (1, 2, 3, 4)])
+    sizes = np.array(
+        [
+            np.hypot(columns[f"hinge{n}_fx"], columns[f"hinge{n}_fz"])
+            for n in (1, 2, 3, 4)
+        ]
+    )
     worst = forces.extremes["hinge_force"]
     assert np.nanmax(sizes) <= worst.value * (1.0 + 1e-12)
     assert np.nanmax(sizes) == pytest.approx(worst.value, rel=2e-2)
-    assert columns["hinge1_fx"] - columns["hinge4_fx"] == pytest.approx(columns["fx_ratio"], abs=1e-12, nan_ok=True)
-    assert columns["hinge1_fz"] - columns["hinge4_fz"] == pytest.approx(columns["fz_ratio"], abs=1e-12, nan_ok=True)
+    assert columns["hinge1_fx"] - columns["hinge4_fx"] == pytest.approx(
+        columns["fx_ratio"], abs=1e-12, nan_ok=True
+    )
+    assert columns["hinge1_fz"] - columns["hinge4_fz"] == pytest.approx(
+        columns["fz_ratio"], abs=1e-12, nan_ok=True
+    )
     record = forces.summary("t", 1.0)
-    assert (record["hinge_force"], record["hinge_force_hinge"]) == (worst.value, worst.joint)
+    assert (record["hinge_force"], record["hinge_force_hinge"]) == (
+        worst.value,
+        worst.joint,
+    )
 
 
 def test_the_mirrored_motion_has_the_mirrored_forces():
-    one, other = (shaken(motion).forces["nonlinear"].columns(np.linspace(0.0, 3.0, 40)) for motion in (sine(1), sine(1).scaled(-1)))
+    one, other = (
+        shaken(motion).forces["nonlinear"].columns(np.linspace(0.0, 3.0, 40))
+        for motion in (sine(1), sine(1).scaled(-1))
+    )
     for n in (1, 2, 3, 4):
-        assert one[f"hinge{n}_fx"] == pytest.approx(other[f"hinge{5 - n}_fx"], abs=1e-12, nan_ok=True)
-        assert one[f"hinge{n}_fz"] == pytest.approx(-other[f"hinge{5 - n}_fz"], abs=1e-12, nan_ok=True)
+        assert one[f"hinge{n}_fx"] == pytest.approx(
+            other[f"hinge{5 - n}_fx"], abs=1e-12, nan_ok=True
+        )
+        assert one[f"hinge{n}_fz"] == pytest.approx(
+            -other[f"hinge{5 - n}_fz"], abs=1e-12, nan_ok=True
+        )
 
 
 def against_the_linkage(cells, seed):
-    """Largest difference of theta/alpha under horizontal and vertical motion; what overturns must overturn both ways."""
+    """Largest difference of theta/alpha under horizontal and vertical motion; what
+    overturns must overturn both ways.
+    """
     (arch,) = load_structures("arch:10x1.5x157.5deg")
     edge = Edge(arch.p, arch.alpha, arch.eta)
-    linkage = Linkage(arch.mechanism.points, masses(arch), 2.5 * arch.alpha, arch.gravity, edge)
+    linkage = Linkage(
+        arch.mechanism.points, masses(arch), 2.5 * arch.alpha, arch.gravity, edge
+    )
     random, worst, stood = np.random.default_rng(seed), 0.0, 0
     for _ in range(cells):
         motion = with_vertical(sine(1), cosine(2), float(random.uniform(-0.5, 0.5)))
         amplitude, omega = random.uniform(1.2, 2.5), random.uniform(2.0, 6.0)
         wanted = integrate(linkage, shaking_of(arch, motion, amplitude, omega)).rotation
-        found = float(response(Method("nonlinear", 1e-12).system_of(arch), motion, amplitude, omega, arch.eta).theta_ratio)
+        found = float(
+            response(
+                Method("nonlinear", 1e-12).system_of(arch),
+                motion,
+                amplitude,
+                omega,
+                arch.eta,
+            ).theta_ratio
+        )
         assert np.isnan(found) == np.isnan(wanted)
         if not np.isnan(found):
             worst, stood = max(worst, abs(found - wanted)), stood + 1

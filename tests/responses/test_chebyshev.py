@@ -12,8 +12,12 @@ def test_every_extremum_counts_and_none_is_a_sample():
     found = extent(lambda t: np.sin(40.0 * t) + 0.3 * t, 0.0, 2.0)
     turn = math.acos(-0.3 / 40.0)
     highest, lowest = (turn + 2 * math.pi * 12) / 40.0, (2 * math.pi - turn) / 40.0
-    assert (found.at_largest, found.largest) == pytest.approx((highest, math.sin(40 * highest) + 0.3 * highest), abs=1e-13)
-    assert (found.at_least, found.least) == pytest.approx((lowest, math.sin(40 * lowest) + 0.3 * lowest), abs=1e-13)
+    assert (found.at_largest, found.largest) == pytest.approx(
+        (highest, math.sin(40 * highest) + 0.3 * highest), abs=1e-13
+    )
+    assert (found.at_least, found.least) == pytest.approx(
+        (lowest, math.sin(40 * lowest) + 0.3 * lowest), abs=1e-13
+    )
 
 
 def test_a_narrow_peak_between_points_is_found():
@@ -23,4 +27,6 @@ def test_a_narrow_peak_between_points_is_found():
 
 def test_ends_and_constants():
     assert extent(lambda t: np.full(t.shape, 3.0), 1.0, 2.0)[::2] == (3.0, 3.0)
-    assert extent(np.exp, 0.0, 1.0) == pytest.approx((1.0, 0.0, math.e, 1.0), rel=1e-14, abs=0.0)
+    assert extent(np.exp, 0.0, 1.0) == pytest.approx(
+        (1.0, 0.0, math.e, 1.0), rel=1e-14, abs=0.0
+    )

@@ -1,4 +1,6 @@
-"""The ground along a history: the extent of pushes and weights under straight lines is that of the lines, one by one."""
+"""The ground along a history: the extent of pushes and weights under straight lines is
+that of the lines, one by one.
+"""
 
 from functools import reduce
 
@@ -22,17 +24,29 @@ MOTIONS = {
 
 def in_pieces(motion):
     """The same lines as pieces of any form."""
-    return Motion(motion.name, motion.pieces, motion.vertical and Motion("up", motion.vertical.pieces))
+    return Motion(
+        motion.name,
+        motion.pieces,
+        motion.vertical and Motion("up", motion.vertical.pieces),
+    )
 
 
 @pytest.mark.parametrize("motion", MOTIONS.values(), ids=MOTIONS)
-@pytest.mark.parametrize(("low", "high"), [(0.0, 0.013), (0.413, 0.431), (0.4, 7.31), (0.0, 20.0), (20.0, 21.0)])
+@pytest.mark.parametrize(
+    ("low", "high"),
+    [(0.0, 0.013), (0.413, 0.431), (0.4, 7.31), (0.0, 20.0), (20.0, 21.0)],
+)
 def test_lines_at_once_are_lines_one_by_one(motion, low, high):
-    found, wanted = Ground(motion, 0.4, 0.5).lines(low, high), Ground(in_pieces(motion), 0.4, 0.5).extents(low, high)
+    found, wanted = (
+        Ground(motion, 0.4, 0.5).lines(low, high),
+        Ground(in_pieces(motion), 0.4, 0.5).extents(low, high),
+    )
     assert found is not None
     for x, parts in zip(found, zip(*wanted, strict=True), strict=True):
         y = reduce(Extent.join, parts)
-        np.testing.assert_allclose((x.least, x.largest), (y.least, y.largest), rtol=0, atol=4e-16)
+        np.testing.assert_allclose(
+            (x.least, x.largest), (y.least, y.largest), rtol=0, atol=4e-16
+        )
 
 
 def test_a_ground_without_a_weight_says_so_without_a_warning():

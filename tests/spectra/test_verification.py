@@ -1,4 +1,6 @@
-"""Which cells are checked, always the same ones; their condition; and what a linear sweep says of its own validity."""
+"""Which cells are checked, always the same ones; their condition; and what a linear
+sweep says of its own validity.
+"""
 
 import math
 from functools import partial
@@ -10,7 +12,16 @@ from support.record_layouts import wave
 from support.references import reference
 from support.synthetic_records import recorded
 
-from rocking_cli import Axis, Method, UsageError, dimensionless_oscillator, linear_response, nonlinear_response, parse_grid, spectrum
+from rocking_cli import (
+    Axis,
+    Method,
+    UsageError,
+    dimensionless_oscillator,
+    linear_response,
+    nonlinear_response,
+    parse_grid,
+    spectrum,
+)
 from rocking_cli.commands.help import page
 from rocking_cli.dynamics.outcome import Difference, Outcome, falls
 from rocking_cli.envelopes.intervals import trace_envelope
@@ -20,7 +31,12 @@ from rocking_cli.spectra import verification as sampling
 from rocking_cli.spectra.dimensions import QUANTITIES
 from rocking_cli.spectra.record_scene import structures_scene
 from rocking_cli.spectra.scene import PulseScene, cut_into_units
-from rocking_cli.spectra.verification import Verification, checked_cells, condition_of, validity
+from rocking_cli.spectra.verification import (
+    Verification,
+    checked_cells,
+    condition_of,
+    validity,
+)
 from rocking_cli.spectra.work.jobs import Job, local_crew, unit_reports
 
 GRID = parse_grid("A=0.5:4:60,Omega=0.5:6:50")
@@ -33,8 +49,13 @@ def reports(job, units, workers, verification):
 
 def conditions(scene, cells):
     eta = np.array([scene.structures[i].eta for i in cells[:, 0]])
-    amplitude, omega = scene.grid.amplitude.values[cells[:, 2]], scene.grid.frequency.values[cells[:, 1]]
-    return condition_of(partial(linear_response, scene.motion), amplitude, omega, eta, 0.0)
+    amplitude, omega = (
+        scene.grid.amplitude.values[cells[:, 2]],
+        scene.grid.frequency.values[cells[:, 1]],
+    )
+    return condition_of(
+        partial(linear_response, scene.motion), amplitude, omega, eta, 0.0
+    )
 
 
 def test_half_of_the_checked_cells_are_the_most_sensitive():
@@ -52,8 +73,19 @@ def test_the_same_cells_are_checked_however_a_sweep_is_cut(chunk, workers):
     scene = PulseScene(OSCILLATORS, GRID, sine())
     units = list(cut_into_units(scene, chunk))
     verification = Verification(scene, 6, chunk, units)
-    assert len(list(reports(Job(scene, chunk, tuple(verification.sensitive)), units, workers, verification))) == len(units)
-    assert list(verification.answers) == [tuple(cell) for cell in checked_cells(scene, 6)[:, :3].tolist()]
+    assert len(
+        list(
+            reports(
+                Job(scene, chunk, tuple(verification.sensitive)),
+                units,
+                workers,
+                verification,
+            )
+        )
+    ) == len(units)
+    assert list(verification.answers) == [
+        tuple(cell) for cell in checked_cells(scene, 6)[:, :3].tolist()
+    ]
     whole = spectrum(OSCILLATORS, sine(), GRID, check=6).summary
     found = verification.compared()
     assert found["checked_cells"] == whole.checked_cells == 6
@@ -65,12 +97,27 @@ def test_only_cells_of_the_units_are_checked_and_an_answer_that_differs_shows():
     scene = PulseScene(OSCILLATORS, GRID, sine())
     units = list(cut_into_units(scene, (10, 60)))[::2]
     verification = Verification(scene, 40, (10, 60), units)
-    assert len(list(reports(Job(scene, (10, 60), tuple(verification.sensitive)), units, 1, verification))) == len(units)
+    assert len(
+        list(
+            reports(
+                Job(scene, (10, 60), tuple(verification.sensitive)),
+                units,
+                1,
+                verification,
+            )
+        )
+    ) == len(units)
     every, found = checked_cells(scene, 40).tolist(), verification.compared()
-    assert [list(place) for place in verification.answers] == [cell[:3] for cell in every if (5 * cell[0] + cell[1] // 10) % 2 == 0]
+    assert [list(place) for place in verification.answers] == [
+        cell[:3] for cell in every if (5 * cell[0] + cell[1] // 10) % 2 == 0
+    ]
     assert 0 < found["checked_cells"] == len(verification.answers) < 40
     assert found["misjudged"] == found["beyond_tolerance"] == 0
-    place = next(place for place, answer in verification.answers.items() if answer.outcome == Outcome.ROCKED)
+    place = next(
+        place
+        for place, answer in verification.answers.items()
+        if answer.outcome == Outcome.ROCKED
+    )
     verification.seen[place] = Outcome.ROCKED, verification.seen[place][1] + 1e-3
     assert verification.compared()["estimated_error"] == pytest.approx(1e-3, rel=1e-6)
     assert verification.compared()["beyond_tolerance"] == 1
@@ -81,60 +128,114 @@ def test_only_cells_of_the_units_are_checked_and_an_answer_that_differs_shows():
 @pytest.mark.parametrize(("check", "sensitive"), [(0, 0), (1, 0), (2, 1), (5, 2)])
 def test_the_summary_tells_how_many_cells_its_error_rests_on(check, sensitive):
     found = spectrum(OSCILLATORS[1:], sine(), GRID, check=check)
-    assert (found.summary.checked_cells, found.summary.sensitive_cells) == (check, sensitive)
-    line = next(line for line in summary_lines(found.summary, "s.h5") if "estimated error" in line)
+    assert (found.summary.checked_cells, found.summary.sensitive_cells) == (
+        check,
+        sensitive,
+    )
+    line = next(
+        line
+        for line in summary_lines(found.summary, "s.h5")
+        if "estimated error" in line
+    )
     many = f"{check} cell{'s' if check != 1 else ''}"
-    assert (f"at {many}{f' ({sensitive} for their sensitivity)' if sensitive else ''} computed" if check else "not checked") in line
+    assert (
+        f"at {many}{f' ({sensitive} for their sensitivity)' if sensitive else ''}"
+        " computed"
+        if check
+        else "not checked"
+    ) in line
 
 
 def test_cells_are_those_of_one_draw_after_the_other_each_taken_once():
     grid = parse_grid("A=0.5:4:5,Omega=1:8:3")
     scene = PulseScene(OSCILLATORS, grid, sine())
     random = np.random.RandomState(7)
-    drawn = [tuple(int(random.random_sample() * n) for n in (2, 3, 5)) for _ in range(20 * 24)]
-    lifted = [cell for cell in dict.fromkeys(drawn) if grid.amplitude.values[cell[2]] > 1.0]
+    drawn = [
+        tuple(int(random.random_sample() * n) for n in (2, 3, 5))
+        for _ in range(20 * 24)
+    ]
+    lifted = [
+        cell for cell in dict.fromkeys(drawn) if grid.amplitude.values[cell[2]] > 1.0
+    ]
     assert len(lifted) == 2 * 3 * 4
-    assert [tuple(cell) for cell in sampling.sampled_cells(scene, 24, seed=7).tolist()] == lifted
-    assert [tuple(cell) for cell in sampling.sampled_cells(scene, 5, seed=7).tolist()] == lifted[:5]
+    assert [
+        tuple(cell) for cell in sampling.sampled_cells(scene, 24, seed=7).tolist()
+    ] == lifted
+    assert [
+        tuple(cell) for cell in sampling.sampled_cells(scene, 5, seed=7).tolist()
+    ] == lifted[:5]
 
 
 def test_half_of_the_cells_checked_under_a_record_are_the_most_sensitive():
-    """Those of one structure under one record: none of its cells beside them answers to a change of A more than they do."""
+    """Those of one structure under one record: none of its cells beside them answers to
+    a change of A more than they do.
+    """
     block = built("kind: block\nwidth: 0.3 m\nheight: 1.2 m")
-    scene = structures_scene([block], [recorded(wave(24, 3.0), 0.1)], Axis("A", np.linspace(0.5, 2.5, 60)))
+    scene = structures_scene(
+        [block], [recorded(wave(24, 3.0), 0.1)], Axis("A", np.linspace(0.5, 2.5, 60))
+    )
     cells = checked_cells(scene, 8)
     assert cells[:, 3].tolist() == [0] * 4 + [1] * 4
     step = 1e-7 * np.array([[-1.0], [1.0]])
     motion, omega = scene.recordings[0].motion, 1.0 / block.p
-    found = linear_response(motion, scene.columns.values * (1.0 + step), omega, block.eta)
-    change = np.where((found.outcome == Outcome.ROCKED).all(axis=0), np.abs(np.diff(found.theta_ratio, axis=0)[0]), 0.0)
+    found = linear_response(
+        motion, scene.columns.values * (1.0 + step), omega, block.eta
+    )
+    change = np.where(
+        (found.outcome == Outcome.ROCKED).all(axis=0),
+        np.abs(np.diff(found.theta_ratio, axis=0)[0]),
+        0.0,
+    )
     assert sorted(cells[4:, 2].tolist()) == sorted(np.argsort(-change)[:4].tolist())
 
 
 def test_cells_of_a_long_record_are_drawn():
-    pieces = tuple(Piece(float(i), i + 1.0, (), float((-1) ** i), float(-2 * (-1) ** i)) for i in range(sampling._LONGEST + 1))
-    assert checked_cells(PulseScene(OSCILLATORS, GRID, Motion("long", pieces)), 4)[:, 3].tolist() == [0, 0, 0, 0]
+    pieces = tuple(
+        Piece(float(i), i + 1.0, (), float((-1) ** i), float(-2 * (-1) ** i))
+        for i in range(sampling._LONGEST + 1)
+    )
+    assert checked_cells(PulseScene(OSCILLATORS, GRID, Motion("long", pieces)), 4)[
+        :, 3
+    ].tolist() == [0, 0, 0, 0]
 
 
 def test_a_grid_below_uplift_has_nothing_to_check():
-    assert checked_cells(PulseScene(OSCILLATORS, parse_grid("A=0.1:0.9:5,Omega=1:2:3"), sine()), 4).shape == (0, 4)
+    assert checked_cells(
+        PulseScene(OSCILLATORS, parse_grid("A=0.1:0.9:5,Omega=1:2:3"), sine()), 4
+    ).shape == (0, 4)
 
 
 def test_condition_under_a_rectangular_pulse_is_its_derivative():
-    """theta = 1 - sqrt(1 - 2 (cosh T - 1) A (A - 1)) with T = 2 pi/Omega, the crest after the pulse, before any impact."""
+    """theta = 1 - sqrt(1 - 2 (cosh T - 1) A (A - 1)) with T = 2 pi/Omega, the crest
+    after the pulse, before any impact.
+    """
     amplitude, omega = np.array([1.1, 1.2, 2.0]), np.array([6.0, 7.0, 12.0])
     turn = 2.0 * np.pi / omega
     root = np.sqrt(1.0 - 2.0 * (np.cosh(turn) - 1.0) * amplitude * (amplitude - 1.0))
     by_amplitude = (np.cosh(turn) - 1.0) * amplitude * (2.0 * amplitude - 1.0) / root
     by_frequency = turn * np.sinh(turn) * amplitude * (amplitude - 1.0) / root
-    found = condition_of(partial(linear_response, pulse("rectangular")), amplitude, omega, np.full(3, 0.5), 0.0)
+    found = condition_of(
+        partial(linear_response, pulse("rectangular")),
+        amplitude,
+        omega,
+        np.full(3, 0.5),
+        0.0,
+    )
     assert found == pytest.approx(by_amplitude + by_frequency, rel=1e-7)
 
 
 def test_condition_is_none_beside_overturning_and_nothing_below_uplift():
-    (first, *_) = trace_envelope(dimensionless_oscillator(0.9), sine(), [3.0], a_max=10)
-    amplitude = np.array([0.9, first.a_from * (1 - 1e-9), first.a_from * (1 - 1e-3), first.a_from * 1.01])
-    found = condition_of(partial(linear_response, sine()), amplitude, np.full(4, 3.0), np.full(4, 0.9), 0.0)
+    first, *_ = trace_envelope(dimensionless_oscillator(0.9), sine(), [3.0], a_max=10)
+    amplitude = np.array(
+        [0.9, first.a_from * (1 - 1e-9), first.a_from * (1 - 1e-3), first.a_from * 1.01]
+    )
+    found = condition_of(
+        partial(linear_response, sine()),
+        amplitude,
+        np.full(4, 3.0),
+        np.full(4, 0.9),
+        0.0,
+    )
     assert found[0] == 0.0
     assert np.isnan(found[[1, 3]]).all()
     assert found[2] > 10.0
@@ -142,17 +243,34 @@ def test_condition_is_none_beside_overturning_and_nothing_below_uplift():
 
 @pytest.mark.parametrize("eta", [0.0, 1.0])
 def test_restitutions_at_the_ends_of_their_range_are_not_left(eta):
-    assert np.isfinite(condition_of(partial(linear_response, sine()), np.array([1.5]), np.array([6.0]), np.array([eta]), 0.0)).all()
+    assert np.isfinite(
+        condition_of(
+            partial(linear_response, sine()),
+            np.array([1.5]),
+            np.array([6.0]),
+            np.array([eta]),
+            0.0,
+        )
+    ).all()
 
 
 @pytest.mark.parametrize(("alpha", "tolerance"), [(0.25, 1e-9), (0.57, 1e-7)])
-def test_errors_of_the_nonlinear_equation_are_the_tolerance_times_the_condition(alpha, tolerance):
+def test_errors_of_the_nonlinear_equation_are_the_tolerance_times_the_condition(
+    alpha, tolerance
+):
     random = np.random.default_rng(5)
-    amplitude, omega = random.uniform(1, 6, 160) * math.tan(alpha) / alpha, np.exp(random.uniform(math.log(0.3), math.log(12), 160))
+    amplitude, omega = (
+        random.uniform(1, 6, 160) * math.tan(alpha) / alpha,
+        np.exp(random.uniform(math.log(0.3), math.log(12), 160)),
+    )
     eta = random.uniform(0.3, 1, 160)
     respond = partial(nonlinear_response, sine(4), alpha=alpha)
-    found, exact = (respond(amplitude, omega, eta, tolerance=t) for t in (tolerance, 1e-13))
-    condition = condition_of(partial(respond, tolerance=tolerance), amplitude, omega, eta, tolerance)
+    found, exact = (
+        respond(amplitude, omega, eta, tolerance=t) for t in (tolerance, 1e-13)
+    )
+    condition = condition_of(
+        partial(respond, tolerance=tolerance), amplitude, omega, eta, tolerance
+    )
     known = np.isfinite(condition) & (exact.outcome == Outcome.ROCKED)
     assert known.sum() > 30
     assert np.array_equal(found.outcome[known], exact.outcome[known])
@@ -161,25 +279,43 @@ def test_errors_of_the_nonlinear_equation_are_the_tolerance_times_the_condition(
 
 
 def test_the_largest_error_seen_is_its_condition():
-    """A hundred tolerances, after 26 impacts and a chatter: the cell multiplies any error by 1e5."""
+    """A hundred tolerances, after 26 impacts and a chatter: the cell multiplies any
+    error by 1e5.
+    """
     cell, alpha = (1.195484, 0.644377, 0.826051), 0.570
     outcome, theta = reference(sine(2), *cell, alpha)
     found = nonlinear_response(sine(2), *cell, alpha)
-    (condition,) = condition_of(partial(nonlinear_response, sine(2), alpha=alpha), *(np.array([x]) for x in cell), 1e-9)
+    (condition,) = condition_of(
+        partial(nonlinear_response, sine(2), alpha=alpha),
+        *(np.array([x]) for x in cell),
+        1e-9,
+    )
     assert outcome == found.outcome == Outcome.ROCKED
     assert condition == pytest.approx(1.336e5, rel=1e-3)
     assert abs(float(found.theta_ratio) - theta) <= 1e-9 * condition
 
 
 def test_condition_is_computed_on_request():
-    grid, structures = parse_grid("A=0.5:3:6,Omega=4:8:5"), [dimensionless_oscillator(0.9), dimensionless_oscillator(0.5)]
+    grid, structures = (
+        parse_grid("A=0.5:3:6,Omega=4:8:5"),
+        [dimensionless_oscillator(0.9), dimensionless_oscillator(0.5)],
+    )
     assert spectrum(structures, sine(), grid).condition is None
     found = spectrum(structures, sine(), grid, quantities=["condition"])
     amplitude, omega = np.meshgrid(grid.amplitude.values, grid.frequency.values)
     for i, eta in enumerate((0.9, 0.5)):
-        expected = condition_of(partial(linear_response, sine()), amplitude, omega, np.full(amplitude.shape, eta), 0.0)
+        expected = condition_of(
+            partial(linear_response, sine()),
+            amplitude,
+            omega,
+            np.full(amplitude.shape, eta),
+            0.0,
+        )
         np.testing.assert_array_equal(found.condition[i], expected)
-    with pytest.raises(UsageError, match=f"unknown quantity 'conditions'; expected {', '.join(QUANTITIES)}"):
+    with pytest.raises(
+        UsageError,
+        match=f"unknown quantity 'conditions'; expected {', '.join(QUANTITIES)}",
+    ):
         spectrum(structures, sine(), grid, quantities=["conditions"])
 
 
@@ -191,35 +327,74 @@ def block(slenderness):
 
 
 def test_a_slender_body_is_linear_and_a_stocky_one_is_not():
-    slender, stocky = (validity(PulseScene((block(b),), FINE, sine())) for b in (0.01, 0.5))
+    slender, stocky = (
+        validity(PulseScene((block(b),), FINE, sine())) for b in (0.01, 0.5)
+    )
     assert (slender.sampled, slender.differ) == (64, 0)
     assert stocky.sampled == 64
     assert 0 < stocky.unsafe <= stocky.differ < 32
 
 
 def test_cells_beside_boundaries_are_looked_at_more_than_others():
-    """Half of the cells are, so that the share that differs there is well above that of the whole grid."""
+    """Half of the cells are, so that the share that differs there is well above that of
+    the whole grid.
+    """
     found = validity(PulseScene((block(0.5),), FINE, sine()))
-    whole = spectrum([block(0.5)], sine(), FINE, method=Method("nonlinear", 1e-6), quantities=["linear"], check=0).quantities["difference"]
+    whole = spectrum(
+        [block(0.5)],
+        sine(),
+        FINE,
+        method=Method("nonlinear", 1e-6),
+        quantities=["linear"],
+        check=0,
+    ).quantities["difference"]
     assert found.differ / found.sampled > 1.5 * np.mean(whole > Difference.AGREES)
 
 
 def test_nothing_is_said_where_the_nonlinear_equation_is_not_known_or_already_decides():
     assert validity(PulseScene((dimensionless_oscillator(0.9),), FINE, sine())) is None
-    assert validity(PulseScene((block(0.5),), FINE, sine(), Method("nonlinear"))) is None
-    assert validity(PulseScene((block(0.5),), parse_grid("A=0.1:0.9:5,Omega=1:6:5"), sine())) is None
-    mixed = validity(PulseScene((dimensionless_oscillator(0.9), block(0.5)), FINE, sine()))
+    assert (
+        validity(PulseScene((block(0.5),), FINE, sine(), Method("nonlinear"))) is None
+    )
+    assert (
+        validity(
+            PulseScene((block(0.5),), parse_grid("A=0.1:0.9:5,Omega=1:6:5"), sine())
+        )
+        is None
+    )
+    mixed = validity(
+        PulseScene((dimensionless_oscillator(0.9), block(0.5)), FINE, sine())
+    )
     assert mixed == validity(PulseScene((block(0.5),), FINE, sine()))
 
 
 @pytest.mark.soak
 def test_the_table_of_the_study_is_what_is_computed():
     """Two of its rows, at the tolerance and on the grid of `make study`."""
-    table = {row[0]: row for row in (line.split() for line in page("accuracy").splitlines()) if len(row) == 8 and row[0][:2] == "0."}
+    table = {
+        row[0]: row
+        for row in (line.split() for line in page("accuracy").splitlines())
+        if len(row) == 8 and row[0][:2] == "0."
+    }
     grid = parse_grid("A=1:8:281,Omega=1:8:57")
     for b in ("0.30", "0.50"):
         body = built(f"kind: block\nwidth: {2 * float(b)}\nheight: 2")
-        found = spectrum([body], sine(), grid, method=Method("nonlinear", 1e-6), quantities=["linear"], check=0)
-        down, unsafe = falls(found.outcome), found.quantities["difference"] == Difference.LINEAR_UNSAFE
-        alarms = (found.quantities["difference"] == Difference.LINEAR_FALSE_ALARM).sum() / (~down).sum()
-        assert table[b][6:] == [f"{100.0 * unsafe.sum() / down.sum():.1f}", f"{100.0 * alarms:.1f}"]
+        found = spectrum(
+            [body],
+            sine(),
+            grid,
+            method=Method("nonlinear", 1e-6),
+            quantities=["linear"],
+            check=0,
+        )
+        down, unsafe = (
+            falls(found.outcome),
+            found.quantities["difference"] == Difference.LINEAR_UNSAFE,
+        )
+        alarms = (
+            found.quantities["difference"] == Difference.LINEAR_FALSE_ALARM
+        ).sum() / (~down).sum()
+        assert table[b][6:] == [
+            f"{100.0 * unsafe.sum() / down.sum():.1f}",
+            f"{100.0 * alarms:.1f}",
+        ]

@@ -10,15 +10,30 @@ from rocking_cli import DocumentError, load_structures
 
 STATED = [
     ("block:0.5x2", "kind: block\nwidth: 0.5\nheight: 2"),
-    ("block: 50 cm x 2m ,restitution=0.9", "kind: block\nwidth: 0.5\nheight: 2\nrestitution: 0.9"),
+    (
+        "block: 50 cm x 2m ,restitution=0.9",
+        "kind: block\nwidth: 0.5\nheight: 2\nrestitution: 0.9",
+    ),
     ("block:radius=1,alpha=10 deg", "kind: block\nradius: 1\nalpha: 10 deg"),
     ("point_mass:1.2x4", "kind: point_mass\nwidth: 1.2\nheight: 4"),
-    ("wall:0.6x5,one_sided=true", "kind: wall\nthickness: 0.6\nheight: 5\none_sided: true"),
+    (
+        "wall:0.6x5,one_sided=true",
+        "kind: wall\nthickness: 0.6\nheight: 5\none_sided: true",
+    ),
     ("drum:0.5x6", "kind: drum\nradius: 0.5\nheight: 6"),
     ("spire:1.5x12", "kind: spire\nbase_radius: 1.5\nheight: 12"),
-    ("arch:10x1.5x157.5deg,voussoirs=7", "kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\nvoussoirs: 7"),
-    ("prism:corners=[[0,0],[1,0],[0.5,3]]", "kind: prism\ncorners: [[0, 0], [1, 0], [0.5, 3]]"),
-    ("parameters:p=2,alpha=0.2,eta=0.9,lambda=0.2", "kind: parameters\np: 2\nalpha: 0.2\neta: 0.9\nlambda: 0.2"),
+    (
+        "arch:10x1.5x157.5deg,voussoirs=7",
+        "kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\nvoussoirs: 7",
+    ),
+    (
+        "prism:corners=[[0,0],[1,0],[0.5,3]]",
+        "kind: prism\ncorners: [[0, 0], [1, 0], [0.5, 3]]",
+    ),
+    (
+        "parameters:p=2,alpha=0.2,eta=0.9,lambda=0.2",
+        "kind: parameters\np: 2\nalpha: 0.2\neta: 0.9\nlambda: 0.2",
+    ),
 ]
 
 
@@ -31,7 +46,9 @@ def test_it_is_the_document_that_a_file_would_hold(stated, text):
 
 def test_a_file_of_that_name_comes_first(rocking, tmp_path):
     (tmp_path / "block:1x2").write_text("kind: spire\nbase_radius: 1\nheight: 9\n")
-    assert '"structure_kind": "spire"' in rocking("params", "block:1x2", "--json").stdout
+    assert (
+        '"structure_kind": "spire"' in rocking("params", "block:1x2", "--json").stdout
+    )
 
 
 REFUSED = [
@@ -44,7 +61,9 @@ REFUSED = [
     ("block:1kgx5", "block:1kgx5: width: found 1kg; expected a length"),
     ("blokc:1x5", r"kind: found blokc; expected one of block, .*did you mean 'block'"),
 ]
-test_refusals = refuses(lambda stated: load_structures([stated]), DocumentError, REFUSED)
+test_refusals = refuses(
+    lambda stated: load_structures([stated]), DocumentError, REFUSED
+)
 
 
 @pytest.mark.parametrize(
@@ -60,4 +79,6 @@ test_refusals = refuses(lambda stated: load_structures([stated]), DocumentError,
 )
 def test_a_unit_behind_the_last_size_holds_for_those_without_one(text, same):
     first, second = load_structures([text, same])
-    assert (first.p, first.alpha, first.eta) == pytest.approx((second.p, second.alpha, second.eta), rel=1e-14)
+    assert (first.p, first.alpha, first.eta) == pytest.approx(
+        (second.p, second.alpha, second.eta), rel=1e-14
+    )

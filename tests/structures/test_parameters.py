@@ -19,22 +19,45 @@ NUMBER = RockingParameters("x", "block", 1.0, 0.2, 0.9, 0.2, 1.0)
 
 
 def test_an_unequal_body_has_the_numbers_of_the_edge_that_lifts_first():
-    assert (TWO.p, TWO.alpha, TWO.eta, TWO.uplift, TWO.a_scale) == (1.9, 0.2, 0.9, 0.21, 1.0)
+    assert (TWO.p, TWO.alpha, TWO.eta, TWO.uplift, TWO.a_scale) == (
+        1.9,
+        0.2,
+        0.9,
+        0.21,
+        1.0,
+    )
     assert TWO.sides == (LEFT, RIGHT)
-    same = RockingParameters.of_sides("Statue", "rigid", replace(RIGHT, side="left"), RIGHT)
-    assert (same.sides, same.p, same.eta) == ((), RIGHT.p, RIGHT.eta)  # a symmetric body
+    same = RockingParameters.of_sides(
+        "Statue", "rigid", replace(RIGHT, side="left"), RIGHT
+    )
+    assert (same.sides, same.p, same.eta) == (
+        (),
+        RIGHT.p,
+        RIGHT.eta,
+    )  # a symmetric body
 
 
 def test_defaults_are_not_printed_and_a_record_of_an_earlier_file_is_read():
     now = NUMBER.row()
-    before = {("structure" if key == "structure_kind" else key): value for key, value in now.items()}
-    assert RockingParameters.from_row(now) == RockingParameters.from_row(before) == NUMBER
+    before = {
+        ("structure" if key == "structure_kind" else key): value
+        for key, value in now.items()
+    }
+    assert (
+        RockingParameters.from_row(now) == RockingParameters.from_row(before) == NUMBER
+    )
     assert not {"sides", "one_sided", "damping"} & set(now)
 
 
 REFUSED = [
-    ((TWO, {"sides": (RIGHT, LEFT)}), "expected two, the left one first and then the right one"),
-    ((TWO, {"sides": (LEFT,)}), "expected two, the left one first and then the right one"),
+    (
+        (TWO, {"sides": (RIGHT, LEFT)}),
+        "expected two, the left one first and then the right one",
+    ),
+    (
+        (TWO, {"sides": (LEFT,)}),
+        "expected two, the left one first and then the right one",
+    ),
     ((TWO, {"p": 2.0}), "not those of the right edge, which lifts first"),
     ((TWO, {"one_sided": True, "eta": -0.4}), "one side"),
     ((TWO, {"one_sided": True, "sides": ()}), "eta is 0.9; expected a number above -1"),
@@ -52,7 +75,9 @@ REFUSED = [
     ((LEFT, {"eta": 1.1}), "eta is"),
     ((LEFT, {"eta": -0.1}), "eta is"),
 ]
-test_numbers_that_cannot_be = refuses(lambda given: replace(given[0], **given[1]), ValueError, REFUSED)
+test_numbers_that_cannot_be = refuses(
+    lambda given: replace(given[0], **given[1]), ValueError, REFUSED
+)
 
 
 def test_dimensionless_oscillator_scales_nothing():
@@ -62,28 +87,52 @@ def test_dimensionless_oscillator_scales_nothing():
 
 
 def test_a_linear_oscillator_can_lift_where_the_body_does():
-    """Eq. 3.9 for a rigid body: a_g at A = 1 is then lambda g; unequal edges each by itself, and mechanisms as they are."""
+    """Eq. 3.9 for a rigid body: a_g at A = 1 is then lambda g; unequal edges each by
+    itself, and mechanisms as they are.
+    """
     for text in ("kind: block\nwidth: 1\nheight: 2", STATUE):
         body = built(text)
         lifted = body.lifting_at_lambda()
         assert body.linear_uplift == body.alpha
         assert lifted.linear_uplift == pytest.approx(body.uplift, rel=1e-14, abs=0.0)
-        assert lifted.ground_acceleration(1.0) == pytest.approx(body.uplift * 9.81, rel=1e-14, abs=0.0)
-        assert [side.a_scale for side in lifted.sides] == [side.alpha / side.uplift for side in body.sides]
-    stated = built("kind: parameters\np: 2\nalpha: 0.1\neta: 0.9\nlambda: 0.3\na_scale: 0.5")
+        assert lifted.ground_acceleration(1.0) == pytest.approx(
+            body.uplift * 9.81, rel=1e-14, abs=0.0
+        )
+        assert [side.a_scale for side in lifted.sides] == [
+            side.alpha / side.uplift for side in body.sides
+        ]
+    stated = built(
+        "kind: parameters\np: 2\nalpha: 0.1\neta: 0.9\nlambda: 0.3\na_scale: 0.5"
+    )
     assert stated.lifting_at_lambda() == stated
 
 
-TEXTS = [STATUE + more for more in ("", "mass: 3 t", "restitution: 0.7\ndamping: 0.05", "one_sided: true\nrestitution: -0.3")]
-TEXTS += ["kind: block\nwidth: 0.5\nheight: 2", "kind: spire\nbase_radius: 1\nheight: 9\nname: Ö 'x'"]
+TEXTS = [
+    STATUE + more
+    for more in (
+        "",
+        "mass: 3 t",
+        "restitution: 0.7\ndamping: 0.05",
+        "one_sided: true\nrestitution: -0.3",
+    )
+]
+TEXTS += [
+    "kind: block\nwidth: 0.5\nheight: 2",
+    "kind: spire\nbase_radius: 1\nheight: 9\nname: Ö 'x'",
+]
 
 
-@pytest.mark.parametrize("body", [TWO, replace(TWO, damping=0.05), *map(built, TEXTS)], ids=range(8))
+@pytest.mark.parametrize(
+    "body", [TWO, replace(TWO, damping=0.05), *map(built, TEXTS)], ids=range(8)
+)
 def test_what_is_printed_is_a_document_of_the_same_body(body):
     assert built(json.dumps(body.row())) == body
 
 
-SIDES = "kind: parameters\nsides:\n- {side: left, p: 2, alpha: 0.2, lambda: 0.2, eta: 0.9}\n"
+SIDES = (
+    "kind: parameters\nsides:\n- {side: left, p: 2, alpha: 0.2, lambda: 0.2, eta:"
+    " 0.9}\n"
+)
 OTHER = "- {side: right, p: 2, alpha: 0.3, a_scale: 1, eta: 0.8}\n"
 
 

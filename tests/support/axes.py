@@ -9,7 +9,11 @@ def numbers(rows, key):
 
 def lines(axes):
     """{label: (x, y)} of the lines that have a name."""
-    return {line.get_label(): line.get_data() for line in axes.get_lines() if not line.get_label().startswith("_")}
+    return {
+        line.get_label(): line.get_data()
+        for line in axes.get_lines()
+        if not line.get_label().startswith("_")
+    }
 
 
 def same(line, x, y):

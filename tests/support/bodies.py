@@ -1,4 +1,6 @@
-"""Bodies drawn at random, as the package takes them and as the integration does, and what shakes them."""
+"""Bodies drawn at random, as the package takes them and as the integration does, and
+what shakes them.
+"""
 
 import math
 from collections.abc import Sequence
@@ -29,8 +31,19 @@ from rocking_cli.motions.polyline import Polyline
 from rocking_cli.responses.force_history import GroundForceExtremes
 from rocking_cli.structures.parameters import Side
 
-ACROSS = [sine(1), cosine(1.5), pulse("rectangular-impulse"), pulse("mavroeidis-papageorgiou"), sine(2).scaled(-1)]
-UP = [sine(1.5), cosine(1), pulse("rectangular-impulse"), Motion("other", (Piece(0.0, 4.0 * math.pi, (Harmonic(1.0, 2.7, 0.3),)),))]
+ACROSS = [
+    sine(1),
+    cosine(1.5),
+    pulse("rectangular-impulse"),
+    pulse("mavroeidis-papageorgiou"),
+    sine(2).scaled(-1),
+]
+UP = [
+    sine(1.5),
+    cosine(1),
+    pulse("rectangular-impulse"),
+    Motion("other", (Piece(0.0, 4.0 * math.pi, (Harmonic(1.0, 2.7, 0.3),)),)),
+]
 KINDS = ("plain", "unequal", "one-sided", "damped")
 
 Range = tuple[float, float]
@@ -39,7 +52,9 @@ ALPHA, LEFT = 0.25, 0.2
 
 def unequal(*rotation: float) -> Unequal:
     """A contact of two edges on which y = 1 is so much of theta/alpha."""
-    return Unequal(drive=(1.0, 0.8), omega=(1.0, 1.15), eta=(1.05, 0.6), rotation=rotation)
+    return Unequal(
+        drive=(1.0, 0.8), omega=(1.0, 1.15), eta=(1.05, 0.6), rotation=rotation
+    )
 
 
 (ARCH,) = load_structures(Path(__file__).parents[2] / "configs/arch.yaml")
@@ -47,35 +62,84 @@ ANGLES = [math.sin(alpha) / alpha for alpha in (ALPHA, LEFT)]
 SYSTEMS = {  # with restitutions
     "the oscillator": (System(LinearEquation(), scale=ALPHA), 0.9),
     "the oscillator on one side": (System(LinearEquation(), OneSided(), ALPHA), -0.5),
-    "the oscillator of unlike edges": (System(LinearEquation(), unequal(1.0, 1.0), ALPHA), 0.9),
+    "the oscillator of unlike edges": (
+        System(LinearEquation(), unequal(1.0, 1.0), ALPHA),
+        0.9,
+    ),
     "the damped oscillator": (System(LinearEquation(0.05), scale=ALPHA), 0.9),
-    "the damped oscillator on one side": (System(LinearEquation(0.02), OneSided(), ALPHA), -0.6),
-    "the damped oscillator of unlike edges": (System(LinearEquation(0.1), unequal(1.0, 1.0), ALPHA), 0.9),
+    "the damped oscillator on one side": (
+        System(LinearEquation(0.02), OneSided(), ALPHA),
+        -0.6,
+    ),
+    "the damped oscillator of unlike edges": (
+        System(LinearEquation(0.1), unequal(1.0, 1.0), ALPHA),
+        0.9,
+    ),
     "a body": (System(RigidBodyEquation(ALPHA), scale=ALPHA), 0.9),
     "a body on one side": (System(RigidBodyEquation(0.5), OneSided(), 0.5), -0.5),
-    "a damped body of unlike edges": (System(RigidBodyEquation((ALPHA, LEFT), damping=0.05), unequal(*ANGLES), ALPHA), 0.9),
+    "a damped body of unlike edges": (
+        System(RigidBodyEquation((ALPHA, LEFT), damping=0.05), unequal(*ANGLES), ALPHA),
+        0.9,
+    ),
     "an arch": (Method("nonlinear").system_of(ARCH), 0.9),
 }
 
 
 def drawn(
-    kind: str, random: np.random.Generator, alphas: Range, etas: Range, spread: float, zetas: Sequence[float] = (0.05,)
+    kind: str,
+    random: np.random.Generator,
+    alphas: Range,
+    etas: Range,
+    spread: float,
+    zetas: Sequence[float] = (0.05,),
 ) -> tuple[RockingParameters, Solved, float]:
-    """A body as the package takes it and as the integration does, with the arm from its edges to its mass centre [m].
+    """A body as the package takes it and as the integration does, with the arm from its
+    edges to its mass centre [m].
 
-    kind: words of KINDS, and `linear` or `nonlinear`, by chance if neither is there; spread: how far the angles of unequal edges differ.
+    kind: words of KINDS, and `linear` or `nonlinear`, by chance if neither is there;
+    spread: how far the angles of unequal edges differ.
     """
-    p, alpha, kappa, eta = random.uniform(1.0, 3.0), random.uniform(*alphas), random.uniform(0.6, 1.0), random.uniform(*etas)
-    arm, zeta = kappa * 9.81 / p**2, float(random.choice(zetas)) if "damped" in kind else 0.0
+    p, alpha, kappa, eta = (
+        random.uniform(1.0, 3.0),
+        random.uniform(*alphas),
+        random.uniform(0.6, 1.0),
+        random.uniform(*etas),
+    )
+    arm, zeta = (
+        kappa * 9.81 / p**2,
+        float(random.choice(zetas)) if "damped" in kind else 0.0,
+    )
     nonlinear = "nonlinear" in kind if "linear" in kind else bool(random.integers(2))
     if "unequal" in kind:
-        other, angle, back = p * random.uniform(0.9, 1.1), alpha * random.uniform(1.0 - spread, 1.0 + spread), random.uniform(*etas)
-        sides = Side("left", p, alpha, math.tan(alpha), 1.0, eta, arm), Side("right", other, angle, math.tan(angle), 1.0, back, arm)
+        other, angle, back = (
+            p * random.uniform(0.9, 1.1),
+            alpha * random.uniform(1.0 - spread, 1.0 + spread),
+            random.uniform(*etas),
+        )
+        sides = (
+            Side("left", p, alpha, math.tan(alpha), 1.0, eta, arm),
+            Side("right", other, angle, math.tan(angle), 1.0, back, arm),
+        )
         body = RockingParameters.of_sides("b", "prism", *sides, damping=zeta)
-        return body, Solved(Edge(other, angle, back), Edge(p, alpha, eta), zeta, nonlinear), arm
+        return (
+            body,
+            Solved(Edge(other, angle, back), Edge(p, alpha, eta), zeta, nonlinear),
+            arm,
+        )
     one_sided = "one-sided" in kind
     eta = -eta if one_sided else eta
-    body = RockingParameters("b", "block", p, alpha, eta, math.tan(alpha), 1.0, arm=arm, one_sided=one_sided, damping=zeta)
+    body = RockingParameters(
+        "b",
+        "block",
+        p,
+        alpha,
+        eta,
+        math.tan(alpha),
+        1.0,
+        arm=arm,
+        one_sided=one_sided,
+        damping=zeta,
+    )
     edge = Edge(p, alpha, eta)
     return body, Solved(edge, None if one_sided else edge, zeta, nonlinear), arm
 
@@ -86,25 +150,52 @@ def shaking(motion: Motion, a_g: float, omega_g: float) -> Shaking:
     return Shaking.of(motion.value, a_g, omega_g, motion.marks, up)
 
 
-def shaking_of(body: RockingParameters, motion: Motion, amplitude: float, omega: float) -> Shaking:
+def shaking_of(
+    body: RockingParameters, motion: Motion, amplitude: float, omega: float
+) -> Shaking:
     """The same of a body's A and Omega."""
     return shaking(motion, float(body.ground_acceleration(amplitude)), omega * body.p)
 
 
-def forces_of(body: RockingParameters, motion: Motion, amplitude: float, omega: float, method: Method) -> GroundForceExtremes:
+def forces_of(
+    body: RockingParameters,
+    motion: Motion,
+    amplitude: float,
+    omega: float,
+    method: Method,
+) -> GroundForceExtremes:
     """The extremes of the forces on the ground along the history."""
-    found = time_history(body, motion, parse_grid(f"A={amplitude!r},Omega={omega!r}"), [method])
+    found = time_history(
+        body, motion, parse_grid(f"A={amplitude!r},Omega={omega!r}"), [method]
+    )
     return found.forces[method.model].extremes
 
 
 def shaken(
-    random: np.random.Generator, body: RockingParameters, shares: Sequence[float], amplitudes: Range, recorded: bool = False
+    random: np.random.Generator,
+    body: RockingParameters,
+    shares: Sequence[float],
+    amplitudes: Range,
+    recorded: bool = False,
 ) -> tuple[Motion, float, float]:
-    """(motion, A, Omega): a pulse, or a record in its own time, with another one upwards, at the most one of `shares` times as strong."""
-    across, up, omega = ACROSS[random.integers(len(ACROSS))], UP[random.integers(len(UP))], random.uniform(0.7, 10.0)
+    """(motion, A, Omega): a pulse, or a record in its own time, with another one
+    upwards, at the most one of `shares` times as strong.
+    """
+    across, up, omega = (
+        ACROSS[random.integers(len(ACROSS))],
+        UP[random.integers(len(UP))],
+        random.uniform(0.7, 10.0),
+    )
     if recorded:
         t, omega = 0.15 * np.arange(23), 1.0 / body.p
         rows = np.pad(random.uniform(-1.0, 1.0, (2, 21)), ((0, 0), (1, 1)))
-        across, up = (Polyline("r", t[:-1], t[1:], row[:-1], np.diff(row) / 0.15, 1.0) for row in rows)
+        across, up = (
+            Polyline("r", t[:-1], t[1:], row[:-1], np.diff(row) / 0.15, 1.0)
+            for row in rows
+        )
     share = shares[random.integers(len(shares))] * random.uniform(-1.0, 1.0)
-    return with_vertical(across, up, share) if share else across, random.uniform(*amplitudes), omega
+    return (
+        with_vertical(across, up, share) if share else across,
+        random.uniform(*amplitudes),
+        omega,
+    )

@@ -1,4 +1,6 @@
-"""What a document writes, as a test needs it: structures from their text, and the scene that the tests of files share."""
+"""What a document writes, as a test needs it: structures from their text, and the scene
+that the tests of files share.
+"""
 
 import csv
 import io
@@ -9,7 +11,17 @@ import h5py
 from rocking_cli import Motion, RockingParameters, build_structure, parse_documents
 from rocking_cli.motions.motion_document import build_motion
 
-SMALL_SCENE = ("--grid", "A=0.5:12:120,Omega=0.5:12:120", "--eta", "0.9", "--eta", "0.7", "--chunk", "1800", "-q")
+SMALL_SCENE = (
+    "--grid",
+    "A=0.5:12:120,Omega=0.5:12:120",
+    "--eta",
+    "0.9",
+    "--eta",
+    "0.7",
+    "--chunk",
+    "1800",
+    "-q",
+)
 
 TWO_PULSES = """
 name: Two pulses
@@ -33,8 +45,13 @@ def built_motion(text: str) -> Motion:
 
 
 def csv_rows(text: str) -> list[dict[str, str]]:
-    """The rows of a CSV that a command printed, by the names of its columns without their units."""
-    return [{heading.partition(" [")[0]: cell for heading, cell in row.items()} for row in csv.DictReader(io.StringIO(text))]
+    """The rows of a CSV that a command printed, by the names of its columns without
+    their units.
+    """
+    return [
+        {heading.partition(" [")[0]: cell for heading, cell in row.items()}
+        for row in csv.DictReader(io.StringIO(text))
+    ]
 
 
 def same_file(one: Path, other: Path) -> None:

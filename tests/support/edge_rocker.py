@@ -1,4 +1,6 @@
-"""One rigid body on two edges as a mechanism of the general form, which the package has in closed form."""
+"""One rigid body on two edges as a mechanism of the general form, which the package has
+in closed form.
+"""
 
 import math
 from dataclasses import dataclass
@@ -12,7 +14,8 @@ from rocking_cli.structures.mechanics.moments import Moments, spin_about
 
 @dataclass(frozen=True)
 class EdgeRocker:
-    """One rigid body that rocks about (pivot, 0) and, after an impact, about (-pivot, 0).
+    """One rigid body that rocks about (pivot, 0) and, after an impact, about (-pivot,
+    0).
 
     shared: the part that moves before and after the impact, None for the whole body.
     """
@@ -30,10 +33,21 @@ class EdgeRocker:
         """M, V'/g and B at rotations phi [rad], of any shape (Eq. 2.1)."""
         x, z = self.pivot * self.body.mass - self.body.x, self.body.z
         sin, cos = np.sin(phi), np.cos(phi)
-        return Coefficients(self.body.about(self.pivot, 0.0) + 0.0 * sin, x * cos - z * sin, z * cos + x * sin)
+        return Coefficients(
+            self.body.about(self.pivot, 0.0) + 0.0 * sin,
+            x * cos - z * sin,
+            z * cos + x * sin,
+        )
 
     def overlap(self) -> tuple[float, float]:
-        """The integrals of `Mechanism.overlap`: a rotation about one edge before the impact, about the other edge after it."""
-        before, after = spin_about(self.pivot, 0.0, -1.0), spin_about(-self.pivot, 0.0, -1.0)
+        """The integrals of `Mechanism.overlap`: a rotation about one edge before the
+        impact, about the other edge after it.
+        """
+        before, after = (
+            spin_about(self.pivot, 0.0, -1.0),
+            spin_about(-self.pivot, 0.0, -1.0),
+        )
         mirrored = self.body._replace(x=-self.body.x)
-        return before.product(after, self.shared or self.body), after.product(after, mirrored)
+        return before.product(after, self.shared or self.body), after.product(
+            after, mirrored
+        )

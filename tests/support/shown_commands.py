@@ -12,7 +12,11 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 README = ROOT / "README.md"
-BLOCK = re.compile(r"```yaml\n# (?P<name>\S+)\n(?P<document>.*?)```|```sh\n(?P<commands>.*?)```(?:\n\n```\n(?P<output>.*?)```)?", re.DOTALL)
+BLOCK = re.compile(
+    r"```yaml\n#"
+    r" (?P<name>\S+)\n(?P<document>.*?)```|```sh\n(?P<commands>.*?)```(?:\n\n```\n(?P<output>.*?)```)?",
+    re.DOTALL,
+)
 Run = Callable[..., subprocess.CompletedProcess[str]]
 
 
@@ -22,7 +26,9 @@ def lines(commands: str) -> list[str]:
 
 
 def shell(rocking: Run, line: str, folder: Path) -> str:
-    """What a line prints, pipes into `rocking` and `head` and redirections included; it must succeed, and say or write something."""
+    """What a line prints, pipes into `rocking` and `head` and redirections included; it
+    must succeed, and say or write something.
+    """
     line, _, target = line.partition(" > ")
     said, out = "", ""
     before = set(folder.iterdir())
@@ -43,13 +49,17 @@ def shell(rocking: Run, line: str, folder: Path) -> str:
 
 
 def written(text: str, rocking: Run, folder: Path) -> str:
-    """The Markdown text with the output of its commands as they print it, run from the top in one folder with its documents."""
+    """The Markdown text with the output of its commands as they print it, run from the
+    top in one folder with its documents.
+    """
 
     def block(found: re.Match[str]) -> str:
         if found["name"]:
             (folder / found["name"]).write_text(found["document"], encoding="utf-8")
             return found[0]
-        printed = "".join(shell(rocking, line, folder) for line in lines(found["commands"]))
+        printed = "".join(
+            shell(rocking, line, folder) for line in lines(found["commands"])
+        )
         if found["output"] is None:
             return found[0]
         visible = "".join(f"{line.rstrip()}\n" for line in printed.splitlines())
@@ -69,9 +79,19 @@ def main() -> None:
 
         def rocking(*arguments: str, stdin: str) -> subprocess.CompletedProcess[str]:
             call = [sys.executable, "-m", "rocking_cli", *arguments]
-            return subprocess.run(call, input=stdin, capture_output=True, text=True, check=False, cwd=folder)
+            return subprocess.run(
+                call,
+                input=stdin,
+                capture_output=True,
+                text=True,
+                check=False,
+                cwd=folder,
+            )
 
-        README.write_text(in_readme(written(README.read_text(encoding="utf-8"), rocking, folder)), encoding="utf-8")
+        README.write_text(
+            in_readme(written(README.read_text(encoding="utf-8"), rocking, folder)),
+            encoding="utf-8",
+        )
 
 
 if __name__ == "__main__":

@@ -1,4 +1,6 @@
-"""Processes that tests start and meddle with: what they have written so far is the clock, not the time they take."""
+"""Processes that tests start and meddle with: what they have written so far is the
+clock, not the time they take.
+"""
 
 import subprocess
 import sys
@@ -6,11 +8,15 @@ import time
 from pathlib import Path
 
 PROGRAM = [sys.executable, "-m", "rocking_cli"]
-PATIENCE = 300.0  # seconds after which a test gives up on a process that does not go on: no machine is that slow
+# seconds after which a test gives up on a process that does not go on: no machine is
+# that slow
+PATIENCE = 300.0
 
 
 def grows(path: Path, size: int, process: subprocess.Popen[str]) -> bool:
-    """Wait until a file has grown beyond a size in bytes (True), or the process that writes it has ended (False)."""
+    """Wait until a file has grown beyond a size in bytes (True), or the process that
+    writes it has ended (False).
+    """
     end = time.monotonic() + PATIENCE
     while time.monotonic() < end:
         try:
@@ -22,4 +28,6 @@ def grows(path: Path, size: int, process: subprocess.Popen[str]) -> bool:
             return False
         time.sleep(0.002)
     process.kill()
-    raise AssertionError(f"{path.name} has not grown beyond {size} bytes within {PATIENCE:.0f} s")
+    raise AssertionError(
+        f"{path.name} has not grown beyond {size} bytes within {PATIENCE:.0f} s"
+    )

@@ -1,1 +1,3 @@
-"""The contact of a body with the ground: where it lifts off, what an impact does, how bounces and the free motion end."""
+"""The contact of a body with the ground: where it lifts off, what an impact does, how
+bounces and the free motion end.
+"""

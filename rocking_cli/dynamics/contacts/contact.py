@@ -1,4 +1,6 @@
-"""The contact with the ground: `Symmetric`, `Unequal` and `OneSided`; `Contact` holds their common part."""
+"""The contact with the ground: `Symmetric`, `Unequal` and `OneSided`; `Contact` holds
+their common part.
+"""
 
 import math
 from abc import ABC, abstractmethod
@@ -15,7 +17,9 @@ from .sequences import OtherSide, sequence_ends, sequence_time
 
 
 class Uplift(NamedTuple):
-    """The next uplift of bodies at rest: segment k (the number of segments if nothing lifts the body), phase u in it, side, force b."""
+    """The next uplift of bodies at rest: segment k (the number of segments if nothing
+    lifts the body), phase u in it, side, force b.
+    """
 
     k: Array
     u: Array
@@ -24,8 +28,10 @@ class Uplift(NamedTuple):
 
 
 class FreeMotion(NamedTuple):
-    """Outcome of the motion after the shaking, (lanes,) each: overturns without a further impact, or after one; peak: the largest
-    rotation y to come, NaN if the body overturns."""
+    """Outcome of the motion after the shaking, (lanes,) each: overturns without a
+    further impact, or after one; peak: the largest rotation y to come, NaN if the body
+    overturns.
+    """
 
     overturns: Array
     overturns_after_impact: Array
@@ -33,78 +39,134 @@ class FreeMotion(NamedTuple):
 
 
 class Contact(ABC):
-    """How a body stands on the ground. The methods of this class hold for two equal edges and for a single edge; `Unequal` overrides them.
-    alike: True if the body has two free and equal edges; left: 1 if the body can lift off onto its left edge, otherwise 0."""
+    """How a body stands on the ground. The methods of this class hold for two equal
+    edges and for a single edge; `Unequal` overrides them. alike: True if the body has
+    two free and equal edges; left: 1 if the body can lift off onto its left edge,
+    otherwise 0.
+    """
 
     alike = False
     left = 1.0
 
     @abstractmethod
-    def cells(self, equation: Equation, amplitude: Array, omega: Array, eta: Array) -> Cells:
-        """Return the drive of each cell on each side, from A, Omega, eta (each (cells,)). Raises ValueError if an eta is out of range."""
+    def cells(
+        self, equation: Equation, amplitude: Array, omega: Array, eta: Array
+    ) -> Cells:
+        """Return the drive of each cell on each side, from A, Omega, eta (each
+        (cells,)). Raises ValueError if an eta is out of range.
+        """
 
     @abstractmethod
     def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
-        """Apply an impact with velocity v <= 0 and force b under the weight m g: set side, velocity, force of the lanes (Eq. 2.6)."""
+        """Apply an impact with velocity v <= 0 and force b under the weight m g: set
+        side, velocity, force of the lanes (Eq. 2.6).
+        """
 
     @abstractmethod
     def other_side(self, lanes: Lanes) -> OtherSide | None:
-        """Return the side on which lanes land at their next impact; None if they land on the same side again."""
+        """Return the side on which lanes land at their next impact; None if they land
+        on the same side again.
+        """
 
-    def strongest(self, cells: Cells, segments: Segments, first: Array | int = 0) -> Array:
-        """The strongest drive of each cell from segment `first` on, over the drive at uplift, (cells,). Above 1 the body lifts off."""
-        return np.maximum(cells.amplitude[0] * -segments.later_min[first], cells.amplitude[-1] * self.left * segments.later_max[first])
+    def strongest(
+        self, cells: Cells, segments: Segments, first: Array | int = 0
+    ) -> Array:
+        """The strongest drive of each cell from segment `first` on, over the drive at
+        uplift, (cells,). Above 1 the body lifts off.
+        """
+        return np.maximum(
+            cells.amplitude[0] * -segments.later_min[first],
+            cells.amplitude[-1] * self.left * segments.later_max[first],
+        )
 
-    def uplift(self, cells: Cells, segments: Segments, cell: Array, k: Array, u: Array) -> Uplift:
+    def uplift(
+        self, cells: Cells, segments: Segments, cell: Array, k: Array, u: Array
+    ) -> Uplift:
         """The first uplift of bodies that rest at (k, u), onto either edge."""
-        return first_uplift(segments, k, u, cells.amplitude[0, cell], cells.amplitude[-1, cell] * self.left)
+        return first_uplift(
+            segments,
+            k,
+            u,
+            cells.amplitude[0, cell],
+            cells.amplitude[-1, cell] * self.left,
+        )
 
     def turn(self, cells: Cells, lanes: Lanes, at: Array, side: Array) -> None:
-        """Put the lanes of these indices on a side; their numbers then have the values and units of this side."""
+        """Put the lanes of these indices on a side; their numbers then have the values
+        and units of this side.
+        """
         lanes.side[at] = side
 
     def speed(self, side: Array, rate: Array) -> Array:
-        """Convert rates d(|theta|/alpha)/dtau on these sides to the alpha and p of the reference edge, as A and Omega are."""
+        """Convert rates d(|theta|/alpha)/dtau on these sides to the alpha and p of the
+        reference edge, as A and Omega are.
+        """
         return rate
 
-    def sequence_ends(self, segments: Segments, lanes: Lanes, equation: Equation) -> Array:
-        """True for lanes just after an impact whose sequence of impacts is proved to end in rest before any other event (Lemma 7)."""
+    def sequence_ends(
+        self, segments: Segments, lanes: Lanes, equation: Equation
+    ) -> Array:
+        """True for lanes just after an impact whose sequence of impacts is proved to
+        end in rest before any other event (Lemma 7).
+        """
         return sequence_ends(segments, lanes, equation, self.other_side(lanes))
 
     def sequence_time(self, lanes: Lanes, weight: Array | float = 1.0) -> Array:
-        """How long the sequence of impacts lasts [tau of the side] if drive and weight stay as they are now; 0 if it does not end."""
+        """How long the sequence of impacts lasts [tau of the side] if drive and weight
+        stay as they are now; 0 if it does not end.
+        """
         return sequence_time(lanes, self.other_side(lanes), weight)
 
-    def free_motion(self, equation: Equation, lanes: Lanes, at: Array, y: Array, v: Array) -> FreeMotion:
-        """Outcome of undamped lanes `at` that have y >= 0 and velocity v when the shaking ends (Lemma 8, Eq. 2.7)."""
+    def free_motion(
+        self, equation: Equation, lanes: Lanes, at: Array, y: Array, v: Array
+    ) -> FreeMotion:
+        """Outcome of undamped lanes `at` that have y >= 0 and velocity v when the
+        shaking ends (Lemma 8, Eq. 2.7).
+        """
         lanes = lanes.take(at)
         other, here = self.other_side(lanes), equation.on(lanes.side, lanes.cell)
-        there, back, unit = (here, lanes.eta, 1.0) if other is None else (equation.on(-lanes.side, lanes.cell), other.back, other.rotation)
+        there, back, unit = (
+            (here, lanes.eta, 1.0)
+            if other is None
+            else (equation.on(-lanes.side, lanes.cell), other.back, other.rotation)
+        )
         overturns, energy = here.fall(y, v)
         across = lanes.eta**2 * energy
         again = back**2 * across
         after = ~overturns & ((across > there.barrier) | (again > here.barrier))
         outward = np.where(v > 0.0, here.peak(energy), y)
-        peak = np.maximum(np.maximum(outward, here.peak(again)), there.peak(across) * unit)
+        peak = np.maximum(
+            np.maximum(outward, here.peak(again)), there.peak(across) * unit
+        )
         return FreeMotion(overturns, after, np.where(overturns | after, np.nan, peak))
 
 
-def first_uplift(segments: Segments, k: Array, u: Array, right: Array, left: Array) -> Uplift:
-    """First instant at or after (k, u) that lifts bodies at rest: -right s > 1 lifts them onto the right edge, left s > 1 onto the left.
-    right, left: amplitudes in units of each edge's uplift, 0 for an edge that does not exist. The force is 0 at uplift unless the drive
-    jumps. If the weight varies, each edge has its own effective motion, and the earlier uplift counts."""
+def first_uplift(
+    segments: Segments, k: Array, u: Array, right: Array, left: Array
+) -> Uplift:
+    """First instant at or after (k, u) that lifts bodies at rest: -right s > 1 lifts
+    them onto the right edge, left s > 1 onto the left. right, left: amplitudes in units
+    of each edge's uplift, 0 for an edge that does not exist. The force is 0 at uplift
+    unless the drive jumps. If the weight varies, each edge has its own effective
+    motion, and the earlier uplift counts.
+    """
     if (weighed := segments.weighed) is not None:
         one = first_uplift(weighed.right, k, u, right, np.zeros_like(right))
         other = first_uplift(weighed.left, k, u, np.zeros_like(left), left)
         before = (one.k < other.k) | ((one.k == other.k) & (one.u <= other.u))
-        return Uplift(*(np.where(before, a, b) for a, b in zip(one, other, strict=True)))
+        return Uplift(
+            *(np.where(before, a, b) for a, b in zip(one, other, strict=True))
+        )
     k, u = k.copy(), u.copy()
     side, b = np.ones(k.shape), np.zeros(k.shape)
     last = len(segments)
     waiting = np.arange(k.size)
     while waiting.size:
         here = np.minimum(k[waiting], last - 1)
-        strongest = np.maximum(left[waiting] * segments.later_max[here], right[waiting] * -segments.later_min[here])
+        strongest = np.maximum(
+            left[waiting] * segments.later_max[here],
+            right[waiting] * -segments.later_min[here],
+        )
         over = (k[waiting] >= last) | (strongest <= 1.0)
         k[waiting[over]] = last
         waiting = waiting[~over]
@@ -122,24 +184,34 @@ def first_uplift(segments: Segments, k: Array, u: Array, right: Array, left: Arr
         b[waiting[hit]] = push_now[hit] - 1.0
         hit = np.flatnonzero(later)
         side[waiting[hit]] = -np.sign(s_end[hit])
-        u[waiting[hit]] = np.maximum(uu[hit], crossing(segments, kk[hit], np.sign(s_end[hit]) / a_end[hit]))
+        u[waiting[hit]] = np.maximum(
+            uu[hit], crossing(segments, kk[hit], np.sign(s_end[hit]) / a_end[hit])
+        )
         waiting = waiting[~(now | later)]
         with np.errstate(divide="ignore"):
-            k[waiting] = segments.next_beyond(k[waiting] + 1, 1.0 / left[waiting], 1.0 / right[waiting])
+            k[waiting] = segments.next_beyond(
+                k[waiting] + 1, 1.0 / left[waiting], 1.0 / right[waiting]
+            )
         u[waiting] = 0.0
     return Uplift(k, u, side, b)
 
 
 class Symmetric(Contact):
-    """Two equal edges: an impact puts the body on the other edge with eta times its speed (Eq. 2.6). Each cell has an eta, in [0, 1]."""
+    """Two equal edges: an impact puts the body on the other edge with eta times its
+    speed (Eq. 2.6). Each cell has an eta, in [0, 1].
+    """
 
     alike = True
 
-    def cells(self, equation: Equation, amplitude: Array, omega: Array, eta: Array) -> Cells:
+    def cells(
+        self, equation: Equation, amplitude: Array, omega: Array, eta: Array
+    ) -> Cells:
         """Return one row, which holds for both sides."""
         if not np.all((eta >= 0.0) & (eta <= 1.0)):
             raise ValueError("eta must be within [0, 1]")
-        return Cells((amplitude / equation.uplift_amplitude)[None], omega[None], eta[None])
+        return Cells(
+            (amplitude / equation.uplift_amplitude)[None], omega[None], eta[None]
+        )
 
     def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
         """Reverse the side, and with it the sign of the drive."""
@@ -153,17 +225,25 @@ class Symmetric(Contact):
 
 
 class OneSided(Contact):
-    """A body that is free for theta > 0 only, on its right edge: a facade against transverse walls (Sorrentino et al. 2011). At theta = 0
-    it hits its backing and returns on the same side with e times its speed; the eta of each cell is e, within (-1, 0]. It lifts off
-    outwards only; an inward drive presses it against its backing."""
+    """A body that is free for theta > 0 only, on its right edge: a facade against
+    transverse walls (Sorrentino et al. 2011). At theta = 0 it hits its backing and
+    returns on the same side with e times its speed; the eta of each cell is e, within
+    (-1, 0]. It lifts off outwards only; an inward drive presses it against its backing.
+    """
 
     left = 0.0
 
-    def cells(self, equation: Equation, amplitude: Array, omega: Array, eta: Array) -> Cells:
+    def cells(
+        self, equation: Equation, amplitude: Array, omega: Array, eta: Array
+    ) -> Cells:
         """Return one row, for the right edge; the eta of the lanes is -e."""
         if not np.all((eta > -1.0) & (eta <= 0.0)):
             raise ValueError("eta of a one-sided body must be within (-1, 0]")
-        return Cells((amplitude / equation.uplift_amplitude)[None], omega[None], np.abs(eta)[None])
+        return Cells(
+            (amplitude / equation.uplift_amplitude)[None],
+            omega[None],
+            np.abs(eta)[None],
+        )
 
     def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
         """Return the body on the same side; the force stays the same."""
@@ -175,8 +255,10 @@ class OneSided(Contact):
 
 
 def reciprocal_ratios(one: float, other: float) -> tuple[float, float]:
-    """Return one/other and other/one of positive units, so that their product is 1 to every digit (each is exact to a few roundings): an
-    impact without loss then has no loss in these units either."""
+    """Return one/other and other/one of positive units, so that their product is 1 to
+    every digit (each is exact to a few roundings): an impact without loss then has no
+    loss in these units either.
+    """
     there, back = one / other, other / one
     while 0.0 < abs(there * back - 1.0) < 1.0:
         there = math.nextafter(there, math.inf)
@@ -186,13 +268,17 @@ def reciprocal_ratios(one: float, other: float) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Unequal(Contact):
-    """Two edges that differ. Each pair of numbers is (right edge, left edge). A and Omega are those of the reference edge; on either side y
-    and tau = p t have the unit and the p of that side.
+    """Two edges that differ. Each pair of numbers is (right edge, left edge). A and
+    Omega are those of the reference edge; on either side y and tau = p t have the unit
+    and the p of that side.
 
-    drive: uplift acceleration of the reference edge over that of the edge; omega: p of the reference edge over that of the edge; eta: |y'|
-    after over |y'| before the impact that leaves the edge, each in the units of its side, so that one of the two may exceed 1, their
-    product may not; rotation: |theta|/alpha at y = 1; pace: alpha p of the edge over alpha p of the reference edge. Raises ValueError for a
-    number out of range."""
+    drive: uplift acceleration of the reference edge over that of the edge; omega: p of
+    the reference edge over that of the edge; eta: |y'| after over |y'| before the
+    impact that leaves the edge, each in the units of its side, so that one of the two
+    may exceed 1, their product may not; rotation: |theta|/alpha at y = 1; pace: alpha p
+    of the edge over alpha p of the reference edge. Raises ValueError for a number out
+    of range.
+    """
 
     drive: tuple[float, float]
     omega: tuple[float, float]
@@ -201,25 +287,45 @@ class Unequal(Contact):
     pace: tuple[float, float] = (1.0, 1.0)
 
     def __post_init__(self) -> None:
-        if not all(x > 0.0 for x in (*self.drive, *self.omega, *self.rotation, *self.pace)):
-            raise ValueError("drive, omega, rotation and pace of both edges must be positive")
+        if not all(
+            x > 0.0 for x in (*self.drive, *self.omega, *self.rotation, *self.pace)
+        ):
+            raise ValueError(
+                "drive, omega, rotation and pace of both edges must be positive"
+            )
         if not (min(self.eta) >= 0.0 and self.eta[0] * self.eta[1] <= 1.0):
-            raise ValueError("eta of both edges must be from 0, and their product at most 1")
+            raise ValueError(
+                "eta of both edges must be from 0, and their product at most 1"
+            )
 
     def _of(self, pair: tuple[float, float], side: Array) -> Array:
         return np.where(side > 0.0, *pair)
 
-    def cells(self, equation: Equation, amplitude: Array, omega: Array, eta: Array) -> Cells:
-        """Return a row for each edge. eta is that of this contact; the argument `eta` is ignored."""
-        drive, frequency, own = (np.array(pair)[:, None] for pair in (self.drive, self.omega, self.eta))
-        return Cells(drive * amplitude, frequency * omega, np.broadcast_to(own, (2, omega.size)))
+    def cells(
+        self, equation: Equation, amplitude: Array, omega: Array, eta: Array
+    ) -> Cells:
+        """Return a row for each edge. eta is that of this contact; the argument `eta`
+        is ignored.
+        """
+        drive, frequency, own = (
+            np.array(pair)[:, None] for pair in (self.drive, self.omega, self.eta)
+        )
+        return Cells(
+            drive * amplitude, frequency * omega, np.broadcast_to(own, (2, omega.size))
+        )
 
     def turn(self, cells: Cells, lanes: Lanes, at: Array, side: Array) -> None:
-        """Put lanes on a side: drive, time and restitution become those of the side, and the peak is converted to its unit."""
-        lanes.peak[at] *= self._of(self.rotation, lanes.side[at]) / self._of(self.rotation, side)
+        """Put lanes on a side: drive, time and restitution become those of the side,
+        and the peak is converted to its unit.
+        """
+        lanes.peak[at] *= self._of(self.rotation, lanes.side[at]) / self._of(
+            self.rotation, side
+        )
         lanes.side[at] = side
         row, cell = cells.row(side), lanes.cell[at]
-        lanes.amplitude[at], lanes.omega[at], lanes.eta[at] = (values[row, cell] for values in cells)
+        lanes.amplitude[at], lanes.omega[at], lanes.eta[at] = (
+            values[row, cell] for values in cells
+        )
 
     def speed(self, side: Array, rate: Array) -> Array:
         return rate * self._of(self.pace, side)
@@ -227,12 +333,18 @@ class Unequal(Contact):
     def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
         """Put lanes on the other edge, with its drive, time and unit."""
         lanes.v = -lanes.eta * v
-        # b = -1 + a at y = 0; a changes its sign, and its unit becomes the uplift of the other edge
-        lanes.b = -1.0 - (1.0 + b) * (self._of(self.drive, -lanes.side) / self._of(self.drive, lanes.side))
+        # b = -1 + a at y = 0; a changes its sign, and its unit becomes the uplift of
+        # the other edge
+        lanes.b = -1.0 - (1.0 + b) * (
+            self._of(self.drive, -lanes.side) / self._of(self.drive, lanes.side)
+        )
         self.turn(cells, lanes, np.arange(lanes.side.size), -lanes.side)
 
     def other_side(self, lanes: Lanes) -> OtherSide:
         """Return the other edge, in units of this one."""
         here, there = lanes.side, -lanes.side
-        drive, omega, rotation = (self._of(pair, there) / self._of(pair, here) for pair in (self.drive, self.omega, self.rotation))
+        drive, omega, rotation = (
+            self._of(pair, there) / self._of(pair, here)
+            for pair in (self.drive, self.omega, self.rotation)
+        )
         return OtherSide(drive, omega, lanes.eta, self._of(self.eta, there), rotation)

@@ -1,7 +1,9 @@
-"""`Equation`, the interface of an equation of motion to the march, and the records that it uses.
+"""`Equation`, the interface of an equation of motion to the march, and the records that
+it uses.
 
-The linear oscillator has l = 1 - y, m = 1 (Eq. 2.4), a rigid body l = sin(alpha - theta)/sin alpha, m = cos(alpha - theta)/cos alpha
-(Eq. 2.3), a mechanism the forces of Eq. 3.4 in its canonical coordinate. Uplift, windows and impacts need only this form.
+The linear oscillator has l = 1 - y, m = 1 (Eq. 2.4), a rigid body l = sin(alpha -
+theta)/sin alpha, m = cos(alpha - theta)/cos alpha (Eq. 2.3), a mechanism the forces of
+Eq. 3.4 in its canonical coordinate. Uplift, windows and impacts need only this form.
 """
 
 import math
@@ -17,7 +19,9 @@ from .recurrence import Rows, Series
 
 
 class Point(NamedTuple):
-    """State of lanes at an instant of an arc: displacement y, velocity v, acceleration b, jerk j; (lanes,), derivatives by tau."""
+    """State of lanes at an instant of an arc: displacement y, velocity v, acceleration
+    b, jerk j; (lanes,), derivatives by tau.
+    """
 
     y: Array
     v: Array
@@ -26,9 +30,11 @@ class Point(NamedTuple):
 
 
 class Flow(Protocol):
-    """The motion of each lane from its present state to the next impact or the end of a piece. Arrays are (lanes,). damping: zeta [-]; y,
-    v, b: displacement, velocity and acceleration at the start; longest: longest step [tau]; fastest: rate [1/tau] of the fastest change,
-    from which the tolerances of roots follow."""
+    """The motion of each lane from its present state to the next impact or the end of a
+    piece. Arrays are (lanes,). damping: zeta [-]; y, v, b: displacement, velocity and
+    acceleration at the start; longest: longest step [tau]; fastest: rate [1/tau] of the
+    fastest change, from which the tolerances of roots follow.
+    """
 
     @property
     def damping(self) -> float: ...
@@ -62,13 +68,19 @@ class Drive(NamedTuple):
 
     @property
     def line(self) -> Array:
-        """(value at the start, increase over the unit) of a drive that is a straight line, (2, lanes)."""
+        """(value at the start, increase over the unit) of a drive that is a straight
+        line, (2, lanes).
+        """
         return self.terms.array[:, : self.unit.size]
 
     @property
     def weight_line(self) -> Array:
         """As `line`, of the weight over m g."""
-        return np.array([[1.0], [0.0]]) if self.weight is None else self.weight.array[:, : self.unit.size]
+        return (
+            np.array([[1.0], [0.0]])
+            if self.weight is None
+            else self.weight.array[:, : self.unit.size]
+        )
 
     def after(self, share: Array) -> "Drive":
         """Return the rest of a straight line when this share of its unit is over."""
@@ -76,25 +88,49 @@ class Drive(NamedTuple):
         def rest(line: Array) -> Rows:
             return Rows.of(line[0] + line[1] * share, line[1] * (1.0 - share))
 
-        return Drive(rest(self.line), self.unit * (1.0 - share), None if self.weight is None else rest(self.weight_line))
+        return Drive(
+            rest(self.line),
+            self.unit * (1.0 - share),
+            None if self.weight is None else rest(self.weight_line),
+        )
 
 
 class Equation(ABC):
-    """An equation of motion, y'' = f - 2 zeta y', in a displacement y of its own unit, with derivatives by tau = p t. Its numbers are
-    floats, or (lanes,) arrays if the two sides of a body differ or every cell has a body of its own (`on`). damping: zeta [-]; without
-    damping the motion after the shaking has a closed form. The comments state the other attributes."""
+    """An equation of motion, y'' = f - 2 zeta y', in a displacement y of its own unit,
+    with derivatives by tau = p t. Its numbers are floats, or (lanes,) arrays if the two
+    sides of a body differ or every cell has a body of its own (`on`). damping: zeta
+    [-]; without damping the motion after the shaking has a closed form. The comments
+    state the other attributes.
+    """
 
     tolerance: float  # largest error of theta/alpha that a series may have
-    gain: Any  # upper bound of |df/dy| near the ground on either side, for drives |a| <= 1
-    uplift_amplitude: Any = 1.0  # the dimensionless amplitude A at which a drive of s = 1 lifts the body
-    limit: Any  # y from which the body counts as overturned under any drive: it lies on its side, the linkage has collapsed
-    barrier: Any  # energy, as `fall` returns it, of a body that leaves the ground and just reaches its unstable equilibrium
-    bounds: tuple[Any, Any]  # the largest l and the largest m between the ground and `limit`
-    composed: int | None = None  # largest degree of a series of one body, if F and G are series about each y: its cost goes with the cube
-    bounded = False  # True if the search for overturning amplitudes may use Lemmas 9 and 10
+    # upper bound of |df/dy| near the ground on either side, for drives |a| <= 1
+    gain: Any
+    uplift_amplitude: Any = (
+        1.0  # the dimensionless amplitude A at which a drive of s = 1 lifts the body
+    )
+    # y from which the body counts as overturned under any drive: it lies on its side,
+    # the linkage has collapsed
+    limit: Any
+    # energy, as `fall` returns it, of a body that leaves the ground and just reaches
+    # its unstable equilibrium
+    barrier: Any
+    bounds: tuple[
+        Any, Any
+    ]  # the largest l and the largest m between the ground and `limit`
+    composed: int | None = (
+        # largest degree of a series of one body, if F and G are series about each y:
+        # its cost goes with the cube
+        None
+    )
+    bounded = (
+        False  # True if the search for overturning amplitudes may use Lemmas 9 and 10
+    )
     per_y: Any = 1.0  # |theta|/alpha at y = 1, if they are proportional
     per_rotation: Any = 1.0  # y at |theta|/alpha = 1, if they are proportional
-    pool = 16384  # lanes that the march advances together: fewer rounds against arrays that no longer fit the caches (24 terms)
+    # lanes that the march advances together: fewer rounds against arrays that no longer
+    # fit the caches (24 terms)
+    pool = 16384
 
     def __init__(self, damping: float) -> None:
         if not 0.0 <= damping < math.inf:
@@ -102,7 +138,9 @@ class Equation(ABC):
         self.damping = damping
 
     def on(self, side: Array, cell: Array | None = None) -> Self:
-        """Return the equation with the numbers of these lanes: of the sides, +1 or -1, that they are on, and of their cells."""
+        """Return the equation with the numbers of these lanes: of the sides, +1 or -1,
+        that they are on, and of their cells.
+        """
         return self
 
     def part(self, lanes: slice) -> Self:
@@ -114,7 +152,9 @@ class Equation(ABC):
         return self
 
     def joined(self, others: Sequence[Self]) -> Self:
-        """Return the equation of this edge and of others, each as `edge` returns it: `on` takes their numbers as cells."""
+        """Return the equation of this edge and of others, each as `edge` returns it:
+        `on` takes their numbers as cells.
+        """
         return self
 
     @abstractmethod
@@ -122,8 +162,12 @@ class Equation(ABC):
         """Return the flow of the lanes from their present state."""
 
     @abstractmethod
-    def along(self, y: Series, new: Callable[[], Series]) -> tuple[Series, Series | None, Callable[[int], None]]:
-        """Return F and G along a motion, and a function that adds their terms, as of `Recurrence`."""
+    def along(
+        self, y: Series, new: Callable[[], Series]
+    ) -> tuple[Series, Series | None, Callable[[int], None]]:
+        """Return F and G along a motion, and a function that adds their terms, as of
+        `Recurrence`.
+        """
 
     def room(self, y: float) -> float:
         """The distance from y up to which F and G `along` a motion from y hold."""
@@ -131,7 +175,9 @@ class Equation(ABC):
 
     @abstractmethod
     def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
-        """Return the force f at displacement y, under the outward drive a and the weight over m g."""
+        """Return the force f at displacement y, under the outward drive a and the
+        weight over m g.
+        """
 
     def rotation(self, y: Array) -> Array:
         """|theta|/alpha at displacement y, of any shape."""
@@ -147,24 +193,37 @@ class Equation(ABC):
 
     @abstractmethod
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
-        """(True if an undamped body overturns on this side on still ground; its energy, proportional to v^2 at the ground)."""
+        """(True if an undamped body overturns on this side on still ground; its energy,
+        proportional to v^2 at the ground).
+        """
 
     @abstractmethod
     def peak(self, energy: Array) -> Array:
         """Largest y of a body that has this energy and does not pass the barrier."""
 
     def damped_peak(self, y: Array, v: Array) -> Array:
-        """Largest y of bodies that move outwards on still ground, with damping; NaN if they overturn, move inwards, or the equation has no
-        closed form."""
+        """Largest y of bodies that move outwards on still ground, with damping; NaN if
+        they overturn, move inwards, or the equation has no closed form.
+        """
         return np.full(y.shape, np.nan)
 
     @abstractmethod
-    def certainly_overturns(self, y: Array, v: Array, inward: Array, steady: bool = True) -> Array:
-        """True where no later inward drive up to `inward` >= 0 (over the drive at uplift) can bring the body back (Lemma 6). steady: True
-        if the weight is constant; otherwise `inward` is the drive over the least later weight."""
+    def certainly_overturns(
+        self, y: Array, v: Array, inward: Array, steady: bool = True
+    ) -> Array:
+        """True where no later inward drive up to `inward` >= 0 (over the drive at
+        uplift) can bring the body back (Lemma 6). steady: True if the weight is
+        constant; otherwise `inward` is the drive over the least later weight.
+        """
 
 
-def falls_by_energy(v: Array, energy: Array, barrier: Array | float, beyond: Array) -> Array:
-    """True where bodies with this energy on still ground overturn. beyond: True past the unstable equilibrium, where only an inward speed
-    that carries the body back over the barrier saves it."""
-    return np.where(beyond, (v >= 0.0) | (energy < barrier), (v > 0.0) & (energy > barrier))
+def falls_by_energy(
+    v: Array, energy: Array, barrier: Array | float, beyond: Array
+) -> Array:
+    """True where bodies with this energy on still ground overturn. beyond: True past
+    the unstable equilibrium, where only an inward speed that carries the body back over
+    the barrier saves it.
+    """
+    return np.where(
+        beyond, (v >= 0.0) | (energy < barrier), (v > 0.0) & (energy > barrier)
+    )

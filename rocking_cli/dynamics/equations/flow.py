@@ -1,11 +1,13 @@
-"""Exact flow of the linear rocking oscillator on one side, for drives that are sums of sinusoids and a ramp.
+"""Exact flow of the linear rocking oscillator on one side, for drives that are sums of
+sinusoids and a ramp.
 
-With y = |theta|/alpha on the current side, tau = p t and the outward drive a = -side A s (positive lifts the body),
+With y = |theta|/alpha on the current side, tau = p t and the outward drive a = -side A
+s (positive lifts the body),
 
     y'' = y - 1 + a                                                                  (Eqs. 2.4 and 3.6, dimensionless)
 
-The state after h is the present state plus increments with their leading power of h as a factor: for a small motion, a difference of
-terms of order one would lose its digits.
+The state after h is the present state plus increments with their leading power of h as
+a factor: for a small motion, a difference of terms of order one would lose its digits.
 With b = y''(0) and a(h) = a(0) + sum_j [S_j sin(w_j h) - C_j (1 - cos(w_j h))] + r h,
 
     y(h) = y0 + v0 sinh h + b (cosh h - 1) + sum_j [S_j F3(w_j, h) - C_j F4(w_j, h)] + r (sinh h - h)
@@ -21,16 +23,24 @@ from ..drive import turn
 from ..lanes import Array, Arrays
 from .equation import Point
 
-SMALL = 0.5  # where max(1, w) h is below this, series replace the differences in F3 and F4
-_TERMS = 7  # terms of those series: the first one left out is below 1e-17 of the sum at SMALL
+SMALL = (
+    0.5  # where max(1, w) h is below this, series replace the differences in F3 and F4
+)
+# terms of those series: the first one left out is below 1e-17 of the sum at SMALL
+_TERMS = 7
 # Of 6 (sinh x - x)/x^3 and 24 (cosh x - 1 - x^2/2)/x^4 in powers of x^2.
-_ODD, _EVEN = (np.array([math.factorial(k) / math.factorial(2 * n + k) for n in range(_TERMS)]) for k in (3, 4))
+_ODD, _EVEN = (
+    np.array([math.factorial(k) / math.factorial(2 * n + k) for n in range(_TERMS)])
+    for k in (3, 4)
+)
 _BOTH = np.stack([_ODD, _EVEN], axis=1)[:, :, None, None]
 
 
 @dataclass
 class LinearFlow(Arrays):
-    """One arc a lane: the state at its start and the coefficients of the outward drive, (lanes,) or (harmonics, lanes)."""
+    """One arc a lane: the state at its start and the coefficients of the outward drive,
+    (lanes,) or (harmonics, lanes).
+    """
 
     y: Array
     v: Array
@@ -43,12 +53,16 @@ class LinearFlow(Arrays):
 
     @property
     def longest(self) -> Array:
-        """Longest step [tau]: cosh stays below 2e10, so growth cannot bury the state in rounding."""
+        """Longest step [tau]: cosh stays below 2e10, so growth cannot bury the state in
+        rounding.
+        """
         return np.full(self.y.shape, 24.0)
 
     @property
     def fastest(self) -> Array:
-        """Rate [1/tau] of the fastest change: 1 + the fastest frequency of the drive."""
+        """Rate [1/tau] of the fastest change: 1 + the fastest frequency
+        of the drive.
+        """
         return 1.0 + self.w.max(axis=0, initial=0.0)
 
     def at(self, h: Array) -> Point:
@@ -86,8 +100,12 @@ class LinearFlow(Arrays):
         return Point(y, v, drive + self.b + (y - self.y), drive_rate + v)
 
     def at_ground(self, h: Array) -> Array:
-        """The force at an impact, where y = 0, computed from the change of the drive since the start."""
-        total = self.b - self.y if self.ramp is None else self.b - self.y + self.ramp * h
+        """The force at an impact, where y = 0, computed from the change of the drive
+        since the start.
+        """
+        total = (
+            self.b - self.y if self.ramp is None else self.b - self.y + self.ramp * h
+        )
         for s, c, w in zip(self.sin, self.cos, self.w, strict=True):
             t = np.tan(0.5 * (w * h))
             total = total + 2.0 * t * (s - c * t) / (1.0 + t * t)
@@ -95,7 +113,9 @@ class LinearFlow(Arrays):
 
 
 def _series(w: Array, h: Array) -> tuple[Array, Array]:
-    """F3 and F4 for small arguments, from w (sinh h - h) + (wh - sin wh) and w^2 (cosh h - 1 - h^2/2) + (w^2 h^2/2 - 1 + cos wh)."""
+    """F3 and F4 for small arguments, from w (sinh h - h) + (wh - sin wh) and w^2 (cosh
+    h - 1 - h^2/2) + (w^2 h^2/2 - 1 + cos wh).
+    """
     h2, w2 = h * h, w * w
     argument = np.empty((2, h.size))
     argument[0] = h2
@@ -107,4 +127,6 @@ def _series(w: Array, h: Array) -> tuple[Array, Array]:
     total += _BOTH[0]
     factor = w * h * h2 / (1.0 + w2)
     (odd_h, odd_wh), (even_h, even_wh) = total
-    return factor * (odd_h + w2 * odd_wh) * (1.0 / 6.0), w * h * factor * (even_h + w2 * even_wh) * (1.0 / 24.0)
+    return factor * (odd_h + w2 * odd_wh) * (1.0 / 6.0), w * h * factor * (
+        even_h + w2 * even_wh
+    ) * (1.0 / 24.0)

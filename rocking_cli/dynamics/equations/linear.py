@@ -1,5 +1,6 @@
-"""The linear oscillator (Eqs. 2.4 and 3.6): y is |theta|/alpha. Its flow is exact; with damping or under a varying weight it is a Taylor
-series."""
+"""The linear oscillator (Eqs. 2.4 and 3.6): y is |theta|/alpha. Its flow is exact; with
+damping or under a varying weight it is a Taylor series.
+"""
 
 import math
 from collections.abc import Callable
@@ -18,33 +19,51 @@ SERIES = 1e-12  # tolerance of the series with damping or under a varying weight
 
 
 class LinearEquation(Equation):
-    """The linear oscillator, y'' = y - 1 + a - 2 zeta y'; damping: zeta [-]. Raises ValueError when it is negative or not finite."""
+    """The linear oscillator, y'' = y - 1 + a - 2 zeta y'; damping: zeta [-]. Raises
+    ValueError when it is negative or not finite.
+    """
 
     gain = 1.0
     limit = np.inf
-    tolerance = 1e-13  # of a series, where one is used: the terms left out are below rounding
+    tolerance = (
+        1e-13  # of a series, where one is used: the terms left out are below rounding
+    )
     bounds = (1.0, 1.0)
     barrier = 1.0
-    pool = 32768  # fewer rounds outweigh arrays that no longer fit the second-level cache
+    pool = (
+        32768  # fewer rounds outweigh arrays that no longer fit the second-level cache
+    )
 
     def __init__(self, damping: float = 0.0) -> None:
         super().__init__(damping)
         self.bounded = damping == 0.0
-        self.growth = math.sqrt(1.0 + damping * damping) - damping  # rate of the unstable mode, over p
+        self.growth = (
+            math.sqrt(1.0 + damping * damping) - damping
+        )  # rate of the unstable mode, over p
 
     def flow(self, segments: Segments, lanes: Lanes) -> Flow:
         """The motion of each lane from its state."""
         if self.damping or segments.weighed is not None:
             if segments.straight:
                 return line_flow(self, segments, lanes)
-            return series(*series_flow(self, segments, lanes, order_for(SERIES)), SERIES, self.damping)
+            return series(
+                *series_flow(self, segments, lanes, order_for(SERIES)),
+                SERIES,
+                self.damping,
+            )
         _, sin, cos = segment_value(segments, lanes.k, lanes.u)
         outward = -lanes.side * lanes.amplitude
-        ramp = outward * segments.slope[lanes.k] * lanes.omega if segments.sloped else None
+        ramp = (
+            outward * segments.slope[lanes.k] * lanes.omega if segments.sloped else None
+        )
         w = segments.frequency.take(lanes.k, axis=1) * lanes.omega
-        return LinearFlow(lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp)
+        return LinearFlow(
+            lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp
+        )
 
-    def along(self, y: Series, new: Callable[[], Series]) -> tuple[Series, None, Callable[[int], None]]:
+    def along(
+        self, y: Series, new: Callable[[], Series]
+    ) -> tuple[Series, None, Callable[[int], None]]:
         """F = 1 - y, G = 1."""
         lift = new()
         lift.append(1.0 - y[0])
@@ -55,24 +74,41 @@ class LinearEquation(Equation):
         return weight * (y - 1.0) + a
 
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
-        """True if the unstable mode y - 1 + v is positive; the energy is v^2 at the ground, 1 - D0* of Eq. 2.7, without cancellation."""
+        """True if the unstable mode y - 1 + v is positive; the energy is v^2 at the
+        ground, 1 - D0* of Eq. 2.7, without cancellation.
+        """
         return y - 1.0 + v > 0.0, v * v + y * (2.0 - y)
 
     def peak(self, energy: Array) -> Array:
-        """Largest y, 1 - sqrt(1 - v^2) (Eq. 2.7), computed without cancellation where v is small; at most 1."""
+        """Largest y, 1 - sqrt(1 - v^2) (Eq. 2.7), computed without cancellation where v
+        is small; at most 1.
+        """
         return energy / (1.0 + np.sqrt(np.maximum(0.0, 1.0 - energy)))
 
     def damped_peak(self, y: Array, v: Array) -> Array:
-        """The y at which y' = 0, from the two modes of y - 1; NaN where there is none."""
+        """The y at which y' = 0, from the two modes of y - 1; NaN where
+        there is none.
+        """
         up, down = self.growth, -1.0 / self.growth
         rising = (v > 0.0) & (y - 1.0 + up * v < 0.0)
-        grows, decays = (v - down * (y - 1.0)) / (up - down), (up * (y - 1.0) - v) / (up - down)
+        grows, decays = (
+            (v - down * (y - 1.0)) / (up - down),
+            (up * (y - 1.0) - v) / (up - down),
+        )
         when = np.log(-decays * down / (grows * up)) / (up - down)
-        return np.where(rising, y + grows * np.expm1(up * when) + decays * np.expm1(down * when), np.nan)
+        return np.where(
+            rising,
+            y + grows * np.expm1(up * when) + decays * np.expm1(down * when),
+            np.nan,
+        )
 
-    def certainly_overturns(self, y: Array, v: Array, inward: Array, steady: bool = True) -> Array:
-        """True if the unstable mode z = y - 1 + g v, of rate g, exceeds all inward drive to come: z' = g (z + a) > 0. Under a weight that
-        varies, y - 1 must exceed it and the body must move outwards."""
+    def certainly_overturns(
+        self, y: Array, v: Array, inward: Array, steady: bool = True
+    ) -> Array:
+        """True if the unstable mode z = y - 1 + g v, of rate g, exceeds all inward
+        drive to come: z' = g (z + a) > 0. Under a weight that varies, y - 1 must exceed
+        it and the body must move outwards.
+        """
         if not steady:
             return (v > 0.0) & (y - 1.0 > inward)
         return y - 1.0 + (self.growth * v if self.damping else v) > inward

@@ -1,13 +1,15 @@
 """The nonlinear equation of a mechanism (Eq. 3.4), by Taylor series.
 
-The canonical coordinate q = int sqrt(M) dphi removes the velocity term. With L = V'/g, F = L/sqrt(M), G = B/sqrt(M), values at
-rest F0 and G0, y = q p^2/(g F0) and a the outward drive over lambda g,
+The canonical coordinate q = int sqrt(M) dphi removes the velocity term. With L = V'/g,
+F = L/sqrt(M), G = B/sqrt(M), values at rest F0 and G0, y = q p^2/(g F0) and a the
+outward drive over lambda g,
 
     y'' = -F(y)/F0 + a G(y)/G0 - 2 zeta y'
 
-F and G are tabulated once (`patches`), and their series are composed with that of y. The sign tests of `march.advance` need F/G =
-lambda(phi) to fall from rest on (this is checked). Where F/G no longer falls, or is below -50 times its value at rest, the structure has
-collapsed.
+F and G are tabulated once (`patches`), and their series are composed with that of y.
+The sign tests of `march.advance` need F/G = lambda(phi) to fall from rest on (this is
+checked). Where F/G no longer falls, or is below -50 times its value at rest, the
+structure has collapsed.
 """
 
 import math
@@ -25,44 +27,79 @@ from ..lanes import Array, Lanes
 from .equation import Equation, falls_by_energy
 from .patches import DEGREE, inverse, largest, tabulate
 from .recurrence import Rows, Series
-from .taylor import MOST_TERMS, TaylorSeries, line_flow, longest, order_for, powers, series_flow
+from .taylor import (
+    MOST_TERMS,
+    TaylorSeries,
+    line_flow,
+    longest,
+    order_for,
+    powers,
+    series_flow,
+)
 
 _SHIFT = 4  # powers of x used to shift the series of a narrow patch
-_MARKS, _NEAR = 2048, 4  # intervals of a finer table: within half of one, powers above the 4th are below 1e-13
-_CHOOSE = np.array([[math.comb(j + k, k) for j in range(MOST_TERMS)] for k in range(_NEAR + 1)], dtype=float)
-_MARGIN = 1e-6  # energy beyond a barrier from which overturning is certain, whatever the table's interpolation
+# intervals of a finer table: within half of one, powers above the 4th are below 1e-13
+_MARKS, _NEAR = (
+    2048,
+    4,
+)
+_CHOOSE = np.array(
+    [[math.comb(j + k, k) for j in range(MOST_TERMS)] for k in range(_NEAR + 1)],
+    dtype=float,
+)
+# energy beyond a barrier from which overturning is certain, whatever the table's
+# interpolation
+_MARGIN = 1e-6
 _FACTORIALS = np.array([[float(math.factorial(k))] for k in range(DEGREE + 1)])
 
 
 class MechanismEquation(Equation):
-    """Eq. 3.4 for one mechanism; tolerance: error of phi/alpha that the integration aims at; damping: zeta [-], of q. Raises ValueError
-    when the mechanism does not stand, when it never becomes unstable, when its lambda(phi) does not fall until then, or when the tolerance
-    is not between 1e-13 and 1e-2."""
+    """Eq. 3.4 for one mechanism; tolerance: error of phi/alpha that the integration
+    aims at; damping: zeta [-], of q. Raises ValueError when the mechanism does not
+    stand, when it never becomes unstable, when its lambda(phi) does not fall until
+    then, or when the tolerance is not between 1e-13 and 1e-2.
+    """
 
     composed = 12
 
-    def __init__(self, mechanism: Mechanism, tolerance: float = 1e-9, damping: float = 0.0) -> None:
+    def __init__(
+        self, mechanism: Mechanism, tolerance: float = 1e-9, damping: float = 0.0
+    ) -> None:
         super().__init__(damping)
-        self.order, self.tolerance = order_for(tolerance, 0.8), tolerance  # fewer terms than for a body: cost ~ terms^3
+        self.order, self.tolerance = (
+            order_for(tolerance, 0.8),
+            tolerance,
+        )  # fewer terms than for a body: cost ~ terms^3
         self.table = table = tabulate(mechanism)
         self.limit = float(table.edges[-1])
-        self.top = float(inverse(table, table.turn, np.array([1.0]), self.limit)[0])  # y at phi = alpha
+        self.top = float(
+            inverse(table, table.turn, np.array([1.0]), self.limit)[0]
+        )  # y at phi = alpha
         self.barrier = float(table.value(table.work, np.array([self.top]))[0])
         inner = np.linspace(0.0, self.top, 257)
-        self.gain = float(sum(np.abs(table.slope(c, inner)).max() for c in (table.lift, table.push)))
+        self.gain = float(
+            sum(np.abs(table.slope(c, inner)).max() for c in (table.lift, table.push))
+        )
         self.bounds = largest(table, table.lift), largest(table, table.push)
         beyond = np.linspace(self.top, self.limit, 4097)
-        self.marks = beyond, -table.value(table.lift, beyond) / table.value(table.push, beyond)
+        self.marks = (
+            beyond,
+            -table.value(table.lift, beyond) / table.value(table.push, beyond),
+        )
 
     def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
         """The series of every lane from its present state."""
         if segments.straight:
             return line_flow(self, segments, lanes)
         y, fastest = series_flow(self, segments, lanes, self.order)
-        return TaylorSeries(y, 1.0 / fastest, self._longest(y, fastest), fastest, self.damping)
+        return TaylorSeries(
+            y, 1.0 / fastest, self._longest(y, fastest), fastest, self.damping
+        )
 
     def _longest(self, terms: Array, fastest: Array) -> Array:
-        """The longest step [tau] that the tolerance allows and on which y stays where its patch was fitted."""
+        """The longest step [tau] that the tolerance allows and on which y stays where
+        its patch was fitted.
+        """
         step = longest(terms, fastest, self.tolerance)
         sizes = powers(step * fastest, len(terms))
         sizes *= terms
@@ -70,8 +107,12 @@ class MechanismEquation(Equation):
         room = 0.5 * self.table.half.take(self.table.of(terms[0])[0])
         return step * np.minimum(1.0, room / summed(sizes[1:]))
 
-    def along(self, y: Series, new: Callable[[], Series]) -> tuple[Series, Series, Callable[[int], None]]:
-        """The series of F and G about the present y, composed with that of the motion."""
+    def along(
+        self, y: Series, new: Callable[[], Series]
+    ) -> tuple[Series, Series, Callable[[int], None]]:
+        """The series of F and G about the present y, composed with that
+        of the motion.
+        """
         if isinstance(y, list):
             return _composed_floats(self._about(y[0]), y)
         return _composed(self._near(y[0], len(y.array) - 2), y, new)
@@ -84,11 +125,15 @@ class MechanismEquation(Equation):
         """The first terms of F and of G as series about this y."""
         at, x = self.table.of(np.array([y]))
         scale = float(self.table.half[at[0]]) ** np.arange(self.composed)
-        rows: list[list[float]] = (self._local(at, x, self.composed)[:, :, 0] / scale).tolist()
+        rows: list[list[float]] = (
+            self._local(at, x, self.composed)[:, :, 0] / scale
+        ).tolist()
         return rows
 
     def _near(self, y: Array, count: int) -> Array:
-        """(2, count, lanes): the series of F and G in powers of y - y0, shifted from the nearest of many marks."""
+        """(2, count, lanes): the series of F and G in powers of y - y0, shifted from
+        the nearest of many marks.
+        """
         at = np.rint(y * (_MARKS / self.limit)).astype(np.int64)
         np.clip(at, 0, _MARKS, out=at)
         off = y - at * (self.limit / _MARKS)
@@ -101,29 +146,43 @@ class MechanismEquation(Equation):
 
     @cached_property
     def _marked(self) -> Array:
-        """(2, terms, marks): the series of F and G in powers of y about equal marks up to the limit."""
+        """(2, terms, marks): the series of F and G in powers of y about equal marks up
+        to the limit.
+        """
         at, x = self.table.of(np.linspace(0.0, self.limit, _MARKS + 1))
         count = MOST_TERMS + _NEAR
-        return self._local(at, x, count) / self.table.half[at] ** np.arange(count)[:, None]
+        return (
+            self._local(at, x, count) / self.table.half[at] ** np.arange(count)[:, None]
+        )
 
     def _local(self, at: Array, x: Array, count: int) -> Array:
-        """(2, count, lanes): the series of F and G in powers of (y - y0) / half, shifted from the centre of the patch that holds y0."""
-        if x.size == 1:  # NumPy sums a single lane in another order: no digit may depend on a lane's neighbours
+        """(2, count, lanes): the series of F and G in powers of (y - y0) / half,
+        shifted from the centre of the patch that holds y0.
+        """
+        # NumPy sums a single lane in another order: no digit may depend on a lane's
+        # neighbours
+        if x.size == 1:
             return self._local(at.repeat(2), x.repeat(2), count)[:, :, :1]
         given = min(count + _SHIFT, DEGREE + 1)
         rows = np.zeros((2, count + _SHIFT, x.size))
         for function, row in zip((self.table.lift, self.table.push), rows, strict=True):
             function[:given].take(at, axis=1, out=row[:given])
-            row[:given] *= _FACTORIALS[:given]  # k! c_k: term k about y0 is the sum over m of term k + m times x^m/m!
+            row[:given] *= _FACTORIALS[
+                :given
+            ]  # k! c_k: term k about y0 is the sum over m of term k + m times x^m/m!
         x_m = powers(x, _SHIFT + 1)
         x_m /= _FACTORIALS[: _SHIFT + 1]
-        local: Array = np.einsum("ml,fmlk->fkl", x_m, sliding_window_view(rows, count, axis=1))
+        local: Array = np.einsum(
+            "ml,fmlk->fkl", x_m, sliding_window_view(rows, count, axis=1)
+        )
         local /= _FACTORIALS[:count]
         return local
 
     def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
         """The force f = -w F/F0 + a G/G0."""
-        return a * self.table.value(self.table.push, y) - weight * self.table.value(self.table.lift, y)
+        return a * self.table.value(self.table.push, y) - weight * self.table.value(
+            self.table.lift, y
+        )
 
     def rotation(self, y: Array) -> Array:
         return self.table.value(self.table.turn, y)
@@ -135,55 +194,93 @@ class MechanismEquation(Equation):
         return inverse(self.table, self.table.turn, rotation, self.limit)
 
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
-        """The energy is K = v^2/2 + int F/F0 dy, constant between impacts; the barrier is at phi = alpha."""
+        """The energy is K = v^2/2 + int F/F0 dy, constant between impacts; the barrier
+        is at phi = alpha.
+        """
         energy = 0.5 * v * v + self.table.value(self.table.work, y)
         return falls_by_energy(v, energy, self.barrier, y > self.top), energy
 
     def peak(self, energy: Array) -> Array:
         """The y at which the work of the weight equals the energy."""
-        return inverse(self.table, self.table.work, np.minimum(energy, self.barrier), self.top)
+        return inverse(
+            self.table, self.table.work, np.minimum(energy, self.barrier), self.top
+        )
 
-    def certainly_overturns(self, y: Array, v: Array, inward: Array, steady: bool = True) -> Array:
-        """True if the body moves outwards beyond the barrier of the strongest inward drive to come, or with the speed to pass it, or has
-        collapsed. Under a constant inward drive e the equilibrium, F/G = -e, is a maximum of int F + e G, since F/G falls."""
+    def certainly_overturns(
+        self, y: Array, v: Array, inward: Array, steady: bool = True
+    ) -> Array:
+        """True if the body moves outwards beyond the barrier of the strongest inward
+        drive to come, or with the speed to pass it, or has collapsed. Under a constant
+        inward drive e the equilibrium, F/G = -e, is a maximum of int F + e G, since F/G
+        falls.
+        """
         table = self.table
         certain = y >= self.limit
         if self.damping or not steady:  # energy is lost, or the barrier moves
-            return certain | ((v > 0.0) & (y >= self._equilibrium(inward) * (1.0 + _MARGIN)))
+            return certain | (
+                (v > 0.0) & (y >= self._equilibrium(inward) * (1.0 + _MARGIN))
+            )
         maybe = np.flatnonzero(~certain & (v > 0.0))
-        maybe = maybe[0.5 * v[maybe] ** 2 + table.value(table.work, y[maybe]) > self.barrier]
+        maybe = maybe[
+            0.5 * v[maybe] ** 2 + table.value(table.work, y[maybe]) > self.barrier
+        ]
         if maybe.size:
             y, e = y[maybe], inward[maybe]
             top = self._equilibrium(e)
-            rise = [table.value(c, top) - table.value(c, y) for c in (table.work, table.thrust)]
-            certain[maybe] = (y >= top) | (0.5 * v[maybe] ** 2 > (rise[0] + e * rise[1]) * (1.0 + _MARGIN) + _MARGIN)
+            rise = [
+                table.value(c, top) - table.value(c, y)
+                for c in (table.work, table.thrust)
+            ]
+            certain[maybe] = (y >= top) | (
+                0.5 * v[maybe] ** 2
+                > (rise[0] + e * rise[1]) * (1.0 + _MARGIN) + _MARGIN
+            )
         return certain
 
     def _equilibrium(self, e: Array) -> Array:
-        """The y at which F/G = -e, at most the limit, from a table; at a maximum an error of y has an effect of second order only."""
+        """The y at which F/G = -e, at most the limit, from a table; at a maximum an
+        error of y has an effect of second order only.
+        """
         return np.interp(e, self.marks[1], self.marks[0])
 
 
-def _composed(local: Array, y: Rows, new: Callable[[], Series]) -> tuple[Series, Series, Callable[[int], None]]:
-    """`along` for many lanes; local: the series of F and G about the present y, (2, terms, lanes)."""
+def _composed(
+    local: Array, y: Rows, new: Callable[[], Series]
+) -> tuple[Series, Series, Callable[[int], None]]:
+    """`along` for many lanes; local: the series of F and G about the present y, (2,
+    terms, lanes).
+    """
     count = local.shape[1]
-    power = np.zeros((count, count, y.array.shape[1]))  # [j, n]: term n of (y - y0)^j; it is zero for n < j
+    power = np.zeros(
+        (count, count, y.array.shape[1])
+    )  # [j, n]: term n of (y - y0)^j; it is zero for n < j
     found = new(), new()
     for function, series in zip(local, found, strict=True):
         series.append(function[0])
 
     def extend(n: int) -> None:
         power[1, n] = y[n]
-        np.einsum("il,jil->jl", power[1, 1:n], power[1:n, n - 1 : 0 : -1], out=power[2 : n + 1, n])
+        np.einsum(
+            "il,jil->jl",
+            power[1, 1:n],
+            power[1:n, n - 1 : 0 : -1],
+            out=power[2 : n + 1, n],
+        )
         for function, series in zip(local, found, strict=True):
-            series.append(np.einsum("jl,jl->l", function[1 : n + 1], power[1 : n + 1, n]))
+            series.append(
+                np.einsum("jl,jl->l", function[1 : n + 1], power[1 : n + 1, n])
+            )
 
     return *found, extend
 
 
-def _composed_floats(local: list[list[float]], y: list[float]) -> tuple[list[float], list[float], Callable[[int], None]]:
+def _composed_floats(
+    local: list[list[float]], y: list[float]
+) -> tuple[list[float], list[float], Callable[[int], None]]:
     """`along` for one body; local: the series of F and of G about the present y."""
-    power: list[list[float]] = [[] for _ in local[0]]  # [j]: terms j, j + 1 ... of (y - y0)^j
+    power: list[list[float]] = [
+        [] for _ in local[0]
+    ]  # [j]: terms j, j + 1 ... of (y - y0)^j
     found = [local[0][0]], [local[1][0]]
 
     def extend(n: int) -> None:

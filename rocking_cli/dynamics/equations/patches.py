@@ -1,5 +1,6 @@
-"""The functions of a mechanism's equation as power series in y on patches, fitted to the linkage to rounding. A patch is short against the
-distance to the linkage's nearest lock-up. It is then cut into narrow patches, on which a value needs a few terms only.
+"""The functions of a mechanism's equation as power series in y on patches, fitted to
+the linkage to rounding. A patch is short against the distance to the linkage's nearest
+lock-up. It is then cut into narrow patches, on which a value needs a few terms only.
 """
 
 from dataclasses import dataclass
@@ -12,19 +13,28 @@ from ..lanes import Array
 
 DEGREE = 28  # of a patch's series
 _PARTS = 512  # narrow patches that a fitted patch is cut into
-_TERMS = 6  # terms of a narrow patch's series for a value: there x is below 1/1024, and x^6 below 1e-18
-_COLLAPSED = -50.0  # lambda(phi) / lambda(0): no drive below 50 times the uplift's brings the structure back from there
-_CLOSE = 1e-9  # a Newton step this short, over the whole interval, leaves an error of the square of the step
+# terms of a narrow patch's series for a value: there x is below 1/1024, and x^6 below
+# 1e-18
+_TERMS = 6
+# lambda(phi) / lambda(0): no drive below 50 times the uplift's brings the structure
+# back from there
+_COLLAPSED = -50.0
+# a Newton step this short, over the whole interval, leaves an error of the square of
+# the step
+_CLOSE = 1e-9
 _WIDEN = 2.0  # a patch's series is fitted on this times its width
-# A smaller Chebyshev coefficient is rounding: values are of order one, with errors of 1e-14, or of 1e-15 over lambda where lambda is small.
+# A smaller Chebyshev coefficient is rounding: values are of order one, with errors of
+# 1e-14, or of 1e-15 over lambda where lambda is small.
 _SMALL = 3e-14
 
 
 @dataclass(frozen=True)
 class Patches:
-    """Functions of y by patches: edges (patches + 1), centre, half (half the width that was fitted), and (terms, patches) coefficients.
-    Coefficients are of powers of (y - centre) / half. lift F/F0, push G/G0, turn phi/alpha; work and thrust: int lift dy and int push dy
-    from 0."""
+    """Functions of y by patches: edges (patches + 1), centre, half (half the width that
+    was fitted), and (terms, patches) coefficients. Coefficients are of powers of (y -
+    centre) / half. lift F/F0, push G/G0, turn phi/alpha; work and thrust: int lift dy
+    and int push dy from 0.
+    """
 
     edges: Array
     centre: Array
@@ -60,7 +70,9 @@ class Patches:
 
 
 def _shifted(rows: Array, x: Array, count: int) -> Array:
-    """The first terms, about x in place of 0, of series (functions, terms, lanes), by Horner's rule. It overwrites `rows`."""
+    """The first terms, about x in place of 0, of series (functions, terms, lanes), by
+    Horner's rule. It overwrites `rows`.
+    """
     for first in range(count):
         for n in range(rows.shape[1] - 2, first - 1, -1):
             rows[:, n] += x * rows[:, n + 1]
@@ -68,13 +80,20 @@ def _shifted(rows: Array, x: Array, count: int) -> Array:
 
 
 def largest(table: Patches, coefficients: Array) -> float:
-    """An upper bound of a tabulated function: its largest value on 4097 points, plus the growth between points that its slope allows."""
+    """An upper bound of a tabulated function: its largest value on 4097 points, plus
+    the growth between points that its slope allows.
+    """
     y = np.linspace(0.0, float(table.edges[-1]), 4097)
-    return float(table.value(coefficients, y).max() + np.abs(table.slope(coefficients, y)).max() * y[1])
+    return float(
+        table.value(coefficients, y).max()
+        + np.abs(table.slope(coefficients, y)).max() * y[1]
+    )
 
 
 def inverse(table: Patches, coefficients: Array, value: Array, high: float) -> Array:
-    """The y in [0, high] at which a rising function has a value: Newton's method in a bracket that only shrinks, from its chord on."""
+    """The y in [0, high] at which a rising function has a value: Newton's method in a
+    bracket that only shrinks, from its chord on.
+    """
     shape, value = np.shape(value), np.atleast_1d(np.asarray(value, dtype=float))
     nodes = np.linspace(0.0, high, 513)
     known = table.value(coefficients, nodes)
@@ -88,19 +107,27 @@ def inverse(table: Patches, coefficients: Array, value: Array, high: float) -> A
             break
         here = y[lanes]
         gap = table.value(coefficients, here) - value[lanes]
-        a[lanes], b[lanes] = np.where(gap < 0.0, here, a[lanes]), np.where(gap < 0.0, b[lanes], here)
+        a[lanes], b[lanes] = (
+            np.where(gap < 0.0, here, a[lanes]),
+            np.where(gap < 0.0, b[lanes], here),
+        )
         with np.errstate(all="ignore"):
             newton = here - gap / table.slope(coefficients, here)
         inside = (newton >= a[lanes]) & (newton <= b[lanes])
         y[lanes] = np.where(inside, newton, 0.5 * (a[lanes] + b[lanes]))
         step = np.abs(y[lanes] - here)
-        lanes = lanes[(step > np.where(inside, _CLOSE, 1e-15) * high) & (b[lanes] - a[lanes] > 1e-15 * high)]
+        lanes = lanes[
+            (step > np.where(inside, _CLOSE, 1e-15) * high)
+            & (b[lanes] - a[lanes] > 1e-15 * high)
+        ]
     return np.where(np.isnan(value), np.nan, y).reshape(shape)
 
 
 @lru_cache(maxsize=32)
 def tabulate(mechanism: Mechanism) -> Patches:
-    """Computes the coefficients of Eq. 3.4 as functions of y, to rounding. Raises ValueError as `MechanismEquation`."""
+    """Computes the coefficients of Eq. 3.4 as functions of y, to rounding. Raises
+    ValueError as `MechanismEquation`.
+    """
     form = linearise(mechanism)
     path = _Path(mechanism, form.alpha, form.stiffness)
     fits = _fit(path, 0.0, path.length, 0)
@@ -112,20 +139,37 @@ def tabulate(mechanism: Mechanism) -> Patches:
 
 
 def _narrowed(wide: Patches) -> Patches:
-    """Return the functions of `wide` on narrower patches, so that a value, or a series about any y of a patch, needs only a few terms."""
+    """Return the functions of `wide` on narrower patches, so that a value, or a series
+    about any y of a patch, needs only a few terms.
+    """
     share, width = (np.arange(_PARTS) + 0.5) / _PARTS, np.diff(wide.edges)
-    edges = np.append((wide.edges[:-1, None] + width[:, None] * (share - 0.5 / _PARTS)).ravel(), wide.edges[-1])
-    centre, half = (wide.edges[:-1, None] + width[:, None] * share).ravel(), wide.half.repeat(_PARTS)
+    edges = np.append(
+        (wide.edges[:-1, None] + width[:, None] * (share - 0.5 / _PARTS)).ravel(),
+        wide.edges[-1],
+    )
+    centre, half = (
+        (wide.edges[:-1, None] + width[:, None] * share).ravel(),
+        wide.half.repeat(_PARTS),
+    )
     x = (centre - wide.centre.repeat(_PARTS)) / half
-    functions = np.stack([np.pad(c, ((0, DEGREE + 2 - len(c)), (0, 0))) for c in (wide.lift, wide.push, wide.turn, wide.work, wide.thrust)])
+    functions = np.stack(
+        [
+            np.pad(c, ((0, DEGREE + 2 - len(c)), (0, 0)))
+            for c in (wide.lift, wide.push, wide.turn, wide.work, wide.thrust)
+        ]
+    )
     rows = _shifted(functions.repeat(_PARTS, axis=2), x, DEGREE + 1)
-    at_rest = np.polynomial.polynomial.polyval((0.0 - centre[0]) / half[0], rows[2:, :_TERMS, 0].T)
+    at_rest = np.polynomial.polynomial.polyval(
+        (0.0 - centre[0]) / half[0], rows[2:, :_TERMS, 0].T
+    )
     rows[2:, 0, 0] -= at_rest  # 0 at rest to the last digit
     return Patches(edges, centre, half, *rows[:2, : DEGREE + 1], *rows[2:, :_TERMS])
 
 
 class _Path:
-    """Computes y(phi) from rest to collapse by quadrature, and F/F0, G/G0, phi/alpha at given y."""
+    """Computes y(phi) from rest to collapse by quadrature, and F/F0, G/G0, phi/alpha at
+    given y.
+    """
 
     def __init__(self, mechanism: Mechanism, alpha: float, stiffness: float) -> None:
         self.mechanism, self.alpha = mechanism, alpha
@@ -137,48 +181,88 @@ class _Path:
         end = _collapse(mechanism, alpha)
         self.marks = np.linspace(0.0, end, 513)
         self.nodes, self.weights = np.polynomial.legendre.leggauss(20)
-        self.sums = np.concatenate([[0.0], np.cumsum(self._integral(self.marks[:-1], self.marks[1:]))])
+        self.sums = np.concatenate(
+            [[0.0], np.cumsum(self._integral(self.marks[:-1], self.marks[1:]))]
+        )
         self.length = float(self.sums[-1])
 
     def _integral(self, start: Array, stop: Array) -> Array:
         half = 0.5 * (stop - start)
         phi = (0.5 * (start + stop))[..., None] + half[..., None] * self.nodes
-        return self.rate * half * (np.sqrt(self.mechanism.coefficients(phi).inertia) * self.weights).sum(axis=-1)
+        return (
+            self.rate
+            * half
+            * (np.sqrt(self.mechanism.coefficients(phi).inertia) * self.weights).sum(
+                axis=-1
+            )
+        )
 
     def phi(self, y: Array) -> Array:
-        """Rotation at y [rad], by Newton's method; NaN beyond the reach of the links."""
-        first, last = self.marks[1] / self.sums[1], (self.marks[-1] - self.marks[-2]) / (self.sums[-1] - self.sums[-2])
-        phi = np.interp(y, self.sums, self.marks) + np.minimum(y, 0.0) * first + np.maximum(y - self.length, 0.0) * last
+        """Rotation at y [rad], by Newton's method; NaN beyond the reach
+        of the links.
+        """
+        first, last = (
+            self.marks[1] / self.sums[1],
+            (self.marks[-1] - self.marks[-2]) / (self.sums[-1] - self.sums[-2]),
+        )
+        phi = (
+            np.interp(y, self.sums, self.marks)
+            + np.minimum(y, 0.0) * first
+            + np.maximum(y - self.length, 0.0) * last
+        )
         for _ in range(12):
-            at = np.clip(np.searchsorted(self.marks, phi, side="right") - 1, 0, self.marks.size - 1)
+            at = np.clip(
+                np.searchsorted(self.marks, phi, side="right") - 1,
+                0,
+                self.marks.size - 1,
+            )
             gap = self.sums[at] + self._integral(self.marks[at], phi) - y
-            phi = phi - gap / (self.rate * np.sqrt(self.mechanism.coefficients(phi).inertia))
+            phi = phi - gap / (
+                self.rate * np.sqrt(self.mechanism.coefficients(phi).inertia)
+            )
         return phi
 
     def __call__(self, y: Array) -> list[Array]:
         phi = self.phi(y)
         c = self.mechanism.coefficients(phi)
         root = np.sqrt(c.inertia)
-        return [c.lift / root / self.lift0, c.push / root / self.push0, phi / self.alpha]
+        return [
+            c.lift / root / self.lift0,
+            c.push / root / self.push0,
+            phi / self.alpha,
+        ]
 
 
 def _collapse(mechanism: Mechanism, alpha: float) -> float:
-    """The rotation [rad] at which the structure has collapsed; at least 1.25 alpha. Raises ValueError."""
+    """The rotation [rad] at which the structure has collapsed; at least 1.25 alpha.
+    Raises ValueError.
+    """
     phi = np.linspace(0.0, mechanism.reach, 20001)[:-1]
     c = mechanism.coefficients(phi)
     with np.errstate(all="ignore"):
         multiplier = np.asarray(c.lift / c.push)
-    falls = (np.diff(multiplier) < 0.0) & (np.asarray(c.push)[1:] > 0.0) & (multiplier[1:] >= _COLLAPSED * multiplier[0])
+    falls = (
+        (np.diff(multiplier) < 0.0)
+        & (np.asarray(c.push)[1:] > 0.0)
+        & (multiplier[1:] >= _COLLAPSED * multiplier[0])
+    )
     end = float(phi[-1] if falls.all() else phi[np.argmin(falls)])
     if end < 1.25 * alpha:
-        raise ValueError("the nonlinear model does not hold: its lambda(phi) does not fall on to the unstable equilibrium and beyond it")
+        raise ValueError(
+            "the nonlinear model does not hold: its lambda(phi) does not fall on to the"
+            " unstable equilibrium and beyond it"
+        )
     return end
 
 
-def _fit(path: _Path, start: float, stop: float, depth: int) -> list[tuple[float, float, float, list[Array]]]:
+def _fit(
+    path: _Path, start: float, stop: float, depth: int
+) -> list[tuple[float, float, float, list[Array]]]:
     """Return patches from start to stop, halved until their series converge."""
     if depth > 16:
-        raise ValueError("the nonlinear model does not hold: the linkage locks too close to rest")
+        raise ValueError(
+            "the nonlinear model does not hold: the linkage locks too close to rest"
+        )
     centre, half = 0.5 * (start + stop), 0.5 * _WIDEN * (stop - start)
     x = np.cos(np.pi * (np.arange(DEGREE + 8) + 0.5) / (DEGREE + 8))
     with np.errstate(all="ignore"):
@@ -188,7 +272,12 @@ def _fit(path: _Path, start: float, stop: float, depth: int) -> list[tuple[float
         if not np.all(np.isfinite(v)):
             break
         c = np.polynomial.chebyshev.chebfit(x, v, DEGREE + 7)
-        small = _SMALL * path.noise * max(1.0, np.abs(c).max()) * (1.0 if depth < 8 else 10.0)
+        small = (
+            _SMALL
+            * path.noise
+            * max(1.0, np.abs(c).max())
+            * (1.0 if depth < 8 else 10.0)
+        )
         if np.abs(c[DEGREE - 2 :]).max() > small:
             break
         c = np.where(np.abs(c) > small, c, 0.0)[: DEGREE + 1]
@@ -201,12 +290,16 @@ def _fit(path: _Path, start: float, stop: float, depth: int) -> list[tuple[float
 
 
 def _integral(coefficients: Array, edges: Array, centre: Array, half: Array) -> Array:
-    """Coefficients, by patches, of the integral from y = 0 of a function; its coefficients are given by patches."""
+    """Coefficients, by patches, of the integral from y = 0 of a function; its
+    coefficients are given by patches.
+    """
     n = np.arange(1, coefficients.shape[0] + 1)[:, None]
     raised = np.concatenate([np.zeros((1, centre.size)), coefficients * half / n])
     total = 0.0
     for i in range(centre.size):
-        ends = np.polynomial.polynomial.polyval((edges[i : i + 2] - centre[i]) / half[i], raised[:, i])
+        ends = np.polynomial.polynomial.polyval(
+            (edges[i : i + 2] - centre[i]) / half[i], raised[:, i]
+        )
         raised[0, i] = total - ends[0]
         total += float(ends[1] - ends[0])
     return raised

@@ -21,15 +21,21 @@ Series = Any  # a list of floats or of arrays, or Rows: terms 0, 1, 2 ... of a s
 
 
 class Recurrence(Protocol):
-    """An equation of motion whose Taylor terms can be found: every `Equation`, and one of tied bodies."""
+    """An equation of motion whose Taylor terms can be found: every `Equation`, and one
+    of tied bodies.
+    """
 
     damping: float  # zeta
 
-    def along(self, y: Series, new: Callable[[], Series]) -> tuple[Series, Series | None, Callable[[int], None]]:
-        """Return F and G along a motion, both with their term 0, and a function that adds their terms n.
+    def along(
+        self, y: Series, new: Callable[[], Series]
+    ) -> tuple[Series, Series | None, Callable[[int], None]]:
+        """Return F and G along a motion, both with their term 0, and a function that
+        adds their terms n.
 
-        y: terms of the motion; new: returns an empty series. G is None where it is 1. The
-        caller calls the function for n = 1, 2 ..., when the terms 0 to n of y are known.
+        y: terms of the motion; new: returns an empty series. G is None where it is 1.
+        The caller calls the function for n = 1, 2 ..., when the terms 0 to n of y are
+        known.
         """
 
     def part(self, lanes: slice) -> Self:
@@ -89,7 +95,9 @@ def product_term(a: Series, b: Series) -> Any:
 
 
 def product_terms(a: Series, b: Series, c: Series) -> tuple[Any, Any]:
-    """Return term n of the products a b and a c, where n is the last term of b and c."""
+    """Return term n of the products a b and a c, where n is the last term of
+    b and c.
+    """
     if type(b) is not list:
         return product_term(a, b), product_term(a, c)
     by_b, by_c, n = 0.0, 0.0, len(b) - 1
@@ -113,9 +121,10 @@ def motion_terms(
     """Return the terms of y in powers of the time over `unit` [tau].
 
     y, v: displacement and velocity at the start, floats or (lanes,); factors:
-    unit^2/((n + 1)(n + 2)) for n = 0, 1 ..., 0 beyond the degree of a lane; drive, weight:
-    series of the outward drive and of the weight over m g (None: 1); force: y'' + 2 zeta y'
-    at the start where it is known to more digits than follow from the drive.
+    unit^2/((n + 1)(n + 2)) for n = 0, 1 ..., 0 beyond the degree of a lane; drive,
+    weight: series of the outward drive and of the weight over m g (None: 1); force: y''
+    + 2 zeta y' at the start where it is known to more digits than follow from the
+    drive.
 
     Returns len(factors) + 2 terms: a list if `drive` is one, otherwise (terms, lanes).
     """

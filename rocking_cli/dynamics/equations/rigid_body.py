@@ -1,10 +1,11 @@
-"""The nonlinear equation of a rigid body (Eq. 2.3), by Taylor series. With y = |theta| / sin(alpha), z = alpha - y sin(alpha) and a the
-outward drive over g tan(alpha),
+"""The nonlinear equation of a rigid body (Eq. 2.3), by Taylor series. With y = |theta|
+/ sin(alpha), z = alpha - y sin(alpha) and a the outward drive over g tan(alpha),
 
     y'' = -sin z / sin(alpha) + a cos z / cos(alpha) - 2 zeta y'
 
-Below the ground tan z > tan alpha, so under a subcritical drive (a < 1) a body that has crossed y = 0 stays below it. Under a supercritical
-drive f > 0 for y >= 0. So Lemmas 1 and 2 hold.
+Below the ground tan z > tan alpha, so under a subcritical drive (a < 1) a body that has
+crossed y = 0 stays below it. Under a supercritical drive f > 0 for y >= 0. So Lemmas 1
+and 2 hold.
 """
 
 import math
@@ -23,9 +24,12 @@ from .taylor import TaylorSeries, line_flow, order_for, series, series_flow
 
 
 class RigidBodyEquation(Equation):
-    """Eq. 2.3 for a rigid body. alpha: critical angle [rad], the two angles (right, left) if the edges differ, or an array with one alpha
-    for each cell; tolerance: error of theta/alpha that the integration aims at; damping: zeta [-]. Raises ValueError when an alpha is not
-    between 1e-30 and pi/2, the tolerance not between 1e-13 and 1e-2, or the damping negative."""
+    """Eq. 2.3 for a rigid body. alpha: critical angle [rad], the two angles (right,
+    left) if the edges differ, or an array with one alpha for each cell; tolerance:
+    error of theta/alpha that the integration aims at; damping: zeta [-]. Raises
+    ValueError when an alpha is not between 1e-30 and pi/2, the tolerance not between
+    1e-13 and 1e-2, or the damping negative.
+    """
 
     alpha: Any
     sin: Any
@@ -34,7 +38,12 @@ class RigidBodyEquation(Equation):
     bottom: Any  # 1 - cos(alpha)
     gain: Any
 
-    def __init__(self, alpha: float | tuple[float, float] | Array, tolerance: float = 1e-9, damping: float = 0.0) -> None:
+    def __init__(
+        self,
+        alpha: float | tuple[float, float] | Array,
+        tolerance: float = 1e-9,
+        damping: float = 0.0,
+    ) -> None:
         super().__init__(damping)
         self.order, self.tolerance = order_for(tolerance), tolerance
         self._by_cell = isinstance(alpha, np.ndarray)
@@ -44,7 +53,10 @@ class RigidBodyEquation(Equation):
         each = {key: np.array([x[key] for x in numbers])[which] for key in numbers[0]}
         if not self._by_cell:
             each["gain"][:] = each["gain"].max()
-        self._take(each, each if self._by_cell else {key: float(x[0]) for key, x in each.items()})
+        self._take(
+            each,
+            each if self._by_cell else {key: float(x[0]) for key, x in each.items()},
+        )
 
     def _take(self, each: dict[str, Array], own: Mapping[str, Any]) -> None:
         self._each = each
@@ -53,21 +65,34 @@ class RigidBodyEquation(Equation):
         self.bounds = 1.0, 1.0 / self.cos
 
     def _with(self, each: dict[str, Array], own: Mapping[str, Any]) -> Self:
-        """Return this equation for the numbers `each` of cells, edges or lanes, of which it has `own`."""
+        """Return this equation for the numbers `each` of cells, edges or lanes, of
+        which it has `own`.
+        """
         there = object.__new__(type(self))
-        there.damping, there.order, there.tolerance, there._by_cell = self.damping, self.order, self.tolerance, self._by_cell
+        there.damping, there.order, there.tolerance, there._by_cell = (
+            self.damping,
+            self.order,
+            self.tolerance,
+            self._by_cell,
+        )
         there._take(each, own)
         return there
 
     def _at(self, lanes: Array | slice) -> Self:
-        """Return the equation with the numbers at these indices, of cells, of edges or of lanes."""
+        """Return the equation with the numbers at these indices, of cells, of edges or
+        of lanes.
+        """
         each = {key: x[lanes] for key, x in self._each.items()}
         return self._with(each, each)
 
     def on(self, side: Array, cell: Array | None = None) -> Self:
         if self._by_cell:
             return self if cell is None else self._at(cell)
-        return self if len(self._each["alpha"]) == 1 else self._at((side < 0.0).astype(np.int64))
+        return (
+            self
+            if len(self._each["alpha"]) == 1
+            else self._at((side < 0.0).astype(np.int64))
+        )
 
     def part(self, lanes: slice) -> Self:
         return self if isinstance(self.alpha, float) else self._at(lanes)
@@ -77,7 +102,10 @@ class RigidBodyEquation(Equation):
         return self._with(each, {key: float(x[0]) for key, x in each.items()})
 
     def joined(self, others: Sequence[Self]) -> Self:
-        each = {key: np.concatenate([one._each[key] for one in (self, *others)]) for key in self._each}
+        each = {
+            key: np.concatenate([one._each[key] for one in (self, *others)])
+            for key in self._each
+        }
         if each["alpha"].min() == each["alpha"].max():
             return self
         rows = self._with(each, each)
@@ -113,10 +141,18 @@ class RigidBodyEquation(Equation):
         """The series of every lane from its present state."""
         if segments.straight:
             return line_flow(self, segments, lanes)
-        return series(*series_flow(self, segments, lanes, self.order), self.tolerance, self.damping)
+        return series(
+            *series_flow(self, segments, lanes, self.order),
+            self.tolerance,
+            self.damping,
+        )
 
-    def along(self, y: Series, new: Callable[[], Series]) -> tuple[Series, Series, Callable[[int], None]]:
-        """F = sin z/sin(alpha) and G = cos z/cos(alpha), each from the other's earlier terms: n F_n = -cos(alpha) sum i Y_i G_(n-i)."""
+    def along(
+        self, y: Series, new: Callable[[], Series]
+    ) -> tuple[Series, Series, Callable[[int], None]]:
+        """F = sin z/sin(alpha) and G = cos z/cos(alpha), each from the other's earlier
+        terms: n F_n = -cos(alpha) sum i Y_i G_(n-i).
+        """
         tan = math.tan if isinstance(y[0], float) else np.tan
         half = tan(0.5 * (self.alpha - self.sin * y[0]))
         square = half * half
@@ -140,20 +176,35 @@ class RigidBodyEquation(Equation):
         return a * np.cos(z) / self.cos - weight * (np.sin(z) / self.sin)
 
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
-        """The energy is K = v^2/2 + [cos z - cos(alpha)]/sin^2(alpha), 1/(1 + cos(alpha)) at the barrier."""
+        """The energy is K = v^2/2 + [cos z - cos(alpha)]/sin^2(alpha), 1/(1 +
+        cos(alpha)) at the barrier.
+        """
         turned = self.sin * y
-        energy = 0.5 * v * v + 2.0 * np.sin(self.alpha - 0.5 * turned) * np.sin(0.5 * turned) / self.square
+        energy = (
+            0.5 * v * v
+            + 2.0
+            * np.sin(self.alpha - 0.5 * turned)
+            * np.sin(0.5 * turned)
+            / self.square
+        )
         return falls_by_energy(v, energy, self.barrier, turned > self.alpha), energy
 
     def peak(self, energy: Array) -> Array:
-        """Largest y for an energy up to the barrier: 1 - cos(alpha - y sin(alpha)) = 1 - cos(alpha) - sin^2(alpha) K."""
+        """Largest y for an energy up to the barrier: 1 - cos(alpha - y sin(alpha)) = 1
+        - cos(alpha) - sin^2(alpha) K.
+        """
         left = np.maximum(0.0, self.bottom - self.square * energy)
         return (self.alpha - 2.0 * np.arcsin(np.sqrt(0.5 * left))) / self.sin
 
-    def certainly_overturns(self, y: Array, v: Array, inward: Array, steady: bool = True) -> Array:
-        """True if the body moves outwards beyond the barrier of the strongest inward drive to come, or with the speed to pass it, or has
-        theta >= pi/2. Under a constant inward e = inward tan(alpha) the equilibrium is at beta = alpha + arctan e and y'' is sqrt(1 + e^2)
-        sin(theta - beta) / sin(alpha). While v > 0 the energy over that barrier never falls."""
+    def certainly_overturns(
+        self, y: Array, v: Array, inward: Array, steady: bool = True
+    ) -> Array:
+        """True if the body moves outwards beyond the barrier of the strongest inward
+        drive to come, or with the speed to pass it, or has theta >= pi/2. Under a
+        constant inward e = inward tan(alpha) the equilibrium is at beta = alpha +
+        arctan e and y'' is sqrt(1 + e^2) sin(theta - beta) / sin(alpha). While v > 0
+        the energy over that barrier never falls.
+        """
         e = inward * self.tan
         gap = self.alpha + np.arctan(e) - self.sin * y
         on_its_side = self.sin * y >= 0.5 * math.pi
@@ -161,15 +212,27 @@ class RigidBodyEquation(Equation):
             return ((v > 0.0) & (gap <= 0.0)) | on_its_side
         half = np.tan(0.5 * gap)
         half *= half
-        height = 2.0 / self.square * np.sqrt(1.0 + e * e) * (half / (1.0 + half))  # sin^2 of half the gap
+        height = (
+            2.0 / self.square * np.sqrt(1.0 + e * e) * (half / (1.0 + half))
+        )  # sin^2 of half the gap
         passes = (v > 0.0) & ((gap <= 0.0) | (0.5 * v * v > height))
         return passes | on_its_side
 
 
 def _numbers(alpha: float) -> dict[str, float]:
     if not LEAST_ALPHA <= alpha < 0.5 * math.pi:
-        raise ValueError(f"alpha: found {alpha:g} rad; expected an angle of a rigid body from {LEAST_ALPHA:g} rad to below 90 deg")
+        raise ValueError(
+            f"alpha: found {alpha:g} rad; expected an angle of a rigid body from"
+            f" {LEAST_ALPHA:g} rad to below 90 deg"
+        )
     cos = math.cos(alpha)
     gain = 1.0 / cos**2  # (cos z + tan(alpha) sin z) / cos(alpha), for |a| <= 1
     bottom = 2.0 * math.sin(0.5 * alpha) ** 2
-    return {"alpha": alpha, "sin": math.sin(alpha), "cos": cos, "tan": math.tan(alpha), "bottom": bottom, "gain": gain}
+    return {
+        "alpha": alpha,
+        "sin": math.sin(alpha),
+        "cos": cos,
+        "tan": math.tan(alpha),
+        "bottom": bottom,
+        "gain": gain,
+    }

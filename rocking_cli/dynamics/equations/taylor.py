@@ -1,5 +1,6 @@
-"""Taylor series of each lane's motion: the flow of equations without a closed form. The last terms of a series give the length of its step,
-so no step is rejected. Impacts and peaks are roots of the series.
+"""Taylor series of each lane's motion: the flow of equations without a closed form. The
+last terms of a series give the length of its step, so no step is rejected. Impacts and
+peaks are roots of the series.
 """
 
 import math
@@ -15,22 +16,32 @@ from ..lanes import Array, Arrays, Lanes
 from .equation import Drive, Equation, Point
 from .recurrence import Recurrence, Rows, motion_terms
 
-# Allowed error of a step, in y', over the tolerance: errors double every 0.7 in tau, and grow by a factor of tens under a pulse.
+# Allowed error of a step, in y', over the tolerance: errors double every 0.7 in tau,
+# and grow by a factor of tens under a pulse.
 LOCAL = 3e-2
 CACHED = 2048  # lanes for which the recurrences stay in the second-level cache
 LOWEST, HIGHEST = 1e-13, 1e-2  # range of tolerances
 LONGEST = 1.0  # tau: a series of `MOST_TERMS` holds any tolerance up to it
 MOST_TERMS = 24
-WITHIN = 1e-2 * LOCAL  # error of a step, in y', over the tolerance: after a hundred impacts it has grown further than under a pulse
-_TINY = 1e-90  # replaces x = 0, since derivatives are computed as n (n - 1) ... c_n x^n / x^d
+# error of a step, in y', over the tolerance: after a hundred impacts it has grown
+# further than under a pulse
+WITHIN = 1e-2 * LOCAL
+# replaces x = 0, since derivatives are computed as n (n - 1) ... c_n x^n / x^d
+_TINY = 1e-90
 _LEAST = 1e-3  # tau: the unit of lanes at the end of their line
-_GROWTH = 1.3  # growth rate of lanes up to a little beyond the barrier; the last terms show where it is larger
-_ROOM = 0.1  # largest size of the first term left out, over the error that a step may have
+# growth rate of lanes up to a little beyond the barrier; the last terms show where it
+# is larger
+_GROWTH = 1.3
+_ROOM = (
+    0.1  # largest size of the first term left out, over the error that a step may have
+)
 
 
 @dataclass
 class TaylorSeries(Arrays):
-    """Coefficients of (h / unit)^n, (terms, lanes), and the longest h [tau] for which they hold; fastest, damping: as in `Flow`."""
+    """Coefficients of (h / unit)^n, (terms, lanes), and the longest h [tau] for which
+    they hold; fastest, damping: as in `Flow`.
+    """
 
     terms: Array
     unit: Array
@@ -58,18 +69,29 @@ class TaylorSeries(Arrays):
         return self._at(h)[0]
 
     def at_with_chord_errors(self, h: Array) -> tuple[Point, Array]:
-        """(`at`, chord errors (2, lanes)): bounds of how far h y' and h^2 y'' leave the straight line between their values at 0 and h."""
+        """(`at`, chord errors (2, lanes)): bounds of how far h y' and h^2 y'' leave the
+        straight line between their values at 0 and h.
+        """
         point, terms = self._at(h)
-        return point, np.einsum("dn,nl->dl", _chord_errors(len(terms)), np.abs(terms[3:]))[:, : h.size]
+        return (
+            point,
+            np.einsum("dn,nl->dl", _chord_errors(len(terms)), np.abs(terms[3:]))[
+                :, : h.size
+            ],
+        )
 
     def _at(self, h: Array) -> tuple[Point, Array]:
         """The state after h, and the terms of y there."""
         x = np.maximum(h / self.unit, _TINY)
         terms = powers(x, len(self.terms))
         terms *= self.terms
-        if x.size == 1:  # NumPy sums a single lane in another order: no digit may depend on a lane's neighbours
+        # NumPy sums a single lane in another order: no digit may depend on a lane's
+        # neighbours
+        if x.size == 1:
             terms = np.repeat(terms, 2, axis=1)
-        y, v, b, j = np.einsum("dn,nl->dl", _falling_factors(len(terms)), terms)[:, : x.size]
+        y, v, b, j = np.einsum("dn,nl->dl", _falling_factors(len(terms)), terms)[
+            :, : x.size
+        ]
         over = 1.0 / (x * self.unit)
         return Point(y, v * over, b * over * over, j * over * over * over), terms
 
@@ -101,26 +123,39 @@ def _falling_factors(count: int) -> Array:
 
 @lru_cache(maxsize=64)
 def _chord_errors(count: int) -> Array:
-    """(2, count - 3), for n from 3: n times the maximum of t - t^(n - 1) on [0, 1], and n (n - 1) times that of t - t^(n - 2)."""
+    """(2, count - 3), for n from 3: n times the maximum of t - t^(n - 1) on [0, 1], and
+    n (n - 1) times that of t - t^(n - 2).
+    """
     n = np.arange(3.0, count)
     m = np.maximum(np.array([n - 1.0, n - 2.0]), 1.0 + 1e-9)
     return np.array([n, n * (n - 1.0)]) * m ** (-1.0 / (m - 1.0)) * (1.0 - 1.0 / m)
 
 
 def order_for(tolerance: float, terms: float = 0.98) -> int:
-    """Number of terms of a series: -`terms` log(error of a step). Raises ValueError when the tolerance is out of range."""
+    """Number of terms of a series: -`terms` log(error of a step). Raises ValueError
+    when the tolerance is out of range.
+    """
     if not LOWEST <= tolerance <= HIGHEST:
-        raise ValueError(f"tolerance: found {tolerance:g}; expected a number from {LOWEST:g} to {HIGHEST:g}")
+        raise ValueError(
+            f"tolerance: found {tolerance:g}; expected a number from {LOWEST:g} to"
+            f" {HIGHEST:g}"
+        )
     return max(8, math.ceil(-terms * math.log(tolerance * LOCAL)))
 
 
-def drive_series(segments: Segments, lanes: Lanes, order: int, rate: Array | float = 1.0) -> tuple[Drive, Array]:
-    """Return (the drive of lanes up to term `order`; the rate [1/tau] of its fastest change, 1 over its unit).
+def drive_series(
+    segments: Segments, lanes: Lanes, order: int, rate: Array | float = 1.0
+) -> tuple[Drive, Array]:
+    """Return (the drive of lanes up to term `order`; the rate [1/tau] of its fastest
+    change, 1 over its unit).
 
     rate: fastest change of the body on still ground [1/tau].
     """
     weighed, here = segments.weighed, segment_value(segments, lanes.k, lanes.u)
-    w, *up = (part.frequency.take(lanes.k, axis=1) * lanes.omega for part in (segments, *((weighed.vertical,) if weighed else ())))
+    w, *up = (
+        part.frequency.take(lanes.k, axis=1) * lanes.omega
+        for part in (segments, *((weighed.vertical,) if weighed else ()))
+    )
     fastest = rate + np.maximum.reduce([x.max(axis=0, initial=0.0) for x in (w, *up)])
     unit = 1.0 / fastest
     terms, outward = np.empty((order + 1, lanes.u.size)), -lanes.side * lanes.amplitude
@@ -129,15 +164,32 @@ def drive_series(segments: Segments, lanes: Lanes, order: int, rate: Array | flo
     if weighed is None:
         return Drive(Rows.from_array(terms), unit), fastest
     rows, vertical = np.empty(terms.shape), weighed.vertical
-    sway, rise = weighed.sway(lanes.side, lanes.amplitude), segment_value(vertical, lanes.k, lanes.u)
-    change = rise[0] if vertical.table is None else vertical.table.change_at(lanes.k, lanes.u)[0]
+    sway, rise = (
+        weighed.sway(lanes.side, lanes.amplitude),
+        segment_value(vertical, lanes.k, lanes.u),
+    )
+    change = (
+        rise[0]
+        if vertical.table is None
+        else vertical.table.change_at(lanes.k, lanes.u)[0]
+    )
     rows[0] = 1.0 + sway * (vertical.s_start[lanes.k] + change)
     _fill(rows, vertical, lanes, rise, sway, up[0], unit)
     return Drive(Rows.from_array(terms), unit, Rows.from_array(rows)), fastest
 
 
-def _fill(terms: Array, segments: Segments, lanes: Lanes, here: tuple[Array, Array, Array], outward: Array, w: Array, unit: Array) -> None:
-    """Fill (terms, lanes) from row 1 on with `outward` times a motion; here: its `segment_value` now; w: its frequencies [1/tau]."""
+def _fill(
+    terms: Array,
+    segments: Segments,
+    lanes: Lanes,
+    here: tuple[Array, Array, Array],
+    outward: Array,
+    w: Array,
+    unit: Array,
+) -> None:
+    """Fill (terms, lanes) from row 1 on with `outward` times a motion; here: its
+    `segment_value` now; w: its frequencies [1/tau].
+    """
     if not len(w):
         terms[1:] = 0.0
     mine = terms
@@ -157,27 +209,47 @@ def _fill(terms: Array, segments: Segments, lanes: Lanes, here: tuple[Array, Arr
         terms[1] += outward * segments.slope[lanes.k] * lanes.omega * unit
 
 
-def series_flow(equation: Recurrence, segments: Segments, lanes: Lanes, order: int, rate: Array | float = 1.0) -> tuple[Array, Array]:
-    """Return (the terms of y of each lane from its present state, (order + 1, lanes); the rate [1/tau]: they are in powers of rate h)."""
+def series_flow(
+    equation: Recurrence,
+    segments: Segments,
+    lanes: Lanes,
+    order: int,
+    rate: Array | float = 1.0,
+) -> tuple[Array, Array]:
+    """Return (the terms of y of each lane from its present state, (order + 1, lanes);
+    the rate [1/tau]: they are in powers of rate h).
+    """
     y, fastest = np.empty((order + 1, lanes.y.size)), np.empty(lanes.y.size)
     for block in blocks(lanes.y.size, CACHED):
         some, own = lanes.take(block), equation.part(block)
-        drive, fastest[block] = drive_series(segments, some, order - 2, rate if isinstance(rate, float) else rate[block])
+        drive, fastest[block] = drive_series(
+            segments, some, order - 2, rate if isinstance(rate, float) else rate[block]
+        )
         square = drive.unit * drive.unit
         factors = [square * (1.0 / ((n + 1) * (n + 2))) for n in range(order - 1)]
-        y[:, block] = motion_terms(own, some.y, some.v, drive.unit, factors, drive.terms, drive.weight, some.b)
+        y[:, block] = motion_terms(
+            own, some.y, some.v, drive.unit, factors, drive.terms, drive.weight, some.b
+        )
     return y, fastest
 
 
-def series(terms: Array, fastest: Array, tolerance: float, damping: float = 0.0) -> TaylorSeries:
-    """Build the series from its terms, with the longest step that the tolerance allows; arguments as of `longest`."""
-    return TaylorSeries(terms, 1.0 / fastest, longest(terms, fastest, tolerance), fastest, damping)
+def series(
+    terms: Array, fastest: Array, tolerance: float, damping: float = 0.0
+) -> TaylorSeries:
+    """Build the series from its terms, with the longest step that the tolerance allows;
+    arguments as of `longest`.
+    """
+    return TaylorSeries(
+        terms, 1.0 / fastest, longest(terms, fastest, tolerance), fastest, damping
+    )
 
 
 def longest(terms: Array, fastest: Array, tolerance: float) -> Array:
-    """The longest step [tau] that the tolerance allows. fastest: rate of the fastest change [1/tau]; terms: coefficients of the powers of
-    (fastest h), (terms, lanes)."""
-    # Four terms, since one or two can be small by accident: after a jump from rest the series has even powers only.
+    """The longest step [tau] that the tolerance allows. fastest: rate of the fastest
+    change [1/tau]; terms: coefficients of the powers of (fastest h), (terms, lanes).
+    """
+    # Four terms, since one or two can be small by accident: after a jump from rest the
+    # series has even powers only.
     last = np.arange(terms.shape[0] - 4.0, terms.shape[0])[:, None]
     size = np.abs(terms[-4:])
     size *= last / (LOCAL * tolerance)
@@ -189,10 +261,13 @@ def longest(terms: Array, fastest: Array, tolerance: float) -> Array:
 
 
 def degrees(size: Array, unit: Array, tolerance: float) -> Array:
-    """Degree that each lane's series needs; size: bound of the acceleration and of the slope of the drive during the unit."""
+    """Degree that each lane's series needs; size: bound of the acceleration and of the
+    slope of the drive during the unit.
+    """
     degree = np.full(unit.shape, 3, dtype=np.int64)
     reach = _GROWTH * unit
-    left = 0.5 * size * reach  # what term n adds to the acceleration, n (n - 1) c_n/unit^2, over n - 1; here n = 3
+    # what term n adds to the acceleration, n (n - 1) c_n/unit^2, over n - 1; here n = 3
+    left = 0.5 * size * reach
     for n in range(4, MOST_TERMS + 1):
         left *= reach / (n - 1.0)
         more = left > _ROOM * WITHIN * tolerance
@@ -203,7 +278,9 @@ def degrees(size: Array, unit: Array, tolerance: float) -> Array:
 
 
 def size_limits(unit: float, tolerance: float) -> list[float]:
-    """Return the largest size, as `degrees` takes it, for which a series of degree 3, 4 ... up to `MOST_TERMS` holds over this unit."""
+    """Return the largest size, as `degrees` takes it, for which a series of degree 3, 4
+    ... up to `MOST_TERMS` holds over this unit.
+    """
     reach, limits = _GROWTH * unit, []
     least = 0.5 * reach
     for n in range(3, MOST_TERMS):
@@ -213,7 +290,9 @@ def size_limits(unit: float, tolerance: float) -> list[float]:
 
 
 def factors_for(unit: Array, degree: Array) -> Array:
-    """unit^2/((n + 1)(n + 2)) for the terms n + 2 of y up to the largest degree, 0 beyond a lane's degree, (degrees, lanes)."""
+    """unit^2/((n + 1)(n + 2)) for the terms n + 2 of y up to the largest degree, 0
+    beyond a lane's degree, (degrees, lanes).
+    """
     n = np.arange(1.0, float(degree.max(initial=3)))[:, None]
     rows: Array = unit * unit / (n * (n + 1.0))
     rows[n + 1.0 > degree] = 0.0
@@ -221,7 +300,9 @@ def factors_for(unit: Array, degree: Array) -> Array:
 
 
 def last_terms(terms: Array, last: Array, unit: Array) -> Array:
-    """Size of the last two terms of each lane, (lanes,): steps need size <= `WITHIN` tolerance unit. last: flat index of the last term."""
+    """Size of the last two terms of each lane, (lanes,): steps need size <= `WITHIN`
+    tolerance unit. last: flat index of the last term.
+    """
     flat = terms.ravel()
     size = np.abs(flat.take(last - unit.size))
     size *= unit
@@ -231,30 +312,66 @@ def last_terms(terms: Array, last: Array, unit: Array) -> Array:
 
 
 def line_flow(equation: Equation, segments: Segments, lanes: Lanes) -> TaylorSeries:
-    """Return the series of lanes under straight lines, each to the end of its line or for `LONGEST`."""
+    """Return the series of lanes under straight lines, each to the end of its line or
+    for `LONGEST`.
+    """
     outward = -lanes.side * lanes.amplitude
     slope = outward * segments.slope[lanes.k]
     start = outward * segments.s_start[lanes.k] + slope * lanes.u
     unit = np.clip((segments.length[lanes.k] - lanes.u) / lanes.omega, _LEAST, LONGEST)
     drive = Drive(Rows.of(start, slope * lanes.omega * unit), unit)
     if (weighed := segments.weighed) is not None:
-        heavier = weighed.sway(lanes.side, lanes.amplitude) * weighed.vertical.slope[lanes.k] * lanes.omega * unit
-        drive = drive._replace(weight=Rows.of(weighed.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u), heavier))
+        heavier = (
+            weighed.sway(lanes.side, lanes.amplitude)
+            * weighed.vertical.slope[lanes.k]
+            * lanes.omega
+            * unit
+        )
+        drive = drive._replace(
+            weight=Rows.of(
+                weighed.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u), heavier
+            )
+        )
     return line_series(equation, lanes.y, lanes.v, drive, lanes.b)
 
 
-def line_series(equation: Equation, y: Array, v: Array, drive: Drive, force: Array | None = None) -> TaylorSeries:
-    """Return the Taylor series of lanes under a drive and a weight that vary linearly."""
+def line_series(
+    equation: Equation, y: Array, v: Array, drive: Drive, force: Array | None = None
+) -> TaylorSeries:
+    """Return the Taylor series of lanes under a drive and a weight
+    that vary linearly.
+    """
     unit = drive.unit
     size = 2.0 + np.abs(v)
-    for line in (drive.line, drive.weight_line) if drive.weight is not None else (drive.line,):
+    for line in (
+        (drive.line, drive.weight_line) if drive.weight is not None else (drive.line,)
+    ):
         start, gain = np.abs(line)
         size += start + gain / unit
     degree = degrees(size, unit, equation.tolerance)
-    terms = motion_terms(equation, y, v, unit, factors_for(unit, degree), drive.terms, drive.weight, force)
+    terms = motion_terms(
+        equation,
+        y,
+        v,
+        unit,
+        factors_for(unit, degree),
+        drive.terms,
+        drive.weight,
+        force,
+    )
     last = last_terms(terms, degree * unit.size + np.arange(unit.size), unit)
     with np.errstate(divide="ignore"):
         short = (WITHIN * equation.tolerance * unit / last) ** (1.0 / (degree - 1.0))
-    if drive.weight is not None:  # the digits of turning points depend on the number of terms, which must not depend on a lane's neighbours
-        terms = np.concatenate([terms, np.zeros((MOST_TERMS + 1 - len(terms), unit.size))])
-    return TaylorSeries(terms, unit, np.minimum(short, 1.0) * unit, np.full(unit.shape, _GROWTH), equation.damping)
+    # the digits of turning points depend on the number of terms, which must not depend
+    # on a lane's neighbours
+    if drive.weight is not None:
+        terms = np.concatenate(
+            [terms, np.zeros((MOST_TERMS + 1 - len(terms), unit.size))]
+        )
+    return TaylorSeries(
+        terms,
+        unit,
+        np.minimum(short, 1.0) * unit,
+        np.full(unit.shape, _GROWTH),
+        equation.damping,
+    )

@@ -1,4 +1,6 @@
-"""Closings: proofs that the outcome of a lane is already known, so that the march need not follow it to the end."""
+"""Closings: proofs that the outcome of a lane is already known, so that the march need
+not follow it to the end.
+"""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -6,16 +8,25 @@ from typing import NamedTuple
 import numpy as np
 
 from ..batch import Batch
-from ..contacts.sequences import NEARLY_ELASTIC, bounces_to_end, stays_below_peak, too_many_impacts
+from ..contacts.sequences import (
+    NEARLY_ELASTIC,
+    bounces_to_end,
+    stays_below_peak,
+    too_many_impacts,
+)
 from ..drive import RemainingImpulse
 from ..lanes import Array, Lanes
 from ..outcome import Outcome
 
-FEW_SIGN_CHANGES = 1  # of a motion; with more an envelope also scans where the number of impacts changes: bodies are followed to the end
+# of a motion; with more an envelope also scans where the number of impacts changes:
+# bodies are followed to the end
+FEW_SIGN_CHANGES = 1
 
 
 class Closed(NamedTuple):
-    """Lanes whose outcome is known: their indices, their outcomes, and the largest y of those that rocked (NaN for other outcomes)."""
+    """Lanes whose outcome is known: their indices, their outcomes, and the largest y of
+    those that rocked (NaN for other outcomes).
+    """
 
     at: Array
     outcome: Array | Outcome
@@ -23,8 +34,11 @@ class Closed(NamedTuple):
 
 
 class Closing(NamedTuple):
-    """A proof that ends the march of lanes early. closes(batch, lanes): returns those lanes, just after an impact, whose outcome it proves;
-    counts: the field of `Work` that counts them; still: True for a proof about still ground, before which the run calls its observers."""
+    """A proof that ends the march of lanes early. closes(batch, lanes): returns those
+    lanes, just after an impact, whose outcome it proves; counts: the field of `Work`
+    that counts them; still: True for a proof about still ground, before which the run
+    calls its observers.
+    """
 
     closes: Callable[[Batch, Lanes], Closed]
     counts: str = ""
@@ -32,19 +46,35 @@ class Closing(NamedTuple):
 
 
 def free_motion(batch: Batch, lanes: Lanes) -> Closed:
-    """Close undamped lanes for which the shaking is over, by the outcome of their free motion (Lemma 8)."""
+    """Close undamped lanes for which the shaking is over, by the outcome of their free
+    motion (Lemma 8).
+    """
     at = np.flatnonzero(lanes.k >= len(batch.segments))
     if not at.size:
         return Closed(at, at, lanes.peak[at])
-    free = batch.contact.free_motion(batch.equation, lanes, at, lanes.y[at], lanes.v[at])
-    before = np.where(lanes.impacts[at] > 0, Outcome.OVERTURNED_AFTER_IMPACT, Outcome.OVERTURNED_NO_IMPACT)
-    outcome = np.where(free.overturns, before, np.where(free.overturns_after_impact, Outcome.OVERTURNED_AFTER_IMPACT, Outcome.ROCKED))
+    free = batch.contact.free_motion(
+        batch.equation, lanes, at, lanes.y[at], lanes.v[at]
+    )
+    before = np.where(
+        lanes.impacts[at] > 0,
+        Outcome.OVERTURNED_AFTER_IMPACT,
+        Outcome.OVERTURNED_NO_IMPACT,
+    )
+    outcome = np.where(
+        free.overturns,
+        before,
+        np.where(
+            free.overturns_after_impact, Outcome.OVERTURNED_AFTER_IMPACT, Outcome.ROCKED
+        ),
+    )
     return Closed(at, outcome, np.maximum(lanes.peak[at], free.peak))
 
 
 def damped_settling(batch: Batch, lanes: Lanes) -> Closed:
-    """Close damped lanes on still ground that without damping, so with more energy, would neither pass the barrier nor rise above their
-    peak. It also raises the stored peak of lanes on still ground to their next peak where this is known."""
+    """Close damped lanes on still ground that without damping, so with more energy,
+    would neither pass the barrier nor rise above their peak. It also raises the stored
+    peak of lanes on still ground to their next peak where this is known.
+    """
     at = np.flatnonzero(lanes.k >= batch.shaken)
     y, v = lanes.y[at], lanes.v[at]
     top = batch.equation.damped_peak(y, v)
@@ -52,8 +82,14 @@ def damped_settling(batch: Batch, lanes: Lanes) -> Closed:
     y[known], v[known] = top[known], 0.0
     lanes.peak[at] = np.fmax(lanes.peak[at], top)
     most = batch.contact.free_motion(batch.equation, lanes, at, y, v)
-    below = batch.rotation(lanes, at, y) < 1.0  # above the barrier damping may keep the body from falling back
-    at = at[below & ~(most.overturns | most.overturns_after_impact) & (most.peak <= lanes.peak[at])]
+    below = (
+        batch.rotation(lanes, at, y) < 1.0
+    )  # above the barrier damping may keep the body from falling back
+    at = at[
+        below
+        & ~(most.overturns | most.overturns_after_impact)
+        & (most.peak <= lanes.peak[at])
+    ]
     return Closed(at, Outcome.ROCKED, lanes.peak[at])
 
 
@@ -63,18 +99,39 @@ def _rocked(lanes: Lanes, proved: Array) -> Closed:
 
 
 FREE_MOTION = Closing(free_motion, "free_phase", still=True)
-UNSETTLED = Closing(lambda batch, lanes: Closed(np.flatnonzero(lanes.k >= len(batch.segments)), Outcome.FAILED, np.nan))
-DAMPED = [Closing(damped_settling, still=True), UNSETTLED]  # a lane that has not settled at the end of the still ground fails
-STAYS_BELOW_PEAK = Closing(lambda batch, lanes: _rocked(lanes, stays_below_peak(batch.segments, lanes)), "sequences_closed")
-BOUNCES_TO_END = Closing(lambda batch, lanes: _rocked(lanes, bounces_to_end(batch.segments, lanes, batch.equation)), "sequences_closed")
+UNSETTLED = Closing(
+    lambda batch, lanes: Closed(
+        np.flatnonzero(lanes.k >= len(batch.segments)), Outcome.FAILED, np.nan
+    )
+)
+DAMPED = [
+    Closing(damped_settling, still=True),
+    UNSETTLED,
+]  # a lane that has not settled at the end of the still ground fails
+STAYS_BELOW_PEAK = Closing(
+    lambda batch, lanes: _rocked(lanes, stays_below_peak(batch.segments, lanes)),
+    "sequences_closed",
+)
+BOUNCES_TO_END = Closing(
+    lambda batch, lanes: _rocked(
+        lanes, bounces_to_end(batch.segments, lanes, batch.equation)
+    ),
+    "sequences_closed",
+)
 TOO_MANY_IMPACTS = Closing(
-    lambda batch, lanes: Closed(np.flatnonzero(too_many_impacts(batch.segments, lanes, batch.most_steps)), Outcome.FAILED, np.nan)
+    lambda batch, lanes: Closed(
+        np.flatnonzero(too_many_impacts(batch.segments, lanes, batch.most_steps)),
+        Outcome.FAILED,
+        np.nan,
+    )
 )
 
 
 def closings_of(batch: Batch, observed: bool) -> tuple[list[Closing], list[Closing]]:
-    """(closings for lanes just after an impact, closings for those lanes after they are taken from rest to their next uplift) of a run.
-    observed: True if observers look for more than peaks and outcomes."""
+    """(closings for lanes just after an impact, closings for those lanes after they are
+    taken from rest to their next uplift) of a run. observed: True if observers look for
+    more than peaks and outcomes.
+    """
     segments, linear = batch.segments, batch.equation.bounded
     if batch.equation.damping:
         return DAMPED, []
@@ -89,7 +146,20 @@ def closings_of(batch: Batch, observed: bool) -> tuple[list[Closing], list[Closi
         *[BOUNCES_TO_END] * (nearly_elastic and segments.straight),
         *[TOO_MANY_IMPACTS] * nearly_elastic,
     ]
-    if batch.peaks or not linear or segments.straight or segments.sign_changes > FEW_SIGN_CHANGES:
+    if (
+        batch.peaks
+        or not linear
+        or segments.straight
+        or segments.sign_changes > FEW_SIGN_CHANGES
+    ):
         return early, []
-    remaining = RemainingImpulse.of(segments)  # if only the outcome is wanted: lanes that cannot overturn any more (Lemma 9)
-    return early, [Closing(lambda _, lanes: Closed(np.flatnonzero(remaining.cannot_overturn(lanes)), Outcome.ROCKED, np.nan))]
+    remaining = RemainingImpulse.of(
+        segments
+    )  # if only the outcome is wanted: lanes that cannot overturn any more (Lemma 9)
+    return early, [
+        Closing(
+            lambda _, lanes: Closed(
+                np.flatnonzero(remaining.cannot_overturn(lanes)), Outcome.ROCKED, np.nan
+            )
+        )
+    ]

@@ -1,5 +1,7 @@
-"""The march: cells (A, Omega, eta) under one motion, advanced arc by arc in a pool of lanes. Lanes that finish hand in their result and new
-cells take their places. It skips cells that never leave the ground, times of rest, and lanes whose outcome a closing proves.
+"""The march: cells (A, Omega, eta) under one motion, advanced arc by arc in a pool of
+lanes. Lanes that finish hand in their result and new cells take their places. It skips
+cells that never leave the ground, times of rest, and lanes whose outcome a closing
+proves.
 """
 
 import ctypes
@@ -28,7 +30,9 @@ _BLOCK = 32 << 20  # bytes, the largest that it takes
 
 @cache
 def keep_freed_memory() -> None:
-    """Make glibc keep freed blocks of up to 32 MB, 64 MB in all: page faults for the arrays of each round would double the time."""
+    """Make glibc keep freed blocks of up to 32 MB, 64 MB in all: page faults for the
+    arrays of each round would double the time.
+    """
     if sys.platform == "linux":
         with suppress(AttributeError):  # another library than glibc
             mallopt = ctypes.CDLL(None).mallopt
@@ -37,35 +41,54 @@ def keep_freed_memory() -> None:
 
 
 def by_windows(run: "Run", waiting: Array) -> None:
-    """March these cells of a run, (cells,) indices, to their end, from window to window of the drive (`advance`)."""
+    """March these cells of a run, (cells,) indices, to their end, from window to window
+    of the drive (`advance`).
+    """
     lanes, taken = run.start(waiting[:0]), 0
     with np.errstate(all="ignore"):
         while taken < waiting.size or lanes.cell.size:
             room = run.pool - lanes.cell.size
             if room > 0 and taken < waiting.size:
-                lanes = lanes.join(run.end_free_fall(run.start(waiting[taken : taken + room])))
+                lanes = lanes.join(
+                    run.end_free_fall(run.start(waiting[taken : taken + room]))
+                )
                 taken += room
             lanes = run.round(lanes)
 
 
 class Run:
-    """The march of a batch: the lanes in the pool, and the results so far. Parameters: pool: number of lanes advanced together; observers:
-    objects that see the motion of the lanes. theta_ratio, outcome, impacts: (cells,), as in `Response`; bounced: True for damped cells
-    after an impact on still ground."""
+    """The march of a batch: the lanes in the pool, and the results so far. Parameters:
+    pool: number of lanes advanced together; observers: objects that see the motion of
+    the lanes. theta_ratio, outcome, impacts: (cells,), as in `Response`; bounced: True
+    for damped cells after an impact on still ground.
+    """
 
-    def __init__(self, batch: Batch, pool: int | None = None, observers: Sequence[Observer] = ()) -> None:
+    def __init__(
+        self, batch: Batch, pool: int | None = None, observers: Sequence[Observer] = ()
+    ) -> None:
         keep_freed_memory()
-        self.batch, self.pool, self.observers = batch, pool or batch.equation.pool, list(observers)
+        self.batch, self.pool, self.observers = (
+            batch,
+            pool or batch.equation.pool,
+            list(observers),
+        )
         self.closings, self.after_rest = closings_of(batch, bool(observers))
         self.theta_ratio = np.full(batch.size, 0.0 if batch.peaks else np.nan)
         self.outcome = np.full(batch.size, Outcome.NO_UPLIFT, dtype=np.uint8)
-        self.impacts, self.bounced = np.zeros(batch.size, dtype=np.int32), np.zeros(batch.size, dtype=bool)
+        self.impacts, self.bounced = (
+            np.zeros(batch.size, dtype=np.int32),
+            np.zeros(batch.size, dtype=bool),
+        )
         self.work = Work(cells=batch.size)
-        if batch.free_fall is not None:  # a body that leans on its wall loses the ground too
+        if (
+            batch.free_fall is not None
+        ):  # a body that leans on its wall loses the ground too
             self._lose_contact(np.flatnonzero(batch.free_fall.occurs))
 
     def all(self, march: Callable[["Run", Array], None] = by_windows) -> None:
-        """Run every cell to its end, once. march: function that runs those cells to their end that leave the ground."""
+        """Run every cell to its end, once. march: function that runs those cells to
+        their end that leave the ground.
+        """
         batch = self.batch
         lifts = batch.contact.strongest(batch.cells, batch.segments, batch.first) > 1.0
         waiting, still = np.flatnonzero(lifts), np.flatnonzero(~lifts)
@@ -73,28 +96,52 @@ class Run:
         march(self, waiting)
 
     def start(self, cell: Array) -> Lanes:
-        """Return lanes for these cells, at their first uplift from rest; k is the number of segments if there is no uplift."""
-        zero, count, begin = np.zeros(cell.size), np.zeros(cell.size, dtype=np.int32), self.batch.first[cell]
-        first = self.batch.contact.uplift(self.batch.cells, self.batch.segments, cell, begin, zero)
-        peak = np.full(cell.size, 0.0 if self.batch.peaks else np.inf)  # infinite: no later peak exceeds it
+        """Return lanes for these cells, at their first uplift from rest; k is the
+        number of segments if there is no uplift.
+        """
+        zero, count, begin = (
+            np.zeros(cell.size),
+            np.zeros(cell.size, dtype=np.int32),
+            self.batch.first[cell],
+        )
+        first = self.batch.contact.uplift(
+            self.batch.cells, self.batch.segments, cell, begin, zero
+        )
+        peak = np.full(
+            cell.size, 0.0 if self.batch.peaks else np.inf
+        )  # infinite: no later peak exceeds it
         row = self.batch.cells.row(first.side)
         amplitude, omega, eta = (values[row, cell] for values in self.batch.cells)
         place_and_state = (first.k, first.u, first.side, zero, zero.copy(), first.b)
-        return Lanes(cell, amplitude, omega, eta, *place_and_state, peak, count, count.copy())
+        return Lanes(
+            cell, amplitude, omega, eta, *place_and_state, peak, count, count.copy()
+        )
 
     def round(self, lanes: AnyLanes) -> AnyLanes:
         """Take one step of every lane; returns the lanes that are not finished."""
         batch, seg = self.batch, self.batch.segments
         lanes.steps += 1
         equation = batch.equation.on(lanes.side, lanes.cell)
-        result = advance(seg, lanes, equation, np.inf if batch.free_fall is None else batch.free_fall.time_left(lanes))
+        result = advance(
+            seg,
+            lanes,
+            equation,
+            np.inf if batch.free_fall is None else batch.free_fall.time_left(lanes),
+        )
         end, hit = result.end, result.hit
         k, u = place(seg, result.step.k, result.step.u)
-        bad = ~(np.isfinite(end.y) & np.isfinite(result.reach)) | (lanes.steps > batch.most_steps)
+        bad = ~(np.isfinite(end.y) & np.isfinite(result.reach)) | (
+            lanes.steps > batch.most_steps
+        )
         shaken = ~hit & ~bad & (k >= len(seg))
         if batch.equation.damping:
-            bad, shaken = bad | shaken, np.zeros(hit.shape, dtype=bool)  # a damped lane should have settled before
-        cannot_return = batch.cannot_return(lanes, slice(None), np.minimum(k, len(seg) - 1), end.y, end.v)
+            bad, shaken = (
+                bad | shaken,
+                np.zeros(hit.shape, dtype=bool),
+            )  # a damped lane should have settled before
+        cannot_return = batch.cannot_return(
+            lanes, slice(None), np.minimum(k, len(seg) - 1), end.y, end.v
+        )
         over = ~hit & ~bad & ~shaken & cannot_return
         last = self._in_the_air(lanes, result, k, u, np.flatnonzero(shaken))
         free = free_motion(batch, last)
@@ -103,19 +150,25 @@ class Run:
         if batch.peaks:
             at, _, y = turning_points(seg, lanes, result, wanted)
             np.maximum.at(lanes.peak, at, y)  # a lane may have several turning points
-            fallen = at[y >= np.broadcast_to(equation.limit, hit.shape)[at]]  # it lay on its side, even if y ends lower
+            fallen = at[
+                y >= np.broadcast_to(equation.limit, hit.shape)[at]
+            ]  # it lay on its side, even if y ends lower
             over[fallen] = ~bad[fallen]
         if self.observers:
             y, v = np.where(hit, 0.0, end.y), np.where(hit, result.impact_v, end.v)
             b = np.where(hit, result.impact_b, result.force)
-            arcs = Arcs(lanes, result.arc, result.reach, y, v, b, np.flatnonzero(~(bad | over)))
+            arcs = Arcs(
+                lanes, result.arc, result.reach, y, v, b, np.flatnonzero(~(bad | over))
+            )
             for observer in self.observers:
                 observer.arcs(arcs)
         self.work.impacts += int(hit.sum())
         self.work.steps += hit.size
         self.finish(lanes, np.flatnonzero(bad), Outcome.FAILED, np.nan)
         last.peak = lanes.peak[shaken]
-        self._end(FREE_MOTION, last, free._replace(peak=np.maximum(last.peak, free.peak)))
+        self._end(
+            FREE_MOTION, last, free._replace(peak=np.maximum(last.peak, free.peak))
+        )
         self.overturn(lanes, np.flatnonzero(over))
 
         going = ~(bad | over | shaken)
@@ -123,11 +176,20 @@ class Run:
         in_air = self._in_the_air(lanes, result, k, u, np.flatnonzero(going & ~hit))
         for closing in self.closings if batch.equation.damping else ():
             in_air = self._close(closing, in_air) if closing.still else in_air
-        struck_lanes = self._after_impact(lanes.take(struck), result.reach[struck], result.impact_v[struck], result.impact_b[struck])
+        struck_lanes = self._after_impact(
+            lanes.take(struck),
+            result.reach[struck],
+            result.impact_v[struck],
+            result.impact_b[struck],
+        )
         return self.end_free_fall(in_air.join(struck_lanes))
 
-    def _in_the_air(self, lanes: AnyLanes, result: StepResult, k: Array, u: Array, at: Array) -> AnyLanes:
-        """Return the lanes `at`, which reached the end of their step in the air, with their new state."""
+    def _in_the_air(
+        self, lanes: AnyLanes, result: StepResult, k: Array, u: Array, at: Array
+    ) -> AnyLanes:
+        """Return the lanes `at`, which reached the end of their step in the air, with
+        their new state.
+        """
         lanes = lanes.take(at)
         lanes.k, lanes.u = k[at], u[at]
         lanes.y, lanes.v, lanes.b = result.end.y[at], result.end.v[at], result.force[at]
@@ -135,12 +197,16 @@ class Run:
         return lanes
 
     def _after_impact(self, lanes: AnyLanes, h: Array, v: Array, b: Array) -> AnyLanes:
-        """Return the lanes after impacts h [tau] from now, with velocity v <= 0 and force b, without those that the impact finishes."""
+        """Return the lanes after impacts h [tau] from now, with velocity v <= 0 and
+        force b, without those that the impact finishes.
+        """
         batch, seg = self.batch, self.batch.segments
         lanes.k, lanes.u = place(seg, lanes.k, lanes.u + lanes.omega * h)
         lanes.y = np.zeros(h.size)
         batch.contact.strike(batch.cells, lanes, v, b)
-        lanes.b = seg.force_at_impact(lanes.side, lanes.amplitude, lanes.k, lanes.u, lanes.b)
+        lanes.b = seg.force_at_impact(
+            lanes.side, lanes.amplitude, lanes.k, lanes.u, lanes.b
+        )
         lanes.impacts += lanes.k < batch.shaken if batch.equation.damping else 1
         self._renew_forces(lanes)
         if batch.equation.damping:
@@ -153,7 +219,9 @@ class Run:
         return lanes
 
     def _rest(self, lanes: AnyLanes) -> AnyLanes:
-        """Take bodies whose sequence of impacts ends in rest to their next uplift, or finish them."""
+        """Take bodies whose sequence of impacts ends in rest to their next uplift, or
+        finish them.
+        """
         batch = self.batch
         ends = batch.contact.sequence_ends(batch.segments, lanes, batch.equation)
         resting = np.flatnonzero(ends | (lanes.v < STILL))
@@ -161,7 +229,13 @@ class Run:
             resting = resting[observer.may_close(lanes.take(resting))]
         if not resting.size:
             return lanes
-        again = batch.contact.uplift(batch.cells, batch.segments, lanes.cell[resting], lanes.k[resting], lanes.u[resting])
+        again = batch.contact.uplift(
+            batch.cells,
+            batch.segments,
+            lanes.cell[resting],
+            lanes.k[resting],
+            lanes.u[resting],
+        )
         lanes.k[resting], lanes.u[resting] = again.k, again.u
         lanes.y[resting], lanes.v[resting], lanes.b[resting] = 0.0, 0.0, again.b
         batch.contact.turn(batch.cells, lanes, resting, again.side)
@@ -172,7 +246,9 @@ class Run:
         return lanes.take(np.flatnonzero(lanes.k < len(batch.segments)))
 
     def end_free_fall(self, lanes: AnyLanes) -> AnyLanes:
-        """Finish bodies from which the ground has fallen away: overturned if the rotation is at least `FALLEN`, otherwise lost contact."""
+        """Finish bodies from which the ground has fallen away: overturned if the
+        rotation is at least `FALLEN`, otherwise lost contact.
+        """
         if self.batch.free_fall is None:
             return lanes
         falls = self.batch.free_fall.has_begun(lanes)
@@ -182,7 +258,9 @@ class Run:
         return lanes.take(np.flatnonzero(~falls))
 
     def end_shaking(self, lanes: Lanes) -> None:
-        """Finish undamped lanes for which the shaking is over, by the outcome of their free motion."""
+        """Finish undamped lanes for which the shaking is over, by the outcome of their
+        free motion.
+        """
         self._end(FREE_MOTION, lanes, free_motion(self.batch, lanes))
 
     def _close(self, closing: Closing, lanes: AnyLanes) -> AnyLanes:
@@ -194,7 +272,9 @@ class Run:
         return lanes
 
     def _end(self, closing: Closing, lanes: Lanes, closed: Closed) -> Array:
-        """Finish closed lanes, except lanes that an observer still has to see; returns the indices of the finished lanes."""
+        """Finish closed lanes, except lanes that an observer still has to see; returns
+        the indices of the finished lanes.
+        """
         at, outcome, peak = closed
         if closing.still and self.batch.equation.damping:
             for observer in self.observers:
@@ -206,17 +286,30 @@ class Run:
                 observer.free(upright)
         self.finish(lanes, at, outcome, peak)
         if closing.counts:
-            setattr(self.work, closing.counts, getattr(self.work, closing.counts) + at.size)
+            setattr(
+                self.work, closing.counts, getattr(self.work, closing.counts) + at.size
+            )
         return at
 
     def overturn(self, lanes: Lanes, at: Array) -> None:
         """Finish the lanes `at` as overturned."""
         bounced = (lanes.impacts[at] > 0) | self.bounced[lanes.cell[at]]
-        self.finish(lanes, at, np.where(bounced, Outcome.OVERTURNED_AFTER_IMPACT, Outcome.OVERTURNED_NO_IMPACT), np.nan)
+        self.finish(
+            lanes,
+            at,
+            np.where(
+                bounced, Outcome.OVERTURNED_AFTER_IMPACT, Outcome.OVERTURNED_NO_IMPACT
+            ),
+            np.nan,
+        )
         self.work.certain_overturning += at.size
 
-    def finish(self, lanes: Lanes, at: Array, outcome: Outcome | Array, peak: Array | float) -> None:
-        """Store the results of the lanes `at`: their outcomes, and the largest y of those that rocked (NaN for other outcomes)."""
+    def finish(
+        self, lanes: Lanes, at: Array, outcome: Outcome | Array, peak: Array | float
+    ) -> None:
+        """Store the results of the lanes `at`: their outcomes, and the largest y of
+        those that rocked (NaN for other outcomes).
+        """
         if not at.size:
             return
         cell = lanes.cell[at]
@@ -235,14 +328,25 @@ class Run:
         self.outcome[cell], self.theta_ratio[cell] = Outcome.LOST_CONTACT, np.nan
 
     def _renew_forces(self, lanes: Lanes) -> None:
-        """Recompute the force of lanes at the start of a segment with a new closed form: the drive may jump there."""
+        """Recompute the force of lanes at the start of a segment with a new closed
+        form: the drive may jump there.
+        """
         seg = self.batch.segments
         at = np.flatnonzero((lanes.u == 0.0) & (lanes.k > 0) & (lanes.k < len(seg)))
         self.renew_force(lanes, at[~seg.joins[lanes.k[at] - 1]])
 
     def renew_force(self, lanes: Lanes, at: Array) -> None:
-        """Recompute the force on the lanes `at`, which are at the start of a segment."""
-        seg, side, amplitude, k = self.batch.segments, lanes.side[at], lanes.amplitude[at], lanes.k[at]
+        """Recompute the force on the lanes `at`, which are at the start
+        of a segment.
+        """
+        seg, side, amplitude, k = (
+            self.batch.segments,
+            lanes.side[at],
+            lanes.amplitude[at],
+            lanes.k[at],
+        )
         weight = seg.weight(side, amplitude, k, lanes.u[at])
         drive = -side * amplitude * seg.s_start[k]
-        lanes.b[at] = self.batch.equation.on(side, lanes.cell[at]).force(lanes.y[at], drive, weight)
+        lanes.b[at] = self.batch.equation.on(side, lanes.cell[at]).force(
+            lanes.y[at], drive, weight
+        )

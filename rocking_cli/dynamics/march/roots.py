@@ -1,6 +1,8 @@
-"""Roots on an arc: impact times and peaks inside brackets that hold exactly one root, as `advance` proves, and brackets for the turning
-points of a series. Each lane iterates by itself, so that its digits do not depend on its neighbours. Bernstein coefficients of y' isolate
-its roots in (0, 1): their number equals the number of sign changes of the coefficients, or is less by an even number.
+"""Roots on an arc: impact times and peaks inside brackets that hold exactly one root,
+as `advance` proves, and brackets for the turning points of a series. Each lane iterates
+by itself, so that its digits do not depend on its neighbours. Bernstein coefficients of
+y' isolate its roots in (0, 1): their number equals the number of sign changes of the
+coefficients, or is less by an even number.
 """
 
 from functools import lru_cache
@@ -13,16 +15,28 @@ from ..equations.equation import Flow, Point
 from ..equations.taylor import CACHED, TaylorSeries, powers
 from ..lanes import Array
 
-_HALVINGS = 40  # two turns closer than 1e-12 of a step are ignored: y differs between them by less than rounding
-_NEAR = 1e-3  # a Halley step this short, over every scale of the arc: the Taylor series of y then errs by its fourth power over 24
-_CLOSE = 3e-6  # a Householder step this short, over every scale of the arc, leaves an error of v of the third power of the step
-_ROUNDS = 200  # bisection alone would end in 64 for any bracket that a double can hold between 1e-3 and 1e3
+# two turns closer than 1e-12 of a step are ignored: y differs between them by less than
+# rounding
+_HALVINGS = 40
+# a Halley step this short, over every scale of the arc: the Taylor series of y then
+# errs by its fourth power over 24
+_NEAR = 1e-3
+# a Householder step this short, over every scale of the arc, leaves an error of v of
+# the third power of the step
+_CLOSE = 3e-6
+# bisection alone would end in 64 for any bracket that a double can hold between 1e-3
+# and 1e3
+_ROUNDS = 200
 
 
-def impact_root(arc: Flow, low: Array, high: Array, guess: Array) -> tuple[Array, Array]:
-    """First h with y(h) = 0 and the velocity there (not positive); NaN where it does not converge. `low` is before the root (y > 0, or the
-    arc's own start), `high` is at it or after it (y <= 0), and y falls through the root. Fourth-order Householder steps, a bisection where
-    one leaves the bracket or starts on the rising side."""
+def impact_root(
+    arc: Flow, low: Array, high: Array, guess: Array
+) -> tuple[Array, Array]:
+    """First h with y(h) = 0 and the velocity there (not positive); NaN where it does
+    not converge. `low` is before the root (y > 0, or the arc's own start), `high` is at
+    it or after it (y <= 0), and y falls through the root. Fourth-order Householder
+    steps, a bisection where one leaves the bracket or starts on the rising side.
+    """
     h_out, v_out = np.empty_like(low), np.empty_like(low)
     lanes = np.arange(low.size)
     low, high, h = low.copy(), high.copy(), guess.copy()
@@ -34,10 +48,17 @@ def impact_root(arc: Flow, low: Array, high: Array, guess: Array) -> tuple[Array
             step = -r * (1.0 - 0.5 * r * e) / (1.0 - r * e + r * r * f.j / (6.0 * f.v))
         after = f.y <= 0.0
         target = h + step
-        inside = (f.v < 0.0) & (target > low) & (target <= high) & ((target <= h) == after)  # on the side of h where the root is
+        inside = (
+            (f.v < 0.0) & (target > low) & (target <= high) & ((target <= h) == after)
+        )  # on the side of h where the root is
         size = np.abs(step)
         exact = size <= 4e-16 * h
-        settled = inside & (size <= _CLOSE * h) & (size * fastest <= _CLOSE) & (size * np.abs(f.b) <= _CLOSE * np.abs(f.v))
+        settled = (
+            inside
+            & (size <= _CLOSE * h)
+            & (size * fastest <= _CLOSE)
+            & (size * np.abs(f.b) <= _CLOSE * np.abs(f.v))
+        )
         settled |= exact & (f.v < 0.0)
         keep = np.flatnonzero(~settled)  # few lanes: only their brackets are narrowed
         after, low, high, here = after[keep], low[keep], high[keep], h[keep]
@@ -50,7 +71,9 @@ def impact_root(arc: Flow, low: Array, high: Array, guess: Array) -> tuple[Array
             done = np.flatnonzero(settled)
             d = np.where(inside[done] | exact[done], step[done], 0.0)
             h_out[lanes[done]] = h[done] + d
-            v_out[lanes[done]] = np.minimum(0.0, f.v[done] + d * (f.b[done] + 0.5 * d * f.j[done]))
+            v_out[lanes[done]] = np.minimum(
+                0.0, f.v[done] + d * (f.b[done] + 0.5 * d * f.j[done])
+            )
             if not keep.size:
                 break
             arc, lanes, fastest = arc.take(keep), lanes[keep], fastest[keep]
@@ -60,10 +83,14 @@ def impact_root(arc: Flow, low: Array, high: Array, guess: Array) -> tuple[Array
     return h_out, v_out
 
 
-def turning_point(arc: Flow, low: Array, high: Array, guess: Array, sense: float) -> tuple[Array, Array]:
-    """The h between `low` and `high` where sense * v falls through zero, and y there. sense = +1 finds a peak (v goes from + to -), sense =
-    -1 a minimum. Halley steps with bisection as the safeguard; y at the turning point is taken to second order in what is left, so a step
-    of 1e-5 leaves 1e-16."""
+def turning_point(
+    arc: Flow, low: Array, high: Array, guess: Array, sense: float
+) -> tuple[Array, Array]:
+    """The h between `low` and `high` where sense * v falls through zero, and y there.
+    sense = +1 finds a peak (v goes from + to -), sense = -1 a minimum. Halley steps
+    with bisection as the safeguard; y at the turning point is taken to second order in
+    what is left, so a step of 1e-5 leaves 1e-16.
+    """
     h_out, y_out = np.empty_like(low), np.empty_like(low)
     lanes = np.arange(low.size)
     low, high, h = low.copy(), high.copy(), guess.copy()
@@ -75,19 +102,30 @@ def turning_point(arc: Flow, low: Array, high: Array, guess: Array, sense: float
         low, high = np.where(after, low, h), np.where(after, h, high)
         target = h + step
         inside = (sense * f.b < 0.0) & (target >= low) & (target <= high)
-        settled = inside & (np.abs(step) * arc.fastest <= _NEAR) & (np.abs(step * f.j) <= 1e-2 * np.abs(f.b))
+        settled = (
+            inside
+            & (np.abs(step) * arc.fastest <= _NEAR)
+            & (np.abs(step * f.j) <= 1e-2 * np.abs(f.b))
+        )
         settled &= np.abs(step) <= 3e-3 * h
         settled |= high - low <= 4e-16 * high
         if settled.any():
             done = np.flatnonzero(settled)
             d = np.where(inside[done], step[done], 0.0)
             h_out[lanes[done]] = h[done] + d
-            y_out[lanes[done]] = f.y[done] + d * (f.v[done] + d * (0.5 * f.b[done] + d * f.j[done] / 6.0))
+            y_out[lanes[done]] = f.y[done] + d * (
+                f.v[done] + d * (0.5 * f.b[done] + d * f.j[done] / 6.0)
+            )
             keep = np.flatnonzero(~settled)
             if not keep.size:
                 break
             arc, lanes = arc.take(keep), lanes[keep]
-            low, high, target, inside = low[keep], high[keep], target[keep], inside[keep]
+            low, high, target, inside = (
+                low[keep],
+                high[keep],
+                target[keep],
+                inside[keep],
+            )
         h = np.where(inside, target, 0.5 * (low + high))
     else:
         y_out[lanes] = np.nan
@@ -95,9 +133,12 @@ def turning_point(arc: Flow, low: Array, high: Array, guess: Array, sense: float
 
 
 def hidden_turn(arc: Flow, low: Array, high: Array, sense: float) -> Array:
-    """A point with sense * v < 0 between two ends with sense * v >= 0, NaN if there is none (Lemma 4). sense = +1 looks for a dip of v
-    while the drive rises: v'' = v + a' > 0 while v > 0, so v is convex there and the sign of its slope b tells on which side its minimum
-    lies. sense = -1 looks for the mirror image, a rise of v while the drive falls."""
+    """A point with sense * v < 0 between two ends with sense * v >= 0, NaN if there is
+    none (Lemma 4). sense = +1 looks for a dip of v while the drive rises: v'' = v + a'
+    > 0 while v > 0, so v is convex there and the sign of its slope b tells on which
+    side its minimum lies. sense = -1 looks for the mirror image, a rise of v while the
+    drive falls.
+    """
     found = np.full(low.shape, np.nan)
     lanes = np.arange(low.size)
     low, high = low.copy(), high.copy()
@@ -110,7 +151,8 @@ def hidden_turn(arc: Flow, low: Array, high: Array, sense: float) -> Array:
         b = sense * (f.b + arc.damping * f.v) if arc.damping else sense * f.b
         turns = v < 0.0
         found[lanes[turns]] = h[turns]
-        # Convexity bounds v from below by its tangents: stop where they prove that v keeps its sign.
+        # Convexity bounds v from below by its tangents: stop where they prove that v
+        # keeps its sign.
         keep = np.flatnonzero(~turns & (v - np.abs(b) * (high - low) <= 0.0))
         low, high = np.where(b < 0.0, h, low)[keep], np.where(b < 0.0, high, h)[keep]
         arc, lanes = arc.take(keep), lanes[keep]
@@ -118,18 +160,35 @@ def hidden_turn(arc: Flow, low: Array, high: Array, sense: float) -> Array:
 
 
 def sense(arc: Flow, h: Array, end: Point, chord_errors: Array) -> tuple[Array, Array]:
-    """(True if y' is proved to have no zero, True if y' is proved to be monotone) along steps of length h, from the values at both ends and
-    the chord errors `chord_errors` (`TaylorSeries.at_with_chord_errors`)."""
-    speed, rate = (np.array([at_start * part, at_end * part]) for at_start, at_end, part in ((arc.v, end.v, h), (arc.b, end.b, h * h)))
-    kept, monotone = ((x.min(axis=0) > most) | (x.max(axis=0) < -most) for x, most in zip((speed, rate), chord_errors, strict=True))
+    """(True if y' is proved to have no zero, True if y' is proved to be monotone) along
+    steps of length h, from the values at both ends and the chord errors `chord_errors`
+    (`TaylorSeries.at_with_chord_errors`).
+    """
+    speed, rate = (
+        np.array([at_start * part, at_end * part])
+        for at_start, at_end, part in ((arc.v, end.v, h), (arc.b, end.b, h * h))
+    )
+    kept, monotone = (
+        (x.min(axis=0) > most) | (x.max(axis=0) < -most)
+        for x, most in zip((speed, rate), chord_errors, strict=True)
+    )
     return kept, monotone
 
 
-def falls_through_zero(arc: TaylorSeries, reach: Array, lanes: Array, once: Array) -> tuple[Array, Array, Array]:
-    """The instants on (0, reach) at which y' falls through zero: (lane, low, high) with one instant in each bracket [tau]. once: lanes for
-    which it is already known that there is exactly one."""
-    found: list[tuple[Array, Array, Array]] = [(once, np.zeros(once.size), np.ones(once.size))]
-    parts = [_speed(arc.take(lanes[part]), reach[lanes[part]]) for part in blocks(lanes.size, CACHED)]
+def falls_through_zero(
+    arc: TaylorSeries, reach: Array, lanes: Array, once: Array
+) -> tuple[Array, Array, Array]:
+    """The instants on (0, reach) at which y' falls through zero: (lane, low, high) with
+    one instant in each bracket [tau]. once: lanes for which it is already known that
+    there is exactly one.
+    """
+    found: list[tuple[Array, Array, Array]] = [
+        (once, np.zeros(once.size), np.ones(once.size))
+    ]
+    parts = [
+        _speed(arc.take(lanes[part]), reach[lanes[part]])
+        for part in blocks(lanes.size, CACHED)
+    ]
     speed = np.concatenate([np.zeros((len(arc.terms) - 1, 0)), *parts], axis=1)
     own = lanes
     bernstein = bernstein_form(speed)
@@ -147,7 +206,10 @@ def falls_through_zero(arc: TaylorSeries, reach: Array, lanes: Array, once: Arra
         left, right = _halves(bernstein[:, more])
         bernstein = np.concatenate([left, right], axis=1)
         own = np.concatenate([own[more], own[more]])
-        low, high = np.concatenate([low[more], middle]), np.concatenate([middle, high[more]])
+        low, high = (
+            np.concatenate([low[more], middle]),
+            np.concatenate([middle, high[more]]),
+        )
     which, low, high = (np.concatenate(parts) for parts in zip(*found, strict=True))
     order = np.lexsort((low, which))
     which, low, high = which[order], low[order], high[order]
@@ -164,15 +226,24 @@ def _speed(arc: TaylorSeries, span: Array) -> Array:
 
 @lru_cache(maxsize=64)
 def _from_powers(count: int) -> Array:
-    """(count, count) matrix: converts coefficients of powers to Bernstein coefficients on [0, 1]."""
-    return np.array([[comb(i, n) / comb(count - 1, n) for n in range(count)] for i in range(count)])
+    """(count, count) matrix: converts coefficients of powers to Bernstein coefficients
+    on [0, 1].
+    """
+    return np.array(
+        [[comb(i, n) / comb(count - 1, n) for n in range(count)] for i in range(count)]
+    )
 
 
 def bernstein_form(terms: Array) -> Array:
-    """Bernstein coefficients on [0, 1] of polynomials, (terms, lanes). The order of each sum does not depend on the other lanes."""
+    """Bernstein coefficients on [0, 1] of polynomials, (terms, lanes). The order of
+    each sum does not depend on the other lanes.
+    """
     if terms.shape[1] == 1:  # NumPy sums a single lane in another order
         return bernstein_form(np.repeat(terms, 2, axis=1))[:, :1]
-    parts = [np.einsum("in,nl->il", _from_powers(len(terms)), terms[:, block]) for block in blocks(terms.shape[1], CACHED)]
+    parts = [
+        np.einsum("in,nl->il", _from_powers(len(terms)), terms[:, block])
+        for block in blocks(terms.shape[1], CACHED)
+    ]
     return np.concatenate([terms[:, :0], *parts], axis=1)
 
 

@@ -1,16 +1,22 @@
-"""Lost contact: `ContactLoss` tests whether Fz > 0 all along the march, for cells for which `body` does not prove it beforehand.
+"""Lost contact: `ContactLoss` tests whether Fz > 0 all along the march, for cells for
+which `body` does not prove it beforehand.
 
-A cell is marched once more, and then watched, if neither its push (`body.safe_push`) nor its largest rotation proves Fz > 0.
+A cell is marched once more, and then watched, if neither its push (`body.safe_push`)
+nor its largest rotation proves Fz > 0.
 
-Along a step Fz stays above its chord less the chord error. A stretch for which this does not prove Fz > 0 is halved; if Fz <= 0 at an end
-of a stretch, the body has lost the ground. A sequence of impacts is closed early only if Fz > 0 is proved for all its bounces.
+Along a step Fz stays above its chord less the chord error. A stretch for which this
+does not prove Fz > 0 is halved; if Fz <= 0 at an end of a stretch, the body has lost
+the ground. A sequence of impacts is closed early only if Fz > 0 is proved for all its
+bounces.
 
-The chord error: with bounds V, B, J and Q of the first four derivatives of u = |theta| [rad by tau], P and W of the push over g and the
-weight over m g, the second derivative of Fz over m g is at most
+The chord error: with bounds V, B, J and Q of the first four derivatives of u = |theta|
+[rad by tau], P and W of the push over g and the weight over m g, the second derivative
+of Fz over m g is at most
 
     W'' + kappa [T |sin z| + S],   T = Q + 6 V^2 B,   S = 4 V J + 3 B^2 + V^4
 
-while V <= max(|u'| at its ends) + (h^2/8) J: between its ends Fz does not leave its chord by more than h^2/8 of that.
+while V <= max(|u'| at its ends) + (h^2/8) J: between its ends Fz does not leave its
+chord by more than h^2/8 of that.
 """
 
 from dataclasses import dataclass
@@ -24,14 +30,19 @@ from ..contacts.sequences import STILL, sequence_bounds
 from ..lanes import Array, Arrays, Lanes
 from .observer import Arcs, Observer
 
-_ROOM = 0.25  # least denominator in the bound of |u'|; a stretch for which it is smaller is too long for a bound
+# least denominator in the bound of |u'|; a stretch for which it is smaller is too long
+# for a bound
+_ROOM = 0.25
 _MARGIN = 1.01  # times a speed that was found to 1e-6 bounds this speed
-_HALVINGS = 30  # after so many, Fz was positive at every point computed: it touches zero at most
+# after so many, Fz was positive at every point computed: it touches zero at most
+_HALVINGS = 30
 
 
 @dataclass
 class Ends(Arrays):
-    """u, u', u'' [rad, by tau] and Fz/(m g) at one end of each stretch, (stretches,)."""
+    """u, u', u'' [rad, by tau] and Fz/(m g) at one end of
+    each stretch, (stretches,).
+    """
 
     u: Array
     v: Array
@@ -40,7 +51,9 @@ class Ends(Arrays):
 
 
 class ShakingBounds(NamedTuple):
-    """The largest push over g of each stretch and bounds of its first two derivatives by tau; the same of the weight over m g less 1."""
+    """The largest push over g of each stretch and bounds of its first two derivatives
+    by tau; the same of the weight over m g less 1.
+    """
 
     push: Array
     push1: Array
@@ -50,17 +63,31 @@ class ShakingBounds(NamedTuple):
     sway2: Array
 
 
-def chord_errors(body: Body, edge: Edge, s: ShakingBounds, h: Array, one: Ends, other: Ends) -> Array:
-    """h^2/8 times a bound of |Fz''| over m g; infinite where the stretch is too long for a bound of |u'|. |u'''| is at most P' + W' |z| + 2
-    zeta (P + W |z|) and (P + W + 4 zeta^2) |u'|, for the nonlinear equation with |sin z| for |z|; the linear one has no P |u'|."""
+def chord_errors(
+    body: Body, edge: Edge, s: ShakingBounds, h: Array, one: Ends, other: Ends
+) -> Array:
+    """h^2/8 times a bound of |Fz''| over m g; infinite where the stretch is too long
+    for a bound of |u'|. |u'''| is at most P' + W' |z| + 2 zeta (P + W |z|) and (P + W +
+    4 zeta^2) |u'|, for the nonlinear equation with |sin z| for |z|; the linear one has
+    no P |u'|.
+    """
     zeta2, heavy, eighth = 2.0 * body.damping, 1.0 + s.sway, 0.125 * h * h
-    flat, steep, by_turn = s.push1 + zeta2 * s.push, heavy + zeta2 * zeta2, s.sway1 + zeta2 * heavy
+    flat, steep, by_turn = (
+        s.push1 + zeta2 * s.push,
+        heavy + zeta2 * zeta2,
+        s.sway1 + zeta2 * heavy,
+    )
     if body.linear:
-        flat, steep = flat + by_turn * (edge.alpha + 0.5 * (one.u + other.u)), steep + by_turn * 0.5 * h
+        flat, steep = (
+            flat + by_turn * (edge.alpha + 0.5 * (one.u + other.u)),
+            steep + by_turn * 0.5 * h,
+        )
     else:
         flat, steep = flat + by_turn, steep + s.push
     room = 1.0 - eighth * steep
-    v = (np.maximum(np.abs(one.v), np.abs(other.v)) + eighth * flat) / np.maximum(room, _ROOM)  # the fastest |u'|
+    v = (np.maximum(np.abs(one.v), np.abs(other.v)) + eighth * flat) / np.maximum(
+        room, _ROOM
+    )  # the fastest |u'|
     v = np.where(room > _ROOM, v, np.inf)
     turn = np.abs(edge.alpha - 0.5 * (one.u + other.u)) + 0.5 * v * h
     sin = np.sin(np.minimum(turn, 0.5 * np.pi))
@@ -69,78 +96,162 @@ def chord_errors(body: Body, edge: Edge, s: ShakingBounds, h: Array, one: Ends, 
     j = s.push1 + (s.push * sin + heavy) * v + s.sway1 * lean + zeta2 * b
     b = np.minimum(b, 0.5 * (np.abs(one.b) + np.abs(other.b) + j * h))
     square = v * v
-    q = s.push2 + 2.0 * (s.push1 * sin + s.sway1) * v + (s.push + heavy * sin) * square + (s.push * sin + heavy) * b
+    q = (
+        s.push2
+        + 2.0 * (s.push1 * sin + s.sway1) * v
+        + (s.push + heavy * sin) * square
+        + (s.push * sin + heavy) * b
+    )
     q += s.sway2 * lean + zeta2 * j + 6.0 * square * b
     rest = 4.0 * v * j + 3.0 * b * b + square * square
     return eighth * (s.sway2 + edge.kappa * (q * sin + rest))
 
 
 class ContactLoss(Observer):
-    """Search for lost contact in the cells of a batch while they are marched. open: True for cells without a proof beforehand."""
+    """Search for lost contact in the cells of a batch while they are marched. open:
+    True for cells without a proof beforehand.
+    """
 
     def __init__(self, body: Body, batch: Batch) -> None:
         self.body, self.batch, self.segments = body, batch, batch.segments
         segments = batch.segments
-        # Bounds of |s|, |s'| and |s''| by the phase, of the horizontal and the vertical motion.
-        self.across, self.up, share = (segments.largest, *segments.steepest), (0.0, 0.0, 0.0), (0.0, 0.0)
-        if (weighed := segments.weighed) is not None:  # here horizontal extremes lie inside segments
+        # Bounds of |s|, |s'| and |s''| by the phase, of the horizontal and the vertical
+        # motion.
+        self.across, self.up, share = (
+            (segments.largest, *segments.steepest),
+            (0.0, 0.0, 0.0),
+            (0.0, 0.0),
+        )
+        if (
+            weighed := segments.weighed
+        ) is not None:  # here horizontal extremes lie inside segments
             most, least = weighed.inward
-            self.across = (max(segments.largest, float(most[0]), -float(least[0])), *segments.steepest)
-            self.up, share = (weighed.vertical.largest, *weighed.vertical.steepest), weighed.share
-        self.sway = tuple(abs(r) * self.up[0] / (e.uplift * self.across[0] or 1.0) for r, e in zip(share, body.edges, strict=False))
-        safe = np.array([safe_push(body, i, ratio) for i, ratio in enumerate(self.sway)])[:, None]
-        pushes = batch.cells.amplitude * (np.array([e.uplift for e in body.edges])[:, None] * self.across[0])
+            self.across = (
+                max(segments.largest, float(most[0]), -float(least[0])),
+                *segments.steepest,
+            )
+            self.up, share = (
+                (weighed.vertical.largest, *weighed.vertical.steepest),
+                weighed.share,
+            )
+        self.sway = tuple(
+            abs(r) * self.up[0] / (e.uplift * self.across[0] or 1.0)
+            for r, e in zip(share, body.edges, strict=False)
+        )
+        safe = np.array(
+            [safe_push(body, i, ratio) for i, ratio in enumerate(self.sway)]
+        )[:, None]
+        pushes = batch.cells.amplitude * (
+            np.array([e.uplift for e in body.edges])[:, None] * self.across[0]
+        )
         self.open = np.any(pushes > safe, axis=0)
         self._lost = np.zeros(self.open.size, dtype=bool)
 
-    def contact_proved(self, at: Array, theta_ratio: Array, fastest: Array | None = None) -> Array:
-        """True for those of these cells whose largest rotation, and u' [rad] if it is given, prove that they never lost the ground."""
-        kept, speed = np.ones(at.size, dtype=bool), np.inf if fastest is None or not self.body.alike else _MARGIN * fastest
-        for pushes, edge, ratio in zip(self.batch.cells.amplitude, self.body.edges, self.sway, strict=True):
+    def contact_proved(
+        self, at: Array, theta_ratio: Array, fastest: Array | None = None
+    ) -> Array:
+        """True for those of these cells whose largest rotation, and u' [rad] if it is
+        given, prove that they never lost the ground.
+        """
+        kept, speed = (
+            np.ones(at.size, dtype=bool),
+            np.inf if fastest is None or not self.body.alike else _MARGIN * fastest,
+        )
+        for pushes, edge, ratio in zip(
+            self.batch.cells.amplitude, self.body.edges, self.sway, strict=True
+        ):
             push = pushes[at] * (edge.uplift * self.across[0])
-            kept &= self.body.contact_proved(edge, push, edge.alpha * theta_ratio, ratio * push, speed)
+            kept &= self.body.contact_proved(
+                edge, push, edge.alpha * theta_ratio, ratio * push, speed
+            )
         return kept
 
     def arcs(self, arcs: Arcs) -> None:
-        """Look for Fz <= 0 along these arcs: halve each arc until Fz > 0 is proved on every part, or Fz <= 0 is found at a point."""
+        """Look for Fz <= 0 along these arcs: halve each arc until Fz > 0 is proved on
+        every part, or Fz <= 0 is found at a point.
+        """
         at = arcs.wanted[~self._lost[arcs.lanes.cell[arcs.wanted]]]
-        lanes, arc, low, high = arcs.lanes.take(at), arcs.flow.take(at), np.zeros(at.size), arcs.stop[at]
+        lanes, arc, low, high = (
+            arcs.lanes.take(at),
+            arcs.flow.take(at),
+            np.zeros(at.size),
+            arcs.stop[at],
+        )
         slowing = 2.0 * self.body.damping
         one = self._ends(lanes, low, lanes.y, lanes.v, lanes.b - slowing * lanes.v)
-        other = self._ends(lanes, high, arcs.y[at], arcs.v[at], arcs.b[at] - slowing * arcs.v[at])
+        other = self._ends(
+            lanes, high, arcs.y[at], arcs.v[at], arcs.b[at] - slowing * arcs.v[at]
+        )
         for _ in range(_HALVINGS if at.size else 0):
             self._lost[lanes.cell[~((one.fz > 0.0) & (other.fz > 0.0))]] = True
-            with np.errstate(invalid="ignore"):  # a stretch too long for a bound of |u'| stays unproved
-                error = chord_errors(self.body, self.body.on(lanes.side), self._shaking(lanes), high - low, one, other)
+            with np.errstate(
+                invalid="ignore"
+            ):  # a stretch too long for a bound of |u'| stays unproved
+                error = chord_errors(
+                    self.body,
+                    self.body.on(lanes.side),
+                    self._shaking(lanes),
+                    high - low,
+                    one,
+                    other,
+                )
                 proved = np.minimum(one.fz, other.fz) > error
             more = np.flatnonzero(~proved & ~self._lost[lanes.cell])
             if not more.size:
                 return
-            lanes, arc, low, high, one, other = lanes.take(more), arc.take(more), low[more], high[more], one.take(more), other.take(more)
+            lanes, arc, low, high, one, other = (
+                lanes.take(more),
+                arc.take(more),
+                low[more],
+                high[more],
+                one.take(more),
+                other.take(more),
+            )
             half = 0.5 * (low + high)
             there = arc.at(half)
-            middle, both = self._ends(lanes, half, there.y, there.v, there.b), np.tile(np.arange(half.size), 2)
+            middle, both = (
+                self._ends(lanes, half, there.y, there.v, there.b),
+                np.tile(np.arange(half.size), 2),
+            )
             lanes, arc = lanes.take(both), arc.take(both)
             low, high = np.append(low, half), np.append(half, high)
             one, other = one.join(middle), middle.join(other)
 
     def _shaking(self, lanes: Lanes) -> ShakingBounds:
-        weighed, size = self.segments.weighed, self.body.on(lanes.side).uplift * lanes.amplitude
-        sway = np.zeros(size.size) if weighed is None else np.abs(weighed.sway(lanes.side, lanes.amplitude))
+        weighed, size = (
+            self.segments.weighed,
+            self.body.on(lanes.side).uplift * lanes.amplitude,
+        )
+        sway = (
+            np.zeros(size.size)
+            if weighed is None
+            else np.abs(weighed.sway(lanes.side, lanes.amplitude))
+        )
         rates = 1.0, lanes.omega, lanes.omega**2
         return ShakingBounds(
-            *(x * rate * bound for x, most in ((size, self.across), (sway, self.up)) for rate, bound in zip(rates, most, strict=True))
+            *(
+                x * rate * bound
+                for x, most in ((size, self.across), (sway, self.up))
+                for rate, bound in zip(rates, most, strict=True)
+            )
         )
 
     def _ends(self, lanes: Lanes, h: Array, y: Array, v: Array, b: Array) -> Ends:
-        """State and Fz of lanes h after their present state, at displacement y, velocity v and acceleration b."""
-        weight = self.segments.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u + lanes.omega * h)
+        """State and Fz of lanes h after their present state, at displacement y,
+        velocity v and acceleration b.
+        """
+        weight = self.segments.weight(
+            lanes.side, lanes.amplitude, lanes.k, lanes.u + lanes.omega * h
+        )
         edge = self.body.on(lanes.side)
         u, v, b = edge.unit * y, edge.unit * v, edge.unit * b
-        return Ends(u, v, b, ground_reaction(edge, u, v, b, 0.0, weight)[1])  # Fz does not depend on the push itself
+        return Ends(
+            u, v, b, ground_reaction(edge, u, v, b, 0.0, weight)[1]
+        )  # Fz does not depend on the push itself
 
     def may_close(self, lanes: Lanes) -> Array:
-        """True for lanes whose bounces until they rest are proved to keep Fz > 0, and for lanes that have lost the ground (Lemma 13).
+        """True for lanes whose bounces until they rest are proved to keep Fz > 0, and
+        for lanes that have lost the ground (Lemma 13).
 
         Other lanes bounce on, each time more slowly, until one of both is proved.
         """
@@ -155,36 +266,80 @@ class ContactLoss(Observer):
         return super().may_close(lanes)
 
     def _bouncing(self, lanes: Lanes) -> tuple[Array, Array]:
-        """(True where a sequence of impacts is proved to keep Fz > 0, True where Fz <= 0 is proved just after one of its impacts)."""
+        """(True where a sequence of impacts is proved to keep Fz > 0, True where Fz <=
+        0 is proved just after one of its impacts).
+        """
         contact, body = self.batch.contact, self.body
         bounds = sequence_bounds(self.segments, lanes, contact.other_side(lanes))
-        now, later = (self.segments.weight(lanes.side, lanes.amplitude, lanes.k, u) for u in (lanes.u, bounds.later))
+        now, later = (
+            self.segments.weight(lanes.side, lanes.amplitude, lanes.k, u)
+            for u in (lanes.u, bounds.later)
+        )
         lightest, heaviest = np.minimum(now, later), np.maximum(now, later)
-        kept, lost = np.ones(lanes.cell.size, dtype=bool), np.zeros(lanes.cell.size, dtype=bool)
+        kept, lost = (
+            np.ones(lanes.cell.size, dtype=bool),
+            np.zeros(lanes.cell.size, dtype=bool),
+        )
         for i, sense in enumerate((1.0,) if body.one_sided else (1.0, -1.0)):
             edge = body.on(sense * lanes.side)
             inward, fastest = edge.unit * bounds.most[i], edge.unit * bounds.fastest[i]
-            kept &= body.fz_in_bounces(edge, lightest, inward, fastest, edge.unit * bounds.height) > 0.0
-            # Now the body leaves this edge at a known speed; it will leave the other edge at a speed above 0.
-            weight, force, speed = (heaviest, bounds.least[i], 0.0 * lanes.v) if i else (now, -lanes.b, lanes.v)
-            lost |= body.fz_in_bounces(edge, weight, edge.unit * force, edge.unit * speed, 0.0) <= 0.0
+            kept &= (
+                body.fz_in_bounces(
+                    edge, lightest, inward, fastest, edge.unit * bounds.height
+                )
+                > 0.0
+            )
+            # Now the body leaves this edge at a known speed; it will leave the other
+            # edge at a speed above 0.
+            weight, force, speed = (
+                (heaviest, bounds.least[i], 0.0 * lanes.v)
+                if i
+                else (now, -lanes.b, lanes.v)
+            )
+            lost |= (
+                body.fz_in_bounces(
+                    edge, weight, edge.unit * force, edge.unit * speed, 0.0
+                )
+                <= 0.0
+            )
         return kept, lost
 
     def free(self, lanes: Lanes) -> None:
-        """Test Fz at the next impact on either edge: in the free motion it is least there."""
+        """Test Fz at the next impact on either edge: in the free motion it is least
+        there.
+        """
         self._lost[lanes.cell[np.flatnonzero(self._least_to_come(lanes) <= 0.0)]] = True
 
     def _least_to_come(self, lanes: Lanes) -> Array:
-        """Least Fz/(m g) of the free motion, at the next impact on either edge; with damping a lower bound, -inf without a proof."""
-        # With S = sin z (linear: z) and u'^2 = q at the impact Fz >= 1 - kappa (S sin z + u'^2 cos z), which falls towards the ground while
-        # 3 cos z > cos(alpha) + q/2 (linear: q < 1). Damping takes energy, and adds at most 2 zeta kappa u' to the force.
+        """Least Fz/(m g) of the free motion, at the next impact on either edge; with
+        damping a lower bound, -inf without a proof.
+        """
+        # With S = sin z (linear: z) and u'^2 = q at the impact Fz >= 1 - kappa (S sin z
+        # + u'^2 cos z), which falls towards the ground while 3 cos z > cos(alpha) + q/2
+        # (linear: q < 1). Damping takes energy, and adds at most 2 zeta kappa u' to the
+        # force.
         here, there = self.body.on(lanes.side), self.body.on(-lanes.side)
-        square, least = self.body.squared_speed_at_ground(here, lanes.y, lanes.v), np.full(lanes.y.size, np.inf)
-        for edge, q in ((here, square), (there, square * (lanes.eta * there.unit / here.unit) ** 2)):
+        square, least = (
+            self.body.squared_speed_at_ground(here, lanes.y, lanes.v),
+            np.full(lanes.y.size, np.inf),
+        )
+        for edge, q in (
+            (here, square),
+            (there, square * (lanes.eta * there.unit / here.unit) ** 2),
+        ):
             rate = np.sqrt(q)
-            _, fz = ground_reaction(edge, 0.0, rate, -self.body.pull(edge) - 2.0 * self.body.damping * rate, 0.0, 1.0)
+            _, fz = ground_reaction(
+                edge,
+                0.0,
+                rate,
+                -self.body.pull(edge) - 2.0 * self.body.damping * rate,
+                0.0,
+                1.0,
+            )
             if self.body.damping:
-                falls = (q <= (1.0 if self.body.linear else 4.0 * np.cos(edge.alpha))) & (here.unit * lanes.y <= 2.0 * here.alpha)
+                falls = (
+                    q <= (1.0 if self.body.linear else 4.0 * np.cos(edge.alpha))
+                ) & (here.unit * lanes.y <= 2.0 * here.alpha)
                 fz = np.where(falls, fz, -np.inf)
             least = np.where(q > 0.0, np.minimum(least, fz), least)
         return least
@@ -193,5 +348,7 @@ class ContactLoss(Observer):
         return self._lost[cell]
 
     def may_settle(self, lanes: Lanes, bounced: Array) -> Array:
-        """True for lanes that cannot lose the ground any more, or that have lost it already."""
+        """True for lanes that cannot lose the ground any more, or that have lost it
+        already.
+        """
         return self._lost[lanes.cell] | (self._least_to_come(lanes) > 0.0)

@@ -1,5 +1,6 @@
-"""The largest value of a quantity along the motion of each cell, found to 1e-6, not proved. Values and slopes at both ends of a short
-stretch give a cubic; the quantity is evaluated at its peak, and the search repeats on the part that holds the peak.
+"""The largest value of a quantity along the motion of each cell, found to 1e-6, not
+proved. Values and slopes at both ends of a short stretch give a cubic; the quantity is
+evaluated at its peak, and the search repeats on the part that holds the peak.
 """
 
 from collections.abc import Callable
@@ -23,8 +24,10 @@ class Point(Arrays):
 
 @dataclass
 class Stretches(Arrays):
-    """Intervals of time of several motions, (n,). own: index of the motion; low, high: start and end [tau]; rate: how fast the quantity
-    changes at most, as the circular frequency of a sinusoid by tau."""
+    """Intervals of time of several motions, (n,). own: index of the motion; low, high:
+    start and end [tau]; rate: how fast the quantity changes at most, as the circular
+    frequency of a sinusoid by tau.
+    """
 
     own: Array
     low: Array
@@ -36,23 +39,33 @@ Along = Callable[[Array, Array], Point]  # function of (indices of motions, time
 
 
 class Extremes:
-    """The largest value so far of each cell, `largest`, (cells,). Parameters: start: the first value of each cell, (cells,)."""
+    """The largest value so far of each cell, `largest`, (cells,). Parameters: start:
+    the first value of each cell, (cells,).
+    """
 
     def __init__(self, start: Array) -> None:
         self.largest = start
 
     def include(self, cell: Array, value: Array) -> None:
-        """Raise the extremes of these cells to these values, (n,). A cell may occur several times; NaN leaves it unchanged."""
+        """Raise the extremes of these cells to these values, (n,). A cell may occur
+        several times; NaN leaves it unchanged.
+        """
         np.fmax.at(self.largest, cell, value)
 
     def can_exceed(self, cell: Array, bound: Array) -> Array:
-        """True where a value up to `bound` can exceed the largest value so far of these cells, (n,), or the bound is NaN."""
+        """True where a value up to `bound` can exceed the largest value so far of these
+        cells, (n,), or the bound is NaN.
+        """
         return ~(bound <= self.largest[cell])
 
-    def search(self, cell: Array, along: Along, s: Stretches, one: Point, other: Point) -> None:
-        """Raise the extremes of these cells to the largest values on stretches, (n,). along: function of (indices of motions, times) that
-        returns the quantity; one, other: the quantity at the start and at the end of each stretch. The value found on a stretch depends
-        neither on other stretches nor on the extremes so far."""
+    def search(
+        self, cell: Array, along: Along, s: Stretches, one: Point, other: Point
+    ) -> None:
+        """Raise the extremes of these cells to the largest values on stretches, (n,).
+        along: function of (indices of motions, times) that returns the quantity; one,
+        other: the quantity at the start and at the end of each stretch. The value found
+        on a stretch depends neither on other stretches nor on the extremes so far.
+        """
         best = np.maximum(one.value, other.value)
         self.include(cell, best)
         with np.errstate(all="ignore"):
@@ -60,7 +73,13 @@ class Extremes:
                 at = np.flatnonzero(_excess(s, one, other, self.largest[cell]) > 0.0)
                 if not at.size:
                     return
-                cell, s, one, other, best = cell[at], s.take(at), one.take(at), other.take(at), best[at]
+                cell, s, one, other, best = (
+                    cell[at],
+                    s.take(at),
+                    one.take(at),
+                    other.take(at),
+                    best[at],
+                )
                 x = _peak(s, one, other)
                 x = np.where((x > s.low) & (x < s.high), x, 0.5 * (s.low + s.high))
                 there = along(s.own, x)
@@ -71,9 +90,15 @@ class Extremes:
                 one, other = _either(rises, there, one), _either(rises, other, there)
 
 
-def parts(along: Along, whole: Stretches, start: Point, end: Point) -> tuple[Stretches, Point, Point]:
-    """Short parts of whole stretches, and the values at their starts and ends; start, end: values at the ends of the whole stretches."""
-    count = np.maximum(np.ceil((whole.high - whole.low) * whole.rate / _CUT), 1.0).astype(np.int64)
+def parts(
+    along: Along, whole: Stretches, start: Point, end: Point
+) -> tuple[Stretches, Point, Point]:
+    """Short parts of whole stretches, and the values at their starts and ends; start,
+    end: values at the ends of the whole stretches.
+    """
+    count = np.maximum(
+        np.ceil((whole.high - whole.low) * whole.rate / _CUT), 1.0
+    ).astype(np.int64)
     own = np.repeat(np.arange(count.size), count)
     n = np.arange(own.size) - np.repeat(np.cumsum(count) - count, count)
     s, one, other = whole.take(own), start.take(own), end.take(own)
@@ -88,15 +113,22 @@ def parts(along: Along, whole: Stretches, start: Point, end: Point) -> tuple[Str
 
 
 def _excess(s: Stretches, one: Point, other: Point, level: Array) -> Array:
-    """The largest value - level inside a stretch: an inner Bernstein coefficient of the cubic, plus an estimate of its error."""
+    """The largest value - level inside a stretch: an inner Bernstein coefficient of the
+    cubic, plus an estimate of its error.
+    """
     h = s.high - s.low
-    inner = [x.value - level + part * h * x.slope for x, part in ((one, 1.0 / 3.0), (other, -1.0 / 3.0))]
+    inner = [
+        x.value - level + part * h * x.slope
+        for x, part in ((one, 1.0 / 3.0), (other, -1.0 / 3.0))
+    ]
     size = np.maximum(np.abs(one.value), np.abs(other.value)) + np.abs(level)
     return np.maximum(*inner) + (s.rate * h) ** 4 / 384.0 * size
 
 
 def _peak(s: Stretches, one: Point, other: Point) -> Array:
-    """Time of the peak of the cubic; NaN or outside the stretch if the cubic has no peak in it."""
+    """Time of the peak of the cubic; NaN or outside the stretch if the cubic has no
+    peak in it.
+    """
     h = s.high - s.low
     gain = 3.0 * (other.value - one.value)
     c1, d1 = h * one.slope, h * other.slope

@@ -1,4 +1,6 @@
-"""`Observer`, the interface through which a run shows its motion to observers and asks them what it may skip."""
+"""`Observer`, the interface through which a run shows its motion to observers and asks
+them what it may skip.
+"""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -10,8 +12,11 @@ from ..lanes import Array, Lanes
 
 
 class Arcs(NamedTuple):
-    """The motion of lanes from their present state until `stop` [tau] later, each along its flow. lanes: the present state; flow: of these
-    lanes; y, v, b: displacement, velocity and force at `stop`, (lanes,); wanted: indices of the lanes whose outcome is still open."""
+    """The motion of lanes from their present state until `stop` [tau] later, each along
+    its flow. lanes: the present state; flow: of these lanes; y, v, b: displacement,
+    velocity and force at `stop`, (lanes,); wanted: indices of the lanes whose outcome
+    is still open.
+    """
 
     lanes: Lanes
     flow: Flow
@@ -23,8 +28,10 @@ class Arcs(NamedTuple):
 
 
 class TaylorSteps(NamedTuple):
-    """Motion of bodies in the air from one sample to the next, (steps,). cell: index of the cell; side: +1 or -1; equation: of these cells
-    on these sides; start, end: (y, y') at the start and at the end; ramp: the drive between the two samples."""
+    """Motion of bodies in the air from one sample to the next, (steps,). cell: index of
+    the cell; side: +1 or -1; equation: of these cells on these sides; start, end: (y,
+    y') at the start and at the end; ramp: the drive between the two samples.
+    """
 
     cell: Array
     side: Array
@@ -35,7 +42,9 @@ class TaylorSteps(NamedTuple):
 
 
 class Propagation(NamedTuple):
-    """Propagation of all lanes over samples: y and y' at its end, peak (largest y so far), fall (largest 1 - a on the way), time [tau]."""
+    """Propagation of all lanes over samples: y and y' at its end, peak (largest y so
+    far), fall (largest 1 - a on the way), time [tau].
+    """
 
     y: Array
     v: Array
@@ -45,32 +54,52 @@ class Propagation(NamedTuple):
 
 
 class Observer:
-    """Base of observers of a run. Its methods do nothing; a subclass overrides those that it needs."""
+    """Base of observers of a run. Its methods do nothing; a subclass overrides those
+    that it needs.
+    """
 
     def arcs(self, arcs: Arcs) -> None:
         """Called when lanes have moved along these arcs."""
 
     def steps(self, steps: TaylorSteps, go: Array) -> None:
-        """Called before lanes take those of these Taylor steps over samples that `go`, (steps,). An observer sets `go` to False where it
-        needs the march instead."""
+        """Called before lanes take those of these Taylor steps over samples that `go`,
+        (steps,). An observer sets `go` to False where it needs the march instead.
+        """
 
-    def propagates(self, lanes: Lanes, step: Propagation, proved: Array, strongest: Callable[[Array], Array]) -> Array:
-        """Called before lanes are propagated over samples; proved: True for these lanes, (lanes,). Returns the indices of lanes that must
-        go only half as far. strongest: function of indices that returns an upper bound of the outward drive on their way."""
+    def propagates(
+        self,
+        lanes: Lanes,
+        step: Propagation,
+        proved: Array,
+        strongest: Callable[[Array], Array],
+    ) -> Array:
+        """Called before lanes are propagated over samples; proved: True for these
+        lanes, (lanes,). Returns the indices of lanes that must go only half as far.
+        strongest: function of indices that returns an upper bound of the outward drive
+        on their way.
+        """
         return np.zeros(0, dtype=np.int64)
 
     def may_close(self, lanes: Lanes) -> Array:
-        """True for lanes just after an impact, whose sequence of impacts ends in rest, that may be taken to rest at once, (lanes,)."""
+        """True for lanes just after an impact, whose sequence of impacts ends in rest,
+        that may be taken to rest at once, (lanes,).
+        """
         return np.ones(lanes.cell.size, dtype=bool)
 
     def free(self, lanes: Lanes) -> None:
-        """Called when the march leaves undamped lanes that stay upright on still ground from now on."""
+        """Called when the march leaves undamped lanes that stay upright on still ground
+        from now on.
+        """
 
     def may_settle(self, lanes: Lanes, bounced: Array) -> Array:
-        """True for lanes that need not be marched on, (lanes,). They are on still ground and stay upright. bounced: True for cells that
-        have had an impact on still ground, (cells,)."""
+        """True for lanes that need not be marched on, (lanes,). They are on still
+        ground and stay upright. bounced: True for cells that have had an impact on
+        still ground, (cells,).
+        """
         return np.ones(lanes.cell.size, dtype=bool)
 
     def lost(self, cell: Array) -> Array:
-        """True for those of these cells that have lost contact with the ground, (n,)."""
+        """True for those of these cells that have lost contact with
+        the ground, (n,).
+        """
         return np.zeros(cell.size, dtype=bool)

@@ -1,5 +1,7 @@
-"""Solves an equation of second order by the modified midpoint rule, extrapolated to step length 0 (Gragg, Bulirsch and Stoer; Hairer,
-Norsett and Wanner, Solving Ordinary Differential Equations I, II.9). SciPy's solvers take longer to import than a small sweep takes.
+"""Solves an equation of second order by the modified midpoint rule, extrapolated to
+step length 0 (Gragg, Bulirsch and Stoer; Hairer, Norsett and Wanner, Solving Ordinary
+Differential Equations I, II.9). SciPy's solvers take longer to import than a small
+sweep takes.
 """
 
 from collections.abc import Callable
@@ -7,15 +9,35 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-Rate = Callable[[float, float, float], tuple[float, float]]  # (theta', w') of (time, theta, w)
+Rate = Callable[
+    [float, float, float], tuple[float, float]
+]  # (theta', w') of (time, theta, w)
 
-_PARTS = (2, 4, 6, 8, 10, 12, 14, 16)  # numbers of parts of a step, in the successive midpoint rules
-_TOLERANCE = 1e-11  # difference of the last two extrapolations over the state; the error of the last one is (length/2)^2 times as large
-_LEAST = 1e-15  # difference that is always accepted: a force that hardly lifts a body is a difference of terms of order one
-_PIECES = 5  # least number of steps of a stretch; signs are compared at the ends of steps
-_BOUNCES = 8.0  # first step from an impact over speed/force: four times as long as the bounce
+_PARTS = (
+    2,
+    4,
+    6,
+    8,
+    10,
+    12,
+    14,
+    16,
+)  # numbers of parts of a step, in the successive midpoint rules
+# difference of the last two extrapolations over the state; the error of the last one is
+# (length/2)^2 times as large
+_TOLERANCE = 1e-11
+# difference that is always accepted: a force that hardly lifts a body is a difference
+# of terms of order one
+_LEAST = 1e-15
+_PIECES = (
+    5  # least number of steps of a stretch; signs are compared at the ends of steps
+)
+_BOUNCES = (
+    8.0  # first step from an impact over speed/force: four times as long as the bounce
+)
 _SHORTEST = 1e-12  # least step, over the length of the stretch
-_HOP = 1e-6  # a motion from rest back to the ground that is shorter, over the stretch, is ignored
+# a motion from rest back to the ground that is shorter, over the stretch, is ignored
+_HOP = 1e-6
 _NEAR = 1e-9  # error of the time to a root
 _ROUNDS = 100  # limit of a search for a root; bisection alone takes 60
 
@@ -29,7 +51,9 @@ class Point(NamedTuple):
 
 
 class Path(NamedTuple):
-    """The motion on a stretch of time: its peaks, its last instant, True if the body struck the ground there, and the ends of all steps."""
+    """The motion on a stretch of time: its peaks, its last instant, True if the body
+    struck the ground there, and the ends of all steps.
+    """
 
     peaks: list[Point]
     end: Point
@@ -38,24 +62,44 @@ class Path(NamedTuple):
 
 
 def step(rate: Rate, start: Point, length: float) -> Point | None:
-    """The state `length` after `start`; None if the step is too long for the extrapolations to agree."""
+    """The state `length` after `start`; None if the step is too long for the
+    extrapolations to agree.
+    """
     time, theta, w = start
-    table: list[tuple[float, float]] = []  # the last row: the rule itself, then extrapolated once, twice, ...
-    with suppress(ArithmeticError, ValueError):  # a midpoint has left the range of doubles, or of the equation
+    table: list[
+        tuple[float, float]
+    ] = []  # the last row: the rule itself, then extrapolated once, twice, ...
+    with suppress(
+        ArithmeticError, ValueError
+    ):  # a midpoint has left the range of doubles, or of the equation
         first = rate(time, theta, w)
         for k, parts in enumerate(_PARTS):
             h = length / parts
             before, here = (theta, w), (theta + h * first[0], w + h * first[1])
             for i in range(1, parts):
                 speed, force = rate(time + i * h, *here)
-                before, here = here, (before[0] + 2.0 * h * speed, before[1] + 2.0 * h * force)
+                before, here = (
+                    here,
+                    (before[0] + 2.0 * h * speed, before[1] + 2.0 * h * force),
+                )
             speed, force = rate(time + length, *here)
-            row = [(0.5 * (before[0] + here[0] + h * speed), 0.5 * (before[1] + here[1] + h * force))]
+            row = [
+                (
+                    0.5 * (before[0] + here[0] + h * speed),
+                    0.5 * (before[1] + here[1] + h * force),
+                )
+            ]
             for j in range(k):
                 over = (parts / _PARTS[k - 1 - j]) ** 2 - 1.0
-                row.append((row[j][0] + (row[j][0] - table[j][0]) / over, row[j][1] + (row[j][1] - table[j][1]) / over))
+                row.append(
+                    (
+                        row[j][0] + (row[j][0] - table[j][0]) / over,
+                        row[j][1] + (row[j][1] - table[j][1]) / over,
+                    )
+                )
             if k > 2 and all(
-                abs(a - b) <= max(_LEAST, _TOLERANCE * max(abs(a), abs(c), abs(length * d)))
+                abs(a - b)
+                <= max(_LEAST, _TOLERANCE * max(abs(a), abs(c), abs(length * d)))
                 for a, b, c, d in zip(row[-1], row[-2], (theta, w), first, strict=True)
             ):
                 return Point(time + length, *row[-1])
@@ -64,20 +108,28 @@ def step(rate: Rate, start: Point, length: float) -> Point | None:
 
 
 def path(rate: Rate, start: Point, stop: float, limit: float) -> Path:
-    """The path from an instant on or above the ground until `stop`, an impact, or an angle beyond `limit`. It finds at most one peak in a
-    step, or one dip, which may reach the ground although both ends of the step lie above it. Raises ArithmeticError when no step is short
-    enough."""
+    """The path from an instant on or above the ground until `stop`, an impact, or an
+    angle beyond `limit`. It finds at most one peak in a step, or one dip, which may
+    reach the ground although both ends of the step lie above it. Raises ArithmeticError
+    when no step is short enough.
+    """
     peaks: list[Point] = []
     stretch, passed = stop - start.time, 0.0
     longest, here, steps = stretch / _PIECES, start, [start]
     force = rate(*start)[1]
     bounces = start.theta == 0.0 < start.w and force < 0.0
-    length = min(longest, -_BOUNCES * start.w / force) if bounces else longest  # a bounce must not hide within a step
+    length = (
+        min(longest, -_BOUNCES * start.w / force) if bounces else longest
+    )  # a bounce must not hide within a step
     while passed < stretch and here.theta <= limit:
         if stretch - passed < 1.001 * length:
             length = stretch - passed
         there = step(rate, here, length)
-        hop = there is not None and here.theta == here.w == 0.0 >= there.w and length > _HOP * stretch  # from rest, up and down again
+        hop = (
+            there is not None
+            and here.theta == here.w == 0.0 >= there.w
+            and length > _HOP * stretch
+        )  # from rest, up and down again
         if there is None or hop:
             length = longest = 0.5 * length
             if length < _SHORTEST * stretch:
@@ -101,8 +153,12 @@ def path(rate: Rate, start: Point, stop: float, limit: float) -> Path:
     return Path(peaks, here, False, steps)
 
 
-def _passes_zero(rate: Rate, start: Point, end: Point, which: int, sense: float = 1.0) -> Point:
-    """Where theta (which = 1) or w (2) falls (sense = 1) or rises (-1) through zero, to `_NEAR`; the caller adds a tangent step."""
+def _passes_zero(
+    rate: Rate, start: Point, end: Point, which: int, sense: float = 1.0
+) -> Point:
+    """Where theta (which = 1) or w (2) falls (sense = 1) or rises (-1) through zero, to
+    `_NEAR`; the caller adds a tangent step.
+    """
     low, high = 0.0, end.time - start.time
     length, there = high, end
     for _ in range(_ROUNDS):
@@ -119,7 +175,9 @@ def _passes_zero(rate: Rate, start: Point, end: Point, which: int, sense: float 
 
 @dataclass(frozen=True)
 class Script:
-    """SciPy's `solve_ivp` with events, as a user's script would call it. `rocking accuracy` compares the engine with it."""
+    """SciPy's `solve_ivp` with events, as a user's script would call it. `rocking
+    accuracy` compares the engine with it.
+    """
 
     method: str
     tolerance: float
@@ -128,14 +186,35 @@ class Script:
         """Return the same as `path`."""
         from scipy.integrate import solve_ivp
 
-        events: tuple[Any, ...] = (lambda t, state: state[0], lambda t, state: state[1], lambda t, state: state[0] - limit)
-        for event, direction, terminal in zip(events, (-1, -1, 1), (True, False, True), strict=True):  # impact, peak, fallen
+        events: tuple[Any, ...] = (
+            lambda t, state: state[0],
+            lambda t, state: state[1],
+            lambda t, state: state[0] - limit,
+        )
+        for event, direction, terminal in zip(
+            events, (-1, -1, 1), (True, False, True), strict=True
+        ):  # impact, peak, fallen
             event.direction, event.terminal = direction, terminal
         found = solve_ivp(
-            lambda t, state: rate(t, float(state[0]), float(state[1])), (start.time, stop), start[1:],
-            method=self.method, rtol=max(self.tolerance, 2.3e-14), atol=self.tolerance, events=events,
-        )  # fmt: skip
-        impacts, peaks, _ = ([Point(float(t), *map(float, y)) for t, y in zip(*x, strict=True)]
-                             for x in zip(found.t_events, found.y_events, strict=True))  # fmt: skip
-        steps = [Point(float(t), *map(float, y)) for t, y in zip(found.t, found.y.T, strict=True)]
-        return Path([p for p in peaks if p.time > start.time], impacts[0] if impacts else steps[-1], bool(impacts), steps)
+            lambda t, state: rate(t, float(state[0]), float(state[1])),
+            (start.time, stop),
+            start[1:],
+            method=self.method,
+            rtol=max(self.tolerance, 2.3e-14),
+            atol=self.tolerance,
+            events=events,
+        )
+        impacts, peaks, _ = (
+            [Point(float(t), *map(float, y)) for t, y in zip(*x, strict=True)]
+            for x in zip(found.t_events, found.y_events, strict=True)
+        )
+        steps = [
+            Point(float(t), *map(float, y))
+            for t, y in zip(found.t, found.y.T, strict=True)
+        ]
+        return Path(
+            [p for p in peaks if p.time > start.time],
+            impacts[0] if impacts else steps[-1],
+            bool(impacts),
+            steps,
+        )

@@ -1,9 +1,12 @@
-"""A second, slower solver for every equation and contact, as a check: a Runge-Kutta method on the equation as the paper writes it.
+"""A second, slower solver for every equation and contact, as a check: a Runge-Kutta
+method on the equation as the paper writes it.
 
-It shares no series, table, window, closed form or energy argument with the engine. The state is (theta, w), w = sqrt(M) theta', which
-takes the velocity term out of Eq. 3.4; for a rigid body M = 1. A stretch is half a radian of the fastest motion, in five steps or
-more; impacts and peaks are found where signs change (`extrapolation`). A body loses contact where the ground falls away from it, and a
-rigid body that rocks where Fz <= 0 at instants along its steps.
+It shares no series, table, window, closed form or energy argument with the engine. The
+state is (theta, w), w = sqrt(M) theta', which takes the velocity term out of Eq. 3.4;
+for a rigid body M = 1. A stretch is half a radian of the fastest motion, in five steps
+or more; impacts and peaks are found where signs change (`extrapolation`). A body loses
+contact where the ground falls away from it, and a rigid body that rocks where Fz <= 0
+at instants along its steps.
 """
 
 from __future__ import annotations
@@ -17,30 +20,51 @@ from ...motions.motion import Motion, Piece, extremes, plus
 from ..outcome import FALLEN, Outcome
 from .extrapolation import Path, Point, Rate, path, step
 
-_MOST, _A_SEGMENT = 5_000, 50  # limit of the number of stretches of a cell: a constant, and an addition for each segment of the motion
-_SCRIPT_STRETCH = 10.0  # tau between two tests of overturning where the solver chooses its steps
+# limit of the number of stretches of a cell: a constant, and an addition for each
+# segment of the motion
+_MOST, _A_SEGMENT = (
+    5_000,
+    50,
+)
+_SCRIPT_STRETCH = (
+    10.0  # tau between two tests of overturning where the solver chooses its steps
+)
 _AT_REST = 1e-11
-_NEAR, _PART = 0.1, 0.1  # the least force of a step is searched for if it may be below the first plus the second times its variation
+# the least force of a step is searched for if it may be below the first plus the second
+# times its variation
+_NEAR, _PART = (
+    0.1,
+    0.1,
+)
 _STILL = Piece(0.0, math.inf)  # the ground after the shaking
 _ROUNDS = 32  # rounds of the search; each leaves two thirds of the interval
 
 
 class Arm(NamedTuple):
-    """One edge. alpha [rad]; rise: R p^2/g with the p of tau [-]. Fz over m g is w + rise (cos(alpha - u))'', with u = |theta|."""
+    """One edge. alpha [rad]; rise: R p^2/g with the p of tau [-]. Fz over m g is w +
+    rise (cos(alpha - u))'', with u = |theta|.
+    """
 
     alpha: float
     rise: float
 
     def fz(self, u: float, rate: float, acceleration: float, weight: float) -> float:
-        """Fz/(m g) at u [rad]; rate, acceleration: the derivatives u' and u'' by tau; weight: over m g."""
+        """Fz/(m g) at u [rad]; rate, acceleration: the derivatives u' and u'' by tau;
+        weight: over m g.
+        """
         z = self.alpha - u
-        return weight + self.rise * (acceleration * math.sin(z) - rate * rate * math.cos(z))
+        return weight + self.rise * (
+            acceleration * math.sin(z) - rate * rate * math.cos(z)
+        )
 
 
 class Rates(NamedTuple):
-    """An equation of motion on one edge. alpha: critical angle [rad]; uplift: static lambda [-]; limit: theta [rad] from which the body
-    counts as overturned; of: function of theta, w, the inward ground acceleration [g] and the weight over m g that returns (theta', w') by
-    tau; returns: False if a body that loses contact beyond alpha has an unknown outcome, so that its cell fails."""
+    """An equation of motion on one edge. alpha: critical angle [rad]; uplift: static
+    lambda [-]; limit: theta [rad] from which the body counts as overturned; of:
+    function of theta, w, the inward ground acceleration [g] and the weight over m g
+    that returns (theta', w') by tau; returns: False if a body that loses contact beyond
+    alpha has an unknown outcome, so that its cell fails.
+    """
 
     alpha: float
     uplift: float
@@ -50,10 +74,13 @@ class Rates(NamedTuple):
 
 
 class Problem(NamedTuple):
-    """A structure for a general solver. edges: the equation of each side, +1 for theta > 0, and -1 unless the body rocks to the right only;
-    scale: ground acceleration of A = 1 [g]; eta: theta' after over theta' before the impact that leaves each edge, empty if the eta of the
-    cell holds; arms: the `Arm` of each edge of a rigid body, empty if its forces are not known; body: function that builds a body with ties
-    or a tendon, None for a free body."""
+    """A structure for a general solver. edges: the equation of each side, +1 for theta
+    > 0, and -1 unless the body rocks to the right only; scale: ground acceleration of A
+    = 1 [g]; eta: theta' after over theta' before the impact that leaves each edge,
+    empty if the eta of the cell holds; arms: the `Arm` of each edge of a rigid body,
+    empty if its forces are not known; body: function that builds a body with ties or a
+    tendon, None for a free body.
+    """
 
     edges: dict[int, Rates]
     scale: float
@@ -63,12 +90,21 @@ class Problem(NamedTuple):
 
 
 def solve_cell(
-    motion: Motion, amplitude: float, omega: float, eta: float, problem: Problem, solver: Callable[..., Path] = path
+    motion: Motion,
+    amplitude: float,
+    omega: float,
+    eta: float,
+    problem: Problem,
+    solver: Callable[..., Path] = path,
 ) -> tuple[Outcome, float]:
-    """(outcome, max |theta|/alpha, NaN where overturned) of one cell. FAILED if it takes too long, if no step is short enough, or if
-    the solver of a script finds no root."""
+    """(outcome, max |theta|/alpha, NaN where overturned) of one cell. FAILED if it
+    takes too long, if no step is short enough, or if the solver of a script finds no
+    root.
+    """
     try:
-        return (problem.body or Body)(motion, problem, float(amplitude), float(omega), eta, solver).run()
+        return (problem.body or Body)(
+            motion, problem, float(amplitude), float(omega), eta, solver
+        ).run()
     except (ArithmeticError, ValueError):
         return Outcome.FAILED, math.nan
 
@@ -82,26 +118,45 @@ def value(piece: Piece, phase: float) -> float:
 
 
 def next_uplift(piece: Piece, phase: float, push: float) -> float | None:
-    """The first phase with push s > 1, from `phase` to the end of the piece, by bisection between extremes; None if there is none."""
+    """The first phase with push s > 1, from `phase` to the end of the piece, by
+    bisection between extremes; None if there is none.
+    """
     low = phase
-    for mark in (phase, *(x for x in extremes(piece) if x > phase), piece.stop):  # s is monotone from one to the next
+    for mark in (
+        phase,
+        *(x for x in extremes(piece) if x > phase),
+        piece.stop,
+    ):  # s is monotone from one to the next
         high = mark
         if push * value(piece, high) > 1.0:
             while low < (middle := 0.5 * (low + high)) < high:
-                low, high = (low, middle) if push * value(piece, middle) > 1.0 else (middle, high)
+                low, high = (
+                    (low, middle)
+                    if push * value(piece, middle) > 1.0
+                    else (middle, high)
+                )
             return high
         low = mark
     return None
 
 
-def falls_to_zero(rough: tuple[float, float, float], force: Callable[[float], float]) -> bool:
-    """True if a force falls to zero on a step that holds at most one minimum. rough: the force at the start, about the middle and at the
-    end; force: function of the time over the step. It skips the search if the parabola through the three values stays well above zero."""
+def falls_to_zero(
+    rough: tuple[float, float, float], force: Callable[[float], float]
+) -> bool:
+    """True if a force falls to zero on a step that holds at most one minimum. rough:
+    the force at the start, about the middle and at the end; force: function of the time
+    over the step. It skips the search if the parabola through the three values stays
+    well above zero.
+    """
     first, middle, last = rough
     if first <= 0.0 or last <= 0.0:
         return True
     slope, second_difference = 0.5 * (last - first), first - 2.0 * middle + last
-    dip = middle - 0.5 * slope * slope / second_difference if second_difference > abs(slope) else min(rough)
+    dip = (
+        middle - 0.5 * slope * slope / second_difference
+        if second_difference > abs(slope)
+        else min(rough)
+    )
     low, high = 0.0, 1.0
     for _ in range(_ROUNDS if dip <= _NEAR + _PART * (max(rough) - min(rough)) else 0):
         third = (high - low) / 3.0
@@ -115,24 +170,53 @@ def falls_to_zero(rough: tuple[float, float, float], force: Callable[[float], fl
 class Body:
     """A body under a motion, from event to event."""
 
-    def __init__(self, motion: Motion, problem: Problem, amplitude: float, omega: float, eta: float, solver: Callable[..., Path]) -> None:
+    def __init__(
+        self,
+        motion: Motion,
+        problem: Problem,
+        amplitude: float,
+        omega: float,
+        eta: float,
+        solver: Callable[..., Path],
+    ) -> None:
         self.motion, self.problem, self.solver = motion, problem, solver
-        self.drive, self.omega, self.eta = amplitude * problem.scale, omega, problem.eta or {1: abs(eta), -1: abs(eta)}
+        self.drive, self.omega, self.eta = (
+            amplitude * problem.scale,
+            omega,
+            problem.eta or {1: abs(eta), -1: abs(eta)},
+        )
         self.time = self.theta = self.w = self.peak = 0.0
         self.side = self.turns = 0  # turns: peaks since the last impact
         self.edges = problem.edges
         self.here = self.edges[1]  # the equation on the side of the body
         self.impacts = 0  # after the shaking and the last rupture
-        self.bounced = self.contact_lost = False  # contact_lost: True if Fz fell to zero on the way
+        self.bounced = self.contact_lost = (
+            False  # contact_lost: True if Fz fell to zero on the way
+        )
         self.up: Piece | None = None  # the present piece of the vertical motion
         vertical = motion.vertical
-        self.least = 1.0 if vertical is None else 1.0 + self.drive * float(vertical.segments.later_min[0])  # weight over m g
+        self.least = (
+            1.0
+            if vertical is None
+            else 1.0 + self.drive * float(vertical.segments.later_min[0])
+        )  # weight over m g
 
     def run(self) -> tuple[Outcome, float]:
-        left, vertical = _MOST + _A_SEGMENT * len(self.motion.segments), self.motion.vertical
-        for piece, up in zip(self.motion.pieces, vertical.pieces if vertical else (None,) * len(self.motion.pieces), strict=True):
+        left, vertical = (
+            _MOST + _A_SEGMENT * len(self.motion.segments),
+            self.motion.vertical,
+        )
+        for piece, up in zip(
+            self.motion.pieces,
+            vertical.pieces if vertical else (None,) * len(self.motion.pieces),
+            strict=True,
+        ):
             self.up = up
-            fall = next_uplift(up, up.start, -self.drive) if up is not None and self.least <= 0.0 else None
+            fall = (
+                next_uplift(up, up.start, -self.drive)
+                if up is not None and self.least <= 0.0
+                else None
+            )
             end = (piece.stop if fall is None else fall) / self.omega
             while end - self.time > 1e-14 * end:
                 left -= 1
@@ -140,7 +224,9 @@ class Body:
                     return Outcome.FAILED, math.nan
                 (self.move if self.side else self.rest)(piece, end)
                 self.follow()
-                if self.theta > self.here.limit or (self.side and self.theta > self.here.alpha and self.cannot_return()):
+                if self.theta > self.here.limit or (
+                    self.side and self.theta > self.here.alpha and self.cannot_return()
+                ):
                     return self.overturned(), math.nan
             if fall is not None and self.theta >= FALLEN * self.here.alpha:
                 return self.overturned(), math.nan
@@ -148,11 +234,19 @@ class Body:
                 known = self.theta <= self.here.alpha or self.here.returns
                 return Outcome.LOST_CONTACT if known else Outcome.FAILED, math.nan
         outcome, peak = self.still()
-        return (Outcome.LOST_CONTACT, math.nan) if outcome == Outcome.ROCKED and self.contact_lost else (outcome, peak)
+        return (
+            (Outcome.LOST_CONTACT, math.nan)
+            if outcome == Outcome.ROCKED and self.contact_lost
+            else (outcome, peak)
+        )
 
     def weight(self, time: float) -> float:
         """The weight over m g at this time."""
-        return 1.0 if self.up is None else 1.0 + self.drive * value(self.up, self.omega * time)
+        return (
+            1.0
+            if self.up is None
+            else 1.0 + self.drive * value(self.up, self.omega * time)
+        )
 
     def pressure(self, at: Point) -> float:
         """The forces downwards at an instant, over m g."""
@@ -168,44 +262,91 @@ class Body:
     def rest(self, piece: Piece, end: float) -> None:
         """Let the body rest until its first uplift or the end of the piece."""
         lifts = []
-        for side, edge in self.edges.items():  # with a vertical motion each edge has an effective motion of its own
-            signal = piece if self.up is None else plus(piece, self.up.scaled(side * edge.uplift))
-            phase = next_uplift(signal, self.omega * self.time, -side * self.drive / edge.uplift)
-            if phase is not None and phase / self.omega < end:  # at the end of the piece the next one decides
+        for (
+            side,
+            edge,
+        ) in (
+            self.edges.items()
+        ):  # with a vertical motion each edge has an effective motion of its own
+            signal = (
+                piece
+                if self.up is None
+                else plus(piece, self.up.scaled(side * edge.uplift))
+            )
+            phase = next_uplift(
+                signal, self.omega * self.time, -side * self.drive / edge.uplift
+            )
+            if (
+                phase is not None and phase / self.omega < end
+            ):  # at the end of the piece the next one decides
                 lifts.append((max(self.time, phase / self.omega), side))
         self.time, self.side = min(lifts, default=(end, 0))
         self.here, self.theta, self.w = self.edges[self.side or 1], 0.0, 0.0
 
     def move(self, piece: Piece, end: float) -> None:
         """Move the body over one stretch, or to the impact in it."""
-        of, start, push = self.here.of, Point(self.time, self.theta, self.w), self.side * self.drive
+        of, start, push = (
+            self.here.of,
+            Point(self.time, self.theta, self.w),
+            self.side * self.drive,
+        )
 
         def rate(t: float, theta: float, w: float) -> tuple[float, float]:
-            return of(theta, w, push * value(piece, self.omega * t), self.weight(t)) if piece is not _STILL else of(theta, w, 0.0, 1.0)
+            return (
+                of(theta, w, push * value(piece, self.omega * t), self.weight(t))
+                if piece is not _STILL
+                else of(theta, w, 0.0, 1.0)
+            )
 
-        stretch = 0.5 / (1.0 + self.omega * max((h.frequency for h in piece.harmonics), default=0.0))
-        stop = min(end, self.time + (stretch if self.solver is path else _SCRIPT_STRETCH))
-        peaks, there, struck, steps = self.cut(rate, self.solver(rate, start, stop, self.here.limit * (1.0 + 1e-9)))  # surely beyond it
+        stretch = 0.5 / (
+            1.0 + self.omega * max((h.frequency for h in piece.harmonics), default=0.0)
+        )
+        stop = min(
+            end, self.time + (stretch if self.solver is path else _SCRIPT_STRETCH)
+        )
+        peaks, there, struck, steps = self.cut(
+            rate, self.solver(rate, start, stop, self.here.limit * (1.0 + 1e-9))
+        )  # surely beyond it
         self.check_contact(rate, steps)
         for peak in peaks:
             speed, force = rate(*peak)
-            self.peak, self.turns = max(self.peak, (peak.theta - 0.5 * speed * peak.w / force) / self.here.alpha), self.turns + 1
+            self.peak, self.turns = (
+                max(
+                    self.peak,
+                    (peak.theta - 0.5 * speed * peak.w / force) / self.here.alpha,
+                ),
+                self.turns + 1,
+            )
         if not struck:
             self.time, self.theta, self.w = there
             return
         speed, force = rate(*there)
         miss, eta = -there.theta / speed if speed < 0.0 else 0.0, self.eta[self.side]
-        self.time, self.bounced = max(there.time, math.nextafter(start.time, math.inf)) + miss, True
+        self.time, self.bounced = (
+            max(there.time, math.nextafter(start.time, math.inf)) + miss,
+            True,
+        )
         self.turns = 0
         self.side = -self.side if -self.side in self.edges else self.side
-        self.here, self.theta, self.w = self.edges[self.side], 0.0, -eta * (there.w + miss * force)
-        push, weight = self.drive * value(piece, self.omega * self.time), self.weight(self.time)
-        lifted = any(-side * push >= edge.uplift * weight for side, edge in self.edges.items())
+        self.here, self.theta, self.w = (
+            self.edges[self.side],
+            0.0,
+            -eta * (there.w + miss * force),
+        )
+        push, weight = (
+            self.drive * value(piece, self.omega * self.time),
+            self.weight(self.time),
+        )
+        lifted = any(
+            -side * push >= edge.uplift * weight for side, edge in self.edges.items()
+        )
         if self.w <= 0.0 or (self.w < _AT_REST and not lifted and eta < 1.0):
             self.side, self.w = 0, 0.0
 
     def check_contact(self, rate: Rate, steps: list[Point]) -> None:
-        """Record in `contact_lost` if Fz falls to zero along these steps of a body whose forces are known; such a body has theta' = w."""
+        """Record in `contact_lost` if Fz falls to zero along these steps of a body
+        whose forces are known; such a body has theta' = w.
+        """
         arm = self.problem.arms.get(self.side)
         if arm is None or self.contact_lost:
             return
@@ -216,32 +357,57 @@ class Body:
 
         after = acceleration_and_fz(steps[0])
         for one, other in pairwise(steps):
-            before, after, length = after, acceleration_and_fz(other), other.time - one.time
+            before, after, length = (
+                after,
+                acceleration_and_fz(other),
+                other.time - one.time,
+            )
             theta, w = 0.5 * (one.theta + other.theta), 0.5 * (one.w + other.w)
-            theta, w = theta + 0.125 * length * (one.w - other.w), w + 0.125 * length * (before[0] - after[0])
+            theta, w = (
+                theta + 0.125 * length * (one.w - other.w),
+                w + 0.125 * length * (before[0] - after[0]),
+            )
             middle = acceleration_and_fz(Point(one.time + 0.5 * length, theta, w))
 
             def within(part: float, one: Point = one, length: float = length) -> float:
                 return acceleration_and_fz(step(rate, one, part * length) or one)[1]
 
-            self.contact_lost = self.contact_lost or falls_to_zero((before[1], middle[1], after[1]), within)
+            self.contact_lost = self.contact_lost or falls_to_zero(
+                (before[1], middle[1], after[1]), within
+            )
 
     def cannot_return(self) -> bool:
-        """True if the body moves outwards where the strongest inward ground acceleration does not pull it in, and w > 0 always."""
-        return self.least > 0.0 < self.w and self.here.of(self.theta, self.w, self.drive * self.motion.largest, self.least)[1] > 0.0
+        """True if the body moves outwards where the strongest inward ground
+        acceleration does not pull it in, and w > 0 always.
+        """
+        return (
+            self.least > 0.0 < self.w
+            and self.here.of(
+                self.theta, self.w, self.drive * self.motion.largest, self.least
+            )[1]
+            > 0.0
+        )
 
     def falls_on_still_ground(self) -> bool:
         return self.theta > self.here.alpha and self.w >= 0.0
 
     def overturned(self) -> Outcome:
-        return Outcome.OVERTURNED_AFTER_IMPACT if self.bounced else Outcome.OVERTURNED_NO_IMPACT
+        return (
+            Outcome.OVERTURNED_AFTER_IMPACT
+            if self.bounced
+            else Outcome.OVERTURNED_NO_IMPACT
+        )
 
     def still(self) -> tuple[Outcome, float]:
-        """After the shaking: march over still ground until the outcome is certain; returns (outcome, max |theta|/alpha)."""
+        """After the shaking: march over still ground until the outcome is certain;
+        returns (outcome, max |theta|/alpha).
+        """
         self.impacts, self.up, self.turns = 0, None, 0
         for _ in range(_MOST):
             if self.side == 0 or self.impacts > 2:
-                return (Outcome.ROCKED if self.peak > 0.0 else Outcome.NO_UPLIFT), self.peak
+                return (
+                    Outcome.ROCKED if self.peak > 0.0 else Outcome.NO_UPLIFT
+                ), self.peak
             if self.turns > 1:  # it turned outwards between two peaks
                 return Outcome.LEANING, self.peak
             if self.falls_on_still_ground():

@@ -1,7 +1,8 @@
 """Ties and a tendon for the general solver.
 
-The force of a device depends on the rotation, its permanent elongation and the law that it follows now: slack, elastic, yielding or broken.
-A law holds for a whole stretch of the solver. A stretch ends where a law changes, which single steps find by bisection.
+The force of a device depends on the rotation, its permanent elongation and the law that
+it follows now: slack, elastic, yielding or broken. A law holds for a whole stretch of
+the solver. A stretch ends where a law changes, which single steps find by bisection.
 """
 
 from __future__ import annotations
@@ -21,7 +22,9 @@ if TYPE_CHECKING:
 
 _HALVINGS = 60
 _YIELDS = 1e-12  # part of the elongation at yield within which a device yields
-_FAR = 1e6  # rotation over alpha at which a body has overturned under the linear equation
+_FAR = (
+    1e6  # rotation over alpha at which a body has overturned under the linear equation
+)
 
 
 class _Device:
@@ -29,7 +32,11 @@ class _Device:
 
     def __init__(self, tie: Tie, linear: bool) -> None:
         self.tie, self.linear = tie, linear
-        self.reach = (tie.yield_force - tie.prestress) / tie.stiffness if tie.stiffness else math.inf  # elongation from P0 to F_y
+        self.reach = (
+            (tie.yield_force - tie.prestress) / tie.stiffness
+            if tie.stiffness
+            else math.inf
+        )  # elongation from P0 to F_y
         self.slackens = tie.prestress / tie.stiffness if tie.stiffness else math.inf
         self.permanent, self.law = 0.0, "elastic"
 
@@ -42,21 +49,38 @@ class _Device:
     def force(self, u: float) -> float:
         if self.law == "yielding":
             return self.tie.yield_force
-        return self.tie.prestress + self.tie.stiffness * (self.elongation(u) - self.permanent) if self.law == "elastic" else 0.0
+        return (
+            self.tie.prestress
+            + self.tie.stiffness * (self.elongation(u) - self.permanent)
+            if self.law == "elastic"
+            else 0.0
+        )
 
     def at_ground(self) -> float:
-        return max(0.0, self.tie.prestress - self.tie.stiffness * self.permanent) if self.law != "broken" else 0.0
+        return (
+            max(0.0, self.tie.prestress - self.tie.stiffness * self.permanent)
+            if self.law != "broken"
+            else 0.0
+        )
 
     def holds(self, u: float) -> float:
-        """The elongation [m] that is left until the present law ends, negative beyond its end."""
+        """The elongation [m] that is left until the present law ends, negative beyond
+        its end.
+        """
         e, slack = self.elongation(max(u, 0.0)), self.permanent - self.slackens
         if self.law == "slack":
             return slack - e
         left = math.inf if self.law == "broken" else self.tie.ultimate - e
-        return min(left, e - slack, self.permanent + self.reach - e) if self.law == "elastic" else left
+        return (
+            min(left, e - slack, self.permanent + self.reach - e)
+            if self.law == "elastic"
+            else left
+        )
 
     def follow(self, u: float, w: float) -> None:
-        """Choose the law at a rotation and velocity, and keep the permanent elongation."""
+        """Choose the law at a rotation and velocity, and keep
+        the permanent elongation.
+        """
         e = self.elongation(u)
         if self.law == "broken" or e >= self.tie.ultimate:
             self.law = "broken"
@@ -69,12 +93,27 @@ class _Device:
 
 
 class Held:
-    """The ties and the tendon of a body that moves. A side is +1 (right) or -1 (left). paces: for each side, its p over the p of tau = p t;
-    arm: R, the distance from the edge to the mass centre [m]; linear: True for the linear equation, in which levers do not change."""
+    """The ties and the tendon of a body that moves. A side is +1 (right) or -1 (left).
+    paces: for each side, its p over the p of tau = p t; arm: R, the distance from the
+    edge to the mass centre [m]; linear: True for the linear equation, in which levers
+    do not change.
+    """
 
-    def __init__(self, restraints: Restraints, paces: Mapping[int, float], arm: float, linear: bool) -> None:
+    def __init__(
+        self,
+        restraints: Restraints,
+        paces: Mapping[int, float],
+        arm: float,
+        linear: bool,
+    ) -> None:
         stands = dict(zip((-1, 1), restraints.stands, strict=True))
-        self.devices = {i: [_Device(tie, linear) for tie in restraints.on(stands[i].side, stands[i].lever)] for i in paces}
+        self.devices = {
+            i: [
+                _Device(tie, linear)
+                for tie in restraints.on(stands[i].side, stands[i].lever)
+            ]
+            for i in paces
+        }
         self.factors = {i: pace**2 / stands[i].moment for i, pace in paces.items()}
         self.paces, self.arm, self.linear = paces, arm, linear
 
@@ -84,20 +123,35 @@ class Held:
 
     def at_ground(self, side: int) -> float:
         """The restoring acceleration -theta'' by tau that holds a body at rest."""
-        return self.factors[side] * sum(d.at_ground() * d.tie.height for d in self.devices[side])
+        return self.factors[side] * sum(
+            d.at_ground() * d.tie.height for d in self.devices[side]
+        )
 
     def downwards(self, side: int, u: float) -> float:
         """The vertical force of a tendon over m g."""
         force = sum(d.force(u) for d in self.devices[side] if isinstance(d.tie, Strand))
-        return force * math.cos(0.5 * u) * self.arm * self.factors[side] / self.paces[side] ** 2
+        return (
+            force
+            * math.cos(0.5 * u)
+            * self.arm
+            * self.factors[side]
+            / self.paces[side] ** 2
+        )
 
     def limit(self, side: int, alpha: float) -> float:
-        """The rotation [rad] from which the body counts as overturned: a tie has lost its lever, or the body lies on its side."""
-        turned = (math.atan2(d.tie.height, -min(d.tie.behind, 0.0)) for d in self.devices[side])
+        """The rotation [rad] from which the body counts as overturned: a tie has lost
+        its lever, or the body lies on its side.
+        """
+        turned = (
+            math.atan2(d.tie.height, -min(d.tie.behind, 0.0))
+            for d in self.devices[side]
+        )
         return _FAR * alpha if self.linear else min(turned, default=0.5 * math.pi)
 
     def cut(self, side: int, rate: Rate, found: Path) -> Path:
-        """The part of a path on which no law changes: it ends where one does, or at the first peak if a device yields."""
+        """The part of a path on which no law changes: it ends where one does, or at the
+        first peak if a device yields.
+        """
         devices, peaks, passed = self.devices[side], found.peaks, [found.steps[0]]
         yields = any(d.law == "yielding" for d in devices)
         for one, other in pairwise(sorted((*found.steps, *peaks))):
@@ -114,15 +168,24 @@ class Held:
                     low = middle
                 else:
                     high, there = middle, at
-            return Path([p for p in peaks if p in passed], there, False, [*passed, there])
+            return Path(
+                [p for p in peaks if p in passed], there, False, [*passed, there]
+            )
         return found
 
     def follow(self, side: int, u: float, w: float) -> bool:
-        """Choose the laws of the devices of a side at a rotation and a velocity; True if one breaks now. A tendon breaks on both sides."""
+        """Choose the laws of the devices of a side at a rotation and a velocity; True
+        if one breaks now. A tendon breaks on both sides.
+        """
         whole = sum(d.law != "broken" for d in self.devices[side])
         for d in self.devices[side]:
             d.follow(u, w)
-        tendons = [d for devices in self.devices.values() for d in devices if isinstance(d.tie, Strand)]
+        tendons = [
+            d
+            for devices in self.devices.values()
+            for d in devices
+            if isinstance(d.tie, Strand)
+        ]
         if any(d.law == "broken" for d in tendons):
             for d in tendons:
                 d.law = "broken"
@@ -130,16 +193,27 @@ class Held:
 
 
 class _TiedBody(Body):
-    def __init__(self, held: Held, motion: Motion, problem: Problem, *numbers: Any) -> None:
+    def __init__(
+        self, held: Held, motion: Motion, problem: Problem, *numbers: Any
+    ) -> None:
         super().__init__(motion, problem, *numbers)
         self.held, self.free = held, problem.edges
-        self.edges = {i: e._replace(of=self.restrained(i, e), limit=self.held.limit(i, e.alpha)) for i, e in problem.edges.items()}
+        self.edges = {
+            i: e._replace(of=self.restrained(i, e), limit=self.held.limit(i, e.alpha))
+            for i, e in problem.edges.items()
+        }
         self.follow()
 
-    def restrained(self, side: int, edge: Rates) -> Callable[[float, float, float, float], tuple[float, float]]:
-        """Return the rates of `edge` with the pull of the ties, tendon and dampers added."""
+    def restrained(
+        self, side: int, edge: Rates
+    ) -> Callable[[float, float, float, float], tuple[float, float]]:
+        """Return the rates of `edge` with the pull of the ties, tendon and dampers
+        added.
+        """
 
-        def rates(theta: float, w: float, push: float, weight: float) -> tuple[float, float]:
+        def rates(
+            theta: float, w: float, push: float, weight: float
+        ) -> tuple[float, float]:
             speed, force = edge.of(theta, w, push, weight)
             return speed, force - self.held.pull(side, theta)
 
@@ -152,12 +226,18 @@ class _TiedBody(Body):
         return self.held.cut(self.side, rate, found)
 
     def follow(self) -> None:
-        """Choose the laws of the devices where the body is now, and the drive that lifts it from each edge."""
+        """Choose the laws of the devices where the body is now, and the drive that
+        lifts it from each edge.
+        """
         for side, edge in self.free.items():
             here = side == self.side
-            if self.held.follow(side, self.theta if here else 0.0, self.w if here else 0.0):
+            if self.held.follow(
+                side, self.theta if here else 0.0, self.w if here else 0.0
+            ):
                 self.turns = self.impacts = 0
-            lifts = edge.uplift * (1.0 - self.held.at_ground(side) / edge.of(0.0, 0.0, 0.0, 1.0)[1])
+            lifts = edge.uplift * (
+                1.0 - self.held.at_ground(side) / edge.of(0.0, 0.0, 0.0, 1.0)[1]
+            )
             self.edges[side] = self.edges[side]._replace(uplift=lifts)
         self.here = self.edges[self.side or 1]
 
@@ -168,6 +248,12 @@ class _TiedBody(Body):
         return self.theta > self.here.limit
 
 
-def body_with(restraints: Restraints, paces: Mapping[int, float], arm: float | None, linear: bool) -> Callable[..., Body]:
-    """A function that builds a `Body` with these restraints; paces, arm, linear: as of `Held`."""
-    return lambda *more: _TiedBody(Held(restraints, paces, arm or math.nan, linear), *more)
+def body_with(
+    restraints: Restraints, paces: Mapping[int, float], arm: float | None, linear: bool
+) -> Callable[..., Body]:
+    """A function that builds a `Body` with these restraints; paces, arm, linear: as of
+    `Held`.
+    """
+    return lambda *more: _TiedBody(
+        Held(restraints, paces, arm or math.nan, linear), *more
+    )

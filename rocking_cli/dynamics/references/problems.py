@@ -1,4 +1,6 @@
-"""The equations as the paper writes them, on each edge of a structure, for the general solver."""
+"""The equations as the paper writes them, on each edge of a structure, for the general
+solver.
+"""
 
 from __future__ import annotations
 
@@ -16,50 +18,107 @@ if TYPE_CHECKING:
 
 
 def linear_rates(structure: RockingParameters, edge: Edge) -> Rates:
-    """The rates of Eq. 2.4 or 3.6 on an edge: theta'' = theta - alpha - a_scale push - 2 zeta theta', time by p of the edge."""
-    pace, alpha, a_scale, damping = edge.p / structure.p, edge.alpha, edge.a_scale, structure.damping
+    """The rates of Eq. 2.4 or 3.6 on an edge: theta'' = theta - alpha - a_scale push -
+    2 zeta theta', time by p of the edge.
+    """
+    pace, alpha, a_scale, damping = (
+        edge.p / structure.p,
+        edge.alpha,
+        edge.a_scale,
+        structure.damping,
+    )
 
-    def rates(theta: float, w: float, push: float, weight: float) -> tuple[float, float]:
-        return w, pace**2 * (weight * (theta - alpha) - a_scale * push) - 2.0 * damping * pace * w
+    def rates(
+        theta: float, w: float, push: float, weight: float
+    ) -> tuple[float, float]:
+        return (
+            w,
+            pace**2 * (weight * (theta - alpha) - a_scale * push)
+            - 2.0 * damping * pace * w,
+        )
 
     return Rates(alpha, alpha / a_scale, math.inf, rates)
 
 
 def rigid_body_rates(structure: RockingParameters, edge: Edge) -> Rates:
-    """The rates of Eq. 2.3 on an edge: theta'' = -sin(alpha - theta) - push cos(alpha - theta) - 2 zeta theta', time by p of the edge."""
+    """The rates of Eq. 2.3 on an edge: theta'' = -sin(alpha - theta) - push cos(alpha -
+    theta) - 2 zeta theta', time by p of the edge.
+    """
     pace, alpha, damping = edge.p / structure.p, edge.alpha, structure.damping
 
-    def rates(theta: float, w: float, push: float, weight: float) -> tuple[float, float]:
+    def rates(
+        theta: float, w: float, push: float, weight: float
+    ) -> tuple[float, float]:
         z = alpha - theta
-        return w, pace**2 * (-weight * math.sin(z) - push * math.cos(z)) - 2.0 * damping * pace * w
+        return (
+            w,
+            pace**2 * (-weight * math.sin(z) - push * math.cos(z))
+            - 2.0 * damping * pace * w,
+        )
 
     return Rates(alpha, math.tan(alpha), 0.5 * math.pi, rates)
 
 
 def mechanism_rates(structure: RockingParameters, edge: Edge) -> Rates:
-    """The rates of Eq. 3.4: theta' = w/sqrt(M), w' = -(L + push B)/sqrt(M) - 2 zeta w, over p^2/g, with the mechanism's coefficients."""
+    """The rates of Eq. 3.4: theta' = w/sqrt(M), w' = -(L + push B)/sqrt(M) - 2 zeta w,
+    over p^2/g, with the mechanism's coefficients.
+    """
     from ...structures.mechanics.kinematics import linearise
 
     assert structure.mechanism is not None  # called only for mechanisms
-    mechanism, form, damping = structure.mechanism, linearise(structure.mechanism), structure.damping
+    mechanism, form, damping = (
+        structure.mechanism,
+        linearise(structure.mechanism),
+        structure.damping,
+    )
 
-    def rates(theta: float, w: float, push: float, weight: float) -> tuple[float, float]:
+    def rates(
+        theta: float, w: float, push: float, weight: float
+    ) -> tuple[float, float]:
         c = mechanism.coefficients(theta)
         root = math.sqrt(c.inertia)
-        return w / root, -float(weight * c.lift + push * c.push) / root / form.stiffness - 2.0 * damping * w
+        return (
+            w / root,
+            -float(weight * c.lift + push * c.push) / root / form.stiffness
+            - 2.0 * damping * w,
+        )
 
     return Rates(form.alpha, form.uplift, 0.5 * math.pi, rates, returns=False)
 
 
-def problem_of(structure: RockingParameters, rates: Callable[[RockingParameters, Edge], Rates]) -> Problem:
-    """Return the problem of a structure; rates: function that gives the equation on an edge, such as `linear_rates`."""
+def problem_of(
+    structure: RockingParameters, rates: Callable[[RockingParameters, Edge], Rates]
+) -> Problem:
+    """Return the problem of a structure; rates: function that gives the equation on an
+    edge, such as `linear_rates`.
+    """
     sides: dict[int, Edge] = dict(zip((-1, 1), structure.sides, strict=False))
-    scale, own = structure.alpha / structure.a_scale, sides or dict.fromkeys((1,) if structure.one_sided else (1, -1), structure)
-    arms = {i: Arm(e.alpha, e.arm * structure.p**2 / structure.gravity) for i, e in own.items() if e.arm is not None}
+    scale, own = (
+        structure.alpha / structure.a_scale,
+        sides or dict.fromkeys((1,) if structure.one_sided else (1, -1), structure),
+    )
+    arms = {
+        i: Arm(e.alpha, e.arm * structure.p**2 / structure.gravity)
+        for i, e in own.items()
+        if e.arm is not None
+    }
     arms = arms if len(arms) == len(own) else {}
     body = None
     if structure.restraints:
-        body = body_with(structure.restraints, {i: e.p / structure.p for i, e in own.items()}, own[1].arm, linear=rates is linear_rates)
+        body = body_with(
+            structure.restraints,
+            {i: e.p / structure.p for i, e in own.items()},
+            own[1].arm,
+            linear=rates is linear_rates,
+        )
     if sides:
-        return Problem({i: rates(structure, s) for i, s in sides.items()}, scale, {i: s.eta for i, s in sides.items()}, arms, body)
-    return Problem(dict.fromkeys(own, rates(structure, structure)), scale, arms=arms, body=body)
+        return Problem(
+            {i: rates(structure, s) for i, s in sides.items()},
+            scale,
+            {i: s.eta for i, s in sides.items()},
+            arms,
+            body,
+        )
+    return Problem(
+        dict.fromkeys(own, rates(structure, structure)), scale, arms=arms, body=body
+    )

@@ -1,8 +1,10 @@
-"""Exact propagation of the undamped linear oscillator over many samples of a record, where Lemma 11 proves that no impact occurs.
+"""Exact propagation of the undamped linear oscillator over many samples of a record,
+where Lemma 11 proves that no impact occurs.
 
-Y'' = Y + s has one bounded solution Y, of two modes, each integrated in the direction in which it decays:
-Y + Y' = -int_tau^T exp(tau - t) s dt and Y - Y' = -int_0^tau exp(t - tau) s dt. Every motion on one side is then
-y = 1 + c Y + up exp(tau) + down exp(-tau), c = -side A. So the state at any later sample costs two exponentials.
+Y'' = Y + s has one bounded solution Y, of two modes, each integrated in the direction
+in which it decays: Y + Y' = -int_tau^T exp(tau - t) s dt and Y - Y' = -int_0^tau exp(t
+- tau) s dt. Every motion on one side is then y = 1 + c Y + up exp(tau) + down
+exp(-tau), c = -side A. So the state at any later sample costs two exponentials.
 """
 
 import math
@@ -21,37 +23,60 @@ from .stepper import PooledLanes, SampleStepper
 
 LANES = 65536  # lanes: fewer rounds outweigh arrays that no longer fit any cache
 _TABLES = 1 << 25  # bytes of tables at a time
-_LEAST = 1e-8  # over 1 + A: below this displacement the march goes on, since a propagation errs by 1e-15
-_ROUNDS = 16  # largest number of propagations in a row; then the waiting lanes get their round of the march
+# over 1 + A: below this displacement the march goes on, since a propagation errs by
+# 1e-15
+_LEAST = 1e-8
+# largest number of propagations in a row; then the waiting lanes get their round of the
+# march
+_ROUNDS = 16
 _FEW = 2  # propagations stop when fewer than one in so many lanes goes on
-_SAFE_SHARE = 1.0 - 1e-6  # share of a horizon that is used: y at the end of a propagation may err by 1e-15 of 1e-8
-_TERMS = 20  # terms of the series of the weights: the first one left out is below 1e-17 up to `stepper.LONGEST`
-LONGEST_STRETCH = 24.0  # tau: its exp stays below 3e10, so that growth cannot bury the state in rounding
+# share of a horizon that is used: y at the end of a propagation may err by 1e-15 of
+# 1e-8
+_SAFE_SHARE = 1.0 - 1e-6
+# terms of the series of the weights: the first one left out is below 1e-17 up to
+# `stepper.LONGEST`
+_TERMS = 20
+# tau: its exp stays below 3e10, so that growth cannot bury the state in rounding
+LONGEST_STRETCH = 24.0
 _NEGLIGIBLE = 1e-20  # a mode that has decayed to this share is left out
-BOUND_MARGIN = 1e-6  # part of the peak by which each bound lies below what it bounds: far above the rounding to single precision
-_FINE = 3  # stretches of 2^k samples begin at every sample up to this k, at every 2^(k - 3)rd beyond
+# part of the peak by which each bound lies below what it bounds: far above the rounding
+# to single precision
+BOUND_MARGIN = 1e-6
+# stretches of 2^k samples begin at every sample up to this k, at every 2^(k - 3)rd
+# beyond
+_FINE = 3
 
 
 def bounded_response(samples: Array, pace: Array) -> Array:
-    """Return Y + i Y' at the samples, Y the bounded solution of Y'' = Y + s, (paces, samples). pace: time between samples [tau], (paces,),
-    at most `stepper.LONGEST`."""
+    """Return Y + i Y' at the samples, Y the bounded solution of Y'' = Y + s, (paces,
+    samples). pace: time between samples [tau], (paces,), at most `stepper.LONGEST`.
+    """
     total = -np.expm1(-pace)  # int_0^h exp(-t) dt
     far = np.zeros_like(pace)  # int_0^h exp(-t) t/h dt
     for k in range(_TERMS, -1, -1):
         far = far * -pace + (k + 1.0) / math.factorial(k + 2)
     far *= pace
     near = total - far
-    decays = np.exp(-pace[:, None] * 2.0 ** np.arange((samples.size - 1).bit_length()))  # over 1, 2, 4 ... samples
+    decays = np.exp(
+        -pace[:, None] * 2.0 ** np.arange((samples.size - 1).bit_length())
+    )  # over 1, 2, 4 ... samples
     result = np.empty((pace.size, samples.size), dtype=complex)
-    for row, *weights, decay in zip(result, near.tolist(), far.tolist(), decays, strict=True):
+    for row, *weights, decay in zip(
+        result, near.tolist(), far.tolist(), decays, strict=True
+    ):
         decays = decay[decay >= _NEGLIGIBLE].tolist()
-        up, down = _mode(samples, weights, decays), _mode(samples[::-1], weights, decays)[::-1]
+        up, down = (
+            _mode(samples, weights, decays),
+            _mode(samples[::-1], weights, decays)[::-1],
+        )
         row.real, row.imag = 0.5 * (up + down), 0.5 * (up - down)
     return result
 
 
 def _mode(samples: Array, weights: Sequence[float], decays: Sequence[float]) -> Array:
-    """The integral, from each sample to the last one, of the record times one exponential mode of the linear equation."""
+    """The integral, from each sample to the last one, of the record times one
+    exponential mode of the linear equation.
+    """
     near, far = weights
     total = np.append(-(near * samples[:-1] + far * samples[1:]), 0.0)
     for level, decay in enumerate(decays):
@@ -61,9 +86,11 @@ def _mode(samples: Array, weights: Sequence[float], decays: Sequence[float]) -> 
 
 
 class Stretches(NamedTuple):
-    """Lower bounds of the outward drive of A = 1 over stretches: the stretch of level k from sample n covers the samples n ... n + 2^k, up
-    to the last one. low: (2 sides x stretches,), 40 bytes a sample; start, shift: (levels,); face: number of entries of one side; the right
-    edge comes first, then the left."""
+    """Lower bounds of the outward drive of A = 1 over stretches: the stretch of level k
+    from sample n covers the samples n ... n + 2^k, up to the last one. low: (2 sides x
+    stretches,), 40 bytes a sample; start, shift: (levels,); face: number of entries of
+    one side; the right edge comes first, then the left.
+    """
 
     low: Array
     start: Array
@@ -71,13 +98,19 @@ class Stretches(NamedTuple):
     face: int
 
     def at(self, face: Array, level: Array, n: Array) -> Array:
-        """Lower bound of the outward drive of A = 1 over the stretches of these levels from these samples."""
-        return self.low.take(face + self.start.take(level) + (n >> self.shift.take(level)))
+        """Lower bound of the outward drive of A = 1 over the stretches of these levels
+        from these samples.
+        """
+        return self.low.take(
+            face + self.start.take(level) + (n >> self.shift.take(level))
+        )
 
 
 def stretches(motions: Sequence[Array], levels: int) -> Stretches:
-    """Build `Stretches` from the samples s (n,) of motions, for stretches of 1, 2, 4 ... 2^(levels - 1) intervals. On the right edge the
-    outward drive is -s. Every motion takes as much room as the longest one."""
+    """Build `Stretches` from the samples s (n,) of motions, for stretches of 1, 2, 4
+    ... 2^(levels - 1) intervals. On the right edge the outward drive is -s. Every
+    motion takes as much room as the longest one.
+    """
     shift = np.maximum(0, np.arange(levels, dtype=np.int64) - _FINE)
     sizes = (max(samples.size for samples in motions) - 1) // (1 << shift) + 1
     start = np.cumsum(sizes) - sizes
@@ -87,17 +120,23 @@ def stretches(motions: Sequence[Array], levels: int) -> Stretches:
         for side, outward in zip(own, (-samples, samples), strict=True):
             least = (outward - margin).astype(np.float32)
             for level in range(levels):
-                reach = 1 << max(level - 1, 0)  # from the front: later entries are still those of the level before
+                reach = 1 << max(
+                    level - 1, 0
+                )  # from the front: later entries are still those of the level before
                 least[:-reach] = np.minimum(least[:-reach], least[reach:])
-                found = np.minimum.reduceat(least, np.arange(0, last + 1, 1 << int(shift[level])))
+                found = np.minimum.reduceat(
+                    least, np.arange(0, last + 1, 1 << int(shift[level]))
+                )
                 side[start[level] : start[level] + found.size] = found
     return Stretches(low.ravel(), start, shift, low.shape[2])
 
 
 @dataclass
 class ExactLanes(PooledLanes):
-    """Lanes with their modes. up, down: coefficients of exp(tau) and exp(-tau) in y, with tau from the first sample that is not before u;
-    row: where the table for the lane's pace begins; level: level of the stretch to try next."""
+    """Lanes with their modes. up, down: coefficients of exp(tau) and exp(-tau) in y,
+    with tau from the first sample that is not before u; row: where the table for the
+    lane's pace begins; level: level of the stretch to try next.
+    """
 
     up: Array
     down: Array
@@ -106,31 +145,51 @@ class ExactLanes(PooledLanes):
 
 
 class ExactStepper(SampleStepper[ExactLanes]):
-    """Advances the cells of a `Run` of the undamped linear oscillator over many samples of a record at once."""
+    """Advances the cells of a `Run` of the undamped linear oscillator over many samples
+    of a record at once.
+    """
 
     def __init__(self, run: Run, samples: Sequence[Samples]) -> None:
         super().__init__(run, samples)
         self.sizes = np.array([one.size for one in self.values])
-        self.stretches = stretches(self.values, 1 + math.ceil(math.log2(self.sizes.max() - 1)))
+        self.stretches = stretches(
+            self.values, 1 + math.ceil(math.log2(self.sizes.max() - 1))
+        )
         self.face = 2 * self.stretches.face * self.motion
         self.rows = np.zeros(self.cells.omega.shape, dtype=np.int64)
 
     def shares(self, waiting: Array) -> Iterator[Array]:
-        """Groups the cells so that each group has few motions and frequencies, whose tables are small."""
-        pairs = self.motion[waiting] + 1j * (self.step[waiting] / self.cells.omega[:, waiting])
+        """Groups the cells so that each group has few motions and frequencies, whose
+        tables are small.
+        """
+        pairs = self.motion[waiting] + 1j * (
+            self.step[waiting] / self.cells.omega[:, waiting]
+        )
         tables, which = np.unique(pairs, return_inverse=True)
         motion, which = tables.real.astype(np.int64), which.reshape(-1, waiting.size)
-        order, begin = np.argsort(which[0], kind="stable"), np.cumsum(self.sizes[motion]) - self.sizes[motion]
+        order, begin = (
+            np.argsort(which[0], kind="stable"),
+            np.cumsum(self.sizes[motion]) - self.sizes[motion],
+        )
         for some in _cut(order, begin[which[0][order]], _TABLES // (16 * len(which))):
             mine, row = np.unique(which[:, some], return_inverse=True)
-            of = [(self.values[i], tables.imag[mine[motion[mine] == i]]) for i in np.unique(motion[mine]).tolist()]
-            self.bounded = np.concatenate([bounded_response(values, paces).ravel() for values, paces in of])
+            of = [
+                (self.values[i], tables.imag[mine[motion[mine] == i]])
+                for i in np.unique(motion[mine]).tolist()
+            ]
+            self.bounded = np.concatenate(
+                [bounded_response(values, paces).ravel() for values, paces in of]
+            )
             begins = np.cumsum(self.sizes[motion[mine]]) - self.sizes[motion[mine]]
-            self.rows[:, waiting[some]] = begins[row].reshape(len(which), -1) - self.first[waiting[some]]
+            self.rows[:, waiting[some]] = (
+                begins[row].reshape(len(which), -1) - self.first[waiting[some]]
+            )
             yield np.sort(waiting[some])
 
     def prepare(self, lanes: PooledLanes) -> ExactLanes:
-        found = lanes.extended(ExactLanes, up=lanes.y, down=lanes.y, row=lanes.k, level=lanes.k)
+        found = lanes.extended(
+            ExactLanes, up=lanes.y, down=lanes.y, row=lanes.k, level=lanes.k
+        )
         self._renew_modes(found)
         return found
 
@@ -142,48 +201,92 @@ class ExactStepper(SampleStepper[ExactLanes]):
         """Compute the modes of lanes at the next sample."""
         inside = lanes.u > 0.0
         lanes.row = self.rows[self.cells.row(lanes.side), lanes.cell]
-        there = self.equation.flow(self.segments, lanes).at((lanes.pace - lanes.u / lanes.omega) * inside)
-        bounded = self.bounded.take(lanes.row + np.minimum(lanes.k + inside, self.last.take(lanes.cell)))
-        y, v = there.y - 1.0 - lanes.outward * bounded.real, there.v - lanes.outward * bounded.imag
+        there = self.equation.flow(self.segments, lanes).at(
+            (lanes.pace - lanes.u / lanes.omega) * inside
+        )
+        bounded = self.bounded.take(
+            lanes.row + np.minimum(lanes.k + inside, self.last.take(lanes.cell))
+        )
+        y, v = (
+            there.y - 1.0 - lanes.outward * bounded.real,
+            there.v - lanes.outward * bounded.imag,
+        )
         lanes.up, lanes.down = 0.5 * (y + v), 0.5 * (y - v)
-        fall = (lanes.v + np.sqrt(lanes.v * lanes.v - 2.0 * lanes.b * lanes.y)) / -lanes.b
+        fall = (
+            lanes.v + np.sqrt(lanes.v * lanes.v - 2.0 * lanes.b * lanes.y)
+        ) / -lanes.b
         level = np.frexp(np.where(fall > 0.0, 0.5 * fall / lanes.pace, 8.0))[1]
         lanes.level = np.clip(level, 0, self._top(lanes.pace)).astype(np.int64)
 
     def _top(self, pace: Array) -> Array:
-        """The largest level of `Stretches` (2^level samples) over which lanes of this pace are propagated."""
-        return np.minimum(np.frexp(LONGEST_STRETCH / pace)[1] - 1, self.stretches.start.size - 1).astype(np.int64)
+        """The largest level of `Stretches` (2^level samples) over which lanes of this
+        pace are propagated.
+        """
+        return np.minimum(
+            np.frexp(LONGEST_STRETCH / pace)[1] - 1, self.stretches.start.size - 1
+        ).astype(np.int64)
 
     def can_propagate(self, lanes: ExactLanes) -> Array:
         ahead = self.step.take(lanes.cell) - lanes.u
-        return (lanes.k < self.last.take(lanes.cell)) & ((lanes.y > 0.0) | (2.0 * lanes.v * lanes.omega >= -lanes.b * ahead))
+        return (lanes.k < self.last.take(lanes.cell)) & (
+            (lanes.y > 0.0) | (2.0 * lanes.v * lanes.omega >= -lanes.b * ahead)
+        )
 
     def propagate(self, lanes: ExactLanes, at: Array) -> Array:
-        """Propagate lanes several times. A lane stops when a propagation is not proved."""
+        """Propagate lanes several times. A lane stops when a propagation
+        is not proved.
+        """
         own, go = lanes.take(at), np.ones(at.size, dtype=bool)
         drive, pace, top = own.outward, own.pace, self._top(own.pace)
-        first, last, face, per_step = (x.take(own.cell) for x in (self.first, self.last, self.face, 1.0 / self.step))
+        first, last, face, per_step = (
+            x.take(own.cell)
+            for x in (self.first, self.last, self.face, 1.0 / self.step)
+        )
         face += (drive > 0.0) * self.stretches.face
         for _ in range(_ROUNDS):
-            least = np.abs(drive) * self.stretches.at(face, own.level, own.k - first)  # outward drive
+            least = np.abs(drive) * self.stretches.at(
+                face, own.level, own.k - first
+            )  # outward drive
             time, fall = horizon(own.y, own.v, least)
             past = own.u * per_step  # samples since the start of the interval
-            ahead = np.fmin(past + time * (_SAFE_SHARE / pace), np.minimum(np.left_shift(1, own.level), last - own.k))
+            ahead = np.fmin(
+                past + time * (_SAFE_SHARE / pace),
+                np.minimum(np.left_shift(1, own.level), last - own.k),
+            )
             go &= ahead >= 1.0
             count = np.where(go, ahead, 1.0).astype(np.int64)
             to = np.minimum(own.k + count, last)
-            grown = np.exp((count - (own.u > 0.0)) * pace)  # where u is 0 the modes belong to this sample, else to the next
-            up, down, bounded = own.up * grown, own.down / grown, self.bounded.take(own.row + to)
-            y, v = drive * bounded.real + (up + down) + 1.0, drive * bounded.imag + (up - down)
+            grown = np.exp(
+                (count - (own.u > 0.0)) * pace
+            )  # where u is 0 the modes belong to this sample, else to the next
+            up, down, bounded = (
+                own.up * grown,
+                own.down / grown,
+                self.bounded.take(own.row + to),
+            )
+            y, v = (
+                drive * bounded.real + (up + down) + 1.0,
+                drive * bounded.imag + (up - down),
+            )
             go &= y >= _LEAST * (1.0 + np.abs(drive))
             peak = np.maximum(own.peak, y)
-            held = self._doubtful(own, Propagation(y, v, peak, fall, (count - past) * pace), go)
+            held = self._doubtful(
+                own, Propagation(y, v, peak, fall, (count - past) * pace), go
+            )
             moved = go.copy()
             moved[held] = False
             go[held[count[held] == 1]] = False
             level = np.minimum(np.frexp(ahead)[1], top)
             level[held] = np.frexp(count[held] // 2)[1] - 1
-            for name, value in {"k": to, "u": 0.0, "y": y, "v": v, "peak": peak, "up": up, "down": down}.items():
+            for name, value in {
+                "k": to,
+                "u": 0.0,
+                "y": y,
+                "v": v,
+                "peak": peak,
+                "up": up,
+                "down": down,
+            }.items():
                 setattr(own, name, np.where(moved, value, getattr(own, name)))
             own.level = np.where(go, level, own.level)
             go &= own.k < last
@@ -193,31 +296,52 @@ class ExactStepper(SampleStepper[ExactLanes]):
         return go
 
     def _doubtful(self, lanes: ExactLanes, step: Propagation, proved: Array) -> Array:
-        """Indices of lanes whose propagation may hold a peak above their highest one (Lemma 11); these lanes go half as far."""
+        """Indices of lanes whose propagation may hold a peak above their highest one
+        (Lemma 11); these lanes go half as far.
+        """
         if not self.run.batch.peaks:
             return np.zeros(0, dtype=np.int64)
-        highest = np.maximum(lanes.y, step.y) + 0.125 * step.fall * step.time * step.time
+        highest = (
+            np.maximum(lanes.y, step.y) + 0.125 * step.fall * step.time * step.time
+        )
         high = np.flatnonzero((highest > step.peak) & proved)
         y, v, time, end_v = lanes.y[high], lanes.v[high], step.time[high], step.v[high]
         pull = self._strongest(lanes, high) - 1.0
         start, end = y + pull, step.y[high] + pull
-        rises = end_v >= np.maximum(end, 0.0) * (0.5 * time)  # its largest y is at the end
+        rises = end_v >= np.maximum(end, 0.0) * (
+            0.5 * time
+        )  # its largest y is at the end
         falls = -v >= np.maximum(start, 0.0) * (0.5 * time)
-        top = np.where((start < 0.0) & (v > 0.0), y + v * v / (-start + np.sqrt(start * start - v * v)), np.inf)
+        top = np.where(
+            (start < 0.0) & (v > 0.0),
+            y + v * v / (-start + np.sqrt(start * start - v * v)),
+            np.inf,
+        )
         held = high[~(rises | falls | (top <= step.peak[high]))]
         for observer in self.run.observers:
-            held = np.union1d(held, observer.propagates(lanes, step, proved, lambda at: self._strongest(lanes, at)))
+            held = np.union1d(
+                held,
+                observer.propagates(
+                    lanes, step, proved, lambda at: self._strongest(lanes, at)
+                ),
+            )
         return held
 
     def _strongest(self, lanes: ExactLanes, at: Array) -> Array:
-        """Upper bound of the outward drive over the present stretches of these lanes."""
+        """Upper bound of the outward drive over the present stretches
+        of these lanes.
+        """
         drive, cell = lanes.outward[at], lanes.cell[at]
         face = self.face.take(cell) + (drive < 0.0) * self.stretches.face
-        return -np.abs(drive) * self.stretches.at(face, lanes.level[at], lanes.k[at] - self.first.take(cell))
+        return -np.abs(drive) * self.stretches.at(
+            face, lanes.level[at], lanes.k[at] - self.first.take(cell)
+        )
 
 
 def horizon(y: Array, v: Array, least: Array) -> tuple[Array, Array]:
-    """(time [tau] for which y + v sinh h + (y - 1 + least)(cosh h - 1) stays positive, 1 - least); least: bound of the outward drive."""
+    """(time [tau] for which y + v sinh h + (y - 1 + least)(cosh h - 1) stays positive,
+    1 - least); least: bound of the outward drive.
+    """
     fall = 1.0 - least
     q = y - fall
     grows = q + v
@@ -235,7 +359,9 @@ def horizon(y: Array, v: Array, least: Array) -> tuple[Array, Array]:
 
 
 def _cut(order: Array, rows: Array, most: int) -> Iterator[Array]:
-    """Cut `order`, which is sorted by rows, into parts that cover at most `most` rows each."""
+    """Cut `order`, which is sorted by rows, into parts that cover at most `most` rows
+    each.
+    """
     first = 0
     while first < order.size:
         stop = int(np.searchsorted(rows, rows[first] + most))

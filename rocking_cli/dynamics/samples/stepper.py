@@ -1,4 +1,6 @@
-"""Takes cells through a record with equal steps: over samples where a proof allows it, elsewhere by rounds of the march."""
+"""Takes cells through a record with equal steps: over samples where a proof allows it,
+elsewhere by rounds of the march.
+"""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
@@ -13,13 +15,19 @@ from ..lanes import Array, Lanes
 from ..march.engine import Run, by_windows
 from ..outcome import Outcome
 
-WIDTH = 5056  # lanes in one call of `propagate`: their arrays fit the second-level cache, and rows are no power of two apart
-LONGEST = 0.5  # interval between samples [tau] up to which lanes are propagated over samples
+# lanes in one call of `propagate`: their arrays fit the second-level cache, and rows
+# are no power of two apart
+WIDTH = 5056
+LONGEST = (
+    0.5  # interval between samples [tau] up to which lanes are propagated over samples
+)
 
 
 @dataclass
 class PooledLanes(Lanes):
-    """Lanes in the pool. pace: tau between samples; outward: the outward drive of s = 1; slot: index of the lane in the pool."""
+    """Lanes in the pool. pace: tau between samples; outward: the outward drive of s =
+    1; slot: index of the lane in the pool.
+    """
 
     pace: Array
     outward: Array
@@ -30,26 +38,44 @@ Pooled = TypeVar("Pooled", bound=PooledLanes)
 
 
 class SampleStepper(ABC, Generic[Pooled]):
-    """Advances the cells of a `Run` along the samples of a record, in a pool of lanes."""
+    """Advances the cells of a `Run` along the samples of a record, in a
+    pool of lanes.
+    """
 
     def __init__(self, run: Run, samples: Sequence[Samples]) -> None:
-        """samples: of each motion, in the order of the segments. They give every cell its motion, first and last sample, and step."""
-        self.run, self.equation, self.cells, self.segments = run, run.batch.equation, run.batch.cells, run.batch.segments
+        """samples: of each motion, in the order of the segments. They give every cell
+        its motion, first and last sample, and step.
+        """
+        self.run, self.equation, self.cells, self.segments = (
+            run,
+            run.batch.equation,
+            run.batch.cells,
+            run.batch.segments,
+        )
         self.values = [one.values for one in samples]
-        self.samples, self.gains = np.concatenate(self.values), np.concatenate([gains(one) for one in self.values])
+        self.samples, self.gains = (
+            np.concatenate(self.values),
+            np.concatenate([gains(one) for one in self.values]),
+        )
         ends = np.cumsum([one.size for one in self.values])
         self.motion = np.searchsorted(ends, run.batch.first, side="right")
         self.first, self.last = run.batch.first, ends[self.motion] - 1
         self.step = np.array([one.step for one in samples])[self.motion]
 
     def march(self, waiting: Array) -> None:
-        """March these cells to their end. Cells with about the same time tau between samples go together; those with more than `LONGEST` go
-        from window to window of the drive."""
+        """March these cells to their end. Cells with about the same time tau between
+        samples go together; those with more than `LONGEST` go from window to window of
+        the drive.
+        """
         pace = (self.step[waiting] / self.cells.omega[:, waiting]).max(axis=0)
         by_windows(self.run, waiting[pace > LONGEST])
         waiting, pace = waiting[pace <= LONGEST], pace[pace <= LONGEST]
         with np.errstate(all="ignore"):
-            for share in self.shares(waiting[np.argsort(pace, kind="stable")]) if waiting.size else ():
+            for share in (
+                self.shares(waiting[np.argsort(pace, kind="stable")])
+                if waiting.size
+                else ()
+            ):
                 self._advance(share)
 
     def shares(self, waiting: Array) -> Iterator[Array]:
@@ -61,7 +87,9 @@ class SampleStepper(ABC, Generic[Pooled]):
         """Return lanes with the additional fields that a subclass needs in the pool."""
 
     def can_propagate(self, lanes: Pooled) -> Array:
-        """True for lanes that are at a sample before the last one, from which a propagation may be tried."""
+        """True for lanes that are at a sample before the last one, from which a
+        propagation may be tried.
+        """
         return (lanes.u == 0.0) & (lanes.k < self.last.take(lanes.cell))
 
     @abstractmethod
@@ -70,7 +98,10 @@ class SampleStepper(ABC, Generic[Pooled]):
 
     def after_round(self, lanes: Pooled) -> None:
         """Renew the additional fields of lanes after a round of the march."""
-        lanes.pace, lanes.outward = self.step.take(lanes.cell) / lanes.omega, -lanes.side * lanes.amplitude
+        lanes.pace, lanes.outward = (
+            self.step.take(lanes.cell) / lanes.omega,
+            -lanes.side * lanes.amplitude,
+        )
 
     def _advance(self, waiting: Array) -> None:
         """March these cells to their end, as many at once as the pool holds."""
@@ -107,10 +138,16 @@ class SampleStepper(ABC, Generic[Pooled]):
         lanes = self.run.start(cells)
         lanes.k, lanes.u = place(self.segments, lanes.k, lanes.u)
         pace = self.step.take(lanes.cell) / lanes.omega
-        return self.prepare(lanes.extended(PooledLanes, pace=pace, outward=-lanes.side * lanes.amplitude, slot=slot))
+        return self.prepare(
+            lanes.extended(
+                PooledLanes, pace=pace, outward=-lanes.side * lanes.amplitude, slot=slot
+            )
+        )
 
     def _march_round(self, lanes: Pooled) -> Pooled:
-        """Take one round of the march with lanes that cannot be propagated; returns the lanes that are not finished."""
+        """Take one round of the march with lanes that cannot be propagated; returns the
+        lanes that are not finished.
+        """
         past = self.segments.ended(lanes.k)
         if past.any():  # undamped lanes at the end of the shaking
             lanes.k[past] = len(self.segments)
@@ -119,15 +156,23 @@ class SampleStepper(ABC, Generic[Pooled]):
             self.run.finish(ended, np.flatnonzero(failed), Outcome.FAILED, np.nan)
             self.run.end_shaking(ended.take(np.flatnonzero(~failed)))
             lanes = lanes.take(np.flatnonzero(~past))
-        self.run.renew_force(lanes, np.flatnonzero((lanes.u == 0.0) & (lanes.y > 0.0)))  # a propagation does not keep the force
+        self.run.renew_force(
+            lanes, np.flatnonzero((lanes.u == 0.0) & (lanes.y > 0.0))
+        )  # a propagation does not keep the force
         going = self.run.round(lanes)
         self.after_round(going)
         return going
 
     def _overturn(self, lanes: PooledLanes, at: Array) -> Array:
-        """Finish those of the lanes `at` that nothing can bring back (Lemma 6); returns their indices."""
+        """Finish those of the lanes `at` that nothing can bring back (Lemma 6); returns
+        their indices.
+        """
         at = at[lanes.y[at] + lanes.v[at] > 1.0]
-        at = at[self.run.batch.cannot_return(lanes, at, lanes.k[at], lanes.y[at], lanes.v[at])]
+        at = at[
+            self.run.batch.cannot_return(
+                lanes, at, lanes.k[at], lanes.y[at], lanes.v[at]
+            )
+        ]
         self.run.overturn(lanes, at)
         return at
 

@@ -1,5 +1,6 @@
-"""Taylor steps over samples, for cells of any equation under a record; rounds of the march where an event may happen. A step is taken
-where Lemma 12 proves that it holds no impact and no peak above the highest one so far.
+"""Taylor steps over samples, for cells of any equation under a record; rounds of the
+march where an event may happen. A step is taken where Lemma 12 proves that it holds no
+impact and no peak above the highest one so far.
 """
 
 from collections.abc import Sequence
@@ -19,7 +20,8 @@ from .stepper import PooledLanes, SampleStepper, gains
 
 LANES = 32768  # lanes: the cost of a round depends on its calls more than on its lanes
 _STEPS = 16  # Taylor steps in one call of `propagate`
-_NEARLY = 0.9  # share of the limit of y: beyond it the march decides whether the body overturns
+# share of the limit of y: beyond it the march decides whether the body overturns
+_NEARLY = 0.9
 
 
 @dataclass
@@ -30,33 +32,53 @@ class SteppingLanes(PooledLanes):
 
 
 class TaylorStepper(SampleStepper[SteppingLanes]):
-    """Advances the cells of a `Run` by Taylor steps from sample to sample of a record; for every equation."""
+    """Advances the cells of a `Run` by Taylor steps from sample to sample of a record;
+    for every equation.
+    """
 
     def __init__(self, run: Run, samples: Sequence[Samples]) -> None:
         super().__init__(run, samples)
-        self.steepest = np.array([largest(gains(one)) for one in self.values])[self.motion]
+        self.steepest = np.array([largest(gains(one)) for one in self.values])[
+            self.motion
+        ]
 
     def prepare(self, lanes: PooledLanes) -> SteppingLanes:
         return lanes.extended(SteppingLanes, degree=self._degree(lanes))
 
     def _degree(self, lanes: PooledLanes) -> Array:
-        """Degree of the series of each lane, enough for speeds that are usual in rocking."""
-        drive = lanes.amplitude * np.maximum(2.0, self.steepest.take(lanes.cell) / lanes.pace)
+        """Degree of the series of each lane, enough for speeds that are usual in
+        rocking.
+        """
+        drive = lanes.amplitude * np.maximum(
+            2.0, self.steepest.take(lanes.cell) / lanes.pace
+        )
         return degrees(2.0 + drive, lanes.pace, self.equation.tolerance)
 
     def propagate(self, lanes: SteppingLanes, at: Array) -> Array:
         """Take several Taylor steps. A lane stops when a step is not proved."""
         names = "cell", "side", "k", "y", "v", "peak", "pace", "outward", "degree"
-        cell, side, k, y, v, peak, pace, outward, degree = (getattr(lanes, name).take(at) for name in names)
+        cell, side, k, y, v, peak, pace, outward, degree = (
+            getattr(lanes, name).take(at) for name in names
+        )
         go, equation = np.ones(at.size, dtype=bool), self.equation.on(side, cell)
-        factors, last, end = factors_for(pace, degree), degree * at.size + np.arange(at.size), self.last.take(cell)
+        factors, last, end = (
+            factors_for(pace, degree),
+            degree * at.size + np.arange(at.size),
+            self.last.take(cell),
+        )
         for _ in range(_STEPS):
             ramp = self._ramp(k, outward, pace)
             end_y, end_v, proved = self._step(equation, y, v, peak, ramp, factors, last)
             go &= proved
             for observer in self.run.observers:
-                observer.steps(TaylorSteps(cell, side, equation, (y, v), (end_y, end_v), ramp), go)
-            y, v, peak = np.where(go, end_y, y), np.where(go, end_v, v), np.where(go, np.maximum(peak, end_y), peak)
+                observer.steps(
+                    TaylorSteps(cell, side, equation, (y, v), (end_y, end_v), ramp), go
+                )
+            y, v, peak = (
+                np.where(go, end_y, y),
+                np.where(go, end_v, v),
+                np.where(go, np.maximum(peak, end_y), peak),
+            )
             k += go
             go &= k < end
             if not go.any():
@@ -66,11 +88,26 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
 
     def _ramp(self, k: Array, outward: Array, pace: Array) -> Drive:
         """The drive of lanes from sample k to the next one."""
-        return Drive(Rows.of(outward * self.samples.take(k), outward * self.gains.take(k)), pace)
+        return Drive(
+            Rows.of(outward * self.samples.take(k), outward * self.gains.take(k)), pace
+        )
 
-    def _step(self, equation: Equation, y: Array, v: Array, peak: Array, ramp: Drive, factors: Array, last: Array) -> tuple[Array, ...]:
-        """(y, y', True if neither an impact nor a higher peak occurs on the way (Lemma 12)) at the end of a straight line."""
-        terms = motion_terms(equation, y, v, ramp.unit, factors, ramp.terms, ramp.weight)
+    def _step(
+        self,
+        equation: Equation,
+        y: Array,
+        v: Array,
+        peak: Array,
+        ramp: Drive,
+        factors: Array,
+        last: Array,
+    ) -> tuple[Array, ...]:
+        """(y, y', True if neither an impact nor a higher peak occurs on the way (Lemma
+        12)) at the end of a straight line.
+        """
+        terms = motion_terms(
+            equation, y, v, ramp.unit, factors, ramp.terms, ramp.weight
+        )
         first, unit = terms[1], ramp.unit
         drive, gain = ramp.line
         drop = np.minimum(drive, drive + gain)
@@ -107,60 +144,109 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
         return end_y, end_v, proved
 
     def after_round(self, lanes: SteppingLanes) -> None:
-        """Take lanes that are inside an interval after an impact to its end, where a Taylor step is proved; `propagate` would cost more."""
+        """Take lanes that are inside an interval after an impact to its end, where a
+        Taylor step is proved; `propagate` would cost more.
+        """
         super().after_round(lanes)
         if len(self.cells.amplitude) > 1:  # the other edge needs another degree
             lanes.degree = self._degree(lanes)
-        at = np.flatnonzero((lanes.u > 0.0) & (lanes.k < self.last.take(lanes.cell)) & (lanes.v > 0.0))
+        at = np.flatnonzero(
+            (lanes.u > 0.0) & (lanes.k < self.last.take(lanes.cell)) & (lanes.v > 0.0)
+        )
         if not at.size:
             return
         some = lanes.take(at)
-        share, equation = some.u / self.step.take(some.cell), self.equation.on(some.side, some.cell)
-        factors, last = factors_for(some.pace * (1.0 - share), some.degree), some.degree * at.size + np.arange(at.size)
+        share, equation = (
+            some.u / self.step.take(some.cell),
+            self.equation.on(some.side, some.cell),
+        )
+        factors, last = (
+            factors_for(some.pace * (1.0 - share), some.degree),
+            some.degree * at.size + np.arange(at.size),
+        )
         ramp = self._ramp(some.k, some.outward, some.pace).after(share)
-        y, v, proved = self._step(equation, some.y, some.v, some.peak, ramp, factors, last)
+        y, v, proved = self._step(
+            equation, some.y, some.v, some.peak, ramp, factors, last
+        )
         for observer in self.run.observers:
-            observer.steps(TaylorSteps(some.cell, some.side, equation, (some.y, some.v), (y, v), ramp), proved)
+            observer.steps(
+                TaylorSteps(
+                    some.cell, some.side, equation, (some.y, some.v), (y, v), ramp
+                ),
+                proved,
+            )
         on = np.flatnonzero(proved)
         at = at[on]
         lanes.k[at], lanes.u[at] = some.k[on] + 1, 0.0
-        lanes.y[at], lanes.v[at], lanes.peak[at] = y[on], v[on], np.maximum(some.peak[on], y[on])
+        lanes.y[at], lanes.v[at], lanes.peak[at] = (
+            y[on],
+            v[on],
+            np.maximum(some.peak[on], y[on]),
+        )
 
 
 class WeighedTaylorStepper(TaylorStepper):
-    """A `TaylorStepper` for bodies whose weight varies; samples: those of the horizontal motion."""
+    """A `TaylorStepper` for bodies whose weight varies; samples: those of the
+    horizontal motion.
+    """
 
     def __init__(self, run: Run, samples: Sequence[Samples]) -> None:
         super().__init__(run, samples)
         segments = run.batch.segments.weighed
         self.share, upwards = segments.share, segments.vertical
         shaken = run.batch.shaken
-        self.vertical = followed_by(upwards.s_start[:shaken], float(upwards.s_end[shaken - 1]))
+        self.vertical = followed_by(
+            upwards.s_start[:shaken], float(upwards.s_end[shaken - 1])
+        )
         self.vertical_gains = gains(self.vertical)
-        self.largest_vertical, self.steepest_vertical = largest(self.vertical), largest(self.vertical_gains)
+        self.largest_vertical, self.steepest_vertical = (
+            largest(self.vertical),
+            largest(self.vertical_gains),
+        )
 
     def march(self, waiting: Array) -> None:
-        """March the cells that are lifted before the ground falls away from them; finish the others."""
+        """March the cells that are lifted before the ground falls away from them;
+        finish the others.
+        """
         if self.run.batch.free_fall is not None and waiting.size:
             waiting = self.run.end_free_fall(self.run.start(waiting)).cell
         super().march(waiting)
 
     def _degree(self, lanes: PooledLanes) -> Array:
-        """As `TaylorStepper._degree`; the number of terms grows with the root of the weight."""
+        """As `TaylorStepper._degree`; the number of terms grows with the root of the
+        weight.
+        """
         amplitude, pace = lanes.amplitude, lanes.pace
         drive = amplitude * np.maximum(2.0, self.steepest.take(lanes.cell) / pace)
         sway = max(abs(x) for x in self.share) * amplitude
         added = sway * self.largest_vertical
         weight = np.maximum(added, sway * self.steepest_vertical / pace)
-        return degrees(2.0 + drive + weight, pace * np.sqrt(1.0 + added), self.equation.tolerance)
+        return degrees(
+            2.0 + drive + weight, pace * np.sqrt(1.0 + added), self.equation.tolerance
+        )
 
     def _ramp(self, k: Array, outward: Array, pace: Array) -> Drive:
-        sway = np.where(outward < 0.0, *self.share) * np.abs(outward)  # zg''/g of s_v = 1
+        sway = np.where(outward < 0.0, *self.share) * np.abs(
+            outward
+        )  # zg''/g of s_v = 1
         weight = sway * self.vertical.take(k)
         weight += 1.0
-        return super()._ramp(k, outward, pace)._replace(weight=Rows.of(weight, sway * self.vertical_gains.take(k)))
+        return (
+            super()
+            ._ramp(k, outward, pace)
+            ._replace(weight=Rows.of(weight, sway * self.vertical_gains.take(k)))
+        )
 
-    def _step(self, equation: Equation, y: Array, v: Array, peak: Array, ramp: Drive, factors: Array, last: Array) -> tuple[Array, ...]:
+    def _step(
+        self,
+        equation: Equation,
+        y: Array,
+        v: Array,
+        peak: Array,
+        ramp: Drive,
+        factors: Array,
+        last: Array,
+    ) -> tuple[Array, ...]:
         end_y, end_v, proved = super()._step(equation, y, v, peak, ramp, factors, last)
         weight, heavier = ramp.weight_line
         proved &= np.minimum(weight, weight + heavier) > 0.0

@@ -1,4 +1,6 @@
-"""Lost contact of one body on floats: its arcs are kept during the march and tested together afterwards."""
+"""Lost contact of one body on floats: its arcs are kept during the march and tested
+together afterwards.
+"""
 
 import math
 from collections.abc import Sequence
@@ -14,29 +16,72 @@ from .lane import Lane
 from .march import march
 from .state import Listener
 
-Arc = tuple[float, float, float, Sequence[float]]  # reach [tau of the side], side, h and Taylor terms in (t/h)^n
+Arc = tuple[
+    float, float, float, Sequence[float]
+]  # reach [tau of the side], side, h and Taylor terms in (t/h)^n
 
 
 def loses_contact(lane: Lane, amplitude: float, most: int) -> bool:
-    """True if Fz <= 0 occurs before an undamped body under a horizontal motion of this A has come back for good; most: as of `march`."""
-    cells = lane.system.contact.cells(lane.system.equation, np.array([amplitude]), lane.omega, lane.eta)
+    """True if Fz <= 0 occurs before an undamped body under a horizontal motion of this
+    A has come back for good; most: as of `march`.
+    """
+    cells = lane.system.contact.cells(
+        lane.system.equation, np.array([amplitude]), lane.omega, lane.eta
+    )
     assert lane.system.body is not None
-    loss = ContactLoss(lane.system.body, Batch.of(lane.system, lane.segments, np.array([amplitude]), lane.omega, lane.eta, peaks=False))
+    loss = ContactLoss(
+        lane.system.body,
+        Batch.of(
+            lane.system,
+            lane.segments,
+            np.array([amplitude]),
+            lane.omega,
+            lane.eta,
+            peaks=False,
+        ),
+    )
     arcs: list[Arc] = []
 
-    def keep(_start: float, reach: float, side: float, _pace: float, h: float, terms: Sequence[float]) -> None:
+    def keep(
+        _start: float,
+        reach: float,
+        side: float,
+        _pace: float,
+        h: float,
+        terms: Sequence[float],
+    ) -> None:
         arcs.append((reach, side, h, terms))
 
     edges = lane.edges(amplitude)
     tops = edges[1.0].top, edges.get(-1.0, edges[1.0]).top
-    march(lane, amplitude, peaks=False, most=most, listener=Listener(
-        keep, lambda *_: None, lambda *_: None, math.inf, tops, loss.free, lambda lanes: loss.may_close(lanes)[0]
-    ))  # fmt: skip
-    reach, side, h = (np.array(column) for column in zip(*(arc[:3] for arc in arcs), strict=True))
+    march(
+        lane,
+        amplitude,
+        peaks=False,
+        most=most,
+        listener=Listener(
+            keep,
+            lambda *_: None,
+            lambda *_: None,
+            math.inf,
+            tops,
+            loss.free,
+            lambda lanes: loss.may_close(lanes)[0],
+        ),
+    )
+    reach, side, h = (
+        np.array(column) for column in zip(*(arc[:3] for arc in arcs), strict=True)
+    )
     terms = np.array(list(zip_longest(*(arc[3] for arc in arcs), fillvalue=0.0)))
-    lanes = lane.lanes(cells, 1.0).join(lane.lanes(cells, -1.0)).take((side < 0.0).astype(np.int64))
+    lanes = (
+        lane.lanes(cells, 1.0)
+        .join(lane.lanes(cells, -1.0))
+        .take((side < 0.0).astype(np.int64))
+    )
     flow = TaylorSeries(terms, h, reach, np.zeros(reach.size))
     lanes.y, lanes.v, lanes.b = flow.y, flow.v, flow.b
     there = flow.at(reach)
-    loss.arcs(Arcs(lanes, flow, reach, there.y, there.v, there.b, np.arange(reach.size)))
+    loss.arcs(
+        Arcs(lanes, flow, reach, there.y, there.v, there.b, np.arange(reach.size))
+    )
     return bool(loss.lost(np.zeros(1, dtype=np.int64))[0])

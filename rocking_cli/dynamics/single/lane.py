@@ -1,4 +1,6 @@
-"""One body on floats before its march: the motion as lists, its edges, and its equation on each."""
+"""One body on floats before its march: the motion as lists, its edges, and its equation
+on each.
+"""
 
 import math
 from typing import Any, NamedTuple, Self
@@ -12,13 +14,17 @@ from ..equations.taylor import LONGEST, size_limits
 from ..lanes import Cells, Lanes
 from ..system import System
 
-_SAMPLED = 1 << 12  # the longest of the first so many segments gives the number of terms of the series
+_SAMPLED = (
+    1 << 12
+)  # the longest of the first so many segments gives the number of terms of the series
 _BLOCK = 1 << 15  # segments whose lists are held at once
 
 
 class Block(NamedTuple):
-    """Segments first ... first + len(length) - 1: s at their start, its rise, and their length [rad]; up, up_rise: the start and rise of
-    the vertical motion, empty without one."""
+    """Segments first ... first + len(length) - 1: s at their start, its rise, and their
+    length [rad]; up, up_rise: the start and rise of the vertical motion, empty without
+    one.
+    """
 
     first: int
     start: list[float]
@@ -29,7 +35,9 @@ class Block(NamedTuple):
 
 
 class Wave(NamedTuple):
-    """The closed form of a segment: (sine part at its start, cosine part there, frequency) of each sinusoid, and the slope by the phase."""
+    """The closed form of a segment: (sine part at its start, cosine part there,
+    frequency) of each sinusoid, and the slope by the phase.
+    """
 
     parts: list[tuple[float, float, float]]
     slope: float
@@ -37,8 +45,13 @@ class Wave(NamedTuple):
     @classmethod
     def of(cls, segments: Segments, k: int) -> Self:
         """Return the wave of segment k."""
-        columns = (x[:, k].tolist() for x in (segments.sin, segments.cos, segments.frequency))
-        return cls([row for row in zip(*columns, strict=True) if row[0] or row[1]], float(segments.slope[k]))
+        columns = (
+            x[:, k].tolist() for x in (segments.sin, segments.cos, segments.frequency)
+        )
+        return cls(
+            [row for row in zip(*columns, strict=True) if row[0] or row[1]],
+            float(segments.slope[k]),
+        )
 
     def change(self, u: float) -> float:
         """s at phase u of the segment, less s at its start."""
@@ -49,7 +62,9 @@ class Wave(NamedTuple):
         return total
 
     def terms(self, u: float, length: float, order: int) -> list[float]:
-        """Terms 1 ... order, an even number, of s from phase u on, in powers of the phase over this length [rad]; term 0 is left at 0."""
+        """Terms 1 ... order, an even number, of s from phase u on, in powers of the
+        phase over this length [rad]; term 0 is left at 0.
+        """
         found = [0.0] * (order + 1)
         found[1] = self.slope * length
         for sin, cos, w in self.parts:
@@ -67,7 +82,11 @@ class DriveLists:
     """The segments of a motion, read block by block as lists of floats."""
 
     def __init__(self, segments: Segments) -> None:
-        self.segments, self.straight, self.count = segments, segments.straight, len(segments)
+        self.segments, self.straight, self.count = (
+            segments,
+            segments.straight,
+            len(segments),
+        )
         self.vertical = None if segments.weighed is None else segments.weighed.vertical
         self.block = Block(0, [], [], [], [], [])
         self._waves: dict[int, tuple[Wave, ...]] = {}
@@ -80,18 +99,30 @@ class DriveLists:
             part = slice(first, min(first + _BLOCK, self.count))
             lists: list[Any] = []
             for segments in (self.segments, self.vertical):
-                start = np.empty(0) if segments is None else np.asarray(segments.s_start[part])
+                start = (
+                    np.empty(0)
+                    if segments is None
+                    else np.asarray(segments.s_start[part])
+                )
                 end = start if segments is None else np.asarray(segments.s_end[part])
                 lists += [start.tolist(), (end - start).tolist()]
             length = np.asarray(self.segments.length[part]).tolist()
-            block = self.block = Block(first, lists[0], lists[1], length, lists[2], lists[3])
+            block = self.block = Block(
+                first, lists[0], lists[1], length, lists[2], lists[3]
+            )
         return block
 
     def waves(self, k: int) -> tuple[Wave, ...]:
-        """The waves of a segment that is not straight: the horizontal one, and the vertical one if there is one."""
+        """The waves of a segment that is not straight: the horizontal one, and the
+        vertical one if there is one.
+        """
         found = self._waves.get(k)
         if found is None:
-            signals = [self.segments] if self.vertical is None else [self.segments, self.vertical]
+            signals = (
+                [self.segments]
+                if self.vertical is None
+                else [self.segments, self.vertical]
+            )
             found = self._waves[k] = tuple(Wave.of(x, k) for x in signals)
         return found
 
@@ -101,18 +132,24 @@ class DriveLists:
         i = k - block.first
         share = u / block.length[i]
         if self.straight:
-            return block.start[i] + block.rise[i] * share, block.up[i] + block.up_rise[i] * share if block.up else 0.0
+            return block.start[i] + block.rise[i] * share, (
+                block.up[i] + block.up_rise[i] * share if block.up else 0.0
+            )
         waves = self.waves(k)
-        return block.start[i] + waves[0].change(u), block.up[i] + waves[1].change(u) if block.up else 0.0
+        return block.start[i] + waves[0].change(u), (
+            block.up[i] + waves[1].change(u) if block.up else 0.0
+        )
 
 
 class Edge(NamedTuple):
     """An edge that the body rocks on.
 
-    drive: outward drive of s = 1; lift, push: the largest l and m; fall: K of Lemma 12; speed_ratio: speed after over speed before an
-    impact on leaving the side, each in the unit of its side; cycle_ratio: the same for a bounce until the body is back here; unit: y = 1 of
-    this side in the unit of the first side; top: y of the unstable equilibrium; limit: y from which the body lies on its side; equation:
-    with numbers that are floats.
+    drive: outward drive of s = 1; lift, push: the largest l and m; fall: K of Lemma 12;
+    speed_ratio: speed after over speed before an impact on leaving the side, each in
+    the unit of its side; cycle_ratio: the same for a bounce until the body is back
+    here; unit: y = 1 of this side in the unit of the first side; top: y of the unstable
+    equilibrium; limit: y from which the body lies on its side; equation: with numbers
+    that are floats.
     """
 
     side: float
@@ -132,41 +169,86 @@ class Edge(NamedTuple):
 
 
 class Lane:
-    """One body under one motion at one Omega, for any amplitude: its edges, and the motion as lists."""
+    """One body under one motion at one Omega, for any amplitude: its edges, and the
+    motion as lists.
+    """
 
-    def __init__(self, system: System, segments: Segments, omega: float, eta: float) -> None:
-        self.omega, self.eta, self.shaken = np.array([omega]), np.array([eta]), len(segments)
+    def __init__(
+        self, system: System, segments: Segments, omega: float, eta: float
+    ) -> None:
+        self.omega, self.eta, self.shaken = (
+            np.array([omega]),
+            np.array([eta]),
+            len(segments),
+        )
         cells = system.contact.cells(system.equation, np.ones(1), self.omega, self.eta)
-        if system.equation.damping:  # no closed form of the free motion: march on over still ground
-            segments = segments.followed_by_rest(SETTLING * (1.0 + 3.0 * system.equation.damping) * float(cells.omega.max()))
-        self.system, self.segments, self.drive_lists = system, segments, DriveLists(segments)
+        if (
+            system.equation.damping
+        ):  # no closed form of the free motion: march on over still ground
+            segments = segments.followed_by_rest(
+                SETTLING
+                * (1.0 + 3.0 * system.equation.damping)
+                * float(cells.omega.max())
+            )
+        self.system, self.segments, self.drive_lists = (
+            system,
+            segments,
+            DriveLists(segments),
+        )
         self.weighed = segments.weighed is not None
         self.zeta = float(system.equation.damping)
         self.largest_vertical = 0.0
         self.largest = max(float(segments.later_max[0]), -float(segments.later_min[0]))
         if (weighed := segments.weighed) is not None:
-            self.largest = max(self.largest, float(weighed.inward[0][0]), -float(weighed.inward[1][0]))
-            self.largest_vertical = max(float(weighed.vertical.later_max[0]), -float(weighed.vertical.later_min[0]))
+            self.largest = max(
+                self.largest, float(weighed.inward[0][0]), -float(weighed.inward[1][0])
+            )
+            self.largest_vertical = max(
+                float(weighed.vertical.later_max[0]),
+                -float(weighed.vertical.later_min[0]),
+            )
         self.longest = float(np.max(segments.length[: min(self.shaken, _SAMPLED)]))
-        self._unit = {side: self._edge(cells, side) for side in ((1.0,) if self._strike(cells, 1.0)[0] > 0.0 else (1.0, -1.0))}
+        self._unit = {
+            side: self._edge(cells, side)
+            for side in ((1.0,) if self._strike(cells, 1.0)[0] > 0.0 else (1.0, -1.0))
+        }
 
     def edges(self, amplitude: float) -> dict[float, Edge]:
-        """Return the edges, by the sign of their side, under a motion of this amplitude A."""
+        """Return the edges, by the sign of their side, under a motion of this amplitude
+        A.
+        """
         edges = {}
         for side, edge in self._unit.items():
             drive, sway = amplitude * edge.drive, amplitude * edge.sway
             largest_weight = 1.0 + abs(sway) * self.largest_vertical
             fall = largest_weight * edge.lift + edge.push * abs(drive) * self.largest
-            edges[side] = edge._replace(drive=drive, sway=sway, lift=largest_weight * edge.lift, fall=fall)
+            edges[side] = edge._replace(
+                drive=drive, sway=sway, lift=largest_weight * edge.lift, fall=fall
+            )
         return edges
 
     def _edge(self, cells: Cells, side: float) -> Edge:
         """Return the edge of a side under A = 1."""
-        equation, seg, at = self.system.equation.on(np.array([side])), self.segments, np.array([side])
+        equation, seg, at = (
+            self.system.equation.on(np.array([side])),
+            self.segments,
+            np.array([side]),
+        )
         row = cells.row(at)
         amplitude, omega, eta = (float(np.ravel(values[row, 0])[0]) for values in cells)
-        lift, push, limit, top = (float(np.ravel(x)[0]) for x in (*equation.bounds, equation.limit, equation.displacement(np.ones(1))))
-        sway = 0.0 if seg.weighed is None else float(np.ravel(seg.weighed.sway(at, np.array([amplitude])))[0])
+        lift, push, limit, top = (
+            float(np.ravel(x)[0])
+            for x in (
+                *equation.bounds,
+                equation.limit,
+                equation.displacement(np.ones(1)),
+            )
+        )
+        sway = (
+            0.0
+            if seg.weighed is None
+            else float(np.ravel(seg.weighed.sway(at, np.array([amplitude])))[0])
+        )
         to, speed_ratio = self._strike(cells, side)
         _, back = self._strike(cells, to)
         lanes = self.lanes(cells, side)
@@ -197,21 +279,52 @@ class Lane:
         return float(lanes.side[0]), float(lanes.v[0])
 
     def size_limits(self, omega: float) -> list[float]:
-        """Return the largest sizes for which series of degree 3, 4 ... hold over the longest line (`taylor.size_limits`)."""
-        return size_limits(min(self.longest / omega, LONGEST), self.system.equation.tolerance)
+        """Return the largest sizes for which series of degree 3, 4 ... hold over the
+        longest line (`taylor.size_limits`).
+        """
+        return size_limits(
+            min(self.longest / omega, LONGEST), self.system.equation.tolerance
+        )
 
     def lanes(self, cells: Cells, side: float) -> Lanes:
         """Return a lane for each cell on a side, at rest at the start of the motion."""
         at = np.arange(cells.amplitude.shape[1])
-        sides, zero, count = np.full(at.size, side), np.zeros(at.size), np.zeros(at.size, dtype=np.int64)
-        amplitude, omega, eta = (np.broadcast_to(values, cells.amplitude.shape)[cells.row(sides), at].astype(float) for values in cells)
-        return Lanes(at, amplitude, omega, eta, count, zero, sides, zero.copy(), zero.copy(), zero.copy(), zero.copy(), count.copy(),
-                     count.copy())  # fmt: skip
+        sides, zero, count = (
+            np.full(at.size, side),
+            np.zeros(at.size),
+            np.zeros(at.size, dtype=np.int64),
+        )
+        amplitude, omega, eta = (
+            np.broadcast_to(values, cells.amplitude.shape)[cells.row(sides), at].astype(
+                float
+            )
+            for values in cells
+        )
+        return Lanes(
+            at,
+            amplitude,
+            omega,
+            eta,
+            count,
+            zero,
+            sides,
+            zero.copy(),
+            zero.copy(),
+            zero.copy(),
+            zero.copy(),
+            count.copy(),
+            count.copy(),
+        )
 
     def tau(self, k: int, u: float) -> float:
-        """Time [tau of the first side] from the start of the motion to phase u of segment k."""
+        """Time [tau of the first side] from the start of the motion to phase u of
+        segment k.
+        """
         seg, last = self.segments, len(self.segments) - 1
-        return (float(seg.start[min(k, last)]) + (u if k <= last else float(seg.length[last]))) / float(self.omega[0])
+        return (
+            float(seg.start[min(k, last)])
+            + (u if k <= last else float(seg.length[last]))
+        ) / float(self.omega[0])
 
     def omega_of(self, side: float) -> float:
         """omega_g over the p of a side."""

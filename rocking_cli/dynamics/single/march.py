@@ -1,8 +1,10 @@
 """The march of one body on floats, from event to event.
 
-The drive here is the net drive c (`weight`). A step lies in one window: it ends at the latest where its segment ends or c = 1. Where c < 1,
-the sign of y at its end decides whether the body struck the ground (Lemma 1). Where c > 1, there is no impact while y' >= 0 (Lemma 2). For
-y' < 0 and c > 1, and for the time of an impact, the march goes on by the time for which y + y' t - K t^2/2 stays positive (Lemma 12).
+The drive here is the net drive c (`weight`). A step lies in one window: it ends at the
+latest where its segment ends or c = 1. Where c < 1, the sign of y at its end decides
+whether the body struck the ground (Lemma 1). Where c > 1, there is no impact while y'
+>= 0 (Lemma 2). For y' < 0 and c > 1, and for the time of an impact, the march goes on
+by the time for which y + y' t - K t^2/2 stays positive (Lemma 12).
 """
 
 import math
@@ -28,14 +30,26 @@ _CHORD_ERRORS = [0.125 * n * (n - 1) * (n - 2) for n in range(MOST_TERMS + 1)]
 
 
 def march(
-    lane: Lane, amplitude: float, *, peaks: bool = True, listener: Listener | None = None, release: float = 0.0, most: int = 1 << 62
+    lane: Lane,
+    amplitude: float,
+    *,
+    peaks: bool = True,
+    listener: Listener | None = None,
+    release: float = 0.0,
+    most: int = 1 << 62,
 ) -> Ended:
-    """The outcome of a body under A = amplitude, from rest or released to the right from theta/alpha = release.
+    """The outcome of a body under A = amplitude, from rest or released to the right
+    from theta/alpha = release.
 
-    peaks: True if the largest rotation is wanted; most: number of steps and of impacts beyond which the outcome is FAILED.
+    peaks: True if the largest rotation is wanted; most: number of steps and of impacts
+    beyond which the outcome is FAILED.
     """
-    cells = lane.system.contact.cells(lane.system.equation, np.array([amplitude]), lane.omega, lane.eta)
-    return _March(lane, cells, lane.edges(amplitude), peaks, listener, most).run(release)
+    cells = lane.system.contact.cells(
+        lane.system.equation, np.array([amplitude]), lane.omega, lane.eta
+    )
+    return _March(lane, cells, lane.edges(amplitude), peaks, listener, most).run(
+        release
+    )
 
 
 class _March(Body):
@@ -44,7 +58,9 @@ class _March(Body):
     def run(self, release: float) -> Ended:
         count = self.drive_lists.count
         if release:
-            self.y = float(self.equation.on(np.ones(1)).displacement(np.array([release]))[0])
+            self.y = float(
+                self.equation.on(np.ones(1)).displacement(np.array([release]))[0]
+            )
             self.peak = max(self.peak, self.y)
             self._note("release", self.y, 0.0)
         else:
@@ -56,23 +72,35 @@ class _March(Body):
             if self.k >= self.lane.shaken and self.listener is None and self._settled():
                 break
             self.steps += 1
-            if not (self.drive_lists.straight and (self.y > 0.0 or self.v > 0.0) and self._march_lines()):
+            if not (
+                self.drive_lists.straight
+                and (self.y > 0.0 or self.v > 0.0)
+                and self._march_lines()
+            ):
                 self._step()
             if self.steps > self.most:
                 self._finish(Outcome.FAILED)
         return self.end or self._finish(Outcome.FAILED)
 
     def _march_lines(self) -> bool:
-        """March over whole straight lines of a record until an impact, and apply it. Return True after an impact or at the end of the
-        motion; otherwise the caller makes the next step.
+        """March over whole straight lines of a record until an impact, and apply it.
+        Return True after an impact or at the end of the motion; otherwise the caller
+        makes the next step.
 
-        A line is taken if its series holds, Lemma 12 or the sign of y at its end (Lemma 1) decides on an impact, and no turn is above the
-        peak so far.
+        A line is taken if its series holds, Lemma 12 or the sign of y at its end (Lemma
+        1) decides on an impact, and no turn is above the peak so far.
         """
-        block, edge, equation = self.drive_lists.at(self.k), self.edge, self.edge.equation
+        block, edge, equation = (
+            self.drive_lists.at(self.k),
+            self.edge,
+            self.edge.equation,
+        )
         starts, rises, lengths = block.start, block.rise, block.length
         last = len(lengths)
-        if equation.composed or (lengths[self.k - block.first] - self.u) / edge.omega > self.reach:
+        if (
+            equation.composed
+            or (lengths[self.k - block.first] - self.u) / edge.omega > self.reach
+        ):
             return False
         if self.free_fall is not None and self.free_fall.occurs[0]:
             last = min(last, max(0, int(self.free_fall.k[0]) - block.first))
@@ -86,29 +114,46 @@ class _March(Body):
             h, drive, gain = lengths[k] * pace, push * starts[k], push * rises[k]
             over = u / lengths[k] if u else 0.0
             if self.lane.weighed:
-                lifts, heavier = 1.0 + edge.sway * block.up[k], edge.sway * block.up_rise[k]
+                lifts, heavier = (
+                    1.0 + edge.sway * block.up[k],
+                    edge.sway * block.up_rise[k],
+                )
                 lifts, heavier = lifts + heavier * over, heavier - heavier * over
                 lifts_then, weight = lifts + heavier, [lifts, heavier]
             if over:
                 drive, gain, h = drive + gain * over, gain - gain * over, h - h * over
 
-            # Lemma 12: no impact within the line; otherwise the net drive must stay below 1 for Lemma 1.
+            # Lemma 12: no impact within the line; otherwise the net drive must stay
+            # below 1 for Lemma 1.
             first, square = v * h, h * h
             clear = y + first - drag * h * abs(first) > 0.5 * fall * square
             if not clear and (drive > lifts or drive + gain > lifts_then):
                 break
 
-            size = 2.0 + abs(drive) + abs(v) + (abs(gain) if weight is None else abs(gain) + abs(heavier)) / h + lifts
+            size = (
+                2.0
+                + abs(drive)
+                + abs(v)
+                + (abs(gain) if weight is None else abs(gain) + abs(heavier)) / h
+                + lifts
+            )
             degree = 3 + bisect_left(limits, size)
             if built != (h, degree):  # most lines are as long as the one before
-                factors, built = [square * c for c in _RECIPROCALS[: degree - 1]], (h, degree)
-            terms = motion_terms(equation, y, v, h, factors, [drive, gain], weight, self.force)
+                factors, built = (
+                    [square * c for c in _RECIPROCALS[: degree - 1]],
+                    (h, degree),
+                )
+            terms = motion_terms(
+                equation, y, v, h, factors, [drive, gain], weight, self.force
+            )
             if abs(terms[-1]) + 0.25 * h * abs(terms[-2]) > least * h:
                 break
             end, speed = sum(terms), sum(map(mul, _NUMBERS, terms))
             if end >= top and speed > 0.0:
                 break
-            if max(y, end) + 0.125 * fall * square * (math.exp(2.0 * drag * h) if drag else 1.0) > peak and self._may_turn(terms, speed):
+            if max(y, end) + 0.125 * fall * square * (
+                math.exp(2.0 * drag * h) if drag else 1.0
+            ) > peak and self._may_turn(terms, speed):
                 break
 
             if not clear and end <= 0.0:
@@ -116,7 +161,11 @@ class _March(Body):
                 self._keep(block.first + k, u, hit, h, terms)
                 _, v = value(terms, hit / h, h)
                 u += hit * edge.omega
-                self.k, self.u = (block.first + k, u) if u < lengths[k] else (block.first + k + 1, 0.0)
+                self.k, self.u = (
+                    (block.first + k, u)
+                    if u < lengths[k]
+                    else (block.first + k + 1, 0.0)
+                )
                 self._impact(min(v, 0.0))
                 return True
             self._keep(block.first + k, u, h, h, terms)
@@ -132,17 +181,34 @@ class _March(Body):
         """
         if terms[1] > 0.0 >= speed:
             return True
-        chord_error = sum(c * abs(term) for c, term in zip(_CHORD_ERRORS, terms, strict=False))
+        chord_error = sum(
+            c * abs(term) for c, term in zip(_CHORD_ERRORS, terms, strict=False)
+        )
         return abs(terms[1]) < chord_error or abs(speed) < chord_error
 
-    def _keep(self, k: int, u: float, reach: float, h: float, terms: Sequence[float]) -> None:
+    def _keep(
+        self, k: int, u: float, reach: float, h: float, terms: Sequence[float]
+    ) -> None:
         """Show a step from phase u of segment k to the listener, if there is one."""
         if self.listener is not None:
-            self.listener.keep(self.lane.tau(k, u), reach, self.edge.side, float(self.lane.omega[0]) / self.edge.omega, h, terms)
+            self.listener.keep(
+                self.lane.tau(k, u),
+                reach,
+                self.edge.side,
+                float(self.lane.omega[0]) / self.edge.omega,
+                h,
+                terms,
+            )
 
     def _top(self, edge: Edge) -> float:
-        """The y beyond which the march tests whether a body that moves outwards can come back."""
-        return edge.top if self.listener is None else self.listener.fallen[0 if edge.side > 0.0 else 1]
+        """The y beyond which the march tests whether a body that moves outwards can
+        come back.
+        """
+        return (
+            edge.top
+            if self.listener is None
+            else self.listener.fallen[0 if edge.side > 0.0 else 1]
+        )
 
     def _step(self) -> None:
         """Take one step within one window."""
@@ -154,7 +220,14 @@ class _March(Body):
         if self.free_fall is not None and self.free_fall.occurs[0]:
             left = float(self.free_fall.time_left(self._lanes())[0])
             if self.free_fall.has_begun(self._lanes())[0]:
-                fallen = float(self.equation.on(np.array([edge.side])).rotation(np.array([self.y]))[0]) >= FALLEN
+                fallen = (
+                    float(
+                        self.equation.on(np.array([edge.side])).rotation(
+                            np.array([self.y])
+                        )[0]
+                    )
+                    >= FALLEN
+                )
                 self._finish(self._overturned() if fallen else Outcome.LOST_CONTACT)
                 return
             h = min(h, left)
@@ -162,8 +235,15 @@ class _March(Body):
         while True:
             to = length if h == whole else u + h * edge.omega
             s1, up1 = self.drive_lists.value(k, to)
-            c0, c1 = edge.drive * s0 - edge.sway * up0, edge.drive * s1 - edge.sway * up1
-            share = self._window(edge, k, u, h, c0, c1) if (c0 - 1.0) * (c1 - 1.0) < 0.0 else 0.0
+            c0, c1 = (
+                edge.drive * s0 - edge.sway * up0,
+                edge.drive * s1 - edge.sway * up1,
+            )
+            share = (
+                self._window(edge, k, u, h, c0, c1)
+                if (c0 - 1.0) * (c1 - 1.0) < 0.0
+                else 0.0
+            )
             if _INSTANT < share < 1.0 - _INSTANT:
                 h *= share
                 to = u + h * edge.omega
@@ -184,8 +264,14 @@ class _March(Body):
         hit = None
         if c0 + c1 < 2.0:
             if y <= 0.0:
-                inward = -min(edge.drive * s0, edge.drive * s1) if self.drive_lists.straight else abs(edge.drive) * self.lane.largest
-                hit = only_root(terms, h, edge.lift + edge.push * max(0.0, inward), self.lane.zeta)
+                inward = (
+                    -min(edge.drive * s0, edge.drive * s1)
+                    if self.drive_lists.straight
+                    else abs(edge.drive) * self.lane.largest
+                )
+                hit = only_root(
+                    terms, h, edge.lift + edge.push * max(0.0, inward), self.lane.zeta
+                )
         elif self.v < 0.0:
             hit = first_root(terms, h, edge.fall, self.lane.zeta)
         reach = h if hit is None else hit
@@ -205,7 +291,9 @@ class _March(Body):
         if self.end is None and (y >= edge.limit or (y >= self._top(edge) and v > 0.0)):
             self._check_overturned()
 
-    def _window(self, edge: Edge, k: int, u: float, h: float, c0: float, c1: float) -> float:
+    def _window(
+        self, edge: Edge, k: int, u: float, h: float, c0: float, c1: float
+    ) -> float:
         """The share of a step at which c, which is monotone, passes 1."""
         if self.drive_lists.straight:
             return (1.0 - c0) / (c1 - c0)
@@ -217,7 +305,13 @@ class _March(Body):
         return high
 
     def _terms(
-        self, edge: Edge, k: int, u: float, h: float, start: tuple[float, float], stop: tuple[float, float]
+        self,
+        edge: Edge,
+        k: int,
+        u: float,
+        h: float,
+        start: tuple[float, float],
+        stop: tuple[float, float],
     ) -> tuple[list[float], float]:
         """(Taylor terms of y over a step h, the time for which they hold)."""
         equation, degree, weight = edge.equation, _DEGREE, None
@@ -239,24 +333,42 @@ class _March(Body):
                 weight[0] = 1.0 + edge.sway * start[1]
         degree = min(degree, equation.composed or MOST_TERMS)
         factors = [h * h * c for c in _RECIPROCALS[: degree - 1]]
-        terms = motion_terms(equation, self.y, self.v, h, factors, drive, weight, self.force)
+        terms = motion_terms(
+            equation, self.y, self.v, h, factors, drive, weight, self.force
+        )
         error = abs(terms[-1]) + 0.25 * h * abs(terms[-2])
-        held = h if error <= self.least * h else h * (self.least * h / error) ** (1.0 / (degree - 1.0))
+        held = (
+            h
+            if error <= self.least * h
+            else h * (self.least * h / error) ** (1.0 / (degree - 1.0))
+        )
         room = equation.room(self.y)
         moved = sum(map(abs, terms[1:]))
         return terms, min(held, h * room / moved) if moved > room else held
 
     def _peaks(self, terms: list[float], h: float, reach: float, v: float) -> None:
-        """Find turning points where y' falls through 0, up to `reach`, at which y' is v."""
+        """Find turning points where y' falls through 0, up to `reach`, at which y' is
+        v.
+        """
         if not self.watched:
             return
         unit = self.edge.unit
         start, stop = terms[1], v * h
-        if not start > 0.0 >= stop:  # y' leaves its chord by at most h^2/8 of its second derivative, most of it from the first terms
-            chord_error = 1.5 * abs(terms[3]) + 6.0 * abs(terms[4]) + 15.0 * abs(terms[5]) + 30.0 * abs(terms[6])
+        # y' leaves its chord by at most h^2/8 of its second derivative, most of it from
+        # the first terms
+        if not start > 0.0 >= stop:
+            chord_error = (
+                1.5 * abs(terms[3])
+                + 6.0 * abs(terms[4])
+                + 15.0 * abs(terms[5])
+                + 30.0 * abs(terms[6])
+            )
             if min(abs(start), abs(stop)) >= chord_error:
                 return
-        if self.listener is None and (terms[0] + sum(map(abs, terms[1:]))) * unit <= self.peak:
+        if (
+            self.listener is None
+            and (terms[0] + sum(map(abs, terms[1:]))) * unit <= self.peak
+        ):
             return
         for x in turns(terms, reach / h):
             y, _ = value(terms, x, h)
@@ -264,4 +376,10 @@ class _March(Body):
             if y >= self.edge.limit:
                 self._finish(self._overturned())
             elif self.listener is not None:
-                self.listener.note(self.lane.tau(self.k, self.u + x * h * self.edge.omega), "peak", self.edge.side, y, 0.0)
+                self.listener.note(
+                    self.lane.tau(self.k, self.u + x * h * self.edge.omega),
+                    "peak",
+                    self.edge.side,
+                    y,
+                    0.0,
+                )

@@ -7,7 +7,9 @@ from typing import Any
 
 
 def value(terms: Sequence[Any], x: Any, h: float = 1.0) -> tuple[Any, Any]:
-    """(y, dy/dt) at the time x h of a step h, x from 0 to 1; terms: of y, in powers of x; floats or arrays."""
+    """(y, dy/dt) at the time x h of a step h, x from 0 to 1; terms: of y, in powers of
+    x; floats or arrays.
+    """
     y = v = 0.0
     for c in reversed(terms):
         v = v * x + y
@@ -16,7 +18,9 @@ def value(terms: Sequence[Any], x: Any, h: float = 1.0) -> tuple[Any, Any]:
 
 
 def only_root(terms: Sequence[float], h: float, fall: float, zeta: float) -> float:
-    """The time of the only root of y within a step h, at whose end y <= 0; fall: K of Lemma 12, which bounds this time from below."""
+    """The time of the only root of y within a step h, at whose end y <= 0; fall: K of
+    Lemma 12, which bounds this time from below.
+    """
     y, v, pull = max(terms[0], 0.0), terms[1] / h, -2.0 * terms[2] / (h * h)
     slow = v - zeta * h * abs(v)
     low, high = (slow + math.sqrt(slow * slow + 2.0 * fall * y)) / fall, h
@@ -36,8 +40,12 @@ def only_root(terms: Sequence[float], h: float, fall: float, zeta: float) -> flo
     return t
 
 
-def first_root(terms: Sequence[float], h: float, fall: float, zeta: float) -> float | None:
-    """The first time within a step h, after its start, at which y is 0; None if there is none. fall: bound K of the inward force."""
+def first_root(
+    terms: Sequence[float], h: float, fall: float, zeta: float
+) -> float | None:
+    """The first time within a step h, after its start, at which y is 0; None if there
+    is none. fall: bound K of the inward force.
+    """
     t, y, v = 0.0, max(terms[0], 0.0), terms[1] / h
     for _ in range(500):
         slow = v - zeta * (h - t) * abs(v)
@@ -56,7 +64,9 @@ def first_root(terms: Sequence[float], h: float, fall: float, zeta: float) -> fl
 
 
 def turns(terms: Sequence[float], stop: float) -> list[float]:
-    """Times over the step, up to `stop`, at which y' falls through 0. It searches between the extremes of y', which are few."""
+    """Times over the step, up to `stop`, at which y' falls through 0. It searches
+    between the extremes of y', which are few.
+    """
     rate = [n * c for n, c in enumerate(terms)][1:]
     marks = [0.0, stop]
     ends = [value(rate, 0.0), value(rate, stop)]
@@ -73,7 +83,9 @@ def turns(terms: Sequence[float], stop: float) -> list[float]:
 
 
 def _crossing(terms: Sequence[float], low: float, high: float) -> float:
-    """The root of a polynomial between two points at which its signs differ: Newton's method in a bracket that only shrinks."""
+    """The root of a polynomial between two points at which its signs differ: Newton's
+    method in a bracket that only shrinks.
+    """
     falls = value(terms, low)[0] > value(terms, high)[0]
     x = 0.5 * (low + high)
     for _ in range(100):

@@ -1,4 +1,6 @@
-"""The state of one body on floats, and its events: uplift, impact, rest, overturning, the end of the motion."""
+"""The state of one body on floats, and its events: uplift, impact, rest, overturning,
+the end of the motion.
+"""
 
 import math
 from collections.abc import Callable, Sequence
@@ -17,20 +19,30 @@ from .lane import Edge, Lane
 
 
 class Listener(NamedTuple):
-    """Functions that a march calls, and how far it then goes: bounces down to the speed `visible`, a fall to y = fallen (right, left)."""
+    """Functions that a march calls, and how far it then goes: bounces down to the speed
+    `visible`, a fall to y = fallen (right, left).
+    """
 
-    keep: Callable[[float, float, float, float, float, Sequence[float]], None]  # start, reach [tau of the side], side, pace, h, terms
+    keep: Callable[
+        [float, float, float, float, float, Sequence[float]], None
+    ]  # start, reach [tau of the side], side, pace, h, terms
     note: Callable[[float, str, float, float, float], None]  # tau, event, side, y, y'
     rest: Callable[[Lanes, Lanes], object]
     visible: float
     fallen: tuple[float, float]
-    free: Callable[[Lanes], None] = lambda lanes: None  # called where an undamped body is left on still ground
-    may_close: Callable[[Lanes], object] = lambda lanes: True  # returns False where the body must bounce on instead of resting at once
+    free: Callable[[Lanes], None] = lambda lanes: (
+        None
+    )  # called where an undamped body is left on still ground
+    may_close: Callable[[Lanes], object] = lambda lanes: (
+        True
+    )  # returns False where the body must bounce on instead of resting at once
 
 
 class Ended(NamedTuple):
-    """The end of a march: outcome, max |theta|/alpha (NaN where the body fell), impacts during the shaking; lost: tau at which the ground
-    falls away from the body, None if it does not."""
+    """The end of a march: outcome, max |theta|/alpha (NaN where the body fell), impacts
+    during the shaking; lost: tau at which the ground falls away from the body, None if
+    it does not.
+    """
 
     outcome: Outcome
     theta_ratio: float
@@ -39,18 +51,36 @@ class Ended(NamedTuple):
 
 
 class Body:
-    """The state of a march: segment k and phase u in it, the edge the body is on, y and y', the force if it is known to more digits
-    than the drive tells, and the largest y so far in the unit of the first side."""
+    """The state of a march: segment k and phase u in it, the edge the body is on, y and
+    y', the force if it is known to more digits than the drive tells, and the largest y
+    so far in the unit of the first side.
+    """
 
-    def __init__(self, lane: Lane, cells: Cells, edges: dict[float, Edge], peaks: bool, listener: Listener | None, most: int) -> None:
-        self.lane, self.cells, self.edges, self.listener, self.most = lane, cells, edges, listener, most
+    def __init__(
+        self,
+        lane: Lane,
+        cells: Cells,
+        edges: dict[float, Edge],
+        peaks: bool,
+        listener: Listener | None,
+        most: int,
+    ) -> None:
+        self.lane, self.cells, self.edges, self.listener, self.most = (
+            lane,
+            cells,
+            edges,
+            listener,
+            most,
+        )
         self.equation, self.contact = lane.system.equation, lane.system.contact
         self.segments, self.drive_lists = lane.segments, lane.drive_lists
         self.watched = peaks or listener is not None
         self.k, self.u, self.y, self.v = 0, 0.0, 0.0, 0.0
         self.force: float | None = None
         self.edge = edges[1.0]
-        self.limits = {side: lane.size_limits(edge.omega) for side, edge in edges.items()}
+        self.limits = {
+            side: lane.size_limits(edge.omega) for side, edge in edges.items()
+        }
         self.peak = 0.0 if self.watched else math.inf
         self.impacts = self.steps = 0
         self.bounced = False
@@ -63,12 +93,18 @@ class Body:
         """Return this body as `Lanes` with one lane."""
         lanes = self.lane.lanes(self.cells, self.edge.side)
         lanes.k[0], lanes.u[0], lanes.y[0], lanes.v[0] = self.k, self.u, self.y, self.v
-        lanes.b[0] = self._net(self.edge, self.k, self.u) - 1.0 if self.force is None else self.force
+        lanes.b[0] = (
+            self._net(self.edge, self.k, self.u) - 1.0
+            if self.force is None
+            else self.force
+        )
         lanes.peak[0] = self.peak / self.edge.unit
         return lanes
 
     def _net(self, edge: Edge, k: int, u: float) -> float:
-        """The net drive c at phase u of segment k; 0 on the still ground after the motion."""
+        """The net drive c at phase u of segment k; 0 on the still ground after the
+        motion.
+        """
         if k >= self.drive_lists.count:
             return 0.0
         s, up = self.drive_lists.value(k, u)
@@ -85,26 +121,46 @@ class Body:
         self.edge, self.y, self.v = to, 0.0, -edge.speed_ratio * v
         fall = 1.0 - self._net(to, self.k, self.u)
         self.force = -fall
-        if self.impacts > 15 and self.impacts & (self.impacts - 1) == 0 and self._bounces_too_often():
+        if (
+            self.impacts > 15
+            and self.impacts & (self.impacts - 1) == 0
+            and self._bounces_too_often()
+        ):
             self._finish(Outcome.FAILED)
-        elif self.k < self.drive_lists.count and (self.v < STILL or self._may_rest(to, fall)):
+        elif self.k < self.drive_lists.count and (
+            self.v < STILL or self._may_rest(to, fall)
+        ):
             lanes = self._lanes()
-            ends = self.v < STILL or self.contact.sequence_ends(self.segments, lanes, self.equation)[0]
+            ends = (
+                self.v < STILL
+                or self.contact.sequence_ends(self.segments, lanes, self.equation)[0]
+            )
             if ends and (self.listener is None or self.listener.may_close(lanes)):
                 self._uplift(before=lanes)
 
     def _bounces_too_often(self) -> bool:
         """True if the body would need more steps than allowed within this segment."""
-        if self.k >= self.lane.shaken or self.lane.zeta or not self.contact.alike or self.segments.weighed is not None:
+        if (
+            self.k >= self.lane.shaken
+            or self.lane.zeta
+            or not self.contact.alike
+            or self.segments.weighed is not None
+        ):
             return False
         lanes = self._lanes()
         lanes.steps[0] = self.impacts
         return bool(too_many_impacts(self.segments, lanes, self.most)[0])
 
     def _may_rest(self, edge: Edge, fall: float) -> bool:
-        """The part of the test of Lemma 7 that needs no arrays: False if the lemma cannot prove that the bounces end in this segment."""
+        """The part of the test of Lemma 7 that needs no arrays: False if the lemma
+        cannot prove that the bounces end in this segment.
+        """
         v = self.v
-        if fall <= 0.0 or v * v >= 0.05 * fall * fall or (self.listener is not None and v >= self.listener.visible):
+        if (
+            fall <= 0.0
+            or v * v >= 0.05 * fall * fall
+            or (self.listener is not None and v >= self.listener.visible)
+        ):
             return False
         if v < BELOW_ROUNDING or edge.cycle_ratio >= 1.0:
             return v < BELOW_ROUNDING
@@ -116,14 +172,26 @@ class Body:
                 return False
             lasts += edge.speed_ratio * there.omega / (edge.omega * beyond)
         block = self.drive_lists.at(self.k)
-        return 3.0 * v * lasts * edge.omega <= (1.0 - edge.cycle_ratio) * (block.length[self.k - block.first] - self.u)
+        return 3.0 * v * lasts * edge.omega <= (1.0 - edge.cycle_ratio) * (
+            block.length[self.k - block.first] - self.u
+        )
 
     def _uplift(self, first: bool = False, before: Lanes | None = None) -> None:
-        """Go from rest to the next uplift; end the march if there is none. before: this body as it came to rest."""
+        """Go from rest to the next uplift; end the march if there is none. before: this
+        body as it came to rest.
+        """
         at = np.array([self.k]), np.array([self.u])
-        lift: Uplift = self.contact.uplift(self.cells, self.segments, np.zeros(1, dtype=np.int64), *at)
+        lift: Uplift = self.contact.uplift(
+            self.cells, self.segments, np.zeros(1, dtype=np.int64), *at
+        )
         k, u = place(self.segments, lift.k, lift.u)
-        self.k, self.u, self.y, self.v, self.force = int(k[0]), float(u[0]), 0.0, 0.0, float(lift.b[0])
+        self.k, self.u, self.y, self.v, self.force = (
+            int(k[0]),
+            float(u[0]),
+            0.0,
+            0.0,
+            float(lift.b[0]),
+        )
         self.edge = self.edges.get(float(lift.side[0]), self.edge)
         lifts = self.k < self.drive_lists.count
         if self.listener is not None and before is not None:
@@ -132,23 +200,41 @@ class Body:
             self._note("uplift", 0.0, 0.0)
         if not lifts:
             fallen = self.free_fall is not None and self.free_fall.occurs[0]
-            self._finish(Outcome.LOST_CONTACT if fallen else Outcome.NO_UPLIFT if first else Outcome.ROCKED)
+            self._finish(
+                Outcome.LOST_CONTACT
+                if fallen
+                else Outcome.NO_UPLIFT
+                if first
+                else Outcome.ROCKED
+            )
 
     def _check_overturned(self) -> None:
-        """End the march of a body beyond the unstable equilibrium if no later drive can bring it back (Lemma 6)."""
+        """End the march of a body beyond the unstable equilibrium if no later drive can
+        bring it back (Lemma 6).
+        """
         seg, edge = self.segments, self.edge
         side, k = np.array([edge.side]), np.array([min(self.k, len(seg) - 1)])
         amplitude = np.array([abs(edge.drive)])
         inward = seg.strongest_inward(side, amplitude, k)
         y, v = np.array([self.y]), np.array([self.v])
-        if bool(self.equation.on(side).certainly_overturns(y, v, inward, not self.lane.weighed)[0]):
+        if bool(
+            self.equation.on(side).certainly_overturns(
+                y, v, inward, not self.lane.weighed
+            )[0]
+        ):
             self._finish(self._overturned())
 
     def _overturned(self) -> Outcome:
-        return Outcome.OVERTURNED_AFTER_IMPACT if self.bounced else Outcome.OVERTURNED_NO_IMPACT
+        return (
+            Outcome.OVERTURNED_AFTER_IMPACT
+            if self.bounced
+            else Outcome.OVERTURNED_NO_IMPACT
+        )
 
     def _settled(self) -> bool:
-        """True, and the march ends, if a damped body on still ground would even without damping pass neither the barrier nor its peak."""
+        """True, and the march ends, if a damped body on still ground would even without
+        damping pass neither the barrier nor its peak.
+        """
         lanes, equation = self._lanes(), self.equation.on(np.array([self.edge.side]))
         peak = equation.damped_peak(lanes.y, lanes.v)
         if np.isfinite(peak[0]):
@@ -156,22 +242,34 @@ class Body:
             self.peak = max(self.peak, float(peak[0]) * self.edge.unit)
         if float(equation.rotation(lanes.y)[0]) >= 1.0:
             return False
-        most = self.contact.free_motion(self.equation, lanes, np.array([0]), lanes.y, lanes.v)
-        if most.overturns[0] or most.overturns_after_impact[0] or float(most.peak[0]) * self.edge.unit > self.peak:
+        most = self.contact.free_motion(
+            self.equation, lanes, np.array([0]), lanes.y, lanes.v
+        )
+        if (
+            most.overturns[0]
+            or most.overturns_after_impact[0]
+            or float(most.peak[0]) * self.edge.unit > self.peak
+        ):
             return False
         self._finish(Outcome.ROCKED)
         return True
 
     def _free(self) -> None:
-        """End the march on still ground: undamped by the closed form of the free motion (Lemma 8)."""
+        """End the march on still ground: undamped by the closed form of the free motion
+        (Lemma 8).
+        """
         if self.lane.zeta:
-            if not self._settled():  # the march does not test this before if a listener is present
+            if (
+                not self._settled()
+            ):  # the march does not test this before if a listener is present
                 self._finish(Outcome.FAILED)
             return
         lanes = self._lanes()
         if self.listener is not None:
             self.listener.free(lanes)
-        free = self.contact.free_motion(self.equation, lanes, np.array([0]), lanes.y, lanes.v)
+        free = self.contact.free_motion(
+            self.equation, lanes, np.array([0]), lanes.y, lanes.v
+        )
         if free.overturns[0]:
             self._finish(self._overturned())
         elif free.overturns_after_impact[0]:
@@ -182,15 +280,25 @@ class Body:
 
     def _note(self, event: str, y: float, v: float) -> None:
         if self.listener is not None:
-            self.listener.note(self.lane.tau(self.k, self.u), event, self.edge.side, y, v)
+            self.listener.note(
+                self.lane.tau(self.k, self.u), event, self.edge.side, y, v
+            )
 
     def _finish(self, outcome: Outcome) -> Ended:
         ratio = math.nan
         if outcome == Outcome.NO_UPLIFT:
             ratio = 0.0
         elif outcome == Outcome.ROCKED and math.isfinite(self.peak):
-            ratio = float(np.ravel(self.equation.on(np.ones(1)).rotation(np.array([self.peak])))[0])
-        if outcome == Outcome.ROCKED and self.free_fall is not None and self.free_fall.occurs[0]:
+            ratio = float(
+                np.ravel(self.equation.on(np.ones(1)).rotation(np.array([self.peak])))[
+                    0
+                ]
+            )
+        if (
+            outcome == Outcome.ROCKED
+            and self.free_fall is not None
+            and self.free_fall.occurs[0]
+        ):
             outcome, ratio = Outcome.LOST_CONTACT, math.nan
         lost = None
         if outcome == Outcome.LOST_CONTACT and self.free_fall is not None:

@@ -1,4 +1,6 @@
-"""Tied bodies at the ground: how strongly their restraints hold them there, and which of their bounces end in rest."""
+"""Tied bodies at the ground: how strongly their restraints hold them there, and which
+of their bounces end in rest.
+"""
 
 from dataclasses import replace
 
@@ -6,7 +8,12 @@ import numpy as np
 
 from ...motions.segments import Segments
 from ..contacts.contact import Contact
-from ..contacts.sequences import OtherSide, sequence_bounds, sequence_ends, sequence_time
+from ..contacts.sequences import (
+    OtherSide,
+    sequence_bounds,
+    sequence_ends,
+    sequence_time,
+)
 from ..drive import segment_value
 from ..equations.equation import Equation
 from ..lanes import Array
@@ -17,51 +24,114 @@ from .tied_lanes import TiedLanes
 class Bounces:
     """The bounces of a body with these restraints under a motion."""
 
-    def __init__(self, devices: Devices, contact: Contact, equation: Equation, segments: Segments) -> None:
-        self.devices, self.contact, self.equation, self.segments = devices, contact, equation, segments
-        # theta^2 P h/(m g R sin(alpha)) over y, both in the unit in which the held body falls back with acceleration 1 and y < 1/2
-        self._levers = 0.0 if devices.linear else 0.5 * float(np.max(devices.unit * devices.held_at_first())) ** 2
+    def __init__(
+        self, devices: Devices, contact: Contact, equation: Equation, segments: Segments
+    ) -> None:
+        self.devices, self.contact, self.equation, self.segments = (
+            devices,
+            contact,
+            equation,
+            segments,
+        )
+        # theta^2 P h/(m g R sin(alpha)) over y, both in the unit in which the held body
+        # falls back with acceleration 1 and y < 1/2
+        self._levers = (
+            0.0
+            if devices.linear
+            else 0.5 * float(np.max(devices.unit * devices.held_at_first())) ** 2
+        )
 
     def held(self, lanes: TiedLanes) -> Array:
-        """The drive at which lanes at rest leave the ground onto each side, over that of the free body, (sides, lanes)."""
+        """The drive at which lanes at rest leave the ground onto each side, over that
+        of the free body, (sides, lanes).
+        """
         rows = range(len(self.devices.stiffness))
         count = lanes.cell.size
-        return np.array([1.0 + self.devices.pull(np.full(count, i), lanes.phase[i], lanes.plastic[i]) for i in rows])
+        return np.array(
+            [
+                1.0
+                + self.devices.pull(np.full(count, i), lanes.phase[i], lanes.plastic[i])
+                for i in rows
+            ]
+        )
 
     def end(self, lanes: TiedLanes) -> Array:
-        """True for lanes just after an impact whose bouncing ends in rest before any other event (Lemma 7). A restraint that neither yields
-        nor breaks gives back the work that it takes. Its moment is at least P h (1 - theta^2), P its force at the ground, if its stiffness
-        makes up for a lever that falls (x < 0, down to -0.4 h) and theta < 1. The lemma's e covers this loss of moment."""
+        """True for lanes just after an impact whose bouncing ends in rest before any
+        other event (Lemma 7). A restraint that neither yields nor breaks gives back the
+        work that it takes. Its moment is at least P h (1 - theta^2), P its force at the
+        ground, if its stiffness makes up for a lever that falls (x < 0, down to -0.4 h)
+        and theta < 1. The lemma's e covers this loss of moment.
+        """
         free, there = self.free(lanes)
-        devices, lowest, falls = self.devices, np.full(lanes.cell.size, np.inf), np.zeros(lanes.cell.size, dtype=bool)
+        devices, lowest, falls = (
+            self.devices,
+            np.full(lanes.cell.size, np.inf),
+            np.zeros(lanes.cell.size, dtype=bool),
+        )
         for i, held in enumerate(self.held(lanes)):
             row, whole = np.full(held.size, i), lanes.phase[i] != BROKEN
-            limit = np.minimum(devices.thresholds(row, lanes.plastic[i])[1], devices.on(devices.ultimate, row))
+            limit = np.minimum(
+                devices.thresholds(row, lanes.plastic[i])[1],
+                devices.on(devices.ultimate, row),
+            )
             level = np.where(whole, devices.level(row, limit), np.inf).min(axis=0)
             lowest = np.minimum(lowest, level / held)
             h, x = devices.on(devices.height, row), devices.on(devices.behind, row)
-            soft = devices.on(devices.prestress, row) * x + devices.on(devices.stiffness, row) * h * h < 0.0
+            soft = (
+                devices.on(devices.prestress, row) * x
+                + devices.on(devices.stiffness, row) * h * h
+                < 0.0
+            )
             falls |= (whole & (soft | (x < -0.4 * h))).any(axis=0)
         free.peak[:] = np.minimum(free.peak, lowest)
-        return ~falls & sequence_ends(self.segments, free, self.equation, there, self._levers)
+        return ~falls & sequence_ends(
+            self.segments, free, self.equation, there, self._levers
+        )
 
     def free(self, lanes: TiedLanes) -> tuple[TiedLanes, OtherSide | None]:
-        """(lanes, their other side) of a free body on which the restraints act as the constant forces that they have at the ground. The
-        unit of y is the one in which the body at rest falls back with acceleration 1."""
-        every, row, there = self.held(lanes), self.devices.row(lanes.side), self.contact.other_side(lanes)
+        """(lanes, their other side) of a free body on which the restraints act as the
+        constant forces that they have at the ground. The unit of y is the one in which
+        the body at rest falls back with acceleration 1.
+        """
+        every, row, there = (
+            self.held(lanes),
+            self.devices.row(lanes.side),
+            self.contact.other_side(lanes),
+        )
         held = every[row, np.arange(row.size)]
         seg, k = self.segments, np.minimum(lanes.k, len(self.segments) - 1)
         amplitude = lanes.amplitude / held
-        b = -lanes.side * amplitude * (seg.s_start[k] + segment_value(seg, k, lanes.u)[0]) - 1.0
+        b = (
+            -lanes.side
+            * amplitude
+            * (seg.s_start[k] + segment_value(seg, k, lanes.u)[0])
+            - 1.0
+        )
         if there is not None:
             over = every[1 - row, np.arange(row.size)] / held
-            drive, time, rotation = (np.broadcast_to(x, held.shape) for x in (there.drive, there.time, there.rotation))
-            there = OtherSide(drive / over, time, there.eta / over, there.back * over, rotation * over)
-        return replace(lanes, amplitude=amplitude, v=lanes.v / held, b=b, peak=lanes.peak / held), there
+            drive, time, rotation = (
+                np.broadcast_to(x, held.shape)
+                for x in (there.drive, there.time, there.rotation)
+            )
+            there = OtherSide(
+                drive / over, time, there.eta / over, there.back * over, rotation * over
+            )
+        return (
+            replace(
+                lanes,
+                amplitude=amplitude,
+                v=lanes.v / held,
+                b=b,
+                peak=lanes.peak / held,
+            ),
+            there,
+        )
 
     def keep_contact(self, lanes: TiedLanes) -> Array:
-        """True for lanes for which `end` is True and whose bounces are proved to keep Fz > 0 (Lemma 13). A tie pulls
-        horizontally: it changes Fz by the acceleration alone. A tendon also presses the body to the ground."""
+        """True for lanes for which `end` is True and whose bounces are proved to keep
+        Fz > 0 (Lemma 13). A tie pulls horizontally: it changes Fz by the acceleration
+        alone. A tendon also presses the body to the ground.
+        """
         body, devices = self.devices.body, self.devices
         kept = np.ones(lanes.cell.size, dtype=bool)
         if body is None or not lanes.cell.size:
@@ -74,11 +144,17 @@ class Bounces:
             unit = held[row, lane]  # y of this side over the y of the free body
             phase, plastic = lanes.phase[row, :, lane].T, lanes.plastic[row, :, lane].T
             top = unit * bounds.height
-            stretched = devices.largest_pull(row, phase, plastic, top) - devices.pull(row, phase, plastic)
-            weight = 1.0 + devices.press(row, phase, plastic) * np.cos(0.5 * edge.unit * top)
+            stretched = devices.largest_pull(row, phase, plastic, top) - devices.pull(
+                row, phase, plastic
+            )
+            weight = 1.0 + devices.press(row, phase, plastic) * np.cos(
+                0.5 * edge.unit * top
+            )
             inward = edge.unit * (unit * bounds.most[i] + stretched)
             fastest = edge.unit * unit * bounds.fastest[i]
-            kept &= body.fz_in_bounces(edge, weight, inward, fastest, edge.unit * top) > 0.0
+            kept &= (
+                body.fz_in_bounces(edge, weight, inward, fastest, edge.unit * top) > 0.0
+            )
         return kept
 
     def time(self, lanes: TiedLanes) -> Array:

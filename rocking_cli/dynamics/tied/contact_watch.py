@@ -1,12 +1,15 @@
-"""Lost contact of tied bodies: where along a step of their march the vertical force Fz of the ground falls to zero.
+"""Lost contact of tied bodies: where along a step of their march the vertical force Fz
+of the ground falls to zero.
 
-With u = |theta|, z = alpha - u and D the vertical force of a tendon on the body over m g,
+With u = |theta|, z = alpha - u and D the vertical force of a tendon on the body over m
+g,
 
     Fz/(m g) = 1 + kappa (u'' sin z - u'^2 cos z) + D,    D = F cos(u/2)/(m g)
 
-A tie pulls horizontally: it changes Fz by the acceleration alone. Between two instants h apart Fz does not leave its chord by more
-than h^2/8 times a bound of |Fz''|. With bounds V, B, J and Q of the first four derivatives of u (by tau), and F the largest force
-and k b the largest stiffness of the tendon,
+A tie pulls horizontally: it changes Fz by the acceleration alone. Between two instants
+h apart Fz does not leave its chord by more than h^2/8 times a bound of |Fz''|. With
+bounds V, B, J and Q of the first four derivatives of u (by tau), and F the largest
+force and k b the largest stiffness of the tendon,
 
     |Fz''|/(m g) <= kappa [(Q + 6 V^2 B) |sin z| + 4 V J + 3 B^2 + V^4] + [(F/4 + k b) V^2 + (F/2 + k b) B]/(m g)
 """
@@ -24,9 +27,12 @@ from ..lanes import Array, Lanes
 from .devices import Devices, Phase
 from .series import Step
 
-_INSTANTS = np.linspace(0.0, 1.0, 33)  # parts of a step at which Fz is computed where the whole step proves nothing
+_INSTANTS = np.linspace(
+    0.0, 1.0, 33
+)  # parts of a step at which Fz is computed where the whole step proves nothing
 _TOGETHER = 256  # lanes whose instants are computed together
-_HALVINGS = 30  # after so many, Fz was positive at every instant computed: it touches zero at most
+# after so many, Fz was positive at every instant computed: it touches zero at most
+_HALVINGS = 30
 
 
 class Steps(NamedTuple):
@@ -54,13 +60,16 @@ class Stretches(NamedTuple):
 
 
 class ContactWatch:
-    """Finds steps of tied bodies on which Fz <= 0 occurs. body: gives the forces of the free body on the ground."""
+    """Finds steps of tied bodies on which Fz <= 0 occurs. body: gives the forces of the
+    free body on the ground.
+    """
 
     def __init__(self, devices: Devices, body: Body) -> None:
         self.devices, self.body = devices, body
 
     def losses(self, steps: Steps, known: Array) -> tuple[Array, Array]:
-        """Return (indices of the lanes that lose the ground on their steps, instants (2, lanes) [tau] around the first Fz = 0 found).
+        """Return (indices of the lanes that lose the ground on their steps, instants
+        (2, lanes) [tau] around the first Fz = 0 found).
 
         known: True for lanes that are not looked at.
         """
@@ -79,11 +88,15 @@ class ContactWatch:
         """Return Fz/(m g) of the lanes `at`, h [tau] after the start of their steps."""
         lanes, row, now, step, _ = steps
         side, here = self.body.on(lanes.side[at]), step.arc.take(at).at(h)
-        _, fz = ground_reaction(side, side.unit * here.y, side.unit * here.v, side.unit * here.b, 0.0, 1.0)
+        _, fz = ground_reaction(
+            side, side.unit * here.y, side.unit * here.v, side.unit * here.b, 0.0, 1.0
+        )
         return np.asarray(fz + self.devices.downwards(row[at], now.take(at), here.y))
 
     def first(self, steps: Steps, low: Array, high: Array) -> Array:
-        """Return the instant [tau], (1,), between these two at which Fz of the first lane falls to zero."""
+        """Return the instant [tau], (1,), between these two at which Fz of the first
+        lane falls to zero.
+        """
         lane = np.zeros(1, dtype=np.int64)
         while (low < (middle := 0.5 * (low + high))) and (middle < high):
             in_contact = self.fz(steps, lane, middle)[0] > 0.0
@@ -93,7 +106,10 @@ class ContactWatch:
     def _proved_by_size(self, steps: Steps) -> Array:
         """True where the largest speed and acceleration of a step leave Fz > 0."""
         edge, step = self.body.on(steps.lanes.side), steps.step
-        downwards = np.minimum(self._lean(edge, steps), 1.0) * step.largest_acceleration + edge.unit * step.fastest**2
+        downwards = (
+            np.minimum(self._lean(edge, steps), 1.0) * step.largest_acceleration
+            + edge.unit * step.fastest**2
+        )
         return np.asarray(edge.kappa * edge.unit * downwards < 1.0)
 
     def _lean(self, edge: Edge, steps: Steps) -> Array:
@@ -110,44 +126,79 @@ class ContactWatch:
         share = steps.reach[at] / arc.unit
         third = n * (n - 1.0) * (n - 2.0) * np.abs(arc.terms[3:])
         j = unit * np.sum(third * share ** (n - 3.0), axis=0) / arc.unit**3
-        q = unit * np.sum(third[1:] * (n[1:] - 3.0) * share ** (n[1:] - 4.0), axis=0) / arc.unit**4
+        q = (
+            unit
+            * np.sum(third[1:] * (n[1:] - 3.0) * share ** (n[1:] - 4.0), axis=0)
+            / arc.unit**4
+        )
         sin = np.minimum(self._lean(edge, steps)[at], 1.0)
         kappa = np.broadcast_to(edge.kappa, steps.reach.shape)[at]
-        of_body = kappa * ((q + 6.0 * v * v * b) * sin + 4.0 * v * j + 3.0 * b * b + v**4)
+        of_body = kappa * (
+            (q + 6.0 * v * v * b) * sin + 4.0 * v * j + 3.0 * b * b + v**4
+        )
         turned = unit * (steps.lanes.y[at] + step.h[at] * step.fastest[at])
-        force, stiffness = self.devices.tendon_bounds(steps.row[at], steps.now.take(at), turned)
-        return np.asarray(of_body + (0.25 * force + stiffness) * v * v + (0.5 * force + stiffness) * b)
+        force, stiffness = self.devices.tendon_bounds(
+            steps.row[at], steps.now.take(at), turned
+        )
+        return np.asarray(
+            of_body + (0.25 * force + stiffness) * v * v + (0.5 * force + stiffness) * b
+        )
 
     def _stretches(self, steps: Steps, at: Array, parts: Array) -> Stretches:
-        """Return the stretches between these parts of the steps of the lanes `at`, lane by lane."""
+        """Return the stretches between these parts of the steps of the lanes `at`, lane
+        by lane.
+        """
         h = steps.reach[at][:, None] * parts
         lane = np.repeat(at, parts.size)
         fz = self.fz(steps, lane, h.ravel()).reshape(h.shape) if at.size else h
         each = np.repeat(at, parts.size - 1)
-        return Stretches(each, *(x.ravel() for x in (h[:, :-1], h[:, 1:], fz[:, :-1], fz[:, 1:])))
+        return Stretches(
+            each, *(x.ravel() for x in (h[:, :-1], h[:, 1:], fz[:, :-1], fz[:, 1:]))
+        )
 
     def _search(self, steps: Steps, at: Array, curvature: Array) -> tuple[Array, Array]:
-        """As `losses`, for the lanes `at`, on stretches that are halved until Fz > 0 is proved or Fz <= 0 is found."""
+        """As `losses`, for the lanes `at`, on stretches that are halved until Fz > 0 is
+        proved or Fz <= 0 is found.
+        """
         found = np.full((2, steps.reach.size), math.inf)
         bound = np.zeros(steps.reach.size)
         bound[at] = curvature
         left = self._stretches(steps, at, _INSTANTS)
         for _ in range(_HALVINGS):
             falls = np.flatnonzero((left.fz_low <= 0.0) | (left.fz_high <= 0.0))
-            for i in falls[::-1].tolist():  # the first stretch of a lane is the last that is stored
-                found[:, left.lane[i]] = left.low[i], left.high[i] if left.fz_low[i] > 0.0 else left.low[i]
-            left = left.take(np.flatnonzero(~_proved(left, bound[left.lane]) & np.isinf(found[0, left.lane])))
+            for i in falls[
+                ::-1
+            ].tolist():  # the first stretch of a lane is the last that is stored
+                found[:, left.lane[i]] = (
+                    left.low[i],
+                    left.high[i] if left.fz_low[i] > 0.0 else left.low[i],
+                )
+            left = left.take(
+                np.flatnonzero(
+                    ~_proved(left, bound[left.lane]) & np.isinf(found[0, left.lane])
+                )
+            )
             if not left.lane.size:
                 break
             middle = 0.5 * (left.low + left.high)
             fz = self.fz(steps, left.lane, middle)
-            halves = (left.low, middle, left.fz_low, fz), (middle, left.high, fz, left.fz_high)
-            left = Stretches(np.repeat(left.lane, 2), *(np.stack(pair, axis=1).ravel() for pair in zip(*halves, strict=True)))
+            halves = (
+                (left.low, middle, left.fz_low, fz),
+                (middle, left.high, fz, left.fz_high),
+            )
+            left = Stretches(
+                np.repeat(left.lane, 2),
+                *(np.stack(pair, axis=1).ravel() for pair in zip(*halves, strict=True)),
+            )
         lost = at[np.isfinite(found[0, at])]
         return lost, found[:, lost]
 
 
 def _proved(stretches: Stretches, curvature: Array) -> Array:
-    """True where the chord of Fz, less its error, is positive; curvature: a bound of |Fz''|/(m g)."""
+    """True where the chord of Fz, less its error, is positive; curvature: a bound of
+    |Fz''|/(m g).
+    """
     h = stretches.high - stretches.low
-    return np.asarray(np.minimum(stretches.fz_low, stretches.fz_high) > 0.125 * h * h * curvature)
+    return np.asarray(
+        np.minimum(stretches.fz_low, stretches.fz_high) > 0.125 * h * h * curvature
+    )

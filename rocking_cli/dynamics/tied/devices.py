@@ -1,12 +1,16 @@
-"""Ties and a tendon in the units of an equation: elongation, force, and the rotations at which a phase of them ends.
+"""Ties and a tendon in the units of an equation: elongation, force, and the rotations
+at which a phase of them ends.
 
-A tie at the height h and the distance x behind the pivot has the elongation e = x (1 - cos theta) + h sin theta and the lever
-h cos theta + x sin theta; a tendon at the distance b has e = 2 b sin(theta/2) and the lever b cos(theta/2). (Some sources let a tendon
-break at b sin theta, which contradicts this lever.) In the linear equation e = h theta or b theta, with the levers h and b. The force is
+A tie at the height h and the distance x behind the pivot has the elongation e = x (1 -
+cos theta) + h sin theta and the lever h cos theta + x sin theta; a tendon at the
+distance b has e = 2 b sin(theta/2) and the lever b cos(theta/2). (Some sources let a
+tendon break at b sin theta, which contradicts this lever.) In the linear equation e = h
+theta or b theta, with the levers h and b. The force is
 
     F = 0 (slack, broken),  P0 + K (e - e_p) (elastic),  F_y (yielding),  e_p the permanent elongation
 
-A device acts on one side; a tie that acts on both sides is two devices. A tendon acts on both sides and breaks on both.
+A device acts on one side; a tie that acts on both sides is two devices. A tendon acts
+on both sides and breaks on both.
 """
 
 from __future__ import annotations
@@ -28,8 +32,11 @@ ROWS = ("right", "left")  # sides as rows of arrays
 
 
 class Phase(NamedTuple):
-    """The present phases of the devices, for lanes on their sides. low, high: the y at which each phase ends, (devices, lanes); fixed,
-    rate: force at e = 0 [N] and its growth with e [N/m], (devices, lanes); yields: True for lanes with a yielding device, (lanes,)."""
+    """The present phases of the devices, for lanes on their sides. low, high: the y at
+    which each phase ends, (devices, lanes); fixed, rate: force at e = 0 [N] and its
+    growth with e [N/m], (devices, lanes); yields: True for lanes with a yielding
+    device, (lanes,).
+    """
 
     low: Array
     high: Array
@@ -44,11 +51,14 @@ class Phase(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Devices:
-    """The restraints of a body on its sides, (sides, devices) arrays, right side first; names: of each device.
+    """The restraints of a body on its sides, (sides, devices) arrays, right side first;
+    names: of each device.
 
-    height, behind: h and x [m], of a tendon b and 0; unit: rotation of y = 1 [rad], (sides, 1); moment: m g R times the unit [N m], (sides,
-    1); tendon: True for the tendon, (devices,); linear: True for the linear equation; body: gives the ground forces of the free body, None
-    if they are not known; weight: m g [N], infinite if the ground forces are not known.
+    height, behind: h and x [m], of a tendon b and 0; unit: rotation of y = 1 [rad],
+    (sides, 1); moment: m g R times the unit [N m], (sides, 1); tendon: True for the
+    tendon, (devices,); linear: True for the linear equation; body: gives the ground
+    forces of the free body, None if they are not known; weight: m g [N], infinite if
+    the ground forces are not known.
     """
 
     stiffness: Array
@@ -66,8 +76,17 @@ class Devices:
     weight: float
 
     @classmethod
-    def of(cls, structure: RockingParameters, equation: Equation, *, linear: bool, body: Body | None) -> Self | None:
-        """Build the devices of a structure with restraints under the equation of its free body; None if no restraint ever pulls."""
+    def of(
+        cls,
+        structure: RockingParameters,
+        equation: Equation,
+        *,
+        linear: bool,
+        body: Body | None,
+    ) -> Self | None:
+        """Build the devices of a structure with restraints under the equation of its
+        free body; None if no restraint ever pulls.
+        """
         restraints, one_sided = structure.restraints, structure.one_sided
         assert restraints is not None
         stands = dict(zip(SIDES["both"], restraints.stands, strict=True))
@@ -78,78 +97,158 @@ class Devices:
                 columns.append((f"tie {i + 1}", [_of_tie(tie, row) for row in rows]))
         held = restraints.tendon
         if held and (held.stiffness or held.prestress):
-            columns.append(("tendon", [_of_tie(held.at(stands[row].lever), row) for row in rows]))
+            columns.append(
+                ("tendon", [_of_tie(held.at(stands[row].lever), row) for row in rows])
+            )
         if not columns:
             return None
         numbers = np.array([of for _, of in columns]).transpose(2, 1, 0)
         sides = np.array([1.0, -1.0])
-        unit = np.broadcast_to(equation.on(sides).rotation(np.ones(2)) * structure.alpha_on(sides), 2)[: len(rows), None]
+        unit = np.broadcast_to(
+            equation.on(sides).rotation(np.ones(2)) * structure.alpha_on(sides), 2
+        )[: len(rows), None]
         moment = unit * np.array([[stands[row].moment] for row in rows])
         names = tuple(name for name, _ in columns)
         arm = (structure.sides or (structure,))[0].arm
-        weight = np.inf if body is None or arm is None else restraints.stands[0].moment / arm
+        weight = (
+            np.inf if body is None or arm is None else restraints.stands[0].moment / arm
+        )
         tendon = np.array([name == "tendon" for name in names])
         stiffness, prestress, force, ultimate, height, behind = numbers
-        return cls(stiffness, prestress, force, ultimate, height, behind, unit, moment, tendon, names, linear, body, weight)
+        return cls(
+            stiffness,
+            prestress,
+            force,
+            ultimate,
+            height,
+            behind,
+            unit,
+            moment,
+            tendon,
+            names,
+            linear,
+            body,
+            weight,
+        )
 
     def row(self, side: Array) -> Array:
-        """Return the row of each side, +1 or -1, in the arrays of this class: 0 for the right, 1 for the left; 0 if there is one row
-        only."""
-        return np.zeros(side.size, dtype=np.int64) if len(self.stiffness) == 1 else (side < 0.0).astype(np.int64)
+        """Return the row of each side, +1 or -1, in the arrays of this class: 0 for the
+        right, 1 for the left; 0 if there is one row only.
+        """
+        return (
+            np.zeros(side.size, dtype=np.int64)
+            if len(self.stiffness) == 1
+            else (side < 0.0).astype(np.int64)
+        )
 
     def lever_ends(self) -> Array:
-        """The y at which a tie has lost its lever, for the right and the left side: the body counts as overturned from there on."""
+        """The y at which a tie has lost its lever, for the right and the left side: the
+        body counts as overturned from there on.
+        """
         if self.linear:
             return np.full(2, np.inf)
         turned = np.arctan2(self.height, -np.minimum(self.behind, 0.0)).min(axis=1)
         return np.resize(turned / self.unit[:, 0], 2)
 
     def on(self, numbers: Array, row: Array) -> Array:
-        """The numbers of the devices on these sides, (devices, lanes); (devices, 1) if both sides have the same devices."""
+        """The numbers of the devices on these sides, (devices, lanes); (devices, 1) if
+        both sides have the same devices.
+        """
         return numbers[:1].T if self.alike else numbers[row].T
 
     def elongation(self, row: Array, y: Array) -> Array:
         """The elongation e [m] of each device at y, (devices, lanes)."""
-        theta, h, x = self.unit[row, 0] * y, self.on(self.height, row), self.on(self.behind, row)
+        theta, h, x = (
+            self.unit[row, 0] * y,
+            self.on(self.height, row),
+            self.on(self.behind, row),
+        )
         if self.linear:
             return h * theta
         of_tie = x * (2.0 * np.sin(0.5 * theta) ** 2) + h * np.sin(theta)
-        return np.where(self.tendon[:, None], 2.0 * h * np.sin(0.5 * theta), of_tie) if self.tendon.any() else of_tie
+        return (
+            np.where(self.tendon[:, None], 2.0 * h * np.sin(0.5 * theta), of_tie)
+            if self.tendon.any()
+            else of_tie
+        )
 
     def level(self, row: Array, e: Array) -> Array:
-        """The y at which each device has the elongation e [m], (devices, lanes); infinite where no rotation reaches e."""
-        h, x, unit = self.on(self.height, row), self.on(self.behind, row), self.unit[row, 0]
+        """The y at which each device has the elongation e [m], (devices, lanes);
+        infinite where no rotation reaches e.
+        """
+        h, x, unit = (
+            self.on(self.height, row),
+            self.on(self.behind, row),
+            self.unit[row, 0],
+        )
         if self.linear:
             return e / h / unit
         with np.errstate(invalid="ignore"):
             turned = np.arctan2(x, h) - np.arcsin((x - e) / np.hypot(x, h))
             if self.tendon.any():
-                turned = np.where(self.tendon[:, None], 2.0 * np.arcsin(0.5 * e / h), turned)
-        return np.where(np.isnan(turned), np.where(e > 0.0, np.inf, -np.inf), turned) / unit
+                turned = np.where(
+                    self.tendon[:, None], 2.0 * np.arcsin(0.5 * e / h), turned
+                )
+        return (
+            np.where(np.isnan(turned), np.where(e > 0.0, np.inf, -np.inf), turned)
+            / unit
+        )
 
     def thresholds(self, row: Array, plastic: Array) -> tuple[Array, Array]:
-        """(e from which a device pulls, e at which it yields) with these permanent elongations [m]; infinite without stiffness."""
-        stiffness, prestress = self.on(self.stiffness, row), self.on(self.prestress, row)
+        """(e from which a device pulls, e at which it yields) with these permanent
+        elongations [m]; infinite without stiffness.
+        """
+        stiffness, prestress = (
+            self.on(self.stiffness, row),
+            self.on(self.prestress, row),
+        )
         with np.errstate(divide="ignore", invalid="ignore"):
-            pulls, yields = plastic - prestress / stiffness, plastic + (self.on(self.force, row) - prestress) / stiffness
-        return np.where(stiffness > 0.0, pulls, -np.inf), np.where(stiffness > 0.0, yields, np.inf)
+            pulls, yields = (
+                plastic - prestress / stiffness,
+                plastic + (self.on(self.force, row) - prestress) / stiffness,
+            )
+        return np.where(stiffness > 0.0, pulls, -np.inf), np.where(
+            stiffness > 0.0, yields, np.inf
+        )
 
     def stretched(self, row: Array, elongation: Array) -> Array:
-        """The permanent elongation [m] of a device that yields up to this elongation and then unloads."""
+        """The permanent elongation [m] of a device that yields up to this elongation
+        and then unloads.
+        """
         with np.errstate(divide="ignore", invalid="ignore"):
-            elastic = (self.on(self.force, row) - self.on(self.prestress, row)) / self.on(self.stiffness, row)
-        return np.maximum(0.0, np.where(self.on(self.stiffness, row) > 0.0, elongation - elastic, 0.0))
+            elastic = (
+                self.on(self.force, row) - self.on(self.prestress, row)
+            ) / self.on(self.stiffness, row)
+        return np.maximum(
+            0.0, np.where(self.on(self.stiffness, row) > 0.0, elongation - elastic, 0.0)
+        )
 
     def phase(self, row: Array, phase: Array, plastic: Array) -> Phase:
         """The limits in y and the force law of devices in these phases, as `Phase`."""
         pulls, yields = self.thresholds(row, plastic)
         ultimate, stiffness = self.on(self.ultimate, row), self.on(self.stiffness, row)
         elastic, yielding = phase == ELASTIC, phase == YIELDING
-        high = np.where(phase == SLACK, pulls, np.where(elastic, np.minimum(yields, ultimate), np.where(yielding, ultimate, np.inf)))
+        high = np.where(
+            phase == SLACK,
+            pulls,
+            np.where(
+                elastic,
+                np.minimum(yields, ultimate),
+                np.where(yielding, ultimate, np.inf),
+            ),
+        )
         low = np.where(elastic, pulls, -np.inf)
-        fixed = np.where(elastic, self.on(self.prestress, row) - stiffness * plastic, 0.0)
+        fixed = np.where(
+            elastic, self.on(self.prestress, row) - stiffness * plastic, 0.0
+        )
         fixed = np.where(yielding, self.on(self.force, row), fixed)
-        return Phase(self.level(row, low), self.level(row, high), fixed, np.where(elastic, stiffness, 0.0), yielding.any(axis=0))
+        return Phase(
+            self.level(row, low),
+            self.level(row, high),
+            fixed,
+            np.where(elastic, stiffness, 0.0),
+            yielding.any(axis=0),
+        )
 
     def at_ground(self, row: Array, phase: Array, plastic: Array) -> Array:
         """The phase of each device when a body leaves the ground onto these sides."""
@@ -158,48 +257,105 @@ class Devices:
 
     def force_at_ground(self, row: Array, phase: Array, plastic: Array) -> Array:
         """The force [N] of each device on bodies at the ground, (devices, lanes)."""
-        force = np.clip(self.on(self.prestress, row) - self.on(self.stiffness, row) * plastic, 0.0, None)
+        force = np.clip(
+            self.on(self.prestress, row) - self.on(self.stiffness, row) * plastic,
+            0.0,
+            None,
+        )
         return np.where(phase == BROKEN, 0.0, force)
 
     def pull(self, row: Array, phase: Array, plastic: Array) -> Array:
-        """The restoring acceleration -y'' that the devices add to bodies at the ground, (lanes,)."""
-        return _added(self.force_at_ground(row, phase, plastic) * self.on(self.height, row)) / self.moment[row, 0]
+        """The restoring acceleration -y'' that the devices add to bodies at the ground,
+        (lanes,).
+        """
+        return (
+            _added(
+                self.force_at_ground(row, phase, plastic) * self.on(self.height, row)
+            )
+            / self.moment[row, 0]
+        )
 
     def press(self, row: Array, phase: Array, plastic: Array) -> Array:
-        """The vertical force of a tendon on bodies at the ground, over m g, (lanes,)."""
-        return _added(np.where(self.tendon[:, None], self.force_at_ground(row, phase, plastic), 0.0)) / self.weight
+        """The vertical force of a tendon on bodies at the ground, over
+        m g, (lanes,).
+        """
+        return (
+            _added(
+                np.where(
+                    self.tendon[:, None], self.force_at_ground(row, phase, plastic), 0.0
+                )
+            )
+            / self.weight
+        )
 
     def largest_pull(self, row: Array, phase: Array, plastic: Array, y: Array) -> Array:
-        """An upper bound of the restoring acceleration -y'' that the devices add up to y, if none yields before, (lanes,)."""
-        stiffness, height, behind = (self.on(x, row) for x in (self.stiffness, self.height, self.behind))
+        """An upper bound of the restoring acceleration -y'' that the devices add up to
+        y, if none yields before, (lanes,).
+        """
+        stiffness, height, behind = (
+            self.on(x, row) for x in (self.stiffness, self.height, self.behind)
+        )
         stretched = self.elongation(row, y) - plastic
-        force = np.clip(self.on(self.prestress, row) + stiffness * np.maximum(stretched, -plastic), 0.0, None)
-        lever = height if self.linear else height + np.maximum(behind, 0.0) * np.sin(np.minimum(self.unit[row, 0] * y, 0.5 * np.pi))
-        return _added(np.where(phase == BROKEN, 0.0, force) * lever) / self.moment[row, 0]
+        force = np.clip(
+            self.on(self.prestress, row) + stiffness * np.maximum(stretched, -plastic),
+            0.0,
+            None,
+        )
+        lever = (
+            height
+            if self.linear
+            else height
+            + np.maximum(behind, 0.0)
+            * np.sin(np.minimum(self.unit[row, 0] * y, 0.5 * np.pi))
+        )
+        return (
+            _added(np.where(phase == BROKEN, 0.0, force) * lever) / self.moment[row, 0]
+        )
 
     @cached_property
     def alike(self) -> bool:
         """True if the sides have the same devices."""
-        numbers = (self.stiffness, self.prestress, self.force, self.ultimate, self.height, self.behind, self.unit, self.moment)
+        numbers = (
+            self.stiffness,
+            self.prestress,
+            self.force,
+            self.ultimate,
+            self.height,
+            self.behind,
+            self.unit,
+            self.moment,
+        )
         return all(bool(np.all(x == x[0])) for x in numbers)
 
     def held_at_first(self) -> Array:
-        """The drive at which the restrained body leaves the ground onto each side, over that of the free body, before any yield, (sides,
-        1)."""
-        rows, none = np.arange(len(self.stiffness)), np.zeros((len(self.names), len(self.stiffness)))
+        """The drive at which the restrained body leaves the ground onto each side, over
+        that of the free body, before any yield, (sides, 1).
+        """
+        rows, none = (
+            np.arange(len(self.stiffness)),
+            np.zeros((len(self.names), len(self.stiffness))),
+        )
         return np.asarray(1.0 + self.pull(rows, none, none)[:, None])
 
     def downwards(self, row: Array, now: Phase, y: Array) -> Array:
         """The vertical force of a tendon on the body, over m g, (lanes,)."""
-        force = np.where(self.tendon[:, None], now.fixed + now.rate * self.elongation(row, y), 0.0)
+        force = np.where(
+            self.tendon[:, None], now.fixed + now.rate * self.elongation(row, y), 0.0
+        )
         return _added(force) * np.cos(0.5 * self.unit[row, 0] * y) / self.weight
 
-    def tendon_bounds(self, row: Array, now: Phase, turned: Array) -> tuple[Array, Array]:
-        """(largest force of a tendon up to this rotation [rad], its stiffness times its lever), each over m g, (lanes,)."""
+    def tendon_bounds(
+        self, row: Array, now: Phase, turned: Array
+    ) -> tuple[Array, Array]:
+        """(largest force of a tendon up to this rotation [rad], its stiffness times its
+        lever), each over m g, (lanes,).
+        """
         stiffness = now.rate * self.on(self.height, row)
         force = np.abs(now.fixed) + stiffness * turned
         of_tendon = self.tendon[:, None]
-        largest, steepest = (_added(np.where(of_tendon, x, 0.0)) for x in (force, stiffness))
+        largest, steepest = (
+            _added(np.where(of_tendon, x, 0.0)) for x in (force, stiffness)
+        )
         return largest / self.weight, steepest / self.weight
 
     def lever(self, row: Array, y: Array) -> Array:
@@ -208,21 +364,40 @@ class Devices:
         if self.linear:
             return h + 0.0 * theta
         of_tie = h * np.cos(theta) + self.on(self.behind, row) * np.sin(theta)
-        return np.where(self.tendon[:, None], h * np.cos(0.5 * theta), of_tie) if self.tendon.any() else of_tie
+        return (
+            np.where(self.tendon[:, None], h * np.cos(0.5 * theta), of_tie)
+            if self.tendon.any()
+            else of_tie
+        )
 
     def pulled(self, row: Array, now: Phase, y: Array) -> Array:
         """The restoring acceleration -y'' that the devices add at y, (lanes,)."""
-        return _added((now.fixed + now.rate * self.elongation(row, y)) * self.lever(row, y)) / self.moment[row, 0]
+        return (
+            _added(
+                (now.fixed + now.rate * self.elongation(row, y)) * self.lever(row, y)
+            )
+            / self.moment[row, 0]
+        )
 
     def linear_terms(self, row: Array, now: Phase) -> tuple[Array, Array]:
-        """(constant, stiffness) that the devices add to -y'' = constant + stiffness y in the linear equation, each (lanes,)."""
+        """(constant, stiffness) that the devices add to -y'' = constant + stiffness y
+        in the linear equation, each (lanes,).
+        """
         h, moment = self.on(self.height, row), self.moment[row, 0]
-        return _added(now.fixed * h) / moment, _added(now.rate * h * h) * self.unit[row, 0] / moment
+        return (
+            _added(now.fixed * h) / moment,
+            _added(now.rate * h * h) * self.unit[row, 0] / moment,
+        )
 
     def circular_terms(self, row: Array, now: Phase) -> Array:
-        """Coefficients of cos theta, sin theta, cos 2 theta, sin 2 theta and, with a tendon, cos(theta/2), sin(theta/2), in y'', (4 or 6,
-        lanes)."""
-        h, x, tie = self.on(self.height, row), self.on(self.behind, row), ~self.tendon[:, None]
+        """Coefficients of cos theta, sin theta, cos 2 theta, sin 2 theta and, with a
+        tendon, cos(theta/2), sin(theta/2), in y'', (4 or 6, lanes).
+        """
+        h, x, tie = (
+            self.on(self.height, row),
+            self.on(self.behind, row),
+            ~self.tendon[:, None],
+        )
         fixed, rate = now.fixed + now.rate * x, np.where(tie, now.rate, 0.0)
         rows = [
             _added(np.where(tie, fixed * h, 0.0)),
@@ -238,11 +413,20 @@ class Devices:
 def _of_tie(tie: Tie, row: str) -> tuple[float, ...]:
     if row not in SIDES[tie.side]:
         return 0.0, 0.0, np.inf, np.inf, tie.height, tie.behind
-    return tie.stiffness, tie.prestress, tie.yield_force, tie.ultimate, tie.height, tie.behind
+    return (
+        tie.stiffness,
+        tie.prestress,
+        tie.yield_force,
+        tie.ultimate,
+        tie.height,
+        tie.behind,
+    )
 
 
 def _added(rows: Array) -> Array:
-    """The sum over the devices, in their order, so that no digit depends on a lane's neighbours."""
+    """The sum over the devices, in their order, so that no digit depends on a lane's
+    neighbours.
+    """
     total = rows[0].copy()
     for row in rows[1:]:
         total += row

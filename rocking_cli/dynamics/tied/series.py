@@ -1,6 +1,8 @@
-"""The motion of tied bodies within one phase of their restraints: its Taylor series and its first turn.
+"""The motion of tied bodies within one phase of their restraints: its Taylor series and
+its first turn.
 
-With y = theta/sin(alpha) on the present side (the linear equation has no devices but springs, which add a constant and a stiffness),
+With y = theta/sin(alpha) on the present side (the linear equation has no devices but
+springs, which add a constant and a stiffness),
 
     y'' = -l(y) + a m(y) - M(theta)/(m g R sin(alpha))
 
@@ -29,9 +31,12 @@ _HALVINGS = 40
 
 
 class Step(NamedTuple):
-    """A step with at most one turn. arc: the motion from its start; h: its length [tau]; end: the state at its end; outward: direction of
-    the motion at its start, 1 outwards, -1 inwards, 0 for bodies that do not move; turn: the time at which y' = 0, NaN without a turn;
-    fastest, largest_acceleration: bounds of |y'| and |y''| in the step."""
+    """A step with at most one turn. arc: the motion from its start; h: its length
+    [tau]; end: the state at its end; outward: direction of the motion at its start, 1
+    outwards, -1 inwards, 0 for bodies that do not move; turn: the time at which y' = 0,
+    NaN without a turn; fastest, largest_acceleration: bounds of |y'| and |y''| in the
+    step.
+    """
 
     arc: TaylorSeries
     h: Array
@@ -54,11 +59,19 @@ class Law:
         """y'' under the outward drive a, without damping, (lanes,)."""
         return self.equation.on(side).force(y, a) - self.devices.pulled(row, now, y)
 
-    def flow(self, segments: Segments, lanes: Lanes, row: Array, now: Phase, exact: Array) -> TaylorSeries:
-        """The series of lanes from their present state; exact: True where y'' is exactly 0 now."""
+    def flow(
+        self, segments: Segments, lanes: Lanes, row: Array, now: Phase, exact: Array
+    ) -> TaylorSeries:
+        """The series of lanes from their present state; exact: True where y'' is
+        exactly 0 now.
+        """
         held = HeldBody(self.equation.on(lanes.side), self.devices, row, now)
         lanes = Lanes.joined([lanes])
-        drive = -lanes.side * lanes.amplitude * (segments.s_start[lanes.k] + drive_change(segments, lanes.k, lanes.u))
+        drive = (
+            -lanes.side
+            * lanes.amplitude
+            * (segments.s_start[lanes.k] + drive_change(segments, lanes.k, lanes.u))
+        )
         lanes.b = np.where(exact, 0.0, self.force(row, now, lanes.side, lanes.y, drive))
         rate = 1.0 + np.sqrt(self.devices.linear_terms(row, now)[1])
         terms, fastest = taylor.series_flow(held, segments, lanes, self.order, rate)
@@ -66,23 +79,42 @@ class Law:
 
 
 class HeldBody:
-    """The equation of lanes in one phase of their restraints: that of the free body, and the moment of its devices.
+    """The equation of lanes in one phase of their restraints: that of the free body,
+    and the moment of its devices.
 
-    The moment is a sum of cos theta, sin theta, cos 2 theta, sin 2 theta, cos(theta/2): those of theta follow from l and m of the free
-    body, the second harmonics are rho cos(2 theta - 2 phi) = rho (2 u^2 - 1) with u = cos(theta - phi).
+    The moment is a sum of cos theta, sin theta, cos 2 theta, sin 2 theta, cos(theta/2):
+    those of theta follow from l and m of the free body, the second harmonics are rho
+    cos(2 theta - 2 phi) = rho (2 u^2 - 1) with u = cos(theta - phi).
     """
 
-    def __init__(self, equation: Equation, devices: Devices, row: Array, now: Phase) -> None:
-        self.equation, self.devices, self.row, self.now, self.damping = equation, devices, row, now, equation.damping
+    def __init__(
+        self, equation: Equation, devices: Devices, row: Array, now: Phase
+    ) -> None:
+        self.equation, self.devices, self.row, self.now, self.damping = (
+            equation,
+            devices,
+            row,
+            now,
+            equation.damping,
+        )
 
     def part(self, lanes: slice) -> HeldBody:
         """Return the equation of some of the lanes."""
-        return HeldBody(self.equation.part(lanes), self.devices, self.row[lanes], self.now.take(lanes))
+        return HeldBody(
+            self.equation.part(lanes),
+            self.devices,
+            self.row[lanes],
+            self.now.take(lanes),
+        )
 
-    def along(self, y: Series, new: Callable[[], Series]) -> tuple[Series, Series | None, Callable[[int], None]]:
+    def along(
+        self, y: Series, new: Callable[[], Series]
+    ) -> tuple[Series, Series | None, Callable[[int], None]]:
         """As `Equation.along`."""
         free, push, extend = self.equation.along(y, new)
-        pulled = (self._linear if self.devices.linear else self._nonlinear)(y, free, push, new)
+        pulled = (self._linear if self.devices.linear else self._nonlinear)(
+            y, free, push, new
+        )
         lift = new()
         lift.append(free[0] + pulled(0))
 
@@ -92,20 +124,34 @@ class HeldBody:
 
         return lift, push, extend_held
 
-    def _linear(self, y: Series, free: Series, push: None, new: Callable[[], Series]) -> Callable[[int], Any]:
-        """Return a function of n that returns term n of the acceleration that the devices take from y''."""
+    def _linear(
+        self, y: Series, free: Series, push: None, new: Callable[[], Series]
+    ) -> Callable[[int], Any]:
+        """Return a function of n that returns term n of the acceleration that the
+        devices take from y''.
+        """
         constant, stiffness = self.devices.linear_terms(self.row, self.now)
         return lambda n: stiffness * y[n] if n else constant + stiffness * y[0]
 
-    def _nonlinear(self, y: Series, free: Series, push: Series, new: Callable[[], Series]) -> Callable[[int], Any]:
-        """As `_linear`; the caller calls the function for n = 0, 1 ... in this order."""
-        of_cos, of_sin, of_cos2, of_sin2, *of_half = -self.devices.circular_terms(self.row, self.now)
+    def _nonlinear(
+        self, y: Series, free: Series, push: Series, new: Callable[[], Series]
+    ) -> Callable[[int], Any]:
+        """As `_linear`; the caller calls the function for n = 0, 1 ...
+        in this order.
+        """
+        of_cos, of_sin, of_cos2, of_sin2, *of_half = -self.devices.circular_terms(
+            self.row, self.now
+        )
         assert isinstance(self.equation, RigidBodyEquation)
         sin, cos = self.equation.sin, self.equation.cos
 
         def of_free_and_push(by_cos: Array, by_sin: Array) -> tuple[Array, Array]:
-            """cos theta = sin^2 l + cos^2 m, sin theta = sin cos (m - l), with sin and cos of alpha."""
-            return sin * (sin * by_cos - cos * by_sin), cos * (cos * by_cos + sin * by_sin)
+            """cos theta = sin^2 l + cos^2 m, sin theta = sin cos (m - l), with sin and
+            cos of alpha.
+            """
+            return sin * (sin * by_cos - cos * by_sin), cos * (
+                cos * by_cos + sin * by_sin
+            )
 
         by_free, by_push = of_free_and_push(of_cos, of_sin)
         size, angle = np.hypot(of_cos2, of_sin2), 0.5 * np.arctan2(of_sin2, of_cos2)
@@ -120,7 +166,11 @@ class HeldBody:
             own = by_free * free[n] + by_push * push[n]
             if stretched:
                 turned.append(u_by_free * free[n] + u_by_push * push[n])
-                own = own + 2.0 * size * product_term(turned, turned) - (0.0 if n else size)
+                own = (
+                    own
+                    + 2.0 * size * product_term(turned, turned)
+                    - (0.0 if n else size)
+                )
             if of_half:
                 if n:
                     rate.append(0.5 * n * sin * y[n])
@@ -134,34 +184,49 @@ class HeldBody:
 
 
 def one_turn(arc: TaylorSeries, left: Array) -> Step:
-    """The longest step of lanes, at most `left` [tau], that ends before the second turn of their series."""
+    """The longest step of lanes, at most `left` [tau], that ends before the second turn
+    of their series.
+    """
     h = np.minimum(arc.longest, left)
     end, chord_errors = arc.at_with_chord_errors(h)
     kept, monotone = sense(arc, h, end, chord_errors)
     fastest = np.maximum(np.abs(arc.v), np.abs(end.v)) + chord_errors[0] / h
-    largest_acceleration = np.maximum(np.abs(arc.b), np.abs(end.b)) + chord_errors[1] / (h * h)
+    largest_acceleration = np.maximum(np.abs(arc.b), np.abs(end.b)) + chord_errors[
+        1
+    ] / (h * h)
     outward = np.sign(np.where(arc.v != 0.0, arc.v, arc.b))
     turns = ~kept & monotone & (arc.v != 0.0) & (end.v * outward <= 0.0)
     doubtful = np.flatnonzero(~kept & ~monotone)
     if doubtful.size:
-        h[doubtful], outward[doubtful], turns[doubtful] = _bernstein(arc.take(doubtful), h[doubtful])
+        h[doubtful], outward[doubtful], turns[doubtful] = _bernstein(
+            arc.take(doubtful), h[doubtful]
+        )
         end = Point(*(np.array(x) for x in end))
         for whole, x in zip(end, arc.take(doubtful).at(h[doubtful]), strict=True):
             whole[doubtful] = x
     turn, at = np.full(h.size, np.nan), np.flatnonzero(turns)
     if at.size:
         n = np.arange(1.0, len(arc.terms))[:, None]
-        speed = TaylorSeries(n * arc.terms[1:, at] * outward[at], arc.unit[at], h[at], arc.fastest[at])
+        speed = TaylorSeries(
+            n * arc.terms[1:, at] * outward[at], arc.unit[at], h[at], arc.fastest[at]
+        )
         turn[at] = falls(speed, np.zeros(at.size), h[at])[0]
     return Step(arc, h, end, outward, turn, fastest, largest_acceleration)
 
 
 def _bernstein(arc: TaylorSeries, h: Array) -> tuple[Array, Array, Array]:
-    """(shorter steps with at most one turn, direction of the motion at their start, True where there is a turn), from the signs of the
-    Bernstein coefficients of y'."""
-    terms = np.zeros((max(len(arc.terms), taylor.MOST_TERMS + 1), h.size))  # as many as with any neighbours
+    """(shorter steps with at most one turn, direction of the motion at their start,
+    True where there is a turn), from the signs of the Bernstein coefficients of y'.
+    """
+    terms = np.zeros(
+        (max(len(arc.terms), taylor.MOST_TERMS + 1), h.size)
+    )  # as many as with any neighbours
     terms[: len(arc.terms)] = arc.terms
-    n, share, lanes = np.arange(1.0, len(terms))[:, None], h / arc.unit, np.arange(h.size)
+    n, share, lanes = (
+        np.arange(1.0, len(terms))[:, None],
+        h / arc.unit,
+        np.arange(h.size),
+    )
     outward, turns = np.zeros(h.size), np.zeros(h.size, dtype=bool)
     for halving in range(_HALVINGS + 1):
         signs = np.sign(bernstein_form(n * terms[1:, lanes] * share[lanes] ** n))
@@ -175,15 +240,28 @@ def _bernstein(arc: TaylorSeries, h: Array) -> tuple[Array, Array, Array]:
 
 
 def _changes(signs: Array) -> tuple[Array, Array]:
-    """(number of sign changes in each column, without zeros; first sign in the column that is not 0)."""
-    last = np.maximum.accumulate(np.where(signs != 0.0, np.arange(len(signs))[:, None], 0), axis=0)
+    """(number of sign changes in each column, without zeros; first sign in the column
+    that is not 0).
+    """
+    last = np.maximum.accumulate(
+        np.where(signs != 0.0, np.arange(len(signs))[:, None], 0), axis=0
+    )
     filled = np.take_along_axis(signs, last, axis=0)
     first = np.take_along_axis(signs, np.argmax(signs != 0.0, axis=0)[None], axis=0)[0]
     return np.count_nonzero(filled[1:] * filled[:-1] < 0.0, axis=0), first
 
 
 def falls(arc: TaylorSeries, low: Array, high: Array) -> tuple[Array, Array]:
-    """(h, y' at h) where series fall through zero; there is one such h between `low` and `high`."""
+    """(h, y' at h) where series fall through zero; there is one such h between `low`
+    and `high`.
+    """
     fall = np.sqrt(np.maximum(arc.v * arc.v - 2.0 * arc.b * arc.y, 0.0))
-    guess = np.where(arc.v < 0.0, 2.0 * arc.y / (fall - arc.v), -(arc.v + fall) / arc.b)  # by the first three terms
-    return impact_root(arc, low, high, np.where((guess > low) & (guess < high), guess, 0.5 * (low + high)))
+    guess = np.where(
+        arc.v < 0.0, 2.0 * arc.y / (fall - arc.v), -(arc.v + fall) / arc.b
+    )  # by the first three terms
+    return impact_root(
+        arc,
+        low,
+        high,
+        np.where((guess > low) & (guess < high), guess, 0.5 * (low + high)),
+    )

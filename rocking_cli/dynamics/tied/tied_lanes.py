@@ -1,4 +1,6 @@
-"""The data of the march of tied bodies: its lanes, the ends of steps, a recorder of one body, and the results."""
+"""The data of the march of tied bodies: its lanes, the ends of steps, a recorder of one
+body, and the results.
+"""
 
 from __future__ import annotations
 
@@ -15,19 +17,24 @@ from .devices import Phase
 class TiedLanes(Lanes):
     """Lanes of tied bodies; a device is a tie or the tendon on one side."""
 
-    phase: Array  # phase of each device, as `devices` numbers them, (sides, devices, lanes)
+    # phase of each device, as `devices` numbers them, (sides, devices, lanes)
+    phase: Array
     plastic: Array  # permanent elongation of each device [m], (sides, devices, lanes)
     farthest: Array  # largest elongation of each device [m], (sides, devices, lanes)
     exact: Array  # True where y'' is exactly 0
     bounced: Array  # True after an impact
-    turned: Array  # turns back on still ground: 1 right, 2 left; 4 and 8 for a second turn there
+    # turns back on still ground: 1 right, 2 left; 4 and 8 for a second turn there
+    turned: Array
     rests: Array  # True where the body comes to rest
     lost: Array  # True if Fz <= 0 has occurred
 
 
 class Ends(NamedTuple):
-    """What happens at the ends of steps, (lanes,). up, down: y has come to the upper or the lower end of the phase of the restraints (the
-    ground is a lower end); peaked: y had a peak, `top`, in the step; bottom: the body turns outwards again; still: the shaking is over."""
+    """What happens at the ends of steps, (lanes,). up, down: y has come to the upper or
+    the lower end of the phase of the restraints (the ground is a lower end); peaked: y
+    had a peak, `top`, in the step; bottom: the body turns outwards again; still: the
+    shaking is over.
+    """
 
     up: Array
     down: Array
@@ -38,25 +45,34 @@ class Ends(NamedTuple):
 
 
 class Recorder(Protocol):
-    """Records the march of one body, up to phase `until` [rad] of the motion and with each bounce down to the speed `visible`."""
+    """Records the march of one body, up to phase `until` [rad] of the motion and with
+    each bounce down to the speed `visible`.
+    """
 
     until: float
     visible: float
 
     def keep(self, lanes: Lanes, arc: TaylorSeries, reach: float, now: Phase) -> None:
-        """Record an arc that lasts `reach` [tau] from the state of the lanes, with the force law of the devices on it."""
+        """Record an arc that lasts `reach` [tau] from the state of the lanes, with the
+        force law of the devices on it.
+        """
 
-    def note(self, lanes: Lanes, event: str, y: float, v: float, device: str = "") -> None:
+    def note(
+        self, lanes: Lanes, event: str, y: float, v: float, device: str = ""
+    ) -> None:
         """Record an event at the present position of the lanes in the motion."""
 
     def rest(self, before: TiedLanes, after: TiedLanes, bounces: float) -> None:
-        """Record a rest until the next uplift, after `bounces` [tau] of bouncing that follow an impact."""
+        """Record a rest until the next uplift, after `bounces` [tau] of bouncing that
+        follow an impact.
+        """
 
 
 @dataclass(frozen=True)
 class Found:
-    """Results of cells. outcome, theta_ratio, impacts: as in `Response`; phase, plastic, farthest: of each device at the end of the march,
-    (sides, devices, cells)."""
+    """Results of cells. outcome, theta_ratio, impacts: as in `Response`; phase,
+    plastic, farthest: of each device at the end of the march, (sides, devices, cells).
+    """
 
     outcome: Array
     theta_ratio: Array
@@ -69,4 +85,8 @@ class Found:
     @property
     def work(self) -> Work:
         """The counters of the march."""
-        return Work(cells=self.outcome.size, impacts=int(self.impacts.sum()), steps=int(self.steps.sum()))
+        return Work(
+            cells=self.outcome.size,
+            impacts=int(self.impacts.sum()),
+            steps=int(self.steps.sum()),
+        )

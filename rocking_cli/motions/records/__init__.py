@@ -1,17 +1,21 @@
-"""Recorded ground motions: a reader for each format. The content of a file shows its format, never its name.
+"""Recorded ground motions: a reader for each format. The content of a file shows its
+format, never its name.
 
-A new format is one module with NAME, recognise(head) and read(text), or several as a tuple FORMATS, and one word in FORMATS here.
-recognise returns True for the first characters of a file of the format; read takes a `RecordText` and returns a list of `Series`. An
-installed package adds a format by an entry point, a module or an object with the same three names:
+A new format is one module with NAME, recognise(head) and read(text), or several as a
+tuple FORMATS, and one word in FORMATS here. recognise returns True for the first
+characters of a file of the format; read takes a `RecordText` and returns a list of
+`Series`. An installed package adds a format by an entry point, a module or an object
+with the same three names:
 
     [project.entry-points."rocking.records"]
     ours = "my_package.ours"
 
-ASDF is no text; its module is asked before the others. What headings say is understood in
-one place, for all formats: units.py, directions.py, headings.py (of columns) and claims.py
-(lines above the numbers).
+ASDF is no text; its module is asked before the others. What headings say is understood
+in one place, for all formats: units.py, directions.py, headings.py (of columns) and
+claims.py (lines above the numbers).
 
-Entry points are read only for a file that no format of FORMATS recognises, and before it is taken for plain columns of numbers.
+Entry points are read only for a file that no format of FORMATS recognises, and before
+it is taken for plain columns of numbers.
 """
 
 import gzip
@@ -55,14 +59,32 @@ __all__ = [
 
 GROUP = "rocking.records"
 _PACKED = b"\x1f\x8b"  # gzip
-_CONTROL = bytes(x for x in range(32) if x not in b"\t\n\v\f\r\x1a")  # characters of no text
+_CONTROL = bytes(
+    x for x in range(32) if x not in b"\t\n\v\f\r\x1a"
+)  # characters of no text
 _OLD_WORKBOOK = b"\xd0\xcf\x11\xe0"  # .xls
-_COUNTS = "counts of an instrument and no unit; convert it to an acceleration with the station's response first"
-FORMATS = ("keyed", "cosmos", "geonet", "smc", "csmip", "volume1", "peer", "csmnc", "asa", "timeseries")
+_COUNTS = (
+    "counts of an instrument and no unit; convert it to an acceleration with the"
+    " station's response first"
+)
+FORMATS = (
+    "keyed",
+    "cosmos",
+    "geonet",
+    "smc",
+    "csmip",
+    "volume1",
+    "peer",
+    "csmnc",
+    "asa",
+    "timeseries",
+)
 _DOCUMENT = re.compile(r"^[\s{\"']*kind[\"']?\s*:", re.MULTILINE)
 _UNCORRECTED = re.compile(
-    r"\A\s*(?:\d\s+)?(?:UNCORRECTED ACCELER(?:OGRAM|ATION)|RAW ACCELERATION(?! COUNTS)|\* VOL1DS)\b"
-    r"|^ *UNCORRECTED ACC+ELERATION +UNIT *:|^(?:DATA_TYPE:\s*UNPROCESSED|PROCESSING:\s*NONE)\b",
+    r"\A\s*(?:\d\s+)?(?:UNCORRECTED ACCELER(?:OGRAM|ATION)|RAW ACCELERATION(?!"
+    r" COUNTS)|\* VOL1DS)\b"
+    r"|^ *UNCORRECTED ACC+ELERATION +UNIT"
+    r" *:|^(?:DATA_TYPE:\s*UNPROCESSED|PROCESSING:\s*NONE)\b",
     re.IGNORECASE | re.MULTILINE,
 )  # the first words of a file, or among the keys of ESM and ITACA
 
@@ -70,7 +92,9 @@ _UNCORRECTED = re.compile(
 @cache
 def _formats() -> tuple[Any, ...]:
     modules = (import_module(f"{__name__}.{name}") for name in FORMATS)
-    return tuple(found for module in modules for found in getattr(module, "FORMATS", (module,)))
+    return tuple(
+        found for module in modules for found in getattr(module, "FORMATS", (module,))
+    )
 
 
 @cache
@@ -80,11 +104,18 @@ def _entries(_: tuple[str, ...]) -> "tuple[EntryPoint, ...]":
 
 
 def _blamed(source: str, entry: "EntryPoint") -> AbstractContextManager[None]:
-    return blamed(entry, lambda found: DocumentError(f"{source}: the record format {found}; expected a package that works"))
+    return blamed(
+        entry,
+        lambda found: DocumentError(
+            f"{source}: the record format {found}; expected a package that works"
+        ),
+    )
 
 
 def _format_of(source: str, head: str) -> "tuple[Any, EntryPoint | None]":
-    """(format, entry point of the package that adds it) of a file; (None, None) for a file without records."""
+    """(format, entry point of the package that adds it) of a file; (None, None) for a
+    file without records.
+    """
     for found in _formats():
         if found.recognise(head):
             return found, None
@@ -93,23 +124,38 @@ def _format_of(source: str, head: str) -> "tuple[Any, EntryPoint | None]":
     for entry in _entries(tuple(sys.path)):
         with _blamed(source, entry):
             found = entry.load()
-            if not (isinstance(getattr(found, "NAME", None), str) and callable(getattr(found, "read", None))):
-                raise TypeError(f"{entry.value} needs a NAME (a text) and a function read(text)")
+            if not (
+                isinstance(getattr(found, "NAME", None), str)
+                and callable(getattr(found, "read", None))
+            ):
+                raise TypeError(
+                    f"{entry.value} needs a NAME (a text) and a function read(text)"
+                )
             if found.recognise(head):
                 return found, entry
     return (plain if plain.recognise(head) else None), None
 
 
 def require_unit(unit: str | None) -> None:
-    """Raise UsageError unless the unit of plain numbers is one of acceleration, or None."""
+    """Raise UsageError unless the unit of plain numbers is one of acceleration, or
+    None.
+    """
     if unit is not None and require_known(unit) is None:
         raise UsageError(f"`unit`: found {unit!r}; expected {', '.join(WRITTEN_UNITS)}")
 
 
 def require_column(column: str | None) -> None:
-    """Raise UsageError unless a column is stated by its number, or as `all`, or None."""
-    if column is not None and column != EVERY and not re.fullmatch(r"[1-9]\d{0,4}", column):
-        raise UsageError(f"`column`: found {column!r}; expected a number from 1, or {EVERY}")
+    """Raise UsageError unless a column is stated by its number, or as
+    `all`, or None.
+    """
+    if (
+        column is not None
+        and column != EVERY
+        and not re.fullmatch(r"[1-9]\d{0,4}", column)
+    ):
+        raise UsageError(
+            f"`column`: found {column!r}; expected a number from 1, or {EVERY}"
+        )
 
 
 def records_of(
@@ -123,21 +169,27 @@ def records_of(
 ) -> list[Record] | None:
     """Return every component of a file, or None if it has no record format.
 
-    unit, dt [s], column: what the user states, which the file may not contradict; named:
-    False for a file of a directory, where uncorrected accelerograms are no fault, and what
-    is stated belongs to plain numbers. Raises DocumentError for a file that is not valid,
-    holds counts or says otherwise than the user, NoAcceleration for an uncorrected one that
-    is not named, and UsageError for an unknown unit or column.
+    unit, dt [s], column: what the user states, which the file may not contradict;
+    named: False for a file of a directory, where uncorrected accelerograms are no
+    fault, and what is stated belongs to plain numbers. Raises DocumentError for a file
+    that is not valid, holds counts or says otherwise than the user, NoAcceleration for
+    an uncorrected one that is not named, and UsageError for an unknown unit or column.
     """
     require_unit(unit)
     require_column(column)
     given = Given(None if unit is None else require_known(unit), dt, column, named)
     sha256 = hashlib.sha256(raw).hexdigest()
-    name = "record" if source == STDIN else Path(Path(source).name.removesuffix(".gz")).stem
+    name = (
+        "record"
+        if source == STDIN
+        else Path(Path(source).name.removesuffix(".gz")).stem
+    )
     content = unpacked(source, raw)
     if asdf.recognise(content):
         series = asdf.read(source, content, given, named)
-        return [record_of(s, name, asdf.NAME, source, sha256) for s in _distinct(series)]
+        return [
+            record_of(s, name, asdf.NAME, source, sha256) for s in _distinct(series)
+        ]
     _refuse_binary(source, as_utf_8(content))
     text = RecordText(source, content, given)
     found, entry = _format_of(source, text.head)
@@ -145,29 +197,48 @@ def records_of(
         return None
     uncorrected = _UNCORRECTED.search(text.head)
     if uncorrected and not named and found is not plain:
-        raise NoAcceleration(f"{source}: an uncorrected accelerogram, which is taken where the file itself is named")
+        raise NoAcceleration(
+            f"{source}: an uncorrected accelerogram, which is taken where the file"
+            " itself is named"
+        )
     with nullcontext() if entry is None else _blamed(source, entry):
         read = found.read(text)
-        if not (isinstance(read, list) and read and all(isinstance(s, Series) for s in read)):
-            raise TypeError(f"read returns {type(read).__name__}; expected a list of Series, one or more")
+        if not (
+            isinstance(read, list) and read and all(isinstance(s, Series) for s in read)
+        ):
+            raise TypeError(
+                f"read returns {type(read).__name__}; expected a list of Series, one or"
+                " more"
+            )
         if found is not plain and named:
             _require_agreement(source, read, given, found.NAME)
         also = "an uncorrected accelerogram" if uncorrected else ""
-        series = [s._replace(remark="; ".join(filter(None, (also, s.remark)))) for s in read]
-        return [record_of(s, name, found.NAME, source, sha256) for s in _distinct(series)]
+        series = [
+            s._replace(remark="; ".join(filter(None, (also, s.remark)))) for s in read
+        ]
+        return [
+            record_of(s, name, found.NAME, source, sha256) for s in _distinct(series)
+        ]
 
 
-def _require_agreement(source: str, read: list[Series], given: Given, form: str) -> None:
+def _require_agreement(
+    source: str, read: list[Series], given: Given, form: str
+) -> None:
     """Raise DocumentError if a file of a known format says otherwise than the user."""
     if given.column is not None:
-        raise UsageError(f"{source}: `column` goes with plain columns of numbers, not with {form}")
+        raise UsageError(
+            f"{source}: `column` goes with plain columns of numbers, not with {form}"
+        )
     for series in read:
         unit = given.unit
         if unit is not None and ACCELERATIONS[unit] != ACCELERATIONS[series.unit]:
             said = f"found {unit}; the file says otherwise: {series.unit} ({form})"
             raise DocumentError(f"{source}: `unit`: {said}")
         if given.dt is not None and not agree(given.dt, series.dt):
-            said = f"found {given.dt:g} s; the file says otherwise: {series.dt:g} s ({form})"
+            said = (
+                f"found {given.dt:g} s; the file says otherwise: {series.dt:g} s"
+                f" ({form})"
+            )
             raise DocumentError(f"{source}: `dt`: {said}")
 
 
@@ -218,7 +289,9 @@ def unknown(source: str, raw: bytes) -> str:
 
 
 def is_record(path: str) -> bool:
-    """True if a file begins as a record does, and not as a structure or a motion document."""
+    """True if a file begins as a record does, and not as a structure or a motion
+    document.
+    """
     with open(path, "rb") as file:
         begin = file.read(8)
         packed = begin.startswith(_PACKED)
@@ -233,12 +306,20 @@ def is_record(path: str) -> bool:
 
 
 def _distinct(series: list[Series]) -> list[Series]:
-    """The series with distinct components: an equal or absent name among several becomes its number in the file."""
+    """The series with distinct components: an equal or absent name among several
+    becomes its number in the file.
+    """
     names = [s.component for s in series]
     if names == [None]:
         return series
-    numbered = (s._replace(component=f"{s.component or 'channel'} ({i})") for i, s in enumerate(series, 1))
-    return [s if s.component is not None and names.count(s.component) == 1 else other for s, other in zip(series, numbered, strict=True)]
+    numbered = (
+        s._replace(component=f"{s.component or 'channel'} ({i})")
+        for i, s in enumerate(series, 1)
+    )
+    return [
+        s if s.component is not None and names.count(s.component) == 1 else other
+        for s, other in zip(series, numbered, strict=True)
+    ]
 
 
 def unpacked(source: str, raw: bytes) -> bytes:
@@ -250,7 +331,10 @@ def unpacked(source: str, raw: bytes) -> bytes:
     except (OSError, EOFError, zlib.error) as error:
         raise DocumentError(f"{source}: a damaged gzip file ({error})") from None
     if len(unpacked) > LARGEST:
-        raise DocumentError(f"{source}: larger than {LARGEST >> 20} MiB when unpacked, the limit of a file")
+        raise DocumentError(
+            f"{source}: larger than {LARGEST >> 20} MiB when unpacked, the limit of a"
+            " file"
+        )
     return unpacked
 
 
@@ -259,19 +343,44 @@ def _is_workbook(raw: bytes) -> bool:
 
 
 def _refuse_binary(source: str, raw: bytes) -> None:
-    """Raise DocumentError for an empty file, NoAcceleration for archives, SAC, miniSEED and all else that is no text."""
+    """Raise DocumentError for an empty file, NoAcceleration for archives, SAC, miniSEED
+    and all else that is no text.
+    """
     if not (raw[:HEAD].strip() or raw.strip()):
         raise DocumentError(f"{source}: empty; expected a record or a motion document")
-    if raw.startswith(_OLD_WORKBOOK) or (raw.startswith(b"PK\x03\x04") and _is_workbook(raw)):
-        raise NoAcceleration(f"{source}: a workbook of a spreadsheet; save it as CSV UTF-8")
+    if raw.startswith(_OLD_WORKBOOK) or (
+        raw.startswith(b"PK\x03\x04") and _is_workbook(raw)
+    ):
+        raise NoAcceleration(
+            f"{source}: a workbook of a spreadsheet; save it as CSV UTF-8"
+        )
     if raw.startswith(b"PK\x03\x04") or raw[257:262] == b"ustar":
-        raise NoAcceleration(f"{source}: an archive (zip or tar); unpack it and name the files in it")
-    if raw[:3] == b"MS\x03" or (raw[:6].strip(b" 0123456789") == b"" and raw[6:7] in b"DRQM" and raw[7:8] in b" \0" and len(raw) >= 48):
+        raise NoAcceleration(
+            f"{source}: an archive (zip or tar); unpack it and name the files in it"
+        )
+    if raw[:3] == b"MS\x03" or (
+        raw[:6].strip(b" 0123456789") == b""
+        and raw[6:7] in b"DRQM"
+        and raw[7:8] in b" \0"
+        and len(raw) >= 48
+    ):
         raise NoAcceleration(f"{source}: miniSEED, which holds {_COUNTS}")
-    if len(raw) >= 632 and raw[304:308] in (b"\x06\0\0\0", b"\0\0\0\x06", b"\x07\0\0\0", b"\0\0\0\x07"):
+    if len(raw) >= 632 and raw[304:308] in (
+        b"\x06\0\0\0",
+        b"\0\0\0\x06",
+        b"\x07\0\0\0",
+        b"\0\0\0\x07",
+    ):
         raise NoAcceleration(f"{source}: SAC, which holds {_COUNTS}")
-    if raw[:HEAD].split(None, 6)[:5] == [b"-12345.00"] * 5 or raw[:HEAD].count(b"-12345.00") > 20:
+    if (
+        raw[:HEAD].split(None, 6)[:5] == [b"-12345.00"] * 5
+        or raw[:HEAD].count(b"-12345.00") > 20
+    ):
         raise NoAcceleration(f"{source}: SAC (alphanumeric), which holds {_COUNTS}")
     control = len(raw[:HEAD]) - len(raw[:HEAD].translate(None, _CONTROL))
-    if 100 * control > len(raw[:HEAD]):  # some headers of real files pad a name with a few
-        raise NoAcceleration(f"{source}: a binary file; expected a record or a motion document in text")
+    if 100 * control > len(
+        raw[:HEAD]
+    ):  # some headers of real files pad a name with a few
+        raise NoAcceleration(
+            f"{source}: a binary file; expected a record or a motion document in text"
+        )

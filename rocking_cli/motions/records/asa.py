@@ -1,5 +1,7 @@
-"""ASA, Mexico's `ARCHIVO ESTANDAR DE ACELERACION` (Instituto de Ingeniería, UNAM): lines
-`KEY : value`, where lists of channels stand between strokes, then a column a channel."""
+"""ASA, Mexico's `ARCHIVO ESTANDAR DE ACELERACION` (Instituto de Ingeniería, UNAM):
+lines `KEY : value`, where lists of channels stand between strokes, then a column a
+channel.
+"""
 
 import re
 
@@ -8,7 +10,10 @@ from .text import Keys, Layout, RecordText, begins
 
 NAME = "ASA"
 _KEY = re.compile(r"\s*([A-Z][^:]*?)\s*:\s*(.*)", re.IGNORECASE)
-_NUMBERS = re.compile(r"^\s*[-+]?\d*\.?\d+(?:[ED][-+]?\d+)?(?:\s+[-+]?\d*\.?\d+(?:[ED][-+]?\d+)?)*\s*$", re.I)
+_NUMBERS = re.compile(
+    r"^\s*[-+]?\d*\.?\d+(?:[ED][-+]?\d+)?(?:\s+[-+]?\d*\.?\d+(?:[ED][-+]?\d+)?)*\s*$",
+    re.I,
+)
 
 recognise = begins(r"(?:.*\n){0,20}?.*ARCHIVO EST[AÁ]NDAR DE ACELERACI[OÓ]N")
 
@@ -18,18 +23,30 @@ def read(text: RecordText) -> list[Series]:
     keys = _keys(text)
     names = _listed(text, keys, "ORIENTACION")
     width = len(names)
-    steps = [text.step(x, n) for x, n in _of(text, keys, "INTERVALO DE MUESTREO", width)]
-    counts = [text.count(x, n) for x, n in _of(text, keys, "NUM. TOTAL DE MUESTRAS", width)]
+    steps = [
+        text.step(x, n) for x, n in _of(text, keys, "INTERVALO DE MUESTREO", width)
+    ]
+    counts = [
+        text.count(x, n) for x, n in _of(text, keys, "NUM. TOTAL DE MUESTRAS", width)
+    ]
     peaks = _peaks(keys, width)
     key = next((k for k in keys if k.startswith("UNIDADES DE LOS DATOS")), None)
     if key is None:
-        raise text.fault("no value of UNIDADES DE LOS DATOS; expected a unit of acceleration", 1)
+        raise text.fault(
+            "no value of UNIDADES DE LOS DATOS; expected a unit of acceleration", 1
+        )
     unit = text.unit(*keys[key], "UNIDADES DE LOS DATOS")
-    factor = next((keys[k] for k in keys if k.startswith("FACTOR DE DECIMACION")), ("1", 1))
+    factor = next(
+        (keys[k] for k in keys if k.startswith("FACTOR DE DECIMACION")), ("1", 1)
+    )
     if factor[0] and text.number(*factor) != 1.0:
-        raise text.fault(f"found {factor[0]!r}; expected FACTOR DE DECIMACION: 1", factor[1])
+        raise text.fault(
+            f"found {factor[0]!r}; expected FACTOR DE DECIMACION: 1", factor[1]
+        )
     if len(set(counts)) > 1 or len(set(steps)) > 1:
-        raise text.fault("channels of different lengths or steps, which are not read", 1)
+        raise text.fault(
+            "channels of different lengths or steps, which are not read", 1
+        )
     values = text.numbers(counts[0] * width, Layout(width)).reshape(counts[0], width)
     text.require_end(counts[0])
     found = zip(names, steps, values.T, peaks, strict=True)
@@ -37,7 +54,9 @@ def read(text: RecordText) -> list[Series]:
 
 
 def _keys(text: RecordText) -> Keys:
-    """The keys up to the first of two lines of numbers, comments and titles passed over."""
+    """The keys up to the first of two lines of numbers, comments and titles passed
+    over.
+    """
     found: Keys = {}
     while True:
         at, line = text.at, text.line
@@ -55,7 +74,9 @@ def _listed(text: RecordText, keys: Keys, begin: str) -> list[str]:
     value, line = text.value(keys, key, "values between strokes, such as /N00E/V/N90W")
     found = [x.strip() for x in value.split("/") if x.strip()]
     if not found:
-        raise text.fault(f"{begin}: found {value!r}; expected values between strokes", line)
+        raise text.fault(
+            f"{begin}: found {value!r}; expected values between strokes", line
+        )
     return [x.split(";")[-1].strip() if begin == "ORIENTACION" else x for x in found]
 
 
@@ -69,8 +90,14 @@ def _of(text: RecordText, keys: Keys, begin: str, width: int) -> list[tuple[str,
 
 
 def _peaks(keys: Keys, width: int) -> list[str | None]:
-    """The largest accelerations [gal] that the header states, None if it states none."""
+    """The largest accelerations [gal] that the header states, None if
+    it states none.
+    """
     key = next((k for k in keys if re.match(r"ACEL\. ?MAX\.? ?\(GAL\)", k)), None)
-    found = [] if key is None else [x.strip() for x in keys[key][0].split("/") if x.strip()]
+    found = (
+        [] if key is None else [x.strip() for x in keys[key][0].split("/") if x.strip()]
+    )
     number = re.compile(r"[-+]?\d*\.?\d+")
-    return [x if number.fullmatch(x) else None for x in found[:width]] + [None] * (width - len(found))
+    return [x if number.fullmatch(x) else None for x in found[:width]] + [None] * (
+        width - len(found)
+    )

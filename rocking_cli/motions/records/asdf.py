@@ -1,8 +1,9 @@
-"""Workspaces of gmprocess and other files of ASDF (HDF5): Waveforms/NET.STA holds a data set
-for each channel, `NET.STA.LOC.CHA__START__END__TAG`, with the attribute sampling_rate.
+"""Workspaces of gmprocess and other files of ASDF (HDF5): Waveforms/NET.STA holds a
+data set for each channel, `NET.STA.LOC.CHA__START__END__TAG`, with the attribute
+sampling_rate.
 
-The file states no unit; the user does. Data that the tag calls unprocessed are taken only
-where the file has no others and is named itself.
+The file states no unit; the user does. Data that the tag calls unprocessed are taken
+only where the file has no others and is named itself.
 """
 
 import io
@@ -24,7 +25,9 @@ _RAW = re.compile(r"unprocessed|raw", re.IGNORECASE)
 
 
 def recognise(raw: bytes) -> bool:
-    """True for an HDF5 file with waveforms, and for the first eight bytes of any HDF5 file."""
+    """True for an HDF5 file with waveforms, and for the first eight bytes of any HDF5
+    file.
+    """
     if not raw.startswith(_MAGIC):
         return False
     if len(raw) == len(_MAGIC):
@@ -53,10 +56,14 @@ def read(source: str, raw: bytes, given: Given, named: bool) -> list[Series]:
         if not held:
             raise NoAcceleration(f"{source}: an ASDF file without waveforms")
         if not processed and not named:
-            raise NoAcceleration(f"{source}: unprocessed waveforms, which are taken where the file itself is named")
+            raise NoAcceleration(
+                f"{source}: unprocessed waveforms, which are taken where the file"
+                " itself is named"
+            )
         if given.unit is None:
             raise DocumentError(
-                f"{source}: waveforms (ASDF) without a unit; give it as `unit`, one of {', '.join(WRITTEN_UNITS)} (gmprocess writes cm/s2)"
+                f"{source}: waveforms (ASDF) without a unit; give it as `unit`, one of"
+                f" {', '.join(WRITTEN_UNITS)} (gmprocess writes cm/s2)"
             )
         return [_series(source, name, data, given) for name, data in processed or held]
 
@@ -64,7 +71,9 @@ def read(source: str, raw: bytes, given: Given, named: bool) -> list[Series]:
 def _series(source: str, name: str, data: "h5py.Dataset", given: Given) -> Series:
     channel, *_, tag = name.split("__")
     if not np.issubdtype(data.dtype, np.floating):
-        raise NoAcceleration(f"{source}: {channel}: whole numbers, which are counts of an instrument")
+        raise NoAcceleration(
+            f"{source}: {channel}: whole numbers, which are counts of an instrument"
+        )
     rate = float(data.attrs.get("sampling_rate", 0.0))
     if not rate > 0.0:
         raise DocumentError(f"{source}: {channel}: no attribute sampling_rate")

@@ -10,67 +10,127 @@ from dataclasses import dataclass, field
 
 from .directions import is_direction, is_up_alone
 from .factors import states_factor
-from .headings import ACCELERATION, UNKNOWN, cell_of, is_derived, names_acceleration, others_in
-from .units import ACCELERATIONS, WRITTEN_UNITS, dimension_of, plain, rate_unit, time_unit, unit_of, units_in
+from .headings import (
+    ACCELERATION,
+    UNKNOWN,
+    cell_of,
+    is_derived,
+    names_acceleration,
+    others_in,
+)
+from .units import (
+    ACCELERATIONS,
+    WRITTEN_UNITS,
+    dimension_of,
+    plain,
+    rate_unit,
+    time_unit,
+    unit_of,
+    units_in,
+)
 
 _NUM = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[ed][-+]?\d+)?)"
 _UNIT = r"\s*(?:[\[(]\s*([^\])]{1,20})[\])])?"
 _WORD = r"\s*((?:1e-3 |10-3 )?[a-z]+(?:/[a-z]+|-1)?\.?)?"
 _KEY = r"\s*(?:[:=,;\t]|\bis\b|\bof\b|\bde\b)*\s*"
 _STEP_WORDS = (
-    r"\bd_?t\b|\bdelta[ _-]?t\b|\bδt\b|\btime[ _-]?(?:step|interval|increment|spacing)\b|"
-    r"\btimestep\b|\b(?:delta|ts)\b(?=\s*[:=])|\b(?:points|samples|values|pts) at\b(?=[^a-z]*s)|"
+    r"\bd_?t\b|\bdelta[ _-]?t\b|\bδt\b|\btime["
+    r" _-]?(?:step|interval|increment|spacing)\b|"
+    r"\btimestep\b|\b(?:delta|ts)\b(?=\s*[:=])|\b(?:points|samples|values|pts)"
+    r" at\b(?=[^a-z]*s)|"
     r"サンフリンク間隔|\bsampl(?:e|ing)[ _-]?(?:interval|period|step|time)\b|"
-    r"\bintervalo de (?:muestreo|tiempo)\b|\bpaso (?:de tiempo|temporal)\b|\bpas de temps\b|"
+    r"\bintervalo de (?:muestreo|tiempo)\b|\bpaso (?:de tiempo|temporal)\b|\bpas de"
+    r" temps\b|"
     r"\bpasso (?:temporale|di campionamento)\b|\bintervallo di campionamento\b|"
     r"\bzeitschritt\b|\babtastintervall\b|\bzaman (?:adimi|araligi)\b|"
-    r"\bornekleme araligi\b|时间间隔|采样间隔|\b(?:time )?step(?: size)?\b(?=\s*[\[(:=])|"
+    r"\bornekleme araligi\b|时间间隔|采样间隔|\b(?:time )?step(?:"
+    r" size)?\b(?=\s*[\[(:=])|"
     r"\b(?:equally )?spaced (?:intervals )?(?:at|of|by)\b|"
     r"\binterval(?:s|o)? (?:of\b|de\b|:)|\bincrement\b|\bevery\b|\bat intervals of\b"
 )
 _RATE_WORDS = (
     r"^(?:frequency|freq|rate)\b(?=\s*[:=(]?\s*[\d(])|"
-    r"\bsampl(?:e|ing|es)?[ _-]?(?:rate|freq\w*)\b|\bsamplerate\b|\bsps\b|\bfs\b|\bf_s\b|"
+    r"\bsampl(?:e|ing|es)?["
+    r" _-]?(?:rate|freq\w*)\b|\bsamplerate\b|\bsps\b|\bfs\b|\bf_s\b|"
     r"\bsamples per sec\w*\b|"
     r"\b(?:frecuencia|velocidad|tasa) de muestreo\b|\bfrequenza di campionamento\b|"
-    r"\bfrequence d'?echantillonnage\b|\babtast(?:rate|frequenz)\b|\bornekleme (?:frekansi|hizi)\b|"
+    r"\bfrequence d'?echantillonnage\b|\babtast(?:rate|frequenz)\b|\bornekleme"
+    r" (?:frekansi|hizi)\b|"
     r"采样频率|采样率|サンフリンク周波数"
 )
 _COUNT_WORDS = (
-    r"\bnpts\b|\bnpt\b|\bnpoints\b|\bndata\b|\bnum(?:ber|\.)? ?of ?(?:data )?(?:points|samples|data|"
+    r"\bnpts\b|\bnpt\b|\bnpoints\b|\bndata\b|\bnum(?:ber|\.)? ?of ?(?:data"
+    r" )?(?:points|samples|data|"
     r"values)\b|\bno\.? ?of ?(?:data )?(?:points|samples|data|values)\b|"
-    r"\b(?:data )?points(?=\s*[:=])|\bsamples(?=\s*[:=])|\bnumero (?:de|di) (?:muestras|puntos|datos|"
+    r"\b(?:data )?points(?=\s*[:=])|\bsamples(?=\s*[:=])|\bnumero (?:de|di)"
+    r" (?:muestras|puntos|datos|"
     r"punti|campioni)\b|\banzahl(?: der)?(?: \w+)?\b|\bcount(?=\s*[:=])|\bn(?=\s*=)"
 )
 _STEP = re.compile(rf"(?:{_STEP_WORDS}){_UNIT}{_KEY}(?:{_NUM}{_WORD})?")
 _RATE = re.compile(rf"(?:{_RATE_WORDS}){_UNIT}{_KEY}(?:{_NUM}{_WORD})?")
-_AT_RATE = re.compile(rf"(?:\bat\s+|^\s*){_NUM}\s*(hz|sps|khz|samples?/s\w*|pts/s\w*|samples per sec\w*)(?![a-z])")
+_AT_RATE = re.compile(
+    rf"(?:\bat\s+|^\s*){_NUM}\s*(hz|sps|khz|samples?/s\w*|pts/s\w*|samples per"
+    r" sec\w*)(?![a-z])"
+)
 _ALONE = re.compile(rf"\s*{_NUM}\s*(s|sec|secs|seconds?|ms|msec|us)\.?\s*")
 _COUNT = re.compile(rf"(?:{_COUNT_WORDS}){_KEY}(\d+)(?![\d.])")
-_SO_MANY = re.compile(r"\b(\d+)\s+(?:data )?(?:points|samples|pts|values)\b(?!\s*/|\s*per)")
+_SO_MANY = re.compile(
+    r"\b(\d+)\s+(?:data )?(?:points|samples|pts|values)\b(?!\s*/|\s*per)"
+)
 _UNITS = re.compile(
     r"(?:\b(?:units?|einheit(?:en)?|unidad(?:es)?|unita|unites?|birim(?:i|ler)?)\b|单位|単位)"
     r"(?:\s+of\s+\w+)?(?:\s*(?:[:=,;\t]|\b(?:of|are|is|in)\b)\s*)+(\S.*)"
 )
 _COMPONENT = re.compile(
     r"\b(?:comp(?:onent|onente)?|ch(?:an(?:nel)?)?(?=[\s\d.:=])|dir(?:ection|eccion|ezione)?|orientation|"
-    r"composante|richtung|bilesen|yon)(?![a-z])\.?\s*(?:\d+\s*)?[:=,;\t(]?\s*([-+\w./]+(?: deg)?)",
+    r"composante|richtung|bilesen|yon)(?![a-z])\.?\s*(?:\d+\s*)?[:=,;\t(]?\s*([-+\w./]+(?:"
+    r" deg)?)",
     re.IGNORECASE,
 )
-_NOT_OF_THE_RECORD = re.compile(r"\b(?:peak|max\w*|pg[avd]|vs ?_?30|wave|magnitude|highest|largest)\b|\bvs\b|\b(?:arias|ia|cav)\b\D*\d")
-_OF_A_SPECTRUM = re.compile(r"compatib|match|artificial|synthetic|time.?(?:history|series)")
+_NOT_OF_THE_RECORD = re.compile(
+    r"\b(?:peak|max\w*|pg[avd]|vs"
+    r" ?_?30|wave|magnitude|highest|largest)\b|\bvs\b|\b(?:arias|ia|cav)\b\D*\d"
+)
+_OF_A_SPECTRUM = re.compile(
+    r"compatib|match|artificial|synthetic|time.?(?:history|series)"
+)
 _KEYED = re.compile(r"\s*[^:=]{1,60}[:=]\s*\S|[^,;\t]{1,60}[,;\t]\s*[-+]?\.?\d")
-_AFTER = re.compile(r"(?:\bin\b|[,:=])\s*(?:units? of\s+)?([^,:=;]+?)\s*(?=[;,]|\. |$)", re.IGNORECASE)
+_AFTER = re.compile(
+    r"(?:\bin\b|[,:=])\s*(?:units? of\s+)?([^,:=;]+?)\s*(?=[;,]|\. |$)", re.IGNORECASE
+)
 _IN = re.compile(r"\bin\s+(?:units?\s+of\s+)?([^\s,;]+)", re.IGNORECASE)
 _BRACKETS = re.compile(r"[\[(]([^\[\]()]*(?:\([^()]*\)[^\[\]()]*)?)[\])]")
 _MARKS = re.compile(r"^[\s#%!*;/\"'>|-]+(?=\S)")
-_UNLIKE = ("velocity", "displacement", "spectrum", "Fourier spectrum", "Arias intensity")
+_UNLIKE = (
+    "velocity",
+    "displacement",
+    "spectrum",
+    "Fourier spectrum",
+    "Arias intensity",
+)
 _BESIDE = re.compile(
     r"\bacc\w*\.?\s*(?:(?:time|series|history|data|values?|corrected|uncorrected)\s*)*"
     r"[\[(]\s*([^\])]+?)\s*[\])]",
     re.IGNORECASE,
 )
-_GOES_ON = frozenset(["and", "at", "for", "with", "of", "in", "or", "n", "npts", "dt", "unit", "units", "values", "points"])
+_GOES_ON = frozenset(
+    [
+        "and",
+        "at",
+        "for",
+        "with",
+        "of",
+        "in",
+        "or",
+        "n",
+        "npts",
+        "dt",
+        "unit",
+        "units",
+        "values",
+        "points",
+    ]
+)
 _ACCELERATION = re.compile(r"\b(?:ac[ce]\w*|beschleunigung\w*|akzel\w*|ivme\w*)|加速度")
 _LONG = 12 * " "  # a direction is shorter
 _DECIMAL_COMMA = re.compile(r"(?<![\d.,])0,(\d+)(?![\d.,])")
@@ -111,7 +171,11 @@ class Claims:
         named = cell_of(words)
         if (len(words) > 1 or words in "zZ") and is_up_alone(words):
             self.component = words
-        elif named.role == ACCELERATION and not re.search("[:=]", words) and len(named.component or _LONG) < len(_LONG):
+        elif (
+            named.role == ACCELERATION
+            and not re.search("[:=]", words)
+            and len(named.component or _LONG) < len(_LONG)
+        ):
             self.component = named.component
         for found in _COMPONENT.finditer(words):
             said = found[1].strip(".")
@@ -119,7 +183,9 @@ class Claims:
                 self.component = said if is_direction(said) else cell_of(said).component
 
     def state(self, name: str, value: object, words: str, at: int) -> None:
-        """Keep one statement. Raises the error of `fault` if another line contradicts it."""
+        """Keep one statement. Raises the error of `fault` if another line contradicts
+        it.
+        """
         before = getattr(self, name)
         if before is not None and not _same(before, value):
             said = f"found {words!r}, where {self.quoted[name]!r} says otherwise"
@@ -130,12 +196,15 @@ class Claims:
     def _factor(self, words: str, at: int) -> None:
         if states_factor(words):
             raise self.fault(
-                f"found {words!r}, a factor; it is not known whether the numbers have it: apply it and take the line away",
+                f"found {words!r}, a factor; it is not known whether the numbers have"
+                " it: apply it and take the line away",
                 at,
             )
 
     def _quantity(self, text: str, words: str, at: int) -> None:
-        """Refuse a line that names another quantity; take the unit of an acceleration."""
+        """Refuse a line that names another quantity; take the unit
+        of an acceleration.
+        """
         others = others_in(words)
         kind = dimension_of(words)
         if kind not in (None, "acceleration", "time", "frequency", "unknown"):
@@ -172,7 +241,15 @@ class Claims:
         kind = dimension_of(word)
         if kind == "acceleration":
             self.state("unit", unit_of(word), words, at)
-        elif kind in ("velocity", "counts", "voltage", "force", "stress", "jerk", "rotation"):
+        elif kind in (
+            "velocity",
+            "counts",
+            "voltage",
+            "force",
+            "stress",
+            "jerk",
+            "rotation",
+        ):
             raise self.fault(f"found {words!r}; expected an acceleration", at)
 
     def _keyed(self, words: str, at: int) -> None:
@@ -207,7 +284,9 @@ class Claims:
             raise self.fault(f"found the unit {word!r} in {words!r}", at)
 
     def _no_other(self, words: str, at: int) -> None:
-        """Refuse a second quantity, and words that may be a unit, as ACCELERATION FURLONG."""
+        """Refuse a second quantity, and words that may be a unit, as ACCELERATION
+        FURLONG.
+        """
         said = _ACCELERATION.split(plain(words))[0]
         if is_derived(words) or set(others_in(said)) & {"velocity", "displacement"}:
             raise self.fault(f"found {words!r}; expected an acceleration", at)
@@ -216,8 +295,14 @@ class Claims:
         found = re.search(rf"(?i)(?:{_ACCELERATION.pattern})\.?\W*(.*)", words)
         rest = [] if found is None else re.findall(r"[^\s,:;()\[\]]+", found[1])
         odd = [x for x in rest if cell_of(x).role == UNKNOWN or _is_foreign(x)]
-        if odd and len(rest) <= 3 and not re.search(r"(?i)\b(?:of|at|from|for)\b", words):
-            raise self.fault(f"found {' '.join(odd)!r} in {words!r}; expected a unit", at)
+        if (
+            odd
+            and len(rest) <= 3
+            and not re.search(r"(?i)\b(?:of|at|from|for)\b", words)
+        ):
+            raise self.fault(
+                f"found {' '.join(odd)!r} in {words!r}; expected a unit", at
+            )
 
     def _units(self, text: str, words: str, at: int) -> None:
         found = _UNITS.search(text)
@@ -236,7 +321,9 @@ class Claims:
                 self.state("seconds", seconds, words, at)
                 continue
             if not units:
-                raise self.fault(f"found the unit {said!r}; expected {', '.join(WRITTEN_UNITS)}", at)
+                raise self.fault(
+                    f"found the unit {said!r}; expected {', '.join(WRITTEN_UNITS)}", at
+                )
             break
         for unit in units:
             self.state("unit", unit, words, at)
@@ -254,7 +341,9 @@ class Claims:
             if found[2] is not None:
                 self._step(found[2], found[3] or found[1] or "", words, at)
             elif found[0].rstrip()[-1:] in (":", "="):
-                raise self.fault(f"found {words!r}; expected a time step, such as 0.01 s", at)
+                raise self.fault(
+                    f"found {words!r}; expected a time step, such as 0.01 s", at
+                )
 
     def _step(self, number: str, unit: str, words: str, at: int) -> None:
         value = float(number.replace("d", "e"))
@@ -263,7 +352,9 @@ class Claims:
             return
         seconds = time_unit(unit) if unit.strip(". ") else None
         if (unit.strip(". ") and seconds is None and _is_unit(unit)) or not value > 0.0:
-            raise self.fault(f"found {words!r}; expected a time step, such as 0.01 s", at)
+            raise self.fault(
+                f"found {words!r}; expected a time step, such as 0.01 s", at
+            )
         if seconds is None and value >= 1.0:
             raise self.fault(f"found {words!r}, a time step without a unit", at)
         self.state("step", value * (seconds or 1.0), words, at)
@@ -275,7 +366,9 @@ class Claims:
             return
         hertz = rate_unit(unit) if unit.strip() else None
         if unit.strip() and hertz is None and _is_unit(unit):
-            raise self.fault(f"found {words!r}; expected a sampling rate, such as 100 Hz", at)
+            raise self.fault(
+                f"found {words!r}; expected a sampling rate, such as 100 Hz", at
+            )
         if hertz is None and float(found[2].replace("d", "e")) < 1.0:
             raise self.fault(f"found {words!r}, a sampling rate without a unit", at)
         self._hertz(found[2], hertz or 1.0, words, at)
@@ -283,7 +376,9 @@ class Claims:
     def _hertz(self, number: str, hertz: float, words: str, at: int) -> None:
         value = float(number.replace("d", "e")) * hertz
         if not value > 0.0:
-            raise self.fault(f"found {words!r}; expected a sampling rate, such as 100 Hz", at)
+            raise self.fault(
+                f"found {words!r}; expected a sampling rate, such as 100 Hz", at
+            )
         self.state("step", 1.0 / value, words, at)
 
     def _counts(self, text: str, words: str) -> None:
@@ -294,22 +389,37 @@ class Claims:
 
 
 def _is_unit(word: str) -> bool:
-    """True if a word after a number claims to be its unit, and does not go on the text."""
+    """True if a word after a number claims to be its unit, and does not go
+    on the text.
+    """
     return word.strip(" .") not in _GOES_ON
 
 
 def _is_foreign(word: str) -> bool:
     """True for a unit of something else, as CM/S."""
-    return dimension_of(word) in ("velocity", "length", "force", "counts", "voltage", "stress")
+    return dimension_of(word) in (
+        "velocity",
+        "length",
+        "force",
+        "counts",
+        "voltage",
+        "stress",
+    )
 
 
 def _unknown(word: str) -> bool:
-    """True if what stands in brackets beside a quantity is no words, and no known unit."""
-    return (" " not in word or bool(re.search(r"\d", word))) and cell_of(word).role == UNKNOWN
+    """True if what stands in brackets beside a quantity is no words, and
+    no known unit.
+    """
+    return (" " not in word or bool(re.search(r"\d", word))) and cell_of(
+        word
+    ).role == UNKNOWN
 
 
 def _spectral(others: list[str], text: str) -> bool:
-    known = [x for x in others if "spectrum" in x or "intensity" in x or x == "rotation"]
+    known = [
+        x for x in others if "spectrum" in x or "intensity" in x or x == "rotation"
+    ]
     return bool(known) and not _OF_A_SPECTRUM.search(text)
 
 
@@ -317,7 +427,11 @@ def _same(one: object, other: object) -> bool:
     if isinstance(one, float) and isinstance(other, float):
         return agree(one, other)
     same_unit = one in ACCELERATIONS and other in ACCELERATIONS
-    return ACCELERATIONS[str(one)] == ACCELERATIONS[str(other)] if same_unit else one == other
+    return (
+        ACCELERATIONS[str(one)] == ACCELERATIONS[str(other)]
+        if same_unit
+        else one == other
+    )
 
 
 def agree(one: float, other: float) -> bool:

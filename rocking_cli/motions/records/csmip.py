@@ -1,5 +1,8 @@
-"""CSMIP and CESMD volume 2: corrected accelerograms in fixed columns, several channels a file. Each is a header of text and numbers,
-then blocks that announce themselves, as `2980 points of accel data equally spaced at .020 sec, in cm/sec2. (8f10.6)`. Numbers touch."""
+"""CSMIP and CESMD volume 2: corrected accelerograms in fixed columns, several channels
+a file. Each is a header of text and numbers, then blocks that announce themselves, as
+`2980 points of accel data equally spaced at .020 sec, in cm/sec2. (8f10.6)`. Numbers
+touch.
+"""
 
 import re
 
@@ -8,22 +11,40 @@ from .text import Layout, RecordText, begins, fortran_layout, stated
 from .units import unit_of
 
 NAME = "CSMIP V2"
-_FIRST = re.compile(r"(?<!UN)CORRECTED ACCELEROGRAM(?:.*?\bChan(?:nel)?\s*\d*\s*:\s*(.+?)\s*(?:from|\(|$))?", re.IGNORECASE)
-_SPECTRA = re.compile(r"\s*RESPONSE AND FOURIER AMPLITUDE SPECTRA", re.IGNORECASE)  # volume 3
-_BLOCK = re.compile(r"^\s*(\d+)\s*points of (accel|veloc|displ)\w* data(?:.*?\bat\s*([-+.\d]+)\s*sec)?", re.IGNORECASE)
+_FIRST = re.compile(
+    r"(?<!UN)CORRECTED"
+    r" ACCELEROGRAM(?:.*?\bChan(?:nel)?\s*\d*\s*:\s*(.+?)\s*(?:from|\(|$))?",
+    re.IGNORECASE,
+)
+_SPECTRA = re.compile(
+    r"\s*RESPONSE AND FOURIER AMPLITUDE SPECTRA", re.IGNORECASE
+)  # volume 3
+_BLOCK = re.compile(
+    r"^\s*(\d+)\s*points of (accel|veloc|displ)\w* data(?:.*?\bat\s*([-+.\d]+)\s*sec)?",
+    re.IGNORECASE,
+)
 _PGA = re.compile(r"Peak\s+accel\w*\s*=\s*([-+.\dEe]+)\s*([a-z/0-9^]+)", re.IGNORECASE)
 _POINTS = re.compile(r"^\s*(\d+)\s+points of instrument", re.IGNORECASE)
 _LENGTH = re.compile(r"Record length\s*=\s*([.\d]+)\s*sec", re.IGNORECASE)
-_UNIT = re.compile(r"(?:\bin\b|units?:?)\s*(?:units of\s*)?([a-z]+(?:/[a-z0-9/^]+)?)", re.IGNORECASE)
-_ROW, _COLUMNS = 6, slice(40, 50)  # the real header has the step with more digits: lines above the block, columns
+_UNIT = re.compile(
+    r"(?:\bin\b|units?:?)\s*(?:units of\s*)?([a-z]+(?:/[a-z0-9/^]+)?)", re.IGNORECASE
+)
+_ROW, _COLUMNS = (
+    6,
+    slice(40, 50),
+)  # the real header has the step with more digits: lines above the block, columns
 
-recognise = begins(rf"(?!.*(?:GNS Science|\(format v))(?:{_SPECTRA.pattern}|.*{_FIRST.pattern})")
+recognise = begins(
+    rf"(?!.*(?:GNS Science|\(format v))(?:{_SPECTRA.pattern}|.*{_FIRST.pattern})"
+)
 
 
 def read(text: RecordText) -> list[Series]:
     """Return the acceleration of every channel of the file. Raises DocumentError."""
     if _SPECTRA.match(text.head):
-        raise text.no_acceleration("spectra (volume 3); expected an accelerogram (volume 1 or 2)", 1)
+        raise text.no_acceleration(
+            "spectra (volume 3); expected an accelerogram (volume 1 or 2)", 1
+        )
     found: list[Series] = []
     others = ""
     above: list[str] = []  # lines of the channel's header
@@ -32,7 +53,11 @@ def read(text: RecordText) -> list[Series]:
         if block is None:
             above.append(line)
             continue
-        layout, count, kind = fortran_layout(line) or Layout(8, 10), text.count(block[1]), block[2].lower()
+        layout, count, kind = (
+            fortran_layout(line) or Layout(8, 10),
+            text.count(block[1]),
+            block[2].lower(),
+        )
         if kind != "accel":
             others = kind
             text.skip(count, layout)
@@ -44,18 +69,32 @@ def read(text: RecordText) -> list[Series]:
                 text.agree(count, dt, length, slack=0.5 * float(length))
             word = stated(_UNIT, [line[block.end() :]])
             unit = text.unit(word) if word else "cm/s2"
-            pga = stated(_PGA, latest) if unit_of(stated(_PGA, latest, 2) or "") == unit else None
-            found.append(Series(stated(_FIRST, latest), dt, text.numbers(count, layout), unit, pga))
+            pga = (
+                stated(_PGA, latest)
+                if unit_of(stated(_PGA, latest, 2) or "") == unit
+                else None
+            )
+            found.append(
+                Series(
+                    stated(_FIRST, latest), dt, text.numbers(count, layout), unit, pga
+                )
+            )
             above = []
         text.require_end(count)
     if not found:
         only = f"no points of accel data, only of {others}"
-        raise text.no_acceleration(only) if others else text.fault("no line `n points of accel data`")
+        raise (
+            text.no_acceleration(only)
+            if others
+            else text.fault("no line `n points of accel data`")
+        )
     return found
 
 
 def _precise(dt: float, above: list[str]) -> float:
-    """The step of the real header if it agrees with that of the text and has more digits, such as 1/128 s."""
+    """The step of the real header if it agrees with that of the text and has more
+    digits, such as 1/128 s.
+    """
     try:
         precise = float(above[-_ROW][_COLUMNS])
     except (IndexError, ValueError):

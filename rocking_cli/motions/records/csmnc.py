@@ -8,7 +8,10 @@ from .record import Series
 from .text import Layout, RecordText, begins, stated
 
 NAME = "CSMNC"
-_POINTS = re.compile(r"NO\. OF POINTS:\s*(\S+)\s+EQUALLY SPACED INTERVALS OF:\s*(\S+)\s*([A-Z]*)", re.IGNORECASE)
+_POINTS = re.compile(
+    r"NO\. OF POINTS:\s*(\S+)\s+EQUALLY SPACED INTERVALS OF:\s*(\S+)\s*([A-Z]*)",
+    re.IGNORECASE,
+)
 _QUANTITY = re.compile(r"^\s*(.*?\S)\s+UNIT\s*:\s*(\S.*?)\s*$", re.IGNORECASE)
 _COMPONENT = re.compile(r"^\s*COMP\.?\s*:?\s*(\S+)", re.IGNORECASE)
 _PEAK = re.compile(r"PEAK VALUE:\s*([-+.\dE]+)", re.IGNORECASE)
@@ -26,8 +29,13 @@ def read(text: RecordText) -> list[Series]:
     if quantity is None:
         raise text.fault("no line such as CORRECTED ACCELERATION  UNIT: CM/SEC/SEC")
     at = next(i for i, line in enumerate(lines, 1) if _QUANTITY.search(line))
-    if not re.search(r"\bAC+EL", quantity, re.IGNORECASE) or "SPECTR" in quantity.upper():
-        raise text.no_acceleration(f"found {lines[at - 1].strip()!r}; expected an acceleration", at)
+    if (
+        not re.search(r"\bAC+EL", quantity, re.IGNORECASE)
+        or "SPECTR" in quantity.upper()
+    ):
+        raise text.no_acceleration(
+            f"found {lines[at - 1].strip()!r}; expected an acceleration", at
+        )
     unit = text.unit(stated(_QUANTITY, lines, 2) or "", at)
     count = text.count(stated(_POINTS, lines) or "")
     dt = text.step(stated(_POINTS, lines, 2) or "")

@@ -39,7 +39,11 @@ def is_up(name: str) -> bool:
 
 def is_up_alone(words: str) -> bool:
     """True if words state the vertical direction and nothing else, as UP COMPONENT."""
-    kept = [x for x in words.split() if not re.fullmatch(r"(?i)(?:comp|component|dir)\.?:?", x)]
+    kept = [
+        x
+        for x in words.split()
+        if not re.fullmatch(r"(?i)(?:comp|component|dir)\.?:?", x)
+    ]
     return len(kept) == 1 and is_up(kept[0])
 
 

@@ -1,7 +1,8 @@
-"""Factors that a line or a heading states: `scale factor: 0.01`, `x 9.81`, `g/10`, `in 0.1 g`.
+"""Factors that a line or a heading states: `scale factor: 0.01`, `x 9.81`, `g/10`, `in
+0.1 g`.
 
-It is not known whether the numbers have the factor already, so that its file is refused.
-A factor of 1 is none.
+It is not known whether the numbers have the factor already, so that its file is
+refused. A factor of 1 is none.
 """
 
 import re
@@ -26,10 +27,15 @@ _SCALED = re.compile(
     rf"(?:{_SCALING}){_ASIDE}\s*(?:[\[(][^\])]*[\])])?\s*[:=,;\t]?\s*{_NUM}(?![/\d])"
     r"([^,;\s]*(?:\s*(?:m?g|gal|c?m/s2|m?v)\b)?)"
 )
-_NORMALISED = re.compile(r"\bnormali[sz]ed\b|\bnormiert\b|\bnormalizad[oa]\b|\bnormalizzat[oa]\b")
-_PER = re.compile(r"\b(?:counts?|volts?|mv|v) ?(?:per|/) ?(?:m?g|gal|cm/s2|m/s2)\b\s*[:=]?\s*\d")
+_NORMALISED = re.compile(
+    r"\bnormali[sz]ed\b|\bnormiert\b|\bnormalizad[oa]\b|\bnormalizzat[oa]\b"
+)
+_PER = re.compile(
+    r"\b(?:counts?|volts?|mv|v) ?(?:per|/) ?(?:m?g|gal|cm/s2|m/s2)\b\s*[:=]?\s*\d"
+)
 _TIMES = re.compile(
-    r"(?:(?<![a-zA-Z\d])(?<!\d )x|×|(?<!\*)\*(?!\*))\s*(\d+(?:\.\d*)?(?:e[-+]?\d+|\^\d+|\^?-\d+)?)"
+    r"(?:(?<![a-zA-Z\d])(?<!\d"
+    r" )x|×|(?<!\*)\*(?!\*))\s*(\d+(?:\.\d*)?(?:e[-+]?\d+|\^\d+|\^?-\d+)?)"
     r"(?=\s*(?:$|[\[\](),;=]|%?g\b|gals?\b|c?m/s))",
     re.IGNORECASE,
 )
@@ -38,7 +44,9 @@ _OVER = re.compile(
     r"\s*/\s*(\d+(?:\.\d*)?)\b(?![/.]\w)"
 )
 _PARTS = re.compile(r"\b(?:tenths|hundredths|thousandths|multiples)\s+of\b")
-_IN_PARTS = re.compile(rf"\b(?:in|units?(?: of)?)\s*[:=]?\s*(?:1/\d+|{_NUM})\s*([a-z%][^\s,;)\]]*)")
+_IN_PARTS = re.compile(
+    rf"\b(?:in|units?(?: of)?)\s*[:=]?\s*(?:1/\d+|{_NUM})\s*([a-z%][^\s,;)\]]*)"
+)
 
 
 def states_factor(words: str) -> bool:
@@ -53,7 +61,9 @@ def states_factor(words: str) -> bool:
     signs = [*_TIMES.finditer(digits), *_OVER.finditer(text)]
     if any(not _is_one(found[1]) for found in signs):
         return True
-    parts = [x for x in _IN_PARTS.finditer(text) if dimension_of(x[2]) == "acceleration"]
+    parts = [
+        x for x in _IN_PARTS.finditer(text) if dimension_of(x[2]) == "acceleration"
+    ]
     return any(x[1] is None or not _is_one(x[1]) for x in parts)
 
 

@@ -1,8 +1,8 @@
 """What the heading of a column says: its quantity, its unit, its direction.
 
-A heading is a name and a unit, as `Acc NS [gal]`, `t (s)`, `a, m/s2`, `acc_g`, `Zeit / s`.
-Words that are in none of the lists below are not understood, and their column is taken
-only where the user names it.
+A heading is a name and a unit, as `Acc NS [gal]`, `t (s)`, `a, m/s2`, `acc_g`, `Zeit /
+s`. Words that are in none of the lists below are not understood, and their column is
+taken only where the user names it.
 """
 
 import re
@@ -24,24 +24,38 @@ def _listed(**words: str) -> dict[str, str]:
 _FIRST = _listed(
     time="t time times tiempo zeit tempo temps zaman sure elapsed 时间 時間 时刻 時刻",
     period="period periods periodo periode periyot peryot tn 周期",
-    frequency="f freq frequency frequencies frequencia frecuencia frequenza frequence frequenz frekans omega hz 频率 周波数",
+    frequency=(
+        "f freq frequency frequencies frequencia frecuencia frequenza frequence"
+        " frequenz frekans omega hz 频率 周波数"
+    ),
     index="sample samples index idx no nr num number point points step i n k # id row",
 )
 _ACCELERATIONS = frozenset(
     _listed(
-        acceleration="a ag ugdd xgdd acc accn accel accels acceleration accelerations "
-        "accelerogram accelerograms accelerogramme accelerogramma acelerograma "
-        "akzelerogramm accelerazione accelerazioni aceleracion aceleraciones aceleracao "
-        "beschleunigung bodenbeschleunigung ivme ivmesi groundacc groundacceleration 加速度"
+        acceleration=(
+            "a ag ugdd xgdd acc accn accel accels acceleration accelerations"
+            " accelerogram accelerograms accelerogramme accelerogramma acelerograma"
+            " akzelerogramm accelerazione accelerazioni aceleracion aceleraciones"
+            " aceleracao beschleunigung bodenbeschleunigung ivme ivmesi groundacc"
+            " groundacceleration 加速度"
+        )
     )
 )
 _OTHERS = _listed(
-    velocity="скорость v vel vels velo veloc velocity velocities velocita velocidad vitesse geschwindigkeit hiz hizi 速度",
-    displacement="drift drifts перемещение смещение d u dis disp disps displ displacement displacements desplazamiento "
-    "spostamento deplacement verschiebung deplasman yerdegistirme 位移 変位",
-    spectrum="spectrum spectra spectral spettro spettrale espectro espectral spektrum "
-    "spektral spectre response psa sa rsa se sde sae psv sv sd rotd50 rotd100 rotd00 "
-    "uhs hvsr спектр geomean pseudo spa psacc spectrums 反应谱",
+    velocity=(
+        "скорость v vel vels velo veloc velocity velocities velocita velocidad vitesse"
+        " geschwindigkeit hiz hizi 速度"
+    ),
+    displacement=(
+        "drift drifts перемещение смещение d u dis disp disps displ displacement"
+        " displacements desplazamiento spostamento deplacement verschiebung deplasman"
+        " yerdegistirme 位移 変位"
+    ),
+    spectrum=(
+        "spectrum spectra spectral spettro spettrale espectro espectral spektrum"
+        " spektral spectre response psa sa rsa se sde sae psv sv sd rotd50 rotd100"
+        " rotd00 uhs hvsr спектр geomean pseudo spa psacc spectrums 反应谱"
+    ),
 )
 _OTHERS |= _listed(
     envelope="envelope max min peak pga pgv pgd maximum minimum rms mean abs",
@@ -67,28 +81,41 @@ _OTHERS |= {
 }
 NEUTRAL = frozenset(
     _listed(
-        neutral="value values amplitude amplitudes signal data record records motion ground "
-        "input series history histories channel channels chan ch col column comp component "
-        "pulse y corrected uncorrected filtered unfiltered processed unprocessed total base "
-        "free field recorded measured scaled unscaled of the in unit units and baseline dir "
-        "direction th canal kanal bilesen componente komponente"
+        neutral=(
+            "value values amplitude amplitudes signal data record records motion ground"
+            " input series history histories channel channels chan ch col column comp"
+            " component pulse y corrected uncorrected filtered unfiltered processed"
+            " unprocessed total base free field recorded measured scaled unscaled of"
+            " the in unit units and baseline dir direction th canal kanal bilesen"
+            " componente komponente"
+        )
     )
 )
 _LETTERS_WITH_DIRECTION = re.compile(
     r"(acc|accel|acceleration|ag|vel|velocity|disp|displ|displacement|dis)"
     r"(x|y|z|ns|ew|ud|n|e|w|s|h1|h2|h|l|t)|([avdu])(x|y|z|ns|ew|ud)"
 )
-_GLUED = {"ms2": "m/s2", "mps2": "m/s2", "cms2": "cm/s2", "cmps2": "cm/s2", "mms2": "mm/s2"}
+_GLUED = {
+    "ms2": "m/s2",
+    "mps2": "m/s2",
+    "cms2": "cm/s2",
+    "cmps2": "cm/s2",
+    "mms2": "mm/s2",
+}
 _BRACKETS = re.compile(r"[\[({<]([^\[\](){}<>]*)[\])}>]")
 _INNER = re.compile(r"/\(([^()]*)\)|\^[({]([^(){}]*)[)}]")
 _TAIL = re.compile(r"(.*?\S)\s*(?:[,:=|]|\bin\b|\s/)\s*([^,:=|]+)", re.IGNORECASE)
-_DOTS = re.compile(r"[a-zθ](\u0308|\u0307)[ _]?g?[ _]?(?:\(t\))?")  # ẍ, ü_g: two derivatives
+_DOTS = re.compile(
+    r"[a-zθ](\u0308|\u0307)[ _]?g?[ _]?(?:\(t\))?"
+)  # ẍ, ü_g: two derivatives
 _DERIVED = re.compile(
     r"\b(?:integra(?:l|ted|ls)|squared?|derivative|differentiated|cumulative|cumulated|log|ln|deviation|variance)\b"
     r"|^\|.*\|$"
     r"|^[^/]*[a-z]\s*(?:\^\s*2|\*\*\s*2|²)\s*$"
 )
-_OF_A_DIRECTION = re.compile(r"(?i)[-\s_.]*\b(?:comp(?:onent)?|dir(?:ection)?)\b\.?[-\s_.]*")
+_OF_A_DIRECTION = re.compile(
+    r"(?i)[-\s_.]*\b(?:comp(?:onent)?|dir(?:ection)?)\b\.?[-\s_.]*"
+)
 _CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _SPLIT = re.compile(r"[\s_.,:;/|\-\"']+")
 
@@ -105,17 +132,23 @@ class Cell(NamedTuple):
 
     @property
     def is_time_or_like(self) -> bool:
-        """True for what stands in a first column: times, periods, frequencies, numbers."""
+        """True for what stands in a first column: times,
+        periods, frequencies, numbers.
+        """
         return self.role in (TIME, PERIOD, FREQUENCY, INDEX)
 
     @property
     def is_other(self) -> bool:
         """True for a quantity that is known and no acceleration."""
-        return self.role not in (ACCELERATION, BARE, UNKNOWN) and not self.is_time_or_like
+        return (
+            self.role not in (ACCELERATION, BARE, UNKNOWN) and not self.is_time_or_like
+        )
 
 
 def cell_of(text: str, first: bool = True) -> Cell:
-    """Return what the heading of a column says; first: whether it is the first column."""
+    """Return what the heading of a column says; first: whether it is
+    the first column.
+    """
     text = re.sub(r"^[#%](?=[^\W\d_]{2,})", "", text.strip().strip("\"'").strip())
     name, units, asides = _parted(text)
     accelerations = [unit for x in units if (unit := unit_of(x))]
@@ -127,9 +160,13 @@ def cell_of(text: str, first: bool = True) -> Cell:
 
     component = None
     if role in (ACCELERATION, BARE):
-        directions = [x for x in [*asides, *_directions(name)] if x != "t" and is_direction(x)]
+        directions = [
+            x for x in [*asides, *_directions(name)] if x != "t" and is_direction(x)
+        ]
         component = next(iter(directions), None)
-    unread = [x for x in asides if not is_direction(x) and not _is_neutral(x) and x != "t"]
+    unread = [
+        x for x in asides if not is_direction(x) and not _is_neutral(x) and x != "t"
+    ]
 
     if accelerations and role == BARE and not odd:
         role = ACCELERATION
@@ -152,7 +189,9 @@ def cell_of(text: str, first: bool = True) -> Cell:
 
 
 def units_row(cells: list[str]) -> list[str] | None:
-    """Return the units of a row such as `[s],[g]` or `s,m/s2`; None if one is no unit."""
+    """Return the units of a row such as `[s],[g]` or `s,m/s2`; None if one
+    is no unit.
+    """
     whole = [x.strip().strip("\"'") for x in cells]
     held = [_BRACKETS.fullmatch(x) for x in whole]
     bare = [found[1] if found else x for found, x in zip(held, whole, strict=True)]
@@ -188,11 +227,21 @@ def names_acceleration(words: str) -> bool:
 
 def _parted(text: str) -> tuple[str, list[str], list[str]]:
     """(name, units, other words in brackets) of a heading."""
-    whole = _INNER.sub(lambda found: f"/{found[1]}" if found[1] else f"^{found[2]}", text)
+    whole = _INNER.sub(
+        lambda found: f"/{found[1]}" if found[1] else f"^{found[2]}", text
+    )
     ratio = re.fullmatch(r"([^/\[({]+?)\s*/\s*(.+)", text)  # a / (m/s²), as in DIN
-    if ratio is not None and _has_role(ratio[1]) and dimension_of(ratio[2].strip("()[]")):
+    if (
+        ratio is not None
+        and _has_role(ratio[1])
+        and dimension_of(ratio[2].strip("()[]"))
+    ):
         return ratio[1], [ratio[2].strip("()[]")], []
-    held = [re.sub(r"(?i)^in\s+", "", x.strip()) for x in _BRACKETS.findall(whole) if x.strip()]
+    held = [
+        re.sub(r"(?i)^in\s+", "", x.strip())
+        for x in _BRACKETS.findall(whole)
+        if x.strip()
+    ]
     name = _BRACKETS.sub(" ", whole).strip()
     units = [x for x in held if dimension_of(x) or not _words_known(x)]
     if any(unit_of(x) for x in units):

@@ -1,6 +1,7 @@
 """PEER AT2: lines of text, one of which is `NPTS=  n, DT=  x SEC` (older files: `n  x  NPTS, DT`),
-then n values. A line above it states the quantity and the unit, g where it names only an
-acceleration."""
+then n values. A line above it states the quantity and the unit, g where it names only
+an acceleration.
+"""
 
 import re
 
@@ -14,8 +15,12 @@ from .text import Layout, RecordText, begins
 
 NAME = "PEER AT2"
 _NUMBER = r"([-+.\dEeDd]+)"
-_COUNT = re.compile(rf"NPTS\s*=\s*{_NUMBER}\s*,?\s*DT\s*=\s*{_NUMBER}\s*([a-z]*)", re.IGNORECASE)
-_OLDER = re.compile(rf"^\s*{_NUMBER}\s*,?\s+{_NUMBER}\s*,?\s*NPTS\s*,?\s*DT\b()", re.IGNORECASE)
+_COUNT = re.compile(
+    rf"NPTS\s*=\s*{_NUMBER}\s*,?\s*DT\s*=\s*{_NUMBER}\s*([a-z]*)", re.IGNORECASE
+)
+_OLDER = re.compile(
+    rf"^\s*{_NUMBER}\s*,?\s+{_NUMBER}\s*,?\s*NPTS\s*,?\s*DT\b()", re.IGNORECASE
+)
 _SAID, _TRAILER = re.compile(r"\S.*"), re.compile(r"\W*(?:END|EOF)\b", re.IGNORECASE)
 _BRACKETS = re.compile(r"\([^)]*\)")
 
@@ -28,7 +33,9 @@ def recognise(head: str) -> bool:
     if not _BEGIN(head):
         return False
     lines = head.splitlines()
-    at = next((i for i, x in enumerate(lines) if _COUNT.search(x) or _OLDER.search(x)), 0)
+    at = next(
+        (i for i, x in enumerate(lines) if _COUNT.search(x) or _OLDER.search(x)), 0
+    )
     below = next((x for x in lines[at + 1 :] if x.strip()), "")
     return _OTHER_TEXT.search(below) is None
 
@@ -59,7 +66,10 @@ def read(text: RecordText) -> list[Series]:
     unit = claims.unit or ("g" if claims.acceleration else text.given.unit)
     if unit is None:
         last = above[-1][0].strip() if above else found.string.strip()
-        said = f"found {last!r}; expected a line such as ACCELERATION IN UNITS OF G, or `unit`"
+        said = (
+            f"found {last!r}; expected a line such as ACCELERATION IN UNITS OF G, or"
+            " `unit`"
+        )
         raise text.fault(said, above[-1][1] if above else None)
     samples, remark = _samples(text, count, dt)
     trailer = None if remark else text.find(_SAID)
@@ -79,7 +89,9 @@ def _samples(text: RecordText, count: int, dt: float) -> tuple[np.ndarray, str]:
         values = text.numbers(2 * count, Layout(2)).reshape(count, 2)
         step = even_step(values[:, 0], text, line)
         if abs(step - dt) > 1e-3 * dt:
-            raise text.fault(f"times every {step:g} s, where the header states {dt:g} s", line)
+            raise text.fault(
+                f"times every {step:g} s, where the header states {dt:g} s", line
+            )
         return values[:, 1].copy(), text.surplus(count)
     samples = text.numbers(count, Layout(max(1, len(first))))
     remark = text.surplus(count)
@@ -92,7 +104,9 @@ def _samples(text: RecordText, count: int, dt: float) -> tuple[np.ndarray, str]:
 def _upwards(claims: Claims, above: list[tuple[str, int]]) -> str | None:
     """The component if it is vertical: at the end of a line of words between commas."""
     for words, _ in above:
-        last = _BRACKETS.sub(" ", words.rpartition(",")[2]).strip() if "," in words else ""
+        last = (
+            _BRACKETS.sub(" ", words.rpartition(",")[2]).strip() if "," in words else ""
+        )
         if is_up_alone(last):
             return last
     up = claims.component

@@ -40,8 +40,12 @@ NAME = "text"
 _MOST_TITLE_LINES = 120
 _OTHER_FILES = {
     **dict.fromkeys(("vel", "velo", "veloc", "velocity", "vt2"), "velocities"),
-    **dict.fromkeys(("dis", "disp", "displ", "dsp", "displacement", "dt2"), "displacements"),
-    **dict.fromkeys(("sa", "psa", "rsp", "rs", "spc", "spectrum", "spectra"), "a spectrum"),
+    **dict.fromkeys(
+        ("dis", "disp", "displ", "dsp", "displacement", "dt2"), "displacements"
+    ),
+    **dict.fromkeys(
+        ("sa", "psa", "rsp", "rs", "spc", "spectrum", "spectra"), "a spectrum"
+    ),
     **dict.fromkeys(("fft", "fas", "fourier"), "a Fourier spectrum"),
 }  # by the last part of a file's name
 _FEWEST = 10  # numbers in one column, without a word, of a motion
@@ -53,7 +57,9 @@ def recognise(head: str) -> bool:
     """True if rows of numbers begin after at most 120 lines of other text."""
     lines = [line for line in head.split("\n", _MOST_TITLE_LINES + 3) if line.strip()]
     above = lines[: _MOST_TITLE_LINES + 1]
-    below = [*lines[1:], lines[-1] if lines else ""][: len(above)]  # none below the last
+    below = [*lines[1:], lines[-1] if lines else ""][
+        : len(above)
+    ]  # none below the last
     return any(is_row(x) and is_row(y) for x, y in zip(above, below, strict=True))
 
 
@@ -67,14 +73,18 @@ def read(text: RecordText) -> list[Series]:
     cells, others = headings(text, titles, rows)
     for title in others:
         require_no_row(text, title, rows.columns)
-        claims.take(title.text, title.line, strict=title == titles[-1] and rows.columns == 1)
+        claims.take(
+            title.text, title.line, strict=title == titles[-1] and rows.columns == 1
+        )
     rows, remark = _without_leads(text, claims, rows, leads)
     if rows.values.size == 0:
         raise text.fault("no numbers")
     table = _Table(text, claims, rows, cells)
     found = table.wrapped() if table.is_wrapped else table.columns()
     table.require_count(found[0].samples.size)
-    return [x._replace(remark="; ".join(filter(None, (x.remark, remark)))) for x in found]
+    return [
+        x._replace(remark="; ".join(filter(None, (x.remark, remark)))) for x in found
+    ]
 
 
 def agreeing(said: str, given: str | None) -> bool:
@@ -91,7 +101,9 @@ def _is_even(values: Array) -> bool:
 class _Table:
     """The numbers of a file with what its headings and its user say of them."""
 
-    def __init__(self, text: RecordText, claims: Claims, rows: Rows, cells: list[Cell] | None) -> None:
+    def __init__(
+        self, text: RecordText, claims: Claims, rows: Rows, cells: list[Cell] | None
+    ) -> None:
         self.text, self.claims, self.rows, self.cells = text, claims, rows, cells
         self.width = rows.columns
 
@@ -101,21 +113,37 @@ class _Table:
         counts, said = self.rows.counts, self.claims.count
         if self.text.given.column == EVERY:
             return True
-        if self.width == 1 or self.cells is not None or self.text.given.column is not None:
+        if (
+            self.width == 1
+            or self.cells is not None
+            or self.text.given.column is not None
+        ):
             return False
         full = bool((counts[:-1] == self.width).all()) and counts[-1] <= self.width
         total = said == int(counts.sum()) and said != counts.size
         times = self.rows.values[: int(counts[:-1].sum()) : self.width]
         rising = times.size > 2 and bool((np.diff(times) > 0.0).all())
-        short = counts.size > 1 and counts[-1] < self.width and self.width >= _MANY and not rising
+        short = (
+            counts.size > 1
+            and counts[-1] < self.width
+            and self.width >= _MANY
+            and not rising
+        )
         return full and (total or short)
 
     def wrapped(self) -> list[Series]:
         """The one record of lines of several values."""
         first = self.rows.values[:: self.width]
-        if self.rows.counts.size > _FEW and (self.rows.counts == self.width).all() and _is_even(first):
+        if (
+            self.rows.counts.size > _FEW
+            and (self.rows.counts == self.width).all()
+            and _is_even(first)
+        ):
             said = "the first numbers of the lines rise evenly, as times do"
-            raise self.text.fault(f"{said}; `column` {EVERY} is for lines of values alone", int(self.rows.lines[0]))
+            raise self.text.fault(
+                f"{said}; `column` {EVERY} is for lines of values alone",
+                int(self.rows.lines[0]),
+            )
         unit, dt = self.unit(None), self.step()
         told = self.claims.count is None and self.text.given.column is None
         remark = f"{self.width} values a line, which are read one line after the other"
@@ -145,11 +173,15 @@ class _Table:
         return found
 
     def require_motion(self, values: Array) -> None:
-        """Raise NoAcceleration for a short list in a directory, as of factors or periods."""
+        """Raise NoAcceleration for a short list in a directory, as of factors or
+        periods.
+        """
         said = self.claims.unit is not None or self.claims.acceleration
         if not self.text.given.named and not said and len(values) < _FEWEST:
             words = f"{len(values)} numbers, too few for a motion"
-            raise self.text.no_acceleration(f"{words}; they are taken where the file itself is named", 1)
+            raise self.text.no_acceleration(
+                f"{words}; they are taken where the file itself is named", 1
+            )
 
     def require_even_lines(self) -> None:
         counts, lines = self.rows.counts, self.rows.lines
@@ -170,14 +202,20 @@ class _Table:
         line = int(self.rows.lines[0])
         if first is not None and first.role in (PERIOD, FREQUENCY):
             what = f"found {first.text!r}, a {first.role}; expected a time"
-            why = "; a time is called t or time" if first.text.strip()[:1] == "T" else ""
+            why = (
+                "; a time is called t or time" if first.text.strip()[:1] == "T" else ""
+            )
             raise self.text.fault(f"{what}: a spectrum is no record{why}", line - 1)
         if first is not None:
             return 0 if first.role == TIME else None
         time = values[:, 0]
         rising = bool((np.diff(time) > 0.0).all())
         steps = np.diff(time)
-        even = rising and steps.size > 0 and float(steps.max()) <= 1.5 * float(np.median(steps))
+        even = (
+            rising
+            and steps.size > 0
+            and float(steps.max()) <= 1.5 * float(np.median(steps))
+        )
         if self.width == 2:
             return 0
         return 0 if even else None
@@ -193,22 +231,29 @@ class _Table:
                 return [1]
             first = "the first of times" if time == 0 else "none of times"
             raise self.text.fault(
-                f"{self.width} columns without headings, {first}; give the one of the "
-                f"accelerations as `column`, or `column` {EVERY} where each line goes on "
-                "from the one before",
+                f"{self.width} columns without headings, {first}; give the one of the"
+                f" accelerations as `column`, or `column` {EVERY} where each line goes"
+                " on from the one before",
                 int(self.rows.lines[0]),
             )
         return self.accelerations()
 
     def require_one_time(self, values: Array, time: int | None) -> None:
         """Raise DocumentError for lines of several pairs of time and value."""
-        if self.cells is not None or time is None or len(values) <= _FEW or not _is_even(values[:, 0]):
+        if (
+            self.cells is not None
+            or time is None
+            or len(values) <= _FEW
+            or not _is_even(values[:, 0])
+        ):
             return
         step = values[1, 0] - values[0, 0]
         for i in range(1, self.width):
             if _is_even(values[:, i]) and agree(step, values[1, i] - values[0, i]):
                 said = f"columns 1 and {i + 1} rise alike, as times do"
-                raise self.text.fault(f"{said}; expected one time a line", int(self.rows.lines[0]))
+                raise self.text.fault(
+                    f"{said}; expected one time a line", int(self.rows.lines[0])
+                )
 
     def left_out(self) -> str:
         """A remark that names the columns of other quantities."""
@@ -227,8 +272,9 @@ class _Table:
             if cell.role == UNKNOWN or cell.is_time_or_like:
                 odd = cell.odd or cell.text
                 raise self.text.fault(
-                    f"found {odd!r} in the heading {cell.text!r}, which is not understood; "
-                    "expected an acceleration, its unit and direction, or `column`",
+                    f"found {odd!r} in the heading {cell.text!r}, which is not"
+                    " understood; expected an acceleration, its unit and direction, or"
+                    " `column`",
                     line - 1,
                 )
         found = [i for i, cell in held if cell.role in (ACCELERATION, BARE)]
@@ -236,18 +282,23 @@ class _Table:
         spectra = [cell for _, cell in held if "spectrum" in cell.role]
         if not found or (spectra and not said):
             cell = spectra[0] if spectra else held[0][1]
-            raise self.text.fault(f"found {cell.text!r} ({cell.role}); expected an acceleration", line - 1)
+            raise self.text.fault(
+                f"found {cell.text!r} ({cell.role}); expected an acceleration", line - 1
+            )
         alone = self.cells[found[0]]
         if len(found) == 1 and alone.role == BARE and alone.text.strip() in AMBIGUOUS:
             raise self.text.fault(
-                f"found the heading {alone.text!r}, a direction or another quantity; expected an acceleration, such as a or acc",
+                f"found the heading {alone.text!r}, a direction or another quantity;"
+                " expected an acceleration, such as a or acc",
                 line - 1,
             )
-        nameless = [self.cells[i].text for i in found if self.cells[i].component is None]
+        nameless = [
+            self.cells[i].text for i in found if self.cells[i].component is None
+        ]
         if len(found) > 1 and nameless:
             raise self.text.fault(
-                f"the headings {', '.join(map(repr, nameless))} state no direction; expected "
-                "names such as NS, EW, UD, or the number of one as `column`",
+                f"the headings {', '.join(map(repr, nameless))} state no direction;"
+                " expected names such as NS, EW, UD, or the number of one as `column`",
                 line - 1,
             )
         return found
@@ -258,19 +309,26 @@ class _Table:
         if not 1 <= number <= self.width:
             raise self.no_column(f"{self.width} columns")
         if number - 1 == time:
-            raise UsageError(f"{self.text.source}: `column`: found {given}, which holds the times")
+            raise UsageError(
+                f"{self.text.source}: `column`: found {given}, which holds the times"
+            )
         cell = None if self.cells is None else self.cells[number - 1]
-        foreign = cell is not None and cell.odd and cell.unit is None and "[" in cell.text
+        foreign = (
+            cell is not None and cell.odd and cell.unit is None and "[" in cell.text
+        )
         if cell is not None and (cell.is_other or cell.is_time_or_like or foreign):
             raise self.text.fault(
-                f"found {cell.text!r} ({cell.role}) in column {number}; expected an acceleration",
+                f"found {cell.text!r} ({cell.role}) in column {number}; expected an"
+                " acceleration",
                 int(self.rows.lines[0]) - 1,
             )
         return number - 1
 
     def no_column(self, held: str) -> UsageError:
         given = self.text.given.column
-        return UsageError(f"{self.text.source}: `column`: found {given}; the file holds {held}")
+        return UsageError(
+            f"{self.text.source}: `column`: found {given}; the file holds {held}"
+        )
 
     def name_of(self, column: int, cell: Cell | None, taken: int) -> str | None:
         if cell is not None and cell.component is not None:
@@ -287,7 +345,9 @@ class _Table:
         said, given = self.claims.step, self.text.given.dt
         columns = "one column of numbers" if self.width == 1 else "numbers"
         if said is None and given is None:
-            raise DocumentError(f"{self.text.source}: {columns} without times; give their step as `dt`")
+            raise DocumentError(
+                f"{self.text.source}: {columns} without times; give their step as `dt`"
+            )
         if said is not None and given is not None and not agree(said, given):
             raise self.otherwise("dt", f"{given:g} s", repr(self.claims.quoted["step"]))
         return given if given is not None else said or 0.0
@@ -300,14 +360,18 @@ class _Table:
         seconds = cell.seconds if cell is not None else None
         factor = seconds or self.claims.seconds or 1.0
         lines = self.rows.lines
-        step = even_step(factor * values[:, time], self.text, int(lines[0]), lines=lines)
+        step = even_step(
+            factor * values[:, time], self.text, int(lines[0]), lines=lines
+        )
         given, said = self.text.given.dt, self.claims.step
         for stated, quoted in ((said, self.claims.quoted.get("step")), (given, None)):
             if stated is None or agree(step, stated):
                 continue
             if quoted is None:
                 raise self.otherwise("dt", f"{stated:g} s", f"times every {step:g} s")
-            raise self.text.fault(f"times every {step:g} s, where {quoted!r} says otherwise")
+            raise self.text.fault(
+                f"times every {step:g} s, where {quoted!r} says otherwise"
+            )
         known = seconds is not None or step < 1.0
         taken = f"a step of {step:g} s, where the first column is taken for times in s"
         return step, "" if known else taken
@@ -328,12 +392,17 @@ class _Table:
         if said is not None and not agreeing(said, given):
             raise self.otherwise("unit", str(given), f"{said}, which {quoted} states")
         if said is None and given is None:
-            raise DocumentError(f"{self.text.source}: plain numbers without a unit; give it as `unit`, one of {', '.join(WRITTEN_UNITS)}")
+            raise DocumentError(
+                f"{self.text.source}: plain numbers without a unit; give it as `unit`,"
+                f" one of {', '.join(WRITTEN_UNITS)}"
+            )
         return said or given or ""
 
     def otherwise(self, name: str, given: str, said: str) -> DocumentError:
         source = self.text.source
-        return DocumentError(f"{source}: `{name}`: found {given}; the file says otherwise: {said}")
+        return DocumentError(
+            f"{source}: `{name}`: found {given}; the file says otherwise: {said}"
+        )
 
     def require_name(self, cell: Cell | None) -> None:
         """Refuse a file that is named as velocities and says nothing else itself."""
@@ -347,7 +416,8 @@ class _Table:
         what = next(filter(None, found), None)
         if what is not None:
             raise self.text.no_acceleration(
-                f"a file that is named as {what}, and states no acceleration; expected an acceleration (rename it if it holds one)",
+                f"a file that is named as {what}, and states no acceleration; expected"
+                " an acceleration (rename it if it holds one)",
                 1,
             )
 
@@ -375,21 +445,31 @@ def even_step(
         bad = int(np.argmax(apart)) + 1 if apart.any() else int(np.argmax(off))
         place = line + bad // in_a_line if lines is None else int(lines[bad])
         before = f" after {time[bad - 1]:g} s" if bad else ""
-        raise text.fault(f"times that do not rise in even steps, such as {time[bad]:g} s{before}", place)
+        raise text.fault(
+            f"times that do not rise in even steps, such as {time[bad]:g} s{before}",
+            place,
+        )
     return step
 
 
-def _without_leads(text: RecordText, claims: Claims, rows: Rows, above: list[Title]) -> tuple[Rows, str]:
-    """(the rows below those that hold a count, step or rate, a remark that names these).
+def _without_leads(
+    text: RecordText, claims: Claims, rows: Rows, above: list[Title]
+) -> tuple[Rows, str]:
+    """(the rows below those that hold a count, step or rate, a remark that names
+    these).
 
     Raises DocumentError for a first number that may be one and that nothing confirms.
     """
     count = leads_of(rows)
     kept = rows.below(count)
-    words = [(x, title.line) for title in above for x in numbers_in(unmarked(title.text))]
+    words = [
+        (x, title.line) for title in above for x in numbers_in(unmarked(title.text))
+    ]
     first = int(rows.counts[:count].sum())
     lines = np.repeat(rows.lines[:count], rows.counts[:count])
-    words += [(as_printed(x), int(n)) for x, n in zip(rows.words[:first], lines, strict=True)]
+    words += [
+        (as_printed(x), int(n)) for x, n in zip(rows.words[:first], lines, strict=True)
+    ]
     total = {kept.values.size, kept.counts.size}
     stated = claims.step if claims.step is not None else text.given.dt
     if stated is None and kept.columns > 1 and kept.counts.size > 2:
@@ -414,7 +494,9 @@ def _without_leads(text: RecordText, claims: Claims, rows: Rows, above: list[Tit
 def _may_be(word: str, value: float, rows: Rows) -> str:
     below = f"{rows.values.size} values below it"
     if value >= 1.0:
-        what = f"the sampling rate in Hz (`dt` {1.0 / value:.6g}) or the number of values"
+        what = (
+            f"the sampling rate in Hz (`dt` {1.0 / value:.6g}) or the number of values"
+        )
     else:
         what = f"the time step in s (`dt` {value:g})"
     return (

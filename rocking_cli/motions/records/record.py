@@ -1,4 +1,6 @@
-"""A record: samples of ground acceleration at equal steps of time, joined by straight lines. The components of a file."""
+"""A record: samples of ground acceleration at equal steps of time, joined by straight
+lines. The components of a file.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,8 +20,18 @@ from .units import ACCELERATIONS
 LARGEST = 1e6  # m/s2, beyond which no ground shakes
 STEPS = (1e-7, 1e3)  # s, from the shortest to the longest
 _LONG_STEP = 1.0  # s; recorders sample every 0.001 to 0.02 s
-_USUAL_PGA = (0.002, 5.0)  # g; the largest recorded is about 4 g. A record in gal that is read as g lies above, one in g read as gal below
-_LEAST_MARK, _BEYOND = 99.0, 50.0  # marks of missing values have two digits or more, and this ratio to the samples at least
+# g; the largest recorded is about 4 g. A record in gal that is read as g lies above,
+# one in g read as gal below
+_USUAL_PGA = (
+    0.002,
+    5.0,
+)
+# marks of missing values have two digits or more, and this ratio to the samples at
+# least
+_LEAST_MARK, _BEYOND = (
+    99.0,
+    50.0,
+)
 EVERY = "all"  # columns that follow each other: several values of one record on a line
 HORIZONTAL, ALL, STATION = "horizontal", "all", "station"
 
@@ -34,7 +46,9 @@ class Given(NamedTuple):
 
 
 class Series(NamedTuple):
-    """One component as a format's reader finds it: samples in the file's unit, and the header's PGA as printed."""
+    """One component as a format's reader finds it: samples in the file's unit, and the
+    header's PGA as printed.
+    """
 
     component: str | None
     dt: float
@@ -46,9 +60,12 @@ class Series(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """One component as recorded: name of the file, format, component as the file calls it, dt [s], acceleration [m/s2] of shape
-    (npts,), the PGA [m/s2] that the header states, unit and sha256 of the file. Raises DocumentError for fewer than two samples, for
-    one that is not finite or beyond 1e6 m/s2, and for dt outside 1e-7 to 1000 s."""
+    """One component as recorded: name of the file, format, component as the file calls
+    it, dt [s], acceleration [m/s2] of shape (npts,), the PGA [m/s2] that the header
+    states, unit and sha256 of the file. Raises DocumentError for fewer than two
+    samples, for one that is not finite or beyond 1e6 m/s2, and for dt outside 1e-7 to
+    1000 s.
+    """
 
     name: str
     format: str
@@ -63,11 +80,20 @@ class Record:
 
     def __post_init__(self) -> None:
         if not STEPS[0] <= self.dt <= STEPS[1]:
-            raise DocumentError(f"{self.source}: a time step of {self.dt:g} s; expected a step from {STEPS[0]:g} to {STEPS[1]:g} s")
+            raise DocumentError(
+                f"{self.source}: a time step of {self.dt:g} s; expected a step from"
+                f" {STEPS[0]:g} to {STEPS[1]:g} s"
+            )
         if self.acceleration.ndim != 1 or self.acceleration.size < 2:
-            raise DocumentError(f"{self.source}: {self.acceleration.size} samples; a record has at least two")
+            raise DocumentError(
+                f"{self.source}: {self.acceleration.size} samples; a record has at"
+                " least two"
+            )
         if not largest(self.acceleration) <= LARGEST:
-            raise DocumentError(f"{self.source}: an acceleration that is not finite or beyond {LARGEST:g} m/s2")
+            raise DocumentError(
+                f"{self.source}: an acceleration that is not finite or beyond"
+                f" {LARGEST:g} m/s2"
+            )
         self.acceleration.flags.writeable = False
 
     @property
@@ -92,19 +118,35 @@ class Record:
 
 
 def record_motion(record: Record, scale: float = 1.0, name: str = "") -> Polyline:
-    """Return the motion of a record in its own time, omega_g = 1 rad/s, max |s| = 1, `acceleration` = |scale| PGA [m/s2]; name: by
-    default the label. Raises MotionError if all samples are zero, or for the scale."""
+    """Return the motion of a record in its own time, omega_g = 1 rad/s, max |s| = 1,
+    `acceleration` = |scale| PGA [m/s2]; name: by default the label. Raises MotionError
+    if all samples are zero, or for the scale.
+    """
     pga = largest(record.acceleration)
     if not pga > 0.0:
-        raise MotionError(f"motion {record.label!r}: zero throughout; the motion must have a non-zero value")
+        raise MotionError(
+            f"motion {record.label!r}: zero throughout; the motion must have a non-zero"
+            " value"
+        )
     factor = float(np.copysign(1.0, checked_scale(record.label, scale))) / pga
     s = factor * record.acceleration
     time = record.dt * np.arange(record.npts)
-    return Polyline(name or record.label, time[:-1], time[1:], s[:-1], np.diff(s) / np.diff(time), abs(scale) * pga)
+    return Polyline(
+        name or record.label,
+        time[:-1],
+        time[1:],
+        s[:-1],
+        np.diff(s) / np.diff(time),
+        abs(scale) * pga,
+    )
 
 
-def record_of(series: Series, name: str, format_: str, source: str, sha256: str) -> Record:
-    """Return the record of a series, with remarks if its PGA contradicts the header or the unit. Raises DocumentError."""
+def record_of(
+    series: Series, name: str, format_: str, source: str, sha256: str
+) -> Record:
+    """Return the record of a series, with remarks if its PGA contradicts the header or
+    the unit. Raises DocumentError.
+    """
     factor = ACCELERATIONS[series.unit]
     with np.errstate(over="ignore"):  # the record refuses infinite values
         acceleration = series.samples * factor
@@ -112,18 +154,41 @@ def record_of(series: Series, name: str, format_: str, source: str, sha256: str)
     remarks = [series.remark] if series.remark else []
     where = "" if series.component is None else f" of component {series.component}"
     pga, header = largest(acceleration), None
-    small = series.pga is None and series.unit != "g" and 0.0 < pga < _USUAL_PGA[0] * DEFAULT_GRAVITY  # no unit is larger than g
+    small = (
+        series.pga is None
+        and series.unit != "g"
+        and 0.0 < pga < _USUAL_PGA[0] * DEFAULT_GRAVITY
+    )  # no unit is larger than g
     if pga > _USUAL_PGA[1] * DEFAULT_GRAVITY or small:
-        remarks.append(f"a PGA{where} of {pga / DEFAULT_GRAVITY:.3g} g, where the unit is taken to be {series.unit}")
+        remarks.append(
+            f"a PGA{where} of {pga / DEFAULT_GRAVITY:.3g} g, where the unit is taken to"
+            f" be {series.unit}"
+        )
     if series.dt > _LONG_STEP and not series.remark:
-        remarks.append(f"a time step{where} of {series.dt:g} s, which is unusually long")
+        remarks.append(
+            f"a time step{where} of {series.dt:g} s, which is unusually long"
+        )
     if series.pga is not None:
         stated, found = abs(float(series.pga)), pga / factor
         header = stated * factor
         half_a_digit = 0.5 * 10.0 ** float(Decimal(series.pga).as_tuple().exponent)
         if abs(found - stated) > max(0.01 * stated, half_a_digit):
-            remarks.append(f"the header states a PGA{where} of {stated:g} {series.unit}, the samples have {found:.6g} {series.unit}")
-    return Record(name, format_, series.component, series.dt, acceleration, header, series.unit, source, sha256, tuple(remarks))
+            remarks.append(
+                f"the header states a PGA{where} of {stated:g} {series.unit}, the"
+                f" samples have {found:.6g} {series.unit}"
+            )
+    return Record(
+        name,
+        format_,
+        series.component,
+        series.dt,
+        acceleration,
+        header,
+        series.unit,
+        source,
+        sha256,
+        tuple(remarks),
+    )
 
 
 def _require_no_mark(samples: np.ndarray, source: str) -> None:
@@ -136,49 +201,83 @@ def _require_no_mark(samples: np.ndarray, source: str) -> None:
     others = size[size < peak]
     if others.size and peak > _BEYOND * float(others.max()):
         at = int(np.argmax(size))
-        raise DocumentError(f"{source}: sample {at + 1} is {samples[at]:.10g}, which marks a missing value")
+        raise DocumentError(
+            f"{source}: sample {at + 1} is {samples[at]:.10g}, which marks a missing"
+            " value"
+        )
 
 
 def is_vertical(record: Record) -> bool:
-    """True if the component is vertical by its name, such as Up, U-D, Vert, HNZ or, in KiK-net, 3 and 6."""
+    """True if the component is vertical by its name, such as Up, U-D, Vert, HNZ or, in
+    KiK-net, 3 and 6.
+    """
     name = record.component or ""
     return is_up(name) or (record.format == "K-NET" and name in ("3", "6"))
 
 
 def pick(records: Sequence[Record], component: str | None) -> Record:
-    """Return the record of a component, given by its name or its number from 1; None: the only component. Raises UsageError."""
+    """Return the record of a component, given by its name or its number from 1; None:
+    the only component. Raises UsageError.
+    """
     found = list(records) if component is None else chosen(records, component)
     if len(found) == 1:
         return found[0]
-    raise UsageError(f"{records[0].source}: holds the components {names_of(found or records)}; give one as component")
+    raise UsageError(
+        f"{records[0].source}: holds the components {names_of(found or records)}; give"
+        " one as component"
+    )
 
 
 def chosen(records: Sequence[Record], component: str | None) -> list[Record]:
-    """Return the records `horizontal`, `all`, or one by name or number from 1; None: the horizontal ones of a station. Raises
-    NoComponent for an unknown name, and UsageError for None if more than two are horizontal."""
-    source, word = records[0].source, None if component is None else component.strip().casefold()
+    """Return the records `horizontal`, `all`, or one by name or number from 1; None:
+    the horizontal ones of a station. Raises NoComponent for an unknown name, and
+    UsageError for None if more than two are horizontal.
+    """
+    source, word = (
+        records[0].source,
+        None if component is None else component.strip().casefold(),
+    )
     if word == ALL:
         return list(records)
     if word in (None, HORIZONTAL):
         found = [r for r in records if not is_vertical(r)]
         if word is None and len(found) > 2:  # a file of a building or an array
-            raise UsageError(f"{source}: holds the components {names_of(records)}; give one as component, or {HORIZONTAL} for all of those")
+            raise UsageError(
+                f"{source}: holds the components {names_of(records)}; give one as"
+                f" component, or {HORIZONTAL} for all of those"
+            )
         return found
     for record in records:
         if (record.component or "").casefold() == word != "":
             return [record]
     if (number := parse_whole(word or "")) and number <= len(records):
         return [records[number - 1]]
-    known = names_of(records) if records[0].component is not None else "1, the only one, which has no name"
-    raise NoComponent(f"{source}: component: found {component!r}; expected {known}, {HORIZONTAL} and {ALL}")
+    known = (
+        names_of(records)
+        if records[0].component is not None
+        else "1, the only one, which has no name"
+    )
+    raise NoComponent(
+        f"{source}: component: found {component!r}; expected {known}, {HORIZONTAL} and"
+        f" {ALL}"
+    )
 
 
 def vertical_of(records: Sequence[Record]) -> Record:
-    """Return the one vertical component of a file. Raises UsageError if it has none or several."""
+    """Return the one vertical component of a file. Raises UsageError if it has none or
+    several.
+    """
     found = [r for r in records if is_vertical(r)]
     if len(found) != 1:
-        held = f"{len(found)} vertical components ({names_of(found)})" if found else f"no vertical component, only {names_of(records)}"
-        raise UsageError(f"{records[0].source}: holds {held}; expected one where `vertical` is {STATION}")
+        held = (
+            f"{len(found)} vertical components ({names_of(found)})"
+            if found
+            else f"no vertical component, only {names_of(records)}"
+        )
+        raise UsageError(
+            f"{records[0].source}: holds {held}; expected one where `vertical` is"
+            f" {STATION}"
+        )
     return found[0]
 
 

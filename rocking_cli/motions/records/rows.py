@@ -93,7 +93,9 @@ def _separator(block: bytes, headings: int | None) -> tuple[str, bool]:
         return " ", True
     if headings is not None and headings <= 2:
         return (",", False) if headings == 2 else (" ", True)
-    before = [x.split(b",", 1)[0] for x in block.split(None, _MANY)[:_MANY] if b"," in x]
+    before = [
+        x.split(b",", 1)[0] for x in block.split(None, _MANY)[:_MANY] if b"," in x
+    ]
     whole = np.array([int(x) if x.strip(b"+-").isdigit() else 0 for x in before])
     rising = np.diff(whole)
     times = whole.size > 1 and bool((rising > 0).all() and (rising == rising[0]).all())
@@ -137,7 +139,9 @@ def _is_lead(rows: Rows, at: int) -> bool:
     if not value > 0.0:
         return False
     own = _digits(rows.words[at])
-    others = {_digits(x) for x in rows.words[max(at + 1, _LEADS) : 60] or rows.words[at + 1 :]}
+    others = {
+        _digits(x) for x in rows.words[max(at + 1, _LEADS) : 60] or rows.words[at + 1 :]
+    }
     if len(others) == 1 and own not in others:
         return True
     whole = value == int(value)

@@ -1,5 +1,7 @@
-"""SMC (USGS): 11 lines of text, 48 integers and 50 reals in fixed columns, comments behind bars, values in cm/s2 of ten characters
-(fourteen where the header states eight digits)."""
+"""SMC (USGS): 11 lines of text, 48 integers and 50 reals in fixed columns, comments
+behind bars, values in cm/s2 of ten characters (fourteen where the header states eight
+digits).
+"""
 
 import re
 
@@ -7,7 +9,10 @@ from .record import Series
 from .text import Layout, RecordText, begins, stated
 
 NAME = "SMC"
-_KINDS = "UNCORRECTED ACCELEROGRAM|CORRECTED ACCELEROGRAM|VELOCITY|DISPLACEMENT|RESPONSE SPECTRA|FOURIER AMPLITUDE SPECTRA|UNKNOWN"
+_KINDS = (
+    "UNCORRECTED ACCELEROGRAM|CORRECTED ACCELEROGRAM|VELOCITY|DISPLACEMENT|RESPONSE"
+    " SPECTRA|FOURIER AMPLITUDE SPECTRA|UNKNOWN"
+)
 _FIRST = re.compile(rf"([0-9])\s+({_KINDS})", re.IGNORECASE)
 _MORE = re.compile(r"\S.*")
 _COMPONENT = re.compile(r"component\s*=\s*(\S.*?)\s*$", re.IGNORECASE)
@@ -22,16 +27,40 @@ def read(text: RecordText) -> list[Series]:
     """Return the one component of the file. Raises DocumentError."""
     lines = text.lines(_TEXT)
     if "ACCELEROGRAM" not in (stated(_FIRST, lines[:1], 2) or "").upper():
-        raise text.no_acceleration(f"found {lines[0].strip()!r}; expected an accelerogram", 1)
-    integers, reals = text.numbers(_INTEGERS, Layout(8, 10)), text.numbers(_REALS, Layout(5, 15))
+        raise text.no_acceleration(
+            f"found {lines[0].strip()!r}; expected an accelerogram", 1
+        )
+    integers, reals = (
+        text.numbers(_INTEGERS, Layout(8, 10)),
+        text.numbers(_REALS, Layout(5, 15)),
+    )
     while text.raw[text.at : text.at + 1] == b"|":
         text.next_line()
     count = text.count(f"{integers[_POINTS]:.0f}")
     if reals[_RATE] == reals[_NONE]:
-        raise text.fault("no sampling rate in the header, as of pairs of times and accelerations; expected accelerations at equal steps")
+        raise text.fault(
+            "no sampling rate in the header, as of pairs of times and accelerations;"
+            " expected accelerations at equal steps"
+        )
     dt = text.step_of_rate(f"{reals[_RATE]:.10g}")
-    pga = max((abs(reals[i]) for i in (_MAXIMUM, _MINIMUM) if reals[i] != reals[_NONE]), default=0.0)
-    samples = text.numbers(count, Layout(5, 14) if integers[_DIGITS] == 8 else Layout(8, 10))
+    pga = max(
+        (abs(reals[i]) for i in (_MAXIMUM, _MINIMUM) if reals[i] != reals[_NONE]),
+        default=0.0,
+    )
+    samples = text.numbers(
+        count, Layout(5, 14) if integers[_DIGITS] == 8 else Layout(8, 10)
+    )
     if (more := text.find(_MORE)) is not None:
-        raise text.fault(f"found {more[0].strip()[:60]!r} after the {count} values declared; expected the end of the file")
-    return [Series(stated(_COMPONENT, lines), dt, samples, "cm/s2", f"{pga:.6e}" if pga > 0.0 else None)]
+        raise text.fault(
+            f"found {more[0].strip()[:60]!r} after the {count} values declared;"
+            " expected the end of the file"
+        )
+    return [
+        Series(
+            stated(_COMPONENT, lines),
+            dt,
+            samples,
+            "cm/s2",
+            f"{pga:.6e}" if pga > 0.0 else None,
+        )
+    ]

@@ -1,5 +1,8 @@
-"""The text of a record file: lines, values of its header, and blocks of numbers, which stand between blanks or in columns of a fixed width
-(Fortran), where neighbours may touch. A block is parsed as a whole; if that fails, line by line, to name the place of the fault."""
+"""The text of a record file: lines, values of its header, and blocks of numbers, which
+stand between blanks or in columns of a fixed width (Fortran), where neighbours may
+touch. A block is parsed as a whole; if that fails, line by line, to name the place of
+the fault.
+"""
 
 import re
 from collections.abc import Callable, Iterable, Iterator
@@ -18,20 +21,33 @@ HEAD = 1 << 16  # bytes in which a format shows itself
 NUMBER = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 _D_AS_E = bytes.maketrans(b"Dd", b"Ee")  # the letter of an exponent in Fortran
 OF_NUMBERS = b" \t\n0123456789+-.eEdD*"
-_NO_LETTER = re.compile(rb"([+-]?\d*\.\d+)([+-]\d{3})")  # an exponent beyond 99 in Fortran
+_NO_LETTER = re.compile(
+    rb"([+-]?\d*\.\d+)([+-]\d{3})"
+)  # an exponent beyond 99 in Fortran
 _UTF_16 = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}
 _DOS_BLOCK = 128  # bytes
-FORTRAN = r"\(\s*(?:\d+P\s*,?\s*)?(?P<columns>\d*)\s*[FEGDI]\s*(?P<width>[1-9]\d?)"  # a format such as (8F10.5) or (1E15.6)
+# a format such as (8F10.5) or (1E15.6)
+FORTRAN = r"\(\s*(?:\d+P\s*,?\s*)?(?P<columns>\d*)\s*[FEGDI]\s*(?P<width>[1-9]\d?)"
 
 
 def begins(pattern: str) -> Callable[[str], bool]:
-    """Return the function `recognise` of a format whose files begin with a pattern, in any case, after blank lines."""
-    return lambda head: re.match(rf"\s*(?:{pattern})", head, re.IGNORECASE | re.MULTILINE) is not None
+    """Return the function `recognise` of a format whose files begin with a pattern, in
+    any case, after blank lines.
+    """
+    return lambda head: (
+        re.match(rf"\s*(?:{pattern})", head, re.IGNORECASE | re.MULTILINE) is not None
+    )
 
 
-def stated(pattern: re.Pattern[str], lines: Iterable[str], group: int = 1) -> str | None:
-    """Return a group of the first match of a pattern in the lines of a header; None if no line matches."""
-    return next((found[group] for line in lines if (found := pattern.search(line))), None)
+def stated(
+    pattern: re.Pattern[str], lines: Iterable[str], group: int = 1
+) -> str | None:
+    """Return a group of the first match of a pattern in the lines of a header; None if
+    no line matches.
+    """
+    return next(
+        (found[group] for line in lines if (found := pattern.search(line))), None
+    )
 
 
 class Format(NamedTuple):
@@ -43,7 +59,9 @@ class Format(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """The number of values on a full line, and their width in characters (None: separated by blanks)."""
+    """The number of values on a full line, and their width in characters (None:
+    separated by blanks).
+    """
 
     columns: int
     width: int | None = None
@@ -55,7 +73,9 @@ class Layout(NamedTuple):
 
 
 def fortran_layout(text: str) -> Layout | None:
-    """Return the layout of the first Fortran format in a text; None if there is none."""
+    """Return the layout of the first Fortran format in a text; None if
+    there is none.
+    """
     found = re.search(FORTRAN, text, re.IGNORECASE)
     return None if found is None else Layout.of(found)
 
@@ -74,7 +94,9 @@ class RecordText:
             raw = raw.replace(b"\r", b"\n" if b"\n" not in raw[:HEAD] else b"")
         if b"\0" in raw:
             raw = raw.replace(b"\0", b" ")
-        if b"\x1a" in raw[-_DOS_BLOCK:]:  # where a text of DOS ends, to the end of its block
+        if (
+            b"\x1a" in raw[-_DOS_BLOCK:]
+        ):  # where a text of DOS ends, to the end of its block
             raw = raw.rstrip(b"\x1a\n ")
         self.raw = raw
         self.encoding = _encoding(raw)
@@ -89,7 +111,9 @@ class RecordText:
 
     def fault(self, what: str, line: int | None = None) -> DocumentError:
         """Return the error for a line (default: the last one read)."""
-        return DocumentError(f"{self.source}:{max(1, self.line - 1) if line is None else line}: {what}")
+        return DocumentError(
+            f"{self.source}:{max(1, self.line - 1) if line is None else line}: {what}"
+        )
 
     def no_acceleration(self, what: str, line: int | None = None) -> NoAcceleration:
         """Return the error for a valid file that holds something else."""
@@ -104,7 +128,9 @@ class RecordText:
         return self.decoded(self._take(1)).rstrip()
 
     def lines(self, count: int) -> list[str]:
-        """Return the next `count` lines. Raises DocumentError if the file ends before."""
+        """Return the next `count` lines. Raises DocumentError if the
+        file ends before.
+        """
         found: list[str] = []
         for _ in range(count):
             if (line := self.next_line()) is None:
@@ -113,14 +139,18 @@ class RecordText:
         return found
 
     def find(self, pattern: re.Pattern[str]) -> re.Match[str] | None:
-        """Return the first match in the next lines and read to the end of its line; without one return None and read the whole file."""
+        """Return the first match in the next lines and read to the end of its line;
+        without one return None and read the whole file.
+        """
         while (line := self.next_line()) is not None:
             if (found := pattern.search(line)) is not None:
                 return found
         return None
 
     def like(self, pattern: re.Pattern[str], example: str) -> re.Match[str]:
-        """Return the match of the next line. Raises DocumentError, with `example`, if the line does not match."""
+        """Return the match of the next line. Raises DocumentError, with `example`, if
+        the line does not match.
+        """
         line = self.next_line() or ""
         if (found := pattern.search(line)) is None:
             raise self.fault(f"found {line.strip()!r}; expected a line like {example}")
@@ -136,9 +166,13 @@ class RecordText:
 
     # Values of the header
 
-    def keys(self, pattern: re.Pattern[str], end: re.Pattern[str] | None = None) -> Keys:
-        """Return each key (first group, in capitals) with its value (second group) and line, up to a line that matches `end`, whose
-        key is "", or by default that begins with a number. Raises DocumentError without such a line."""
+    def keys(
+        self, pattern: re.Pattern[str], end: re.Pattern[str] | None = None
+    ) -> Keys:
+        """Return each key (first group, in capitals) with its value (second group) and
+        line, up to a line that matches `end`, whose key is "", or by default that
+        begins with a number. Raises DocumentError without such a line.
+        """
         found: Keys = {}
         while end is not None or not self.more_numbers():
             (line,) = self.lines(1)
@@ -149,38 +183,58 @@ class RecordText:
         return found
 
     def value(self, keys: Keys, key: str, wanted: str = "") -> tuple[str, int]:
-        """Return the value of a key and its line; wanted: the values allowed, in words. Raises DocumentError if it has none."""
+        """Return the value of a key and its line; wanted: the values allowed, in words.
+        Raises DocumentError if it has none.
+        """
         text, line = keys.get(key.upper(), ("", 1))
         if not text:
-            raise self.fault(f"no value of {key}" + (f"; expected {wanted}" if wanted else ""), line)
+            raise self.fault(
+                f"no value of {key}" + (f"; expected {wanted}" if wanted else ""), line
+            )
         return text, line
 
     def number(self, text: str, line: int | None = None) -> float:
         """Return a number of the header. Raises DocumentError."""
         value = value_of(text.strip().encode("utf-8", "replace"))
         if value is None:
-            raise self.fault(f"found {text.strip()!r} in the header; expected a number", line)
+            raise self.fault(
+                f"found {text.strip()!r} in the header; expected a number", line
+            )
         return value
 
     def count(self, text: str, line: int | None = None, same: int | None = None) -> int:
-        """Return the number of values that a text of the header states; same: the number that another place of the header states. Raises
-        DocumentError if the two differ."""
+        """Return the number of values that a text of the header states; same: the
+        number that another place of the header states. Raises DocumentError if the two
+        differ.
+        """
         value = self.number(text, line)
         if value != int(value) or value < 0.0:
-            raise self.fault(f"a number of values of {text.strip()}; expected a whole number", line)
+            raise self.fault(
+                f"a number of values of {text.strip()}; expected a whole number", line
+            )
         if same is not None and value != same:
-            raise self.fault(f"{text.strip()} points, where the header states {same}", line)
+            raise self.fault(
+                f"{text.strip()} points, where the header states {same}", line
+            )
         return int(value)
 
-    def step(self, text: str, line: int | None = None, name: str = "time step") -> float:
-        """Return a time step [s] in the header. Raises DocumentError if it is not positive."""
+    def step(
+        self, text: str, line: int | None = None, name: str = "time step"
+    ) -> float:
+        """Return a time step [s] in the header. Raises DocumentError if it is not
+        positive.
+        """
         value = self.number(text, line)
         if not value > 0.0:
-            raise self.fault(f"a {name} of {text.strip()}; expected a positive number", line)
+            raise self.fault(
+                f"a {name} of {text.strip()}; expected a positive number", line
+            )
         return value
 
     def step_of_rate(self, text: str, line: int | None = None) -> float:
-        """Return the time step [s] of a sampling frequency [Hz] in the header. Raises DocumentError if it is not positive."""
+        """Return the time step [s] of a sampling frequency [Hz] in the header. Raises
+        DocumentError if it is not positive.
+        """
         return 1.0 / self.step(text, line, "sampling frequency")
 
     def seconds(self, word: str, line: int | None = None) -> float:
@@ -190,27 +244,52 @@ class RecordText:
         """
         found = time_unit(word) if word.strip() else 1.0
         if found is None:
-            raise self.fault(f"found {word.strip()!r} after a time step; expected s or ms", line)
+            raise self.fault(
+                f"found {word.strip()!r} after a time step; expected s or ms", line
+            )
         return found
 
     def unit(self, word: str, line: int | None = None, key: str = "") -> str:
-        """Return the unit of acceleration that a word of the header states, as `unit_of`. Raises DocumentError for any other word."""
+        """Return the unit of acceleration that a word of the header states, as
+        `unit_of`. Raises DocumentError for any other word.
+        """
         unit = unit_of(word)
         if unit is None:
-            raise self.fault(f"{f'{key}: found' if key else 'found the unit'} {word!r}; expected {', '.join(WRITTEN_UNITS)}", line)
+            raise self.fault(
+                f"{f'{key}: found' if key else 'found the unit'} {word!r}; expected"
+                f" {', '.join(WRITTEN_UNITS)}",
+                line,
+            )
         return unit
 
-    def agree(self, count: int, dt: float, duration: str, line: int | None = None, slack: float = 0.0) -> None:
-        """Raise DocumentError if points and step contradict the declared duration [s], which may count the last step or not."""
+    def agree(
+        self,
+        count: int,
+        dt: float,
+        duration: str,
+        line: int | None = None,
+        slack: float = 0.0,
+    ) -> None:
+        """Raise DocumentError if points and step contradict the declared duration [s],
+        which may count the last step or not.
+        """
         said = self.number(duration, line)
         if abs(count * dt - said) > max(1.6 * dt, 0.005 * said, slack):
-            raise self.fault(f"{count} values every {dt:g} s make {count * dt:g} s, where the header states {duration.strip()} s", line)
+            raise self.fault(
+                f"{count} values every {dt:g} s make {count * dt:g} s, where the header"
+                f" states {duration.strip()} s",
+                line,
+            )
 
     # Blocks of numbers
 
     def surplus(self, count: int) -> str:
         """Return a remark if more numbers follow than the header declares."""
-        return f"more values than the {count} declared, which are left out" if self.more_numbers() else ""
+        return (
+            f"more values than the {count} declared, which are left out"
+            if self.more_numbers()
+            else ""
+        )
 
     def more_numbers(self) -> bool:
         """True if the next line that is not blank begins with a number."""
@@ -218,18 +297,27 @@ class RecordText:
         return bool(rest) and NUMBER.fullmatch(rest[0]) is not None
 
     def require_end(self, count: int) -> None:
-        """Raise DocumentError if another line of numbers follows the `count` values that are declared."""
+        """Raise DocumentError if another line of numbers follows the `count` values
+        that are declared.
+        """
         ahead = self.raw[self.at : self.at + 4096]
         line = ahead.lstrip().split(b"\n", 1)[0]
         if line and not line.translate(None, OF_NUMBERS):
             blank = ahead.partition(line)[0].count(b"\n")
-            raise self.fault(f"found a line of numbers after the {count} values declared", self.line + blank)
+            raise self.fault(
+                f"found a line of numbers after the {count} values declared",
+                self.line + blank,
+            )
 
     def numbers(self, count: int, layout: Layout) -> Array:
-        """Return the next `count` numbers. Raises DocumentError at a line that holds something else, or is not full in columns of a
-        fixed width."""
+        """Return the next `count` numbers. Raises DocumentError at a line that holds
+        something else, or is not full in columns of a fixed width.
+        """
         if count > len(self.raw) - self.at + 1:
-            raise self.fault(f"{count} values are declared, more than a file of {len(self.raw)} bytes holds")
+            raise self.fault(
+                f"{count} values are declared, more than a file of {len(self.raw)}"
+                " bytes holds"
+            )
         at, first = self.at, self.line
         if layout.width is None:
             found = parsed(self._take(-(-count // layout.columns)))
@@ -238,11 +326,16 @@ class RecordText:
             self.at, self.line = at, first
         values: list[float] = []
         for row in self._rows(count, layout):
-            values += [self._value(token, f", after {len(values) + i} of {count} values") for i, token in enumerate(row)]
+            values += [
+                self._value(token, f", after {len(values) + i} of {count} values")
+                for i, token in enumerate(row)
+            ]
         return np.array(values)
 
     def skip(self, count: int, layout: Layout) -> None:
-        """Read past `count` numbers; stars may stand in their place. Raises DocumentError at a line that holds something else."""
+        """Read past `count` numbers; stars may stand in their place. Raises
+        DocumentError at a line that holds something else.
+        """
         for row in self._rows(count, layout):
             for token in row:
                 if token.translate(None, OF_NUMBERS):
@@ -252,7 +345,11 @@ class RecordText:
         """The numbers of each line as printed, `count` in all."""
         done = 0
         while done < count:
-            line, wanted, width = self._take(1), min(layout.columns, count - done), layout.width
+            line, wanted, width = (
+                self._take(1),
+                min(layout.columns, count - done),
+                layout.width,
+            )
             if not line:
                 raise self.fault(f"the file ends after {done} of {count} values")
             row = line.split()
@@ -261,7 +358,10 @@ class RecordText:
                 row = [line[i : i + width].strip() for i in range(0, len(line), width)]
             yield row[: count - done]
             if width is not None and len(row) != wanted:
-                raise self.fault(f"found {len(row)} numbers on a line; expected {wanted} (the header announces {count} values)")
+                raise self.fault(
+                    f"found {len(row)} numbers on a line; expected {wanted} (the header"
+                    f" announces {count} values)"
+                )
             done += len(row)
 
     def table(self, separators: bytes = b"") -> tuple[Array, int]:
@@ -281,7 +381,8 @@ class RecordText:
         return values, columns
 
     def numbers_of(self, block: bytes) -> tuple[Array, Array, Array]:
-        """(numbers, how many stand on each line that is not blank, number of that line).
+        """(numbers, how many stand on each line that is not blank, number of that
+        line).
 
         block: the rest of the file from the next line on, with blanks between numbers.
         Raises DocumentError at a word that is no number.
@@ -307,8 +408,14 @@ class RecordText:
 
 
 def value_of(token: bytes) -> float | None:
-    """Return the finite number that a token states, which may have the exponent letter D; None if it states none."""
-    token = _NO_LETTER.sub(rb"\1E\2", token.translate(_D_AS_E)) if len(token) < 40 else token
+    """Return the finite number that a token states, which may have the exponent letter
+    D; None if it states none.
+    """
+    token = (
+        _NO_LETTER.sub(rb"\1E\2", token.translate(_D_AS_E))
+        if len(token) < 40
+        else token
+    )
     value = float(token) if NUMBER.fullmatch(token) else np.nan
     return value if np.isfinite(value) else None
 
@@ -341,12 +448,16 @@ def _words_on_lines(block: bytes) -> Array:
 
 
 def parsed(block: bytes) -> Array | None:
-    """Return the numbers between the blanks of a block; None if one of its words is not a finite number."""
+    """Return the numbers between the blanks of a block; None if one of its words is not
+    a finite number.
+    """
     try:
         values = np.array(list(map(float, block.translate(_D_AS_E).split())))
     except ValueError:
         return None
-    return values if np.all(np.isfinite(values)) and b"_" not in block else None  # Python takes 1_000 for a number
+    return (
+        values if np.all(np.isfinite(values)) and b"_" not in block else None
+    )  # Python takes 1_000 for a number
 
 
 def shown(token: bytes) -> str:

@@ -21,15 +21,21 @@ from .rows import Rows, is_row
 from .text import RecordText, value_of
 from .units import dimension_of
 
-_COMMENT = re.compile(r"^\s*(?:[#%!*>]|//)+\s*(?![\s,;])")  # a cell # is a number of rows
+_COMMENT = re.compile(
+    r"^\s*(?:[#%!*>]|//)+\s*(?![\s,;])"
+)  # a cell # is a number of rows
 _COLUMN = re.compile(
     r"(?:(?:col|column|spalte|columna|colonna|colonne|sutun|field)\.?\s*#?\s*(\d)"
     r"|([xy])(?:[\s-]?axis|\s?label)?(?=\s*[:=]|\s?label|[\s-]?axis|\s))"
     r"(?:\s*[:=)-]\s*|\s+)([^\d\s:=].*)",
     re.IGNORECASE,
 )  # Column 2: Acceleration (g); y-axis: a [g]
-_LIST_OF_COLUMNS = re.compile(r"^(?:columns?|format|fields|headings?)\s*:\s*", re.IGNORECASE)
-_VALUE = re.compile(r"\d\s*(?:k?hz|m?s|secs?|seconds?)\b", re.IGNORECASE)  # filter 0.1-25 Hz
+_LIST_OF_COLUMNS = re.compile(
+    r"^(?:columns?|format|fields|headings?)\s*:\s*", re.IGNORECASE
+)
+_VALUE = re.compile(
+    r"\d\s*(?:k?hz|m?s|secs?|seconds?)\b", re.IGNORECASE
+)  # filter 0.1-25 Hz
 _IN_BRACKETS = re.compile(r"[\[(][^\])]*[\])]")
 AMBIGUOUS = ("u", "v", "V", "U", "x")  # alone beside times: a direction or a quantity
 
@@ -86,7 +92,9 @@ def _split(line: str, columns: int, separator: str) -> list[str] | None:
     return parts if len(parts) == columns else None
 
 
-def headings(text: RecordText, titles: list[Title], rows: Rows) -> tuple[list[Cell] | None, list[Title]]:
+def headings(
+    text: RecordText, titles: list[Title], rows: Rows
+) -> tuple[list[Cell] | None, list[Title]]:
     """(what the columns are called, None where nothing says so; the other lines)."""
     columns = rows.columns
     if columns == 1 or not titles:
@@ -114,8 +122,11 @@ def headings(text: RecordText, titles: list[Title], rows: Rows) -> tuple[list[Ce
     return [cell_of(words, first=not i) for i, words in enumerate(together)], others
 
 
-def _described(titles: list[Title], columns: int) -> tuple[list[str] | None, list[Title]]:
-    """(what lines such as `Column 2: Acceleration (g)` call each column, the other lines).
+def _described(
+    titles: list[Title], columns: int
+) -> tuple[list[str] | None, list[Title]]:
+    """(what lines such as `Column 2: Acceleration (g)` call each column, the other
+    lines).
 
     None where they do not describe every column.
     """
@@ -164,7 +175,9 @@ def _holds_value(cell: str) -> bool:
 
 
 def _require_one(text: RecordText, title: Title, rows: Rows) -> None:
-    """Raise DocumentError if the line above one column names several, or another one."""
+    """Raise DocumentError if the line above one column names several,
+    or another one.
+    """
     words = unmarked(title.text)
     for mark in (",", ";", "\t"):
         cells = [x for x in words.split(mark) if x.strip()]
@@ -173,16 +186,28 @@ def _require_one(text: RecordText, title: Title, rows: Rows) -> None:
     cell = cell_of(words)
     if words in AMBIGUOUS:
         raise text.fault(
-            f"found the heading {words!r}, a direction or another quantity; expected an acceleration, such as a or acc",
+            f"found the heading {words!r}, a direction or another quantity; expected an"
+            " acceleration, such as a or acc",
             title.line,
         )
-    few = not re.search(r"\d", words) and len(words.split()) <= 3 and not re.search(r"[:=]\s*\S", words)
+    few = (
+        not re.search(r"\d", words)
+        and len(words.split()) <= 3
+        and not re.search(r"[:=]\s*\S", words)
+    )
     if few and (cell.is_other or cell.role in (PERIOD, FREQUENCY)):
-        raise text.fault(f"found {words!r} ({cell.role}); expected an acceleration", title.line)
-    foreign = cell.odd != "" and dimension_of(cell.odd) not in (None, "acceleration", "time")
+        raise text.fault(
+            f"found {words!r} ({cell.role}); expected an acceleration", title.line
+        )
+    foreign = cell.odd != "" and dimension_of(cell.odd) not in (
+        None,
+        "acceleration",
+        "time",
+    )
     if few and cell.role == UNKNOWN and ("[" in words or foreign):
         raise text.fault(
-            f"found {cell.odd or words!r} in the heading {words!r}, which is not understood",
+            f"found {cell.odd or words!r} in the heading {words!r}, which is not"
+            " understood",
             title.line,
         )
 
@@ -192,8 +217,14 @@ def _require_as_many(text: RecordText, title: Title, rows: Rows) -> None:
     words = unmarked(title.text)
     for mark in (",", ";", "\t"):
         cells = [x for x in words.split(mark) if x.strip()]
-        if len(cells) > 1 and cell_of(cells[0]).is_time_or_like and not _holds_value(cells[0]):
-            said = f"found {len(cells)} headings in {words!r} above {rows.columns} columns"
+        if (
+            len(cells) > 1
+            and cell_of(cells[0]).is_time_or_like
+            and not _holds_value(cells[0])
+        ):
+            said = (
+                f"found {len(cells)} headings in {words!r} above {rows.columns} columns"
+            )
             raise text.fault(said, title.line)
 
 
@@ -203,9 +234,12 @@ def require_no_row(text: RecordText, title: Title, columns: int) -> None:
     begins = re.match(r"[-+]?\.?\d", words[0]) if words else None
     if begins and len(words) == columns and columns > 1:
         numbers = [x for x in words if re.match(r"[-+]?\.?\d", x)]
-        if len(numbers) * 2 >= len(words) and not re.search(r"[a-zA-Z]{2,}", " ".join(numbers)):
+        if len(numbers) * 2 >= len(words) and not re.search(
+            r"[a-zA-Z]{2,}", " ".join(numbers)
+        ):
             raise text.fault(
-                f"found {title.text.strip()!r} above the numbers, which is not understood",
+                f"found {title.text.strip()!r} above the numbers, which is not"
+                " understood",
                 title.line,
             )
 

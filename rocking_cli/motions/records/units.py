@@ -1,8 +1,8 @@
 """Units as the files of strangers write them, in any case, spelling and encoding.
 
-Accelerations keep one name each (`WRITTEN_UNITS`); times become their factor to seconds.
-A word that is a unit of something else is known by its dimension, so that it can be
-refused with the right reason.
+Accelerations keep one name each (`WRITTEN_UNITS`); times become their factor to
+seconds. A word that is a unit of something else is known by its dimension, so that it
+can be refused with the right reason.
 """
 
 import re
@@ -65,17 +65,27 @@ _WORDS = (
     (r"\s*/\s*", "/"),
     (r"\s+", " "),
 )
-_LENGTH_OVER_TIME = re.compile(r"(m|cm|mm|ft|in) ?(?:/s/s|/s ?2|/s[ -]s|/s ?/ ?s|/s{2}|s ?-2|s-1 ?s-1)")
-_GRAVITY = re.compile(r"(?:units? of |fractions? of )?(?:the )?(?:g(?:-units?|0|n|s)?|gravit(?:y|ies))")
+_LENGTH_OVER_TIME = re.compile(
+    r"(m|cm|mm|ft|in) ?(?:/s/s|/s ?2|/s[ -]s|/s ?/ ?s|/s{2}|s ?-2|s-1 ?s-1)"
+)
+_GRAVITY = re.compile(
+    r"(?:units? of |fractions? of )?(?:the )?(?:g(?:-units?|0|n|s)?|gravit(?:y|ies))"
+)
 _VALUE_OF_G = re.compile(r"\bg\s*=\s*[\d.]+\s*\S*", re.IGNORECASE)  # g = 9.81 m/s2
-_BEFORE_A_UNIT = re.compile(r"in|en|of|units?|unidad(?:es)?|de|einheit|単位|单位|acc\w*\.?|aceler\w*")
+_BEFORE_A_UNIT = re.compile(
+    r"in|en|of|units?|unidad(?:es)?|de|einheit|単位|单位|acc\w*\.?|aceler\w*"
+)
 _BOTH = re.compile(r"(.+?) ?[(\[](.+)[)\]]")  # gal (cm/s/s)
 _TIMES = {
     "s": 1.0,
     "ms": 1e-3,
     "us": 1e-6,
-    **dict.fromkeys(("min", "mins", "minute", "minutes", "minuten", "minutos", "dk"), 60.0),
-    **dict.fromkeys(("h", "hr", "hrs", "hour", "hours", "stunden", "horas", "ore"), 3600.0),
+    **dict.fromkeys(
+        ("min", "mins", "minute", "minutes", "minuten", "minutos", "dk"), 60.0
+    ),
+    **dict.fromkeys(
+        ("h", "hr", "hrs", "hour", "hours", "stunden", "horas", "ore"), 3600.0
+    ),
 }
 _SCALED = re.compile(r"(?:x ?)?(\d*\.?\d+(?:e[-+]?\d+)?|10-\d+) ?(?:x ?)?([a-z]+)")
 _RATES = {
@@ -101,7 +111,9 @@ _OTHERS = {
     "temperature": "°c|k|c",
     "level": "db",
 }
-_DIMENSIONS = {unit: name for name, units in _OTHERS.items() for unit in units.split("|")}
+_DIMENSIONS = {
+    unit: name for name, units in _OTHERS.items() for unit in units.split("|")
+}
 _LIKE = re.compile(r"(?:.*/)s\d?|.*[a-z] ?-\d|%.*|.*/hz")
 
 
@@ -144,8 +156,8 @@ def unit_of(word: str) -> str | None:
 def units_in(words: str) -> list[str]:
     """Return the units of acceleration that a line states in any place.
 
-    A unit of letters alone, such as g or gal, has to stand between commas or behind a word
-    such as `in`; a unit behind a number is that of a value, as in PGA 0.25 m/s2.
+    A unit of letters alone, such as g or gal, has to stand between commas or behind a
+    word such as `in`; a unit behind a number is that of a value, as in PGA 0.25 m/s2.
     """
     found: list[str] = []
     for field in re.split(r"[,;\t|]", _VALUE_OF_G.sub(" ", words)):

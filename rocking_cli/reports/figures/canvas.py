@@ -1,6 +1,8 @@
-"""Functions that all figures share: style, colours, labels, panels, legends and the output file. matplotlib is imported by what draws.
+"""Functions that all figures share: style, colours, labels, panels, legends and the
+output file. matplotlib is imported by what draws.
 
-The colours of Okabe and Ito are distinct for colour-blind readers; lines also differ in dash.
+The colours of Okabe and Ito are distinct for colour-blind readers; lines also differ in
+dash.
 """
 
 import io
@@ -30,23 +32,53 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#0
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
 MARKERS = "osv^D"
 STYLE: dict[Any, Any] = {
-    "font.size": 9, "axes.grid": True, "grid.alpha": 0.3, "grid.linewidth": 0.5, "axes.axisbelow": True, "axes.titlesize": "medium",
-    "legend.fontsize": "small", "legend.framealpha": 0.9, "figure.dpi": 200, "figure.constrained_layout.use": True,
-    "svg.hashsalt": "rocking", "svg.fonttype": "none", "pdf.fonttype": 42, "axes.prop_cycle": f"cycler('color', {list(COLOURS)})",
-}  # fmt: skip
+    "font.size": 9,
+    "axes.grid": True,
+    "grid.alpha": 0.3,
+    "grid.linewidth": 0.5,
+    "axes.axisbelow": True,
+    "axes.titlesize": "medium",
+    "legend.fontsize": "small",
+    "legend.framealpha": 0.9,
+    "figure.dpi": 200,
+    "figure.constrained_layout.use": True,
+    "svg.hashsalt": "rocking",
+    "svg.fonttype": "none",
+    "pdf.fonttype": 42,
+    "axes.prop_cycle": f"cycler('color', {list(COLOURS)})",
+}
 WIDTH, PANEL = 5.6, (4.2, 3.2)  # inches
 _INCH = 0.0254  # m
 MOST_ACROSS, MOST_PANELS = 3, 24
-_UNDATED: dict[str, dict[str, Any]] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}  # equal figures give equal files
+_UNDATED: dict[str, dict[str, Any]] = {
+    "svg": {"Date": None},
+    "pdf": {"CreationDate": None},
+}  # equal figures give equal files
 _NO_GLYPH = r"Glyph (\d+) "  # the beginning of a warning of matplotlib
 FIGURE_UNITS = parse_units("g,Hz")  # the default
 SYMBOLS = {
-    "A": r"$A = a_{scale}\,a_g/(\alpha g)$", "Omega": r"$\Omega = \omega_g/p$", "a_g": r"$a_g$", "omega_g": r"$\omega_g$", "f_g": r"$f_g$",
-    "t": "time $t$", "tau": r"$p\,t$", "theta": r"rotation $\theta$", "theta_ratio": r"$\theta/\alpha$",
-    "theta_max_ratio": r"$\theta_{max}/\alpha$", "ground_acceleration": r"$\ddot{x}_g$", "A_s": r"$A\,s$", "p": "$p$", "alpha": r"$\alpha$",
-    "eta": r"$\eta$", "lambda": r"$\lambda$", "a_scale": r"$a_{scale}$", "T": r"$T = 2\pi/p$", "scale": "factor of the record",
-    "pga": "PGA", "pgv_pga": "PGV/PGA",
-}  # fmt: skip
+    "A": r"$A = a_{scale}\,a_g/(\alpha g)$",
+    "Omega": r"$\Omega = \omega_g/p$",
+    "a_g": r"$a_g$",
+    "omega_g": r"$\omega_g$",
+    "f_g": r"$f_g$",
+    "t": "time $t$",
+    "tau": r"$p\,t$",
+    "theta": r"rotation $\theta$",
+    "theta_ratio": r"$\theta/\alpha$",
+    "theta_max_ratio": r"$\theta_{max}/\alpha$",
+    "ground_acceleration": r"$\ddot{x}_g$",
+    "A_s": r"$A\,s$",
+    "p": "$p$",
+    "alpha": r"$\alpha$",
+    "eta": r"$\eta$",
+    "lambda": r"$\lambda$",
+    "a_scale": r"$a_{scale}$",
+    "T": r"$T = 2\pi/p$",
+    "scale": "factor of the record",
+    "pga": "PGA",
+    "pgv_pga": "PGV/PGA",
+}
 SOURCE = "file"  # a column that names the file of each row, where several are drawn
 DRAWN_WITH = ("figures need", "matplotlib")  # the arguments of `require`
 PLAIN = {"m/s2": "m/s²", "cm/s2": "cm/s²"}
@@ -54,7 +86,9 @@ PLAIN = {"m/s2": "m/s²", "cm/s2": "cm/s²"}
 
 @dataclass(frozen=True)
 class Look:
-    """The look of a figure file: width [m], dots per inch, title, a style file of matplotlib; None: the figure's own."""
+    """The look of a figure file: width [m], dots per inch, title, a style file of
+    matplotlib; None: the figure's own.
+    """
 
     width: float | None = None
     dpi: float | None = None
@@ -62,25 +96,35 @@ class Look:
     style: str | Path | None = None
 
     def finish(self, figure: Figure) -> None:
-        """Give the figure its title, that of the only panel or above all, and its size."""
+        """Give the figure its title, that of the only panel or above all,
+        and its size.
+        """
         if self.title is not None and len(figure.axes) == 1:
             figure.axes[0].title.set_text(literal(self.title))
         elif self.title is not None:
             figure.suptitle(literal(self.title))
         if self.width is not None:
             width, height = figure.get_size_inches()
-            figure.set_size_inches(self.width / _INCH, height * max(self.text, self.width / _INCH / width))
+            figure.set_size_inches(
+                self.width / _INCH, height * max(self.text, self.width / _INCH / width)
+            )
 
     @property
     def text(self) -> float:
         """The factor of the text size in a figure of this width."""
-        return 1.0 if self.width is None else min(1.0, max(0.6, self.width / _INCH / WIDTH))
+        return (
+            1.0
+            if self.width is None
+            else min(1.0, max(0.6, self.width / _INCH / WIDTH))
+        )
 
 
 @contextmanager
 def styled(look: Look, instead: str = "") -> Iterator[Figure]:
-    """Context of an empty figure in the common style; instead: an alternative without matplotlib. Raises OutputError without matplotlib,
-    and UsageError if the style file cannot be read."""
+    """Context of an empty figure in the common style; instead: an alternative without
+    matplotlib. Raises OutputError without matplotlib, and UsageError if the style file
+    cannot be read.
+    """
     require(*DRAWN_WITH, instead=instead)
     import matplotlib as mpl
     from matplotlib.figure import Figure
@@ -90,17 +134,26 @@ def styled(look: Look, instead: str = "") -> Iterator[Figure]:
             try:
                 mpl.rc_file(look.style, use_default_template=False)
             except (OSError, UnicodeDecodeError) as error:
-                raise UsageError(f"{look.style}: cannot be read as a style of matplotlib: {error}") from None
+                raise UsageError(
+                    f"{look.style}: cannot be read as a style of matplotlib: {error}"
+                ) from None
         mpl.rcParams["font.size"] *= look.text
         yield Figure(figsize=(WIDTH, 4.0))
 
 
 @contextmanager
 def canvas(
-    target: str | Path, overwrite: bool = True, *, look: Look | None = None, tell: Callable[[str], None] | None = None, instead: str = ""
+    target: str | Path,
+    overwrite: bool = True,
+    *,
+    look: Look | None = None,
+    tell: Callable[[str], None] | None = None,
+    instead: str = "",
 ) -> Iterator[Figure]:
-    """Context of a `styled` figure, written to `target` at its end; tell: called with the characters that the font lacks. Raises
-    UsageError for a target that cannot or must not be written, before anything is drawn, and OutputError."""
+    """Context of a `styled` figure, written to `target` at its end; tell: called with
+    the characters that the font lacks. Raises UsageError for a target that cannot or
+    must not be written, before anything is drawn, and OutputError.
+    """
     target, look = Path(target), look or Look()
     check_target(target, overwrite)
     with styled(look, instead) as figure:
@@ -117,21 +170,32 @@ def _require_format(figure: Figure, target: Path) -> None:
     """Raise UsageError if matplotlib writes no figure with this suffix."""
     known = figure.canvas.get_supported_filetypes()
     if target.suffix[1:].lower() not in known:
-        raise UsageError(f"{target}: expected a name that ends in {', '.join(f'.{form}' for form in known)}")
+        raise UsageError(
+            f"{target}: expected a name that ends in"
+            f" {', '.join(f'.{form}' for form in known)}"
+        )
 
 
 def drawn_as(figure: Figure, target: Path, look: Look) -> tuple[bytes, str]:
-    """Return (the figure in the format of `target`, the characters that its font lacks). Raises OutputError."""
+    """Return (the figure in the format of `target`, the characters that its font
+    lacks). Raises OutputError.
+    """
     look.finish(figure)
     form, drawn = target.suffix[1:].lower(), io.BytesIO()
-    dpi = look.dpi or (600 if form in _UNDATED else figure.dpi)  # that of a map inside an SVG or PDF
+    dpi = look.dpi or (
+        600 if form in _UNDATED else figure.dpi
+    )  # that of a map inside an SVG or PDF
     with warnings.catch_warnings(record=True) as raised:
         warnings.filterwarnings("always", message=_NO_GLYPH)
         try:
             figure.savefig(drawn, format=form, dpi=dpi, metadata=_UNDATED.get(form))
         except (OSError, ValueError) as error:
             raise OutputError(f"{target}: cannot be drawn: {error}") from None
-    missing = {chr(int(found[1])) for w in raised if (found := re.match(_NO_GLYPH, str(w.message)))}
+    missing = {
+        chr(int(found[1]))
+        for w in raised
+        if (found := re.match(_NO_GLYPH, str(w.message)))
+    }
     return drawn.getvalue(), " ".join(sorted(missing))
 
 
@@ -143,25 +207,46 @@ def literal(text: str) -> str:
 def label(column: str, units: Units) -> str:
     """Return the axis label of a column in these units, such as `$a_g$ [m/s²]`."""
     name, unit, _ = units.column(column)
-    return f"{SYMBOLS.get(name, name.replace('_', ' '))} [{PLAIN.get(unit, unit) or '-'}]"
+    return (
+        f"{SYMBOLS.get(name, name.replace('_', ' '))} [{PLAIN.get(unit, unit) or '-'}]"
+    )
 
 
 def valued(column: str, value: float, units: Units) -> str:
     """Return a column and its value (SI) as text, such as `$f_g$ = 1.5 Hz`."""
     name, unit, factor = units.column(column)
-    short = {"A": "$A$", "Omega": r"$\Omega$", "T": "$T$"}.get(name) or SYMBOLS.get(name, name)
+    short = {"A": "$A$", "Omega": r"$\Omega$", "T": "$T$"}.get(name) or SYMBOLS.get(
+        name, name
+    )
     return f"{short} = {value / factor:.4g} {PLAIN.get(unit, unit)}".rstrip()
 
 
 def titled(name: str, eta: float) -> str:
-    """Return the name of a structure and its eta; only eta if the name already states it, as for a dimensionless oscillator."""
-    return rf"$\eta$ = {eta:.4g}" if name == f"eta={eta:g}" else rf"{literal(name)}, $\eta$ = {eta:.4g}"
+    """Return the name of a structure and its eta; only eta if the name already states
+    it, as for a dimensionless oscillator.
+    """
+    return (
+        rf"$\eta$ = {eta:.4g}"
+        if name == f"eta={eta:g}"
+        else rf"{literal(name)}, $\eta$ = {eta:.4g}"
+    )
 
 
 def heading(rows: Rows, *keys: str) -> str:
-    """Return the texts that are the same in all rows as a title, such as `Column, sine, 1 cycle, nonlinear equation`."""
-    texts = {key: rows[0][key] for key in keys if rows[0].get(key) and len(groups(rows, key)) == 1}
-    return literal(", ".join(f"{text} equation{'s' * (' and ' in text)}" if key == "model" else text for key, text in texts.items()))
+    """Return the texts that are the same in all rows as a title, such as `Column, sine,
+    1 cycle, nonlinear equation`.
+    """
+    texts = {
+        key: rows[0][key]
+        for key in keys
+        if rows[0].get(key) and len(groups(rows, key)) == 1
+    }
+    return literal(
+        ", ".join(
+            f"{text} equation{'s' * (' and ' in text)}" if key == "model" else text
+            for key, text in texts.items()
+        )
+    )
 
 
 def values(rows: Rows, name: str, units: Units) -> np.ndarray:
@@ -170,18 +255,24 @@ def values(rows: Rows, name: str, units: Units) -> np.ndarray:
 
 
 def series(rows: Rows, *keys: str) -> Iterator[tuple[Rows, dict[str, Any]]]:
-    """Yield (rows, arguments of `plot`) for each line; its label is the texts in the columns `keys`."""
+    """Yield (rows, arguments of `plot`) for each line; its label is the texts in the
+    columns `keys`.
+    """
     for i, (texts, some) in enumerate(groups(rows, *keys).items()):
         yield some, {**line_style(i), "label": literal(", ".join(texts))}
 
 
 def line_style(number: int) -> dict[str, Any]:
-    """Return the colour (of the style) and the dash of a line as arguments of `plot`."""
+    """Return the colour (of the style) and the dash of a line as
+    arguments of `plot`.
+    """
     return {"color": f"C{number}", "ls": DASHES[number % len(DASHES)]}
 
 
 def panels(figure: Figure, count: int) -> list[Axes]:
-    """Return `count` axes in rows of three; several have the size PANEL each. Raises UsageError for more than MOST_PANELS."""
+    """Return `count` axes in rows of three; several have the size PANEL each. Raises
+    UsageError for more than MOST_PANELS.
+    """
     if count > MOST_PANELS:
         raise UsageError(f"found {count} panels; expected up to {MOST_PANELS}")
     across = min(count, MOST_ACROSS)
@@ -195,13 +286,17 @@ def panels(figure: Figure, count: int) -> list[Axes]:
 
 
 def legend(axes: Axes, handles: Sequence[Any] | None = None) -> None:
-    """Add a legend: inside the axes if it is short, else beside the figure; none for a single line."""
+    """Add a legend: inside the axes if it is short, else beside the figure; none for a
+    single line.
+    """
     entries = axes.get_legend_handles_labels()[0] if handles is None else list(handles)
     if not entries or (handles is None and len(entries) < 2):
         return
     figure: Any = axes.figure
     longest = max(len(str(entry.get_label())) for entry in entries)
-    if (len(entries) <= 5 and longest <= 28) or figure.get_layout_engine() is None:  # a figure of the caller, which makes no room outside
+    if (
+        (len(entries) <= 5 and longest <= 28) or figure.get_layout_engine() is None
+    ):  # a figure of the caller, which makes no room outside
         axes.legend(handles=entries)
     else:
         figure.legend(handles=entries, loc="outside right upper")

@@ -1,4 +1,6 @@
-"""Figures of a check: a bar of capacity and demand for each structure, or, by a code, its capacity curve a over d with limit states."""
+"""Figures of a check: a bar of capacity and demand for each structure, or, by a code,
+its capacity curve a over d with limit states.
+"""
 
 from __future__ import annotations
 
@@ -23,12 +25,18 @@ _MM = 1000.0
 
 
 def draw_capacities(
-    verdicts: Sequence[Verdict], target: str | Path, *, in_g: bool = False, look: Look | None = None, overwrite: bool = True,
+    verdicts: Sequence[Verdict],
+    target: str | Path,
+    *,
+    in_g: bool = False,
+    look: Look | None = None,
+    overwrite: bool = True,
     tell: Callable[[str], None] | None = None,
-) -> None:  # fmt: skip
+) -> None:
     """Draw the verdicts of a check into a PNG, SVG or PDF file.
 
-    in_g: accelerations in g, else in m/s2; tell: called with characters that the font lacks. Raises OutputError.
+    in_g: accelerations in g, else in m/s2; tell: called with characters that the font
+    lacks. Raises OutputError.
 
     >>> (arch,) = load_structures('configs/parameters.yaml')
     >>> draw_capacities([check(arch, sine(), parse_grid('a_g=0.35g,f_g=1.5'))], 'capacity.svg')
@@ -38,8 +46,14 @@ def draw_capacities(
 
 
 def checked(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """Draw the rows of `rocking check --csv`. Raises ValueError if a row states neither its demand nor its capacity."""
-    return [capacities(figure, [_verdict(row) for row in rows], units.of("acceleration")[0] == "g")]
+    """Draw the rows of `rocking check --csv`. Raises ValueError if a row states neither
+    its demand nor its capacity.
+    """
+    return [
+        capacities(
+            figure, [_verdict(row) for row in rows], units.of("acceleration")[0] == "g"
+        )
+    ]
 
 
 def _verdict(row: dict[str, str]) -> Verdict:
@@ -48,58 +62,140 @@ def _verdict(row: dict[str, str]) -> Verdict:
     name = row.get("structure") or row["name"]
     theta, demand, uplift, first, safe_to, ratio, searched_to = (
         float(row[key]) if row.get(key) else None
-        for key in ("theta_ratio", "demand_a", "uplift_a", "first_overturning_a", "safe_to", "capacity_demand", "searched_to")
+        for key in (
+            "theta_ratio",
+            "demand_a",
+            "uplift_a",
+            "first_overturning_a",
+            "safe_to",
+            "capacity_demand",
+            "searched_to",
+        )
     )
     if demand is None:
         if first is None or ratio is None:
-            raise ValueError(f"{name} has no capacity, and no column demand_a states the demand")
+            raise ValueError(
+                f"{name} has no capacity, and no column demand_a states the demand"
+            )
         demand = first / ratio
-    outcome, linear = (next(o for o in Outcome if o.flag == row[key]) for key in ("outcome", "outcome_linear"))
-    return Verdict(name, row["motion"], row["model"], outcome, theta, demand, uplift, first, safe_to, linear, searched_to=searched_to)
+    outcome, linear = (
+        next(o for o in Outcome if o.flag == row[key])
+        for key in ("outcome", "outcome_linear")
+    )
+    return Verdict(
+        name,
+        row["motion"],
+        row["model"],
+        outcome,
+        theta,
+        demand,
+        uplift,
+        first,
+        safe_to,
+        linear,
+        searched_to=searched_to,
+    )
 
 
 def capacities(figure: Figure, verdicts: Sequence[Verdict], in_g: bool) -> Axes:
-    """Draw for each structure a bar up to its first overturning, if it was found, marks at uplift and demand, and the outcome in words."""
+    """Draw for each structure a bar up to its first overturning, if it was found, marks
+    at uplift and demand, and the outcome in words.
+    """
     figure.set_size_inches(6.4, 1.6 + 0.32 * len(verdicts))
     axes = figure.add_subplot()
     unit = DEFAULT_GRAVITY if in_g else 1.0
-    most = 1.15 * max(x for v in verdicts for x in (v.demand_a, v.uplift_a, v.first_overturning_a) if x is not None) / unit
+    most = (
+        1.15
+        * max(
+            x
+            for v in verdicts
+            for x in (v.demand_a, v.uplift_a, v.first_overturning_a)
+            if x is not None
+        )
+        / unit
+    )
     for row, v in enumerate(verdicts):
         colour = v.outcome.colour if v.outcome != Outcome.NO_UPLIFT else "#E8E8E8"
         reach = 0.0 if v.first_overturning_a is None else v.first_overturning_a / unit
-        axes.barh(row, reach, height=0.62, color=colour, edgecolor="0.35", linewidth=0.8)
+        axes.barh(
+            row, reach, height=0.62, color=colour, edgecolor="0.35", linewidth=0.8
+        )
         if v.uplift_a is not None:
-            axes.plot([v.uplift_a / unit] * 2, [row - 0.31, row + 0.31], color="k", lw=1.0, ls=":")
-        axes.plot([v.demand_a / unit] * 2, [row - 0.45, row + 0.45], color="#D55E00", lw=2.0)
+            axes.plot(
+                [v.uplift_a / unit] * 2,
+                [row - 0.31, row + 0.31],
+                color="k",
+                lw=1.0,
+                ls=":",
+            )
+        axes.plot(
+            [v.demand_a / unit] * 2, [row - 0.45, row + 0.45], color="#D55E00", lw=2.0
+        )
         ratio, known = "", "; no capacity known"
         if v.capacity_demand is not None:
             ratio, known = f"{v.capacity_demand:.2f}  ", ""
         elif v.capacity_above is not None:
             ratio, known = f"{Above(v.capacity_above).shown(3)}  ", ""
-        window = ", in a safe window" if v.outcome.safe and v.capacity_demand is not None and v.capacity_demand < 1.0 else ""
+        window = (
+            ", in a safe window"
+            if v.outcome.safe
+            and v.capacity_demand is not None
+            and v.capacity_demand < 1.0
+            else ""
+        )
         axes.annotate(
-            f"{ratio}{v.sentence}{window}{known}", (1.0, row), xycoords=("axes fraction", "data"), xytext=(6, 0),
-            textcoords="offset points", va="center", fontsize="small",
-        )  # fmt: skip
-    motions, names, models = (list(dict.fromkeys(x)) for x in zip(*((v.motion, v.structure, v.model) for v in verdicts), strict=True))
-    rows = [v.structure if len(motions) == 1 else v.motion if len(names) == 1 else f"{v.structure}, {v.motion}" for v in verdicts]
+            f"{ratio}{v.sentence}{window}{known}",
+            (1.0, row),
+            xycoords=("axes fraction", "data"),
+            xytext=(6, 0),
+            textcoords="offset points",
+            va="center",
+            fontsize="small",
+        )
+    motions, names, models = (
+        list(dict.fromkeys(x))
+        for x in zip(*((v.motion, v.structure, v.model) for v in verdicts), strict=True)
+    )
+    rows = [
+        (
+            v.structure
+            if len(motions) == 1
+            else v.motion
+            if len(names) == 1
+            else f"{v.structure}, {v.motion}"
+        )
+        for v in verdicts
+    ]
     axes.set_yticks(range(len(verdicts)), [literal(row) for row in rows])
     axes.invert_yaxis()
-    axes.set(xlim=(0.0, most), xlabel=f"a_g [{'g' if in_g else 'm/s²'}]\nbar: to the first overturning; dots: uplift; line: demand")
+    axes.set(
+        xlim=(0.0, most),
+        xlabel=(
+            f"a_g [{'g' if in_g else 'm/s²'}]\nbar: to the first overturning; dots:"
+            " uplift; line: demand"
+        ),
+    )
     under = motions[0] if len(motions) == 1 else f"{len(motions)} motions"
     of = f"{names[0]}, " if len(names) == 1 else ""
-    axes.set_title(literal(f"capacity over demand: {of}{under}, {' or '.join(models)} equation"))
+    axes.set_title(
+        literal(f"capacity over demand: {of}{under}, {' or '.join(models)} equation")
+    )
     axes.grid(axis="y", visible=False)
     return axes
 
 
 def draw_capacity_curves(
-    checks: Sequence[CodeCheck], target: str | Path, *, look: Look | None = None, overwrite: bool = True,
+    checks: Sequence[CodeCheck],
+    target: str | Path,
+    *,
+    look: Look | None = None,
+    overwrite: bool = True,
     tell: Callable[[str], None] | None = None,
-) -> None:  # fmt: skip
+) -> None:
     """Draw each check by a code in a panel of its own, into a PNG, SVG or PDF file.
 
-    tell: called with characters that the font lacks. Raises UsageError for too many panels, and OutputError.
+    tell: called with characters that the font lacks. Raises UsageError for too many
+    panels, and OutputError.
 
     >>> (column,) = load_structures('configs/block.yaml')
     >>> draw_capacity_curves([code_check(column, sine(), parse_grid('a_g=0.3g,T_g=0.4'))], 'curve.svg')
@@ -112,23 +208,58 @@ def draw_capacity_curves(
 
 
 def _curve(axes: Axes, check: CodeCheck) -> None:
-    """Draw a capacity curve, d [mm] across and a [g] upwards; a cross marks the demand at each limit state."""
-    d, a = _MM * check.curve.displacement, check.curve.multiplier * check.factor / DEFAULT_GRAVITY
+    """Draw a capacity curve, d [mm] across and a [g] upwards; a cross marks the demand
+    at each limit state.
+    """
+    d, a = (
+        _MM * check.curve.displacement,
+        check.curve.multiplier * check.factor / DEFAULT_GRAVITY,
+    )
     axes.plot(d, a, color="k", lw=1.8, label="capacity")
-    asked = [(_MM * at.demand, (2.0 * np.pi / at.period) ** 2 * at.demand / DEFAULT_GRAVITY) for at in (check.slv, check.slc)]
+    asked = [
+        (_MM * at.demand, (2.0 * np.pi / at.period) ** 2 * at.demand / DEFAULT_GRAVITY)
+        for at in (check.slv, check.slc)
+    ]
     most = (d.max(), a.max())  # a demand beyond three times the capacity is not shown
-    right, top = (1.1 * max(x, *np.minimum(marks, 3.0 * x)) for x, marks in zip(most, zip(*asked, strict=True), strict=True))
+    right, top = (
+        1.1 * max(x, *np.minimum(marks, 3.0 * x))
+        for x, marks in zip(most, zip(*asked, strict=True), strict=True)
+    )
     periods = np.geomspace(0.03, 1.0, 200) * max(check.slv.period, check.slc.period)
-    for i, (name, at, mark) in enumerate((("SLV", check.slv, asked[0]), ("SLC", check.slc, asked[1]))):
+    for i, (name, at, mark) in enumerate(
+        (("SLV", check.slv, asked[0]), ("SLC", check.slc, asked[1]))
+    ):
         x, y, colour = _MM * at.displacement, at.acceleration / DEFAULT_GRAVITY, f"C{i}"
         demand = check.spectrum.acceleration(periods, at.state.damping)
         s_d = _MM * demand * (periods / (2.0 * np.pi)) ** 2
-        axes.plot(s_d, demand / DEFAULT_GRAVITY, lw=1.1, alpha=0.7, label=f"demand, {100.0 * at.state.damping:g} %", color=colour)
+        axes.plot(
+            s_d,
+            demand / DEFAULT_GRAVITY,
+            lw=1.1,
+            alpha=0.7,
+            label=f"demand, {100.0 * at.state.damping:g} %",
+            color=colour,
+        )
         slope = (2.0 * np.pi / at.period) ** 2 / (_MM * DEFAULT_GRAVITY)
-        axes.plot([0.0, right], [0.0, right * slope], lw=0.9, ls="--", label=f"$T_{{{name}}}$ = {at.period:.3g} s", color=colour)
+        axes.plot(
+            [0.0, right],
+            [0.0, right * slope],
+            lw=0.9,
+            ls="--",
+            label=f"$T_{{{name}}}$ = {at.period:.3g} s",
+            color=colour,
+        )
         axes.plot(x, y, "o", ms=5, label=f"$d_{{{name}}}$ = {x:.3g} mm", color=colour)
-        axes.plot(*mark, "x", ms=6, label=f"demand at {name} {mark[0]:.3g} mm", color=colour)
+        axes.plot(
+            *mark, "x", ms=6, label=f"demand at {name} {mark[0]:.3g} mm", color=colour
+        )
         axes.plot([x, x], [0.0, y], lw=0.7, ls=":", color=colour)
     axes.set(xlim=(0.0, right), ylim=(0.0, top), xlabel="$d$ [mm]", ylabel="$a$ [g]")
-    axes.set_title(literal(f"{check.structure}, {check.demand}: {check.demand_a / DEFAULT_GRAVITY:.3g} g"), fontsize="small")
+    axes.set_title(
+        literal(
+            f"{check.structure}, {check.demand}:"
+            f" {check.demand_a / DEFAULT_GRAVITY:.3g} g"
+        ),
+        fontsize="small",
+    )
     axes.legend(fontsize="x-small", loc="upper left", bbox_to_anchor=(1.01, 1.0))

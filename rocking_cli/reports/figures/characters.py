@@ -14,7 +14,9 @@ _MARGIN = 11  # columns for the numbers at the left
 
 
 def text_map(file: SpectraFile, name: str | None, cut: str | None) -> list[str]:
-    """Return the outcome map of a structure (or record), or a slice, as up to 23 lines of up to 80 characters."""
+    """Return the outcome map of a structure (or record), or a slice, as up to 23 lines
+    of up to 80 characters.
+    """
     (_, places), *both = file.frame.dimensions.items()
     if cut:
         return _slice_text(slice_of(file, cut))
@@ -23,40 +25,73 @@ def text_map(file: SpectraFile, name: str | None, cut: str | None) -> list[str]:
         return _slice_text(of_record(file, place))
     (across, x), (up, y), block = plane(file, place)
     shown = block["outcome"]
-    items = (f"{places[place]}:", *(f"'{o.sign}' {o.sentence}" for o in Outcome if np.any(shown == o)))
-    first, *signs = (item[:WIDTH].replace(" ", "\xa0") for item in items)  # no item is broken
-    head = [line.replace("\xa0", " ") for line in textwrap.wrap(f"{first} {'  '.join(signs)}", WIDTH)]
+    items = (
+        f"{places[place]}:",
+        *(f"'{o.sign}' {o.sentence}" for o in Outcome if np.any(shown == o)),
+    )
+    first, *signs = (
+        item[:WIDTH].replace(" ", "\xa0") for item in items
+    )  # no item is broken
+    head = [
+        line.replace("\xa0", " ")
+        for line in textwrap.wrap(f"{first} {'  '.join(signs)}", WIDTH)
+    ]
     rows = np.linspace(y.size - 1, 0, min(HEIGHT - len(head) - 3, y.size)).astype(int)
     columns = np.linspace(0, x.size - 1, min(WIDTH - _MARGIN, x.size)).astype(int)
-    lines = [f"{y[r]:>9.3g} |" + "".join(Outcome(int(shown[r, c])).sign for c in columns) for r in rows]
-    return [*head, *lines, " " * 10 + "+" + "-" * columns.size, f"{up:>9}   {across} {x[0]:.4g} to {x[-1]:.4g}"]
+    lines = [
+        f"{y[r]:>9.3g} |" + "".join(Outcome(int(shown[r, c])).sign for c in columns)
+        for r in rows
+    ]
+    return [
+        *head,
+        *lines,
+        " " * 10 + "+" + "-" * columns.size,
+        f"{up:>9}   {across} {x[0]:.4g} to {x[-1]:.4g}",
+    ]
 
 
 def place_of(file: SpectraFile, name: str | None) -> int:
-    """Return the index of a structure or record, 0 without a name. Raises UsageError."""
+    """Return the index of a structure or record, 0 without a
+    name. Raises UsageError.
+    """
     word, names = next(iter(file.frame.dimensions.items()))
     if name is None:
         return 0
     if name not in names:
-        raise UsageError(f"{file.path}: no {word} {name!r}; expected {', '.join(map(str, names))}")
+        raise UsageError(
+            f"{file.path}: no {word} {name!r}; expected {', '.join(map(str, names))}"
+        )
     return list(names).index(name)
 
 
 def _slice_text(found: Slice) -> list[str]:
-    """Return bars of theta_max/alpha, for as many structures as fit with two rows each."""
+    """Return bars of theta_max/alpha, for as many structures as fit with
+    two rows each.
+    """
     where = "" if found.where == "record" else f" at {found.where} = {found.value:.6g}"
-    lines = [f"theta_max/alpha{where} over {found.along} {found.x[0]:.4g} to {found.x[-1]:.4g}; blank: fell"]
+    lines = [
+        f"theta_max/alpha{where} over {found.along} {found.x[0]:.4g} to"
+        f" {found.x[-1]:.4g}; blank: fell"
+    ]
     room = HEIGHT - 2
     shown = min(len(found.names), max(1, room // 5))
     tall = max(1, room // shown - 3)
     for name, theta in list(zip(found.names, found.theta, strict=True))[:shown]:
-        picked = theta[np.linspace(0, theta.size - 1, min(WIDTH - _MARGIN, theta.size)).astype(int)]
-        lines += [name.replace(r"$\eta$", "eta").replace(r"\$", "$"), *_bars(picked, tall)]
+        picked = theta[
+            np.linspace(0, theta.size - 1, min(WIDTH - _MARGIN, theta.size)).astype(int)
+        ]
+        lines += [
+            name.replace(r"$\eta$", "eta").replace(r"\$", "$"),
+            *_bars(picked, tall),
+        ]
     return [line[:WIDTH] for line in lines]
 
 
 def _bars(values: np.ndarray, height: int) -> list[str]:
     top = float(np.nanmax(np.append(values, 1e-300)))
     filled = [-1 if np.isnan(v) else round(height * v / top) for v in values]
-    marks = [f"{top * r / height:>9.3g} |" + "".join("*" if f == r else " " for f in filled) for r in range(height, -1, -1)]
+    marks = [
+        f"{top * r / height:>9.3g} |" + "".join("*" if f == r else " " for f in filled)
+        for r in range(height, -1, -1)
+    ]
     return [*marks, " " * 10 + "+" + "-" * len(filled)]

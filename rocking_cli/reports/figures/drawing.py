@@ -1,4 +1,6 @@
-"""Drawings of structures to scale: bodies at rest and at alpha, pivots or numbered hinges, mass centre, alpha, and cracks."""
+"""Drawings of structures to scale: bodies at rest and at alpha, pivots or numbered
+hinges, mass centre, alpha, and cracks.
+"""
 
 import math
 from collections.abc import Callable, Sequence
@@ -20,13 +22,20 @@ STONE, GROUND, INK = "#D9CBB8", "#EFEFEF", "#333333"
 
 
 def draw_structures(
-    documents: Sequence[Document], target: str | Path, *, units: Units | None = None, look: Look | None = None, overwrite: bool = True,
+    documents: Sequence[Document],
+    target: str | Path,
+    *,
+    units: Units | None = None,
+    look: Look | None = None,
+    overwrite: bool = True,
     tell: Callable[[str], None] | None = None,
-) -> None:  # fmt: skip
-    """Draw the structure of each document in its own panel of a PNG, SVG or PDF file, all at one scale.
+) -> None:
+    """Draw the structure of each document in its own panel of a PNG, SVG or PDF file,
+    all at one scale.
 
-    A structure without geometry is left out; tell: called with a sentence on it, and on characters that the font lacks. Raises
-    DocumentError if a document is not valid or no structure has a geometry, and OutputError.
+    A structure without geometry is left out; tell: called with a sentence on it, and on
+    characters that the font lacks. Raises DocumentError if a document is not valid or
+    no structure has a geometry, and OutputError.
 
     >>> draw_structures(read_documents('configs/arch.yaml'), 'arch.svg')
     """
@@ -50,10 +59,14 @@ def draw_structures(
         (left, right), (low, high) = drawn[0].get_xlim(), drawn[0].get_ylim()
         across = min(len(found), MOST_ACROSS)
         shape = min(1.4, max(0.4, (high - low) / (right - left)))
-        figure.set_size_inches(_WIDTH * across, -(-len(found) // across) * (1.0 + (_WIDTH - 0.6) * shape))
+        figure.set_size_inches(
+            _WIDTH * across, -(-len(found) // across) * (1.0 + (_WIDTH - 0.6) * shape)
+        )
 
 
-def structure_axes(axes: Axes, built: RockingParameters, sketch: Sketch, units: Units) -> None:
+def structure_axes(
+    axes: Axes, built: RockingParameters, sketch: Sketch, units: Units
+) -> None:
     """Draw one structure."""
     unit, metre = units.of("length")
 
@@ -61,10 +74,34 @@ def structure_axes(axes: Axes, built: RockingParameters, sketch: Sketch, units: 
         return [(x / metre, z / metre) for x, z in outline]
 
     layers: tuple[tuple[Sequence[Outline], dict[str, Any]], ...] = (
-        (sketch.still, {"facecolor": GROUND, "edgecolor": "0.6", "lw": 0.8, "label": "_stays"}),
-        (sketch.bodies, {"facecolor": STONE, "edgecolor": INK, "lw": 0.9, "label": "_rocks"}),
-        (sketch.hollows, {"facecolor": "none", "edgecolor": "0.45", "lw": 0.7, "ls": (0, (4, 3)), "label": "_hollow"}),
-        (sketch.moved, {"facecolor": "none", "edgecolor": "#0072B2", "lw": 0.9, "ls": "--", "label": "_moved"}),
+        (
+            sketch.still,
+            {"facecolor": GROUND, "edgecolor": "0.6", "lw": 0.8, "label": "_stays"},
+        ),
+        (
+            sketch.bodies,
+            {"facecolor": STONE, "edgecolor": INK, "lw": 0.9, "label": "_rocks"},
+        ),
+        (
+            sketch.hollows,
+            {
+                "facecolor": "none",
+                "edgecolor": "0.45",
+                "lw": 0.7,
+                "ls": (0, (4, 3)),
+                "label": "_hollow",
+            },
+        ),
+        (
+            sketch.moved,
+            {
+                "facecolor": "none",
+                "edgecolor": "#0072B2",
+                "lw": 0.9,
+                "ls": "--",
+                "label": "_moved",
+            },
+        ),
     )
     for outlines, style in layers:
         for outline in outlines:
@@ -72,50 +109,112 @@ def structure_axes(axes: Axes, built: RockingParameters, sketch: Sketch, units: 
     labels = [label for label, _ in sketch.lines]
     for i, (label, course) in enumerate(sketch.lines):
         image = label.startswith("its ")  # of a line before
-        axes.plot(*zip(*scaled(course), strict=True), color="#D55E00", lw=0.8 if image else 1.6, ls=":" if image else "-", label=label)
+        axes.plot(
+            *zip(*scaled(course), strict=True),
+            color="#D55E00",
+            lw=0.8 if image else 1.6,
+            ls=":" if image else "-",
+            label=label,
+        )
         if not image and labels.index(label) == i:
             axes.annotate(
-                label, scaled(course)[-1], xytext=(-4, 6), textcoords="offset points", ha="right", color="#D55E00", fontsize="small"
+                label,
+                scaled(course)[-1],
+                xytext=(-4, 6),
+                textcoords="offset points",
+                ha="right",
+                color="#D55E00",
+                fontsize="small",
             )
     for name, point in sketch.pivots:
         ((x, z),) = scaled((point,))
         axes.plot(x, z, "o", color="#D55E00", ms=4.5, label=f"_pivot {name}")
         if name.isdigit():
-            axes.annotate(name, (x, z), xytext=(5, 5), textcoords="offset points", color="#D55E00", fontweight="bold")
-    base = min(z for outline in (*sketch.bodies, *sketch.still) for _, z in outline) / metre
+            axes.annotate(
+                name,
+                (x, z),
+                xytext=(5, 5),
+                textcoords="offset points",
+                color="#D55E00",
+                fontweight="bold",
+            )
+    base = (
+        min(z for outline in (*sketch.bodies, *sketch.still) for _, z in outline)
+        / metre
+    )
     axes.axhline(base, color=INK, lw=1.2, zorder=0.5)
     if built.one_sided:
         left = min(x for outline in sketch.bodies for x, _ in outline) / metre
         top = max(z for outline in sketch.bodies for _, z in outline) / metre
         wall = rectangle(left - 0.15 * top, left, base, top)
-        axes.fill(*zip(*wall, strict=True), facecolor="none", edgecolor="0.5", hatch="///", lw=0.0, label="_backing")
-    radius = "" if sketch.centre is None else f", $R$ = {_mass_centre(axes, built, sketch, metre):.3g} {unit}"
+        axes.fill(
+            *zip(*wall, strict=True),
+            facecolor="none",
+            edgecolor="0.5",
+            hatch="///",
+            lw=0.0,
+            label="_backing",
+        )
+    radius = (
+        ""
+        if sketch.centre is None
+        else f", $R$ = {_mass_centre(axes, built, sketch, metre):.3g} {unit}"
+    )
     axes.set_aspect("equal")
     axes.margins(0.08)
     axes.grid(visible=False)
     axes.set(xlabel=f"$x$ [{unit}]", ylabel=f"$z$ [{unit}]")
-    axes.set_title(f"{fill(literal(built.name), 48)}\n{_numbers(built, units)}{radius}", fontsize="small")
+    axes.set_title(
+        f"{fill(literal(built.name), 48)}\n{_numbers(built, units)}{radius}",
+        fontsize="small",
+    )
 
 
-def _mass_centre(axes: Axes, built: RockingParameters, sketch: Sketch, metre: float) -> float:
-    """Draw the mass centre, and R and alpha at the weaker edge, or the right one; return R in the unit of the axes."""
+def _mass_centre(
+    axes: Axes, built: RockingParameters, sketch: Sketch, metre: float
+) -> float:
+    """Draw the mass centre, and R and alpha at the weaker edge, or the right one;
+    return R in the unit of the axes.
+    """
     assert sketch.centre is not None
     side = weaker_side(built.sides).side if built.sides else "right"
-    (px, pz), (cx, cz) = ((x / metre, z / metre) for x, z in (dict(sketch.pivots)[side], sketch.centre))
+    (px, pz), (cx, cz) = (
+        (x / metre, z / metre) for x, z in (dict(sketch.pivots)[side], sketch.centre)
+    )
     axes.plot(cx, cz, "P", color="k", ms=7, mec="w", mew=0.8, label="_mass centre")
     axes.plot([px, cx], [pz, cz], color=INK, lw=0.9, label="_R")
     axes.plot([px, px], [pz, cz], color=INK, lw=0.9, ls=":", label="_vertical")
-    radius, alpha = math.hypot(cx - px, cz - pz), math.atan2(cx - px, cz - pz)  # alpha is signed: negative towards the left
+    radius, alpha = (
+        math.hypot(cx - px, cz - pz),
+        math.atan2(cx - px, cz - pz),
+    )  # alpha is signed: negative towards the left
     arc = [alpha * i / 24 for i in range(25)]
     reach = 0.55 * radius
-    axes.plot([px + reach * math.sin(a) for a in arc], [pz + reach * math.cos(a) for a in arc], color=INK, lw=0.9, label="_alpha")
+    axes.plot(
+        [px + reach * math.sin(a) for a in arc],
+        [pz + reach * math.cos(a) for a in arc],
+        color=INK,
+        lw=0.9,
+        label="_alpha",
+    )
     away = math.copysign(6, -alpha)
-    axes.annotate(r"$\alpha$", (px, pz + reach), xytext=(away, 0), textcoords="offset points", ha="left" if away > 0 else "right")
+    axes.annotate(
+        r"$\alpha$",
+        (px, pz + reach),
+        xytext=(away, 0),
+        textcoords="offset points",
+        ha="left" if away > 0 else "right",
+    )
     return radius
 
 
 def _numbers(built: RockingParameters, units: Units) -> str:
-    name, radian = units.of("angle") if "angle" in units.chosen else ("deg", math.pi / 180.0)
+    name, radian = (
+        units.of("angle") if "angle" in units.chosen else ("deg", math.pi / 180.0)
+    )
     angle = f"{built.alpha / radian:.4g}{'°' if name == 'deg' else f' {name}'}"
     scale = f", $a_{{scale}}$ = {built.a_scale:.4g}" if built.a_scale != 1.0 else ""
-    return f"$p$ = {built.p:.4g} rad/s, $\\alpha$ = {angle}\n$\\eta$ = {built.eta:.3g}, $\\lambda$ = {built.uplift:.4g}{scale}"
+    return (
+        f"$p$ = {built.p:.4g} rad/s, $\\alpha$ = {angle}\n$\\eta$ = {built.eta:.3g},"
+        f" $\\lambda$ = {built.uplift:.4g}{scale}"
+    )

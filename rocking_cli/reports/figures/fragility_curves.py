@@ -1,4 +1,6 @@
-"""Figures of fragility: curves over one measure (with a hazard curve), lines of equal probability over two, overturning spectra."""
+"""Figures of fragility: curves over one measure (with a hazard curve), lines of equal
+probability over two, overturning spectra.
+"""
 
 from collections.abc import Sequence
 from typing import Any
@@ -9,43 +11,103 @@ from ...documents.quantities import headed
 from ...dynamics.outcome import Outcome
 from ..rows import Rows, column, groups
 from ..units import Units, dimension_of
-from .canvas import MARKERS, PLAIN, Axes, Figure, label, legend, line_style, literal, panels, values
+from .canvas import (
+    MARKERS,
+    PLAIN,
+    Axes,
+    Figure,
+    label,
+    legend,
+    line_style,
+    literal,
+    panels,
+    values,
+)
 
 MEASURE_LABELS = {
-    "Arias": "Arias intensity [m/s]", "CAV": "CAV [m/s]",
-    "nPGA": r"PGA/$(\lambda g)$ [-]", "nPGV": r"$p$ PGV/$(g \tan\alpha)$ [-]", "nPGD": r"$p^2$ PGD/$(g \tan\alpha)$ [-]",
-}  # fmt: skip
+    "Arias": "Arias intensity [m/s]",
+    "CAV": "CAV [m/s]",
+    "nPGA": r"PGA/$(\lambda g)$ [-]",
+    "nPGV": r"$p$ PGV/$(g \tan\alpha)$ [-]",
+    "nPGD": r"$p^2$ PGD/$(g \tan\alpha)$ [-]",
+}
 
 
 def fragility_curves(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """Draw a fragility curve with its band and the observed fractions for each structure, limit state and method.
+    """Draw a fragility curve with its band and the observed fractions for each
+    structure, limit state and method.
 
-    A curve is dashed beyond its last fraction; fractions without a curve are drawn as steps. A hazard curve stands on a second axis.
+    A curve is dashed beyond its last fraction; fractions without a curve are drawn as
+    steps. A hazard curve stands on a second axis.
     """
     axes = figure.add_subplot()
     im, keys = rows[0]["im"], ("structure", "limit_state", "method")
     dimension = dimension_of(im.lower())
     unit, factor = ("", 1.0) if dimension is None else units.of(dimension)
     rows = [
-        {**row, "limit_state": row["limit_state"] if row["limit_state"] == "overturning" else f"θ/α > {row['limit_state']}"} for row in rows
+        {
+            **row,
+            "limit_state": (
+                row["limit_state"]
+                if row["limit_state"] == "overturning"
+                else f"θ/α > {row['limit_state']}"
+            ),
+        }
+        for row in rows
     ]
     varied = [key for key in keys if len(groups(rows, key)) > 1]
     lines = list(groups(rows, *keys).values())
     for i, some in enumerate(lines):
-        x, p, share = column(some, "x") / factor, column(some, "probability"), column(some, "fraction")
-        label = [some[0][key] for key in varied] + [f"{float(some[0][key]):.2g} a year" for key in ("annual_rate",) if key in some[0]]
-        style: dict[str, Any] = {"color": f"C{i}", "label": literal(", ".join(label)) or None}
+        x, p, share = (
+            column(some, "x") / factor,
+            column(some, "probability"),
+            column(some, "fraction"),
+        )
+        label = [some[0][key] for key in varied] + [
+            f"{float(some[0][key]):.2g} a year"
+            for key in ("annual_rate",)
+            if key in some[0]
+        ]
+        style: dict[str, Any] = {
+            "color": f"C{i}",
+            "label": literal(", ".join(label)) or None,
+        }
         if np.all(np.isnan(p)):
-            axes.step(np.append(0.0, x), np.append(0.0, share), where="post", lw=1.0, **style)
+            axes.step(
+                np.append(0.0, x), np.append(0.0, share), where="post", lw=1.0, **style
+            )
             continue
         last = float(np.max(x[~np.isnan(share)], initial=0.0)) or float(x[-1])
         axes.plot(x[x <= last], p[x <= last], **style)
         axes.plot(x[x >= last], p[x >= last], color=style["color"], ls="--")
-        axes.fill_between(x, column(some, "low"), column(some, "high"), color=style["color"], alpha=0.15, lw=0.0)
-        axes.plot(x, share, ls="", marker=MARKERS[i % len(MARKERS)], ms=4.0, color=style["color"])
+        axes.fill_between(
+            x,
+            column(some, "low"),
+            column(some, "high"),
+            color=style["color"],
+            alpha=0.15,
+            lw=0.0,
+        )
+        axes.plot(
+            x,
+            share,
+            ls="",
+            marker=MARKERS[i % len(MARKERS)],
+            ms=4.0,
+            color=style["color"],
+        )
     state = "limit state" if "limit_state" in varied else rows[0]["limit_state"]
-    title = literal(", ".join(rows[0][key] for key in keys if key not in varied and key != "limit_state"))
-    axes.set(xlabel=MEASURE_LABELS.get(im) or headed(im, PLAIN.get(unit, unit)), ylabel=f"P({state} | {im})", ylim=(0.0, 1.0), title=title)
+    title = literal(
+        ", ".join(
+            rows[0][key] for key in keys if key not in varied and key != "limit_state"
+        )
+    )
+    axes.set(
+        xlabel=MEASURE_LABELS.get(im) or headed(im, PLAIN.get(unit, unit)),
+        ylabel=f"P({state} | {im})",
+        ylim=(0.0, 1.0),
+        title=title,
+    )
     axes.set_xlim(left=0.0)
     if "hazard" in rows[0]:
         _with_hazard(axes, lines, factor)
@@ -54,28 +116,48 @@ def fragility_curves(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
 
 
 def _with_hazard(axes: Axes, lines: Sequence[Rows], factor: float) -> None:
-    """Add the hazard curve (right axis), and for each fitted curve, or the exact shares, its annual rate per ln x over the largest one."""
-    x, h = (np.concatenate([column(some, name) for some in lines]) for name in ("x", "hazard"))
+    """Add the hazard curve (right axis), and for each fitted curve, or the exact
+    shares, its annual rate per ln x over the largest one.
+    """
+    x, h = (
+        np.concatenate([column(some, name) for some in lines])
+        for name in ("x", "hazard")
+    )
     x, first = np.unique(x[np.isfinite(h)], return_index=True)
     h = h[np.isfinite(h)][first]
     right: Any = axes.twinx()
     right.plot(x / factor, h, color="0.2", lw=1.2)
-    right.set(yscale="log", ylabel="annual rate of exceedance $H$ [1/yr]", ylim=(max(h[-1], h[0] * 1e-5), 2.0 * h[0]))
+    right.set(
+        yscale="log",
+        ylabel="annual rate of exceedance $H$ [1/yr]",
+        ylim=(max(h[-1], h[0] * 1e-5), 2.0 * h[0]),
+    )
     right.grid(False)
     fitted = [i for i, some in enumerate(lines) if some[0]["probability"]]
     parts = {i: column(lines[i], "deaggregation") for i in fitted or range(len(lines))}
     most = max(float(np.nanmax(part, initial=0.0)) for part in parts.values()) or 1.0
     for i, part in parts.items():
         drawn = "default" if fitted else "steps-post"
-        axes.plot(column(lines[i], "x") / factor, part / most, color=f"C{i}", ls=":", lw=1.4, drawstyle=drawn)
+        axes.plot(
+            column(lines[i], "x") / factor,
+            part / most,
+            color=f"C{i}",
+            ls=":",
+            lw=1.4,
+            drawstyle=drawn,
+        )
     axes.plot([], [], color="0.2", lw=1.2, label="hazard $H$ (right)")
-    axes.plot([], [], color="0.2", ls=":", lw=1.2, label=r"$d\lambda/d\ln x$ over its largest")
+    axes.plot(
+        [], [], color="0.2", ls=":", lw=1.2, label=r"$d\lambda/d\ln x$ over its largest"
+    )
     axes.set(xscale="log", xlim=(x[0] / factor, x[-1] / factor))
 
 
 def two_measures(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """Draw the cells over PGA and PGV/PGA, a panel for each structure, and lines of equal probability of overturning,
-    P = Phi(a + b ln PGA + c ln(PGV/PGA)) of the largest likelihood."""
+    """Draw the cells over PGA and PGV/PGA, a panel for each structure, and lines of
+    equal probability of overturning, P = Phi(a + b ln PGA + c ln(PGV/PGA)) of the
+    largest likelihood.
+    """
     from matplotlib.ticker import LogLocator, NullFormatter
     from scipy.optimize import minimize
     from scipy.special import log_ndtr, ndtr, ndtri
@@ -85,16 +167,35 @@ def two_measures(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     for axes, ((name,), some) in zip(drawn, found.items(), strict=True):
         known = [row for row in some if row["outcome"] != Outcome.FAILED.flag]
         x, y = (values(known, key, units) for key in ("pga", "pgv_pga"))
-        sign = np.array([1.0 if Outcome[row["outcome"].upper()].falls else -1.0 for row in known])
+        sign = np.array(
+            [1.0 if Outcome[row["outcome"].upper()].falls else -1.0 for row in known]
+        )
         for fell, text, mark in ((1.0, "falls", "xC1"), (-1.0, "stands", ".C0")):
             axes.plot(x[sign == fell], y[sign == fell], mark, ls="", ms=4.0, label=text)
         terms = np.stack([np.ones(x.size), np.log(x), np.log(y)])
-        fit = minimize(lambda q, terms=terms, sign=sign: -log_ndtr(sign * (q @ terms)).sum(), np.zeros(3))
-        grid = np.meshgrid(np.geomspace(x.min(), x.max(), 80), np.geomspace(y.min(), y.max(), 80))
-        levels = [0.1, 0.5, 0.9] if fit.fun > 1e-2 else [0.5]  # cells that one line parts have no more than that line
+        fit = minimize(
+            lambda q, terms=terms, sign=sign: -log_ndtr(sign * (q @ terms)).sum(),
+            np.zeros(3),
+        )
+        grid = np.meshgrid(
+            np.geomspace(x.min(), x.max(), 80), np.geomspace(y.min(), y.max(), 80)
+        )
+        levels = (
+            [0.1, 0.5, 0.9] if fit.fun > 1e-2 else [0.5]
+        )  # cells that one line parts have no more than that line
         u = fit.x[0] + fit.x[1] * np.log(grid[0]) + fit.x[2] * np.log(grid[1])
-        axes.clabel(axes.contour(*grid, u, ndtri(levels), colors="0.2"), fmt=lambda u: f"P = {ndtr(u):.2g}", fontsize="x-small")
-        axes.set(xscale="log", yscale="log", xlabel=label("pga", units), ylabel=label("pgv_pga", units), title=literal(name))
+        axes.clabel(
+            axes.contour(*grid, u, ndtri(levels), colors="0.2"),
+            fmt=lambda u: f"P = {ndtr(u):.2g}",
+            fontsize="x-small",
+        )
+        axes.set(
+            xscale="log",
+            yscale="log",
+            xlabel=label("pga", units),
+            ylabel=label("pgv_pga", units),
+            title=literal(name),
+        )
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
             axis.set_major_formatter("{x:g}")
@@ -104,13 +205,24 @@ def two_measures(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
 
 
 def overturning_spectra(figure: Figure, rows: Rows, _: Units) -> list[Axes]:
-    """Draw the first overturning PGA over p for each critical angle: the median of the records, and 16 to 84 % as a band."""
+    """Draw the first overturning PGA over p for each critical angle: the median of the
+    records, and 16 to 84 % as a band.
+    """
     axes = figure.add_subplot()
     for i, (group, some) in enumerate(groups(rows, "alpha").items()):
         p = column(some, "p")
         low, middle, high = (column(some, f"pga_ratio_{q}") for q in (16, 50, 84))
-        style = line_style(i) if group else {**line_style(i), "ls": "", "marker": MARKERS[i % len(MARKERS)]}
-        axes.plot(p, middle, label=rf"$\alpha$ = {np.degrees(float(group[0])):.3g}°" if group else None, **style)
+        style = (
+            line_style(i)
+            if group
+            else {**line_style(i), "ls": "", "marker": MARKERS[i % len(MARKERS)]}
+        )
+        axes.plot(
+            p,
+            middle,
+            label=rf"$\alpha$ = {np.degrees(float(group[0])):.3g}°" if group else None,
+            **style,
+        )
         axes.fill_between(p, low, high, color=style["color"], alpha=0.2, lw=0.0)
     axes.set(xlabel=r"$p$ [rad/s]", ylabel=r"first overturning PGA/$(\lambda g)$ [-]")
     legend(axes)

@@ -1,4 +1,6 @@
-"""Overturning maps: the outcome of every cell of a spectra file, with its closed-form curves."""
+"""Overturning maps: the outcome of every cell of a spectra file, with its closed-form
+curves.
+"""
 
 from typing import Any
 
@@ -12,41 +14,77 @@ from ..units import Units
 from .canvas import DASHES, Axes, label, literal, titled
 from .slices import plane
 
-_ALONG = {"initiation": 0.7, "no_impact": 0.9, "after_impact_upper": 0.75, "after_impact_lower": 0.5}  # place of the name on a curve
+_ALONG = {
+    "initiation": 0.7,
+    "no_impact": 0.9,
+    "after_impact_upper": 0.75,
+    "after_impact_lower": 0.5,
+}  # place of the name on a curve
 
 
 def outcome_map(axes: Axes, file: SpectraFile, place: int, units: Units) -> list[Any]:
-    """Draw the map of structure or record `place`; return legend entries. Raises UsageError if no cell is computed or an axis has names."""
+    """Draw the map of structure or record `place`; return legend entries. Raises
+    UsageError if no cell is computed or an axis has names.
+    """
     from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.patches import Patch
 
     names, *both = file.frame.dimensions.values()
     if any(isinstance(values, list) for values in both):
-        raise UsageError(f"{file.path}: found structures on an axis; expected two axes of numbers for a map")
+        raise UsageError(
+            f"{file.path}: found structures on an axis; expected two axes of numbers"
+            " for a map"
+        )
     across, up, block = plane(file, place)
     shown = block["outcome"]
     if not np.any(shown != Outcome.NOT_COMPUTED):
-        raise UsageError(f"{file.path}: holds no computed cell of {names[place]}, nothing to draw")
+        raise UsageError(
+            f"{file.path}: holds no computed cell of {names[place]}, nothing to draw"
+        )
     x, y = (values / units.column(name)[2] for name, values in (across, up))
     colours = [o.colour for o in Outcome]
     norm = BoundaryNorm(np.arange(-0.5, len(colours)), len(colours))
-    axes.pcolormesh(x, y, shown, cmap=ListedColormap(colours), norm=norm, shading="nearest", rasterized=True)
-    entries: list[Any] = [Patch(facecolor=o.colour, edgecolor="0.5", label=o.sentence) for o in Outcome if np.any(shown == o)]
+    axes.pcolormesh(
+        x,
+        y,
+        shown,
+        cmap=ListedColormap(colours),
+        norm=norm,
+        shading="nearest",
+        rasterized=True,
+    )
+    entries: list[Any] = [
+        Patch(facecolor=o.colour, edgecolor="0.5", label=o.sentence)
+        for o in Outcome
+        if np.any(shown == o)
+    ]
     if "difference" in block:
         entries += _differences(axes, x, y, block["difference"])
-    if "friction" in block and min(shown.shape) > 1:  # lines of equal required friction where the body stays upright
-        lines = axes.contour(x, y, np.ma.masked_invalid(block["friction"]), colors="0.25", linewidths=0.7)
+    if (
+        "friction" in block and min(shown.shape) > 1
+    ):  # lines of equal required friction where the body stays upright
+        lines = axes.contour(
+            x, y, np.ma.masked_invalid(block["friction"]), colors="0.25", linewidths=0.7
+        )
         axes.clabel(lines, fmt=lambda level: f"μ = {level:g}", fontsize="x-small")
     if x.size > 1 and y.size > 1:
         axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
     if not file.frame.of_records:
         _closed_form(axes, file, place, units)
-    axes.set(xlabel=label(across[0], units), ylabel=label(up[0], units), title=_title(file, place))
+    axes.set(
+        xlabel=label(across[0], units),
+        ylabel=label(up[0], units),
+        title=_title(file, place),
+    )
     return entries
 
 
-def _differences(axes: Axes, x: np.ndarray, y: np.ndarray, codes: np.ndarray) -> list[Any]:
-    """Draw the cells for which the linear equation differs, and return legend entries; codes: `Difference`, (up, across)."""
+def _differences(
+    axes: Axes, x: np.ndarray, y: np.ndarray, codes: np.ndarray
+) -> list[Any]:
+    """Draw the cells for which the linear equation differs, and return legend entries;
+    codes: `Difference`, (up, across).
+    """
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
@@ -54,21 +92,38 @@ def _differences(axes: Axes, x: np.ndarray, y: np.ndarray, codes: np.ndarray) ->
     for one in Difference:
         there = np.ma.masked_not_equal(codes, int(one))
         if one.colour and there.count():
-            axes.pcolormesh(x, y, there, cmap=ListedColormap([one.colour]), shading="nearest", rasterized=True, gid=one.flag)
-            entries.append(Patch(facecolor=one.colour, edgecolor="0.5", label=one.sentence))
+            axes.pcolormesh(
+                x,
+                y,
+                there,
+                cmap=ListedColormap([one.colour]),
+                shading="nearest",
+                rasterized=True,
+                gid=one.flag,
+            )
+            entries.append(
+                Patch(facecolor=one.colour, edgecolor="0.5", label=one.sentence)
+            )
     return entries
 
 
 def _title(file: SpectraFile, place: int) -> str:
     model = file.scene["model"]
     if file.frame.of_records:
-        return f"{literal(str(next(iter(file.frame.dimensions.values()))[place]))}, {model} equation"
+        return (
+            f"{literal(str(next(iter(file.frame.dimensions.values()))[place]))},"
+            f" {model} equation"
+        )
     s = file.structures[place]
-    return f"{titled(s.name, s.eta)}\n{literal(file.scene['motion'][0])}, {model} equation"
+    return (
+        f"{titled(s.name, s.eta)}\n{literal(file.scene['motion'][0])}, {model} equation"
+    )
 
 
 def _closed_form(axes: Axes, file: SpectraFile, place: int, units: Units) -> None:
-    """Draw the curves i-iv of Fig. 2 for the linear equation, a plain body and a pulse with closed forms."""
+    """Draw the curves i-iv of Fig. 2 for the linear equation, a plain body and a pulse
+    with closed forms.
+    """
     from ...envelopes.closed_form import PULSES, closed_form_curves
     from ...motions import pulse
 
@@ -89,16 +144,32 @@ def _closed_form(axes: Axes, file: SpectraFile, place: int, units: Units) -> Non
     omegas = np.linspace(low, high, 80)
     add(omegas)
     there = [sum(w in points for points in curves.values()) for w in omegas.tolist()]
-    for i in np.flatnonzero(np.diff(there)):  # curves end between these two, with an upright tangent
+    for i in np.flatnonzero(
+        np.diff(there)
+    ):  # curves end between these two, with an upright tangent
         spacing = np.linspace(0.0, 1.0, 40) ** 2
-        add(omegas[i] + (omegas[i + 1] - omegas[i]) * (spacing if there[i + 1] > there[i] else 1.0 - spacing))
+        add(
+            omegas[i]
+            + (omegas[i + 1] - omegas[i])
+            * (spacing if there[i + 1] > there[i] else 1.0 - spacing)
+        )
     for (curve, points), dash in zip(curves.items(), DASHES, strict=False):
         omega = np.array(sorted(points))
         amplitude = np.array([points[w] for w in omega])
         if not grid.dimensionless:
             omega, amplitude = omega * s.p, s.ground_acceleration(amplitude)
-        x, y = omega / units.column(grid.frequency.name)[2], amplitude / units.column(grid.amplitude.name)[2]
-        axes.plot(x, y, color="k", ls=dash, lw=1.2, label=f"closed form: {curve.replace('_', ' ')}")
+        x, y = (
+            omega / units.column(grid.frequency.name)[2],
+            amplitude / units.column(grid.amplitude.name)[2],
+        )
+        axes.plot(
+            x,
+            y,
+            color="k",
+            ls=dash,
+            lw=1.2,
+            label=f"closed form: {curve.replace('_', ' ')}",
+        )
         _named(axes, curve.replace("_", " "), x, y, _ALONG.get(curve, 0.5))
 
 
@@ -108,5 +179,11 @@ def _named(axes: Axes, text: str, x: np.ndarray, y: np.ndarray, along: float) ->
     inside = np.flatnonzero((x >= left) & (x <= right) & (y >= bottom) & (y <= top))
     if inside.size:
         at = inside[int(along * (inside.size - 1))]
-        axes.annotate(text, (x[at], y[at]), ha="center", va="center", fontsize="x-small",
-                      bbox={"facecolor": "w", "edgecolor": "none", "alpha": 0.75, "pad": 0.6})  # fmt: skip
+        axes.annotate(
+            text,
+            (x[at], y[at]),
+            ha="center",
+            va="center",
+            fontsize="x-small",
+            bbox={"facecolor": "w", "edgecolor": "none", "alpha": 0.75, "pad": 0.6},
+        )

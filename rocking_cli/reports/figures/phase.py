@@ -15,54 +15,105 @@ from ..units import Units
 from .canvas import Axes, Figure, heading, label, legend, line_style
 
 
-def phase(figure: Figure, rows: Rows, units: Units, body: Document | None = None) -> list[Axes]:
-    """Draw theta_dot/(p alpha) of a response over theta/alpha, with the separatrix inside which a body comes back on still ground.
+def phase(
+    figure: Figure, rows: Rows, units: Units, body: Document | None = None
+) -> list[Axes]:
+    """Draw theta_dot/(p alpha) of a response over theta/alpha, with the separatrix
+    inside which a body comes back on still ground.
 
-    body: None for the block with the p and alpha of the response. Raises ValueError if the rows do not tell them.
+    body: None for the block with the p and alpha of the response. Raises ValueError if
+    the rows do not tell them.
     """
     axes, reach, found = figure.add_subplot(), 1.0, list[tuple[str, Document | None]]()
-    for i, suffix in enumerate(s for s in ("", "_linear", "_nonlinear") if f"theta_ratio{s}" in rows[0]):
+    for i, suffix in enumerate(
+        s for s in ("", "_linear", "_nonlinear") if f"theta_ratio{s}" in rows[0]
+    ):
         block = None
         if "t" in rows[0]:
             ratio, alpha, p = scaled(rows, suffix)[1:]
-            block = block_of(float(alpha[0]), p) if np.ptp(alpha) <= 1e-6 * alpha[0] else None
+            block = (
+                block_of(float(alpha[0]), p)
+                if np.ptp(alpha) <= 1e-6 * alpha[0]
+                else None
+            )
             rate = column(rows, f"theta_dot{suffix}") / (p * alpha)
         else:
-            ratio, rate = column(rows, f"theta_ratio{suffix}"), column(rows, f"theta_ratio_rate{suffix}")
-        axes.plot(ratio, rate, lw=1.0, **line_style(i), label=f"{suffix[1:]} equation" if suffix else "response")
+            ratio, rate = (
+                column(rows, f"theta_ratio{suffix}"),
+                column(rows, f"theta_ratio_rate{suffix}"),
+            )
+        axes.plot(
+            ratio,
+            rate,
+            lw=1.0,
+            **line_style(i),
+            label=f"{suffix[1:]} equation" if suffix else "response",
+        )
         axes.plot(ratio[-1:], rate[-1:], "o", color=f"C{i}", ms=4.0)
         reach = max(reach, 1.05 * float(np.nanmax(np.abs(ratio))))
         found.append((suffix[1:] or rows[0].get("model") or LINEAR.model, block))
     if not found:
-        raise ValueError("found no column theta_ratio; expected the CSV of rocking response")
+        raise ValueError(
+            "found no column theta_ratio; expected the CSV of rocking response"
+        )
     for i, (model, block) in enumerate(found):
         of = "" if len(found) == 1 else f", {model}"
         if body is None and model != LINEAR.model:
             of += " of a block"
-        if (document := body or block) is None and (model != LINEAR.model or "t" in rows[0]):
-            raise ValueError("found a body whose sides differ, or no alpha; expected `body`, the document of its structure")
-        structure = dimensionless_oscillator(1.0) if document is None else build_structure(document)
+        if (document := body or block) is None and (
+            model != LINEAR.model or "t" in rows[0]
+        ):
+            raise ValueError(
+                "found a body whose sides differ, or no alpha; expected `body`, the"
+                " document of its structure"
+            )
+        structure = (
+            dimensionless_oscillator(1.0)
+            if document is None
+            else build_structure(document)
+        )
         for j, (x, y) in enumerate(separatrix(structure, Method(model), 1.05 * reach)):
             for sign in (1.0,) if structure.damping else (1.0, -1.0):
                 text = "_" if j or sign < 0.0 else f"separatrix{of}"
-                axes.plot(x, sign * y, color="0.4", lw=0.9, ls=("--", ":")[i], label=text)
-    axes.set(xlim=(-reach, reach), xlabel=label("theta_ratio", units), ylabel=r"$\dot\theta/(p\,\alpha)$ [-]")
+                axes.plot(
+                    x, sign * y, color="0.4", lw=0.9, ls=("--", ":")[i], label=text
+                )
+    axes.set(
+        xlim=(-reach, reach),
+        xlabel=label("theta_ratio", units),
+        ylabel=r"$\dot\theta/(p\,\alpha)$ [-]",
+    )
     axes.set_title(heading(rows, "structure", "motion", "model"))
     legend(axes)
     return [axes]
 
 
-def scaled(rows: Rows, suffix: str = "") -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    """Return (theta, theta/alpha, alpha at each time, p) of a response with units. Raises ValueError if it does not rock."""
-    theta, ratio, tau, t = (column(rows, name) for name in (f"theta{suffix}", f"theta_ratio{suffix}", "tau", "t"))
+def scaled(
+    rows: Rows, suffix: str = ""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """Return (theta, theta/alpha, alpha at each time, p) of a response with units.
+    Raises ValueError if it does not rock.
+    """
+    theta, ratio, tau, t = (
+        column(rows, name)
+        for name in (f"theta{suffix}", f"theta_ratio{suffix}", "tau", "t")
+    )
     rocks = np.flatnonzero(ratio)
     if not rocks.size:
         raise ValueError("the body does not rock, so that its angle alpha is not known")
-    return theta, ratio, np.interp(np.arange(ratio.size), rocks, theta[rocks] / ratio[rocks]), float(tau[-1] / t[-1])
+    return (
+        theta,
+        ratio,
+        np.interp(np.arange(ratio.size), rocks, theta[rocks] / ratio[rocks]),
+        float(tau[-1] / t[-1]),
+    )
 
 
 def block_of(alpha: float, p: float) -> Document:
     """Return the block with this alpha and p, R = 3 g/(4 p^2)."""
     size = 1.5 * DEFAULT_GRAVITY / p**2
-    (document,) = parse_documents(f"{{kind: block, width: {size * math.sin(alpha)!r}, height: {size * math.cos(alpha)!r}}}")
+    (document,) = parse_documents(
+        f"{{kind: block, width: {size * math.sin(alpha)!r}, height:"
+        f" {size * math.cos(alpha)!r}}}"
+    )
     return document

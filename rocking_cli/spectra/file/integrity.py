@@ -1,8 +1,10 @@
-"""Checksums of all bytes: the digest of a finished file, and the entries of a partial file.
+"""Checksums of all bytes: the digest of a finished file, and the entries of a partial
+file.
 
-The digest follows the HDF5 data of a finished file, as a line of JSON and a line with its length. It covers all bytes except the
-chunks, which have their own checksums. A partial file is a layout followed by entries. Entries are only appended, so a damaged byte
-spoils one entry at most.
+The digest follows the HDF5 data of a finished file, as a line of JSON and a line with
+its length. It covers all bytes except the chunks, which have their own checksums. A
+partial file is a layout followed by entries. Entries are only appended, so a damaged
+byte spoils one entry at most.
 """
 
 import hashlib
@@ -21,18 +23,24 @@ _BLOCK = 1 << 24  # bytes of a digest that are read at once
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 NOTE = -1  # index of an entry about the whole, as JSON
-_ENTRY = struct.Struct("<4sqQI")  # magic, index of the chunk, bytes of the content, CRC-32 of all else
+_ENTRY = struct.Struct(
+    "<4sqQI"
+)  # magic, index of the chunk, bytes of the content, CRC-32 of all else
 _MAGIC = b"rock"
 
 
 def read(file: BinaryIO, offset: int, length: int) -> bytes:
-    """Return `length` bytes of an open file from an offset; fewer at the end of the file."""
+    """Return `length` bytes of an open file from an offset; fewer at the end of the
+    file.
+    """
     file.seek(offset)
     return file.read(length)
 
 
 def write(file: BinaryIO, offset: int, content: bytes) -> None:
-    """Write all of the content; an unbuffered file may accept only some bytes at once. Raises OSError."""
+    """Write all of the content; an unbuffered file may accept only some bytes at once.
+    Raises OSError.
+    """
     file.seek(offset)
     view = memoryview(content)
     while view:
@@ -48,12 +56,18 @@ def digest(pieces: Iterable[bytes]) -> str:
 
 
 def _digest_of(file: BinaryIO, size: int, ranges: Sequence[tuple[int, int]]) -> str:
-    places = ((at, min(_BLOCK, begin + length - at)) for begin, length in ranges for at in range(begin, begin + length, _BLOCK))
+    places = (
+        (at, min(_BLOCK, begin + length - at))
+        for begin, length in ranges
+        for at in range(begin, begin + length, _BLOCK)
+    )
     return f"blake2b:{digest(chain([json.dumps([size, ranges]).encode()], (read(file, *place) for place in places)))}"
 
 
 def digest_line(file: BinaryIO, places: Sequence[tuple[int, int]]) -> bytes:
-    """Return the last lines of a finished file, with its digest; places: (offset, length) of chunks. Raises ValueError if they overlap."""
+    """Return the last lines of a finished file, with its digest; places: (offset,
+    length) of chunks. Raises ValueError if they overlap.
+    """
     size, end, ranges = file.seek(0, os.SEEK_END), 0, []
     for begin, length in sorted([*places, (size, 0)]):
         if begin < end:
@@ -61,12 +75,16 @@ def digest_line(file: BinaryIO, places: Sequence[tuple[int, int]]) -> bytes:
         if begin > end:
             ranges.append((end, begin - end))
         end = begin + length
-    line = json.dumps({"size": size, "metadata": ranges, "digest": _digest_of(file, size, ranges)}).encode()
+    line = json.dumps(
+        {"size": size, "metadata": ranges, "digest": _digest_of(file, size, ranges)}
+    ).encode()
     return b"\n" + line + b"\nrocking seal 1 %010d\n" % len(line)
 
 
 def checked_digest(file: BinaryIO) -> str | None:
-    """Return the digest at the end of a file, None without one. Raises ValueError if the file does not agree with it."""
+    """Return the digest at the end of a file, None without one. Raises ValueError if
+    the file does not agree with it.
+    """
     size = file.seek(0, os.SEEK_END)
     last = _LAST.fullmatch(read(file, max(0, size - _LAST_LENGTH), _LAST_LENGTH))
     begins = size - _LAST_LENGTH - int(last[1]) if last is not None else 0
@@ -74,25 +92,38 @@ def checked_digest(file: BinaryIO) -> str | None:
         return None
     try:
         stated = json.loads(read(file, begins, size - _LAST_LENGTH - begins))
-        found, now = stated["digest"], _digest_of(file, stated["size"], stated["metadata"])
+        found, now = (
+            stated["digest"],
+            _digest_of(file, stated["size"], stated["metadata"]),
+        )
     except (ValueError, LookupError, TypeError, OSError):
         raise ValueError("its digest is damaged") from None
-    if found != now or stated["size"] != begins - 1 or read(file, begins - 1, 1) != b"\n":
+    if (
+        found != now
+        or stated["size"] != begins - 1
+        or read(file, begins - 1, 1) != b"\n"
+    ):
         raise ValueError("it does not fit its digest")
     return str(found)
 
 
 class Log:
-    """The layout and the entries of a partial file.
-    image: the bytes of an HDF5 file without chunks; notes: statements about the whole; places: (offset, bytes) of the last entry of each
-    index; end: where the last whole entry ends. Raises ValueError where it is no partial file, or its layout is damaged."""
+    """The layout and the entries of a partial file. image: the bytes of an HDF5 file
+    without chunks; notes: statements about the whole; places: (offset, bytes) of the
+    last entry of each index; end: where the last whole entry ends. Raises ValueError
+    where it is no partial file, or its layout is damaged.
+    """
 
     def __init__(self, file: BinaryIO) -> None:
         self.file, size = file, file.seek(0, os.SEEK_END)
         head = read(file, 0, 48)
-        self.end = int.from_bytes(head[40:48], "little") if head[:8] == SIGNATURE else 0  # as HDF5 states it
+        self.end = (
+            int.from_bytes(head[40:48], "little") if head[:8] == SIGNATURE else 0
+        )  # as HDF5 states it
         if not 48 <= self.end <= size:
-            raise ValueError("it is not finished, and is no partial file of this program")
+            raise ValueError(
+                "it is not finished, and is no partial file of this program"
+            )
         self.image = read(file, 0, self.end)
         self.notes: dict[str, Any] = {}
         self.places: dict[int, tuple[int, int]] = {}
@@ -105,12 +136,16 @@ class Log:
                 self.notes |= json.loads(self.content(NOTE))
             self.end += _ENTRY.size + length
         if "layout" not in self.notes:
-            raise ValueError("it has neither a digest nor the entries of a partial file")
+            raise ValueError(
+                "it has neither a digest nor the entries of a partial file"
+            )
         if self.notes["layout"] != digest([self.image]):
             raise ValueError("its layout is damaged")
 
     def content(self, index: int) -> bytes:
-        """Return the content of an entry. Raises ValueError if it is damaged, KeyError if it does not exist."""
+        """Return the content of an entry. Raises ValueError if it is damaged, KeyError
+        if it does not exist.
+        """
         raw = read(self.file, *self.places[index])
         if raw != entry_of(index, raw[_ENTRY.size :]):
             raise ValueError("its checksum does not fit")
@@ -142,5 +177,7 @@ def entry_of(index: int, content: bytes) -> bytes:
 
 def reason(error: BaseException) -> str:
     """Return the message of an error in one line."""
-    text = str(error.args[0]) if isinstance(error, KeyError) and error.args else str(error)
+    text = (
+        str(error.args[0]) if isinstance(error, KeyError) and error.args else str(error)
+    )
     return text if " " in text else f"it has no {text!r}"

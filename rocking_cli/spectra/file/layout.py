@@ -1,4 +1,6 @@
-"""The layout of a spectra file: its datasets, built in memory so that no incomplete layout is ever on a disk, and its chunks."""
+"""The layout of a spectra file: its datasets, built in memory so that no incomplete
+layout is ever on a disk, and its chunks.
+"""
 
 import io
 import json
@@ -25,15 +27,29 @@ BOOKKEEPING = "bookkeeping"  # group of CHUNK_TABLES, the variables of each chun
 
 _FLAGS = {"flag_values": np.array([0, 1], dtype="u1"), "flag_meanings": "open done"}
 CHUNK_TABLES = {
-    "chunk": Variable(np.dtype("<i4"), {"units": "1", "long_name": "unit of work, row-major over the chunks of the data"}),
-    "chunk_done": Variable(np.dtype("u1"), {"units": "1", "long_name": "whether this chunk's data are written", **_FLAGS}),
-    "chunk_checksum": Variable(np.dtype("<u4"), {"units": "1", "long_name": "CRC-32 of this chunk's stored bytes"}),
+    "chunk": Variable(
+        np.dtype("<i4"),
+        {
+            "units": "1",
+            "long_name": "unit of work, row-major over the chunks of the data",
+        },
+    ),
+    "chunk_done": Variable(
+        np.dtype("u1"),
+        {"units": "1", "long_name": "whether this chunk's data are written", **_FLAGS},
+    ),
+    "chunk_checksum": Variable(
+        np.dtype("<u4"),
+        {"units": "1", "long_name": "CRC-32 of this chunk's stored bytes"},
+    ),
 }
 
 
 @dataclass(frozen=True)
 class ChunkGrid:
-    """An array cut into chunks, which are numbered row by row. Chunks that reach over the edge of the array are filled up with zeros."""
+    """An array cut into chunks, which are numbered row by row. Chunks that reach over
+    the edge of the array are filled up with zeros.
+    """
 
     shape: tuple[int, ...]
     chunk: tuple[int, ...]
@@ -50,27 +66,50 @@ class ChunkGrid:
 
     def offset(self, index: int) -> tuple[int, ...]:
         """Return the indices of the first cell of a chunk."""
-        return tuple(int(i) * c for i, c in zip(np.unravel_index(index, self.counts), self.chunk, strict=True))
+        return tuple(
+            int(i) * c
+            for i, c in zip(
+                np.unravel_index(index, self.counts), self.chunk, strict=True
+            )
+        )
 
     def index(self, cell: Sequence[int]) -> int:
         """Return the number of the chunk that holds a cell."""
-        return int(np.ravel_multi_index([i // c for i, c in zip(cell, self.chunk, strict=True)], self.counts))
+        return int(
+            np.ravel_multi_index(
+                [i // c for i, c in zip(cell, self.chunk, strict=True)], self.counts
+            )
+        )
 
     def extent(self, index: int) -> tuple[slice, ...]:
-        """Return the cells of a chunk as slices, without the zeros beyond the edge of the array."""
-        return tuple(slice(o, min(o + c, n)) for o, c, n in zip(self.offset(index), self.chunk, self.shape, strict=True))
+        """Return the cells of a chunk as slices, without the zeros beyond the edge of
+        the array.
+        """
+        return tuple(
+            slice(o, min(o + c, n))
+            for o, c, n in zip(self.offset(index), self.chunk, self.shape, strict=True)
+        )
 
     def within(self, cells: Sequence[slice]) -> Iterator[int]:
-        """Return the numbers of the chunks that hold any of these cells (slices with start and stop)."""
-        spans = [range(s.start // c, -(-s.stop // c) if s.stop > s.start else 0) for s, c in zip(cells, self.chunk, strict=True)]
-        return (int(np.ravel_multi_index(place, self.counts)) for place in product(*spans))
+        """Return the numbers of the chunks that hold any of these cells (slices with
+        start and stop).
+        """
+        spans = [
+            range(s.start // c, -(-s.stop // c) if s.stop > s.start else 0)
+            for s, c in zip(cells, self.chunk, strict=True)
+        ]
+        return (
+            int(np.ravel_multi_index(place, self.counts)) for place in product(*spans)
+        )
 
 
 @dataclass(frozen=True)
 class Layout:
-    """The whole of a spectra file except the results of its cells.
-    frame: the places of its cells; chunk: (rows, columns); names: of the variables; scene: the identity of the scene; attributes: others of
-    the root, with shard "i/n" for the i-th of n parts, and without shard if any chunks may be missing."""
+    """The whole of a spectra file except the results of its cells. frame: the places of
+    its cells; chunk: (rows, columns); names: of the variables; scene: the identity of
+    the scene; attributes: others of the root, with shard "i/n" for the i-th of n parts,
+    and without shard if any chunks may be missing.
+    """
 
     frame: Frame
     chunk: tuple[int, ...]
@@ -87,22 +126,51 @@ class Layout:
         """Return the bytes of the file without a chunk."""
         buffer, frame, cut = io.BytesIO(), self.frame, self.cut
         with h5py.File(buffer, "w", track_order=True) as file:
-            root = {"Conventions": "CF-1.11", "title": "Rocking spectra", "source": f"rocking {__version__}"}
-            for key, value in {**root, "scene": json.dumps(self.scene), **self.attributes}.items():
+            root = {
+                "Conventions": "CF-1.11",
+                "title": "Rocking spectra",
+                "source": f"rocking {__version__}",
+            }
+            for key, value in {
+                **root,
+                "scene": json.dumps(self.scene),
+                **self.attributes,
+            }.items():
                 # HDF5 cannot store bytes that are not UTF-8
-                file.attrs[key] = value.encode("utf-8", "backslashreplace").decode() if isinstance(value, str) else value
+                file.attrs[key] = (
+                    value.encode("utf-8", "backslashreplace").decode()
+                    if isinstance(value, str)
+                    else value
+                )
             for name, (dimension, values) in frame.lists.items():
                 about = frame.about(name)
-                _add_list(file, name, dimension, values, about.dtype, {"units": about.units, "long_name": about.long_name})
+                _add_list(
+                    file,
+                    name,
+                    dimension,
+                    values,
+                    about.dtype,
+                    {"units": about.units, "long_name": about.long_name},
+                )
             labels = {"coordinates": " ".join(frame.labels)} if frame.labels else {}
             for name in self.names:
                 kind = VARIABLES[name]
                 data = file.create_dataset(
-                    name, cut.shape, kind.dtype, chunks=cut.chunk, shuffle=kind.dtype.itemsize > 1,
-                    compression="gzip", compression_opts=GZIP_LEVEL, fillvalue=kind.fill,
-                )  # fmt: skip
+                    name,
+                    cut.shape,
+                    kind.dtype,
+                    chunks=cut.chunk,
+                    shuffle=kind.dtype.itemsize > 1,
+                    compression="gzip",
+                    compression_opts=GZIP_LEVEL,
+                    fillvalue=kind.fill,
+                )
                 for key, value in {**kind.attributes, **labels}.items():
-                    data.attrs[key] = np.array([value], dtype=data.dtype) if key == "_FillValue" else value
+                    data.attrs[key] = (
+                        np.array([value], dtype=data.dtype)
+                        if key == "_FillValue"
+                        else value
+                    )
                 for i, dimension in enumerate(frame.dimensions):
                     data.dims[i].attach_scale(file[dimension])
             tables = file.create_group(BOOKKEEPING, track_order=True)
@@ -112,8 +180,17 @@ class Layout:
         return buffer.getvalue()
 
 
-def _add_list(group: h5py.Group, name: str, dimension: str, values: Values, dtype: np.dtype | None, attributes: Mapping[str, Any]) -> None:
-    """Add numbers, or texts without a dtype, along a dimension; the list that has its name is the scale of the dimension."""
+def _add_list(
+    group: h5py.Group,
+    name: str,
+    dimension: str,
+    values: Values,
+    dtype: np.dtype | None,
+    attributes: Mapping[str, Any],
+) -> None:
+    """Add numbers, or texts without a dtype, along a dimension; the list that has its
+    name is the scale of the dimension.
+    """
     data = group.create_dataset(name, data=values, dtype=dtype or h5py.string_dtype())
     for key, value in attributes.items():
         data.attrs[key] = value
@@ -124,16 +201,26 @@ def _add_list(group: h5py.Group, name: str, dimension: str, values: Values, dtyp
 
 
 def pack(block: np.ndarray, shape: tuple[int, ...] | None = None) -> bytes:
-    """Return the bytes of a block after HDF5's shuffle and gzip filters; zeros fill it up to the shape of a chunk. Workers call this."""
+    """Return the bytes of a block after HDF5's shuffle and gzip filters; zeros fill it
+    up to the shape of a chunk. Workers call this.
+    """
     if shape not in (None, block.shape):
-        block = np.pad(block, [(0, n - m) for m, n in zip(block.shape, shape or (), strict=True)])
-    planes = np.ascontiguousarray(block).view(np.uint8).reshape(-1, block.dtype.itemsize).T
+        block = np.pad(
+            block, [(0, n - m) for m, n in zip(block.shape, shape or (), strict=True)]
+        )
+    planes = (
+        np.ascontiguousarray(block).view(np.uint8).reshape(-1, block.dtype.itemsize).T
+    )
     return zlib.compress(planes.tobytes(), GZIP_LEVEL)
 
 
 def unpack(raw: bytes, dtype: np.dtype, shape: tuple[int, ...]) -> np.ndarray:
-    """Return the block that `pack` has packed; the caller has checked the checksum of the bytes."""
-    planes = np.frombuffer(zlib.decompress(raw), dtype=np.uint8).reshape(dtype.itemsize, math.prod(shape))
+    """Return the block that `pack` has packed; the caller has checked the checksum of
+    the bytes.
+    """
+    planes = np.frombuffer(zlib.decompress(raw), dtype=np.uint8).reshape(
+        dtype.itemsize, math.prod(shape)
+    )
     return np.ascontiguousarray(planes.T).view(dtype).reshape(shape)
 
 
@@ -143,14 +230,20 @@ def checksum(packed: Packed) -> int:
 
 
 def joined(packed: Packed) -> bytes:
-    """Return the content of an entry of a partial file: the lengths of the packed variables of a chunk, then their bytes."""
-    return struct.pack(f"<{len(packed)}Q", *map(len, packed.values())) + b"".join(packed.values())
+    """Return the content of an entry of a partial file: the lengths of the packed
+    variables of a chunk, then their bytes.
+    """
+    return struct.pack(f"<{len(packed)}Q", *map(len, packed.values())) + b"".join(
+        packed.values()
+    )
 
 
 def split(content: bytes, names: Sequence[str]) -> dict[str, bytes]:
     """Return the packed variables by name from the content that `joined` has made."""
     begin, packed = 8 * len(names), {}
-    for name, length in zip(names, struct.unpack(f"<{len(names)}Q", content[:begin]), strict=True):
+    for name, length in zip(
+        names, struct.unpack(f"<{len(names)}Q", content[:begin]), strict=True
+    ):
         packed[name] = content[begin : begin + length]
         begin += length
     return packed

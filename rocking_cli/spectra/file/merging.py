@@ -18,8 +18,10 @@ from .writer import SpectraWriter, difference
 
 @dataclass(frozen=True)
 class Merged:
-    """The result of a merge: the number of merged chunks, the number of chunks of the sweep, the differences of the machines that
-    computed them, and the shards ("2/8") that are missing or not complete."""
+    """The result of a merge: the number of merged chunks, the number of chunks of the
+    sweep, the differences of the machines that computed them, and the shards ("2/8")
+    that are missing or not complete.
+    """
 
     chunks: int
     all_chunks: int
@@ -27,9 +29,17 @@ class Merged:
     missing: tuple[str, ...] = ()
 
 
-def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = False, strict: bool = False) -> Merged:
-    """Write one spectrum from these shards; strict: refuse shards of machines that compute differently. Raises UsageError when they are not
-    of one scene, OutputError when one is damaged, two hold different data for the same cells, or the output cannot be written.
+def merge(
+    paths: Sequence[str | Path],
+    output: str | Path,
+    *,
+    overwrite: bool = False,
+    strict: bool = False,
+) -> Merged:
+    """Write one spectrum from these shards; strict: refuse shards of machines that
+    compute differently. Raises UsageError when they are not of one scene, OutputError
+    when one is damaged, two hold different data for the same cells, or the output
+    cannot be written.
 
     >>> grid = parse_grid('A=1:8:50,Omega=1:8:40')
     >>> for i in (1, 2):
@@ -43,13 +53,27 @@ def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = 
         for other in files[1:]:
             if (found := difference(first.scene, other.scene)) is not None:
                 place, here, there = found
-                raise UsageError(f"{other.path}: belongs to another scene than {first.path}: its {place} differs: {there}, there {here}")
+                raise UsageError(
+                    f"{other.path}: belongs to another scene than {first.path}: its"
+                    f" {place} differs: {there}, there {here}"
+                )
         machines = together([f.machines for f in files])
         if strict and unlike(machines):
-            raise UsageError(f"{output}: its shards come from machines that compute differently ({unlike(machines)})")
-        kept = {key: first.attributes[key] for key in ("history", "documents", "motion", "model", "tolerance") if key in first.attributes}
-        layout = Layout(first.frame, first.cut.chunk[1:], first.names, first.scene, kept)
-        writer = stack.enter_context(SpectraWriter(Path(output), layout, overwrite=overwrite, machines=machines))
+            raise UsageError(
+                f"{output}: its shards come from machines that compute differently"
+                f" ({unlike(machines)})"
+            )
+        kept = {
+            key: first.attributes[key]
+            for key in ("history", "documents", "motion", "model", "tolerance")
+            if key in first.attributes
+        }
+        layout = Layout(
+            first.frame, first.cut.chunk[1:], first.names, first.scene, kept
+        )
+        writer = stack.enter_context(
+            SpectraWriter(Path(output), layout, overwrite=overwrite, machines=machines)
+        )
         try:
             outcomes = np.zeros(len(Outcome), dtype=np.int64)
             for index in range(writer.cut.size):
@@ -62,26 +86,56 @@ def merge(paths: Sequence[str | Path], output: str | Path, *, overwrite: bool = 
             writer.discard()  # it can be written again from the shards
             raise
         outcomes[Outcome.NOT_COMPUTED] = np.prod(first.cut.shape) - outcomes.sum()
-        run_time, checked, error = ([f.attributes.get(key, 0) for f in files] for key in ("run_time", "checked_cells", "estimated_error"))
-        totals = {"run_time": sum(run_time), "checked_cells": sum(checked), "estimated_error": max(error)}
-        writer.finish({"cells": int(outcomes.sum()), **totals, **{f"cells_{o.flag}": int(outcomes[o]) for o in Outcome}})
-        return Merged(int(writer.done.sum()), writer.cut.size, writer.machine_differences, _missing_shards(files))
+        run_time, checked, error = (
+            [f.attributes.get(key, 0) for f in files]
+            for key in ("run_time", "checked_cells", "estimated_error")
+        )
+        totals = {
+            "run_time": sum(run_time),
+            "checked_cells": sum(checked),
+            "estimated_error": max(error),
+        }
+        writer.finish(
+            {
+                "cells": int(outcomes.sum()),
+                **totals,
+                **{f"cells_{o.flag}": int(outcomes[o]) for o in Outcome},
+            }
+        )
+        return Merged(
+            int(writer.done.sum()),
+            writer.cut.size,
+            writer.machine_differences,
+            _missing_shards(files),
+        )
 
 
 def _missing_shards(files: Sequence[SpectraFile]) -> tuple[str, ...]:
-    """Return the shards that lack some of their chunks, such as "2/8"; none if the files belong to different N."""
-    shards = [str(file.attributes.get("shard", "")).partition("/")[::2] for file in files]
-    if len({of for _, of in shards}) != 1 or not all(part.isdecimal() and of.isdecimal() for part, of in shards):
+    """Return the shards that lack some of their chunks, such as "2/8"; none if the
+    files belong to different N.
+    """
+    shards = [
+        str(file.attributes.get("shard", "")).partition("/")[::2] for file in files
+    ]
+    if len({of for _, of in shards}) != 1 or not all(
+        part.isdecimal() and of.isdecimal() for part, of in shards
+    ):
         return ()
     count, chunks = int(shards[0][1]), files[0].cut.size
     there = dict.fromkeys(range(1, min(count, chunks) + 1), 0)
     for file, (part, _) in zip(files, shards, strict=True):
         there[int(part)] = max(there.get(int(part), 0), int(file.done.sum()))
-    return tuple(f"{i}/{count}" for i, done in there.items() if done < len(range(i - 1, chunks, count)))
+    return tuple(
+        f"{i}/{count}"
+        for i, done in there.items()
+        if done < len(range(i - 1, chunks, count))
+    )
 
 
 def _agreed(holders: Sequence[SpectraFile], index: int) -> tuple[SpectraFile, Packed]:
-    """Return (the first file in which a chunk is intact, its bytes). Raises OutputError if another file has different bytes."""
+    """Return (the first file in which a chunk is intact, its bytes). Raises OutputError
+    if another file has different bytes.
+    """
     intact = [f for f in holders if f.intact(index)]
     first = intact[0] if intact else holders[0]
     packed = first.packed(index)
@@ -89,6 +143,13 @@ def _agreed(holders: Sequence[SpectraFile], index: int) -> tuple[SpectraFile, Pa
         theirs = other.packed(index)
         for name in first.names:
             kind = (VARIABLES[name].dtype, first.cut.chunk)
-            if packed[name] != theirs[name] and unpack(packed[name], *kind).tobytes() != unpack(theirs[name], *kind).tobytes():
-                raise OutputError(f"{other.path} and {first.path} disagree: chunk {index} of {name} differs; one of them is wrong")
+            if (
+                packed[name] != theirs[name]
+                and unpack(packed[name], *kind).tobytes()
+                != unpack(theirs[name], *kind).tobytes()
+            ):
+                raise OutputError(
+                    f"{other.path} and {first.path} disagree: chunk {index} of {name}"
+                    " differs; one of them is wrong"
+                )
     return first, packed

@@ -20,17 +20,37 @@ from ...motions.grid import Axis, Grid
 from ...structures.parameters import RockingParameters
 from ..dimensions import VARIABLES, Frame, Values, varied_units
 from .integrity import SIGNATURE, Log, checked_digest, read, reason
-from .layout import BOOKKEEPING, CHUNK_TABLES, ChunkGrid, Packed, checksum, split, unpack
+from .layout import (
+    BOOKKEEPING,
+    CHUNK_TABLES,
+    ChunkGrid,
+    Packed,
+    checksum,
+    split,
+    unpack,
+)
 
 # of h5py and this module for a file that is not a whole spectra file
-_FAULTS = (OSError, LookupError, ValueError, RuntimeError, TypeError, AttributeError, OverflowError, UsageError)
+_FAULTS = (
+    OSError,
+    LookupError,
+    ValueError,
+    RuntimeError,
+    TypeError,
+    AttributeError,
+    OverflowError,
+    UsageError,
+)
 
 
 class SpectraFile(ExitStack[None]):
-    """A spectra file, finished or partial, open for reading; a context manager.
-    frame: the places of its cells; structures: parameters as stored; names: those of the variables; cut: the grid of chunks; done: which
-    chunks are there; attributes: those of the root; digest: that of a finished file, None for a partial file. Every byte is checked by
-    the digest or a checksum. Raises UsageError if the file cannot be opened, and OutputError if it is no spectra file or has changed."""
+    """A spectra file, finished or partial, open for reading; a context manager. frame:
+    the places of its cells; structures: parameters as stored; names: those of the
+    variables; cut: the grid of chunks; done: which chunks are there; attributes: those
+    of the root; digest: that of a finished file, None for a partial file. Every byte is
+    checked by the digest or a checksum. Raises UsageError if the file cannot be opened,
+    and OutputError if it is no spectra file or has changed.
+    """
 
     def __init__(self, path: str | Path) -> None:
         super().__init__()
@@ -40,7 +60,11 @@ class SpectraFile(ExitStack[None]):
                 raise UsageError(f"{path}: cannot be read: not a regular file")
             raw = self.enter_context(io.FileIO(path))
         except OSError as error:
-            what = "no such file" if isinstance(error, FileNotFoundError) else error.strerror
+            what = (
+                "no such file"
+                if isinstance(error, FileNotFoundError)
+                else error.strerror
+            )
             raise UsageError(f"{path}: cannot be read: {what}") from None
         try:
             self._open(raw)
@@ -48,37 +72,68 @@ class SpectraFile(ExitStack[None]):
             self.close()
             if isinstance(error, _FAULTS):
                 found = f"changed by another one, or damaged ({reason(error)})"
-                raise OutputError(f"{path}: is not a spectra file as this program wrote it: {found}") from None
+                raise OutputError(
+                    f"{path}: is not a spectra file as this program wrote it: {found}"
+                ) from None
             raise
         self._arrays = lru_cache(8)(self._unpacked)  # chunks that are kept as arrays
 
     def _open(self, raw: io.FileIO) -> None:
-        """Check the bytes, and read the lists and attributes. Raises OutputError, one of _FAULTS."""
+        """Check the bytes, and read the lists and attributes. Raises OutputError, one
+        of _FAULTS.
+        """
         if read(raw, 0, len(SIGNATURE)) != SIGNATURE:
             raise OutputError(f"{self.path}: is not an HDF5 file, or is damaged")
         self.digest = checked_digest(raw)
         self._log = Log(raw) if self.digest is None else None
-        file = self.file = self.enter_context(h5py.File(raw if self._log is None else io.BytesIO(self._log.image), "r"))
-        tables = file.get(BOOKKEEPING, file)  # of an earlier version they stand at the root
-        names = [name for name in file if name not in CHUNK_TABLES and name != BOOKKEEPING]
+        file = self.file = self.enter_context(
+            h5py.File(raw if self._log is None else io.BytesIO(self._log.image), "r")
+        )
+        tables = file.get(
+            BOOKKEEPING, file
+        )  # of an earlier version they stand at the root
+        names = [
+            name for name in file if name not in CHUNK_TABLES and name != BOOKKEEPING
+        ]
         for group, some in ((file, names), (tables, CHUNK_TABLES)):
             for name in some:
                 _require_own(group, name)
-        dimensions = {axis[0].name[1:]: _values(axis[0]) for axis in file["outcome"].dims}
-        others = [name for name in names if name not in VARIABLES and name not in dimensions]
-        lists = {name: (file[name].dims[0][0].name[1:], _values(file[name])) for name in others}
-        self.attributes = {key: x.tolist() if isinstance(x, np.generic | np.ndarray) else x for key, x in file.attrs.items()}
+        dimensions = {
+            axis[0].name[1:]: _values(axis[0]) for axis in file["outcome"].dims
+        }
+        others = [
+            name for name in names if name not in VARIABLES and name not in dimensions
+        ]
+        lists = {
+            name: (file[name].dims[0][0].name[1:], _values(file[name]))
+            for name in others
+        }
+        self.attributes = {
+            key: x.tolist() if isinstance(x, np.generic | np.ndarray) else x
+            for key, x in file.attrs.items()
+        }
         self.scene: dict[str, Any] = json.loads(self.attributes["scene"])
-        self.structures = tuple(RockingParameters.from_row(row) for row in self.scene.get("structures", ()))
+        self.structures = tuple(
+            RockingParameters.from_row(row) for row in self.scene.get("structures", ())
+        )
         self.frame = Frame(dimensions, lists, varied_units(self.structures))
         self.names = tuple(name for name in VARIABLES if name in names)
         self.cut = ChunkGrid(self.frame.shape, file["outcome"].chunks)
         for name in self.names:
-            if (file[name].dtype, file[name].shape, file[name].chunks) != (VARIABLES[name].dtype, self.cut.shape, self.cut.chunk):
+            if (file[name].dtype, file[name].shape, file[name].chunks) != (
+                VARIABLES[name].dtype,
+                self.cut.shape,
+                self.cut.chunk,
+            ):
                 raise ValueError(f"its {name} does not fit its axes")
-        self.done, self._sums = tables["chunk_done"][...] == 1, tables["chunk_checksum"][...]
+        self.done, self._sums = (
+            tables["chunk_done"][...] == 1,
+            tables["chunk_checksum"][...],
+        )
         if self._log is not None:
-            self.attributes["computed_on"] = json.dumps(self._log.notes.get("computed_on", []))
+            self.attributes["computed_on"] = json.dumps(
+                self._log.notes.get("computed_on", [])
+            )
             self.done = np.isin(np.arange(self.cut.size), list(self._log.places))
 
     @property
@@ -96,16 +151,34 @@ class SpectraFile(ExitStack[None]):
         """The grid of a spectrum of a pulse. Raises UsageError for one of records."""
         (frequency, omega), (amplitude, a) = list(self.frame.dimensions.items())[1:]
         if self.frame.of_records:
-            raise UsageError(f"{self.path}: found spectra of records over {frequency} and {amplitude}; expected the spectrum of a pulse")
+            raise UsageError(
+                f"{self.path}: found spectra of records over {frequency} and"
+                f" {amplitude}; expected the spectrum of a pulse"
+            )
         return Grid(Axis(amplitude, np.asarray(a)), Axis(frequency, np.asarray(omega)))
 
     def motion(self) -> Motion:
-        """Return the ground motion of a spectrum of a pulse. Raises UsageError for one of records."""
+        """Return the ground motion of a spectrum of a pulse. Raises UsageError for one
+        of records.
+        """
         if self.frame.of_records or "vertical" in self.scene:
-            found = "spectra of records" if self.frame.of_records else "a vertical motion"
-            raise UsageError(f"{self.path}: found {found}; expected the spectrum of a pulse, which is horizontal alone")
+            found = (
+                "spectra of records" if self.frame.of_records else "a vertical motion"
+            )
+            raise UsageError(
+                f"{self.path}: found {found}; expected the spectrum of a pulse, which"
+                " is horizontal alone"
+            )
         name, pieces = self.scene["motion"]
-        return Motion(name, tuple(Piece(**{**p, "harmonics": tuple(Harmonic(**h) for h in p["harmonics"])}) for p in pieces))
+        return Motion(
+            name,
+            tuple(
+                Piece(
+                    **{**p, "harmonics": tuple(Harmonic(**h) for h in p["harmonics"])}
+                )
+                for p in pieces
+            ),
+        )
 
     def damaged_chunks(self) -> list[int]:
         """Indices of the chunks that are marked done but damaged."""
@@ -120,67 +193,126 @@ class SpectraFile(ExitStack[None]):
         return True
 
     def outcomes(self, index: int) -> np.ndarray:
-        """Return the number of cells of a chunk for each outcome. Raises OutputError."""
-        return np.bincount(self._arrays(index)["outcome"].ravel(), minlength=len(Outcome))
+        """Return the number of cells of a chunk for each
+        outcome. Raises OutputError.
+        """
+        return np.bincount(
+            self._arrays(index)["outcome"].ravel(), minlength=len(Outcome)
+        )
 
     def packed(self, index: int) -> Packed:
-        """Return the bytes of a chunk as they are stored, compressed. Raises OutputError if they are damaged."""
+        """Return the bytes of a chunk as they are stored, compressed. Raises
+        OutputError if they are damaged.
+        """
         try:
             if self._log is not None:
                 return split(self._log.content(index), self.names)
-            stored = {name: self.file[name].id.read_direct_chunk(self.cut.offset(index)) for name in self.names}
+            stored = {
+                name: self.file[name].id.read_direct_chunk(self.cut.offset(index))
+                for name in self.names
+            }
             packed = {name: raw for name, (_, raw) in stored.items()}
-            if any(mask for mask, _ in stored.values()) or checksum(packed) != int(self._sums[index]):
+            if any(mask for mask, _ in stored.values()) or checksum(packed) != int(
+                self._sums[index]
+            ):
                 raise ValueError("its checksum does not fit")
             return packed
         except _FAULTS as error:
-            raise OutputError(f"{self.path}: chunk {index} is damaged: {reason(error)}") from None
+            raise OutputError(
+                f"{self.path}: chunk {index} is damaged: {reason(error)}"
+            ) from None
 
     def _unpacked(self, index: int) -> dict[str, np.ndarray]:
-        """Return the variables of a chunk, without the zeros beyond the grid's edge. Raises OutputError if the chunk is damaged."""
+        """Return the variables of a chunk, without the zeros beyond the grid's edge.
+        Raises OutputError if the chunk is damaged.
+        """
         cells = tuple(slice(0, s.stop - s.start) for s in self.cut.extent(index))
-        return {name: unpack(raw, VARIABLES[name].dtype, self.cut.chunk)[cells] for name, raw in self.packed(index).items()}
+        return {
+            name: unpack(raw, VARIABLES[name].dtype, self.cut.chunk)[cells]
+            for name, raw in self.packed(index).items()
+        }
 
-    def block(self, place: int, rows: slice, columns: slice = slice(None)) -> dict[str, np.ndarray]:
-        """Return the variables at one place of the first dimension, over these rows and columns. Raises OutputError for a damaged chunk."""
-        wanted = [slice(*s.indices(n)[:2]) for s, n in zip((slice(place, place + 1), rows, columns), self.frame.shape, strict=True)]
+    def block(
+        self, place: int, rows: slice, columns: slice = slice(None)
+    ) -> dict[str, np.ndarray]:
+        """Return the variables at one place of the first dimension, over these rows and
+        columns. Raises OutputError for a damaged chunk.
+        """
+        wanted = [
+            slice(*s.indices(n)[:2])
+            for s, n in zip(
+                (slice(place, place + 1), rows, columns), self.frame.shape, strict=True
+            )
+        ]
         shape = [max(0, s.stop - s.start) for s in wanted]
-        found = {name: np.full(shape, VARIABLES[name].fill, VARIABLES[name].dtype) for name in self.names}
+        found = {
+            name: np.full(shape, VARIABLES[name].fill, VARIABLES[name].dtype)
+            for name in self.names
+        }
         for index in self.cut.within(wanted):
             if self.done[index]:
                 chunk = self.cut.extent(index)
-                common = [slice(max(a.start, b.start), min(a.stop, b.stop)) for a, b in zip(wanted, chunk, strict=True)]
+                common = [
+                    slice(max(a.start, b.start), min(a.stop, b.stop))
+                    for a, b in zip(wanted, chunk, strict=True)
+                ]
                 for name, array in self._arrays(index).items():
                     found[name][_within(wanted, common)] = array[_within(chunk, common)]
         return {name: values[0] for name, values in found.items()}
 
     def array(self, name: str) -> np.ndarray:
-        """Return one variable over all three dimensions, NaN or 0 in cells that are not computed. Raises OutputError, UsageError."""
+        """Return one variable over all three dimensions, NaN or 0 in cells that are not
+        computed. Raises OutputError, UsageError.
+        """
         if name not in self.names:
-            raise UsageError(f"{self.path}: has no variable {name!r}; expected one of {', '.join(self.names)}")
-        return np.stack([self.block(i, slice(None))[name] for i in range(self.frame.shape[0])])
+            raise UsageError(
+                f"{self.path}: has no variable {name!r}; expected one of"
+                f" {', '.join(self.names)}"
+            )
+        return np.stack(
+            [self.block(i, slice(None))[name] for i in range(self.frame.shape[0])]
+        )
 
     def cells(self) -> Iterator[dict[str, Any]]:
-        """Yield a row for every computed cell: its place on each dimension, in SI units, and its variables."""
+        """Yield a row for every computed cell: its place on each dimension, in SI
+        units, and its variables.
+        """
         (first, places), (second, frequencies), (third, columns) = (
-            (name, values if isinstance(values, list) else values.tolist()) for name, values in self.frame.dimensions.items()
+            (name, values if isinstance(values, list) else values.tolist())
+            for name, values in self.frame.dimensions.items()
         )
-        height, names = self.cut.chunk[1], ["outcome", *(name for name in self.names if name != "outcome")]
+        height, names = (
+            self.cut.chunk[1],
+            ["outcome", *(name for name in self.names if name != "outcome")],
+        )
         for i, place in enumerate(places):
             for begin in range(0, len(frequencies), height):
                 block = self.block(i, slice(begin, begin + height))
-                for r, c in np.argwhere(block["outcome"] != Outcome.NOT_COMPUTED).tolist():
-                    row = {first: place, second: frequencies[begin + r], third: columns[c]}
-                    yield row | {name: _cell_value(name, block[name][r, c]) for name in names}
+                for r, c in np.argwhere(
+                    block["outcome"] != Outcome.NOT_COMPUTED
+                ).tolist():
+                    row = {
+                        first: place,
+                        second: frequencies[begin + r],
+                        third: columns[c],
+                    }
+                    yield row | {
+                        name: _cell_value(name, block[name][r, c]) for name in names
+                    }
 
 
 def _within(cells: Sequence[slice], some: Sequence[slice]) -> tuple[slice, ...]:
     """Return the slices of `some` cells counted from the first of `cells`."""
-    return tuple(slice(s.start - first.start, s.stop - first.start) for s, first in zip(some, cells, strict=True))
+    return tuple(
+        slice(s.start - first.start, s.stop - first.start)
+        for s, first in zip(some, cells, strict=True)
+    )
 
 
 def _cell_value(name: str, value: np.generic) -> float | int | str | None:
-    """Return the value of a cell for JSON: a number, None for NaN, or the word of a code."""
+    """Return the value of a cell for JSON: a number, None for NaN, or the word of a
+    code.
+    """
     if (codes := VARIABLES[name].codes) is not None:
         return codes(int(value.item())).flag
     number: float | int = value.item()
@@ -189,7 +321,9 @@ def _cell_value(name: str, value: np.generic) -> float | int | str | None:
 
 def _require_own(group: h5py.Group, name: str) -> None:
     """Raise ValueError if a dataset or its data lie in another file."""
-    if not isinstance(group.get(name, getlink=True), h5py.HardLink) or not isinstance(group[name], h5py.Dataset):
+    if not isinstance(group.get(name, getlink=True), h5py.HardLink) or not isinstance(
+        group[name], h5py.Dataset
+    ):
         raise ValueError(f"its {name} is not a dataset of its own")
     if group[name].external or group[name].is_virtual:
         raise ValueError(f"its {name} is stored in another file")

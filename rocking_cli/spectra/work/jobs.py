@@ -1,7 +1,8 @@
-"""Units of work, computed here, in other processes or on a cluster, and collected in their own order.
+"""Units of work, computed here, in other processes or on a cluster, and collected in
+their own order.
 
-The cells of a unit are computed by the same code in the same order everywhere, so the result does not depend on the number of
-workers or the size of a unit, to the last bit.
+The cells of a unit are computed by the same code in the same order everywhere, so the
+result does not depend on the number of workers or the size of a unit, to the last bit.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -24,7 +25,7 @@ from ...dynamics.response import (
     response,
     response_under_records,
     response_with_speed,
-)  # fmt: skip
+)
 from ...motions import Motion
 from ...processes import Run, processes
 from ...structures.parameters import RockingParameters
@@ -39,8 +40,10 @@ Item = list[Unit] | Place
 
 @dataclass(frozen=True)
 class Report:
-    """The result of a unit: its data at each place (converted), its counters over all places, and (outcome, theta/alpha) of its cells
-    to check. The work of units that ran together is counted with the first of them."""
+    """The result of a unit: its data at each place (converted), its counters over all
+    places, and (outcome, theta/alpha) of its cells to check. The work of units that ran
+    together is counted with the first of them.
+    """
 
     data: tuple[Any, ...]
     work: Work
@@ -55,7 +58,9 @@ Block = dict[str, np.ndarray]
 
 @dataclass(frozen=True)
 class Job:
-    """The data that a worker needs; a process of this machine receives it once, not with each unit."""
+    """The data that a worker needs; a process of this machine receives it once, not
+    with each unit.
+    """
 
     scene: Scene
     chunk: tuple[int, int]
@@ -65,7 +70,9 @@ class Job:
 
     @property
     def one_by_one(self) -> bool:
-        """True if each cell is marched alone, which is faster for few cells of each system under long records."""
+        """True if each cell is marched alone, which is faster for few cells of each
+        system under long records.
+        """
         scene = self.scene
         _, rows, columns = scene.shape
         few = rows * columns <= FEW * len(scene.structures)
@@ -73,8 +80,15 @@ class Job:
 
     @property
     def together(self) -> int:
-        """The number of units in one batch, which fills the pool of the engine; all units of a batch have one system."""
-        one_run = len({self.scene.runs_with(structure) for structure in self.scene.structures}) == 1
+        """The number of units in one batch, which fills the pool of the engine; all
+        units of a batch have one system.
+        """
+        one_run = (
+            len(
+                {self.scene.runs_with(structure) for structure in self.scene.structures}
+            )
+            == 1
+        )
         if not (one_run and (self.scene.method.exact or self.pooled)):
             return 1
         return max(1, TOGETHER // (self.chunk[0] * self.chunk[1]))
@@ -89,79 +103,188 @@ class Job:
         return self.run(item) if isinstance(item, list) else reference(self.scene, item)
 
     def run(self, units: Sequence[Unit]) -> list[Report]:
-        """Compute some units. Bands of one system under one motion, or under records that chain, form one batch."""
+        """Compute some units. Bands of one system under one motion, or under records
+        that chain, form one batch.
+        """
         scene = self.scene
         _, rows, columns = scene.shape
-        bands = [list(scene.bands(u, (min(self.chunk[0], rows - u.row), min(self.chunk[1], columns - u.column)))) for u in units]
+        bands = [
+            list(
+                scene.bands(
+                    u,
+                    (
+                        min(self.chunk[0], rows - u.row),
+                        min(self.chunk[1], columns - u.column),
+                    ),
+                )
+            )
+            for u in units
+        ]
         batches: dict[Any, list[Band]] = {}
         for band in chain.from_iterable(bands):
-            shared = self.pooled and chains(scene.method.system_of(band.structure), band.motion)
-            batches.setdefault((None if shared else id(band.motion), scene.runs_with(band.structure)), []).append(band)
+            shared = self.pooled and chains(
+                scene.method.system_of(band.structure), band.motion
+            )
+            batches.setdefault(
+                (None if shared else id(band.motion), scene.runs_with(band.structure)),
+                [],
+            ).append(band)
         found: dict[int, list[Block]] = {}
         work = Work()
         for key, batch in batches.items():
-            cells, shared = np.concatenate([band.cells() for band in batch], axis=1), key[0] is None
-            whole, own = self.under_records(batch, cells) if shared else self.together_of(batch, cells)
+            cells, shared = (
+                np.concatenate([band.cells() for band in batch], axis=1),
+                key[0] is None,
+            )
+            whole, own = (
+                self.under_records(batch, cells)
+                if shared
+                else self.together_of(batch, cells)
+            )
             work += own
             last = 0
             for band in batch:
                 first, last = last, last + band.size
-                block = {name: x[first:last].reshape(band.shape) for name, x in whole.items()}
+                block = {
+                    name: x[first:last].reshape(band.shape) for name, x in whole.items()
+                }
                 found[id(band)] = [block] * len(band.sharers)
                 if shared or scene.method.exact:
-                    found[id(band)] = [self._standing(s, band.motion, cells[:, first:last], block) for s in band.sharers]
+                    found[id(band)] = [
+                        self._standing(s, band.motion, cells[:, first:last], block)
+                        for s in band.sharers
+                    ]
         works = chain([work], repeat(Work()))
-        return [self.report(unit, [found[id(band)] for band in own], w) for unit, own, w in zip(units, bands, works, strict=False)]
+        return [
+            self.report(unit, [found[id(band)] for band in own], w)
+            for unit, own, w in zip(units, bands, works, strict=False)
+        ]
 
-    def under_records(self, batch: Sequence[Band], cells: np.ndarray) -> tuple[Block, Work]:
-        """Return (the variables of all cells (A, Omega, eta), the work) for bands of one system under several records."""
-        counts, structures = [band.size for band in batch], [band.structure for band in batch]
-        system = self.scene.method.system_of_cells(structures, counts)._replace(body=None, own=())
+    def under_records(
+        self, batch: Sequence[Band], cells: np.ndarray
+    ) -> tuple[Block, Work]:
+        """Return (the variables of all cells (A, Omega, eta), the work) for bands of
+        one system under several records.
+        """
+        counts, structures = (
+            [band.size for band in batch],
+            [band.structure for band in batch],
+        )
+        system = self.scene.method.system_of_cells(structures, counts)._replace(
+            body=None, own=()
+        )
         numbers: dict[int, int] = {}
-        which = np.repeat([numbers.setdefault(id(band.motion), len(numbers)) for band in batch], counts)
+        which = np.repeat(
+            [numbers.setdefault(id(band.motion), len(numbers)) for band in batch],
+            counts,
+        )
         records = list({id(band.motion): band.motion for band in batch}.values())
         got, rate = response_under_records(system, records, which, *cells)
         rate *= np.repeat([s.alpha for s in structures], counts)
-        return {"theta_ratio": got.theta_ratio, "outcome": got.outcome, "impacts": got.impacts, "velocity_ratio": rate}, got.work
+        return {
+            "theta_ratio": got.theta_ratio,
+            "outcome": got.outcome,
+            "impacts": got.impacts,
+            "velocity_ratio": rate,
+        }, got.work
 
-    def together_of(self, batch: Sequence[Band], cells: np.ndarray) -> tuple[Block, Work]:
-        """Return (the variables of all cells (A, Omega, eta), the work) for bands under one motion."""
-        method, motion, counts, structures = self.scene.method, batch[0].motion, [b.size for b in batch], [b.structure for b in batch]
+    def together_of(
+        self, batch: Sequence[Band], cells: np.ndarray
+    ) -> tuple[Block, Work]:
+        """Return (the variables of all cells (A, Omega, eta), the work) for bands under
+        one motion.
+        """
+        method, motion, counts, structures = (
+            self.scene.method,
+            batch[0].motion,
+            [b.size for b in batch],
+            [b.structure for b in batch],
+        )
         system = method.system_of_cells(structures, counts)
         if method.exact:
-            system = system._replace(body=None, own=())  # structures that share rotations have different bodies
+            system = system._replace(
+                body=None, own=()
+            )  # structures that share rotations have different bodies
         extra: Block = {}
         known: Response | None = None
         if "velocity_ratio" in self.quantities:
             known, rate = response_with_speed(system, motion, *cells)
-            extra["velocity_ratio"] = rate * np.repeat([s.alpha for s in structures], counts)
+            extra["velocity_ratio"] = rate * np.repeat(
+                [s.alpha for s in structures], counts
+            )
         if known is None and self.one_by_one:
             ends = np.cumsum(counts)
             parts = [
-                response(method.system_of(s), motion, *cells[:, end - count : end], how="floats")
+                response(
+                    method.system_of(s),
+                    motion,
+                    *cells[:, end - count : end],
+                    how="floats",
+                )
                 for s, count, end in zip(structures, counts, ends.tolist(), strict=True)
             ]
             got = Response.joined(parts)
         else:
             got = known or response(system, motion, *cells)
         if "condition" in self.quantities:
-            pairs = method.system_of_cells(structures * 2, counts * 2)  # for several sets of cells in turn
+            pairs = method.system_of_cells(
+                structures * 2, counts * 2
+            )  # for several sets of cells in turn
             if method.exact:
                 pairs = pairs._replace(body=None, own=())
             amplitude, omega, eta = cells
-            condition = condition_of(partial(response, pairs, motion), amplitude, omega, eta, method.stated_tolerance or 0.0)
-            extra["condition"] = np.where(got.outcome == Outcome.LOST_CONTACT, np.nan, condition)
+            condition = condition_of(
+                partial(response, pairs, motion),
+                amplitude,
+                omega,
+                eta,
+                method.stated_tolerance or 0.0,
+            )
+            extra["condition"] = np.where(
+                got.outcome == Outcome.LOST_CONTACT, np.nan, condition
+            )
         if "linear" in self.quantities:
-            linear = response(LINEAR.system_of_cells(structures, counts), motion, *cells)
-            extra |= {"theta_ratio_linear": linear.theta_ratio, "outcome_linear": linear.outcome}
+            linear = response(
+                LINEAR.system_of_cells(structures, counts), motion, *cells
+            )
+            extra |= {
+                "theta_ratio_linear": linear.theta_ratio,
+                "outcome_linear": linear.outcome,
+            }
             extra["difference"] = difference(got.outcome, linear.outcome)
-        return {"theta_ratio": got.theta_ratio, "outcome": got.outcome, "impacts": got.impacts, **extra}, got.work
+        return {
+            "theta_ratio": got.theta_ratio,
+            "outcome": got.outcome,
+            "impacts": got.impacts,
+            **extra,
+        }, got.work
 
-    def _standing(self, structure: RockingParameters, motion: Motion, cells: np.ndarray, block: Block) -> Block:
-        """Return the block of one structure among those that share rotations, with the lost contact of this structure."""
-        doubtful, system = block["outcome"].ravel() == Outcome.ROCKED, self.scene.method.system_of(structure)
-        theta_ratio, fastest = (block[name].ravel() if name in block else None for name in ("theta_ratio", "velocity_ratio"))
-        lost = cells_that_lose_contact(system, motion, (cells[0], cells[1], cells[2]), doubtful, theta_ratio, fastest)
+    def _standing(
+        self,
+        structure: RockingParameters,
+        motion: Motion,
+        cells: np.ndarray,
+        block: Block,
+    ) -> Block:
+        """Return the block of one structure among those that share rotations, with the
+        lost contact of this structure.
+        """
+        doubtful, system = (
+            block["outcome"].ravel() == Outcome.ROCKED,
+            self.scene.method.system_of(structure),
+        )
+        theta_ratio, fastest = (
+            block[name].ravel() if name in block else None
+            for name in ("theta_ratio", "velocity_ratio")
+        )
+        lost = cells_that_lose_contact(
+            system,
+            motion,
+            (cells[0], cells[1], cells[2]),
+            doubtful,
+            theta_ratio,
+            fastest,
+        )
         if lost.size:
             block = {name: x.copy() for name, x in block.items()}
             block["outcome"].flat[lost] = Outcome.LOST_CONTACT
@@ -169,45 +292,93 @@ class Job:
                 block[name].flat[lost] = np.nan
         return block
 
-    def report(self, unit: Unit, bands: Sequence[Sequence[Block]], work: Work) -> Report:
-        """Return the report of a unit, from the block of each of its bands at all places of the unit."""
+    def report(
+        self, unit: Unit, bands: Sequence[Sequence[Block]], work: Work
+    ) -> Report:
+        """Return the report of a unit, from the block of each of its bands at all
+        places of the unit.
+        """
         places = [_joined(blocks) for blocks in zip(*bands, strict=True)]
-        data = {key: self.convert(block) if self.convert else block for key, block in {id(x): x for x in places}.items()}
-        outcomes = np.sum([np.bincount(block["outcome"].ravel(), minlength=len(Outcome)) for block in places], axis=0)
-        differences = np.bincount(places[0].get("difference", np.zeros(0, np.uint8)).ravel(), minlength=len(Difference))
-        return Report(tuple(data[id(x)] for x in places), work, outcomes, len(places) * differences, self.seen(unit, places[0]))
+        data = {
+            key: self.convert(block) if self.convert else block
+            for key, block in {id(x): x for x in places}.items()
+        }
+        outcomes = np.sum(
+            [
+                np.bincount(block["outcome"].ravel(), minlength=len(Outcome))
+                for block in places
+            ],
+            axis=0,
+        )
+        differences = np.bincount(
+            places[0].get("difference", np.zeros(0, np.uint8)).ravel(),
+            minlength=len(Difference),
+        )
+        return Report(
+            tuple(data[id(x)] for x in places),
+            work,
+            outcomes,
+            len(places) * differences,
+            self.seen(unit, places[0]),
+        )
 
     def seen(self, unit: Unit, block: Block) -> dict[Place, tuple[int, float]]:
         """Return outcome and theta/alpha of the cells to check in this unit."""
         found = {}
         for i, row, column in self.checked:
             r, c = row - unit.row, column - unit.column
-            if i == unit.places[0] and 0 <= r < self.chunk[0] and 0 <= c < self.chunk[1]:
-                found[i, row, column] = int(block["outcome"][r, c]), float(block["theta_ratio"][r, c])
+            if (
+                i == unit.places[0]
+                and 0 <= r < self.chunk[0]
+                and 0 <= c < self.chunk[1]
+            ):
+                found[i, row, column] = (
+                    int(block["outcome"][r, c]),
+                    float(block["theta_ratio"][r, c]),
+                )
         return found
 
 
 def _joined(blocks: Sequence[Block]) -> Block:
-    """Join the rows of several blocks to one block; a single block is returned itself, since several places often share it."""
-    return blocks[0] if len(blocks) == 1 else {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
+    """Join the rows of several blocks to one block; a single block is returned itself,
+    since several places often share it.
+    """
+    return (
+        blocks[0]
+        if len(blocks) == 1
+        else {
+            name: np.concatenate([block[name] for block in blocks])
+            for name in blocks[0]
+        }
+    )
 
 
 Crew = AbstractContextManager[tuple[Run, int]]
-"""A context with (function from items to their answers in order, number of items computed at a time)."""
+"""A context with (function from items to their answers in order, number of items
+computed at a time).
+"""
 
 
 @contextmanager
 def local_crew(job: Job, workers: int) -> Iterator[tuple[Run, int]]:
-    """Context of a crew: this process alone, or `workers` other processes. Raises OutputError when a worker dies."""
+    """Context of a crew: this process alone, or `workers` other processes. Raises
+    OutputError when a worker dies.
+    """
     if workers == 1:
         yield partial(map, job.answer), 1
         return
-    with processes(workers, job.answer, "fewer `workers` or a smaller `chunk_cells` need less") as run:
+    with processes(
+        workers, job.answer, "fewer `workers` or a smaller `chunk_cells` need less"
+    ) as run:
         yield run, workers
 
 
-def unit_reports(job: Job, units: Sequence[Unit], crew: Crew, verification: Verification) -> Iterator[tuple[Unit, Report]]:
-    """Yield the reports of the units, in their order; after the last one `verification` has all its answers."""
+def unit_reports(
+    job: Job, units: Sequence[Unit], crew: Crew, verification: Verification
+) -> Iterator[tuple[Unit, Report]]:
+    """Yield the reports of the units, in their order; after the last one `verification`
+    has all its answers.
+    """
     with crew as (run, at_once):
         size = max(1, min(job.together, -(-len(units) // at_once)))
         batches = [list(units[i : i + size]) for i in range(0, len(units), size)]

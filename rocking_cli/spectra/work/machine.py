@@ -1,4 +1,5 @@
-"""The state of the program, its libraries and the processor; the last digits of results depend on it.
+"""The state of the program, its libraries and the processor; the last digits of results
+depend on it.
 
 Two machines with equal states compute the same bytes.
 """
@@ -12,21 +13,34 @@ from typing import Any
 
 from ... import __version__
 
-_COMPUTES = ("dynamics", "motions", "spectra", "structures")  # packages whose code computes the values of a spectrum
+_COMPUTES = (
+    "dynamics",
+    "motions",
+    "spectra",
+    "structures",
+)  # packages whose code computes the values of a spectrum
 
 
 @cache
 def version() -> str:
-    """Return the version of this program and a digest of the code that computes spectra, which differs between states of one version."""
+    """Return the version of this program and a digest of the code that computes
+    spectra, which differs between states of one version.
+    """
     package, digest = Path(__file__).parents[2], hashlib.blake2b(digest_size=8)
-    for path in sorted(path for folder in _COMPUTES for path in (package / folder).rglob("*.py")):
+    for path in sorted(
+        path for folder in _COMPUTES for path in (package / folder).rglob("*.py")
+    ):
         code = path.read_bytes()
-        digest.update(f"{path.relative_to(package).as_posix()} {len(code)}\n".encode() + code)
+        digest.update(
+            f"{path.relative_to(package).as_posix()} {len(code)}\n".encode() + code
+        )
     return f"{__version__}+{digest.hexdigest()}"
 
 
 def machine() -> dict[str, Any]:
-    """This machine and its libraries by name, as JSON values; `cpu`: the vector instructions that NumPy uses."""
+    """This machine and its libraries by name, as JSON values; `cpu`: the vector
+    instructions that NumPy uses.
+    """
     import h5py
     import numpy as np
 
@@ -45,7 +59,9 @@ def machine() -> dict[str, Any]:
 
 
 def _version_of(package: str) -> str:
-    """Return the version that a package states in `version.py`; its import, or its metadata, would take as long as a small sweep."""
+    """Return the version that a package states in `version.py`; its import, or its
+    metadata, would take as long as a small sweep.
+    """
     from importlib.util import find_spec
     from runpy import run_path
 
@@ -56,7 +72,10 @@ def _version_of(package: str) -> str:
 
 def described(machine: Mapping[str, Any]) -> str:
     """Return a machine in one line."""
-    return ", ".join(f"{key} {' '.join(value) if isinstance(value, list) else value}" for key, value in machine.items())
+    return ", ".join(
+        f"{key} {' '.join(value) if isinstance(value, list) else value}"
+        for key, value in machine.items()
+    )
 
 
 def together(lists: Sequence[Sequence[Mapping[str, Any]]]) -> list[dict[str, Any]]:
@@ -66,9 +85,18 @@ def together(lists: Sequence[Sequence[Mapping[str, Any]]]) -> list[dict[str, Any
 
 
 def unlike(machines: Sequence[Mapping[str, Any]]) -> str:
-    """Return the differences of several machines, by name and value; empty if the machines compute alike."""
+    """Return the differences of several machines, by name and value; empty if the
+    machines compute alike.
+    """
     found = {
-        key: dict.fromkeys(" ".join(v) if isinstance(v := m.get(key, "unknown"), list) else str(v) for m in machines)
+        key: dict.fromkeys(
+            " ".join(v) if isinstance(v := m.get(key, "unknown"), list) else str(v)
+            for m in machines
+        )
         for key in dict.fromkeys(key for m in machines for key in m)
     }
-    return ", ".join(f"{key} {' and '.join(values)}" for key, values in found.items() if len(values) > 1)
+    return ", ".join(
+        f"{key} {' and '.join(values)}"
+        for key, values in found.items()
+        if len(values) > 1
+    )

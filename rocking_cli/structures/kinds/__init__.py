@@ -9,8 +9,8 @@ A new kind is one file, and its name in KINDS. The file has
 - `SIZES`, the keys that `block:0.5x2` states, if the kind has this form;
 - `sketch(document, parameters)` beside `build`, the geometry for `rocking draw`, if the kind has one.
 
-An installed package adds a kind by an entry point; `damping`, `friction`, and `gravity` and `restitution` if build does not read them,
-are read for it:
+An installed package adds a kind by an entry point; `damping`, `friction`, and `gravity`
+and `restitution` if build does not read them, are read for it:
 
     [project.entry-points."rocking.structures"]
     tower = "my_package.tower"
@@ -28,7 +28,12 @@ from typing import TYPE_CHECKING, Any
 
 from ...plugins import blamed, installed
 from ..parameters import RockingParameters
-from ..shared_keys import RESTRAINTS, gravity_of, one_sided_restitution_of, restitution_of
+from ..shared_keys import (
+    RESTRAINTS,
+    gravity_of,
+    one_sided_restitution_of,
+    restitution_of,
+)
 
 if TYPE_CHECKING:
     from ...documents.document import Document
@@ -36,69 +41,170 @@ if TYPE_CHECKING:
 
 OF_BODIES = ("inset", *RESTRAINTS)  # keys that every rigid kind takes, and no other one
 GROUP = "rocking.structures"
-# The keys of all kinds but those inside lists; no column of a table with such a name is a label.
-KEYS = frozenset({
-    "a_scale", "alpha", "alpha_geometric", "angle", "arm", "base_radius", "cap_ratio", "columns", "corners", "crack", "crack_height",
-    "dampers", "damping", "density", "drums", "eta", "eta_source", "friction", "gravity", "gyration", "height", "hinges", "inertia",
-    "inset", "kind", "labels", "lambda", "left", "length", "mass", "measured", "name", "offset", "one_sided", "other_interfaces", "p",
-    "pieces", "radius", "restitution", "right", "rise", "rocks_on", "sides", "span", "structure_kind", "tendon", "thickness", "ties",
-    "tip_height", "top_radius", "voussoirs", "width",
-})  # fmt: skip
-KINDS = ("block", "point_mass", "spire", "arch", "frame", "prism", "drum", "rigid", "stack", "wall", "parameters")
+# The keys of all kinds but those inside lists; no column of a table with such a name is
+# a label.
+KEYS = frozenset(
+    {
+        "a_scale",
+        "alpha",
+        "alpha_geometric",
+        "angle",
+        "arm",
+        "base_radius",
+        "cap_ratio",
+        "columns",
+        "corners",
+        "crack",
+        "crack_height",
+        "dampers",
+        "damping",
+        "density",
+        "drums",
+        "eta",
+        "eta_source",
+        "friction",
+        "gravity",
+        "gyration",
+        "height",
+        "hinges",
+        "inertia",
+        "inset",
+        "kind",
+        "labels",
+        "lambda",
+        "left",
+        "length",
+        "mass",
+        "measured",
+        "name",
+        "offset",
+        "one_sided",
+        "other_interfaces",
+        "p",
+        "pieces",
+        "radius",
+        "restitution",
+        "right",
+        "rise",
+        "rocks_on",
+        "sides",
+        "span",
+        "structure_kind",
+        "tendon",
+        "thickness",
+        "ties",
+        "tip_height",
+        "top_radius",
+        "voussoirs",
+        "width",
+    }
+)
+KINDS = (
+    "block",
+    "point_mass",
+    "spire",
+    "arch",
+    "frame",
+    "prism",
+    "drum",
+    "rigid",
+    "stack",
+    "wall",
+    "parameters",
+)
 
 
 def build(document: Document, name: str) -> RockingParameters:
-    """Return the parameters of a document of any kind. Raises DocumentError for an unknown kind, and for the kind of an
-    installed package that does not load, raises another error, exits, or returns something else; otherwise what the kind raises."""
+    """Return the parameters of a document of any kind. Raises DocumentError for an
+    unknown kind, and for the kind of an installed package that does not load, raises
+    another error, exits, or returns something else; otherwise what the kind raises.
+    """
     value = document.values.get("kind")
-    found = {} if value is not None and isinstance(value.content, str) and value.content in KINDS else installed(GROUP)
+    found = (
+        {}
+        if value is not None
+        and isinstance(value.content, str)
+        and value.content in KINDS
+        else installed(GROUP)
+    )
     word = document.choice("kind", [*KINDS, *found])
     if word in KINDS:
         built = _built(_module(word), document, name)
         for key in set(OF_BODIES) & document.keys.keys() - document.asked:
-            raise document.fault(key, f"{key} of kind {word}", f"no {key}, or a kind of one rigid body, such as block or wall")
+            raise document.fault(
+                key,
+                f"{key} of kind {word}",
+                f"no {key}, or a kind of one rigid body, such as block or wall",
+            )
         return built
     wanted = f"a package that works, or one of {', '.join(KINDS)}"
     with blamed(found[word], lambda said: document.fault("kind", said, wanted)):
         built = _built(_module(word), document, name)
         if not isinstance(built, RockingParameters):
-            raise TypeError(f"build returns {type(built).__name__}, which is no RockingParameters")
+            raise TypeError(
+                f"build returns {type(built).__name__}, which is no RockingParameters"
+            )
     return _with_shared_keys(document, built)
 
 
 def _built(kind: Any, document: Document, name: str) -> RockingParameters:
-    built: RockingParameters = kind.body(document).parameters(document, name) if hasattr(kind, "body") else kind.build(document, name)
+    built: RockingParameters = (
+        kind.body(document).parameters(document, name)
+        if hasattr(kind, "body")
+        else kind.build(document, name)
+    )
     return built
 
 
 def _module(word: str) -> Any:
-    """Return the module of a kind, of this package or of an installed one. Raises TypeError if it is not a module of a kind."""
+    """Return the module of a kind, of this package or of an installed one. Raises
+    TypeError if it is not a module of a kind.
+    """
     if word in KINDS:
-        return import_module("." + {"parameters": "stated"}.get(word, word), __package__)
+        return import_module(
+            "." + {"parameters": "stated"}.get(word, word), __package__
+        )
     kind = (entry := installed(GROUP)[word]).load()
     made = any(callable(getattr(kind, name, None)) for name in ("body", "build"))
     if not (made and isinstance(getattr(kind, "REPORTS", None), tuple | list)):
-        raise TypeError(f"{entry.value} has no build(document, name) and no body(document), or no REPORTS, a tuple of keys")
+        raise TypeError(
+            f"{entry.value} has no build(document, name) and no body(document), or no"
+            " REPORTS, a tuple of keys"
+        )
     return kind
 
 
-def _with_shared_keys(document: Document, built: RockingParameters) -> RockingParameters:
-    """Apply the gravity and restitution of the document if the kind has not read them; p^2 is proportional to gravity. For a structure with
-    two sides or a mechanism both stay unread, and so are refused, since its other numbers may depend on them."""
+def _with_shared_keys(
+    document: Document, built: RockingParameters
+) -> RockingParameters:
+    """Apply the gravity and restitution of the document if the kind has not read them;
+    p^2 is proportional to gravity. For a structure with two sides or a mechanism both
+    stay unread, and so are refused, since its other numbers may depend on them.
+    """
     if built.sides or built.mechanism is not None:
         return built
     unread = {"gravity", "restitution"} - document.asked
     if "gravity" in unread and document.has("gravity"):
         gravity = gravity_of(document)
-        built = replace(built, gravity=gravity, p=built.p * math.sqrt(gravity / built.gravity))
+        built = replace(
+            built, gravity=gravity, p=built.p * math.sqrt(gravity / built.gravity)
+        )
     if "restitution" in unread and document.has("restitution"):
-        of = one_sided_restitution_of(document, (1.0, 1.0), built.eta) if built.one_sided else restitution_of(document, built.eta, "")
-        built = replace(built, eta=of[0], eta_source=of[1] if of[1] == "given" else built.eta_source)
+        of = (
+            one_sided_restitution_of(document, (1.0, 1.0), built.eta)
+            if built.one_sided
+            else restitution_of(document, built.eta, "")
+        )
+        built = replace(
+            built, eta=of[0], eta_source=of[1] if of[1] == "given" else built.eta_source
+        )
     return built
 
 
 def reports_of(word: str) -> Sequence[str]:
-    """Return the keys of the details that a kind reports; empty for an unknown kind and for a package that does not load."""
+    """Return the keys of the details that a kind reports; empty for an unknown kind and
+    for a package that does not load.
+    """
     try:
         return tuple(_module(word).REPORTS)
     except (Exception, SystemExit):
@@ -106,17 +212,25 @@ def reports_of(word: str) -> Sequence[str]:
 
 
 def sizes_of(word: str) -> Sequence[str]:
-    """Return the keys whose values `KIND:AxB` states; empty for a kind without this form."""
+    """Return the keys whose values `KIND:AxB` states; empty for a kind without this
+    form.
+    """
     return tuple(getattr(_module(word), "SIZES", ())) if word in KINDS else ()
 
 
 def sketch_of(document: Document, built: RockingParameters) -> Sketch:
-    """Return the sketch of a structure that was built from the document. Raises DocumentError if its kind has no geometry."""
+    """Return the sketch of a structure that was built from the document. Raises
+    DocumentError if its kind has no geometry.
+    """
     kind = _module(word := str(document.values["kind"].content))
     if hasattr(kind, "body"):
         drawing: Sketch = kind.body(document).moved_in(document)[1].drawing
         return built.restraints.drawn(drawing) if built.restraints else drawing
     if not hasattr(kind, "sketch"):
-        raise document.fault("kind", f"{word}, which states no geometry to draw", f"one of {', '.join(KINDS[:-1])}")
+        raise document.fault(
+            "kind",
+            f"{word}, which states no geometry to draw",
+            f"one of {', '.join(KINDS[:-1])}",
+        )
     found: Sketch = kind.sketch(document, built)
     return found

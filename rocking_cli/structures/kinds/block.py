@@ -8,5 +8,10 @@ SIZES = ("width", "height")
 
 
 def body(document: Document) -> RigidBody:
-    """Return a block from width and height, or from radius (half the diagonal) and alpha. Raises DocumentError."""
-    return rectangle_body(*radius_and_alpha(document), limit="a block with alpha up to 54.7 deg (width/height up to 1.414)")
+    """Return a block from width and height, or from radius (half the diagonal) and
+    alpha. Raises DocumentError.
+    """
+    return rectangle_body(
+        *radius_and_alpha(document),
+        limit="a block with alpha up to 54.7 deg (width/height up to 1.414)",
+    )

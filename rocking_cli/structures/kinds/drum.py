@@ -1,4 +1,6 @@
-"""A solid of revolution on the edge of its base circle: a cylinder, a frustum of a cone, or a stack of drums."""
+"""A solid of revolution on the edge of its base circle: a cylinder, a frustum of a
+cone, or a stack of drums.
+"""
 
 from ...documents.document import Document
 from ..mechanics.single_body import RigidBody
@@ -9,14 +11,29 @@ SIZES = ("radius", "height")
 
 
 def body(document: Document) -> RigidBody:
-    """Return a drum or a stack of drums. Raises DocumentError.
-    Keys: radius and height (cylinder); base_radius, top_radius and height (frustum); or drums: a list of these, from below. offset [m,
-    towards +x]: of the mass centre of a single drum from its axis, or of a drum of a stack from the line of the stack."""
+    """Return a drum or a stack of drums. Raises DocumentError. Keys: radius and height
+    (cylinder); base_radius, top_radius and height (frustum); or drums: a list of these,
+    from below. offset [m, towards +x]: of the mass centre of a single drum from its
+    axis, or of a drum of a stack from the line of the stack.
+    """
     if document.has("drums"):
-        wanted = "a list of drums from below, each with radius, or base_radius and top_radius, and height"
-        return stacked(document, "drums", "drum", [round_piece(part) for part in document.parts("drums", wanted)])
+        wanted = (
+            "a list of drums from below, each with radius, or base_radius and"
+            " top_radius, and height"
+        )
+        return stacked(
+            document,
+            "drums",
+            "drum",
+            [round_piece(part) for part in document.parts("drums", wanted)],
+        )
     drum = round_piece(document)
     if not abs(drum.axis) < drum.foot:
         wanted = f"a length between -{drum.foot:g} and {drum.foot:g} m, above its base"
         raise document.fault("offset", str(document.values["offset"]), wanted)
-    return stacked(document, "drums", "drum", [drum._replace(axis=0.0, body=drum.body.shifted(drum.axis))])
+    return stacked(
+        document,
+        "drums",
+        "drum",
+        [drum._replace(axis=0.0, body=drum.body.shifted(drum.axis))],
+    )

@@ -1,7 +1,8 @@
 """A frame of free-standing columns that carry a rigid beam (Makris and Vassiliou 2013).
 
-N equal rectangular columns of half diagonal R and slenderness alpha rock together, and the beam translates with their tops.
-With gamma = mass of the beam / mass of all columns, the frame rocks as one block of the same alpha with
+N equal rectangular columns of half diagonal R and slenderness alpha rock together, and
+the beam translates with their tops. With gamma = mass of the beam / mass of all
+columns, the frame rocks as one block of the same alpha with
 
     p_hat = p sqrt((1 + 2 gamma)/(1 + 3 gamma)),   eta = (1 - 3/2 sin^2 alpha + 3 gamma cos 2 alpha)/(1 + 3 gamma)
 """
@@ -17,29 +18,54 @@ REPORTS = ("cap_ratio",)
 
 
 def body(document: Document) -> RigidBody:
-    """Return the body of a frame. Raises DocumentError. Keys: columns: their number; width and height (or radius and alpha) of one column;
-    cap_ratio: gamma. The drawing shows up to six columns."""
+    """Return the body of a frame. Raises DocumentError. Keys: columns: their number;
+    width and height (or radius and alpha) of one column; cap_ratio: gamma. The drawing
+    shows up to six columns.
+    """
     count = document.integer("columns", 1, 1_000_000)
     where = "a number from 0, the mass of the beam over that of all columns"
     gamma = document.quantity("cap_ratio", "number", least=0.0, where=where)
     return _frame(min(count, 6), gamma, *radius_and_alpha(document))
 
 
-def _frame(drawn: int, gamma: float, radius: float, alpha: float, inset: float = 0.0) -> RigidBody:
-    """Return the body of a frame with columns of this half diagonal; inset: that of the pivots [m]; drawn: the number of drawn columns."""
+def _frame(
+    drawn: int, gamma: float, radius: float, alpha: float, inset: float = 0.0
+) -> RigidBody:
+    """Return the body of a frame with columns of this half diagonal; inset: that of the
+    pivots [m]; drawn: the number of drawn columns.
+    """
     edge, height = radius * math.sin(alpha), 2.0 * radius * math.cos(alpha)
-    drawing, again = _drawing(edge, height, inset, drawn), partial(_frame, drawn, gamma, radius, alpha)
+    drawing, again = (
+        _drawing(edge, height, inset, drawn),
+        partial(_frame, drawn, gamma, radius, alpha),
+    )
     whole = 4.0 / 3.0  # I/(m R^2) of a column
     if inset:
         reach = math.hypot(edge - inset, 0.5 * height)
-        radius, alpha, whole = reach, math.atan2(edge - inset, 0.5 * height), 1.0 + (radius / reach) ** 2 / 3.0
-    # The mass of the beam moves on the diagonal 2 R: it adds 2 gamma to M R and 4 gamma to I/(M R^2).
+        radius, alpha, whole = (
+            reach,
+            math.atan2(edge - inset, 0.5 * height),
+            1.0 + (radius / reach) ** 2 / 3.0,
+        )
+    # The mass of the beam moves on the diagonal 2 R: it adds 2 gamma to M R and 4 gamma
+    # to I/(M R^2).
     inertia, share = (whole + 4.0 * gamma) / (1.0 + 2.0 * gamma), 4.0 / whole * gamma
-    eta = (1.0 - 2.0 / whole * math.sin(alpha) ** 2 + share * math.cos(2.0 * alpha)) / (1.0 + share)
+    eta = (1.0 - 2.0 / whole * math.sin(alpha) ** 2 + share * math.cos(2.0 * alpha)) / (
+        1.0 + share
+    )
     return equal_edges(
-        radius, alpha, inertia, eta=eta, whole=False, limit="more slender columns", details={"cap_ratio": gamma},
-        drawing=drawing, again=again, crown=height, share=(1.0 + 2.0 * gamma) / (1.0 + gamma),
-    )  # fmt: skip
+        radius,
+        alpha,
+        inertia,
+        eta=eta,
+        whole=False,
+        limit="more slender columns",
+        details={"cap_ratio": gamma},
+        drawing=drawing,
+        again=again,
+        crown=height,
+        share=(1.0 + 2.0 * gamma) / (1.0 + gamma),
+    )
 
 
 def _drawing(half: float, height: float, inset: float, count: int) -> Sketch:
@@ -49,8 +75,21 @@ def _drawing(half: float, height: float, inset: float, count: int) -> Sketch:
     axes = [step * (i - 0.5 * (count - 1)) for i in range(count)]
     columns = [rectangle(x - half, x + half, 0.0, height) for x in axes]
     beam = rectangle(axes[0] - 2.0 * half, axes[-1] + 2.0 * half, height, height * 1.08)
-    leaning = [turned(column, (x + foot, 0.0), alpha) for column, x in zip(columns, axes, strict=True)]
-    (corner,) = turned([(axes[0] - foot, height)], (axes[0] + foot, 0.0), alpha)  # the beam rests on it
-    lifted = tuple((x + corner[0] - axes[0] + foot, z + corner[1] - height) for x, z in beam)
-    pivots = [(name, (x + side * foot, 0.0)) for x in axes for name, side in (("left", -1.0), ("right", 1.0))]
-    return Sketch(bodies=(*columns, beam), moved=(*leaning, lifted), pivots=tuple(pivots))
+    leaning = [
+        turned(column, (x + foot, 0.0), alpha)
+        for column, x in zip(columns, axes, strict=True)
+    ]
+    (corner,) = turned(
+        [(axes[0] - foot, height)], (axes[0] + foot, 0.0), alpha
+    )  # the beam rests on it
+    lifted = tuple(
+        (x + corner[0] - axes[0] + foot, z + corner[1] - height) for x, z in beam
+    )
+    pivots = [
+        (name, (x + side * foot, 0.0))
+        for x in axes
+        for name, side in (("left", -1.0), ("right", 1.0))
+    ]
+    return Sketch(
+        bodies=(*columns, beam), moved=(*leaning, lifted), pivots=tuple(pivots)
+    )

@@ -11,10 +11,19 @@ SIZES = ("width", "height")
 
 
 def body(document: Document) -> RigidBody:
-    """Return a mass on two struts from width (distance of the supports) and height, or from radius (length of a strut) and alpha. Raises
-    DocumentError."""
+    """Return a mass on two struts from width (distance of the supports) and height, or
+    from radius (length of a strut) and alpha. Raises DocumentError.
+    """
     radius, alpha = radius_and_alpha(document, 1.0)
     half, mass = radius * math.sin(alpha), (0.0, radius * math.cos(alpha))
     feet = (-half, 0.0), (half, 0.0)
-    drawing = rocker([(feet[0], mass), (feet[1], mass), circle(mass, 0.05 * radius)], *feet, mass)
-    return equal_edges(radius, alpha, 1.0, limit="a point mass with alpha up to 45 deg", drawing=drawing)
+    drawing = rocker(
+        [(feet[0], mass), (feet[1], mass), circle(mass, 0.05 * radius)], *feet, mass
+    )
+    return equal_edges(
+        radius,
+        alpha,
+        1.0,
+        limit="a point mass with alpha up to 45 deg",
+        drawing=drawing,
+    )

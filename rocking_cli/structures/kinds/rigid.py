@@ -8,26 +8,44 @@ from ..mechanics.single_body import RigidBody, body_on_edges
 from ..shared_keys import mass_of
 from ..sketch import circle, rocker
 
-_WIDEST = 1000.0  # moments about the middle between the edges then lose six digits of sixteen
+_WIDEST = (
+    1000.0  # moments about the middle between the edges then lose six digits of sixteen
+)
 REPORTS = ("direction",)
 
 
 def body(document: Document) -> RigidBody:
-    """Return the rigid body that a document of this kind describes. Raises DocumentError.
-    Keys: left, right: horizontal distance from each edge to the mass centre; height of the mass centre above the edges; gyration: radius of
-    gyration about the mass centre, or inertia about it and mass; mass is optional with gyration. The drawing shows the base, and the circle
-    of the radius of gyration in place of an outline."""
-    left, right, height = document.length("left"), document.length("right"), document.length("height")
+    """Return the rigid body that a document of this kind describes. Raises
+    DocumentError. Keys: left, right: horizontal distance from each edge to the mass
+    centre; height of the mass centre above the edges; gyration: radius of gyration
+    about the mass centre, or inertia about it and mass; mass is optional with gyration.
+    The drawing shows the base, and the circle of the radius of gyration in place of an
+    outline.
+    """
+    left, right, height = (
+        document.length("left"),
+        document.length("right"),
+        document.length("height"),
+    )
     half, x, gyration = 0.5 * (left + right), 0.5 * (left - right), _gyration(document)
     reach = math.hypot(min(left, right), height)
     if max(left, right) > _WIDEST * reach:
         far = "left" if left > right else "right"
-        wanted = f"up to {_WIDEST:g} times the {reach:g} m from the other edge to the mass centre"
+        wanted = (
+            f"up to {_WIDEST:g} times the {reach:g} m from the other edge to the mass"
+            " centre"
+        )
         raise document.fault(far, f"{max(left, right):g} m", wanted)
     moments = Moments(1.0, x, height, gyration**2 + x * x + height * height)
     outlines = [circle((0.0, height), gyration), ((-left, 0.0), (right, 0.0))]
     drawing = rocker(outlines, (-left, 0.0), (right, 0.0), (0.0, height))
-    return body_on_edges(moments, half, crown=math.inf, limit="a body more slender than this one", drawing=drawing)
+    return body_on_edges(
+        moments,
+        half,
+        crown=math.inf,
+        limit="a body more slender than this one",
+        drawing=drawing,
+    )
 
 
 def _gyration(document: Document) -> float:
@@ -35,8 +53,17 @@ def _gyration(document: Document) -> float:
     if not document.has("inertia"):
         return document.length("gyration")
     if document.has("gyration"):
-        raise document.fault("inertia", "inertia together with gyration", "gyration, or inertia and mass, not both")
-    inertia = document.quantity("inertia", "moment of inertia", above=0.0, where="a positive moment of inertia about the mass centre")
+        raise document.fault(
+            "inertia",
+            "inertia together with gyration",
+            "gyration, or inertia and mass, not both",
+        )
+    inertia = document.quantity(
+        "inertia",
+        "moment of inertia",
+        above=0.0,
+        where="a positive moment of inertia about the mass centre",
+    )
     if (mass := mass_of(document)) is None:
         raise document.missing("mass", "the mass [kg] that goes with inertia")
     return math.sqrt(inertia / mass)

@@ -1,9 +1,11 @@
-"""The conical masonry spire (Fig. 3), uncracked or with a diagonal crack below its solid tip.
+"""The conical masonry spire (Fig. 3), uncracked or with a diagonal crack below its
+solid tip.
 
-The outer cone has the base radius r_b and the height H; its wall has the horizontal thickness t at the base. The spire is solid
-above z_t = H (1 - t/r_b). The crack plane passes through the pivot (r_b, 0) and the outer face on the other side at z_c. The part
-above it rocks; a mirrored crack opens in the other direction. The paper gives Eqs. 3.1-3.3 for the uncracked thin wall, and no
-equations for the crack.
+The outer cone has the base radius r_b and the height H; its wall has the horizontal
+thickness t at the base. The spire is solid above z_t = H (1 - t/r_b). The crack plane
+passes through the pivot (r_b, 0) and the outer face on the other side at z_c. The part
+above it rocks; a mirrored crack opens in the other direction. The paper gives Eqs.
+3.1-3.3 for the uncracked thin wall, and no equations for the crack.
 """
 
 import itertools
@@ -23,7 +25,9 @@ _NODES = 64  # Gauss points for each interval; 32 already give 1e-13
 
 
 class Cone(NamedTuple):
-    """A solid cone on z = 0: base radius [m], height [m]; thin: only its lateral shell, of unit horizontal thickness."""
+    """A solid cone on z = 0: base radius [m], height [m]; thin: only its lateral shell,
+    of unit horizontal thickness.
+    """
 
     radius: float
     height: float
@@ -39,9 +43,12 @@ class Cone(NamedTuple):
         return Moments(mass, 0.0, mass * h / 4.0, mass * (0.15 * r**2 + 0.1 * h**2))
 
     def above(self, edge: float, slope: float, both: bool = False) -> Moments:
-        """Return moments of the part above the plane through (edge, 0) that rises by `slope` towards -x; both: also above its mirror image.
-        A slice is a circle or ring cut by a chord and has closed forms. The integral over z is Gauss-Legendre in theta, with z = middle -
-        half cos(theta), which removes the square roots at the ends of an interval."""
+        """Return moments of the part above the plane through (edge, 0) that rises by
+        `slope` towards -x; both: also above its mirror image. A slice is a circle or
+        ring cut by a chord and has closed forms. The integral over z is Gauss-Legendre
+        in theta, with z = middle - half cos(theta), which removes the square roots at
+        the ends of an interval.
+        """
         nodes, weights = np.polynomial.legendre.leggauss(_NODES)
         theta = 0.5 * math.pi * (nodes + 1.0)
         total = Moments(0.0, 0.0, 0.0, 0.0)
@@ -55,20 +62,44 @@ class Cone(NamedTuple):
             area, x, xx = self._slice(radius, angle)
             if both:
                 beyond = self._slice(radius, math.pi - angle)
-                area, x, xx = (np.where(angle > 0.5 * math.pi, a - b, 0.0) for a, b in zip((area, x, xx), beyond, strict=True))
-            total = total.plus(Moments(*(float((weight * f).sum()) for f in (area, x, area * z, xx + area * z * z))))
+                area, x, xx = (
+                    np.where(angle > 0.5 * math.pi, a - b, 0.0)
+                    for a, b in zip((area, x, xx), beyond, strict=True)
+                )
+            total = total.plus(
+                Moments(
+                    *(
+                        float((weight * f).sum())
+                        for f in (area, x, area * z, xx + area * z * z)
+                    )
+                )
+            )
         return total
 
-    def _slice(self, radius: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return (int dA, int x dA, int x^2 dA) over the part x >= R cos(angle) of a circle or ring of radius R."""
+    def _slice(
+        self, radius: np.ndarray, angle: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return (int dA, int x dA, int x^2 dA) over the part x >= R cos(angle) of a
+        circle or ring of radius R.
+        """
         sin, cos = np.sin(angle), np.cos(angle)
         if self.thin:
-            return 2.0 * radius * angle, 2.0 * radius**2 * sin, radius**3 * (angle + sin * cos)
+            return (
+                2.0 * radius * angle,
+                2.0 * radius**2 * sin,
+                radius**3 * (angle + sin * cos),
+            )
         chord = radius**2 * (angle - sin * cos)
-        return chord, 2.0 / 3.0 * (radius * sin) ** 3, 0.25 * radius**4 * (angle - 0.25 * np.sin(4.0 * angle))
+        return (
+            chord,
+            2.0 / 3.0 * (radius * sin) ** 3,
+            0.25 * radius**4 * (angle - 0.25 * np.sin(4.0 * angle)),
+        )
 
     def _intervals(self, edge: float, slope: float) -> list[tuple[float, float]]:
-        """Return the intervals of z between the base, the apex, and the points where the plane meets the faces and the axis."""
+        """Return the intervals of z between the base, the apex, and the points where
+        the plane meets the faces and the axis.
+        """
         marks = [0.0, self.height, slope * edge]
         for side in (1.0, -1.0):  # edge - z / slope = side R (1 - z / H)
             fall = 1.0 / slope - side * self.radius / self.height
@@ -79,7 +110,9 @@ class Cone(NamedTuple):
 
 
 class Spire(NamedTuple):
-    """The geometry of a spire [m]; thickness 0 means a thin wall, crack_height 0 an uncracked spire."""
+    """The geometry of a spire [m]; thickness 0 means a thin wall, crack_height 0 an
+    uncracked spire.
+    """
 
     base_radius: float
     height: float
@@ -88,46 +121,89 @@ class Spire(NamedTuple):
     crack_height: float
 
     def rocking(self, both: bool = False) -> Moments:
-        """Return the moments of the part above the crack; both: only what also lies above the mirror image of the crack."""
-        outer = self._part(Cone(self.base_radius, self.height, thin=self.thickness == 0.0), both)
+        """Return the moments of the part above the crack; both: only what also lies
+        above the mirror image of the crack.
+        """
+        outer = self._part(
+            Cone(self.base_radius, self.height, thin=self.thickness == 0.0), both
+        )
         if self.thickness == 0.0:
             return outer
-        return outer.minus(self._part(Cone(self.base_radius - self.thickness, self.tip_height), both))
+        return outer.minus(
+            self._part(Cone(self.base_radius - self.thickness, self.tip_height), both)
+        )
 
     def _part(self, cone: Cone, both: bool) -> Moments:
         if self.crack_height == 0.0:
             return cone.whole()
         windward = self.base_radius * (1.0 - self.crack_height / self.height)
-        return cone.above(self.base_radius, self.crack_height / (self.base_radius + windward), both)
+        return cone.above(
+            self.base_radius, self.crack_height / (self.base_radius + windward), both
+        )
 
     def restitution(self) -> float:
-        """eta from angular momentum: only the part above both cracks moves before and after an impact."""
+        """eta from angular momentum: only the part above both cracks moves before and
+        after an impact.
+        """
         body = self.rocking()
-        before, after = spin_about(self.base_radius, 0.0, -1.0), spin_about(-self.base_radius, 0.0, -1.0)
+        before, after = (
+            spin_about(self.base_radius, 0.0, -1.0),
+            spin_about(-self.base_radius, 0.0, -1.0),
+        )
         shared: float = before.product(after, self.rocking(both=True))
         return shared / float(after.product(after, body._replace(x=-body.x)))
 
 
 def body(document: Document) -> RigidBody:
-    """A spire; the drawing shows its section, the crack and its mirror image. Raises DocumentError. Keys: base_radius, height, thickness
-    (absent: thin wall), tip_height, crack: none | diagonal, crack_height."""
+    """A spire; the drawing shows its section, the crack and its mirror image. Raises
+    DocumentError. Keys: base_radius, height, thickness (absent: thin wall), tip_height,
+    crack: none | diagonal, crack_height.
+    """
     spire = _read(document)
-    r, h, crack, moments = spire.base_radius, spire.height, spire.crack_height, spire.rocking()
+    r, h, crack, moments = (
+        spire.base_radius,
+        spire.height,
+        spire.crack_height,
+        spire.rocking(),
+    )
     left, right, apex, inner = (-r, 0.0), (r, 0.0), (0.0, h), r - spire.thickness
-    hollows = (((-inner, 0.0), (inner, 0.0), (0.0, spire.tip_height)),) if spire.thickness else ()
+    hollows = (
+        (((-inner, 0.0), (inner, 0.0), (0.0, spire.tip_height)),)
+        if spire.thickness
+        else ()
+    )
     centre = (moments.x / moments.mass, moments.z / moments.mass)
-    more: dict[str, Any] = {"limit": "a spire more slender, or cracked lower", "eta": spire.restitution()}
+    more: dict[str, Any] = {
+        "limit": "a spire more slender, or cracked lower",
+        "eta": spire.restitution(),
+    }
     if not crack:
         drawing = rocker([(left, right, apex)], left, right, centre, hollows=hollows)
         return symmetric_body(moments, r, top=apex, drawing=drawing, **more)
     windward = (-r * (1.0 - crack / h), crack)
-    lines = (("crack", (right, windward)), ("its mirror image", (left, (-windward[0], crack))))
-    drawing = rocker([(windward, right, apex)], left, right, centre, still=((left, right, windward),), hollows=hollows, lines=lines)
+    lines = (
+        ("crack", (right, windward)),
+        ("its mirror image", (left, (-windward[0], crack))),
+    )
+    drawing = rocker(
+        [(windward, right, apex)],
+        left,
+        right,
+        centre,
+        still=((left, right, windward),),
+        hollows=hollows,
+        lines=lines,
+    )
 
     def refused(_: float) -> RigidBody:
-        raise document.fault("inset", "an inset of a cracked spire", "no inset, or crack: none")
+        raise document.fault(
+            "inset", "an inset of a cracked spire", "no inset, or crack: none"
+        )
 
-    more["details"], more["again"] = {"tip_height": spire.tip_height, "crack_height": crack}, refused
+    more["details"], more["again"] = (
+        {"tip_height": spire.tip_height, "crack_height": crack},
+        refused,
+    )
     return symmetric_body(moments, r, whole=False, drawing=drawing, **more)
 
 
@@ -135,23 +211,56 @@ def _read(document: Document) -> Spire:
     base, height = document.length("base_radius"), document.length("height")
     thickness = 0.0
     if document.has("thickness"):
-        thinnest = 1e-9 * base  # for a thinner wall the difference of the two cones has no digits left
-        where = f"a positive length below base_radius ({base:g} m) and above {thinnest:g} m; absent: a thin wall"
-        thickness = document.quantity("thickness", "length", above=thinnest, below=base, where=where)
+        thinnest = (
+            1e-9 * base
+        )  # for a thinner wall the difference of the two cones has no digits left
+        where = (
+            f"a positive length below base_radius ({base:g} m) and above {thinnest:g}"
+            " m; absent: a thin wall"
+        )
+        thickness = document.quantity(
+            "thickness", "length", above=thinnest, below=base, where=where
+        )
     tip = height * (1.0 - thickness / base)
     if document.has("tip_height"):
         if thickness == 0.0:
-            raise document.fault("tip_height", "a solid tip on a thin wall", "tip_height only together with thickness")
+            raise document.fault(
+                "tip_height",
+                "a solid tip on a thin wall",
+                "tip_height only together with thickness",
+            )
         where = f"a positive length up to height ({height:g} m)"
-        tip = document.quantity("tip_height", "length", above=1e-9 * height, most=height, where=where)
-    crack = document.choice("crack", ["none", "diagonal"], "diagonal" if document.has("crack_height") else "none")
+        tip = document.quantity(
+            "tip_height", "length", above=1e-9 * height, most=height, where=where
+        )
+    crack = document.choice(
+        "crack",
+        ["none", "diagonal"],
+        "diagonal" if document.has("crack_height") else "none",
+    )
     if crack == "none":
         if document.has("crack_height"):
-            raise document.fault("crack_height", "a crack height", "crack_height only together with crack: diagonal")
+            raise document.fault(
+                "crack_height",
+                "a crack height",
+                "crack_height only together with crack: diagonal",
+            )
         return Spire(base, height, thickness, tip, 0.0)
     where = f"a length from 0 (the base) to {tip:g} m (where the solid tip begins)"
-    crack_height = document.quantity("crack_height", "length", least=0.0, most=tip, where=where, default=tip)
+    crack_height = document.quantity(
+        "crack_height", "length", least=0.0, most=tip, where=where, default=tip
+    )
     if crack_height > (1.0 - 1e-3) * height:
-        raise document.fault("crack_height", "a crack up to the apex, above which nothing is left", f"crack_height well below {height:g} m")
+        raise document.fault(
+            "crack_height",
+            "a crack up to the apex, above which nothing is left",
+            f"crack_height well below {height:g} m",
+        )
     # A lower crack is the same as none in double precision.
-    return Spire(base, height, thickness, tip, 0.0 if crack_height < 1e-16 * height else crack_height)
+    return Spire(
+        base,
+        height,
+        thickness,
+        tip,
+        0.0 if crack_height < 1e-16 * height else crack_height,
+    )

@@ -1,4 +1,6 @@
-"""A stack of round and rectangular pieces, such as a statue on its plinth, drums under a capital, or a finial on a gable."""
+"""A stack of round and rectangular pieces, such as a statue on its plinth, drums under
+a capital, or a finial on a gable.
+"""
 
 from ...documents.document import Document
 from ..mechanics.moments import Moments
@@ -6,23 +8,34 @@ from ..mechanics.single_body import RigidBody
 from ..mechanics.stacked_pieces import Piece, offset_of, round_piece, stacked
 
 REPORTS = ("rocks_on", "interfaces", "direction")
-_WANTED = "a list of pieces from below, each with height and width (and depth), or radius, or base_radius and top_radius"
+_WANTED = (
+    "a list of pieces from below, each with height and width (and depth), or radius, or"
+    " base_radius and top_radius"
+)
 
 
 def body(document: Document) -> RigidBody:
     """Return a stack from the key `pieces`, a list from below. Raises DocumentError.
-    Keys of a piece: height; width (in the direction of rocking) and depth (default: the width), or radius, or base_radius and top_radius;
-    offset of its axis towards +x; density, for all pieces or for none."""
+    Keys of a piece: height; width (in the direction of rocking) and depth (default: the
+    width), or radius, or base_radius and top_radius; offset of its axis towards +x;
+    density, for all pieces or for none.
+    """
     parts = document.parts("pieces", _WANTED)
     pieces = [_piece(part) for part in parts]
     dense = [part for part in parts if part.has("density")]
     if dense and len(dense) < len(parts):
-        raise dense[0].fault("density", "a density of some pieces only", "density for every piece, or for none")
+        raise dense[0].fault(
+            "density",
+            "a density of some pieces only",
+            "density for every piece, or for none",
+        )
     return stacked(document, "pieces", "piece", pieces)
 
 
 def _piece(part: Document) -> Piece:
-    piece = _cuboid(part) if part.has("width") or part.has("depth") else round_piece(part)
+    piece = (
+        _cuboid(part) if part.has("width") or part.has("depth") else round_piece(part)
+    )
     if not part.has("density"):
         return piece
     density = part.quantity("density", "density", above=0.0, where="a positive density")
@@ -32,8 +45,17 @@ def _piece(part: Document) -> Piece:
 def _cuboid(part: Document) -> Piece:
     for key in ("radius", "base_radius", "top_radius"):
         if part.has(key):
-            raise part.fault(key, f"{key} together with width or depth", "width and depth of a rectangular piece, or radii of a round one")
+            raise part.fault(
+                key,
+                f"{key} together with width or depth",
+                "width and depth of a rectangular piece, or radii of a round one",
+            )
     width, height = part.length("width"), part.length("height")
     mass = width * (part.length("depth") if part.has("depth") else width) * height
-    moments = Moments(mass, 0.0, 0.5 * mass * height, mass * (width * width / 12.0 + height * height / 3.0))
+    moments = Moments(
+        mass,
+        0.0,
+        0.5 * mass * height,
+        mass * (width * width / 12.0 + height * height / 3.0),
+    )
     return Piece(0.5 * width, 0.5 * width, height, offset_of(part), moments)

@@ -1,22 +1,37 @@
-"""Rocking parameters stated directly, as `rocking params --json` prints them for every kind."""
+"""Rocking parameters stated directly, as `rocking params --json` prints them for every
+kind.
+"""
 
 import math
 from typing import Any
 
 from ...documents.document import Document
-from ..parameters import DIMENSIONLESS, OTHERS, VARIED, RockingParameters, Side, numbers_of, weaker_side
+from ..parameters import (
+    DIMENSIONLESS,
+    OTHERS,
+    VARIED,
+    RockingParameters,
+    Side,
+    numbers_of,
+    weaker_side,
+)
 from ..shared_keys import ONE_SIDED_RESTITUTION, gravity_of
 
 REPORTS = ()
-DIMENSIONS = {"mass": "mass", "alpha_geometric": "angle", **dict.fromkeys(("inset", "length", "tip_height", "crack_height"), "length")}
+DIMENSIONS = {
+    "mass": "mass",
+    "alpha_geometric": "angle",
+    **dict.fromkeys(("inset", "length", "tip_height", "crack_height"), "length"),
+}
 """The dimension of each detail that has a unit."""
 LARGEST_P = 1e150  # rad/s; p^2 and 1/p^2 must be within double precision
 P_RANGE = f"a positive number, from {1.0 / LARGEST_P:g} to {LARGEST_P:g} rad/s"
 
 
 def build(document: Document, name: str) -> RockingParameters:
-    """Return the parameters that the document states; a_scale = alpha/lambda gives an absent lambda or a_scale (Eq. 3.9). Raises
-    DocumentError."""
+    """Return the parameters that the document states; a_scale = alpha/lambda gives an
+    absent lambda or a_scale (Eq. 3.9). Raises DocumentError.
+    """
     found = _free(document, name)
     if not (document.has("ties") | document.has("tendon")):
         return found
@@ -32,65 +47,153 @@ def _free(document: Document, name: str) -> RockingParameters:
 
     structure = document.word("structure_kind", "parameters")
     if structure == DIMENSIONLESS:
-        raise document.fault("structure_kind", structure, "the kind of a structure, which has units")
+        raise document.fault(
+            "structure_kind", structure, "the kind of a structure, which has units"
+        )
     for key in document.values:
         if key.startswith(("left_", "right_")):  # as a CSV of params has them
-            raise document.fault(key, f"{key}, a number of one side", "sides, a list, as `rocking params` prints it in JSON")
-    inset = ("inset", "alpha_geometric") if document.has("alpha_geometric") else ()  # the stated alpha is that with the inset
+            raise document.fault(
+                key,
+                f"{key}, a number of one side",
+                "sides, a list, as `rocking params` prints it in JSON",
+            )
+    inset = (
+        ("inset", "alpha_geometric") if document.has("alpha_geometric") else ()
+    )  # the stated alpha is that with the inset
     reported = (*reports_of(structure), "mass", OTHERS, *inset, *VARIED)
-    details = {key: document.values[key].plain() for key in document.values if key in reported and document.has(key)}
-    details |= {key: document.quantity(key, DIMENSIONS[key]) for key in details if key in DIMENSIONS}
+    details = {
+        key: document.values[key].plain()
+        for key in document.values
+        if key in reported and document.has(key)
+    }
+    details |= {
+        key: document.quantity(key, DIMENSIONS[key])
+        for key in details
+        if key in DIMENSIONS
+    }
     _check_varied(document, details)
     if OTHERS in details and not isinstance(details[OTHERS], list):
-        raise document.fault(OTHERS, str(document.values[OTHERS]), "a list of parameters, as rocking params prints them")
-    more: dict[str, Any] = {"eta_source": document.word("eta_source", "given"), "gravity": gravity_of(document), "details": details}
+        raise document.fault(
+            OTHERS,
+            str(document.values[OTHERS]),
+            "a list of parameters, as rocking params prints them",
+        )
+    more: dict[str, Any] = {
+        "eta_source": document.word("eta_source", "given"),
+        "gravity": gravity_of(document),
+        "details": details,
+    }
     one_sided = document.flag("one_sided")
     if not document.has("sides"):
-        return RockingParameters(name, structure, **_numbers(document, more["gravity"], one_sided), one_sided=one_sided, **more)
+        return RockingParameters(
+            name,
+            structure,
+            **_numbers(document, more["gravity"], one_sided),
+            one_sided=one_sided,
+            **more,
+        )
     if one_sided:
-        raise document.fault("one_sided", "a one-sided body of two sides", "sides, or one_sided: true, not both")
+        raise document.fault(
+            "one_sided",
+            "a one-sided body of two sides",
+            "sides, or one_sided: true, not both",
+        )
     left, right = _sides(document, more["gravity"])
     weaker = weaker_side((left, right))
     for key, number in {**numbers_of(weaker), "arm": weaker.arm}.items():
-        dimension = {"p": "frequency parameter", "alpha": "angle", "arm": "length"}.get(key, "number")
+        dimension = {"p": "frequency parameter", "alpha": "angle", "arm": "length"}.get(
+            key, "number"
+        )
         if document.has(key) and document.quantity(key, dimension) != number:
-            raise document.fault(key, str(document.values[key]), f"{number!r} as in sides, where the {weaker.side} edge lifts first")
+            raise document.fault(
+                key,
+                str(document.values[key]),
+                f"{number!r} as in sides, where the {weaker.side} edge lifts first",
+            )
     return RockingParameters.of_sides(name, structure, left, right, **more)
 
 
 def _check_varied(document: Document, details: dict[str, Any]) -> None:
-    """Raise DocumentError unless `varied` maps keys to numbers, and `varied_units` the same keys to names of units."""
+    """Raise DocumentError unless `varied` maps keys to numbers, and `varied_units` the
+    same keys to names of units.
+    """
     values, units = (details.get(key, {}) for key in VARIED)
-    numbers = isinstance(values, dict) and all(isinstance(value, float) for value in values.values())
-    names = isinstance(units, dict) and all(isinstance(unit, str) or unit is None for unit in units.values())
+    numbers = isinstance(values, dict) and all(
+        isinstance(value, float) for value in values.values()
+    )
+    names = isinstance(units, dict) and all(
+        isinstance(unit, str) or unit is None for unit in units.values()
+    )
     if not (numbers and names and (not units or units.keys() == values.keys())):
-        raise document.fault("varied", "values of another form", "numbers by key and, as varied_units, the names of their units by key")
+        raise document.fault(
+            "varied",
+            "values of another form",
+            "numbers by key and, as varied_units, the names of their units by key",
+        )
 
 
-def _numbers(document: Document, gravity: float, one_sided: bool = False) -> dict[str, Any]:
-    """Read p, alpha, eta, uplift, a_scale and arm of a body or of one of its sides. Raises DocumentError."""
-    p = document.quantity("p", "frequency parameter", least=1.0 / LARGEST_P, most=LARGEST_P, where=P_RANGE)
-    alpha = document.quantity("alpha", "angle", above=0.0, below=math.pi, where="an angle between 0 and 180 deg")
+def _numbers(
+    document: Document, gravity: float, one_sided: bool = False
+) -> dict[str, Any]:
+    """Read p, alpha, eta, uplift, a_scale and arm of a body or of one of its sides.
+    Raises DocumentError.
+    """
+    p = document.quantity(
+        "p", "frequency parameter", least=1.0 / LARGEST_P, most=LARGEST_P, where=P_RANGE
+    )
+    alpha = document.quantity(
+        "alpha",
+        "angle",
+        above=0.0,
+        below=math.pi,
+        where="an angle between 0 and 180 deg",
+    )
     if one_sided:
-        eta = document.quantity("eta", "number", above=-1.0, most=0.0, where=ONE_SIDED_RESTITUTION)
+        eta = document.quantity(
+            "eta", "number", above=-1.0, most=0.0, where=ONE_SIDED_RESTITUTION
+        )
     else:
-        eta = document.quantity("eta", "number", least=0.0, most=1.0, where="a number from 0 to 1")
+        eta = document.quantity(
+            "eta", "number", least=0.0, most=1.0, where="a number from 0 to 1"
+        )
     given = [key for key in ("lambda", "a_scale") if document.has(key)]
-    ratios = {key: document.quantity(key, "number", above=0.0, where="a positive number") for key in given}
+    ratios = {
+        key: document.quantity(key, "number", above=0.0, where="a positive number")
+        for key in given
+    }
     if not ratios:
-        raise document.fault(None, "neither lambda nor a_scale", "lambda (uplift acceleration over g), a_scale (alpha/lambda), or both")
+        raise document.fault(
+            None,
+            "neither lambda nor a_scale",
+            "lambda (uplift acceleration over g), a_scale (alpha/lambda), or both",
+        )
     uplift = ratios.get("lambda", alpha / ratios.get("a_scale", 1.0))
     a_scale = ratios.get("a_scale", alpha / ratios.get("lambda", 1.0))
     arm = None
     if document.has("arm"):  # that of a point mass at most, since R p^2/g = m R^2/I
         most = gravity / p**2
-        where = f"a positive length up to g/p^2, {most:g} m (the mass centre's distance from the edge)"
-        arm = document.quantity("arm", "length", above=0.0, most=most * (1.0 + 1e-9), where=where)
-    return {"p": p, "alpha": alpha, "eta": eta, "uplift": uplift, "a_scale": a_scale, "arm": arm}
+        where = (
+            f"a positive length up to g/p^2, {most:g} m (the mass centre's distance"
+            " from the edge)"
+        )
+        arm = document.quantity(
+            "arm", "length", above=0.0, most=most * (1.0 + 1e-9), where=where
+        )
+    return {
+        "p": p,
+        "alpha": alpha,
+        "eta": eta,
+        "uplift": uplift,
+        "a_scale": a_scale,
+        "arm": arm,
+    }
 
 
 def _sides(document: Document, gravity: float) -> tuple[Side, Side]:
-    wanted = "a list of two, one with side: left and one with side: right, each with p, alpha, eta, and lambda or a_scale"
+    wanted = (
+        "a list of two, one with side: left and one with side: right, each with p,"
+        " alpha, eta, and lambda or a_scale"
+    )
     value = document.values["sides"]
     if not isinstance(value.content, list) or len(value.content) != 2:
         raise document.fault("sides", str(value), wanted)

@@ -1,4 +1,6 @@
-"""A wall that rocks out of its plane, as a block as wide as the wall is thick; without openings and without bonded walls."""
+"""A wall that rocks out of its plane, as a block as wide as the wall is thick; without
+openings and without bonded walls.
+"""
 
 import math
 
@@ -10,13 +12,22 @@ SIZES = ("thickness", "height")
 
 
 def body(document: Document) -> RigidBody:
-    """Return a wall from thickness, height, and length; density and length give its mass. Raises DocumentError."""
+    """Return a wall from thickness, height, and length; density and length give its
+    mass. Raises DocumentError.
+    """
     thickness, height = document.length("thickness"), document.length("height")
     details = {"length": document.length("length")} if document.has("length") else {}
     if document.has("density"):
         if document.has("mass"):
             raise document.fault("density", "density together with mass", "one of them")
-        density = document.quantity("density", "density", above=0.0, where="a positive density")
+        density = document.quantity(
+            "density", "density", above=0.0, where="a positive density"
+        )
         details["mass"] = density * thickness * height * document.length("length")
     limit = "a wall thinner than 1.414 times its height"
-    return rectangle_body(0.5 * math.hypot(thickness, height), math.atan2(thickness, height), limit=limit, details=details)
+    return rectangle_body(
+        0.5 * math.hypot(thickness, height),
+        math.atan2(thickness, height),
+        limit=limit,
+        details=details,
+    )

@@ -1,8 +1,10 @@
-"""The arch as a four-bar linkage (Fig. 5), at rest and displaced; per unit width and unit density.
+"""The arch as a four-bar linkage (Fig. 5), at rest and displaced; per unit width and
+unit density.
 
-A position along the arch is an angle s [rad] from the left springing. The links are the sectors between the hinges A, B, C, D,
-which lie on the intrados, extrados, intrados, extrados. Link A-B turns by phi, clockwise, and the linkage sways to the right
-(+x). The parts outside A and D do not move.
+A position along the arch is an angle s [rad] from the left springing. The links are the
+sectors between the hinges A, B, C, D, which lie on the intrados, extrados, intrados,
+extrados. Link A-B turns by phi, clockwise, and the linkage sways to the right (+x). The
+parts outside A and D do not move.
 """
 
 from collections.abc import Callable
@@ -20,14 +22,18 @@ FACES = (INTRADOS, EXTRADOS, INTRADOS, EXTRADOS)
 
 
 class Ring(NamedTuple):
-    """The ring of an arch: centre-line radius r [m], thickness t [m], inclusion angle beta [rad]."""
+    """The ring of an arch: centre-line radius r [m], thickness t [m], inclusion angle
+    beta [rad].
+    """
 
     radius: float
     thickness: float
     angle: float
 
     def point(self, s: Any, face: str) -> tuple[Any, Any]:
-        """Return (x, z) [m], from the centre of the ring, of the point on a face at the angle s."""
+        """Return (x, z) [m], from the centre of the ring, of the point on a face at the
+        angle s.
+        """
         rho = self.radius + (0.5 if face == EXTRADOS else -0.5) * self.thickness
         polar = 0.5 * np.pi + 0.5 * self.angle - s
         return rho * np.cos(polar), rho * np.sin(polar)
@@ -39,12 +45,17 @@ class Ring(NamedTuple):
         lever = r * r * t + t**3 / 12.0  # (r_o^3 - r_i^3) / 3
         spread = stop - start
         return Moments(
-            r * t * spread, lever * (np.sin(a) - np.sin(b)), lever * (np.cos(b) - np.cos(a)), r * t * (r * r + 0.25 * t * t) * spread
+            r * t * spread,
+            lever * (np.sin(a) - np.sin(b)),
+            lever * (np.cos(b) - np.cos(a)),
+            r * t * (r * r + 0.25 * t * t) * spread,
         )
 
 
 class Rates(NamedTuple):
-    """Rotations of links B-C and C-D per rotation of A-B [-], and the virtual work (Eq. 3.4): lift = V'/g, push = B."""
+    """Rotations of links B-C and C-D per rotation of A-B [-], and the virtual work (Eq.
+    3.4): lift = V'/g, push = B.
+    """
 
     second: Any
     third: Any
@@ -53,28 +64,36 @@ class Rates(NamedTuple):
 
     @property
     def admissible(self) -> Any:
-        """True if the relative rotations alternate in sign, so that each hinge opens on the face opposite to it."""
+        """True if the relative rotations alternate in sign, so that each hinge opens on
+        the face opposite to it.
+        """
         return (self.third > 0.0) & (self.second < 1.0) & (self.second < self.third)
 
 
 def rates(points: Any, links: Any) -> Rates:
-    """Return the first-order kinematics of the linkage in any position, from AB + w2 BC + w3 CD = 0. points: (x, z) of A, B, C, D; links:
-    (mass, first moment of x, first moment of z) of the three links."""
+    """Return the first-order kinematics of the linkage in any position, from AB + w2 BC
+    + w3 CD = 0. points: (x, z) of A, B, C, D; links: (mass, first moment of x, first
+    moment of z) of the three links.
+    """
     (xa, za), (xb, zb), (xc, zc), (xd, zd) = points
     abx, abz, bcx, bcz, cdx, cdz = xb - xa, zb - za, xc - xb, zc - zb, xd - xc, zd - zc
     turn = bcx * cdz - bcz * cdx
     second = -(abx * cdz - abz * cdx) / turn
     third = (abx * bcz - abz * bcx) / turn
     (m1, x1, z1), (m2, x2, z2), (m3, x3, z3) = links
-    lift = -((x1 - m1 * xa) + m2 * abx + second * (x2 - m2 * xb) + third * (x3 - m3 * xd))
+    lift = -(
+        (x1 - m1 * xa) + m2 * abx + second * (x2 - m2 * xb) + third * (x3 - m3 * xd)
+    )
     push = (z1 - m1 * za) + m2 * abz + second * (z2 - m2 * zb) + third * (z3 - m3 * zd)
     return Rates(second, third, lift, push)
 
 
 @dataclass(frozen=True)
 class FourBar:
-    """A mechanism of an arch: its ring and the angles [rad] of its four hinges, in rising order. voussoirs: their number, None for a
-    continuous arch; it has no effect on the mechanism."""
+    """A mechanism of an arch: its ring and the angles [rad] of its four hinges, in
+    rising order. voussoirs: their number, None for a continuous arch; it has no effect
+    on the mechanism.
+    """
 
     ring: Ring
     hinges: tuple[float, ...]
@@ -83,12 +102,20 @@ class FourBar:
     @cached_property
     def points(self) -> np.ndarray:
         """Hinge points at rest [m], shape (4, 2)."""
-        return np.array([self.ring.point(s, face) for s, face in zip(self.hinges, FACES, strict=True)])
+        return np.array(
+            [
+                self.ring.point(s, face)
+                for s, face in zip(self.hinges, FACES, strict=True)
+            ]
+        )
 
     @cached_property
     def links(self) -> list[Moments]:
         """The moments of the three links at rest."""
-        return [self.ring.sector(a, b) for a, b in zip(self.hinges[:-1], self.hinges[1:], strict=True)]
+        return [
+            self.ring.sector(a, b)
+            for a, b in zip(self.hinges[:-1], self.hinges[1:], strict=True)
+        ]
 
     def at_rest(self) -> Rates:
         """Return the rates of the linkage at rest."""
@@ -96,13 +123,17 @@ class FourBar:
 
     @cached_property
     def reach(self) -> float:
-        """Largest phi [rad] before two links lie in line and the linkage locks, at most pi/2."""
+        """Largest phi [rad] before two links lie in line and the linkage locks, at most
+        pi/2.
+        """
         scan = np.linspace(0.0, 0.5 * np.pi, 2001)
         fits = np.isfinite(self._angles(scan)[0])
         return float(scan[np.argmin(fits) - 1]) if not fits.all() else float(scan[-1])
 
     def _angles(self, phi: Any) -> tuple[Any, Any]:
-        """Return the clockwise rotations [rad] of B-C and C-D at phi; NaN if the links cannot meet there."""
+        """Return the clockwise rotations [rad] of B-C and C-D at phi; NaN if the links
+        cannot meet there.
+        """
         a, b, c, d = self.points
         phi = np.asarray(phi, dtype=float)
         ab = b - a
@@ -115,67 +146,118 @@ class FourBar:
         with np.errstate(invalid="ignore"):
             aside = np.sqrt(long2**2 / span2 - along**2)
         cd, bd = d - c, d - b
-        side = np.sign((c - b)[0] * bd[1] - (c - b)[1] * bd[0])  # C stays on the same side of B-D
-        bcx, bcz = along * across + side * aside * up, along * up - side * aside * across
+        side = np.sign(
+            (c - b)[0] * bd[1] - (c - b)[1] * bd[0]
+        )  # C stays on the same side of B-D
+        bcx, bcz = (
+            along * across + side * aside * up,
+            along * up - side * aside * across,
+        )
         cdx, cdz = across - bcx, up - bcz
         return _turned((c - b), bcx, bcz), _turned(cd, cdx, cdz)
 
-    def displaced(self, phi: float) -> list[Callable[[float, float], tuple[float, float]]]:
-        """Return for each link a function from the (x, z) of a point at rest to its (x, z) at phi [m]."""
+    def displaced(
+        self, phi: float
+    ) -> list[Callable[[float, float], tuple[float, float]]]:
+        """Return for each link a function from the (x, z) of a point at rest to its (x,
+        z) at phi [m].
+        """
         a, b, _, d = self.points
         second, third = (float(turn) for turn in self._angles(phi))
         b_now = a + _rotate(b - a, np.array(phi))
-        return [partial(_moved, a, a, phi), partial(_moved, b, b_now, second), partial(_moved, d, d, third)]
+        return [
+            partial(_moved, a, a, phi),
+            partial(_moved, b, b_now, second),
+            partial(_moved, d, d, third),
+        ]
 
     def coefficients(self, phi: Any) -> Coefficients:
-        """Return M, V'/g and B of Eq. 3.4 at rotations phi [rad] of any size and shape."""
+        """Return M, V'/g and B of Eq. 3.4 at rotations phi [rad] of any
+        size and shape.
+        """
         shape = np.shape(phi)
         second, third = (turn.ravel() for turn in self._angles(phi))
         phi = np.ravel(np.asarray(phi, dtype=float))
         a, b, c, d = (point[:, None] for point in self.points)
         b_now, c_now = a + _rotate(b - a, phi), d + _rotate(c - d, third)
-        turns = zip(self.links, (a, b, d), (a, b_now, d), (phi, second, third), strict=True)
-        centres = [after + _rotate(np.array([[m.x], [m.z]]) / m.mass - before, turn) for m, before, after, turn in turns]
+        turns = zip(
+            self.links, (a, b, d), (a, b_now, d), (phi, second, third), strict=True
+        )
+        centres = [
+            after + _rotate(np.array([[m.x], [m.z]]) / m.mass - before, turn)
+            for m, before, after, turn in turns
+        ]
         one, two, three = self.links
         points = [self.points[0], b_now, c_now, self.points[3]]
-        at = rates(points, [(m.mass, m.mass * x, m.mass * z) for m, (x, z) in zip(self.links, centres, strict=True)])
+        at = rates(
+            points,
+            [
+                (m.mass, m.mass * x, m.mass * z)
+                for m, (x, z) in zip(self.links, centres, strict=True)
+            ],
+        )
         arm, lever = b_now - a, centres[1] - b_now
         ux, uz = arm[1] + at.second * lever[1], -arm[0] - at.second * lever[0]
         central = two.about(two.x / two.mass, two.z / two.mass)
-        inertia = one.about(*self.points[0]) + two.mass * (ux * ux + uz * uz) + at.second**2 * central
+        inertia = (
+            one.about(*self.points[0])
+            + two.mass * (ux * ux + uz * uz)
+            + at.second**2 * central
+        )
         inertia = inertia + at.third**2 * three.about(*self.points[3])
-        return Coefficients(inertia.reshape(shape), at.lift.reshape(shape), at.push.reshape(shape))
+        return Coefficients(
+            inertia.reshape(shape), at.lift.reshape(shape), at.push.reshape(shape)
+        )
 
     def fields(self) -> list[tuple[float, float, Spin]]:
-        """Return (start angle, stop angle, velocity field) of each link at rest, for phi' = 1 rad/s."""
+        """Return (start angle, stop angle, velocity field) of each link at rest, for
+        phi' = 1 rad/s.
+        """
         at, (a, b, _, d) = self.at_rest(), self.points
         w2, w3 = float(at.second), float(at.third)
         across, up = b[1] - a[1], -(b[0] - a[0])  # velocity of B
-        spins = spin_about(a[0], a[1]), Spin(across - w2 * b[1], up + w2 * b[0], w2), spin_about(d[0], d[1], w3)
+        spins = (
+            spin_about(a[0], a[1]),
+            Spin(across - w2 * b[1], up + w2 * b[0], w2),
+            spin_about(d[0], d[1], w3),
+        )
         return list(zip(self.hinges[:-1], self.hinges[1:], spins, strict=True))
 
     def overlap(self) -> tuple[float, float]:
-        """The integrals of `Mechanism.overlap`: this mechanism moves before the impact, its mirror image about the crown after it."""
+        """The integrals of `Mechanism.overlap`: this mechanism moves before the impact,
+        its mirror image about the crown after it.
+        """
         beta = self.ring.angle
         back = [(s, e, Spin(-f.x0, -f.z0, -f.omega)) for s, e, f in self.fields()]
-        onward = [(beta - e, beta - s, Spin(-f.x0, f.z0, -f.omega)) for s, e, f in self.fields()]
+        onward = [
+            (beta - e, beta - s, Spin(-f.x0, f.z0, -f.omega))
+            for s, e, f in self.fields()
+        ]
         shared = 0.0
         for s1, e1, u in back:
             for s2, e2, w in onward:
                 start, stop = max(s1, s2), min(e1, e2)
                 if stop > start:
                     shared += u.product(w, self.ring.sector(start, stop))
-        return float(shared), float(sum(w.product(w, self.ring.sector(s, e)) for s, e, w in onward))
+        return float(shared), float(
+            sum(w.product(w, self.ring.sector(s, e)) for s, e, w in onward)
+        )
 
 
 def _rotate(vector: np.ndarray, angle: np.ndarray) -> np.ndarray:
     """Turn a vector clockwise by n angles [rad]; shape (2, n)."""
     cos, sin = np.cos(angle), np.sin(angle)
-    return np.array([cos * vector[0] + sin * vector[1], cos * vector[1] - sin * vector[0]])
+    return np.array(
+        [cos * vector[0] + sin * vector[1], cos * vector[1] - sin * vector[0]]
+    )
 
 
-def _moved(before: np.ndarray, after: np.ndarray, turn: float, x: float, z: float) -> tuple[float, float]:
-    """Return (x, z) of a point of a link that has turned by `turn` and whose point `before` has moved to `after`."""
+def _moved(
+    before: np.ndarray, after: np.ndarray, turn: float, x: float, z: float
+) -> tuple[float, float]:
+    """Return (x, z) of a point of a link that has turned by `turn` and whose point
+    `before` has moved to `after`.
+    """
     now = after + _rotate(np.array([x, z]) - before, np.array(turn))
     return float(now[0]), float(now[1])
 

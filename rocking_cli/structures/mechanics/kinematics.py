@@ -1,22 +1,32 @@
-"""Mechanisms of one degree of freedom, and their rocking parameters (section 3.2 of the paper).
+"""Mechanisms of one degree of freedom, and their rocking parameters (section 3.2 of the
+paper).
 
-One coordinate phi >= 0 moves rigid links; phi = 0 at rest. With the velocity field u = dx/dphi,
+One coordinate phi >= 0 moves rigid links; phi = 0 at rest. With the velocity field u =
+dx/dphi,
 
     M(phi) = int rho u.u dV,   V'(phi) = g int rho u_z dV,   B(phi) = int rho u_x dV
     M phi'' + M'/2 phi'^2 + V' = -B xg''                                                          (Eq. 3.4)
 
-A new mechanism is a class with the methods of `Mechanism`. A single rigid body has closed forms (`single_body`).
+A new mechanism is a class with the methods of `Mechanism`. A single rigid body has
+closed forms (`single_body`).
 """
 
 from typing import Any, NamedTuple, Protocol
 
 from ...errors import StructureError
 
-_WEIGHTS = (4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0)  # central differences of eighth order, at 1 to 4 steps
+_WEIGHTS = (
+    4.0 / 5.0,
+    -1.0 / 5.0,
+    4.0 / 105.0,
+    -1.0 / 280.0,
+)  # central differences of eighth order, at 1 to 4 steps
 
 
 class Coefficients(NamedTuple):
-    """Coefficients of Eq. 3.4 at a rotation phi, for any density. inertia: M [kg m2]; lift: V'/g [kg m]; push: B > 0 [kg m]."""
+    """Coefficients of Eq. 3.4 at a rotation phi, for any density. inertia: M [kg m2];
+    lift: V'/g [kg m]; push: B > 0 [kg m].
+    """
 
     inertia: Any
     lift: Any
@@ -24,18 +34,28 @@ class Coefficients(NamedTuple):
 
 
 class Mechanism(Protocol):
-    """A mechanism for Eq. 3.4. It is immutable and hashable, so that derived values can be cached. It may raise StructureError."""
+    """A mechanism for Eq. 3.4. It is immutable and hashable, so that derived values can
+    be cached. It may raise StructureError.
+    """
 
     def __hash__(self) -> int: ...
 
     @property
-    def reach(self) -> float: ...  # the largest rotation phi [rad] at which the links still fit together
+    def reach(
+        self,
+    ) -> (
+        float
+    ): ...  # the largest rotation phi [rad] at which the links still fit together
 
-    def coefficients(self, phi: Any) -> Coefficients: ...  # M, V'/g and B at rotations phi [rad], of any shape
+    def coefficients(
+        self, phi: Any
+    ) -> Coefficients: ...  # M, V'/g and B at rotations phi [rad], of any shape
 
     def overlap(self) -> tuple[float, float]:
-        """Return (int rho u.w, int rho w.w); u: the velocity field before an impact, w: the one after it. The first integral is over the
-        parts that move in both fields. The ratio of the two is eta from conservation of angular momentum."""
+        """Return (int rho u.w, int rho w.w); u: the velocity field before an impact, w:
+        the one after it. The first integral is over the parts that move in both fields.
+        The ratio of the two is eta from conservation of angular momentum.
+        """
         ...
 
 
@@ -51,34 +71,59 @@ class Linearised(NamedTuple):
 
 
 def linearise(mechanism: Mechanism) -> Linearised:
-    """Return the parameters of a mechanism. Raises StructureError if it does not stand or has no unstable equilibrium."""
+    """Return the parameters of a mechanism. Raises StructureError if it does not stand
+    or has no unstable equilibrium.
+    """
     at_rest = mechanism.coefficients(0.0)
     uplift = float(at_rest.lift / at_rest.push)
     if not uplift > 0.0:
-        raise StructureError(f"does not stand: its uplift acceleration lambda is {uplift:.4g}")
+        raise StructureError(
+            f"does not stand: its uplift acceleration lambda is {uplift:.4g}"
+        )
     alpha = equilibrium(mechanism)
     falling = -_slope_of_lift(mechanism, alpha)
     if not falling > 0.0:
-        raise StructureError("reaches its unstable equilibrium where the links lock, and has no linear form there")
+        raise StructureError(
+            "reaches its unstable equilibrium where the links lock, and has no linear"
+            " form there"
+        )
     there = mechanism.coefficients(alpha)
     shared, own = mechanism.overlap()
     eta = float(shared / own)
-    return Linearised(alpha, uplift, falling / float(there.inertia), alpha / uplift, float(there.push) / falling, eta)
+    return Linearised(
+        alpha,
+        uplift,
+        falling / float(there.inertia),
+        alpha / uplift,
+        float(there.push) / falling,
+        eta,
+    )
 
 
 def _slope_of_lift(mechanism: Mechanism, alpha: float) -> float:
-    """Return V''(alpha)/g [kg m], or 0 if alpha is too close to the rotation at which the links lock."""
-    step = 0.01 * min(alpha, mechanism.reach - alpha)  # V' is smooth between rest and the locked position
+    """Return V''(alpha)/g [kg m], or 0 if alpha is too close to the rotation at which
+    the links lock.
+    """
+    step = 0.01 * min(
+        alpha, mechanism.reach - alpha
+    )  # V' is smooth between rest and the locked position
     if not step > 1e-9 * alpha:
         return 0.0
     return sum(
-        weight * float(mechanism.coefficients(alpha + i * step).lift - mechanism.coefficients(alpha - i * step).lift) / step
+        weight
+        * float(
+            mechanism.coefficients(alpha + i * step).lift
+            - mechanism.coefficients(alpha - i * step).lift
+        )
+        / step
         for i, weight in enumerate(_WEIGHTS, 1)
     )
 
 
 def equilibrium(mechanism: Mechanism) -> float:
-    """Return alpha, the first rotation with V' = 0 [rad]. Raises StructureError if there is none within the reach of the mechanism."""
+    """Return alpha, the first rotation with V' = 0 [rad]. Raises StructureError if
+    there is none within the reach of the mechanism.
+    """
     import numpy as np
 
     low, high = 0.0, mechanism.reach
@@ -86,7 +131,10 @@ def equilibrium(mechanism: Mechanism) -> float:
         scan = np.linspace(low, high, 513)
         below = np.flatnonzero(np.asarray(mechanism.coefficients(scan).lift) <= 0.0)
         if not below.size:
-            raise StructureError("the mechanism reaches no unstable equilibrium: its blocks collide or come apart before")
+            raise StructureError(
+                "the mechanism reaches no unstable equilibrium: its blocks collide or"
+                " come apart before"
+            )
         first = int(below[0])
         if high - low <= 1e-15 * high:
             return float(scan[first])

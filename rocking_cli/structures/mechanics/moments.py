@@ -6,7 +6,9 @@ from typing import Any, NamedTuple
 
 
 class Moments(NamedTuple):
-    """Integrals over the section of a body: mass [kg], first moments of x and z [kg m], moment of x^2 + z^2 [kg m2]."""
+    """Integrals over the section of a body: mass [kg], first moments of x and z [kg m],
+    moment of x^2 + z^2 [kg m2].
+    """
 
     mass: Any
     x: Any
@@ -23,27 +25,42 @@ class Moments(NamedTuple):
 
     def shifted(self, x: float = 0.0, z: float = 0.0) -> Moments:
         """Return the moments of the body moved by x and z [m]."""
-        polar = self.polar + x * (2.0 * self.x + x * self.mass) + z * (2.0 * self.z + z * self.mass)
+        polar = (
+            self.polar
+            + x * (2.0 * self.x + x * self.mass)
+            + z * (2.0 * self.z + z * self.mass)
+        )
         return Moments(self.mass, self.x + x * self.mass, self.z + z * self.mass, polar)
 
     def about(self, x: Any, z: Any) -> Any:
         """Return the moment of inertia about the point (x, z) [kg m2]."""
-        return self.polar - 2.0 * (x * self.x + z * self.z) + (x * x + z * z) * self.mass
+        return (
+            self.polar - 2.0 * (x * self.x + z * self.z) + (x * x + z * z) * self.mass
+        )
 
 
 class Spin(NamedTuple):
-    """The velocity field of a rigid link, u = (x0 + omega z, z0 - omega x); omega is positive clockwise, towards +x."""
+    """The velocity field of a rigid link, u = (x0 + omega z, z0 - omega x); omega is
+    positive clockwise, towards +x.
+    """
 
     x0: Any
     z0: Any
     omega: Any
 
     def product(self, other: Spin, body: Moments) -> Any:
-        """Return int rho u.w dV over a body, where u is this field and w the other one."""
+        """Return int rho u.w dV over a body, where u is this field and w
+        the other one.
+        """
         straight = self.x0 * other.x0 + self.z0 * other.z0
         along_x = self.z0 * other.omega + other.z0 * self.omega
         along_z = self.x0 * other.omega + other.x0 * self.omega
-        return straight * body.mass - along_x * body.x + along_z * body.z + self.omega * other.omega * body.polar
+        return (
+            straight * body.mass
+            - along_x * body.x
+            + along_z * body.z
+            + self.omega * other.omega * body.polar
+        )
 
 
 def spin_about(x: float, z: float, omega: float = 1.0) -> Spin:

@@ -1,13 +1,16 @@
-"""A single rigid body that rocks about the two edges of its base (section 2 of the paper, extended to unequal edges).
+"""A single rigid body that rocks about the two edges of its base (section 2 of the
+paper, extended to unequal edges).
 
-The mass centre is at the horizontal distances l and r from the left and right edge, at height z; I_G is the moment of inertia
-about it. The body stands on its right edge while theta > 0. An impact keeps the angular momentum about the new edge:
+The mass centre is at the horizontal distances l and r from the left and right edge, at
+height z; I_G is the moment of inertia about it. The body stands on its right edge while
+theta > 0. An impact keeps the angular momentum about the new edge:
 
     eta_right = (I_G + m (z^2 - l r)) / (I_G + m (z^2 + l^2)),   eta_left = (I_G + m (z^2 - l r)) / (I_G + m (z^2 + r^2))
 
-A one-sided body rocks on its right edge only. It returns, hits its base, then the backing, then its base again. With the vectors
-r_L from its left edge and r_T from the impact point on the backing to the mass centre, its restitution is
-e = eta_right eta_left (I_G + m r_L.r_T) / (I_G + m r_T^2) (Sorrentino et al. 2011).
+A one-sided body rocks on its right edge only. It returns, hits its base, then the
+backing, then its base again. With the vectors r_L from its left edge and r_T from the
+impact point on the backing to the mass centre, its restitution is e = eta_right
+eta_left (I_G + m r_L.r_T) / (I_G + m r_T^2) (Sorrentino et al. 2011).
 """
 
 from __future__ import annotations
@@ -20,14 +23,22 @@ from typing import Any, NamedTuple
 
 from ...documents.document import Document
 from ..parameters import RockingParameters, Side
-from ..shared_keys import gravity_of, mass_of, one_sided_restitution_of, restitution_of, restraints_in
+from ..shared_keys import (
+    gravity_of,
+    mass_of,
+    one_sided_restitution_of,
+    restitution_of,
+    restraints_in,
+)
 from ..sketch import Point, Sketch, rectangle, redrawn, rocker
 from .moments import Moments, spin_about
 
 
 class Edge(NamedTuple):
-    """A body on one edge: p [rad/s], alpha [rad], lambda [-], eta from angular momentum at the impact that leaves this edge
-    (negative if the body is too squat to rock), and the distance R to the mass centre [m], None if the ground forces are not known."""
+    """A body on one edge: p [rad/s], alpha [rad], lambda [-], eta from angular momentum
+    at the impact that leaves this edge (negative if the body is too squat to rock), and
+    the distance R to the mass centre [m], None if the ground forces are not known.
+    """
 
     p: float
     alpha: float
@@ -42,12 +53,16 @@ class Edge(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class RigidBody:
-    """A rigid body as its kind reads it from a document.
-    edges: returns (left edge, right edge) for a gravity [m/s2]; reach: the least horizontal distance from an edge to the mass centre [m];
-    again: returns the body with its pivots inside the edges by a length [m]; limit: the bodies for which the momentum model holds;
-    drawing: its geometry; radius: R of two equal edges [m]; top: (x, z) [m] of the impact point on a backing, from the middle of the base;
-    backing: the factor of this impact; top and backing are None if the geometry does not define them; crown: height [m], None for that of
-    the drawing; share: m g R of the parts over mass g R [-]; details: see `RockingParameters`; leaning: details for unequal edges."""
+    """A rigid body as its kind reads it from a document. edges: returns (left edge,
+    right edge) for a gravity [m/s2]; reach: the least horizontal distance from an edge
+    to the mass centre [m]; again: returns the body with its pivots inside the edges by
+    a length [m]; limit: the bodies for which the momentum model holds; drawing: its
+    geometry; radius: R of two equal edges [m]; top: (x, z) [m] of the impact point on a
+    backing, from the middle of the base; backing: the factor of this impact; top and
+    backing are None if the geometry does not define them; crown: height [m], None for
+    that of the drawing; share: m g R of the parts over mass g R [-]; details: see
+    `RockingParameters`; leaning: details for unequal edges.
+    """
 
     edges: Callable[[float], tuple[Edge, Edge]]
     reach: float
@@ -63,161 +78,352 @@ class RigidBody:
     leaning: Mapping[str, Any] = field(default_factory=dict)
 
     def parameters(self, document: Document, name: str) -> RockingParameters:
-        """Return the rocking parameters, with gravity, restitution, sides, mass and inset of the document. Raises DocumentError."""
-        (inset, body), gravity, mass = self.moved_in(document), gravity_of(document), mass_of(document)
+        """Return the rocking parameters, with gravity, restitution, sides, mass and
+        inset of the document. Raises DocumentError.
+        """
+        (inset, body), gravity, mass = (
+            self.moved_in(document),
+            gravity_of(document),
+            mass_of(document),
+        )
         details = dict(body.details)
         if mass is not None:
             details["mass"] = mass
         if document.has("inset"):
-            details |= {"inset": inset, "alpha_geometric": min(self.edges(1.0), key=lambda edge: edge.uplift).alpha}
+            details |= {
+                "inset": inset,
+                "alpha_geometric": (
+                    min(self.edges(1.0), key=lambda edge: edge.uplift).alpha
+                ),
+            }
         left, right = body.edges(gravity)
-        more: dict[str, Any] = {"name": name, "structure": str(document.values["kind"].content), "gravity": gravity, "details": details}
+        more: dict[str, Any] = {
+            "name": name,
+            "structure": str(document.values["kind"].content),
+            "gravity": gravity,
+            "details": details,
+        }
         more["top"] = body._top_arms()
         if document.flag("one_sided"):
-            e, source = one_sided_restitution_of(document, (right.eta, left.eta), body.backing)
-            more |= {"p": right.p, "alpha": right.alpha, "eta": e, "uplift": right.uplift, "a_scale": 1.0, "arm": right.arm}
+            e, source = one_sided_restitution_of(
+                document, (right.eta, left.eta), body.backing
+            )
+            more |= {
+                "p": right.p,
+                "alpha": right.alpha,
+                "eta": e,
+                "uplift": right.uplift,
+                "a_scale": 1.0,
+                "arm": right.arm,
+            }
             found = RockingParameters(**more, eta_source=source, one_sided=True)
         else:
             eta_left, source = restitution_of(document, left.eta, body.limit)
             eta_right, _ = restitution_of(document, right.eta, body.limit)
             details |= body.leaning
             sides = left.side("left", eta_left), right.side("right", eta_right)
-            found = RockingParameters.of_sides(**more, left=sides[0], right=sides[1], eta_source=source)
+            found = RockingParameters.of_sides(
+                **more, left=sides[0], right=sides[1], eta_source=source
+            )
         if not restraints_in(document):
             return found
         from ..restraint_keys import restrained
 
         (_, (x_left, level)), *_, (_, (x_right, _)) = body.drawing.pivots
-        z = [z for outline in (*body.drawing.still, *body.drawing.bodies) for _, z in outline]
+        z = [
+            z
+            for outline in (*body.drawing.still, *body.drawing.bodies)
+            for _, z in outline
+        ]
         crown, width = body.crown or max(z) - min(z), x_right - x_left + 2.0 * inset
         return restrained(
-            document, found, crown=crown, level=level - min(z), inset=inset, width=width, radius=body.radius, share=body.share
+            document,
+            found,
+            crown=crown,
+            level=level - min(z),
+            inset=inset,
+            width=width,
+            radius=body.radius,
+            share=body.share,
         )
 
     def moved_in(self, document: Document) -> tuple[float, RigidBody]:
-        """Return the document's inset (the distance of the pivots inside the edges [m], default 0), and the body on these pivots. Raises
-        DocumentError."""
-        where = f"a length from 0 to below {self.reach:g} m, beyond which the mass centre is not above the base"
-        inset = document.quantity("inset", "length", least=0.0, below=self.reach, where=where, default=0.0)
+        """Return the document's inset (the distance of the pivots inside the edges [m],
+        default 0), and the body on these pivots. Raises DocumentError.
+        """
+        where = (
+            f"a length from 0 to below {self.reach:g} m, beyond which the mass centre"
+            " is not above the base"
+        )
+        inset = document.quantity(
+            "inset", "length", least=0.0, below=self.reach, where=where, default=0.0
+        )
         return inset, self.again(inset) if inset else self
 
     def _top_arms(self) -> tuple[float, ...]:
-        """The distances from the left and the right edge to the farthest point of the top [m]; empty if the geometry defines no top."""
-        points = [point for outline in self.drawing.bodies for point in outline] if self.top is not None else []
+        """The distances from the left and the right edge to the farthest point of the
+        top [m]; empty if the geometry defines no top.
+        """
+        points = (
+            [point for outline in self.drawing.bodies for point in outline]
+            if self.top is not None
+            else []
+        )
         highest = max((z for _, z in points), default=0.0)
         top = [point for point in points if highest - point[1] <= 1e-9 * highest]
-        return tuple(max(math.dist(pivot, point) for point in top) for _, pivot in self.drawing.pivots if top)
+        return tuple(
+            max(math.dist(pivot, point) for point in top)
+            for _, pivot in self.drawing.pivots
+            if top
+        )
 
 
 def equal_edges(
-    radius: float, alpha: float, inertia: float, *, drawing: Sketch, eta: float | None = None, whole: bool = True, **more: Any
+    radius: float,
+    alpha: float,
+    inertia: float,
+    *,
+    drawing: Sketch,
+    eta: float | None = None,
+    whole: bool = True,
+    **more: Any,
 ) -> RigidBody:
-    """Return a rigid body with equal edges: p^2 = M g R/I_P, lambda = tan alpha (Eq. 2.2), a_scale = 1 (Eq. 2.4).
-    radius: R, from the edge to the mass centre [m]; alpha [rad]; inertia: I_P/(M R^2) about the edge [-]; eta: from angular momentum, by
-    default 1 - (M R^2/I_P)(1 - cos 2 alpha) (Eqs. 2.6, 3.3); whole: true if the same body rocks on both edges, so that its ground forces
-    are known; more: the other fields of the body."""
+    """Return a rigid body with equal edges: p^2 = M g R/I_P, lambda = tan alpha (Eq.
+    2.2), a_scale = 1 (Eq. 2.4). radius: R, from the edge to the mass centre [m]; alpha
+    [rad]; inertia: I_P/(M R^2) about the edge [-]; eta: from angular momentum, by
+    default 1 - (M R^2/I_P)(1 - cos 2 alpha) (Eqs. 2.6, 3.3); whole: true if the same
+    body rocks on both edges, so that its ground forces are known; more: the other
+    fields of the body.
+    """
     half, z = radius * math.sin(alpha), radius * math.cos(alpha)
-    momentum, arm = 1.0 - 2.0 * math.sin(alpha) ** 2 / inertia if eta is None else eta, radius if whole else None
+    momentum, arm = (
+        1.0 - 2.0 * math.sin(alpha) ** 2 / inertia if eta is None else eta,
+        radius if whole else None,
+    )
 
     def edges(gravity: float) -> tuple[Edge, Edge]:
-        edge = Edge(math.sqrt(gravity / (radius * inertia)), alpha, math.tan(alpha), momentum, arm)
+        edge = Edge(
+            math.sqrt(gravity / (radius * inertia)),
+            alpha,
+            math.tan(alpha),
+            momentum,
+            arm,
+        )
         return edge, edge
 
     def again(inset: float) -> RigidBody:
         moments = Moments(1.0, 0.0, z, (inertia - 1.0) * radius**2 + z * z)
-        kept = {key: value for key, value in more.items() if key != "backing"}  # which follows from the top
-        return symmetric_body(moments, half - inset, drawing=redrawn(drawing, inset), **kept)
+        kept = {
+            key: value for key, value in more.items() if key != "backing"
+        }  # which follows from the top
+        return symmetric_body(
+            moments, half - inset, drawing=redrawn(drawing, inset), **kept
+        )
 
-    return RigidBody(**{"again": again, **more}, edges=edges, reach=half, drawing=drawing, radius=radius)
+    return RigidBody(
+        **{"again": again, **more},
+        edges=edges,
+        reach=half,
+        drawing=drawing,
+        radius=radius,
+    )
 
 
 def rectangle_body(radius: float, alpha: float, **more: Any) -> RigidBody:
-    """Return a rectangle of half diagonal `radius` [m]: p^2 = 3g/(4R), eta = 1 - 3/2 sin^2 alpha; more: other fields of the body. A
-    one-sided one hits its backing at its top: e = (1 - 3/2 sin^2 alpha)^2 (1 - 3/2 cos^2 alpha)."""
+    """Return a rectangle of half diagonal `radius` [m]: p^2 = 3g/(4R), eta = 1 - 3/2
+    sin^2 alpha; more: other fields of the body. A one-sided one hits its backing at its
+    top: e = (1 - 3/2 sin^2 alpha)^2 (1 - 3/2 cos^2 alpha).
+    """
     half, z = radius * math.sin(alpha), radius * math.cos(alpha)
-    drawing = rocker([rectangle(-half, half, 0.0, 2.0 * z)], (-half, 0.0), (half, 0.0), (0.0, z))
+    drawing = rocker(
+        [rectangle(-half, half, 0.0, 2.0 * z)], (-half, 0.0), (half, 0.0), (0.0, z)
+    )
     backing = 1.0 - 1.5 * math.cos(alpha) ** 2
-    return equal_edges(radius, alpha, 4.0 / 3.0, top=(-half, 2.0 * z), backing=backing, drawing=drawing, **more)
+    return equal_edges(
+        radius,
+        alpha,
+        4.0 / 3.0,
+        top=(-half, 2.0 * z),
+        backing=backing,
+        drawing=drawing,
+        **more,
+    )
 
 
-def symmetric_body(moments: Moments, half: float, *, top: Point | None = None, **more: Any) -> RigidBody:
-    """Return a rigid body on the right edge (half, 0) [m]; on the left edge its mirror image rocks. top: (x, z) [m] of the impact point on
-    a backing, None if the geometry does not define it; more: the other arguments of `equal_edges`."""
+def symmetric_body(
+    moments: Moments, half: float, *, top: Point | None = None, **more: Any
+) -> RigidBody:
+    """Return a rigid body on the right edge (half, 0) [m]; on the left edge its mirror
+    image rocks. top: (x, z) [m] of the impact point on a backing, None if the geometry
+    does not define it; more: the other arguments of `equal_edges`.
+    """
     right, z = half - moments.x / moments.mass, moments.z / moments.mass
     radius = math.hypot(right, z)
-    inertia, alpha = moments.about(half, 0.0) / (moments.mass * radius**2), math.atan2(right, z)
-    return equal_edges(radius, alpha, inertia, top=top, backing=_against_backing(moments, half, top), **more)
+    inertia, alpha = (
+        moments.about(half, 0.0) / (moments.mass * radius**2),
+        math.atan2(right, z),
+    )
+    return equal_edges(
+        radius,
+        alpha,
+        inertia,
+        top=top,
+        backing=_against_backing(moments, half, top),
+        **more,
+    )
 
 
-def body_on_edges(moments: Moments, half: float, *, drawing: Sketch, top: Point | None = None, **more: Any) -> RigidBody:
-    """Return a body that rocks as a whole on the edges (-half, 0) and (half, 0) [m]; arguments as for `symmetric_body`."""
-    if abs(moments.x) <= 1e-13 * math.sqrt(moments.mass * moments.polar):  # the offset is rounding
+def body_on_edges(
+    moments: Moments,
+    half: float,
+    *,
+    drawing: Sketch,
+    top: Point | None = None,
+    **more: Any,
+) -> RigidBody:
+    """Return a body that rocks as a whole on the edges (-half, 0) and (half, 0) [m];
+    arguments as for `symmetric_body`.
+    """
+    if abs(moments.x) <= 1e-13 * math.sqrt(
+        moments.mass * moments.polar
+    ):  # the offset is rounding
         moments = moments._replace(x=0.0)
-        return symmetric_body(moments, half, top=top, eta=edges_of(moments, half, 1.0)[1].eta, drawing=drawing, **more)
+        return symmetric_body(
+            moments,
+            half,
+            top=top,
+            eta=edges_of(moments, half, 1.0)[1].eta,
+            drawing=drawing,
+            **more,
+        )
 
     def again(inset: float) -> RigidBody:
-        return body_on_edges(moments, half - inset, drawing=redrawn(drawing, inset), top=top, **more)
+        return body_on_edges(
+            moments, half - inset, drawing=redrawn(drawing, inset), top=top, **more
+        )
 
     return RigidBody(
-        **{"again": again, **more}, edges=partial(edges_of, moments, half), reach=half - abs(moments.x / moments.mass), drawing=drawing,
-        top=top, backing=_against_backing(moments, half, top),
-        leaning={"direction": "over the left edge" if moments.x < 0.0 else "over the right edge"},
-    )  # fmt: skip
+        **{"again": again, **more},
+        edges=partial(edges_of, moments, half),
+        reach=half - abs(moments.x / moments.mass),
+        drawing=drawing,
+        top=top,
+        backing=_against_backing(moments, half, top),
+        leaning={
+            "direction": (
+                "over the left edge" if moments.x < 0.0 else "over the right edge"
+            )
+        },
+    )
 
 
 def edges_of(body: Moments, half: float, gravity: float) -> tuple[Edge, Edge]:
-    """Return the parameters on the left edge (-half, 0) and the right edge (half, 0) [m]; the mass centre must be above the base."""
+    """Return the parameters on the left edge (-half, 0) and the right edge (half, 0)
+    [m]; the mass centre must be above the base.
+    """
     z = body.z / body.mass
-    shared = spin_about(half, 0.0).product(spin_about(-half, 0.0), body)  # I_G + m (z^2 - l r)
+    shared = spin_about(half, 0.0).product(
+        spin_about(-half, 0.0), body
+    )  # I_G + m (z^2 - l r)
 
     def on(edge: float) -> Edge:
         distance = abs(edge - body.x / body.mass)
         arm = math.hypot(distance, z)
         p = math.sqrt(gravity * arm * body.mass / body.about(edge, 0.0))
-        return Edge(p, math.atan2(distance, z), distance / z, shared / body.about(-edge, 0.0), arm)
+        return Edge(
+            p,
+            math.atan2(distance, z),
+            distance / z,
+            shared / body.about(-edge, 0.0),
+            arm,
+        )
 
     return on(-half), on(half)
 
 
 def _against_backing(body: Moments, half: float, top: Point | None) -> float | None:
-    """Return (I_G + m r_L.r_T)/(I_G + m r_T^2), the factor of the impact on the backing at T = `top`; None without `top`."""
+    """Return (I_G + m r_L.r_T)/(I_G + m r_T^2), the factor of the impact on the backing
+    at T = `top`; None without `top`.
+    """
     if top is None:
         return None
     x, z = body.x / body.mass, body.z / body.mass
     central = body.about(x, z)
-    return float((central + body.mass * ((x + half) * (x - top[0]) + z * (z - top[1]))) / body.about(*top))
+    return float(
+        (central + body.mass * ((x + half) * (x - top[0]) + z * (z - top[1])))
+        / body.about(*top)
+    )
 
 
-def worn(body: RockingParameters, share: float) -> tuple[float, RockingParameters] | None:
-    """Return (inset [m], parameters) of the body with its pivots inside the edges by this share of the distance between the edges. A given
-    restitution, and one that includes the impact on a backing, stays. None if the mass centre would lie beyond a pivot, and for a body
-    with ties or a tendon, whose levers change too."""
+def worn(
+    body: RockingParameters, share: float
+) -> tuple[float, RockingParameters] | None:
+    """Return (inset [m], parameters) of the body with its pivots inside the edges by
+    this share of the distance between the edges. A given restitution, and one that
+    includes the impact on a backing, stays. None if the mass centre would lie beyond a
+    pivot, and for a body with ties or a tendon, whose levers change too.
+    """
     if body.restraints:
         return None
     sides: tuple[Side | RockingParameters, ...] = body.sides or (body, body)
-    (left, _), (right, z) = ((math.sin(side.alpha) * (side.arm or 0.0), math.cos(side.alpha) * (side.arm or 0.0)) for side in sides)
-    x, half, square = 0.5 * (left - right), (0.5 - share) * (left + right), right * right + z * z
+    (left, _), (right, z) = (
+        (
+            math.sin(side.alpha) * (side.arm or 0.0),
+            math.cos(side.alpha) * (side.arm or 0.0),
+        )
+        for side in sides
+    )
+    x, half, square = (
+        0.5 * (left - right),
+        (0.5 - share) * (left + right),
+        right * right + z * z,
+    )
     if not abs(x) < half:
         return None
-    polar = body.gravity * math.sqrt(square) / sides[1].p ** 2 - square + x * x + z * z  # I_G/m and the parallel axis
+    polar = (
+        body.gravity * math.sqrt(square) / sides[1].p ** 2 - square + x * x + z * z
+    )  # I_G/m and the parallel axis
     kept = body.one_sided or body.eta_source == "given"
-    edges = zip(("left", "right"), edges_of(Moments(1.0, x, z, polar), half, body.gravity), sides, strict=True)
-    there = [edge.side(name, abs(side.eta) if kept else edge.eta) for name, edge, side in edges]
+    edges = zip(
+        ("left", "right"),
+        edges_of(Moments(1.0, x, z, polar), half, body.gravity),
+        sides,
+        strict=True,
+    )
+    there = [
+        edge.side(name, abs(side.eta) if kept else edge.eta)
+        for name, edge, side in edges
+    ]
     moved = RockingParameters.of_sides(body.name, body.structure, *there)
     eta = body.eta if kept and not body.sides else moved.eta
-    numbers: dict[str, Any] = {"p": moved.p, "alpha": moved.alpha, "uplift": moved.uplift, "eta": eta}
-    return share * (left + right), replace(body, **numbers, arm=moved.arm, sides=moved.sides, details={})
+    numbers: dict[str, Any] = {
+        "p": moved.p,
+        "alpha": moved.alpha,
+        "uplift": moved.uplift,
+        "eta": eta,
+    }
+    return share * (left + right), replace(
+        body, **numbers, arm=moved.arm, sides=moved.sides, details={}
+    )
 
 
 def radius_and_alpha(document: Document, centroid: float = 0.5) -> tuple[float, float]:
-    """Return (R [m], alpha [rad]) from radius and alpha, or from width and height. Raises DocumentError. The mass centre is at width/2 from
-    the edge and at `centroid` x height."""
+    """Return (R [m], alpha [rad]) from radius and alpha, or from width and height.
+    Raises DocumentError. The mass centre is at width/2 from the edge and at `centroid`
+    x height.
+    """
     sizes = [key for key in ("width", "height") if document.has(key)]
     polar = [key for key in ("radius", "alpha") if document.has(key)]
     if sizes and polar:
-        raise document.fault(polar[0], f"{polar[0]} together with {sizes[0]}", "width and height, or radius and alpha, not both")
+        raise document.fault(
+            polar[0],
+            f"{polar[0]} together with {sizes[0]}",
+            "width and height, or radius and alpha, not both",
+        )
     if sizes or not polar:
         x, z = 0.5 * document.length("width"), centroid * document.length("height")
         return math.hypot(x, z), math.atan2(x, z)
     below = "an angle between 0 and 90 deg"
-    return document.length("radius"), document.quantity("alpha", "angle", above=0.0, below=math.pi / 2, where=below)
+    return document.length("radius"), document.quantity(
+        "alpha", "angle", above=0.0, below=math.pi / 2, where=below
+    )

@@ -1,7 +1,8 @@
 """Stacks of pieces that are circular or rectangular in plan.
 
-A stack rocks on the interface with the least uplift acceleration, and the pieces above it move as one body. A piece may be
-offset, for example after an earthquake; the edges are then the ends of the overlap with the piece below.
+A stack rocks on the interface with the least uplift acceleration, and the pieces above
+it move as one body. A piece may be offset, for example after an earthquake; the edges
+are then the ends of the overlap with the piece below.
 """
 
 import math
@@ -18,8 +19,9 @@ from .single_body import RigidBody, body_on_edges, edges_of, symmetric_body
 
 
 class Piece(NamedTuple):
-    """A piece of a stack: half widths of its base (foot) and top (head) [m], height [m], x of its axis [m], and its moments about
-    the middle of its base."""
+    """A piece of a stack: half widths of its base (foot) and top (head) [m], height
+    [m], x of its axis [m], and its moments about the middle of its base.
+    """
 
     foot: float
     head: float
@@ -29,26 +31,38 @@ class Piece(NamedTuple):
 
 
 def frustum_moments(low: float, high: float, height: float) -> Moments:
-    """Return the moments of a solid frustum of a cone of unit density on z = 0; low, high: radii at its base and top [m]. The integrals
-    over z of R^2, R^2 z, R^2 z^2 and R^4 are polynomials in the two radii."""
+    """Return the moments of a solid frustum of a cone of unit density on z = 0; low,
+    high: radii at its base and top [m]. The integrals over z of R^2, R^2 z, R^2 z^2 and
+    R^4 are polynomials in the two radii.
+    """
     a, b = low, high
     area = math.pi * height * (a * a + a * b + b * b) / 3.0
     first = math.pi * height**2 * (a * a + 2.0 * a * b + 3.0 * b * b) / 12.0
     second = math.pi * height**3 * (a * a + 3.0 * a * b + 6.0 * b * b) / 30.0
-    across = math.pi * height * (a**4 + a**3 * b + a * a * b * b + a * b**3 + b**4) / 20.0  # int x^2 = int pi R^4 / 4 dz
+    across = (
+        math.pi * height * (a**4 + a**3 * b + a * a * b * b + a * b**3 + b**4) / 20.0
+    )  # int x^2 = int pi R^4 / 4 dz
     return Moments(area, 0.0, first, second + across)
 
 
 def round_piece(document: Document) -> Piece:
-    """A piece from the keys radius and height, or base_radius, top_radius and height; and offset of its axis. Raises DocumentError."""
+    """A piece from the keys radius and height, or base_radius, top_radius and height;
+    and offset of its axis. Raises DocumentError.
+    """
     height, offset = document.length("height"), offset_of(document)
     if document.has("radius"):
         for key in ("base_radius", "top_radius"):
             if document.has(key):
-                raise document.fault(key, f"{key} together with radius", "radius, or base_radius and top_radius, not both")
+                raise document.fault(
+                    key,
+                    f"{key} together with radius",
+                    "radius, or base_radius and top_radius, not both",
+                )
         base = top = document.length("radius")
     else:
-        top = document.quantity("top_radius", "length", least=0.0, where="a length from 0")
+        top = document.quantity(
+            "top_radius", "length", least=0.0, where="a length from 0"
+        )
         base = document.length("base_radius")
     return Piece(base, top, height, offset, frustum_moments(base, top, height))
 
@@ -59,7 +73,9 @@ def offset_of(document: Document) -> float:
 
 
 class Bed(NamedTuple):
-    """An interface: x of its left and right edge [m], and the moments of the pieces above it about (0, its level)."""
+    """An interface: x of its left and right edge [m], and the moments of the pieces
+    above it about (0, its level).
+    """
 
     left: float
     right: float
@@ -67,7 +83,9 @@ class Bed(NamedTuple):
 
     @property
     def margin(self) -> float:
-        """Uplift acceleration over g on the weaker edge [-]; negative if the body falls under its own weight."""
+        """Uplift acceleration over g on the weaker edge [-]; negative if the body falls
+        under its own weight.
+        """
         mass, x, z, _ = self.body
         return min(self.right * mass - x, x - self.left * mass) / z
 
@@ -82,16 +100,31 @@ class Bed(NamedTuple):
         return self.body.shifted(-0.5 * (self.left + self.right))
 
     def numbers(self, gravity: float) -> dict[str, float | None]:
-        """Return the parameters on the weaker edge; eta is None if the body is too squat to rock on it."""
-        edge = min(edges_of(self.centred, self.half, gravity), key=lambda edge: edge.uplift)
-        return {"p": edge.p, "alpha": edge.alpha, "eta": edge.eta if edge.eta >= 0.0 else None, "lambda": edge.uplift}
+        """Return the parameters on the weaker edge; eta is None if the body is too
+        squat to rock on it.
+        """
+        edge = min(
+            edges_of(self.centred, self.half, gravity), key=lambda edge: edge.uplift
+        )
+        return {
+            "p": edge.p,
+            "alpha": edge.alpha,
+            "eta": edge.eta if edge.eta >= 0.0 else None,
+            "lambda": edge.uplift,
+        }
 
 
-def stacked(document: Document, key: str, word: str, pieces: Sequence[Piece], inset: float = 0.0) -> RigidBody:
-    """Return the body that rocks on the interface of the key `rocks_on`, by default on the one with the least margin, on the lowest one
-    of equal margins. pieces: from below; key: of their list in the document; word: for one of them; inset: from the edges of every
-    interface [m]. Raises DocumentError if a piece does not stand on the one below it, or the stack does not stand, or if it has restraints
-    and no `rocks_on`: they hold each interface in another way, so that the least margin does not tell which one overturns first."""
+def stacked(
+    document: Document, key: str, word: str, pieces: Sequence[Piece], inset: float = 0.0
+) -> RigidBody:
+    """Return the body that rocks on the interface of the key `rocks_on`, by default on
+    the one with the least margin, on the lowest one of equal margins. pieces: from
+    below; key: of their list in the document; word: for one of them; inset: from the
+    edges of every interface [m]. Raises DocumentError if a piece does not stand on the
+    one below it, or the stack does not stand, or if it has restraints and no
+    `rocks_on`: they hold each interface in another way, so that the least margin does
+    not tell which one overturns first.
+    """
     moments, beds = Moments(0.0, 0.0, 0.0, 0.0), list[Bed]()
     for i in range(len(pieces) - 1, -1, -1):
         piece = pieces[i]
@@ -99,39 +132,91 @@ def stacked(document: Document, key: str, word: str, pieces: Sequence[Piece], in
         left, right = piece.axis - piece.foot, piece.axis + piece.foot
         if i:
             below = pieces[i - 1]
-            left, right = max(left, below.axis - below.head), min(right, below.axis + below.head)
+            left, right = (
+                max(left, below.axis - below.head),
+                min(right, below.axis + below.head),
+            )
         left, right = left + inset, right - inset
         if not right > left:
             if inset:
-                raise document.fault("inset", f"an inset beyond half the base of {word} {i + 1} from below", "a shorter one")
-            raise document.fault(key, f"{word} {i + 1} from below apart from the one below it", f"{word}s that stand on each other")
+                raise document.fault(
+                    "inset",
+                    f"an inset beyond half the base of {word} {i + 1} from below",
+                    "a shorter one",
+                )
+            raise document.fault(
+                key,
+                f"{word} {i + 1} from below apart from the one below it",
+                f"{word}s that stand on each other",
+            )
         beds.insert(0, Bed(left, right, moments))
     weakest = min(range(len(beds)), key=lambda i: beds[i].margin)
     bed, last = beds[weakest], pieces[-1]
     if not bed.margin > 0.0:
-        found = f"{word} {weakest + 1} from below, with the pieces on it, beyond its edge"
+        found = (
+            f"{word} {weakest + 1} from below, with the pieces on it, beyond its edge"
+        )
         raise document.fault("inset" if inset else key, found, "a stack that stands")
     details = {}
     if len(pieces) > 1:
         if document.has("rocks_on"):
             weakest = document.integer("rocks_on", 0, len(beds) - 1)
         elif held := restraints_in(document):
-            wanted = f"0 for its base, or the number from below of the {word} on which it rocks"
-            raise document.missing("rocks_on", f"{wanted}: {held[0]} hold each interface differently, so check each one")
+            wanted = (
+                f"0 for its base, or the number from below of the {word} on which it"
+                " rocks"
+            )
+            raise document.missing(
+                "rocks_on",
+                f"{wanted}: {held[0]} hold each interface differently, so check"
+                " each one",
+            )
         bed = beds[weakest]
         gravity = gravity_of(document)
-        supports = ["its base", *(f"{word} {i} from below" for i in range(1, len(beds)))]
-        interfaces = [{"on": on, **one.numbers(gravity)} for on, one in zip(supports, beds, strict=True)]
+        supports = [
+            "its base",
+            *(f"{word} {i} from below" for i in range(1, len(beds))),
+        ]
+        interfaces = [
+            {"on": on, **one.numbers(gravity)}
+            for on, one in zip(supports, beds, strict=True)
+        ]
         details = {"rocks_on": supports[weakest], "interfaces": interfaces}
     levels = list(accumulate((piece.height for piece in pieces), initial=0.0))
     outlines = []
-    for (foot, head, _, axis, _), low, high in zip(pieces, levels, levels[1:], strict=False):
-        outlines.append(((axis - foot, low), (axis + foot, low), (axis + head, high), (axis - head, high)))
+    for (foot, head, _, axis, _), low, high in zip(
+        pieces, levels, levels[1:], strict=False
+    ):
+        outlines.append(
+            (
+                (axis - foot, low),
+                (axis + foot, low),
+                (axis + head, high),
+                (axis - head, high),
+            )
+        )
     base, (mass, x, z, _) = levels[weakest], bed.body
     edges = (bed.left - inset, base), (bed.right + inset, base)
-    drawing = rocker(outlines[weakest:], *edges, (x / mass, base + z / mass), inset=inset, still=tuple(outlines[:weakest]))
-    top = last.axis - last.head - 0.5 * (bed.left + bed.right), sum(piece.height for piece in pieces[weakest:])
+    drawing = rocker(
+        outlines[weakest:],
+        *edges,
+        (x / mass, base + z / mass),
+        inset=inset,
+        still=tuple(outlines[:weakest]),
+    )
+    top = (
+        last.axis - last.head - 0.5 * (bed.left + bed.right),
+        sum(piece.height for piece in pieces[weakest:]),
+    )
     rock = body_on_edges if bed.centred.x else symmetric_body
     limit = f"a {word} more slender than this one"
     again = partial(stacked, document, key, word, pieces)
-    return rock(bed.centred, bed.half, top=top, limit=limit, details=details, drawing=drawing, again=again)
+    return rock(
+        bed.centred,
+        bed.half,
+        top=top,
+        limit=limit,
+        details=details,
+        drawing=drawing,
+        again=again,
+    )

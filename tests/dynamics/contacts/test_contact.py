@@ -1,4 +1,6 @@
-"""The contacts: uplift, impacts and sums of their sequences on equal edges, on one side and on edges that differ; the free motion."""
+"""The contacts: uplift, impacts and sums of their sequences on equal edges, on one side
+and on edges that differ; the free motion.
+"""
 
 import math
 
@@ -11,12 +13,17 @@ from rocking_cli.dynamics.contacts.contact import OneSided, Symmetric, Unequal
 from rocking_cli.motions import Piece
 from rocking_cli.structures.parameters import RockingParameters, Side
 
-LEFT, RIGHT = Side("left", 2.0, 0.2, math.tan(0.2), 1.0, 0.9), Side("right", 1.6, 0.3, math.tan(0.3), 1.0, 0.7)
+LEFT, RIGHT = (
+    Side("left", 2.0, 0.2, math.tan(0.2), 1.0, 0.9),
+    Side("right", 1.6, 0.3, math.tan(0.3), 1.0, 0.7),
+)
 BODY = RockingParameters.of_sides("body", "prism", LEFT, RIGHT)
 
 
 def march(y, v, eta):
-    """The free motion in small steps of its exact hyperbolic flow, impact by impact: overturns, and the largest y."""
+    """The free motion in small steps of its exact hyperbolic flow, impact by impact:
+    overturns, and the largest y.
+    """
     peak, h, bounces = (y if v > 0 else 0.0), 1e-3, 0
     c, s = math.cosh(h), math.sinh(h)
     for _ in range(200_000):
@@ -33,8 +40,14 @@ def march(y, v, eta):
 
 def test_free_motion_equals_marching():
     random = np.random.default_rng(4)
-    y, v, eta = random.uniform(0, 1.5, 60), random.uniform(-2, 1.2, 60), random.uniform(0.3, 1, 60)
-    free = Symmetric().free_motion(LinearEquation(), lanes(eta=eta), np.arange(60), y, v)
+    y, v, eta = (
+        random.uniform(0, 1.5, 60),
+        random.uniform(-2, 1.2, 60),
+        random.uniform(0.3, 1, 60),
+    )
+    free = Symmetric().free_motion(
+        LinearEquation(), lanes(eta=eta), np.arange(60), y, v
+    )
     for i in range(60):
         overturns, peak = march(y[i], v[i], eta[i])
         assert overturns == (free.overturns[i] or free.overturns_after_impact[i])
@@ -42,11 +55,19 @@ def test_free_motion_equals_marching():
             assert free.peak[i] == pytest.approx(peak, abs=2e-3)
 
 
-@pytest.mark.parametrize(("contact", "force"), [(Symmetric(), -0.7), (OneSided(), -1.4)], ids=["equal", "one side"])
+@pytest.mark.parametrize(
+    ("contact", "force"),
+    [(Symmetric(), -0.7), (OneSided(), -1.4)],
+    ids=["equal", "one side"],
+)
 def test_sequence_time_is_the_sum_of_its_arcs(contact, force):
     body, total, speed, a = lanes(v=1e-3, b=force, eta=0.6), 0.0, 1e-3, 1.0 + force
     for _ in range(200):
-        total, speed, a = total + 2.0 * speed / (1.0 - a), 0.6 * speed, -a if contact.alike else a
+        total, speed, a = (
+            total + 2.0 * speed / (1.0 - a),
+            0.6 * speed,
+            -a if contact.alike else a,
+        )
     assert contact.sequence_time(body)[0] == pytest.approx(total, rel=1e-13, abs=0)
 
 
@@ -59,16 +80,29 @@ def test_sequence_time_is_the_sum_of_its_arcs(contact, force):
 )
 def test_restitutions_out_of_range_are_refused(contact, eta, expected):
     with pytest.raises(ValueError, match=expected):
-        contact.cells(LinearEquation(), np.full(1, 2.0), np.full(1, 3.0), np.full(1, eta))
+        contact.cells(
+            LinearEquation(), np.full(1, 2.0), np.full(1, 3.0), np.full(1, eta)
+        )
 
 
 @pytest.mark.parametrize("model", ["linear", "nonlinear"])
 def test_impacts_that_take_nothing_take_nothing_in_the_units_of_the_edges_either(model):
-    """A product above 1 would be refused, and bouncing settle under one below; as they are multiplied a quarter of such pairs are off."""
+    """A product above 1 would be refused, and bouncing settle under one below; as they
+    are multiplied a quarter of such pairs are off.
+    """
     random, products = np.random.default_rng(1), set()
-    for p, other, alpha, angle in random.uniform((1.0, 1.0, 0.1, 0.1), (4.0, 4.0, 0.9, 0.9), (300, 4)).tolist():
-        left, right = Side("left", p, alpha, math.tan(alpha), 1.0, 1.0), Side("right", other, angle, math.tan(angle), 1.0, 1.0)
-        contact = Method(model).system_of(RockingParameters.of_sides("body", "prism", left, right)).contact
+    for p, other, alpha, angle in random.uniform(
+        (1.0, 1.0, 0.1, 0.1), (4.0, 4.0, 0.9, 0.9), (300, 4)
+    ).tolist():
+        left, right = (
+            Side("left", p, alpha, math.tan(alpha), 1.0, 1.0),
+            Side("right", other, angle, math.tan(angle), 1.0, 1.0),
+        )
+        contact = (
+            Method(model)
+            .system_of(RockingParameters.of_sides("body", "prism", left, right))
+            .contact
+        )
         products.add(contact.eta[0] * contact.eta[1])
     assert products == {1.0}
 
@@ -80,29 +114,49 @@ def alike(eta, rotation=(1.0, 1.0)):
 
 def freed(eta, rotation, y, v):
     """The free motion from (y, v) on the right edge."""
-    return alike(eta, rotation).free_motion(LinearEquation(), lanes(eta=eta[0]), np.array([0]), np.array([y]), np.array([v]))
+    return alike(eta, rotation).free_motion(
+        LinearEquation(), lanes(eta=eta[0]), np.array([0]), np.array([y]), np.array([v])
+    )
 
 
 def test_a_second_impact_after_the_shaking_may_be_the_one_that_overturns():
-    """Of E = 1.6^2 + 0.5 1.5 the strong edge leaves a quarter, below 1, and the weak one 0.95^2, above 1."""
+    """Of E = 1.6^2 + 0.5 1.5 the strong edge leaves a quarter, below 1, and the weak
+    one 0.95^2, above 1.
+    """
     free = freed((0.5, 1.9), (1.0, 1.0), 0.5, -1.6)
-    assert (bool(free.overturns[0]), bool(free.overturns_after_impact[0])) == (False, True)
+    assert (bool(free.overturns[0]), bool(free.overturns_after_impact[0])) == (
+        False,
+        True,
+    )
 
 
 @pytest.mark.parametrize(
-    ("rotation", "v", "highest"), [((1.0, 1.0), -0.5, "across"), ((1.0, 0.5), 0.5, "outward"), ((2.0, 0.5), -0.5, "back")]
+    ("rotation", "v", "highest"),
+    [
+        ((1.0, 1.0), -0.5, "across"),
+        ((1.0, 0.5), 0.5, "outward"),
+        ((2.0, 0.5), -0.5, "back"),
+    ],
 )
-def test_after_the_shaking_the_largest_of_three_arcs_is_kept_and_none_of_a_body_that_falls(rotation, v, highest):
-    """From y = 0.3: E = v^2 + y (2 - y) is left with eta^2 of it at each impact, and an arc rises to 1 - sqrt(1 - E)."""
+def test_after_the_shaking_the_largest_of_three_arcs_is_kept_and_none_of_a_body_that_falls(
+    rotation, v, highest
+):
+    """From y = 0.3: E = v^2 + y (2 - y) is left with eta^2 of it at each impact, and an
+    arc rises to 1 - sqrt(1 - E).
+    """
     eta = (1.1, 0.85)
     energy = 0.5**2 + 0.3 * 1.7
     rises = {
         "outward": 1.0 - math.sqrt(1.0 - energy) if v > 0.0 else 0.3,
-        "across": (1.0 - math.sqrt(1.0 - eta[0] ** 2 * energy)) * rotation[1] / rotation[0],
+        "across": (
+            (1.0 - math.sqrt(1.0 - eta[0] ** 2 * energy)) * rotation[1] / rotation[0]
+        ),
         "back": 1.0 - math.sqrt(1.0 - (eta[0] * eta[1]) ** 2 * energy),
     }
     assert max(rises, key=rises.__getitem__) == highest
-    assert freed(eta, rotation, 0.3, v).peak[0] == pytest.approx(rises[highest], rel=1e-14)
+    assert freed(eta, rotation, 0.3, v).peak[0] == pytest.approx(
+        rises[highest], rel=1e-14
+    )
     for y, speed in ((0.9, 1.5), (0.3, -0.7)):
         free = freed(eta, rotation, y, speed)
         assert free.overturns[0] != free.overturns_after_impact[0]
@@ -110,12 +164,26 @@ def test_after_the_shaking_the_largest_of_three_arcs_is_kept_and_none_of_a_body_
 
 
 def test_bounces_that_rise_above_the_peak_on_the_other_edge_are_not_summed():
-    """Thrown across with eight times its speed v, it rises there to (8 v)^2/(2 (1 + a)), less what y takes of the force."""
-    push = Motion("push", (Piece(0.0, 50.0, (), -0.25),)).segments  # a = 0.5 for A = 2 on the right edge
+    """Thrown across with eight times its speed v, it rises there to (8 v)^2/(2 (1 +
+    a)), less what y takes of the force.
+    """
+    push = Motion(
+        "push", (Piece(0.0, 50.0, (), -0.25),)
+    ).segments  # a = 0.5 for A = 2 on the right edge
     v, beyond = 1e-3, 1.5
     height = beyond - math.sqrt(beyond**2 - (8.0 * v) ** 2)
-    body = lanes(v=v, b=-0.5, eta=8.0, amplitude=2.0, omega=3.0, peak=np.array([0.99, 5.0]) * height)
-    assert alike((8.0, 0.1)).sequence_ends(push, body, LinearEquation()).tolist() == [False, True]
+    body = lanes(
+        v=v,
+        b=-0.5,
+        eta=8.0,
+        amplitude=2.0,
+        omega=3.0,
+        peak=np.array([0.99, 5.0]) * height,
+    )
+    assert alike((8.0, 0.1)).sequence_ends(push, body, LinearEquation()).tolist() == [
+        False,
+        True,
+    ]
 
 
 def test_rectangular_push_overturns_each_edge_at_its_own_closed_form():
@@ -125,11 +193,30 @@ def test_rectangular_push_overturns_each_edge_at_its_own_closed_form():
     for side, sign in ((LEFT, 1.0), (RIGHT, -1.0)):
         push = Motion("push", (Piece(0.0, t_d * BODY.p, (), sign),))
         edge = side.alpha / BODY.alpha / (1.0 - math.exp(-side.p * t_d))
-        below, above = (int(response(system, push, f * edge, 1.0, 0.9).outcome) for f in (1.0 - 1e-9, 1.0 + 1e-9))
+        below, above = (
+            int(response(system, push, f * edge, 1.0, 0.9).outcome)
+            for f in (1.0 - 1e-9, 1.0 + 1e-9)
+        )
         assert (below, above) == (2, 3)
 
 
-@pytest.mark.parametrize("bad", [{"drive": (0.0, 1.0)}, {"omega": (1.0, -1.0)}, {"eta": (1.2, 0.9)}, {"eta": (-0.1, 0.9)}])
+@pytest.mark.parametrize(
+    "bad",
+    [
+        {"drive": (0.0, 1.0)},
+        {"omega": (1.0, -1.0)},
+        {"eta": (1.2, 0.9)},
+        {"eta": (-0.1, 0.9)},
+    ],
+)
 def test_numbers_out_of_range_are_refused(bad):
     with pytest.raises(ValueError, match="of both edges"):
-        Unequal(**{"drive": (1.0, 1.0), "omega": (1.0, 1.0), "eta": (0.9, 0.9), "rotation": (1.0, 1.0), **bad})
+        Unequal(
+            **{
+                "drive": (1.0, 1.0),
+                "omega": (1.0, 1.0),
+                "eta": (0.9, 0.9),
+                "rotation": (1.0, 1.0),
+                **bad,
+            }
+        )

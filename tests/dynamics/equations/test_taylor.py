@@ -1,4 +1,6 @@
-"""Taylor series as the flow of an equation: how far they leave their chords, and the step that a tolerance allows."""
+"""Taylor series as the flow of an equation: how far they leave their chords, and the
+step that a tolerance allows.
+"""
 
 import math
 
@@ -17,17 +19,26 @@ def test_how_far_a_term_is_bent_from_the_chord_is_the_most_that_it_is(n):
     _, most = taylor.TaylorSeries(terms, unit, h, 1.0 / unit).at_with_chord_errors(h)
     t = np.linspace(0.0, 1.0, 4001)[:, None]
     for row, (m, size) in enumerate(((n - 1, n), (n - 2, n * (n - 1)))):
-        off = np.abs(size * terms[n] * (h / unit) ** n * (t**m - t)).max(axis=0)  # of h y', h^2 y''
+        off = np.abs(size * terms[n] * (h / unit) ** n * (t**m - t)).max(
+            axis=0
+        )  # of h y', h^2 y''
         assert np.all(off <= most[row] * (1.0 + 4 * EPS))
         assert off == pytest.approx(most[row], rel=1e-6, abs=1e-7)
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-8, 1e-12])
 def test_a_step_keeps_the_tolerance_and_does_not_waste_it(tolerance):
-    """Of exp(h), whose terms decay like those of any flow: the velocity after the longest step is off by a part of the tolerance."""
-    terms = np.array([1.0 / math.factorial(n) for n in range(taylor.order_for(tolerance) + 1)])
+    """Of exp(h), whose terms decay like those of any flow: the velocity after the
+    longest step is off by a part of the tolerance.
+    """
+    terms = np.array(
+        [1.0 / math.factorial(n) for n in range(taylor.order_for(tolerance) + 1)]
+    )
     h = float(taylor.series(terms[:, None], np.ones(1), tolerance).longest[0])
-    missing, longer = (math.exp(x) - np.polynomial.polynomial.polyval(x, terms[:-1]) for x in (h, 3.0 * h))  # of y': one term fewer
+    missing, longer = (
+        math.exp(x) - np.polynomial.polynomial.polyval(x, terms[:-1])
+        for x in (h, 3.0 * h)
+    )  # of y': one term fewer
     assert missing + 4 * EPS * math.exp(h) < tolerance or tolerance < 1e-11
     assert missing < tolerance + 8 * EPS * math.exp(h)
     assert longer > 0.1 * tolerance
@@ -43,5 +54,7 @@ def test_tolerances_without_sense_are_refused(tolerance):
 def test_the_largest_sizes_of_a_degree_are_those_at_which_another_term_is_needed(unit):
     limits = np.array(taylor.size_limits(unit, 1e-9))
     for factor, more in ((1.0 - 1e-9, 0), (1.0 + 1e-9, 1)):
-        needed = taylor.degrees(factor * limits[:-1], np.full(limits.size - 1, unit), 1e-9)
+        needed = taylor.degrees(
+            factor * limits[:-1], np.full(limits.size - 1, unit), 1e-9
+        )
         np.testing.assert_array_equal(needed, np.arange(3, limits.size + 2) + more)

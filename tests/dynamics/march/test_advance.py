@@ -1,4 +1,6 @@
-"""Within one step: windows of the drive, what is proved without a root search, and bodies that turn back next to the ground."""
+"""Within one step: windows of the drive, what is proved without a root search, and
+bodies that turn back next to the ground.
+"""
 
 import math
 
@@ -14,10 +16,14 @@ from rocking_cli.motions import Motion, Piece
 
 
 @pytest.mark.parametrize(
-    "model", [LinearEquation(), RigidBodyEquation(0.25, 1e-13), RigidBodyEquation(0.6, 1e-13)], ids=["linear", "alpha-0.25", "alpha-0.6"]
+    "model",
+    [LinearEquation(), RigidBodyEquation(0.25, 1e-13), RigidBodyEquation(0.6, 1e-13)],
+    ids=["linear", "alpha-0.25", "alpha-0.6"],
 )
 def test_grazing_is_decided_on_either_side(model):
-    """A constant push a > 1 turns a body back within 1e-6 ... 1e-12 of the ground, by v0^2/2 = G(y0) - G(y_min) with G' = y''."""
+    """A constant push a > 1 turns a body back within 1e-6 ... 1e-12 of the ground, by
+    v0^2/2 = G(y0) - G(y_min) with G' = y''.
+    """
     push = Motion("push", (Piece(0.0, 60.0, (), 1.0),)).segments
     random = np.random.default_rng(6)
     nodes, weights = np.polynomial.legendre.leggauss(40)
@@ -26,31 +32,60 @@ def test_grazing_is_decided_on_either_side(model):
             a, y0 = random.uniform(1.2, 4.0), random.uniform(0.02, 0.4)
             for least in (-offset, offset):
                 spots = least + 0.5 * (y0 - least) * (nodes + 1.0)
-                rise = 0.5 * (y0 - least) * float(weights @ model.force(spots, np.full(40, a)))
+                rise = (
+                    0.5
+                    * (y0 - least)
+                    * float(weights @ model.force(spots, np.full(40, a)))
+                )
                 b = model.force(np.array([y0]), np.array([a]))
-                body, hit = lanes(amplitude=a, side=-1.0, y=y0, v=-math.sqrt(2 * rise), b=b), False
+                body, hit = (
+                    lanes(amplitude=a, side=-1.0, y=y0, v=-math.sqrt(2 * rise), b=b),
+                    False,
+                )
                 for _ in range(40):
                     event = advance.advance(push, body, model)
                     hit |= bool(event.hit[0])
                     if hit or event.end.v[0] > 0.0:
                         break
-                    body.u, body.y, body.v, body.b = event.step.u, event.end.y, event.end.v, event.end.b
+                    body.u, body.y, body.v, body.b = (
+                        event.step.u,
+                        event.end.y,
+                        event.end.v,
+                        event.end.b,
+                    )
                 assert hit == (least < 0.0), (offset, a, y0)
 
 
-@pytest.mark.parametrize("equation", [LinearEquation(), LinearEquation(0.1), RigidBodyEquation(0.3), RigidBodyEquation(0.3, damping=0.1)])
+@pytest.mark.parametrize(
+    "equation",
+    [
+        LinearEquation(),
+        LinearEquation(0.1),
+        RigidBodyEquation(0.3),
+        RigidBodyEquation(0.3, damping=0.1),
+    ],
+)
 def test_every_crest_of_a_step_is_found(equation):
-    """Where y' falls through zero on a fine raster of the step there is one, also between ends of the same sign, and nowhere else."""
+    """Where y' falls through zero on a fine raster of the step there is one, also
+    between ends of the same sign, and nowhere else.
+    """
     random, count = np.random.default_rng(21), 2500
     segments = sine(2).segments
-    k, side = random.integers(0, len(segments), count), random.choice([-1.0, 1.0], count)
+    k, side = (
+        random.integers(0, len(segments), count),
+        random.choice([-1.0, 1.0], count),
+    )
     u = segments.length[k] * random.uniform(0.0, 0.95, count)
     amplitude, omega = random.uniform(0.3, 3.0, count), random.uniform(0.3, 2.0, count)
     y, v = random.uniform(0.2, 1.4, count), random.uniform(-0.4, 0.4, count)
-    b = equation.force(y, -side * amplitude * (segments.s_start[k] + drive_change(segments, k, u)))
+    b = equation.force(
+        y, -side * amplitude * (segments.s_start[k] + drive_change(segments, k, u))
+    )
     bodies = lanes(amplitude=amplitude, omega=omega, k=k, u=u, side=side, y=y, v=v, b=b)
     result = advance.advance(segments, bodies, equation)
-    turned, h, _ = advance.turning_points(segments, bodies, result, np.ones(count, dtype=bool))
+    turned, h, _ = advance.turning_points(
+        segments, bodies, result, np.ones(count, dtype=bool)
+    )
     raster = np.linspace(0.0, 1.0, 1001)[:, None] * result.reach
     speed = np.array([result.arc.at(x).v for x in raster])
     falls = (speed[:-1] > 0.0) & (speed[1:] <= 0.0)
@@ -67,7 +102,14 @@ def test_every_crest_of_a_step_is_found(equation):
 
 @pytest.mark.parametrize(
     "motion",
-    [sine(), sine(2.5), cosine(1.5), LADDER, MIXED, *map(pulse, ("ricker-symmetric", "rectangular-impulse"))],
+    [
+        sine(),
+        sine(2.5),
+        cosine(1.5),
+        LADDER,
+        MIXED,
+        *map(pulse, ("ricker-symmetric", "rectangular-impulse")),
+    ],
     ids=lambda m: m.name,
 )
 def test_windows_tile_the_motion_and_state_the_sign_of_the_drive(motion):
@@ -83,18 +125,34 @@ def test_windows_tile_the_motion_and_state_the_sign_of_the_drive(motion):
         ridges += int(window.supercritical.sum())
         for i, lane in enumerate(on):
             assert window.k[i] in (k[lane], k[lane] + 1)
-            spans = [(k[lane], u[lane], window.u[i] if window.k[i] == k[lane] else segments.length[k[lane]])]
+            spans = [
+                (
+                    k[lane],
+                    u[lane],
+                    window.u[i] if window.k[i] == k[lane] else segments.length[k[lane]],
+                )
+            ]
             spans += [(window.k[i], 0.0, window.u[i])] if window.k[i] > k[lane] else []
             values = []
             for at, low, high in spans:
                 assert high >= low
                 covered[lane] += high - low
-                change = segment_value(segments, np.full(60, at), np.linspace(low, high, 60))[0]
+                change = segment_value(
+                    segments, np.full(60, at), np.linspace(low, high, 60)
+                )[0]
                 a = -side[lane] * amplitude[lane] * (segments.s_start[at] + change)
                 beyond = a - 1.0 if window.supercritical[i] else 1.0 - a
-                assert np.all(beyond >= -amplitude[lane] * (1.1e-13 + 1e-14 * np.abs(segments.s_start[at])))
+                assert np.all(
+                    beyond
+                    >= -amplitude[lane]
+                    * (1.1e-13 + 1e-14 * np.abs(segments.s_start[at]))
+                )
                 values.append(a)
-            if not window.supercritical[i]:  # a subcritical ends at an inner maximum: the drive falls and rises, never the other way round
+            if not window.supercritical[
+                i
+                # a subcritical ends at an inner maximum: the drive falls and rises,
+                # never the other way round
+            ]:
                 steps = np.sign(np.diff(np.concatenate(values)).round(12))
                 steps = steps[steps != 0.0]
                 assert np.all(np.diff(steps) >= 0.0)
@@ -106,9 +164,13 @@ def test_windows_tile_the_motion_and_state_the_sign_of_the_drive(motion):
 
 @pytest.mark.parametrize("short", [1e-4, 1e-8, 1e-12])
 def test_a_crossing_next_to_an_extremum_keeps_its_distance_to_it(short):
-    """sin u = 1 - d at u = pi/2 - sqrt(2 d) (1 + d/12): the distance to the peak is off by no more than one rounding of the level."""
+    """sin u = 1 - d at u = pi/2 - sqrt(2 d) (1 + d/12): the distance to the peak is off
+    by no more than one rounding of the level.
+    """
     level = np.array([1.0 - short])
     d = 1.0 - level[0]
     u = crossing(sine(0.5).segments, np.zeros(1, dtype=np.int64), level)
     expected = np.sqrt(2.0 * d) * (1.0 + d / 12.0)
-    assert np.pi / 2 - u[0] == pytest.approx(expected, abs=4e-16, rel=np.finfo(float).eps / d + d * d)
+    assert np.pi / 2 - u[0] == pytest.approx(
+        expected, abs=4e-16, rel=np.finfo(float).eps / d + d * d
+    )

@@ -1,4 +1,6 @@
-"""The linear engine against independent numbers, closed forms and its own invariances."""
+"""The linear engine against independent numbers, closed forms and
+its own invariances.
+"""
 
 import math
 import os
@@ -19,16 +21,37 @@ from rocking_cli.motions.biaxial import with_vertical
 
 
 @pytest.mark.parametrize(("omega", "begin", "end", "no_impact", "digit"), INTERVALS)
-def test_outcome_changes_where_the_reference_table_says(omega, begin, end, no_impact, digit):
-    amplitude = np.array([begin - digit, begin + digit, end - digit, end + digit, no_impact - digit, no_impact + digit])
+def test_outcome_changes_where_the_reference_table_says(
+    omega, begin, end, no_impact, digit
+):
+    amplitude = np.array(
+        [
+            begin - digit,
+            begin + digit,
+            end - digit,
+            end + digit,
+            no_impact - digit,
+            no_impact + digit,
+        ]
+    )
     outcome = linear_response(sine(), amplitude, omega, 0.9).outcome
     after, without = Outcome.OVERTURNED_AFTER_IMPACT, Outcome.OVERTURNED_NO_IMPACT
-    assert outcome.tolist() == [Outcome.ROCKED, after, after, Outcome.ROCKED, Outcome.ROCKED, without]
+    assert outcome.tolist() == [
+        Outcome.ROCKED,
+        after,
+        after,
+        Outcome.ROCKED,
+        Outcome.ROCKED,
+        without,
+    ]
 
 
 def compare(motion, *cells):
     """Every cell to what errors of 4e-15 come to in it."""
-    found, (outcome, theta, impacts) = linear_response(motion, *cells), answers(motion, *cells)
+    found, (outcome, theta, impacts) = (
+        linear_response(motion, *cells),
+        answers(motion, *cells),
+    )
     assert_same(found, theta, outcome, 4e-3 * allowance(motion, *cells))
     few = impacts < 10  # the oracle ends a sequence of impacts by a threshold
     np.testing.assert_array_equal(found.impacts[few], impacts[few])
@@ -37,37 +60,62 @@ def compare(motion, *cells):
 @pytest.mark.parametrize("n", [30, pytest.param(200, marks=pytest.mark.soak)])
 def test_random_cells_equal_an_independent_integration(n):
     random = np.random.default_rng(1)
-    amplitude, omega, eta = random.uniform(0.5, 12, 200), random.uniform(0.5, 12, 200), random.uniform(0.5, 1, 200)
+    amplitude, omega, eta = (
+        random.uniform(0.5, 12, 200),
+        random.uniform(0.5, 12, 200),
+        random.uniform(0.5, 1, 200),
+    )
     compare(sine(), amplitude[:n], omega[:n], eta[:n])
 
 
 @pytest.mark.parametrize("n", [6, pytest.param(24, marks=pytest.mark.soak)])
 @pytest.mark.parametrize(
     ("motion", "largest"),
-    [(sine(0.5), 12), (sine(1.5), 5), (sine(6), 4), (cosine(1), 8), (cosine(2.5), 3), (LADDER, 6), (MIXED, 4)],
+    [
+        (sine(0.5), 12),
+        (sine(1.5), 5),
+        (sine(6), 4),
+        (cosine(1), 8),
+        (cosine(2.5), 3),
+        (LADDER, 6),
+        (MIXED, 4),
+    ],
     ids=lambda x: getattr(x, "name", ""),
 )
 def test_other_motions_equal_an_independent_integration(motion, largest, n):
     random = np.random.default_rng(2)
-    draw = [random.uniform(low, high, 24) for low, high in ((0.9, largest), (0.5, 12), (0.5, 1))]
+    draw = [
+        random.uniform(low, high, 24)
+        for low, high in ((0.9, largest), (0.5, 12), (0.5, 1))
+    ]
     compare(motion, *(x[:n] for x in draw))
 
 
 @pytest.mark.parametrize(
     ("amplitude", "omega", "peak"),  # in 60 digits: the exact flow at the root of y'
     [
-        (1.001, 3.0, 4.99700212697253e-07), (1.001, 10.0, 4.4964839168937423e-08), (1.01, 3.0, 4.970211270508924e-05),
-        (1.01, 10.0, 4.465099455444657e-06), (1.1, 3.0, 0.00471980249891647), (1.1, 10.0, 0.00041749898436687613),
+        (1.001, 3.0, 4.99700212697253e-07),
+        (1.001, 10.0, 4.4964839168937423e-08),
+        (1.01, 3.0, 4.970211270508924e-05),
+        (1.01, 10.0, 4.465099455444657e-06),
+        (1.1, 3.0, 0.00471980249891647),
+        (1.1, 10.0, 0.00041749898436687613),
     ],
-)  # fmt: skip
-def test_amplitudes_barely_above_uplift_keep_their_relative_accuracy(amplitude, omega, peak):
+)
+def test_amplitudes_barely_above_uplift_keep_their_relative_accuracy(
+    amplitude, omega, peak
+):
     got = float(linear_response(sine(), amplitude, omega, 0.5).theta_ratio)
-    condition_of_peak = 2 * amplitude / (amplitude - 1)  # it is 9 (A - 1)^2/(2 Omega^2) at first
+    condition_of_peak = (
+        2 * amplitude / (amplitude - 1)
+    )  # it is 9 (A - 1)^2/(2 Omega^2) at first
     assert abs(got / peak - 1) < np.finfo(float).eps * (2 * condition_of_peak + 150)
 
 
 def test_first_uplift_and_no_uplift():
-    response = linear_response(sine(), np.array([0.0, 0.5, 1.0, np.nextafter(1.0, 2.0)]), 3.0, 0.9)
+    response = linear_response(
+        sine(), np.array([0.0, 0.5, 1.0, np.nextafter(1.0, 2.0)]), 3.0, 0.9
+    )
     assert response.outcome.tolist() == [Outcome.NO_UPLIFT] * 3 + [Outcome.ROCKED]
     assert response.theta_ratio[:3].tolist() == [0.0] * 3
 
@@ -86,25 +134,46 @@ def test_first_uplift_and_no_uplift():
     ],
     ids=lambda x: getattr(x, "name", x),
 )
-def test_no_digit_depends_on_other_lanes_nor_an_outcome_on_peaks(name, motion, count, monkeypatch):
+def test_no_digit_depends_on_other_lanes_nor_an_outcome_on_peaks(
+    name, motion, count, monkeypatch
+):
     random, (system, _) = np.random.default_rng(3), SYSTEMS[name]
     slow, fast = (0.3, 12.0) if motion.acceleration is None else (0.1, 1.5)
-    cell = random.uniform(0.9, 9, count), random.uniform(slow, fast, count), random.uniform(0, 1, count)
-    whole, few = response(system, motion, *cell), response(system, motion, *cell, pool=7)
+    cell = (
+        random.uniform(0.9, 9, count),
+        random.uniform(slow, fast, count),
+        random.uniform(0, 1, count),
+    )
+    whole, few = (
+        response(system, motion, *cell),
+        response(system, motion, *cell, pool=7),
+    )
     assert few.theta_ratio.tobytes() == whole.theta_ratio.tobytes()
     for i in range(0, count, 1 + count // 8):
         one = response(system, motion, *(x[i] for x in cell))
-        assert (one.theta_ratio.tobytes(), one.outcome) == (whole.theta_ratio[i].tobytes(), whole.outcome[i])
+        assert (one.theta_ratio.tobytes(), one.outcome) == (
+            whole.theta_ratio[i].tobytes(),
+            whole.outcome[i],
+        )
     bare = response(system, motion, *cell, peaks=False)
     assert np.array_equal(whole.outcome, bare.outcome)
     assert np.isnan(bare.theta_ratio).all()
     monkeypatch.setattr("rocking_cli.dynamics.samples.stepper.WIDTH", 3)
-    assert response(system, motion, *cell).theta_ratio.tobytes() == whole.theta_ratio.tobytes()
+    assert (
+        response(system, motion, *cell).theta_ratio.tobytes()
+        == whole.theta_ratio.tobytes()
+    )
 
 
 def test_a_motion_and_its_mirror_image_give_the_same_bits():
     grid = np.linspace(0.9, 8, 60)
-    mirrored = Motion("mirror", tuple(Piece(p.start, p.stop, tuple(Harmonic(-h.amplitude) for h in p.harmonics)) for p in sine().pieces))
+    mirrored = Motion(
+        "mirror",
+        tuple(
+            Piece(p.start, p.stop, tuple(Harmonic(-h.amplitude) for h in p.harmonics))
+            for p in sine().pieces
+        ),
+    )
     a = linear_response(sine(), grid[:, None], grid, 0.8)
     b = linear_response(mirrored, grid[:, None], grid, 0.8)
     assert a.theta_ratio.tobytes() == b.theta_ratio.tobytes()
@@ -113,7 +182,9 @@ def test_a_motion_and_its_mirror_image_give_the_same_bits():
 
 def test_a_pulse_cut_into_pieces_is_the_same_pulse():
     cuts = np.linspace(0.0, 2 * math.pi, 8)
-    pieces = tuple(Piece(float(a), float(b), (Harmonic(1.0),)) for a, b in pairwise(cuts))
+    pieces = tuple(
+        Piece(float(a), float(b), (Harmonic(1.0),)) for a, b in pairwise(cuts)
+    )
     grid = np.linspace(0.9, 8, 40)
     a = linear_response(sine(), grid[:, None], grid, 0.9)
     b = linear_response(Motion("cut", pieces), grid[:, None], grid, 0.9)
@@ -122,7 +193,16 @@ def test_a_pulse_cut_into_pieces_is_the_same_pulse():
 
 
 @pytest.mark.parametrize(
-    "bad", [{"amplitude": -1.0}, {"amplitude": np.inf}, {"omega": 0.0}, {"omega": np.nan}, {"eta": 1.1}, {"eta": -0.1}, {"eta": np.nan}]
+    "bad",
+    [
+        {"amplitude": -1.0},
+        {"amplitude": np.inf},
+        {"omega": 0.0},
+        {"omega": np.nan},
+        {"eta": 1.1},
+        {"eta": -0.1},
+        {"eta": np.nan},
+    ],
 )
 def test_numbers_out_of_range_are_refused(bad):
     with pytest.raises(ValueError, match=next(iter(bad))):
@@ -130,9 +210,23 @@ def test_numbers_out_of_range_are_refused(bad):
 
 
 @pytest.mark.parametrize(
-    ("motion", "amplitude", "omega", "eta", "theta", "tolerance"),  # by closed-form arcs in 50 digits, with steps that pass no event
+    (
+        "motion",
+        "amplitude",
+        "omega",
+        "eta",
+        "theta",
+        "tolerance",
+    ),  # by closed-form arcs in 50 digits, with steps that pass no event
     [
-        (cosine(5), 743.56, 80.335, 0.3, 0.6598258167426396, 3e-13),  # A = 743: a rounding of the drive is 1e-13
+        (
+            cosine(5),
+            743.56,
+            80.335,
+            0.3,
+            0.6598258167426396,
+            3e-13,
+        ),  # A = 743: a rounding of the drive is 1e-13
         (cosine(40), 743.56, 2000.0, 0.3, 0.0036951909052310777, 1e-12),
         (sine(40), 200.0, 700.0, 0.7, 0.0499960913594055, 1e-13),
         (pulse("ricker-antisymmetric"), 30.0, 25.0, 0.5, 0.05040777378125502, 1e-15),
@@ -161,5 +255,13 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before)
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="another C library")
 @pytest.mark.parametrize("asked", [{}, {"MALLOC_TRIM_THRESHOLD_": "65536"}])
 def test_a_march_faults_in_no_memory_that_it_had_before(asked):
-    done = subprocess.run([sys.executable, "-c", CODE], env={**os.environ, **asked}, capture_output=True, text=True, check=True)
-    assert int(done.stdout) < 2000  # pages; 36,000 where each round gets its arrays anew
+    done = subprocess.run(
+        [sys.executable, "-c", CODE],
+        env={**os.environ, **asked},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert (
+        int(done.stdout) < 2000
+    )  # pages; 36,000 where each round gets its arrays anew

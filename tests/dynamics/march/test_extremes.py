@@ -1,4 +1,6 @@
-"""Stiff and extreme cells: never NaN without an outcome, never a hang, and the closed form or the limit where there is one."""
+"""Stiff and extreme cells: never NaN without an outcome, never a hang, and the closed
+form or the limit where there is one.
+"""
 
 import math
 
@@ -24,7 +26,12 @@ from rocking_cli import (
 )
 from rocking_cli.dynamics import batch
 
-DECIDED = (Outcome.NO_UPLIFT, Outcome.ROCKED, Outcome.OVERTURNED_NO_IMPACT, Outcome.OVERTURNED_AFTER_IMPACT)
+DECIDED = (
+    Outcome.NO_UPLIFT,
+    Outcome.ROCKED,
+    Outcome.OVERTURNED_NO_IMPACT,
+    Outcome.OVERTURNED_AFTER_IMPACT,
+)
 
 
 def both(amplitude, omega, eta, alpha=0.25, motion=None):
@@ -32,7 +39,14 @@ def both(amplitude, omega, eta, alpha=0.25, motion=None):
     motion = motion or sine()
     return (
         linear_response(motion, amplitude, omega, eta),
-        nonlinear_response(motion, np.asarray(amplitude) * math.tan(alpha) / alpha, omega, eta, alpha, tolerance=1e-11),
+        nonlinear_response(
+            motion,
+            np.asarray(amplitude) * math.tan(alpha) / alpha,
+            omega,
+            eta,
+            alpha,
+            tolerance=1e-11,
+        ),
     )
 
 
@@ -45,7 +59,9 @@ def assert_decided(*responses):
 
 
 @pytest.mark.parametrize("omega", [1e-4, 1e-2, 1.0, 1e2, 1e4])
-@pytest.mark.parametrize("eta", [0.0, 1e-6, 0.9, 0.99, pytest.param(0.999, marks=pytest.mark.soak)])
+@pytest.mark.parametrize(
+    "eta", [0.0, 1e-6, 0.9, 0.99, pytest.param(0.999, marks=pytest.mark.soak)]
+)
 def test_amplitudes_from_uplift_to_1e8_are_decided(omega, eta):
     amplitude = np.array([1 + 1e-12, 1 + 1e-9, 1.001, 1.1, 2.0, 1e2, 1e4, 1e8])
     assert_decided(*both(amplitude, omega, eta))
@@ -53,20 +69,27 @@ def test_amplitudes_from_uplift_to_1e8_are_decided(omega, eta):
 
 @pytest.mark.parametrize("motion", [cosine(1), sine(5.5)], ids=lambda m: m.name)
 def test_drives_that_jump_and_many_half_cycles_are_decided_too(motion):
-    amplitude, omega, eta = (np.ravel(x) for x in np.meshgrid([1 + 1e-12, 1.001, 2.0, 1e8], [1e-4, 1.0, 1e4], [0.0, 0.9]))
+    amplitude, omega, eta = (
+        np.ravel(x)
+        for x in np.meshgrid([1 + 1e-12, 1.001, 2.0, 1e8], [1e-4, 1.0, 1e4], [0.0, 0.9])
+    )
     assert_decided(*both(amplitude, omega, eta, motion=motion))
 
 
 @pytest.mark.parametrize("omega", [1.0, 1e2, 1e4])
 def test_peak_just_above_uplift_is_its_expansion(omega):
-    """A = 1 + d: the body lifts for 2 sqrt(2 d)/Omega; y'' = d - (Omega tau)^2/2 gives a peak of 9 d^2/(2 Omega^2) as d tends to 0."""
+    """A = 1 + d: the body lifts for 2 sqrt(2 d)/Omega; y'' = d - (Omega tau)^2/2 gives
+    a peak of 9 d^2/(2 Omega^2) as d tends to 0.
+    """
     d = np.array([1e-12, 1e-10, 1e-8])
     expected = 4.5 * ((1.0 + d) - 1.0) ** 2 / omega**2
     linear, rigid = both(1.0 + d, omega, 0.9)
     assert (linear.outcome == Outcome.ROCKED).all()
     assert (rigid.outcome == Outcome.ROCKED).all()
     assert linear.theta_ratio == pytest.approx(expected, rel=2e-8, abs=0)
-    assert rigid.theta_ratio == pytest.approx(expected * math.sin(0.25) / 0.25, rel=1e-3, abs=0)
+    assert rigid.theta_ratio == pytest.approx(
+        expected * math.sin(0.25) / 0.25, rel=1e-3, abs=0
+    )
 
 
 def test_slow_pulses_are_statics_and_fast_ones_are_impulses():
@@ -74,9 +97,16 @@ def test_slow_pulses_are_statics_and_fast_ones_are_impulses():
     for found in (slow, slow_rigid):
         assert found.outcome[0] == Outcome.NO_UPLIFT
         assert found.outcome[2] == Outcome.OVERTURNED_NO_IMPACT
-    # A half sine much shorter than 1/p is a velocity 2 A/Omega less what the body's weight takes: it overturns at v = 1.
+    # A half sine much shorter than 1/p is a velocity 2 A/Omega less what the body's
+    # weight takes: it overturns at v = 1.
     omega = 1e4
-    (found,) = [i for i in trace_envelope(dimensionless_oscillator(0.5), pulse("half-sine"), [omega], a_max=6000) if i.mode == "no_impact"]
+    (found,) = [
+        i
+        for i in trace_envelope(
+            dimensionless_oscillator(0.5), pulse("half-sine"), [omega], a_max=6000
+        )
+        if i.mode == "no_impact"
+    ]
     assert found.a_from == pytest.approx(omega / 2, rel=1e-3, abs=0)
 
 
@@ -85,24 +115,75 @@ NEAR = np.array([1.0001, 1.5, 8.0])
 
 
 @pytest.mark.parametrize(
-    ("motion", "amplitude", "omega", "eta", "alpha", "linear", "nonlinear"),  # the last two: the largest error of theta/alpha
+    (
+        "motion",
+        "amplitude",
+        "omega",
+        "eta",
+        "alpha",
+        "linear",
+        "nonlinear",
+    ),  # the last two: the largest error of theta/alpha
     [
-        *((sine(), STRONG, omega, eta, 0.25, 1e-16, 1e-14) for omega in (1e-4, 1.0, 1e4) for eta in (0.0, 0.9)),
+        *(
+            (sine(), STRONG, omega, eta, 0.25, 1e-16, 1e-14)
+            for omega in (1e-4, 1.0, 1e4)
+            for eta in (0.0, 0.9)
+        ),
         (pulse("half-sine"), np.linspace(1000, 9000, 3), 1e4, 0.5, 0.25, 5e-13, 5e-13),
-        *((sine(), NEAR, omega, 0.9, alpha, 1e-14, 1e-12) for omega in (0.5, 4.0, 20.0) for alpha in (1e-6, 1e-3, 1.2)),
-        (pulse("rectangular-impulse"), np.array([1.5, 2.0 + 1e-6, 3.0]), 3.0, 0.5, 0.25, 1e-13, 1e-13),
-        (pulse("rectangular-impulse"), np.array([1.5, 2.0 + 1e-6, 3.0]), 300.0, 0.5, 0.25, 1e-13, 1e-13),
-        pytest.param(sine(100), np.array([1.0005, 1.2]), 30.0, 0.2, 0.25, 1e-16, 1e-15, marks=pytest.mark.soak),
+        *(
+            (sine(), NEAR, omega, 0.9, alpha, 1e-14, 1e-12)
+            for omega in (0.5, 4.0, 20.0)
+            for alpha in (1e-6, 1e-3, 1.2)
+        ),
+        (
+            pulse("rectangular-impulse"),
+            np.array([1.5, 2.0 + 1e-6, 3.0]),
+            3.0,
+            0.5,
+            0.25,
+            1e-13,
+            1e-13,
+        ),
+        (
+            pulse("rectangular-impulse"),
+            np.array([1.5, 2.0 + 1e-6, 3.0]),
+            300.0,
+            0.5,
+            0.25,
+            1e-13,
+            1e-13,
+        ),
+        pytest.param(
+            sine(100),
+            np.array([1.0005, 1.2]),
+            30.0,
+            0.2,
+            0.25,
+            1e-16,
+            1e-15,
+            marks=pytest.mark.soak,
+        ),
     ],
     ids=lambda x: getattr(x, "name", str(x) if np.isscalar(x) else ""),
 )
-def test_stiff_cells_equal_the_slower_path(motion, amplitude, omega, eta, alpha, linear, nonlinear):
-    """Bodies that rise by less than 1e-7 bounce through thousands of steps of the slower path; of those the expansion above is the test."""
+def test_stiff_cells_equal_the_slower_path(
+    motion, amplitude, omega, eta, alpha, linear, nonlinear
+):
+    """Bodies that rise by less than 1e-7 bounce through thousands of steps of the
+    slower path; of those the expansion above is the test.
+    """
     lift = math.tan(alpha) / alpha
     for found, angle, scale, most in zip(
-        both(amplitude, omega, eta, alpha, motion), (None, alpha), (1.0, lift), (linear, nonlinear), strict=True
+        both(amplitude, omega, eta, alpha, motion),
+        (None, alpha),
+        (1.0, lift),
+        (linear, nonlinear),
+        strict=True,
     ):
-        for a, outcome, theta in zip(amplitude, found.outcome, found.theta_ratio, strict=True):
+        for a, outcome, theta in zip(
+            amplitude, found.outcome, found.theta_ratio, strict=True
+        ):
             if angle is None or omega < 1.0 or a > 1.01:
                 expected = reference(motion, scale * a, omega, eta, angle)
                 assert outcome == expected[0], a
@@ -111,12 +192,18 @@ def test_stiff_cells_equal_the_slower_path(motion, amplitude, omega, eta, alpha,
 
 @pytest.mark.soak
 def test_ten_thousand_cycles_are_decided():
-    assert_decided(linear_response(sine(10_000), np.array([1.0005, 1.2]), np.array([30.0, 400.0]), 0.2))
+    assert_decided(
+        linear_response(
+            sine(10_000), np.array([1.0005, 1.2]), np.array([30.0, 400.0]), 0.2
+        )
+    )
 
 
 def test_a_hundred_thousand_impacts_end_in_an_outcome(monkeypatch):
-    """Without loss a body just above uplift never stops bouncing: the cell is given up as failed at once where it needs far more steps
-    than the march follows, else after a bounded number of them."""
+    """Without loss a body just above uplift never stops bouncing: the cell is given up
+    as failed at once where it needs far more steps than the march follows, else after a
+    bounded number of them.
+    """
     found = linear_response(sine(), 1 + 1e-6, 1.0, 1.0)
     assert found.outcome == Outcome.FAILED
     assert int(found.impacts) < 100
@@ -128,48 +215,85 @@ def test_a_hundred_thousand_impacts_end_in_an_outcome(monkeypatch):
 
 @pytest.mark.parametrize("omega", [2.0, 5.0])
 def test_cells_next_to_a_boundary_have_an_outcome_and_its_rotation(omega):
-    for interval in trace_envelope(dimensionless_oscillator(0.9), sine(), [omega], a_max=10):
+    for interval in trace_envelope(
+        dimensionless_oscillator(0.9), sine(), [omega], a_max=10
+    ):
         for edge in (a for a in (interval.a_from, interval.a_to) if a is not None):
-            assert_decided(linear_response(sine(), edge * (1 + 1e-13 * np.arange(-10, 11)), omega, 0.9))
+            assert_decided(
+                linear_response(
+                    sine(), edge * (1 + 1e-13 * np.arange(-10, 11)), omega, 0.9
+                )
+            )
             for a in (edge * (1 - 1e-9), edge * (1 + 1e-9)):
-                found, (outcome, theta) = linear_response(sine(), a, omega, 0.9), reference(sine(), a, omega, 0.9)
+                found, (outcome, theta) = (
+                    linear_response(sine(), a, omega, 0.9),
+                    reference(sine(), a, omega, 0.9),
+                )
                 assert found.outcome == outcome
-                assert float(found.theta_ratio) == pytest.approx(theta, rel=0, abs=5e-10, nan_ok=True)
+                assert float(found.theta_ratio) == pytest.approx(
+                    theta, rel=0, abs=5e-10, nan_ok=True
+                )
 
 
 def test_uplift_on_the_edge_of_a_piece():
-    """The push of -A/2 that follows lifts a resting body on the other side above A = 2; at A = 2 exactly it does not."""
+    """The push of -A/2 that follows lifts a resting body on the other side above A = 2;
+    at A = 2 exactly it does not.
+    """
     motion = pulse("rectangular-impulse")
     assert_decided(
-        *(x for a, omega in ((2.0, 300.0), (2.0 + 1e-12, 300.0), (1.0 + 1e-15, 3.0)) for x in both([a], omega, 0.0, motion=motion))
+        *(
+            x
+            for a, omega in ((2.0, 300.0), (2.0 + 1e-12, 300.0), (1.0 + 1e-15, 3.0))
+            for x in both([a], omega, 0.0, motion=motion)
+        )
     )
     assert linear_response(cosine(), 1.0 + 1e-15, 2.0, 0.5).outcome == Outcome.ROCKED
     assert linear_response(cosine(), 1.0, 2.0, 0.5).outcome == Outcome.NO_UPLIFT
 
 
 def test_an_arch_at_the_edge_of_stability():
-    arch = built("kind: arch\nradius: 10\nthickness: 1.0751 m\nangle: 180 deg\nrestitution: 0.8")
+    arch = built(
+        "kind: arch\nradius: 10\nthickness: 1.0751 m\nangle: 180 deg\nrestitution: 0.8"
+    )
     assert 0.0 < arch.uplift < 1e-3
     amplitude, method = np.array([0.9, 1.5, 4.0, 12.0]), Method("nonlinear", 1e-11)
     found = response(method.system_of(arch), sine(), amplitude, 4.0, 0.8)
-    for a, outcome, theta in zip(amplitude, found.outcome, found.theta_ratio, strict=True):
+    for a, outcome, theta in zip(
+        amplitude, found.outcome, found.theta_ratio, strict=True
+    ):
         expected = method.reference_of(arch)(sine(), a, 4.0, 0.8)
-        assert (outcome, theta) == (expected[0], pytest.approx(expected[1], rel=0, abs=5e-10, nan_ok=True))
+        assert (outcome, theta) == (
+            expected[0],
+            pytest.approx(expected[1], rel=0, abs=5e-10, nan_ok=True),
+        )
 
 
 @pytest.mark.parametrize("p", [1e-3, 1.0, 1e3])
 def test_frequency_parameters_from_1e_3_to_1e3(p):
     structure = built(f"kind: parameters\np: {p}\nalpha: 0.2\neta: 0.9\na_scale: 1")
-    found = spectrum([structure], sine(), parse_grid(f"a_g=1:12:12,omega_g={0.5 * p}:{8 * p}:9"))
-    again = spectrum([dimensionless_oscillator(0.9)], sine(), parse_grid(f"A={1 / 1.962}:{12 / 1.962}:12,Omega=0.5:8:9"))
+    found = spectrum(
+        [structure], sine(), parse_grid(f"a_g=1:12:12,omega_g={0.5 * p}:{8 * p}:9")
+    )
+    again = spectrum(
+        [dimensionless_oscillator(0.9)],
+        sine(),
+        parse_grid(f"A={1 / 1.962}:{12 / 1.962}:12,Omega=0.5:8:9"),
+    )
     assert np.array_equal(found.outcome, again.outcome)
     assert found.summary.misjudged == 0
 
 
 @pytest.mark.parametrize(
-    "grid", ["a_g=1e-310:2e-310:3,omega_g=1:2:3", "a_g=1e300:1e301:3,omega_g=1e-3:1:3", "a_g=1e290:1e291:3,omega_g=1e9:1e10:3"]
+    "grid",
+    [
+        "a_g=1e-310:2e-310:3,omega_g=1:2:3",
+        "a_g=1e300:1e301:3,omega_g=1e-3:1:3",
+        "a_g=1e290:1e291:3,omega_g=1e9:1e10:3",
+    ],
 )
 def test_denormal_and_huge_inputs_have_an_outcome(grid):
-    found = spectrum([built("kind: block\nwidth: 0.5\nheight: 2")], sine(), parse_grid(grid), check=0)
+    found = spectrum(
+        [built("kind: block\nwidth: 0.5\nheight: 2")], sine(), parse_grid(grid), check=0
+    )
     assert not np.any(found.outcome == Outcome.NOT_COMPUTED)
     assert np.isfinite(found.theta_ratio[found.outcome == Outcome.ROCKED]).all()

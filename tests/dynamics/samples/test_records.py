@@ -1,5 +1,7 @@
-"""Records by exact propagation, by Taylor steps and one body at a time: against an integration that shares no code, against the march by
-long series, and what changes nothing."""
+"""Records by exact propagation, by Taylor steps and one body at a time: against an
+integration that shares no code, against the march by long series, and what changes
+nothing.
+"""
 
 import math
 from functools import partial
@@ -8,9 +10,26 @@ import numpy as np
 import pytest
 from support.bodies import ALPHA, SYSTEMS
 from support.references import answers
-from support.synthetic_records import RECORDS, allowance, assert_same, cells, long_series, room, shaken, weighed
+from support.synthetic_records import (
+    RECORDS,
+    allowance,
+    assert_same,
+    cells,
+    long_series,
+    room,
+    shaken,
+    weighed,
+)
 
-from rocking_cli import Method, Outcome, RockingParameters, cosine, pulse, response, sine
+from rocking_cli import (
+    Method,
+    Outcome,
+    RockingParameters,
+    cosine,
+    pulse,
+    response,
+    sine,
+)
 from rocking_cli.dynamics.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
 from rocking_cli.motions.biaxial import with_vertical
@@ -27,11 +46,23 @@ MODELS = {"linear": "the oscillator", "nonlinear": "a body"}
         *(("linear", record, slice(None), 12, (0.5, 0.9, 0.0)) for record in range(3)),
         ("linear", 0, slice(None), 6, (1.0,)),
         ("nonlinear", 2, slice(35, 80), 20, (0.7,)),
-        *(pytest.param("linear", n, slice(None), 1000, eta, marks=pytest.mark.soak) for n in range(3) for eta in ((0.5, 0.9, 0.0), (1.0,))),
-        *(pytest.param("nonlinear", n, slice(None), 1000, (e,), marks=pytest.mark.soak) for n in range(3) for e in (0.5, 0.9, 1.0)),
+        *(
+            pytest.param("linear", n, slice(None), 1000, eta, marks=pytest.mark.soak)
+            for n in range(3)
+            for eta in ((0.5, 0.9, 0.0), (1.0,))
+        ),
+        *(
+            pytest.param(
+                "nonlinear", n, slice(None), 1000, (e,), marks=pytest.mark.soak
+            )
+            for n in range(3)
+            for e in (0.5, 0.9, 1.0)
+        ),
     ],
 )
-def test_records_against_an_integration_that_shares_no_code(model, record, part, count, etas):
+def test_records_against_an_integration_that_shares_no_code(
+    model, record, part, count, etas
+):
     motion, (system, _) = shaken(RECORDS[record][part], 0.04), SYSTEMS[MODELS[model]]
     (amplitude, omega), eta = cells(count, record), np.resize(etas, count)
     if 1.0 in etas:  # without loss some never end: only those that bounce little
@@ -39,15 +70,24 @@ def test_records_against_an_integration_that_shares_no_code(model, record, part,
         for less, most in ((0.98, 40), (1.0, 200)):
             few = response(system, motion, amplitude, omega, less).impacts < most
             amplitude, omega, eta = amplitude[few], omega[few], eta[few]
-    outcome, theta, _ = answers(motion, amplitude, omega, eta, alpha=ALPHA if model == "nonlinear" else None)
+    outcome, theta, _ = answers(
+        motion, amplitude, omega, eta, alpha=ALPHA if model == "nonlinear" else None
+    )
     allowed = room(system) * allowance(motion, amplitude, omega, eta, system)
     for respond, more in ((response, 1.0), (response_alone, 10.0)):
-        assert_same(respond(system, motion, amplitude, omega, eta), theta, outcome, more * allowed)
+        assert_same(
+            respond(system, motion, amplitude, omega, eta),
+            theta,
+            outcome,
+            more * allowed,
+        )
     assert np.unique(outcome).size >= 2 or 1.0 in etas
 
 
 def against_the_march(name, motion, long, count, seed):
-    """On arrays and one at a time: outcomes and impacts equal, rotations within what rounding, or the tolerance of series, may come to."""
+    """On arrays and one at a time: outcomes and impacts equal, rotations within what
+    rounding, or the tolerance of series, may come to.
+    """
     (system, eta), (amplitude, omega) = SYSTEMS[name], cells(count, seed)
     omega *= 8.0 if motion.samples is None else 1.0
     omega[:2] /= 40.0  # samples too far apart to be stepped over
@@ -59,14 +99,26 @@ def against_the_march(name, motion, long, count, seed):
     assert_same(found, run.theta_ratio, run.outcome, room(system) * rounding)
     np.testing.assert_array_equal(found.impacts, run.impacts)
     for respond in (response, response_alone):
-        np.testing.assert_array_equal(respond(system, motion, amplitude, omega, etas, peaks=False).outcome, run.outcome)
-    assert_same(response_alone(system, motion, amplitude, omega, etas), run.theta_ratio, run.outcome, 1e3 * rounding)
+        np.testing.assert_array_equal(
+            respond(system, motion, amplitude, omega, etas, peaks=False).outcome,
+            run.outcome,
+        )
+    assert_same(
+        response_alone(system, motion, amplitude, omega, etas),
+        run.theta_ratio,
+        run.outcome,
+        1e3 * rounding,
+    )
     assert set(found.outcome) > ({Outcome.ROCKED} if motion.samples else set())
 
 
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_the_same_as_the_march_by_long_series(name):
-    motion = shaken(RECORDS[1], 0.03) if SYSTEMS[name][0].equation.bounded else shaken(RECORDS[0][30:70], 0.05)
+    motion = (
+        shaken(RECORDS[1], 0.03)
+        if SYSTEMS[name][0].equation.bounded
+        else shaken(RECORDS[0][30:70], 0.05)
+    )
     against_the_march(name, motion, long_series(motion), 8, 5)
 
 
@@ -75,8 +127,17 @@ def test_the_same_as_that_march_on_ground_that_moves_upwards_too(name):
     against_the_march(name, *weighed(slice(36, 56), 0.5, 2), 6, 5)
 
 
-@pytest.mark.parametrize("motion", [sine(), cosine(1.5), pulse("rectangular-impulse"), pulse("ricker-symmetric"),
-                                    with_vertical(sine(), cosine(), 0.4)], ids=lambda m: m.name)  # fmt: skip
+@pytest.mark.parametrize(
+    "motion",
+    [
+        sine(),
+        cosine(1.5),
+        pulse("rectangular-impulse"),
+        pulse("ricker-symmetric"),
+        with_vertical(sine(), cosine(), 0.4),
+    ],
+    ids=lambda m: m.name,
+)
 def test_one_body_at_a_time_is_the_march_under_a_pulse(motion):
     for name in ("a damped body of unlike edges", "an arch"):
         against_the_march(name, motion, motion, 8, 8)
@@ -88,22 +149,41 @@ def test_one_body_at_a_time_is_the_march_under_a_pulse(motion):
 def test_many_cells_of_each_system(name, record):
     motion = shaken(RECORDS[record], 0.04)
     against_the_march(name, motion, long_series(motion), 300, 20 + record)
-    against_the_march(name, *weighed(slice(None, 100), (0.3, -1.2, 0.6)[record], record), 60, 20 + record)
+    against_the_march(
+        name,
+        *weighed(slice(None, 100), (0.3, -1.2, 0.6)[record], record),
+        60,
+        20 + record,
+    )
 
 
 @pytest.mark.parametrize("model", MODELS)
 def test_what_changes_nothing(model):
-    """The mirrored, refined, delayed and continued record, and the scaled record against the scaled amplitude."""
-    samples, (system, _) = np.concatenate([[0.0], RECORDS[2][31:89], [0.0]]), SYSTEMS[MODELS[model]]
+    """The mirrored, refined, delayed and continued record, and the scaled record
+    against the scaled amplitude.
+    """
+    samples, (system, _) = (
+        np.concatenate([[0.0], RECORDS[2][31:89], [0.0]]),
+        SYSTEMS[MODELS[model]],
+    )
     cell, motion = (*cells(16, 7), np.full(16, 0.8)), shaken(samples, 0.04)
     first = response(system, motion, *cell)
     for same in (shaken(-samples, 0.04), shaken(4.0 * samples, 0.04)):
-        np.testing.assert_array_equal(response(system, same, *cell).theta_ratio, first.theta_ratio)
-    fine = np.interp(np.arange(4 * samples.size - 3) / 4.0, np.arange(samples.size), samples)
+        np.testing.assert_array_equal(
+            response(system, same, *cell).theta_ratio, first.theta_ratio
+        )
+    fine = np.interp(
+        np.arange(4 * samples.size - 3) / 4.0, np.arange(samples.size), samples
+    )
     allowed = room(system) * allowance(motion, *cell, system)
-    delayed, continued = np.append(np.zeros(33), samples), np.append(samples, np.zeros(100))
+    delayed, continued = (
+        np.append(np.zeros(33), samples),
+        np.append(samples, np.zeros(100)),
+    )
     for other in (shaken(fine, 0.01), shaken(delayed, 0.04), shaken(continued, 0.04)):
-        assert_same(response(system, other, *cell), first.theta_ratio, first.outcome, allowed)
+        assert_same(
+            response(system, other, *cell), first.theta_ratio, first.outcome, allowed
+        )
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -113,10 +193,20 @@ def test_a_record_turned_over_is_a_body_turned_round(model):
     motion, (amplitude, omega) = shaken(RECORDS[0][30:70], 0.05), cells(12, 3)
 
     def found(first, other, shaking):
-        body = RockingParameters.of_sides("b", "prism", Side("left", *first), Side("right", *other))
-        return response(Method(model).system_of(body), shaking, amplitude, omega, body.eta)
+        body = RockingParameters.of_sides(
+            "b", "prism", Side("left", *first), Side("right", *other)
+        )
+        return response(
+            Method(model).system_of(body), shaking, amplitude, omega, body.eta
+        )
 
-    here, there, still = found(*edges, motion.scaled(-1.0)), found(*edges[::-1], motion), found(*edges, motion)
+    here, there, still = (
+        found(*edges, motion.scaled(-1.0)),
+        found(*edges[::-1], motion),
+        found(*edges, motion),
+    )
     np.testing.assert_array_equal(here.outcome, there.outcome)
     np.testing.assert_allclose(here.theta_ratio, there.theta_ratio, rtol=1e-13)
-    assert not np.allclose(here.theta_ratio, still.theta_ratio, rtol=1e-3, equal_nan=True)
+    assert not np.allclose(
+        here.theta_ratio, still.theta_ratio, rtol=1e-3, equal_nan=True
+    )

@@ -1,4 +1,6 @@
-"""Tied bodies that lose the ground: a sweep, a history and an integration that shares no code find the same ones."""
+"""Tied bodies that lose the ground: a sweep, a history and an integration that shares
+no code find the same ones.
+"""
 
 import math
 from collections.abc import Iterator
@@ -15,71 +17,157 @@ GRAVITY, METHOD = 9.81, Method("nonlinear")
 Drawn = tuple[str, Motion, float, float]  # document, motion, a_g [m/s2], period [s]
 
 
-def stocky(count: int, seed: int = 11) -> Iterator[tuple[float, float, float, float, str, float, float, float]]:
-    """(width, height, mass, stiffness, side, sign of the motion, a_g, period) of blocks with one tie at their top."""
+def stocky(
+    count: int, seed: int = 11
+) -> Iterator[tuple[float, float, float, float, str, float, float, float]]:
+    """(width, height, mass, stiffness, side, sign of the motion, a_g, period) of blocks
+    with one tie at their top.
+    """
     random = np.random.default_rng(seed)
     for _ in range(count):
         height = random.uniform(1, 4)
         width = height * random.uniform(0.3, 0.95)
         stiffness, mass = 10 ** random.uniform(6, 7), 10 ** random.uniform(2.5, 4)
-        side, sign = str(random.choice(["right", "left", "both"])), float(random.choice([1.0, -1.0]))
-        yield width, height, mass, stiffness, side, sign, width / height * GRAVITY * random.uniform(1.02, 3.0), random.uniform(0.2, 1.0)
+        side, sign = (
+            str(random.choice(["right", "left", "both"])),
+            float(random.choice([1.0, -1.0])),
+        )
+        yield (
+            width,
+            height,
+            mass,
+            stiffness,
+            side,
+            sign,
+            width / height * GRAVITY * random.uniform(1.02, 3.0),
+            random.uniform(0.2, 1.0),
+        )
 
 
-def document_of(width: float, height: float, mass: float, stiffness: float, side: str) -> str:
+def document_of(
+    width: float, height: float, mass: float, stiffness: float, side: str
+) -> str:
     tie = f"{{height: {height}, stiffness: {stiffness}, side: {side}}}"
-    return f"kind: block\nwidth: {width}\nheight: {height}\nmass: {mass}\nties: [{tie}]\n"
+    return (
+        f"kind: block\nwidth: {width}\nheight: {height}\nmass: {mass}\nties: [{tie}]\n"
+    )
 
 
 def general(count: int, seed: int = 12) -> Iterator[Drawn]:
-    """Bodies with several ties that may yield or break, a tendon, damping, one or two sides."""
+    """Bodies with several ties that may yield or break, a tendon, damping, one or two
+    sides.
+    """
     random = np.random.default_rng(seed)
     for _ in range(count):
         height = random.uniform(1, 6)
-        width, mass, rows = height * random.uniform(0.1, 0.9), 10 ** random.uniform(2.5, 4), []
+        width, mass, rows = (
+            height * random.uniform(0.1, 0.9),
+            10 ** random.uniform(2.5, 4),
+            [],
+        )
         weight, one_sided = mass * GRAVITY, random.random() < 0.25
         for _ in range(random.integers(1, 4)):
-            stiffness, prestress = 10 ** random.uniform(4, 7), random.choice([0.0, random.uniform(0, 0.5) * weight])
+            stiffness, prestress = (
+                10 ** random.uniform(4, 7),
+                random.choice([0.0, random.uniform(0, 0.5) * weight]),
+            )
             force = prestress + random.uniform(0.02, 1) * weight
-            keys = {"height": height * random.uniform(0.3, 1), "stiffness": stiffness, "prestress": prestress}
+            keys = {
+                "height": height * random.uniform(0.3, 1),
+                "stiffness": stiffness,
+                "prestress": prestress,
+            }
             keys["behind"] = random.choice([0.0, random.uniform(0, width)])
             keys |= {"yield": force} if random.random() < 0.5 else {}
-            keys |= {"ultimate": (force - prestress) / stiffness * random.uniform(1.01, 20)} if random.random() < 0.4 else {}
-            keys["side"] = "right" if one_sided else str(random.choice(["left", "right", "both"]))
+            keys |= (
+                {"ultimate": (force - prestress) / stiffness * random.uniform(1.01, 20)}
+                if random.random() < 0.4
+                else {}
+            )
+            keys["side"] = (
+                "right" if one_sided else str(random.choice(["left", "right", "both"]))
+            )
             rows.append("{" + ", ".join(f"{key}: {x}" for key, x in keys.items()) + "}")
-        text = f"kind: block\nwidth: {width}\nheight: {height}\nmass: {mass}\nties: [{', '.join(rows)}]\n"
+        text = (
+            f"kind: block\nwidth: {width}\nheight: {height}\nmass: {mass}\nties:"
+            f" [{', '.join(rows)}]\n"
+        )
         text += "one_sided: true\nrestitution: -0.4\n" if one_sided else ""
         if not one_sided and random.random() < 0.4:
             prestress = random.uniform(0.05, 0.8) * weight
-            stiffness, rupture = 10 ** random.uniform(5, 7), prestress * random.uniform(1.05, 3)
-            text += f"tendon: {{stiffness: {stiffness}, prestress: {prestress}, rupture: {rupture}}}\n"
-        text += f"damping: {random.choice([0.02, 0.1, 0.3])}\n" if random.random() < 0.3 else ""
-        motion = sine(float(random.choice([0.5, 1, 2]))).scaled(float(random.choice([1.0, -1.0])))
-        yield text, motion, width / height * GRAVITY * random.uniform(0.9, 5.0), random.uniform(0.2, 1.5)
+            stiffness, rupture = (
+                10 ** random.uniform(5, 7),
+                prestress * random.uniform(1.05, 3),
+            )
+            text += (
+                f"tendon: {{stiffness: {stiffness}, prestress: {prestress}, rupture:"
+                f" {rupture}}}\n"
+            )
+        text += (
+            f"damping: {random.choice([0.02, 0.1, 0.3])}\n"
+            if random.random() < 0.3
+            else ""
+        )
+        motion = sine(float(random.choice([0.5, 1, 2]))).scaled(
+            float(random.choice([1.0, -1.0]))
+        )
+        yield (
+            text,
+            motion,
+            width / height * GRAVITY * random.uniform(0.9, 5.0),
+            random.uniform(0.2, 1.5),
+        )
 
 
 def agree(text: str, motion: Motion, a_g: float, period: float) -> Outcome | None:
-    """The outcome that a sweep and a history share, and their rotation to 1e-9; None for a document without a body."""
+    """The outcome that a sweep and a history share, and their rotation to 1e-9; None
+    for a document without a body.
+    """
     try:
         body = built(text)
     except DocumentError:
         return None
     system = METHOD.system_of(body)
-    amplitude, omega = float(body.dimensionless_amplitude(a_g)), 2.0 * math.pi / period / body.p
+    amplitude, omega = (
+        float(body.dimensionless_amplitude(a_g)),
+        2.0 * math.pi / period / body.p,
+    )
     swept = response(system, motion, amplitude, omega, body.eta)
-    followed = history(system, motion, amplitude, omega, body.eta, duration=motion.duration / omega + 30.0)
+    followed = history(
+        system,
+        motion,
+        amplitude,
+        omega,
+        body.eta,
+        duration=motion.duration / omega + 30.0,
+    )
     assert followed.outcome == swept.outcome, text
     if followed.theta_ratio is not None and np.isfinite(swept.theta_ratio):
         assert followed.theta_ratio == pytest.approx(float(swept.theta_ratio), abs=1e-9)
     return Outcome(int(swept.outcome))
 
 
-def lowest_fz(width: float, height: float, mass: float, stiffness: float, side: str, sign: float, a_g: float, period: float) -> float:
+def lowest_fz(
+    width: float,
+    height: float,
+    mass: float,
+    stiffness: float,
+    side: str,
+    sign: float,
+    a_g: float,
+    period: float,
+) -> float:
     """The least Fz/(m g) of an integration that shares no code."""
     body = built(document_of(width, height, mass, stiffness, side))
     radius, alpha = 0.5 * math.hypot(width, height), math.atan2(width, height)
-    devices = [Device(s, stiffness, height=height) for s, name in ((1, "right"), (-1, "left")) if side in (name, "both")]
-    solved = TiedBody(mass, radius, alpha, 4.0 / 3.0 * mass * radius**2, body.eta, devices)
+    devices = [
+        Device(s, stiffness, height=height)
+        for s, name in ((1, "right"), (-1, "left"))
+        if side in (name, "both")
+    ]
+    solved = TiedBody(
+        mass, radius, alpha, 4.0 / 3.0 * mass * radius**2, body.eta, devices
+    )
     omega = 2.0 * math.pi / period
     motion = sine().scaled(sign).still_until(2.0 * math.pi + 20.0 * omega / body.p)
     return solved.lowest_fz(shaking(motion, a_g, omega))
@@ -90,7 +178,9 @@ REPORTED = 1.3, 2.0, 500.0, 2e6, "right", -1.0, 1.06 * GRAVITY, 0.5
 
 @pytest.mark.parametrize("at", [None, 1, 9, 40])
 def test_bounces_that_lose_the_ground_are_followed(at):
-    """One step would take these bodies from an impact to rest, although the tie throws them off the ground on the way."""
+    """One step would take these bodies from an impact to rest, although the tie throws
+    them off the ground on the way.
+    """
     drawn = REPORTED if at is None else list(stocky(at + 1))[at]
     text, (sign, a_g, period) = document_of(*drawn[:5]), drawn[5:]
     assert agree(text, sine().scaled(sign), a_g, period) == Outcome.LOST_CONTACT
@@ -104,7 +194,16 @@ def test_a_body_that_keeps_the_ground_by_little_rocks():
     stands, falls = 0.7 * GRAVITY, REPORTED[6]
     for _ in range(14):
         middle = 0.5 * (stands + falls)
-        rocks = response(system, sine().scaled(-1.0), body.dimensionless_amplitude(middle), omega, body.eta).outcome == Outcome.ROCKED
+        rocks = (
+            response(
+                system,
+                sine().scaled(-1.0),
+                body.dimensionless_amplitude(middle),
+                omega,
+                body.eta,
+            ).outcome
+            == Outcome.ROCKED
+        )
         stands, falls = (middle, falls) if rocks else (stands, middle)
     assert lowest_fz(*REPORTED[:6], stands * (1.0 - 1e-4), REPORTED[-1]) > 0.0
     assert lowest_fz(*REPORTED[:6], falls * (1.0 + 1e-4), REPORTED[-1]) < 0.0
@@ -112,12 +211,21 @@ def test_a_body_that_keeps_the_ground_by_little_rocks():
 
 @pytest.mark.soak
 def test_random_stocky_blocks_have_one_outcome():
-    found = [agree(document_of(*drawn[:5]), sine().scaled(drawn[5]), *drawn[6:]) for drawn in stocky(800)]
-    assert min(found.count(outcome) for outcome in (Outcome.LOST_CONTACT, Outcome.ROCKED)) > 200
+    found = [
+        agree(document_of(*drawn[:5]), sine().scaled(drawn[5]), *drawn[6:])
+        for drawn in stocky(800)
+    ]
+    assert (
+        min(found.count(outcome) for outcome in (Outcome.LOST_CONTACT, Outcome.ROCKED))
+        > 200
+    )
 
 
 @pytest.mark.soak
 def test_random_tied_bodies_have_one_outcome():
     found = [agree(*drawn) for drawn in general(420)]
     assert len(found) - found.count(None) > 320
-    assert min(found.count(outcome) for outcome in (Outcome.LOST_CONTACT, Outcome.ROCKED)) > 20
+    assert (
+        min(found.count(outcome) for outcome in (Outcome.LOST_CONTACT, Outcome.ROCKED))
+        > 20
+    )

@@ -1,4 +1,6 @@
-"""Factors above the numbers: stated in any spelling, and lines that only look like one."""
+"""Factors above the numbers: stated in any spelling, and lines that only
+look like one.
+"""
 
 import pytest
 

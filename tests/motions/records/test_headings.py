@@ -19,7 +19,10 @@ TIMES = [f"{0.01 * i:.2f}" for i in range(50)]
 
 def table(heading, *factors, separator=",", comma=False, times=TIMES):
     """A heading above times and, for each factor, a column of samples."""
-    cells = [[*([t] if times else []), *(f"{k * x:.5f}" for k in factors)] for t, x in zip(TIMES, SAMPLES, strict=True)]
+    cells = [
+        [*([t] if times else []), *(f"{k * x:.5f}" for k in factors)]
+        for t, x in zip(TIMES, SAMPLES, strict=True)
+    ]
     text = "".join(separator.join(row) + "\n" for row in cells)
     return heading + "\n" + (text.replace(".", ",") if comma else text)
 
@@ -72,14 +75,22 @@ TWO = {
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
 @pytest.mark.parametrize(("heading", "unit"), TWO.items())
-def test_two_columns_are_read_in_the_unit_of_their_heading(tmp_path, heading, unit, encoding):
-    if encoding == "cp1252" and not heading.isascii() and ("时" in heading or "ẍ" in heading):
+def test_two_columns_are_read_in_the_unit_of_their_heading(
+    tmp_path, heading, unit, encoding
+):
+    if (
+        encoding == "cp1252"
+        and not heading.isascii()
+        and ("时" in heading or "ẍ" in heading)
+    ):
         return
     (tmp_path / "a.csv").write_bytes(table(heading, 1.0).encode(encoding))
     for given in ({}, {"unit": unit}, {"unit": unit, "dt": 0.01}):
         record = read_record(tmp_path / "a.csv", **given)
         assert (record.unit, record.dt, record.component) == (unit, 0.01, None)
-        np.testing.assert_allclose(record.acceleration, ACCELERATIONS[unit] * READ, rtol=1e-14)
+        np.testing.assert_allclose(
+            record.acceleration, ACCELERATIONS[unit] * READ, rtol=1e-14
+        )
     for given, said in (
         ({"unit": "ft/s2"}, "`unit`: found ft/s2; the file says otherwise"),
         ({"dt": 0.02}, "`dt`: found 0.02 s; the file"),
@@ -138,7 +149,9 @@ REFUSED = {
     "dt: see the report\nt,a [g]": "'dt: see the report'; expected a time step",
     "dt = 5 fortnights\nt,a [g]": "'dt = 5 fortnights'; expected a time step",
     "sampling rate: 50 Hz\nt,a [g]": "where 'sampling rate: 50 Hz' says otherwise",
-    "sampling rate: 0.01\nt,a [g]": "'sampling rate: 0.01', a sampling rate without a unit",
+    "sampling rate: 0.01\nt,a [g]": (
+        "'sampling rate: 0.01', a sampling rate without a unit"
+    ),
     "npts=51\nt,a [g]": "50 values, where 'npts=51' states 51",
     "Column 1: Period (s)\nColumn 2: Acceleration (g)": "'Period (s)', a period",
     "x: Frequency [Hz]\ny: Amplitude [g]": "'Frequency [Hz]', a frequency",
@@ -155,7 +168,9 @@ REFUSED = {
 
 
 @pytest.mark.parametrize(("heading", "words"), REFUSED.items())
-def test_what_is_no_acceleration_or_not_understood_is_refused_with_its_words(tmp_path, heading, words):
+def test_what_is_no_acceleration_or_not_understood_is_refused_with_its_words(
+    tmp_path, heading, words
+):
     for given in ({}, {"unit": "g"}):
         found = refusal(tmp_path / "a.csv", table(heading, 1.0), **given)
         assert words in found
@@ -172,7 +187,10 @@ ONE = {
     "Δt = 0.01 s\nBeschleunigung in m/s²": ("m/s2", None),
     "Sampling Freq(Hz),100Hz\nUnit,gal\nMax. Acc. (gal),12.5": ("gal", None),
     "Intervalo de muestreo: 0.01 s\nUnidades: gal": ("gal", None),
-    "50 points equally spaced at 0.01 sec, in g\nComponent: Vertical": ("g", "Vertical"),
+    "50 points equally spaced at 0.01 sec, in g\nComponent: Vertical": (
+        "g",
+        "Vertical",
+    ),
     "freq 100 Hz\nin gal\nUP": ("gal", "UP"),
     "100 sps\nComp. HNZ\nunits = mg": ("mg", "HNZ"),
     "dt=0.01 s, g": ("g", None),
@@ -195,7 +213,9 @@ def test_one_column_is_read_as_the_lines_above_it_say(tmp_path, heading, said):
     record = read_record(tmp_path / "a.txt")
     assert (record.unit, record.component) == said
     assert record.dt == pytest.approx(0.01, rel=1e-15)
-    np.testing.assert_allclose(record.acceleration, ACCELERATIONS[said[0]] * READ, rtol=1e-14)
+    np.testing.assert_allclose(
+        record.acceleration, ACCELERATIONS[said[0]] * READ, rtol=1e-14
+    )
     for given in ({"unit": "ft/s2"}, {"dt": 0.02}, {"unit": said[0], "dt": 0.005}):
         assert "the file says otherwise" in refusal(tmp_path / "a.txt", **given)
 
@@ -223,8 +243,13 @@ def test_one_column_is_read_as_the_lines_above_it_say(tmp_path, heading, said):
     ],
 )
 def test_one_column_of_something_else_is_refused(tmp_path, heading):
-    found = refusal(tmp_path / "a.txt", table(heading, 1.0, times=None), unit="g", dt=0.01)
-    assert found.startswith(f"{tmp_path / 'a.txt'}:1: found {heading!r}") or f"the heading {heading!r}" in found
+    found = refusal(
+        tmp_path / "a.txt", table(heading, 1.0, times=None), unit="g", dt=0.01
+    )
+    assert (
+        found.startswith(f"{tmp_path / 'a.txt'}:1: found {heading!r}")
+        or f"the heading {heading!r}" in found
+    )
 
 
 SEVERAL = {
@@ -247,45 +272,93 @@ SEVERAL = {
 @pytest.mark.parametrize(("heading", "names"), SEVERAL.items())
 def test_components_in_columns(tmp_path, heading, names, separator):
     path = tmp_path / "a.csv"
-    path.write_text(table(heading.replace(",", separator), 1.0, 0.5, -0.25, separator=separator, comma=separator != ","))
+    path.write_text(
+        table(
+            heading.replace(",", separator),
+            1.0,
+            0.5,
+            -0.25,
+            separator=separator,
+            comma=separator != ",",
+        )
+    )
     records = read_records(path)
     assert tuple(r.component for r in records) == names
     assert [is_vertical(r) for r in records] == [False, False, True]
-    for i, (record, factor) in enumerate(zip(records, (1.0, 0.5, -0.25), strict=True), 2):
+    for i, (record, factor) in enumerate(
+        zip(records, (1.0, 0.5, -0.25), strict=True), 2
+    ):
         wanted = 0.01 * as_printed(factor * SAMPLES, "{:.5f}")
         np.testing.assert_allclose(record.acceleration, wanted, rtol=1e-14)
-        np.testing.assert_array_equal(read_record(path, column=str(i)).acceleration, record.acceleration)
+        np.testing.assert_array_equal(
+            read_record(path, column=str(i)).acceleration, record.acceleration
+        )
 
 
 def test_columns_of_other_quantities_are_left_out_and_named(tmp_path):
-    (tmp_path / "a.csv").write_text(table("t [s],acc [g],vel [cm/s],disp [cm]", 1.0, 2.0, 3.0))
+    (tmp_path / "a.csv").write_text(
+        table("t [s],acc [g],vel [cm/s],disp [cm]", 1.0, 2.0, 3.0)
+    )
     (record,) = read_records(tmp_path / "a.csv")
     assert record.remarks == ("columns left out: vel [cm/s], disp [cm]",)
-    np.testing.assert_allclose(record.acceleration, ACCELERATIONS["g"] * READ, rtol=1e-14)
-    assert "'vel [cm/s]' (velocity) in column 3; expected an acceleration" in refusal(tmp_path / "a.csv", column="3")
+    np.testing.assert_allclose(
+        record.acceleration, ACCELERATIONS["g"] * READ, rtol=1e-14
+    )
+    assert "'vel [cm/s]' (velocity) in column 3; expected an acceleration" in refusal(
+        tmp_path / "a.csv", column="3"
+    )
 
 
 def test_a_column_is_named_where_no_heading_says_which(tmp_path):
     path, g = tmp_path / "a.csv", ACCELERATIONS["g"]
     for heading, words in (
-        ("", "4 columns without headings, the first of times; give the one of the accelerations as `column`"),
+        (
+            "",
+            (
+                "4 columns without headings, the first of times; give the one of the"
+                " accelerations as `column`"
+            ),
+        ),
         ("t,ch1,ch2,ch3", "'ch1', 'ch2', 'ch3' state no direction"),
         ("t,RSN1,RSN2,RSN3", "'rsn1' in the heading 'RSN1', which is not understood"),
     ):
         text = table(heading, 1.0, 2.0, 3.0).lstrip("\n")
         assert words in refusal(path, text, unit="g")
         record = read_record(path, unit="g", column="3")
-        np.testing.assert_allclose(record.acceleration, g * as_printed(2.0 * SAMPLES, "{:.5f}"), rtol=1e-14)
-        assert record.component == ({"": "column 3"} | {"t,ch1,ch2,ch3": "ch2", "t,RSN1,RSN2,RSN3": "RSN2"})[heading]
-        for column, said in (("1", "which holds the times"), ("5", "the file holds 4 columns")):
+        np.testing.assert_allclose(
+            record.acceleration, g * as_printed(2.0 * SAMPLES, "{:.5f}"), rtol=1e-14
+        )
+        assert (
+            record.component
+            == (
+                {"": "column 3"} | {"t,ch1,ch2,ch3": "ch2", "t,RSN1,RSN2,RSN3": "RSN2"}
+            )[heading]
+        )
+        for column, said in (
+            ("1", "which holds the times"),
+            ("5", "the file holds 4 columns"),
+        ):
             with pytest.raises(UsageError, match=said):
                 read_record(path, unit="g", column=column)
 
 
 def test_a_file_named_as_velocities_is_read_only_where_it_says_acceleration(tmp_path):
-    for name in ("S.vel", "S.DIS", "S_E.vt2", "S_E_disp.txt", "S.psa", "velocity_NS.txt"):
+    for name in (
+        "S.vel",
+        "S.DIS",
+        "S_E.vt2",
+        "S_E_disp.txt",
+        "S.psa",
+        "velocity_NS.txt",
+    ):
         (tmp_path / name).write_text(table("", 1.0, separator=" ").lstrip("\n"))
-        with pytest.raises(DocumentError, match=rf"{name}:1: a file that is named as (velocities|displacements|a spectrum)"):
+        with pytest.raises(
+            DocumentError,
+            match=(
+                rf"{name}:1: a file that is named as (velocities|displacements|a"
+                r" spectrum)"
+            ),
+        ):
             read_record(tmp_path / name, unit="g")
         (tmp_path / name).write_text(table("t,acc [g]", 1.0))
         assert read_record(tmp_path / name).unit == "g"
@@ -298,6 +371,7 @@ def test_a_list_of_factors_in_a_directory_is_no_motion(tmp_path):
     found = load_records([tmp_path], unit="g", dt=0.01, tell=told.append)
     assert [r.label for r in found] == ["motion"]
     assert told == [
-        f"{tmp_path / 'factors.txt'}:1: 3 numbers, too few for a motion; they are taken where the file itself is named; left out"
+        f"{tmp_path / 'factors.txt'}:1: 3 numbers, too few for a motion; they are taken"
+        " where the file itself is named; left out"
     ]
     assert read_record(tmp_path / "factors.txt", unit="g", dt=0.01).npts == 3

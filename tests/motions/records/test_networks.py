@@ -37,34 +37,59 @@ CSMNC
 
 
 def csmnc(samples=SAMPLES, **changed):
-    said = {"component": "EW", "quantity": "CORRECTED ACCELERATION", "unit": "CM/SEC/SEC", "count": 403, "dt": "0.005", "duration": 2}
-    return CSMNC_HEADER.format(**(said | {"peak": samples[np.argmax(np.abs(samples))]} | changed)) + rows(samples, 8, "{:14.6E}")
+    said = {
+        "component": "EW",
+        "quantity": "CORRECTED ACCELERATION",
+        "unit": "CM/SEC/SEC",
+        "count": 403,
+        "dt": "0.005",
+        "duration": 2,
+    }
+    return CSMNC_HEADER.format(
+        **(said | {"peak": samples[np.argmax(np.abs(samples))]} | changed)
+    ) + rows(samples, 8, "{:14.6E}")
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "gb18030"])
 def test_csmnc(tmp_path, encoding):
     (tmp_path / "a.dat").write_bytes(csmnc(component="UD").encode(encoding))
     (record,) = read_records(tmp_path / "a.dat")
-    assert (record.format, record.component, record.dt, record.unit, record.remarks) == ("CSMNC", "UD", 0.005, "cm/s2", ())
-    np.testing.assert_allclose(record.acceleration, 0.01 * as_printed(SAMPLES, "{:14.6E}"), rtol=1e-14)
+    assert (
+        record.format,
+        record.component,
+        record.dt,
+        record.unit,
+        record.remarks,
+    ) == ("CSMNC", "UD", 0.005, "cm/s2", ())
+    np.testing.assert_allclose(
+        record.acceleration, 0.01 * as_printed(SAMPLES, "{:14.6E}"), rtol=1e-14
+    )
     assert record.header_pga == pytest.approx(8.125, rel=1e-6)
     assert vertical_of([record]) is record
 
 
 def test_an_uncorrected_record_of_csmnc_is_one_of_the_uncorrected(tmp_path):
-    (tmp_path / "a.dat").write_text(csmnc(quantity="UNCORRECTED ACCCELERATION"))  # as some files spell it
+    (tmp_path / "a.dat").write_text(
+        csmnc(quantity="UNCORRECTED ACCCELERATION")
+    )  # as some files spell it
     assert read_record(tmp_path / "a.dat").remarks == ("an uncorrected accelerogram",)
 
 
 @pytest.mark.parametrize(
     ("changed", "words"),
     [
-        ({"quantity": "CORRECTED VELOCITY", "unit": "CM/SEC"}, "a:11: found 'CORRECTED VELOCITY          UNIT: CM/SEC'; expected an acc"),
+        (
+            {"quantity": "CORRECTED VELOCITY", "unit": "CM/SEC"},
+            "a:11: found 'CORRECTED VELOCITY          UNIT: CM/SEC'; expected an acc",
+        ),
         ({"unit": "CM/SEC"}, "a:11: found the unit 'CM/SEC'"),
         ({"count": 404}, "the file ends after 403 of 404 values"),
         ({"count": 395}, "found a line of numbers after the 395 values declared"),
         ({"dt": "0"}, "a time step of 0"),
-        ({"duration": 60}, "403 values every 0.005 s make 2.015 s, where the header states 60 s"),
+        (
+            {"duration": 60},
+            "403 values every 0.005 s make 2.015 s, where the header states 60 s",
+        ),
     ],
 )
 def test_faults_of_csmnc(tmp_path, changed, words):
@@ -98,15 +123,26 @@ THREE = np.stack([wave(60, 99.5), wave(60, -40.25), wave(60, 12.5)], axis=1)
 
 
 def asa(**changed):
-    said = {"names": "S00E;L/+V/N90E;T", "last": ".01", "count": 60, "peak": "99.50", "unit": "Gal (cm/s/s)", "factor": 1}
+    said = {
+        "names": "S00E;L/+V/N90E;T",
+        "last": ".01",
+        "count": 60,
+        "peak": "99.50",
+        "unit": "Gal (cm/s/s)",
+        "factor": 1,
+    }
     return ASA_HEADER.format(**(said | changed)) + rows(THREE.ravel(), 3, "{:10.2f}")
 
 
 def test_asa(tmp_path):
     (tmp_path / "a").write_text(asa())
     records = read_records(tmp_path / "a")
-    assert [(r.format, r.component, r.dt, r.unit, r.npts) for r in records] == [("ASA", x, 0.01, "gal", 60) for x in ("L", "+V", "T")]
-    np.testing.assert_allclose([r.acceleration for r in records], 0.01 * np.round(THREE.T, 2), atol=1e-12)
+    assert [(r.format, r.component, r.dt, r.unit, r.npts) for r in records] == [
+        ("ASA", x, 0.01, "gal", 60) for x in ("L", "+V", "T")
+    ]
+    np.testing.assert_allclose(
+        [r.acceleration for r in records], 0.01 * np.round(THREE.T, 2), atol=1e-12
+    )
     assert vertical_of(records).component == "+V"
     assert records[0].header_pga == pytest.approx(0.995, rel=1e-12)
 
@@ -126,23 +162,40 @@ def test_faults_of_asa(tmp_path, changed, words):
     assert words in refusal(tmp_path / "a", asa(**changed))
 
 
-KNET = "Origin Time,2000/01/01 00:00:00\nLat.,35.0\nStation Height(m),28\nSampling Freq(Hz),100Hz\nDuration Time(s),4\n"
+KNET = (
+    "Origin Time,2000/01/01 00:00:00\nLat.,35.0\nStation Height(m),28\nSampling"
+    " Freq(Hz),100Hz\nDuration Time(s),4\n"
+)
 
 
 def test_knet_between_commas(tmp_path):
     counts = np.rint(wave(400, 40000.0) + 1234.0)
-    text = f"{KNET}Dir.,U-D\nScale Factor,3920(gal)/6182761\nMax. Acc. (gal),25.0\nMemo.,\n" + rows(counts, 1, "{:.0f}")
+    text = (
+        f"{KNET}Dir.,U-D\nScale Factor,3920(gal)/6182761\nMax. Acc."
+        " (gal),25.0\nMemo.,\n" + rows(counts, 1, "{:.0f}")
+    )
     (tmp_path / "a.csv").write_text(text)
     (record,) = read_records(tmp_path / "a.csv")
     assert (record.format, record.component, record.dt) == ("K-NET", "U-D", 0.01)
-    np.testing.assert_allclose(record.acceleration, 0.01 * (counts - counts.mean()) * 3920 / 6182761, rtol=1e-12, atol=1e-15)
+    np.testing.assert_allclose(
+        record.acceleration,
+        0.01 * (counts - counts.mean()) * 3920 / 6182761,
+        rtol=1e-12,
+        atol=1e-15,
+    )
 
     values = np.stack([SAMPLES, 0.5 * SAMPLES, 0.25 * SAMPLES], axis=1)[:400]
-    below = "N-S(gal),E-W(gal),U-D(gal)\n" + "".join(",".join(f"{x:.3f}" for x in row) + "\n" for row in values)
+    below = "N-S(gal),E-W(gal),U-D(gal)\n" + "".join(
+        ",".join(f"{x:.3f}" for x in row) + "\n" for row in values
+    )
     (tmp_path / "a.csv").write_text(f"{KNET}Max. Acc. (gal),812.5\n{below}")
     records = read_records(tmp_path / "a.csv")
-    assert [(r.component, r.dt, r.unit) for r in records] == [(x, 0.01, "gal") for x in ("N-S", "E-W", "U-D")]
-    np.testing.assert_allclose([r.acceleration for r in records], 0.01 * np.round(values.T, 3), atol=1e-12)
+    assert [(r.component, r.dt, r.unit) for r in records] == [
+        (x, 0.01, "gal") for x in ("N-S", "E-W", "U-D")
+    ]
+    np.testing.assert_allclose(
+        [r.acceleration for r in records], 0.01 * np.round(values.T, 3), atol=1e-12
+    )
 
 
 def workspace(path, tags=("ev_default",), samples=SAMPLES, **attributes):
@@ -152,24 +205,39 @@ def workspace(path, tags=("ev_default",), samples=SAMPLES, **attributes):
         for i, channel in enumerate(("HNE", "HNN", "HNZ"), 1):
             for tag in tags:
                 name = f"XX.ABC.00.{channel}__2000-01-01T00:00:00__2000-01-01T00:00:04__{tag}"
-                data = station.create_dataset(name, data=samples / i if samples.dtype == float else samples)
-                data.attrs.update({"sampling_rate": 100.0, "starttime": np.int64(946684800) * 10**9} | attributes)
+                data = station.create_dataset(
+                    name, data=samples / i if samples.dtype == float else samples
+                )
+                data.attrs.update(
+                    {"sampling_rate": 100.0, "starttime": np.int64(946684800) * 10**9}
+                    | attributes
+                )
     return path
 
 
 def test_a_workspace_gives_every_channel_in_the_unit_of_the_user(tmp_path):
     path = workspace(tmp_path / "w.h5", ("ev_default", "ev_unprocessed"))
     records = read_records(path, unit="cm/s2")
-    assert [r.component for r in records] == [f"XX.ABC.00.{x}" for x in ("HNE", "HNN", "HNZ")]
+    assert [r.component for r in records] == [
+        f"XX.ABC.00.{x}" for x in ("HNE", "HNN", "HNZ")
+    ]
     for i, record in enumerate(records, 1):
         assert (record.format, record.dt, record.remarks) == ("ASDF", 0.01, ())
         np.testing.assert_allclose(record.acceleration, 0.01 * SAMPLES / i, rtol=1e-15)
     assert vertical_of(records).component == "XX.ABC.00.HNZ"
     assert holds_records(str(path))
-    assert [r.label for r in read_motions([str(path)], unit="cm/s2")] == ["w XX.ABC.00.HNE", "w XX.ABC.00.HNN"]
-    with pytest.raises(DocumentError, match=r"w.h5: waveforms \(ASDF\) without a unit; give it as `unit`"):
+    assert [r.label for r in read_motions([str(path)], unit="cm/s2")] == [
+        "w XX.ABC.00.HNE",
+        "w XX.ABC.00.HNN",
+    ]
+    with pytest.raises(
+        DocumentError,
+        match=r"w.h5: waveforms \(ASDF\) without a unit; give it as `unit`",
+    ):
         read_records(path)
-    with pytest.raises(DocumentError, match=r"`dt`: found 0.02 s; the file says otherwise: 0.01 s"):
+    with pytest.raises(
+        DocumentError, match=r"`dt`: found 0.02 s; the file says otherwise: 0.01 s"
+    ):
         read_records(path, unit="g", dt=0.02)
 
 
@@ -179,7 +247,10 @@ def test_unprocessed_waveforms_and_counts(tmp_path):
     told: list[str] = []
     with pytest.raises(UsageError, match="no record among the files"):
         read_motions([str(tmp_path)], unit="g", tell=told.append)
-    assert "unprocessed waveforms, which are taken where the file itself is named; left out" in told[0]
+    assert (
+        "unprocessed waveforms, which are taken where the file itself is named;"
+        " left out" in told[0]
+    )
     for changed, words in (
         ({"samples": np.arange(9)}, "whole numbers, which are counts"),
         ({"sampling_rate": 0.0}, "no attribute sampling_rate"),
@@ -198,19 +269,34 @@ def test_another_hdf5_file_is_no_record(tmp_path):
     assert not holds_records(str(tmp_path / "s.h5"))
 
 
-def timeseries(kind="SLIST", name="XX_STA_00_HNZ_D", unit="M/S**2", count=403, rate=200):
+def timeseries(
+    kind="SLIST", name="XX_STA_00_HNZ_D", unit="M/S**2", count=403, rate=200
+):
     """The text of ObsPy."""
-    head = f"TIMESERIES {name}, {count} samples, {rate} sps, 2020-01-01T00:00:00.000000, {kind}, FLOAT, {unit}\n"
+    head = (
+        f"TIMESERIES {name}, {count} samples, {rate} sps, 2020-01-01T00:00:00.000000,"
+        f" {kind}, FLOAT, {unit}\n"
+    )
     if kind == "SLIST":
         return head + rows(SAMPLES, 6, "{:+.10e}\t")
-    return head + "".join(f"2020-01-01T00:00:{0.005 * i:09.6f}  {x:+.10e}\n" for i, x in enumerate(SAMPLES))
+    return head + "".join(
+        f"2020-01-01T00:00:{0.005 * i:09.6f}  {x:+.10e}\n"
+        for i, x in enumerate(SAMPLES)
+    )
 
 
 @pytest.mark.parametrize("kind", ["SLIST", "TSPAIR"])
 def test_the_text_of_obspy(tmp_path, kind):
-    (tmp_path / "a").write_text(timeseries(kind) + timeseries(kind, "XX_STA_00_HNE_D", "CM/S**2"))
+    (tmp_path / "a").write_text(
+        timeseries(kind) + timeseries(kind, "XX_STA_00_HNE_D", "CM/S**2")
+    )
     up, east = read_records(tmp_path / "a")
-    assert (up.format, up.component, east.component, up.dt) == ("TIMESERIES", "HNZ", "HNE", 0.005)
+    assert (up.format, up.component, east.component, up.dt) == (
+        "TIMESERIES",
+        "HNZ",
+        "HNE",
+        0.005,
+    )
     assert vertical_of([up, east]) is up
     np.testing.assert_array_equal(up.acceleration, as_printed(SAMPLES, "{:+.10e}"))
     np.testing.assert_allclose(east.acceleration, 0.01 * up.acceleration, rtol=1e-15)
@@ -221,10 +307,16 @@ def test_the_text_of_obspy(tmp_path, kind):
     [
         (timeseries(unit="Counts"), "a:1: found the unit 'Counts'"),
         (timeseries(unit="M/S"), "a:1: found the unit 'M/S'"),
-        (timeseries() + timeseries(), "a second stretch of XX_STA_00_HNZ_D, after a gap"),
+        (
+            timeseries() + timeseries(),
+            "a second stretch of XX_STA_00_HNZ_D, after a gap",
+        ),
         (timeseries(count=402), "a:69: found a line of numbers after the 402"),
         (timeseries(count=404), "the file ends after 403 of 404 values"),
-        (timeseries("TSPAIR", rate=100), "a:3: found '2020-01-01T00:00:00.005000', 1 steps of 0.01 s after"),
+        (
+            timeseries("TSPAIR", rate=100),
+            "a:3: found '2020-01-01T00:00:00.005000', 1 steps of 0.01 s after",
+        ),
         (timeseries() + "x\n", "found 'x'; expected a line like TIMESERIES"),
     ],
 )

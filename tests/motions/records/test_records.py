@@ -1,4 +1,6 @@
-"""What all formats share: told apart by content, packed files, sets, components, and what is no record."""
+"""What all formats share: told apart by content, packed files, sets, components, and
+what is no record.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,11 @@ def test_a_packed_file_is_read_and_told_by_its_own_bytes(tmp_path):
     path = tmp_path / "r.V2.gz"  # the content decides, not the name
     path.write_bytes(gzip.compress(AT2.encode()))
     found = read_record(path)
-    assert (found.format, found.name, found.sha256) == ("PEER AT2", "r", hashlib.sha256(path.read_bytes()).hexdigest())
+    assert (found.format, found.name, found.sha256) == (
+        "PEER AT2",
+        "r",
+        hashlib.sha256(path.read_bytes()).hexdigest(),
+    )
 
 
 def test_a_set_is_files_a_directory_or_a_list(tmp_path):
@@ -41,7 +47,11 @@ def test_a_set_is_files_a_directory_or_a_list(tmp_path):
     with pytest.raises(UsageError, match="a directory without files"):
         list(record_files([str(tmp_path / "lists")]))
     (tmp_path / "lists" / "set.txt").write_text("# a set\n../b.AT2\n\n../a.AT2\n")
-    assert list(record_files([a, str(tmp_path)])) == [(a, True, None), (a, False, None), (b, False, None)]
+    assert list(record_files([a, str(tmp_path)])) == [
+        (a, True, None),
+        (a, False, None),
+        (b, False, None),
+    ]
     assert [read_record(x).name for x, *_ in record_files([listing])] == ["b", "a"]
 
 
@@ -65,15 +75,29 @@ REFUSED = [
     (b"abc\0def" * 50, "a binary file"),
     (gzip.compress(archive(AT2), mtime=0), "an archive (zip or tar)"),
     (b"PK\x03\x04" + AT2.encode(), "an archive (zip or tar)"),
-    (b"PK\x03\x04 [Content_Types].xml xl/workbook.xml", "a workbook of a spreadsheet; save it as CSV UTF-8"),
-    (b"PK\x03\x04 mimetypeapplication/vnd.oasis.opendocument.spreadsheet", "save it as CSV UTF-8"),
-    (b"\xd0\xcf\x11\xe0" + bytes(600), "a workbook of a spreadsheet; save it as CSV UTF-8"),
-    (gzip.compress(b"kind: block\n", mtime=0), "no record format (it begins with 'kind: block')"),
+    (
+        b"PK\x03\x04 [Content_Types].xml xl/workbook.xml",
+        "a workbook of a spreadsheet; save it as CSV UTF-8",
+    ),
+    (
+        b"PK\x03\x04 mimetypeapplication/vnd.oasis.opendocument.spreadsheet",
+        "save it as CSV UTF-8",
+    ),
+    (
+        b"\xd0\xcf\x11\xe0" + bytes(600),
+        "a workbook of a spreadsheet; save it as CSV UTF-8",
+    ),
+    (
+        gzip.compress(b"kind: block\n", mtime=0),
+        "no record format (it begins with 'kind: block')",
+    ),
     (b"kind: block\n", "no record format (it begins with 'kind: block')"),
     (gzip.compress(AT2.encode(), mtime=0)[:-20], "a damaged gzip file"),
     (gzip.compress(b"", mtime=0), "empty"),
 ]
-test_what_is_no_record = refuses(read_records, DocumentError, REFUSED, file="a", literal=True)
+test_what_is_no_record = refuses(
+    read_records, DocumentError, REFUSED, file="a", literal=True
+)
 
 
 def test_a_file_too_large_is_refused_before_it_is_read(tmp_path, monkeypatch):
@@ -91,7 +115,24 @@ def test_a_file_too_large_is_refused_before_it_is_read(tmp_path, monkeypatch):
         read_records(tmp_path / "packed.gz")
 
 
-SPOILT = st.sampled_from([b"", b" ", b"-", b".", b"9", b"x", b"\n", b"*", b"\0", b"\xff", b"E", b"nan", b"1e400", b"\r"])
+SPOILT = st.sampled_from(
+    [
+        b"",
+        b" ",
+        b"-",
+        b".",
+        b"9",
+        b"x",
+        b"\n",
+        b"*",
+        b"\0",
+        b"\xff",
+        b"E",
+        b"nan",
+        b"1e400",
+        b"\r",
+    ]
+)
 
 
 @given(at=st.integers(0, len(AT2)), length=st.integers(0, 200), put=SPOILT)
@@ -124,28 +165,53 @@ def read(text):
     count, line = text.count(text.lines(1)[0]), text.line
     {read}
 """
-READS = 'return [Series("N", 0.01, text.table()[0], "gal"), Series("E", 0.01, np.zeros(count), "gal")]'
+READS = (
+    'return [Series("N", 0.01, text.table()[0], "gal"), Series("E", 0.01,'
+    ' np.zeros(count), "gal")]'
+)
 
 
 @pytest.fixture
 def install(tmp_path, monkeypatch):
-    """A function that installs a package with a record format, and writes a file of it."""
+    """A function that installs a package with a record format, and writes a
+    file of it.
+    """
 
-    def install(recognise: str = "return head.startswith('OURS')", read: str = READS) -> None:
-        installed(monkeypatch, tmp_path, records.GROUP, "ours", OURS.format(recognise=recognise, read=read))
+    def install(
+        recognise: str = "return head.startswith('OURS')", read: str = READS
+    ) -> None:
+        installed(
+            monkeypatch,
+            tmp_path,
+            records.GROUP,
+            "ours",
+            OURS.format(recognise=recognise, read=read),
+        )
         (tmp_path / "a.txt").write_text("OURS\n3\n0\n50\n-20\n")
 
     return install
 
 
-def test_an_installed_package_adds_a_format_which_says_its_own_fault(install, tmp_path, rocking):
+def test_an_installed_package_adds_a_format_which_says_its_own_fault(
+    install, tmp_path, rocking
+):
     install()
     first, second = read_records(tmp_path / "a.txt")
-    assert (first.format, first.component, second.component, first.dt, list(first.acceleration)) == ("ours", "N", "E", 0.01, [0, 0.5, -0.2])
+    assert (
+        first.format,
+        first.component,
+        second.component,
+        first.dt,
+        list(first.acceleration),
+    ) == ("ours", "N", "E", 0.01, [0, 0.5, -0.2])
     assert records.is_record(str(tmp_path / "a.txt"))
-    assert [row["format"] for row in rocking("records", "a.txt", "--json").records] == ["ours"] * 2
+    assert [row["format"] for row in rocking("records", "a.txt", "--json").records] == [
+        "ours"
+    ] * 2
     (tmp_path / "a.txt").write_text("OURS\nmany\n")
-    with pytest.raises(DocumentError, match=r"a.txt:2: found 'many' in the header; expected a number"):
+    with pytest.raises(
+        DocumentError, match=r"a.txt:2: found 'many' in the header; expected a number"
+    ):
         read_records(tmp_path / "a.txt")
 
 
@@ -154,14 +220,23 @@ def test_an_installed_package_adds_a_format_which_says_its_own_fault(install, tm
     [
         ({"recognise": "return 1 / 0"}, "ZeroDivisionError: division by zero"),
         ({"read": "raise SystemExit(0)"}, "SystemExit: 0"),
-        ({"read": "return None"}, "TypeError: read returns NoneType; expected a list of Series, one or more"),
-        ({"read": "return [Series('N', 0.01, np.zeros(count), 'furlong')]"}, "KeyError: 'furlong'"),
+        (
+            {"read": "return None"},
+            "TypeError: read returns NoneType; expected a list of Series, one or more",
+        ),
+        (
+            {"read": "return [Series('N', 0.01, np.zeros(count), 'furlong')]"},
+            "KeyError: 'furlong'",
+        ),
     ],
 )
 def test_a_package_that_fails_is_named(install, tmp_path, rocking, changed, words):
     install(**changed)
     done = rocking("records", "a.txt")
-    message = "the record format ours, which the package of-ours adds and which cannot be used: "
+    message = (
+        "the record format ours, which the package of-ours adds and which cannot be"
+        " used: "
+    )
     assert (done.returncode, done.stdout) == (3, "")
     assert f"a.txt: {message}{words}; expected a package that works" in done.stderr
 
@@ -177,16 +252,27 @@ def test_own_formats_never_look_for_packages(tmp_path, monkeypatch):
 
 def test_options_may_repeat_what_a_file_says_and_not_contradict_it(tmp_path):
     (tmp_path / "a").write_text(AT2)
-    assert read_record(tmp_path / "a", unit="g", dt=0.01).acceleration.max() == read_record(tmp_path / "a").acceleration.max()
+    assert (
+        read_record(tmp_path / "a", unit="g", dt=0.01).acceleration.max()
+        == read_record(tmp_path / "a").acceleration.max()
+    )
     for stated, words in (
-        ({"unit": "m/s2"}, "a: `unit`: found m/s2; the file says otherwise: g \\(PEER AT2\\)"),
+        (
+            {"unit": "m/s2"},
+            "a: `unit`: found m/s2; the file says otherwise: g \\(PEER AT2\\)",
+        ),
         ({"dt": 0.02}, "a: `dt`: found 0.02 s; the file says otherwise: 0.01 s"),
     ):
         with pytest.raises(DocumentError, match=words):
             read_record(tmp_path / "a", **stated)
-    with pytest.raises(UsageError, match=r"`column` goes with plain columns of numbers, not with PEER AT2"):
+    with pytest.raises(
+        UsageError,
+        match=r"`column` goes with plain columns of numbers, not with PEER AT2",
+    ):
         read_record(tmp_path / "a", column="2")
-    with pytest.raises(UsageError, match=r"`column`: found '0'; expected a number from 1, or all"):
+    with pytest.raises(
+        UsageError, match=r"`column`: found '0'; expected a number from 1, or all"
+    ):
         read_record(tmp_path / "a", column="0")
 
 
@@ -195,21 +281,78 @@ def record(component, form="COSMOS"):
 
 
 def test_vertical_components():
-    upwards = ["Up", "UP", "U-D", "UD", "Vert", "VERTICAL", "Down", "DN", "HNZ", "HGZ", "Z", "U", "V", "Up (3)", "Up - roof"]
-    upwards += ["V2", "BHZ00", "VRT", "UP COMPONENT", "+V", "-V", "+Z", "XX.ABC..HNZ", "UD1", "Z (3)", "dwn", "vertikal", "dusey"]
-    across = [None, "N-S", "E-W", "N28W", "360 Deg", "90 Deg", "HNN", "HN1", "1", "3", "S00E", "L", "T", "channel (3)"]
+    upwards = [
+        "Up",
+        "UP",
+        "U-D",
+        "UD",
+        "Vert",
+        "VERTICAL",
+        "Down",
+        "DN",
+        "HNZ",
+        "HGZ",
+        "Z",
+        "U",
+        "V",
+        "Up (3)",
+        "Up - roof",
+    ]
+    upwards += [
+        "V2",
+        "BHZ00",
+        "VRT",
+        "UP COMPONENT",
+        "+V",
+        "-V",
+        "+Z",
+        "XX.ABC..HNZ",
+        "UD1",
+        "Z (3)",
+        "dwn",
+        "vertikal",
+        "dusey",
+    ]
+    across = [
+        None,
+        "N-S",
+        "E-W",
+        "N28W",
+        "360 Deg",
+        "90 Deg",
+        "HNN",
+        "HN1",
+        "1",
+        "3",
+        "S00E",
+        "L",
+        "T",
+        "channel (3)",
+    ]
     across += ["L1", "T3", "HNE", "BHE00", "X", "XX.UPZA..HN1", "090", "north", "V20E"]
     assert [name for name in upwards + across if is_vertical(record(name))] == upwards
-    assert [name for name in "123456" if is_vertical(record(name, "K-NET"))] == ["3", "6"]  # of two instruments
+    assert [name for name in "123456" if is_vertical(record(name, "K-NET"))] == [
+        "3",
+        "6",
+    ]  # of two instruments
 
 
 def test_what_is_taken_of_a_file(tmp_path):
     station = tmp_path / "a"
     station.write_text(of_a_station(wave(50, 200.0), wave(50, 150.0), wave(50, 90.0)))
     level, every = ["N-S", "E-W"], ["N-S", "E-W", "U-D"]
-    for component, names in ((None, level), ("horizontal", level), ("ALL", every), ("u-d", ["U-D"]), ("2", ["E-W"])):
+    for component, names in (
+        (None, level),
+        ("horizontal", level),
+        ("ALL", every),
+        ("u-d", ["U-D"]),
+        ("2", ["E-W"]),
+    ):
         assert [r.component for r in chosen(read_records(station), component)] == names
-    with pytest.raises(UsageError, match=r"a: component: found 'NS'; expected N-S, E-W, U-D, horizontal and all"):
+    with pytest.raises(
+        UsageError,
+        match=r"a: component: found 'NS'; expected N-S, E-W, U-D, horizontal and all",
+    ):
         chosen(read_records(station), "NS")
     for several in (None, "horizontal", "all"):
         with pytest.raises(UsageError, match="holds the components N-S, E-W"):
@@ -221,6 +364,12 @@ def test_what_is_taken_of_a_file(tmp_path):
 
 def test_of_an_array_nothing_is_taken_unless_it_is_asked_for():
     array = [record(f"{angle} Deg") for angle in (0, 90, 180, 270)]
-    with pytest.raises(UsageError, match="a: holds the components 0 Deg, 90 Deg, 180 Deg, 270 Deg; give one as component, or horizontal"):
+    with pytest.raises(
+        UsageError,
+        match=(
+            "a: holds the components 0 Deg, 90 Deg, 180 Deg, 270 Deg; give one as"
+            " component, or horizontal"
+        ),
+    ):
         chosen(array, None)
     assert chosen(array, "horizontal") == array

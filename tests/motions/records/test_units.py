@@ -3,7 +3,13 @@
 import pytest
 
 from rocking_cli.documents.quantities import DEFAULT_GRAVITY
-from rocking_cli.motions.records.units import ACCELERATIONS, dimension_of, rate_unit, time_unit, unit_of
+from rocking_cli.motions.records.units import (
+    ACCELERATIONS,
+    dimension_of,
+    rate_unit,
+    time_unit,
+    unit_of,
+)
 
 SPELLINGS = {
     "m/s2": [
@@ -22,7 +28,17 @@ SPELLINGS = {
         "m/s**2",
         "m/sec²",
     ],
-    "cm/s2": ["cm/s²", "CM/SEC/SEC", "cm/sec2", "CM/S**2", "cm/sec^2", "cm s-2", "cm·s⁻²", "cm/s/s", "centimeters per second squared"],
+    "cm/s2": [
+        "cm/s²",
+        "CM/SEC/SEC",
+        "cm/sec2",
+        "CM/S**2",
+        "cm/sec^2",
+        "cm s-2",
+        "cm·s⁻²",
+        "cm/s/s",
+        "centimeters per second squared",
+    ],
     "mm/s2": ["mm/s2", "mm/s/s"],
     "gal": ["gal", "Gal", "GALS", "gal (cm/s/s)", "gal(cm/s2)", "GAL."],
     "g": ["g", "G", "g's", "units of g", "fraction of g", "gravity"],
@@ -43,12 +59,27 @@ def test_accelerations(word, unit):
 @pytest.mark.parametrize(
     ("word", "dimension"),
     [
-        ("cm/s", "velocity"), ("m s-1", "velocity"), ("m", "length"), ("cm", "length"), ("kN", "force"), ("counts", "counts"),
-        ("m/s3", "jerk"), ("rad/s2", "rotation"), ("furlong/s2", "unknown"), ("g2/Hz", "spectral density"), ("%", "share"),
-        ("volts", "voltage"), ("s", "time"), ("Hz", "frequency"), ("gal (m/s2)", None), ("furlong", None), ("MS/LA", None),
-        ("unfiltered", None), ("Kobe", None),
+        ("cm/s", "velocity"),
+        ("m s-1", "velocity"),
+        ("m", "length"),
+        ("cm", "length"),
+        ("kN", "force"),
+        ("counts", "counts"),
+        ("m/s3", "jerk"),
+        ("rad/s2", "rotation"),
+        ("furlong/s2", "unknown"),
+        ("g2/Hz", "spectral density"),
+        ("%", "share"),
+        ("volts", "voltage"),
+        ("s", "time"),
+        ("Hz", "frequency"),
+        ("gal (m/s2)", None),
+        ("furlong", None),
+        ("MS/LA", None),
+        ("unfiltered", None),
+        ("Kobe", None),
     ],
-)  # fmt: skip
+)
 def test_what_is_no_acceleration(word, dimension):
     assert unit_of(word) is None
     assert dimension_of(word) == dimension
@@ -64,14 +95,40 @@ def test_their_size():
     ("word", "seconds"),
     [
         *((x, 1.0) for x in ("s", "sec", "SEC.", "seconds", "seg", "Sek", "sn", "秒")),
-        *((x, 1e-3) for x in ("ms", "MS", "msec", "milliseconds", "1e-3 s", "10^-3 s", "0.001 s")),
+        *(
+            (x, 1e-3)
+            for x in (
+                "ms",
+                "MS",
+                "msec",
+                "milliseconds",
+                "1e-3 s",
+                "10^-3 s",
+                "0.001 s",
+            )
+        ),
         *((x, 1e-6) for x in ("us", "µs", "μs", "usec", "microseconds")),
-        ("min", 60.0), ("h", 3600.0), ("hours", 3600.0), ("d", None), ("fortnight", None), ("m", None), ("", None),
+        ("min", 60.0),
+        ("h", 3600.0),
+        ("hours", 3600.0),
+        ("d", None),
+        ("fortnight", None),
+        ("m", None),
+        ("", None),
     ],
-)  # fmt: skip
+)
 def test_times(word, seconds):
-    assert time_unit(word) == (None if seconds is None else pytest.approx(seconds, rel=1e-15))
+    assert time_unit(word) == (
+        None if seconds is None else pytest.approx(seconds, rel=1e-15)
+    )
 
 
 def test_rates():
-    assert [rate_unit(x) for x in ("Hz", "sps", "samples/sec", "kHz", "1/s", "s")] == [1.0, 1.0, 1.0, 1e3, 1.0, None]
+    assert [rate_unit(x) for x in ("Hz", "sps", "samples/sec", "kHz", "1/s", "s")] == [
+        1.0,
+        1.0,
+        1.0,
+        1e3,
+        1.0,
+        None,
+    ]

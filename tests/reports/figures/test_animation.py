@@ -19,34 +19,67 @@ def frames(path):
 
 
 def test_a_gif_takes_as_long_as_the_response(rocking, tmp_path):
-    call = ("response", "configs/block.yaml", "--A", "2", "--Omega", "4", "--duration", "0.5", "--csv")
+    call = (
+        "response",
+        "configs/block.yaml",
+        "--A",
+        "2",
+        "--Omega",
+        "4",
+        "--duration",
+        "0.5",
+        "--csv",
+    )
     (tmp_path / "r.csv").write_text(rocking(*call).stdout)
-    done = rocking("plot", "r.csv", "--animate", "r.gif", "--size", "60mm", "--dpi", "40")
+    done = rocking(
+        "plot", "r.csv", "--animate", "r.gif", "--size", "60mm", "--dpi", "40"
+    )
     assert (done.returncode, done.stderr) == (0, "")
     assert sum(frames(tmp_path / "r.gif")) == pytest.approx(500, abs=40)
     assert "exists" in rocking("plot", "r.csv", "--animate", "r.gif").stderr
 
 
-def test_a_body_turns_about_its_edge_and_a_linkage_moves_to_its_shape_at_alpha(pytestconfig):
+def test_a_body_turns_about_its_edge_and_a_linkage_moves_to_its_shape_at_alpha(
+    pytestconfig,
+):
     sketches = []
     for name in ("block", "arch"):
         (document,) = read_documents(pytestconfig.rootpath / "configs" / f"{name}.yaml")
         sketches.append(sketch_of(document, build_structure(document)))
     block, arch = sketches
     (left,), (right,) = shape_at(block, -0.1, 0.0), shape_at(block, 0.1, 0.0)
-    assert (left[0], right[1]) == (pytest.approx((-0.25, 0.0)), pytest.approx((0.25, 0.0)))
+    assert (left[0], right[1]) == (
+        pytest.approx((-0.25, 0.0)),
+        pytest.approx((0.25, 0.0)),
+    )
     assert left[2][0] < 0.25 < right[2][0]
-    assert shape_at(arch, 0.0, 1.0) == [pytest.approx(np.array(outline)) for outline in arch.moved]
+    assert shape_at(arch, 0.0, 1.0) == [
+        pytest.approx(np.array(outline)) for outline in arch.moved
+    ]
     mirrored = np.array(shape_at(arch, 0.0, -1.0)[0])
     assert mirrored[:, 0] == pytest.approx(-np.array(arch.moved[0])[:, 0])
 
 
 @pytest.mark.parametrize(
     ("row", "words"),
-    [({"tau": "0", "theta_ratio": "0", "A": "0"}, "expected a response with units"),
-     ({"t": "1", "theta": "0", "tau": "1", "theta_ratio": "0", "ground_acceleration": "0"}, "does not rock"),
-     ({"t": "1", "theta": "0", "ground_acceleration": "0"}, "with the columns tau and theta_ratio")],
-)  # fmt: skip
+    [
+        ({"tau": "0", "theta_ratio": "0", "A": "0"}, "expected a response with units"),
+        (
+            {
+                "t": "1",
+                "theta": "0",
+                "tau": "1",
+                "theta_ratio": "0",
+                "ground_acceleration": "0",
+            },
+            "does not rock",
+        ),
+        (
+            {"t": "1", "theta": "0", "ground_acceleration": "0"},
+            "with the columns tau and theta_ratio",
+        ),
+    ],
+)
 def test_rows_that_cannot_move(tmp_path, row, words):
     with pytest.raises(UsageError, match=words):
         animate([row], tmp_path / "x.gif")

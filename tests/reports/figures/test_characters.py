@@ -11,11 +11,15 @@ def test_a_map_has_the_sign_of_each_cell(swept):
         outcome = file.block(0, slice(None))["outcome"]
         lines = text_map(file, None, None)
     rows = [line.partition("|")[2] for line in lines if " |" in line]
-    assert rows == ["".join(Outcome(int(o)).sign for o in row) for row in outcome.T[::-1]]
+    assert rows == [
+        "".join(Outcome(int(o)).sign for o in row) for row in outcome.T[::-1]
+    ]
 
 
 @pytest.mark.parametrize("cut", [None, "Omega=5", "A=3"])
-def test_it_fits_a_terminal_of_80_columns_and_24_rows_with_its_prompt(spectrum_file, cut):
+def test_it_fits_a_terminal_of_80_columns_and_24_rows_with_its_prompt(
+    spectrum_file, cut
+):
     with SpectraFile(spectrum_file) as file:
         lines = text_map(file, None, cut)
     assert len(lines) <= 23
@@ -23,7 +27,11 @@ def test_it_fits_a_terminal_of_80_columns_and_24_rows_with_its_prompt(spectrum_f
 
 
 def test_slices_of_many_structures_fit_too(swept):
-    many = swept(*(f"block:0.5x{height}" for height in range(2, 9)), "--grid", "a_g=0.1g:1g:5,f_g=1:2:3")
+    many = swept(
+        *(f"block:0.5x{height}" for height in range(2, 9)),
+        "--grid",
+        "a_g=0.1g:1g:5,f_g=1:2:3",
+    )
     with SpectraFile(many) as file:
         lines = text_map(file, None, "f_g=1.5")
     assert len(lines) <= 23

@@ -14,7 +14,11 @@ def drawn(figures, tmp_path, pytestconfig):
     """A function that draws shipped documents and returns the panels."""
 
     def run(*names, **options):
-        documents = [d for name in names for d in read_documents(pytestconfig.rootpath / "configs" / f"{name}.yaml")]
+        documents = [
+            d
+            for name in names
+            for d in read_documents(pytestconfig.rootpath / "configs" / f"{name}.yaml")
+        ]
         draw_structures(documents, tmp_path / "figure.png", **options)
         return figures[-1].axes
 
@@ -22,7 +26,11 @@ def drawn(figures, tmp_path, pytestconfig):
 
 
 def labelled(axes, label):
-    return [np.array(line.get_data()).T for line in axes.get_lines() if line.get_label() == label]
+    return [
+        np.array(line.get_data()).T
+        for line in axes.get_lines()
+        if line.get_label() == label
+    ]
 
 
 def test_a_block_has_its_pivots_mass_centre_and_alpha(drawn):
@@ -30,16 +38,24 @@ def test_a_block_has_its_pivots_mass_centre_and_alpha(drawn):
     assert axes.get_aspect() == 1.0
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("$x$ [m]", "$z$ [m]")
     body, moved = (patch.get_xy()[:4] for patch in axes.patches)
-    assert body == pytest.approx(np.array([(-0.25, 0), (0.25, 0), (0.25, 2), (-0.25, 2)]), abs=1e-14)
+    assert body == pytest.approx(
+        np.array([(-0.25, 0), (0.25, 0), (0.25, 2), (-0.25, 2)]), abs=1e-14
+    )
     assert moved[1] == pytest.approx((0.25, 0), abs=1e-14)
-    assert [labelled(axes, f"_pivot {side}")[0].tolist() for side in ("left", "right")] == [[[-0.25, 0]], [[0.25, 0]]]
-    assert labelled(axes, "_mass centre")[0] == pytest.approx(np.array([[0, 1]]), abs=1e-14)
+    assert [
+        labelled(axes, f"_pivot {side}")[0].tolist() for side in ("left", "right")
+    ] == [[[-0.25, 0]], [[0.25, 0]]]
+    assert labelled(axes, "_mass centre")[0] == pytest.approx(
+        np.array([[0, 1]]), abs=1e-14
+    )
     (arc,) = labelled(axes, "_alpha")
     ends = np.arctan2(arc[[0, -1], 0] - 0.25, arc[[0, -1], 1])
     assert ends == pytest.approx([0, -math.atan(0.25)], abs=1e-12)
-    assert axes.get_title() == (
-        "Column\n$p$ = 2.672 rad/s, $\\alpha$ = 14.04°\n$\\eta$ = 0.912, $\\lambda$ = 0.25, $R$ = 1.03 m"
-    )  # fmt: skip
+    assert (
+        axes.get_title()
+        == "Column\n$p$ = 2.672 rad/s, $\\alpha$ = 14.04°\n$\\eta$ = 0.912, $\\lambda$"
+        " = 0.25, $R$ = 1.03 m"
+    )
 
 
 def test_hinges_are_numbered_and_a_crack_is_named(drawn):
@@ -53,7 +69,9 @@ def test_hinges_are_numbered_and_a_crack_is_named(drawn):
 
 
 def test_what_leans_the_other_way_has_alpha_on_its_left(drawn, tmp_path, pytestconfig):
-    (tmp_path / "left.yaml").write_text("kind: rigid\nleft: 0.2\nright: 0.3\nheight: 1\ngyration: 0.6\n")
+    (tmp_path / "left.yaml").write_text(
+        "kind: rigid\nleft: 0.2\nright: 0.3\nheight: 1\ngyration: 0.6\n"
+    )
     (axes,) = drawn(tmp_path / "left")
     (arc,) = labelled(axes, "_alpha")
     ends = np.arctan2(arc[[0, -1], 0] + 0.2, arc[[0, -1], 1])
@@ -74,7 +92,9 @@ def test_a_one_sided_body_has_its_backing_on_the_left(drawn):
 
 
 def test_a_dollar_in_a_name_is_a_dollar(drawn, tmp_path):
-    (tmp_path / "dollar.yaml").write_text('kind: block\nname: "a $ b $ c"\nwidth: 1\nheight: 5\n')
+    (tmp_path / "dollar.yaml").write_text(
+        'kind: block\nname: "a $ b $ c"\nwidth: 1\nheight: 5\n'
+    )
     (axes,) = drawn(tmp_path / "dollar")
     assert axes.get_title().startswith("a \\$ b \\$ c\n")
 
@@ -83,15 +103,29 @@ def test_bodies_are_at_one_scale_and_one_without_geometry_is_left_out(drawn):
     remarks = []
     axes = drawn("block", "parameters", "spire", tell=remarks.append)
     assert [one.get_title().partition("\n")[0] for one in axes] == ["Column", "Spire"]
-    assert len({(np.diff(one.get_xlim()).item(), np.diff(one.get_ylim()).item()) for one in axes}) == 1
+    assert (
+        len(
+            {
+                (np.diff(one.get_xlim()).item(), np.diff(one.get_ylim()).item())
+                for one in axes
+            }
+        )
+        == 1
+    )
     assert [said.endswith("left out") for said in remarks] == [True]
     with pytest.raises(DocumentError, match="states no geometry"):
         drawn("parameters")
 
 
 def test_a_long_name_stands_on_lines_of_its_panel(figures, tmp_path):
-    name = "Marble lion with a very long inventory name 1884.12.3 of the east staircase landing"
-    draw_structures(parse_documents(f"{{kind: block, name: {name}, width: 0.7, height: 0.95}}"), tmp_path / "figure.png")
+    name = (
+        "Marble lion with a very long inventory name 1884.12.3 of the east staircase"
+        " landing"
+    )
+    draw_structures(
+        parse_documents(f"{{kind: block, name: {name}, width: 0.7, height: 0.95}}"),
+        tmp_path / "figure.png",
+    )
     (axes,) = figures[-1].axes
     *lines, _, _ = axes.get_title().splitlines()
     assert (" ".join(lines), max(map(len, lines)) <= 48) == (name, True)

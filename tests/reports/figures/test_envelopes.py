@@ -18,49 +18,95 @@ def inside(axes, x, y):
     return found
 
 
-def test_an_envelope_is_a_band_from_where_overturning_begins_to_where_it_ends(drawn, table):
+def test_an_envelope_is_a_band_from_where_overturning_begins_to_where_it_ends(
+    drawn, table
+):
     from matplotlib.colors import to_rgba
 
     source, rows = table("envelope", "--eta", "0.9", "--grid", "Omega=2:6:9")
     (axes,) = drawn(source).axes
     top = axes.get_ylim()[1]
-    assert top == pytest.approx(1.1 * np.nanmax([numbers(rows, "A_from"), numbers(rows, "A_to")]))
+    assert top == pytest.approx(
+        1.1 * np.nanmax([numbers(rows, "A_from"), numbers(rows, "A_to")])
+    )
     colour = {o.mode: to_rgba(o.colour) for o in Outcome}
     for row in rows:
-        x, low, high = float(row["Omega"]), float(row["A_from"]), float(row["A_to"] or top)
+        x, low, high = (
+            float(row["Omega"]),
+            float(row["A_from"]),
+            float(row["A_to"] or top),
+        )
         x += 1e-9 if x < 4 else -1e-9  # just within the frequencies that are joined
         assert colour[row["mode"]] in inside(axes, x, low + 1e-3)
         assert colour[row["mode"]] in inside(axes, x, high - 1e-3)
         assert colour[row["mode"]] not in inside(axes, x, low - 1e-3)
     assert inside(axes, 5.0, 6.7) == set()  # the safe window
-    assert (axes.get_xlabel(), axes.get_ylabel()) == (r"$\Omega = \omega_g/p$ [-]", r"$A = a_{scale}\,a_g/(\alpha g)$ [-]")
+    assert (axes.get_xlabel(), axes.get_ylabel()) == (
+        r"$\Omega = \omega_g/p$ [-]",
+        r"$A = a_{scale}\,a_g/(\alpha g)$ [-]",
+    )
     assert axes.get_title() == "eta=0.9\nsine, 1 cycle, linear equation"
 
 
 def test_structures_have_a_panel_each_in_g_and_hz(drawn, table):
-    source, rows = table("envelope", "configs/block.yaml", "configs/spire.yaml", "--grid", "f_g=0.5:1:3", "--a-max", "6")
+    source, rows = table(
+        "envelope",
+        "configs/block.yaml",
+        "configs/spire.yaml",
+        "--grid",
+        "f_g=0.5:1:3",
+        "--a-max",
+        "6",
+    )
     figure = drawn(source)
-    assert [axes.get_title() for axes in figure.axes] == [f"{name}\nsine, 1 cycle, nonlinear equation" for name in ("Column", "Spire")]
-    assert {(axes.get_xlabel(), axes.get_ylabel()) for axes in figure.axes} == {("$f_g$ [Hz]", "$a_g$ [g]")}
+    assert [axes.get_title() for axes in figure.axes] == [
+        f"{name}\nsine, 1 cycle, nonlinear equation" for name in ("Column", "Spire")
+    ]
+    assert {(axes.get_xlabel(), axes.get_ylabel()) for axes in figure.axes} == {
+        ("$f_g$ [Hz]", "$a_g$ [g]")
+    }
     for axes, name in zip(figure.axes, ("Column", "Spire"), strict=True):
         mine = [r for r in rows if r["structure"] == name and r["mode"] != "none"]
-        strokes = np.concatenate([np.array(c.get_segments())[:, 0] for c in axes.collections if hasattr(c, "get_segments")])
-        wanted = np.array([numbers(mine, "omega_g") / (2 * np.pi), numbers(mine, "a_from") / 9.81]).T
-        np.testing.assert_allclose(sorted(map(tuple, strokes)), sorted(map(tuple, wanted)), rtol=1e-12)
+        strokes = np.concatenate(
+            [
+                np.array(c.get_segments())[:, 0]
+                for c in axes.collections
+                if hasattr(c, "get_segments")
+            ]
+        )
+        wanted = np.array(
+            [numbers(mine, "omega_g") / (2 * np.pi), numbers(mine, "a_from") / 9.81]
+        ).T
+        np.testing.assert_allclose(
+            sorted(map(tuple, strokes)), sorted(map(tuple, wanted)), rtol=1e-12
+        )
 
 
 def test_closed_form_curves_are_a_line_each(drawn, table):
-    source, rows = table("envelope", "--eta", "0.9", "--grid", "Omega=2:6:9", "--closed-form")
+    source, rows = table(
+        "envelope", "--eta", "0.9", "--grid", "Omega=2:6:9", "--closed-form"
+    )
     found = lines(drawn(source).axes[0])
     assert len(found) == 4
-    assert drawn(source).axes[0].get_title() == "eta=0.9, sine, 1 cycle, linear equation"
+    assert (
+        drawn(source).axes[0].get_title() == "eta=0.9, sine, 1 cycle, linear equation"
+    )
     for label, line in found.items():
         mine = [r for r in rows if r["curve"].replace("_", " ") in label]
         same(line, numbers(mine, "Omega"), numbers(mine, "A"))
 
 
 def test_both_equations_have_a_panel_each(drawn, table):
-    source, _ = table("envelope", "configs/block.yaml", "--grid", "f_g=1", "--model", "both", "--a-max", "4")
+    source, _ = table(
+        "envelope",
+        "configs/block.yaml",
+        "--grid",
+        "f_g=1",
+        "--model",
+        "both",
+        "--a-max",
+        "4",
+    )
     assert [axes.get_title() for axes in drawn(source).axes] == [
         f"Column\nsine, 1 cycle, {model} equation" for model in ("linear", "nonlinear")
     ]
@@ -73,16 +119,30 @@ def test_records_are_bars_in_g(drawn):
     ).axes
     assert [tick.get_text() for tick in axes.get_xticklabels()] == ["one", "two"]
     assert (axes.get_ylabel(), axes.get_title()) == ("$a_g$ [g]", "Column")
-    strokes = [np.array(s) for c in axes.collections if hasattr(c, "get_segments") for s in c.get_segments()]
+    strokes = [
+        np.array(s)
+        for c in axes.collections
+        if hasattr(c, "get_segments")
+        for s in c.get_segments()
+    ]
     top = axes.get_ylim()[1]
     assert top == pytest.approx(1.1 * 0.75, rel=1e-12)
-    np.testing.assert_allclose(strokes, [[(0, 0.25), (0, 0.5)], [(0, 0.75), (0, top)]], rtol=1e-12)
+    np.testing.assert_allclose(
+        strokes, [[(0, 0.25), (0, 0.5)], [(0, 0.75), (0, top)]], rtol=1e-12
+    )
 
 
 def test_blocks_under_a_record_are_bands_over_their_size(drawn):
     first, second = drawn(
-        "record,alpha [rad],T [s],A_from,mode\none,0.1,1,2,after_impact\none,0.1,2,3,after_impact\none,0.2,1,4,no_impact\n"
+        "record,alpha [rad],T"
+        " [s],A_from,mode\none,0.1,1,2,after_impact\none,0.1,2,3,after_impact\none,0.2,1,4,no_impact\n"
     ).axes
-    assert (first.get_title(), second.get_title()) == (r"one, $\alpha$ = 0.1 rad", r"one, $\alpha$ = 0.2 rad")
-    assert (first.get_xlabel(), first.get_ylabel()) == (r"$T = 2\pi/p$ [s]", r"$A = a_{scale}\,a_g/(\alpha g)$ [-]")
+    assert (first.get_title(), second.get_title()) == (
+        r"one, $\alpha$ = 0.1 rad",
+        r"one, $\alpha$ = 0.2 rad",
+    )
+    assert (first.get_xlabel(), first.get_ylabel()) == (
+        r"$T = 2\pi/p$ [s]",
+        r"$A = a_{scale}\,a_g/(\alpha g)$ [-]",
+    )
     same(first.get_lines()[0].get_data(), np.array([1, 2]), np.array([2, 3]))

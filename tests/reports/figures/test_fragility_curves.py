@@ -9,21 +9,49 @@ from scipy.special import ndtr
 
 def test_a_fragility_curve_is_dashed_beyond_its_last_level(drawn):
     head = "structure,im,limit_state,method,x,probability,low,high,fraction\n"
-    (axes,) = drawn(head + "".join(f"S,PGA,0.5,stripes,{x},{x / 50},,,{0.1 if x in (10, 20) else ''}\n" for x in (5, 10, 20, 30))).axes
+    (axes,) = drawn(
+        head
+        + "".join(
+            f"S,PGA,0.5,stripes,{x},{x / 50},,,{0.1 if x in (10, 20) else ''}\n"
+            for x in (5, 10, 20, 30)
+        )
+    ).axes
     assert axes.get_ylabel() == "P(θ/α > 0.5 | PGA)"
     solid, dashed, _ = axes.get_lines()
-    assert (solid.get_xdata()[-1], dashed.get_xdata()[0], dashed.get_linestyle()) == (20 / 9.81, 20 / 9.81, "--")
+    assert (solid.get_xdata()[-1], dashed.get_xdata()[0], dashed.get_linestyle()) == (
+        20 / 9.81,
+        20 / 9.81,
+        "--",
+    )
     assert axes.get_title() == "S, stripes"
 
 
-def test_fragility_over_two_measures_has_its_cells_and_lines_of_equal_probability(drawn):
-    """The line of P = 0.5 parts cells that fall from PGA PGV/PGA = 0.8 on: it lies between their logarithms."""
+def test_fragility_over_two_measures_has_its_cells_and_lines_of_equal_probability(
+    drawn,
+):
+    """The line of P = 0.5 parts cells that fall from PGA PGV/PGA = 0.8 on: it lies
+    between their logarithms.
+    """
     cells = [(x, y) for x in np.geomspace(1, 8, 7) for y in np.geomspace(0.1, 0.8, 7)]
-    flags = ["overturned_after_impact" if x * y > 0.8 * (1 + 0.3 * math.sin(9 * x)) else "rocked" for x, y in cells]
-    rows = "".join(f"S,m,{x},{y},0.5,{flag}\n" for (x, y), flag in zip(cells, flags, strict=True))
-    (axes,) = drawn("structure,motion,pga [m/s2],pgv_pga [s],theta_ratio,outcome\n" + rows).axes
+    flags = [
+        (
+            "overturned_after_impact"
+            if x * y > 0.8 * (1 + 0.3 * math.sin(9 * x))
+            else "rocked"
+        )
+        for x, y in cells
+    ]
+    rows = "".join(
+        f"S,m,{x},{y},0.5,{flag}\n" for (x, y), flag in zip(cells, flags, strict=True)
+    )
+    (axes,) = drawn(
+        "structure,motion,pga [m/s2],pgv_pga [s],theta_ratio,outcome\n" + rows
+    ).axes
     falls, stands = (line.get_xdata().size for line in axes.get_lines()[:2])
-    assert (falls, stands) == (flags.count("overturned_after_impact"), flags.count("rocked"))
+    assert (falls, stands) == (
+        flags.count("overturned_after_impact"),
+        flags.count("rocked"),
+    )
     (contours,) = [c for c in axes.collections if hasattr(c, "levels")]
     assert ndtr(contours.levels) == pytest.approx([0.1, 0.5, 0.9])
     x, y = contours.get_paths()[1].vertices.T

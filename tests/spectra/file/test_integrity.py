@@ -1,4 +1,6 @@
-"""No byte of a file changes unseen: of a finished one by its digest, of a partial one by the checksums of its records."""
+"""No byte of a file changes unseen: of a finished one by its digest, of a partial one
+by the checksums of its records.
+"""
 
 import io
 import json
@@ -23,7 +25,9 @@ def test_a_chunk_is_checked_whenever_it_is_read(spectrum_file, tmp_path):
         assert file.digest
         assert file.damaged_chunks() == [3]
         assert np.isfinite(file.block(0, slice(0, 3 * rows))["theta_ratio"]).any()
-        with pytest.raises(RockingError, match="chunk 3 is damaged: its checksum does not fit"):
+        with pytest.raises(
+            RockingError, match="chunk 3 is damaged: its checksum does not fit"
+        ):
             file.block(0, slice(3 * rows, 3 * rows + 1), slice(5, 6))
         with pytest.raises(RockingError, match="chunk 3 is damaged"):
             list(file.cells())
@@ -40,14 +44,18 @@ def left():
         file["x"] = range(100)
     image = buffer.getvalue()
     note = json.dumps({"layout": digest([image])}).encode()
-    return image, image + entry_of(NOTE, note) + b"".join(entry_of(i, content) for i, content in enumerate(CONTENTS))
+    return image, image + entry_of(NOTE, note) + b"".join(
+        entry_of(i, content) for i, content in enumerate(CONTENTS)
+    )
 
 
 def test_a_cut_file_holds_the_records_before_the_cut(left):
     _, data = left
     ends = [sum(Log(io.BytesIO(data)).places[i]) for i in range(5)]
     for length in range(ends[0], len(data), 7):
-        assert sorted(Log(io.BytesIO(data[:length])).places.keys() - {NOTE}) == [i for i in range(5) if ends[i] <= length]
+        assert sorted(Log(io.BytesIO(data[:length])).places.keys() - {NOTE}) == [
+            i for i in range(5) if ends[i] <= length
+        ]
 
 
 def test_chunks_that_overlap_get_no_digest():

@@ -5,7 +5,16 @@ import json
 import h5py
 import pytest
 
-from rocking_cli import OutputError, SpectraFile, UsageError, dimensionless_oscillator, merge, parse_grid, sine, write_spectrum
+from rocking_cli import (
+    OutputError,
+    SpectraFile,
+    UsageError,
+    dimensionless_oscillator,
+    merge,
+    parse_grid,
+    sine,
+    write_spectrum,
+)
 from rocking_cli.spectra.dimensions import VARIABLES
 from rocking_cli.spectra.file import writer as store
 from rocking_cli.spectra.file.layout import Layout, pack, unpack
@@ -15,20 +24,40 @@ GRID = parse_grid("A=0.5:12:40,Omega=0.5:12:30")
 
 
 def shard(path, part, **options):
-    write_spectrum([dimensionless_oscillator(0.9)], sine(), GRID, path, workers=1, chunk_cells=200, shard=part, **options)
+    write_spectrum(
+        [dimensionless_oscillator(0.9)],
+        sine(),
+        GRID,
+        path,
+        workers=1,
+        chunk_cells=200,
+        shard=part,
+        **options,
+    )
     return path
 
 
 def altered(path, index, change):
-    """The same file with the cells of one chunk changed, as a faulty computation would have written it."""
+    """The same file with the cells of one chunk changed, as a faulty computation would
+    have written it.
+    """
     other = path.with_name("altered.h5")
     with SpectraFile(path) as f:
-        attributes = {k: f.attributes[k] for k in ("history", "documents", "motion", "model", "shard")}
-        with SpectraWriter(other, Layout(f.frame, f.cut.chunk[1:], f.names, f.scene, attributes)) as writer:
+        attributes = {
+            k: f.attributes[k]
+            for k in ("history", "documents", "motion", "model", "shard")
+        }
+        with SpectraWriter(
+            other, Layout(f.frame, f.cut.chunk[1:], f.names, f.scene, attributes)
+        ) as writer:
             for i in (int(i) for i in f.done.nonzero()[0]):
                 packed = f.packed(i)
                 if i == index:
-                    theta = unpack(packed["theta_ratio"], VARIABLES["theta_ratio"].dtype, f.cut.chunk).copy()
+                    theta = unpack(
+                        packed["theta_ratio"],
+                        VARIABLES["theta_ratio"].dtype,
+                        f.cut.chunk,
+                    ).copy()
                     packed["theta_ratio"] = pack(change(theta))
                 writer.write(f.cut.offset(i), packed)
             writer.finish({"cells": 1200})
@@ -37,12 +66,27 @@ def altered(path, index, change):
 
 def test_a_shard_counts_its_own_cells(tmp_path):
     options = {"workers": 1, "chunk_cells": 200, "check": 0}
-    shards = [write_spectrum([dimensionless_oscillator(0.9)], sine(), GRID, tmp_path / f"{i}.h5", shard=(i, 2), **options) for i in (1, 2)]
+    shards = [
+        write_spectrum(
+            [dimensionless_oscillator(0.9)],
+            sine(),
+            GRID,
+            tmp_path / f"{i}.h5",
+            shard=(i, 2),
+            **options,
+        )
+        for i in (1, 2)
+    ]
     cells = shards[0].cells
     assert sum(s.outcomes["not_computed"] for s in shards) == cells
-    assert all(sum(s.outcomes.values()) == cells > s.outcomes["not_computed"] > 0 for s in shards)
+    assert all(
+        sum(s.outcomes.values()) == cells > s.outcomes["not_computed"] > 0
+        for s in shards
+    )
     for s in shards:
-        assert s.time_per_cell * (cells - s.outcomes["not_computed"]) == pytest.approx(s.run_time)
+        assert s.time_per_cell * (cells - s.outcomes["not_computed"]) == pytest.approx(
+            s.run_time
+        )
 
 
 def test_shards_that_overlap_and_agree_are_one(tmp_path):
@@ -61,7 +105,10 @@ def test_shards_that_overlap_and_disagree_are_refused(tmp_path):
     same = altered(whole, 2, lambda theta: theta).rename(tmp_path / "same.h5")
     assert merge([whole, same], tmp_path / "m.h5").chunks == 6
     other = altered(whole, 2, lambda theta: theta + 1e-15)
-    with pytest.raises(OutputError, match=r"altered\.h5 and .*whole\.h5 disagree: chunk 2 of theta_ratio differs"):
+    with pytest.raises(
+        OutputError,
+        match=r"altered\.h5 and .*whole\.h5 disagree: chunk 2 of theta_ratio differs",
+    ):
         merge([whole, other], tmp_path / "n.h5")
     assert not list(tmp_path.glob("n.h5*"))
 
@@ -86,9 +133,13 @@ def test_shards_of_other_machines_are_told_and_refused_if_strict(tmp_path, monke
     first = shard(tmp_path / "1.h5", (1, 2))
     monkeypatch.setattr(store, "machine", lambda: {"numpy": "1.0"})
     second = shard(tmp_path / "2.h5", (2, 2))
-    with pytest.raises(UsageError, match=r"machines that compute differently .*numpy .* and 1\.0"):
+    with pytest.raises(
+        UsageError, match=r"machines that compute differently .*numpy .* and 1\.0"
+    ):
         merge([first, second], tmp_path / "m.h5", strict=True)
     assert not list(tmp_path.glob("m.h5*"))
     assert "and 1.0" in merge([first, second], tmp_path / "m.h5").machine_differences
     with SpectraFile(tmp_path / "m.h5") as file:
-        assert [m["numpy"] for m in json.loads(file.attributes["computed_on"])][1] == "1.0"
+        assert [m["numpy"] for m in json.loads(file.attributes["computed_on"])][
+            1
+        ] == "1.0"

@@ -1,4 +1,6 @@
-"""Spectra files are read as this program wrote them, or as its earlier version did, or refused in one sentence."""
+"""Spectra files are read as this program wrote them, or as its earlier version did, or
+refused in one sentence.
+"""
 
 import shutil
 from pathlib import Path
@@ -11,7 +13,9 @@ from rocking_cli import OutputError, SpectraFile
 from rocking_cli.spectra.file.integrity import digest_line
 
 
-@pytest.mark.parametrize("content", [b"", b"not HDF5 at all", b"\x89HDF\r\n\x1a\n" + b"\x00" * 100])
+@pytest.mark.parametrize(
+    "content", [b"", b"not HDF5 at all", b"\x89HDF\r\n\x1a\n" + b"\x00" * 100]
+)
 def test_foreign_files_get_a_sentence(refused, tmp_path, content):
     (tmp_path / "x.h5").write_bytes(content)
     assert "x.h5: is" in refused(1, "info", "x.h5")
@@ -38,12 +42,16 @@ def virtual(file):
 
 def external(file):
     del file["bookkeeping/chunk_done"]
-    file["bookkeeping"].create_dataset("chunk_done", shape=(8,), dtype="u1", external=[("/etc/passwd", 0, 8)])
+    file["bookkeeping"].create_dataset(
+        "chunk_done", shape=(8,), dtype="u1", external=[("/etc/passwd", 0, 8)]
+    )
 
 
 def uncut(file):
     del file["outcome"]
-    data = file.create_dataset("outcome", shape=(1, 200, 201), dtype="u1", chunks=(1, 25, 200))
+    data = file.create_dataset(
+        "outcome", shape=(1, 200, 201), dtype="u1", chunks=(1, 25, 200)
+    )
     for dimension, scale in zip(data.dims, ("structure", "Omega", "A"), strict=True):
         dimension.attach_scale(file[scale])
 
@@ -51,8 +59,14 @@ def uncut(file):
 HOSTILE = {
     "a virtual dataset": (virtual, "its p is stored in another file"),
     "values of another file": (external, "its chunk_done is stored in another file"),
-    "a soft link": (linked(h5py.SoftLink("/alpha")), "its p is not a dataset of its own"),
-    "an external link": (linked(h5py.ExternalLink("other.h5", "p")), "its p is not a dataset of its own"),
+    "a soft link": (
+        linked(h5py.SoftLink("/alpha")),
+        "its p is not a dataset of its own",
+    ),
+    "an external link": (
+        linked(h5py.ExternalLink("other.h5", "p")),
+        "its p is not a dataset of its own",
+    ),
     "chunks of another shape": (uncut, "does not fit its axes"),
     "no axis": (lambda file: file.__delitem__("A"), "scales"),
     "no scene": (lambda file: file.attrs.__delitem__("scene"), "scene"),
@@ -60,7 +74,9 @@ HOSTILE = {
 
 
 @pytest.mark.parametrize("case", HOSTILE)
-def test_what_stands_elsewhere_is_not_read_even_with_a_digest(spectrum_file, tmp_path, case):
+def test_what_stands_elsewhere_is_not_read_even_with_a_digest(
+    spectrum_file, tmp_path, case
+):
     edit, words = HOSTILE[case]
     path = tmp_path / "altered.h5"
     shutil.copy(spectrum_file, path)
@@ -70,7 +86,9 @@ def test_what_stands_elsewhere_is_not_read_even_with_a_digest(spectrum_file, tmp
         line = digest_line(raw, [])
         raw.seek(0, 2)
         raw.write(line)
-    with pytest.raises(OutputError, match=f"is not a spectra file as this program wrote it.*{words}"):
+    with pytest.raises(
+        OutputError, match=f"is not a spectra file as this program wrote it.*{words}"
+    ):
         SpectraFile(path)
 
 
@@ -79,12 +97,20 @@ def test_a_file_that_another_program_has_changed_is_refused(spectrum_file, tmp_p
     shutil.copy(spectrum_file, path)
     with h5py.File(path, "r+") as file:
         file.attrs["remark"] = "mine"
-    with pytest.raises(OutputError, match=r"altered\.h5: is not a spectra file as this program wrote it: changed by another one"):
+    with pytest.raises(
+        OutputError,
+        match=(
+            r"altered\.h5: is not a spectra file as this program wrote it: changed by"
+            r" another one"
+        ),
+    ):
         SpectraFile(path)
 
 
 def test_a_file_of_an_earlier_version_is_read(rocking, tmp_path):
-    """2 x 3 cells in two chunks, as version 0.1.0 wrote them, with the bookkeeping at the root."""
+    """2 x 3 cells in two chunks, as version 0.1.0 wrote them, with the bookkeeping at
+    the root.
+    """
     shutil.copy(Path(__file__).with_name("version_0.1.0.h5"), tmp_path / "old.h5")
     with h5py.File(tmp_path / "old.h5") as file:
         assert file["chunk_done"].shape == (2,)
@@ -96,17 +122,30 @@ def test_a_file_of_an_earlier_version_is_read(rocking, tmp_path):
         assert np.array_equal(file.array("theta_ratio"), expected, equal_nan=True)
     assert len(rocking("convert", "old.h5").stdout.splitlines()) == 7
     assert rocking("plot", "old.h5", "-o", "old.svg").returncode == 0
-    (tmp_path / "b.yaml").write_text("{kind: block, width: 0.5, height: 2, restitution: 0.9}")
-    assert "capacity_demand" in rocking("predict", "old.h5", "b.yaml", "--A", "2", "--Omega", "2").stdout
+    (tmp_path / "b.yaml").write_text(
+        "{kind: block, width: 0.5, height: 2, restitution: 0.9}"
+    )
+    assert (
+        "capacity_demand"
+        in rocking("predict", "old.h5", "b.yaml", "--A", "2", "--Omega", "2").stdout
+    )
 
 
-def test_ground_forces_that_an_earlier_version_stored_are_read_joined_and_drawn(rocking, tmp_path):
-    """4 x 6 cells in two shards, with friction and fz_min, which no sweep stores any more."""
+def test_ground_forces_that_an_earlier_version_stored_are_read_joined_and_drawn(
+    rocking, tmp_path
+):
+    """4 x 6 cells in two shards, with friction and fz_min, which no sweep stores any
+    more.
+    """
     for i in (1, 2):
-        shutil.copy(Path(__file__).with_name(f"forces_{i}_of_2_0.1.0.h5"), tmp_path / f"{i}.h5")
+        shutil.copy(
+            Path(__file__).with_name(f"forces_{i}_of_2_0.1.0.h5"), tmp_path / f"{i}.h5"
+        )
     assert rocking("merge", "1.h5", "2.h5", "-o", "whole.h5").returncode == 0
     with h5py.File(tmp_path / "2.h5") as file:
-        expected = {name: file[name][0, 2:] for name in ("friction", "fz_min")}  # its half of the cells
+        expected = {
+            name: file[name][0, 2:] for name in ("friction", "fz_min")
+        }  # its half of the cells
     with SpectraFile(tmp_path / "whole.h5") as file:
         for name, values in expected.items():
             np.testing.assert_array_equal(file.array(name)[0, 2:], values)

@@ -1,4 +1,6 @@
-"""A sweep that is stopped goes on to the same file; its partial file belongs to one process, and nothing of others is replaced."""
+"""A sweep that is stopped goes on to the same file; its partial file belongs to one
+process, and nothing of others is replaced.
+"""
 
 import errno
 import fcntl
@@ -14,7 +16,17 @@ import xarray
 from support.documents import SMALL_SCENE, built, same_file
 from support.watched_processes import PATIENCE, PROGRAM, grows
 
-from rocking_cli import Interrupted, Outcome, OutputError, UsageError, cosine, dimensionless_oscillator, parse_grid, sine, write_spectrum
+from rocking_cli import (
+    Interrupted,
+    Outcome,
+    OutputError,
+    UsageError,
+    cosine,
+    dimensionless_oscillator,
+    parse_grid,
+    sine,
+    write_spectrum,
+)
 from rocking_cli.reports.summary import summary_lines
 from rocking_cli.spectra.file import writer as store
 from rocking_cli.spectra.file.integrity import Log
@@ -31,7 +43,9 @@ ONE, SINE = [dimensionless_oscillator(0.9)], sine()
 
 def sweep(path, structures=ONE, motion=SINE, grid=GRID, **options):
     """Six chunks of 200 cells."""
-    return write_spectrum(structures, motion, grid, path, workers=1, chunk_cells=200, **options)
+    return write_spectrum(
+        structures, motion, grid, path, workers=1, chunk_cells=200, **options
+    )
 
 
 def left_part(path, chunks=3, **options):
@@ -70,11 +84,27 @@ def names(folder):
 
 
 def layout():
-    return Layout(PulseScene(tuple(ONE), GRID, SINE).frame(), (5, 40), ("theta_ratio", "outcome"), {}, {"shard": "1/1"})
+    return Layout(
+        PulseScene(tuple(ONE), GRID, SINE).frame(),
+        (5, 40),
+        ("theta_ratio", "outcome"),
+        {},
+        {"shard": "1/1"},
+    )
 
 
 def test_killed_sweeps_go_on_to_the_same_file(tmp_path):
-    call = [*PROGRAM, "spectrum", "--eta", "0.9", "-q", "--chunk", "10000", "--grid", "A=0.5:12:400,Omega=0.5:12:400"]
+    call = [
+        *PROGRAM,
+        "spectrum",
+        "--eta",
+        "0.9",
+        "-q",
+        "--chunk",
+        "10000",
+        "--grid",
+        "A=0.5:12:400,Omega=0.5:12:400",
+    ]
     subprocess.run([*call, "-o", "whole.h5"], cwd=tmp_path, check=True)
     part = tmp_path / "cut.h5.part"
     for share in (0.2, 0.4):
@@ -91,12 +121,27 @@ def test_killed_sweeps_go_on_to_the_same_file(tmp_path):
 @pytest.mark.parametrize(
     ("changed", "words"),
     [
-        ({"grid": parse_grid("A=0.5:12:40,Omega=0.5:12:31")}, "belongs to another scene: its axis Omega is"),
-        ({"motion": cosine()}, 'its motion is "sine, 1 cycle", that of this run "cosine, 1 cycle"'),
-        ({"structures": [*ONE, dimensionless_oscillator(0.7)]}, "its number of structures is 1, that of this run 2"),
+        (
+            {"grid": parse_grid("A=0.5:12:40,Omega=0.5:12:31")},
+            "belongs to another scene: its axis Omega is",
+        ),
+        (
+            {"motion": cosine()},
+            'its motion is "sine, 1 cycle", that of this run "cosine, 1 cycle"',
+        ),
+        (
+            {"structures": [*ONE, dimensionless_oscillator(0.7)]},
+            "its number of structures is 1, that of this run 2",
+        ),
         ({"shard": (1, 2)}, r"s\.h5\.part: is of shard 1/1, this call computes 1/2"),
         ({"impacts": True}, "its impacts is false, that of this run true"),
-        ({"resume": False}, "left by a sweep that did not finish; `resume` goes on with it, `overwrite` begins anew"),
+        (
+            {"resume": False},
+            (
+                "left by a sweep that did not finish; `resume` goes on with it,"
+                " `overwrite` begins anew"
+            ),
+        ),
     ],
 )
 def test_resume_takes_only_its_own_scene(output, whole, changed, words):
@@ -116,11 +161,27 @@ def test_resume_takes_only_its_own_scene(output, whole, changed, words):
     [
         ({"a": 1}, {"a": 1}, None),
         ({"a": 1}, {"a": 1, "b": 2}, ("b", "null", "2")),
-        ({"s": [{"eta": 0.9}, {"eta": 0.8}]}, {"s": [{"eta": 0.9}, {"eta": 0.7}]}, ("s[1].eta", "0.8", "0.7")),
+        (
+            {"s": [{"eta": 0.9}, {"eta": 0.8}]},
+            {"s": [{"eta": 0.9}, {"eta": 0.7}]},
+            ("s[1].eta", "0.8", "0.7"),
+        ),
         ({"s": [{}]}, {"s": [{}, {}]}, ("number of s", "1", "2")),
-        ({"axis A": [0.5, 12.0, 3]}, {"axis A": [0.5, 12.0, 4]}, ("axis A", "[0.5, 12.0, 3]", "[0.5, 12.0, 4]")),
-        ({"motion": ["sine", [{"end": 1.0}]]}, {"motion": ["cosine", [{"end": 1.0}]]}, ("motion", '"sine"', '"cosine"')),
-        ({"motion": ["sine", [{"end": 1.0}]]}, {"motion": ["sine", [{"end": 2.0}]]}, ("motion[1][0].end", "1.0", "2.0")),
+        (
+            {"axis A": [0.5, 12.0, 3]},
+            {"axis A": [0.5, 12.0, 4]},
+            ("axis A", "[0.5, 12.0, 3]", "[0.5, 12.0, 4]"),
+        ),
+        (
+            {"motion": ["sine", [{"end": 1.0}]]},
+            {"motion": ["cosine", [{"end": 1.0}]]},
+            ("motion", '"sine"', '"cosine"'),
+        ),
+        (
+            {"motion": ["sine", [{"end": 1.0}]]},
+            {"motion": ["sine", [{"end": 2.0}]]},
+            ("motion[1][0].end", "1.0", "2.0"),
+        ),
     ],
 )
 def test_scenes_differ_by_a_field_with_both_its_values(one, other, found):
@@ -133,9 +194,15 @@ def test_resume_calls_no_damaged_file_complete(output, whole):
         chunk = file["theta_ratio"].id.get_chunk_info(0)
     flipped = bytearray(data)
     flipped[chunk.byte_offset + chunk.size // 2] ^= 1
-    for content, said in ((data[:-1000], r"or damaged \("), (b"", "is not an HDF5 file, or is damaged"), (flipped, "1 of its chunks")):
+    for content, said in (
+        (data[:-1000], r"or damaged \("),
+        (b"", "is not an HDF5 file, or is damaged"),
+        (flipped, "1 of its chunks"),
+    ):
         output.write_bytes(content)
-        with pytest.raises(OutputError, match=f"{said}.*; use `overwrite` to replace it$"):
+        with pytest.raises(
+            OutputError, match=f"{said}.*; use `overwrite` to replace it$"
+        ):
             sweep(output, resume=True)
         assert output.read_bytes() == content
 
@@ -154,12 +221,26 @@ def test_resume_computes_damaged_chunks_again(rocking, output, whole):
 def test_a_full_disk_keeps_what_was_done(rocking, tmp_path):
     assert rocking("spectrum", *SMALL_SCENE, "-o", "whole.h5").returncode == 0
     half = (tmp_path / "whole.h5").stat().st_size // 2048
-    for most, kept in ((13, ""), (half, "; the finished chunks are kept there for --resume")):  # kB: in the layout, in a chunk
+    for most, kept in (
+        (13, ""),
+        (half, "; the finished chunks are kept there for --resume"),
+    ):  # kB: in the layout, in a chunk
         call = (
-            f"ulimit -f {most}; PYTHONDONTWRITEBYTECODE=1 exec {sys.executable} -m rocking_cli spectrum {' '.join(SMALL_SCENE)} -o cut.h5"
+            f"ulimit -f {most}; PYTHONDONTWRITEBYTECODE=1 exec {sys.executable} -m"
+            f" rocking_cli spectrum {' '.join(SMALL_SCENE)} -o cut.h5"
         )
-        done = subprocess.run(["bash", "-c", call], cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE, check=False)
-        assert (done.returncode, done.stderr) == (1, f"rocking: cut.h5.part: cannot be written: File too large{kept}\n")
+        done = subprocess.run(
+            ["bash", "-c", call],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            timeout=PATIENCE,
+            check=False,
+        )
+        assert (done.returncode, done.stderr) == (
+            1,
+            f"rocking: cut.h5.part: cannot be written: File too large{kept}\n",
+        )
         assert names(tmp_path) == ["configs", *["cut.h5.part"] * bool(kept), "whole.h5"]
     assert rocking("spectrum", *SMALL_SCENE, "-o", "cut.h5", "--resume").returncode == 0
     same_file(tmp_path / "cut.h5", tmp_path / "whole.h5")
@@ -169,7 +250,10 @@ def test_a_folder_that_vanishes_is_a_sentence(tmp_path):
     folder = tmp_path / "gone"
     folder.mkdir()
     with pytest.raises(OutputError, match="cannot be written: No such file"):
-        sweep(folder / "s.h5", progress=lambda done, total: done == 2 and shutil.rmtree(folder))
+        sweep(
+            folder / "s.h5",
+            progress=lambda done, total: done == 2 and shutil.rmtree(folder),
+        )
 
 
 def test_a_disk_that_is_full_at_the_end_keeps_the_part_whole(output, monkeypatch):
@@ -181,7 +265,13 @@ def test_a_disk_that_is_full_at_the_end_keeps_the_part_whole(output, monkeypatch
 
     with monkeypatch.context() as patch:
         patch.setattr(SpectraWriter, "_copy_into", full_at_the_end)
-        with pytest.raises(OutputError, match=r"cannot be written: No space left on device; the result is kept as .*s\.h5\.part"):
+        with pytest.raises(
+            OutputError,
+            match=(
+                r"cannot be written: No space left on device; the result is kept as"
+                r" .*s\.h5\.part"
+            ),
+        ):
             sweep(output)
     assert names(output.parent) == ["s.h5.part"]
     assert sweep(output, resume=True).resumed_cells == 1200
@@ -189,14 +279,26 @@ def test_a_disk_that_is_full_at_the_end_keeps_the_part_whole(output, monkeypatch
 
 def test_xarray_sees_dimensions_coordinates_units_and_flags(output):
     text = "kind: block\nname: Säule\nwidth: 0.5\nheight: 2"
-    write_spectrum([built(text)], SINE, parse_grid("a_g=0.1g:1g:12,omega_g=1:20:9"), output, documents=text)
+    write_spectrum(
+        [built(text)],
+        SINE,
+        parse_grid("a_g=0.1g:1g:12,omega_g=1:20:9"),
+        output,
+        documents=text,
+    )
     with xarray.open_dataset(output, engine="h5netcdf") as d:
         assert d.theta_ratio.dims == ("structure", "omega_g", "a_g")
         assert d.sizes["omega_g"] == 9
-        assert (d.omega_g.units, d.a_g.units, d.theta_ratio.units) == ("rad s-1", "m s-2", "1")
+        assert (d.omega_g.units, d.a_g.units, d.theta_ratio.units) == (
+            "rad s-1",
+            "m s-2",
+            "1",
+        )
         assert d.structure.values.tolist() == ["Säule"]
         assert d.outcome.dtype == np.uint8
-        assert d.outcome.flag_meanings.split()[d.outcome.values.max()] in {o.flag for o in Outcome}
+        assert d.outcome.flag_meanings.split()[d.outcome.values.max()] in {
+            o.flag for o in Outcome
+        }
         assert list(d.outcome.flag_values) == [o.value for o in Outcome]
         assert d.attrs["Conventions"] == "CF-1.11"
         assert "kind: block" in d.attrs["documents"]
@@ -212,16 +314,32 @@ def test_xarray_sees_dimensions_coordinates_units_and_flags(output):
 def test_hdf5_file_is_chunked_compressed_and_marked_done(whole):
     with h5py.File(whole) as f:
         theta = f["theta_ratio"]
-        assert (theta.chunks, theta.compression, theta.shuffle) == ((1, 5, 40), "gzip", True)
+        assert (theta.chunks, theta.compression, theta.shuffle) == (
+            (1, 5, 40),
+            "gzip",
+            True,
+        )
         assert f["bookkeeping/chunk_done"][...].tolist() == [1] * 6
-        assert [scale.name for scale in (d[0] for d in theta.dims)] == ["/structure", "/Omega", "/A"]
+        assert [scale.name for scale in (d[0] for d in theta.dims)] == [
+            "/structure",
+            "/Omega",
+            "/A",
+        ]
         assert {"theta_ratio", "outcome", "bookkeeping"} <= set(f)
 
 
 def test_an_incomplete_file_is_never_published(output):
     with SpectraWriter(output, layout()) as writer:
-        writer.write((0, 0, 0), {"theta_ratio": pack(np.zeros((5, 40))), "outcome": pack(np.ones((5, 40), "u1"))})
-        with pytest.raises(OutputError, match="5 of 6 chunks are missing; it is kept for `resume`"):
+        writer.write(
+            (0, 0, 0),
+            {
+                "theta_ratio": pack(np.zeros((5, 40))),
+                "outcome": pack(np.ones((5, 40), "u1")),
+            },
+        )
+        with pytest.raises(
+            OutputError, match="5 of 6 chunks are missing; it is kept for `resume`"
+        ):
             writer.finish({})
     assert names(output.parent) == ["s.h5.part"]
 
@@ -229,7 +347,13 @@ def test_an_incomplete_file_is_never_published(output):
 def test_a_chunk_that_is_damaged_before_the_end_is_not_published(output):
     """A bit that flips in the partial file while the sweep goes on."""
     part = output.with_name("s.h5.part")
-    with pytest.raises(OutputError, match=r"cannot be finished: its checksum does not fit; the result is kept as .*s\.h5\.part"):
+    with pytest.raises(
+        OutputError,
+        match=(
+            r"cannot be finished: its checksum does not fit; the result is kept as"
+            r" .*s\.h5\.part"
+        ),
+    ):
         sweep(output, progress=lambda done, total: done == 4 and flip(part, -9))
     assert names(output.parent) == ["s.h5.part"]
     assert sweep(output, resume=True).resumed_cells == 1000
@@ -239,10 +363,25 @@ def test_a_part_whose_layout_is_cut_or_ends_elsewhere_is_kept(output):
     """Bytes 40 to 47 of the superblock are the end of the layout."""
     part = left_part(output)
     data = part.read_bytes()
-    ends = [data[:byte] + bytes([data[byte] ^ 16]) + data[byte + 1 :] for byte in range(40, 48)]
-    for damaged in (data[:9], data[:2500], data[:4000], *ends, layout().image()):  # the last one as an earlier version left it
+    ends = [
+        data[:byte] + bytes([data[byte] ^ 16]) + data[byte + 1 :]
+        for byte in range(40, 48)
+    ]
+    for damaged in (
+        data[:9],
+        data[:2500],
+        data[:4000],
+        *ends,
+        layout().image(),
+    ):  # the last one as an earlier version left it
         part.write_bytes(damaged)
-        with pytest.raises(OutputError, match=r"is not a sweep that can go on \(it.*\); it is kept, `overwrite` begins anew"):
+        with pytest.raises(
+            OutputError,
+            match=(
+                r"is not a sweep that can go on \(it.*\); it is kept, `overwrite`"
+                r" begins anew"
+            ),
+        ):
             sweep(output, resume=True)
         assert part.read_bytes() == damaged
     sweep(output, overwrite=True)
@@ -256,35 +395,52 @@ def test_a_layout_that_was_never_whole_is_begun_anew(output):
         output.unlink()
 
 
-def test_a_part_that_another_state_of_the_program_or_another_machine_began_is_told(output, monkeypatch):
+def test_a_part_that_another_state_of_the_program_or_another_machine_began_is_told(
+    output, monkeypatch
+):
     monkeypatch.setattr(machine, "version", lambda: "0.1.0+1234")
     left_part(output).rename(output.with_name("t.h5.part"))
     monkeypatch.undo()
-    with pytest.raises(UsageError, match=r'its version is "0\.1\.0\+1234", that of this run "'):
+    with pytest.raises(
+        UsageError, match=r'its version is "0\.1\.0\+1234", that of this run "'
+    ):
         sweep(output.with_name("t.h5"), resume=True)
     monkeypatch.setattr(store, "machine", lambda: {"numpy": "1.0"})
     part = left_part(output)
     monkeypatch.undo()
     before = part.read_bytes()
-    with pytest.raises(UsageError, match=r"was begun on a machine that computes differently .*numpy 1\.0 and .*it is kept"):
+    with pytest.raises(
+        UsageError,
+        match=(
+            r"was begun on a machine that computes differently .*numpy 1\.0 and .*it is"
+            r" kept"
+        ),
+    ):
         sweep(output, resume=True, strict=True)
     assert part.read_bytes() == before
     summary = sweep(output, resume=True)
     assert "numpy 1.0 and" in summary.machine_differences
-    assert any("machines that differ: " in line and "numpy 1.0 and" in line for line in summary_lines(summary, "s.h5"))
+    assert any(
+        "machines that differ: " in line and "numpy 1.0 and" in line
+        for line in summary_lines(summary, "s.h5")
+    )
     with SpectraFile(output) as file:
         assert file.attributes["machine_differences"] == summary.machine_differences
 
 
 def test_a_part_in_use_is_left_alone(output, whole):
-    """Two sweeps of one output at once: the second one, whatever it is told, touches nothing."""
+    """Two sweeps of one output at once: the second one, whatever it is told, touches
+    nothing.
+    """
 
     def meanwhile(done, total):
         if done == 2:
             for options in ({}, {"overwrite": True}, {"resume": True}):
                 with pytest.raises(OutputError, match=r"in use by another process$"):
                     sweep(output, **options)
-            with SpectraFile(output.with_name("s.h5.part")) as part:  # which may be read meanwhile
+            with SpectraFile(
+                output.with_name("s.h5.part")
+            ) as part:  # which may be read meanwhile
                 assert int(part.done.sum()) == 2
 
     sweep(output, progress=meanwhile)
@@ -331,11 +487,15 @@ def test_a_part_that_no_sweep_left_is_not_taken_over(output, tmp_path):
     part = tmp_path / "s.h5.part"
     part.write_text("precious")
     for options in ({"resume": True}, {"overwrite": True}):
-        with pytest.raises(UsageError, match="is no partial file of this program; move it away"):
+        with pytest.raises(
+            UsageError, match="is no partial file of this program; move it away"
+        ):
             sweep(output, **options)
     part.rename(tmp_path / "victim")
     part.symlink_to("victim")
-    with pytest.raises(UsageError, match="is a link, but a partial file must have this name"):
+    with pytest.raises(
+        UsageError, match="is a link, but a partial file must have this name"
+    ):
         sweep(output, overwrite=True)
     assert (tmp_path / "victim").read_text() == "precious"
 
@@ -348,7 +508,9 @@ def test_a_file_that_appears_meanwhile_is_kept(output):
 
 
 def test_what_a_kill_leaves_of_the_finished_file_is_removed(output):
-    """The finished file has a name that the partial file states until it is complete."""
+    """The finished file has a name that the partial file states until
+    it is complete.
+    """
     with open(left_part(output), "rb") as file:
         half = output.with_name(f"s.h5.{Log(file).notes['token']}.part")
     half.write_bytes(b"half")

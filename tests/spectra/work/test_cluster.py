@@ -1,4 +1,6 @@
-"""Sweeps on a real dask.distributed cluster of two worker processes, one of which is killed on the way."""
+"""Sweeps on a real dask.distributed cluster of two worker processes, one of which is
+killed on the way.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,13 @@ import pytest
 from support.refusals import refuses
 from support.watched_processes import PATIENCE, PROGRAM, grows
 
-from rocking_cli import UsageError, dimensionless_oscillator, parse_grid, sine, write_spectrum
+from rocking_cli import (
+    UsageError,
+    dimensionless_oscillator,
+    parse_grid,
+    sine,
+    write_spectrum,
+)
 from rocking_cli.spectra.work import cluster as room
 
 CLUSTER = """
@@ -35,7 +43,12 @@ if __name__ == "__main__":
 def cluster(tmp_path):
     (tmp_path / "cluster.py").write_text(CLUSTER)
     process = subprocess.Popen(
-        [sys.executable, "cluster.py"], cwd=tmp_path, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+        [sys.executable, "cluster.py"],
+        cwd=tmp_path,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
     )
     address, *workers = process.stdout.readline().split()
     yield address, [int(w) for w in workers]
@@ -44,9 +57,20 @@ def cluster(tmp_path):
     process.stdout.close()
 
 
-def test_a_cluster_computes_the_same_file_though_a_worker_dies(rocking, cluster, tmp_path):
+def test_a_cluster_computes_the_same_file_though_a_worker_dies(
+    rocking, cluster, tmp_path
+):
     address, workers = cluster
-    call = ["spectrum", "--eta", "0.9", "--grid", "A=0.5:12:500,Omega=0.5:12:500", "--chunk", "5000", "-q"]
+    call = [
+        "spectrum",
+        "--eta",
+        "0.9",
+        "--grid",
+        "A=0.5:12:500,Omega=0.5:12:500",
+        "--chunk",
+        "5000",
+        "-q",
+    ]
     assert rocking(*call, "-o", "here.h5").returncode == 0
     command = [*PROGRAM, *call, "-o", "there.h5", "--scheduler", address]
     process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
@@ -55,7 +79,9 @@ def test_a_cluster_computes_the_same_file_though_a_worker_dies(rocking, cluster,
     _, said = process.communicate(timeout=PATIENCE)
     assert process.returncode == 0, said
     with h5py.File(tmp_path / "here.h5") as a, h5py.File(tmp_path / "there.h5") as b:
-        assert np.array_equal(a["theta_ratio"][...], b["theta_ratio"][...], equal_nan=True)
+        assert np.array_equal(
+            a["theta_ratio"][...], b["theta_ratio"][...], equal_nan=True
+        )
         assert np.array_equal(a["outcome"][...], b["outcome"][...])
 
 
@@ -63,24 +89,42 @@ SMALL = ["spectrum", "--eta", "0.9", "--grid", "A=1:2:3,Omega=1:2:3", "-q"]
 
 
 NO_ADDRESS = "expected HOST:PORT or tcp://HOST:PORT"
-BOGUS = ("bogus", "tcp://", "tcp://host", "tcp://host:99999", "host:0", "ftp://host:8786", "tcp://a b:1", "")
-test_an_address_that_is_none_is_refused = refuses(room._host_and_port, UsageError, [(address, NO_ADDRESS) for address in BOGUS])
+BOGUS = (
+    "bogus",
+    "tcp://",
+    "tcp://host",
+    "tcp://host:99999",
+    "host:0",
+    "ftp://host:8786",
+    "tcp://a b:1",
+    "",
+)
+test_an_address_that_is_none_is_refused = refuses(
+    room._host_and_port, UsageError, [(address, NO_ADDRESS) for address in BOGUS]
+)
 
 
 def test_addresses():
     assert room._host_and_port("tls://a.b-c.org:65535") == ("a.b-c.org", 65535)
-    assert [room._host_and_port(address)[0] for address in ("localhost:8786", "tcp://[::1]:1")] == ["localhost", "::1"]
+    assert [
+        room._host_and_port(address)[0]
+        for address in ("localhost:8786", "tcp://[::1]:1")
+    ] == ["localhost", "::1"]
 
 
 def test_no_scheduler_is_a_sentence(refused, monkeypatch):
     monkeypatch.setattr(room, "_TO_ANSWER", 0.3)
     with socket.create_server(("127.0.0.1", 0)) as server:  # which never answers
         for address in ("tcp://127.0.0.1:9", f"127.0.0.1:{server.getsockname()[1]}"):
-            assert f"no dask scheduler answers at {address}: " in refused(1, *SMALL, "-o", "s.h5", "--scheduler", address)
+            assert f"no dask scheduler answers at {address}: " in refused(
+                1, *SMALL, "-o", "s.h5", "--scheduler", address
+            )
 
 
 def test_a_text_is_no_scheduler(refused):
-    """At once, and without the client, which would wait for it and leave a traceback."""
+    """At once, and without the client, which would wait for it and
+    leave a traceback.
+    """
     with socket.create_server(("127.0.0.1", 0)) as server:
         address = f"127.0.0.1:{server.getsockname()[1]}"
 
@@ -93,7 +137,10 @@ def test_a_text_is_no_scheduler(refused):
         speaker.start()
         said = refused(1, *SMALL, "-o", "s.h5", "--scheduler", address)
         speaker.join()
-    assert f"no dask scheduler answers at {address}: it begins with b'SSH-2.0-', which is not a message of a scheduler" in said
+    assert (
+        f"no dask scheduler answers at {address}: it begins with b'SSH-2.0-', which is"
+        " not a message of a scheduler" in said
+    )
 
 
 def test_a_cluster_without_workers_is_told_and_waited_for(tmp_path, monkeypatch):
@@ -111,7 +158,13 @@ def test_a_cluster_without_workers_is_told_and_waited_for(tmp_path, monkeypatch)
 
     monkeypatch.setattr(room, "_PATIENCE", 0.2)
     monkeypatch.setattr(Future, "result", a_moment_late)
-    with LocalCluster(n_workers=0, threads_per_worker=1, processes=False, protocol="tcp", dashboard_address=None) as cluster:
+    with LocalCluster(
+        n_workers=0,
+        threads_per_worker=1,
+        processes=False,
+        protocol="tcp",
+        dashboard_address=None,
+    ) as cluster:
 
         def tell(line: str) -> None:
             said.append(line)
@@ -120,9 +173,21 @@ def test_a_cluster_without_workers_is_told_and_waited_for(tmp_path, monkeypatch)
 
         address = cluster.scheduler_address
         summary = write_spectrum(
-            [dimensionless_oscillator(0.9)], sine(), parse_grid("A=1:2:3,Omega=1:2:3"), tmp_path / "s.h5", scheduler=address, tell=tell
+            [dimensionless_oscillator(0.9)],
+            sine(),
+            parse_grid("A=1:2:3,Omega=1:2:3"),
+            tmp_path / "s.h5",
+            scheduler=address,
+            tell=tell,
         )
     assert summary.cells == 9
     assert late
     assert len(said) >= 2
-    assert all(re.fullmatch(rf"`scheduler`: the cluster at {address} has no worker; waiting for one since \d+ s", line) for line in said)
+    assert all(
+        re.fullmatch(
+            rf"`scheduler`: the cluster at {address} has no worker; waiting for one"
+            r" since \d+ s",
+            line,
+        )
+        for line in said
+    )

@@ -11,32 +11,67 @@ import numpy as np
 import scipy
 
 import rocking_cli
-from rocking_cli.spectra.work.machine import described, machine, together, unlike, version
+from rocking_cli.spectra.work.machine import (
+    described,
+    machine,
+    together,
+    unlike,
+    version,
+)
 
 
 def test_a_machine_is_told_by_versions_and_vector_instructions():
     here = machine()
-    assert list(here) == ["platform", "libc", "python", "numpy", "scipy", "h5py", "hdf5", "cpu"]
+    assert list(here) == [
+        "platform",
+        "libc",
+        "python",
+        "numpy",
+        "scipy",
+        "h5py",
+        "hdf5",
+        "cpu",
+    ]
     assert (here["numpy"], here["scipy"]) == (np.__version__, scipy.__version__)
     assert json.loads(json.dumps(here)) == here
     assert f"numpy {np.__version__}, " in described(here)
 
 
 def test_instructions_that_numpy_is_told_to_leave_count_as_missing():
-    code = "import json; from rocking_cli.spectra.work.machine import machine; print(json.dumps(machine()))"
+    code = (
+        "import json; from rocking_cli.spectra.work.machine import machine;"
+        " print(json.dumps(machine()))"
+    )
     first = machine()
     dispatched = np.show_config(mode="dicts")["SIMD Extensions"].get("found", [])
     env = {**os.environ, "NPY_DISABLE_CPU_FEATURES": " ".join(dispatched)}
-    second = json.loads(subprocess.run([sys.executable, "-c", code], env=env, capture_output=True, text=True, check=True).stdout)
+    second = json.loads(
+        subprocess.run(
+            [sys.executable, "-c", code],
+            env=env,
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+    )
     assert second["cpu"] == [x for x in first["cpu"] if x not in dispatched]
     assert unlike([first, second]).startswith("cpu ") == bool(dispatched)
 
 
 def test_a_version_tells_states_of_the_code_apart(tmp_path, monkeypatch):
-    """Of a copy of the package the same, and another once a character, or the name of a file, is another."""
+    """Of a copy of the package the same, and another once a character, or the name of a
+    file, is another.
+    """
     copy = tmp_path / "rocking_cli"
-    shutil.copytree(Path(rocking_cli.__file__).parent, copy, ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr("rocking_cli.spectra.work.machine.__file__", str(copy / "spectra" / "work" / "machine.py"))
+    shutil.copytree(
+        Path(rocking_cli.__file__).parent,
+        copy,
+        ignore=shutil.ignore_patterns("__pycache__"),
+    )
+    monkeypatch.setattr(
+        "rocking_cli.spectra.work.machine.__file__",
+        str(copy / "spectra" / "work" / "machine.py"),
+    )
     engine = copy / "dynamics" / "march" / "engine.py"
     found = [version(), version.__wrapped__()]
     engine.write_bytes(engine.read_bytes()[:-2] + b" \n")
@@ -44,7 +79,9 @@ def test_a_version_tells_states_of_the_code_apart(tmp_path, monkeypatch):
     engine.rename(engine.with_name("other.py"))
     found.append(version.__wrapped__())
     assert found[0] == found[1]
-    assert len({text.removeprefix(f"{rocking_cli.__version__}+") for text in found}) == 3
+    assert (
+        len({text.removeprefix(f"{rocking_cli.__version__}+") for text in found}) == 3
+    )
 
 
 def test_what_differs_is_named_with_every_value():
