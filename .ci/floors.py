@@ -4,7 +4,11 @@ import re
 import tomllib
 from pathlib import Path
 
-project = tomllib.loads((Path(__file__).resolve().parent.parent / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+project = tomllib.loads(
+    (Path(__file__).resolve().parent.parent / "pyproject.toml").read_text(
+        encoding="utf-8"
+    )
+)["project"]
 for requirement in project["dependencies"]:
     name, floor = re.fullmatch(r"([A-Za-z0-9-]+)>=([0-9.]+)", requirement).groups()
     print(f"{name}=={floor}")

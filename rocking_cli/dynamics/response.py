@@ -104,9 +104,7 @@ def response(
 
         return _response(March(system, motion.coarsest, *cells).run(), shape, peaks)
     if how == "floats":
-        from .single.one_by_one import one_by_one
-
-        return one_by_one(system, motion, *cells, shape=shape, peaks=peaks)
+        return _one_by_one(system, motion, cells, shape, peaks)
     prove = bool(
         cells[0].max(initial=0.0) > system.safe_amplitude(motion)
     )  # the peaks may prove that Fz > 0
@@ -114,6 +112,47 @@ def response(
         system, motion, cells, _batch(system, motion, cells, peaks or prove), pool=pool
     )
     return _response(run, shape, peaks)
+
+
+def _one_by_one(
+    system: System, motion: Motion, cells: Cells, shape: tuple[int, ...], peaks: bool
+) -> Response:
+    """`response` of flat cells of one structure, marched one after the other.
+
+    The march on arrays decides bodies that bounce for very long, and undamped bodies
+    on level ground are tested for lost contact one after the other too.
+    """
+    from .single.one_by_one import OneByOne
+
+    # The peaks may prove that Fz > 0.
+    prove = bool(cells[0].max(initial=0.0) > system.safe_amplitude(motion))
+    segments = system.segments(motion.coarsest)
+    found = OneByOne(system, segments, cells, peaks or prove)
+    theta_ratio, outcome, impacts = found.theta_ratio, found.outcome, found.impacts
+
+    failed = np.flatnonzero(outcome == Outcome.FAILED)
+    if failed.size:
+        again = response(system, motion, *_of(cells, failed), peaks=peaks)
+        outcome[failed], impacts[failed] = again.outcome, again.impacts
+        theta_ratio[failed] = again.theta_ratio
+
+    doubtful = outcome == Outcome.ROCKED
+    doubtful[failed] = False
+    level = not system.equation.damping and motion.vertical is None
+    alone = found.loses_contact if level else None
+    lost = cells_that_lose_contact(
+        system, motion, cells, doubtful, theta_ratio, alone=alone
+    )
+    outcome[lost], theta_ratio[lost] = Outcome.LOST_CONTACT, np.nan
+
+    if not peaks:
+        theta_ratio[:] = np.nan
+    return Response(
+        theta_ratio.reshape(shape),
+        outcome.reshape(shape),
+        impacts.reshape(shape),
+        Work(cells=outcome.size),
+    )
 
 
 def _flat(*numbers: Array | float) -> tuple[tuple[int, ...], Cells]:
