@@ -200,13 +200,11 @@ def _candidates(scene: Scene) -> Array:
 
 
 class Answer(NamedTuple):
-    """Outcome and theta/alpha of a cell by the reference, and its outcome under the
-    nonlinear equation (None if not compared).
-    """
+    """The reference answer for a cell."""
 
-    outcome: Outcome
-    theta_ratio: float
-    judged: Outcome | None
+    outcome: Outcome  # by the reference
+    theta_ratio: float  # by the reference [-]
+    judged: Outcome | None  # outcome by the nonlinear equation, None if not compared
 
 
 def reference(scene: Scene, place: Place) -> Answer:
@@ -298,13 +296,11 @@ class Verification:
 
 @dataclass(frozen=True)
 class Validity:
-    """Numbers of cells: computed by both equations; with different outcomes; with a
-    body that falls, but stands by the linear equation.
-    """
+    """The linear equation against the nonlinear one, in numbers of cells."""
 
-    sampled: int
-    differ: int
-    unsafe: int
+    sampled: int  # computed by both equations
+    differ: int  # with different outcomes
+    unsafe: int  # with a body that falls, but stands by the linear equation
 
 
 def validity(scene: Scene, tolerance: float = 1e-6) -> Validity | None:
