@@ -36,7 +36,7 @@ class Piece:
 
     start: float  # phase at its start [rad]
     stop: float  # phase at its end [rad]
-    harmonics: tuple[Harmonic, ...] = ()  # its sinusoids, the sum of which is taken
+    harmonics: tuple[Harmonic, ...] = ()  # its sinusoids, which are added
     constant: float = 0.0  # c0 [-]
     slope: float = 0.0  # c1 [1/rad]
 

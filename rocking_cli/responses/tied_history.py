@@ -26,7 +26,7 @@ class _Recorder(Writer):
     """
 
     visible = INVISIBLE
-    march: March
+    march: March  # the one that it listens to
 
     def __init__(self, system: System, until: float, omega: float) -> None:
         super().__init__(system.equation, omega)

@@ -53,18 +53,16 @@ def stated(
 class Format(NamedTuple):
     """A format of a module that holds several."""
 
-    NAME: str
-    recognise: Callable[[str], bool]
-    read: "Callable[[RecordText], list[Series]]"
+    NAME: str  # as tables print it
+    recognise: Callable[[str], bool]  # True for a text in this format
+    read: "Callable[[RecordText], list[Series]]"  # returns the components of a text
 
 
 class Layout(NamedTuple):
-    """The number of values on a full line, and their width in characters (None:
-    separated by blanks).
-    """
+    """The layout of a full line of numbers."""
 
-    columns: int
-    width: int | None = None
+    columns: int  # number of values
+    width: int | None = None  # of a value, in characters; None: separated by blanks
 
     @classmethod
     def of(cls, found: re.Match[str]) -> Self:
