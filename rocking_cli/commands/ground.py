@@ -82,7 +82,9 @@ class Reading:
 
 @dataclass(frozen=True)
 class Ground:
-    """The motion of a call: one pulse or motion document, or None and a set of records."""
+    """The motion of a call: one pulse or motion document, or None and a set of
+    records.
+    """
 
     motion: Motion | None  # None with a set of records
     recordings: tuple[Recording, ...] = ()  # the set of records

@@ -115,8 +115,8 @@ class Axis:
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """The axes A and Omega, or a_g [m/s2] and omega_g [rad/s]; for a record also A and
-    omega_g. Raises UsageError for other pairs.
+    """The axes A and Omega, or a_g and omega_g; for a record also A and omega_g. Raises
+    UsageError for other pairs.
 
     Attributes
     ----------

@@ -22,7 +22,7 @@ STATES = ("elastic", "yielded", "broken")  # of ties and tendons
 
 class _Recorder(Writer):
     """Writes down the march of one body with ties or a tendon, up to the phase `until`
-    [rad]; march: the one that it listens to.
+    [rad].
     """
 
     visible = INVISIBLE

@@ -222,9 +222,7 @@ def reference(scene: Scene, place: Place) -> Answer:
 
 class Verification:
     """The cells of some units of work that the reference computes again. chunk: (rows,
-    columns) of a unit. sensitive: the places of these cells, each with True if it was
-    chosen for its sensitivity, False if it was drawn by chance; seen: outcome and
-    theta/alpha that the sweep found there; answers: those that the reference found.
+    columns) of a unit.
     """
 
     def __init__(
@@ -236,13 +234,16 @@ class Verification:
         )
         found = checked_cells(scene, check).tolist() if units else []
         self.scene = scene
+        # the places of these cells: True if one was chosen for its sensitivity, False
+        # if it was drawn by chance
         self.sensitive = {
             (i, r, c): bool(flag)
             for i, r, c, flag in found
             if (i, r - r % rows, c - c % columns) in there
         }
+        # (outcome, theta/alpha) that the sweep found at these places
         self.seen: dict[Place, tuple[int, float]] = {}
-        self.answers: dict[Place, Answer] = {}
+        self.answers: dict[Place, Answer] = {}  # those that the reference found
 
     def compared(self) -> Mapping[str, Any]:
         """Return the result of the comparison, by the fields of `Summary`."""

@@ -29,12 +29,12 @@ class Variation(NamedTuple):
     Attributes
     ----------
     key: of the document
-    values: in the unit of the range
+    values: numbers in `unit`
     unit: None: that of the document
     """
 
     key: str  # of the document
-    values: tuple[float, ...]  # in the unit of the range
+    values: tuple[float, ...]  # numbers in `unit`
     unit: str | None  # None: that of the document
 
 

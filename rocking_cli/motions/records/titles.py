@@ -43,7 +43,7 @@ AMBIGUOUS = ("u", "v", "V", "U", "x")  # alone beside times: a direction or a qu
 class Title(NamedTuple):
     """A line above the numbers."""
 
-    text: str  # without blanks around it
+    text: str  # the line as the file has it
     line: int  # its number in the file
 
 
