@@ -31,12 +31,12 @@ class Curve:
     ----------
     median: in the unit of the intensity measure
     beta: dispersion [-]
-    n: number of records, or the sum of their weights
+    n: number of records
     """
 
     median: float  # in the unit of the intensity measure
     beta: float  # dispersion [-]
-    n: float  # number of records, or the sum of their weights
+    n: float  # number of records
 
     def __call__(self, x: Array | float) -> Array:
         """Return the probability at intensities x, in the shape of x."""

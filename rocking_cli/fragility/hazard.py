@@ -75,7 +75,7 @@ class HazardCurve:
     positive rates that do not rise.
 
     >>> hazard = HazardCurve([1.0, 2.0, 4.0], [1e-2, 1e-3, 1e-4])
-    >>> float(hazard(2.0))
+    >>> round(float(hazard(2.0)), 6)
     0.001
 
     Attributes
