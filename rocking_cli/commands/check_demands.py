@@ -35,20 +35,17 @@ class Demands:
     asked: Directed  # the options of the motion
     sign: str  # "+", "-" or "both"
     shaken: Ground  # the motions, in the direction of --sign
-    structures: list[RockingParameters]
-    varied: dict[
-        str, dict[str, float]
-    ]  # columns of the varied values of each structure
+    structures: list[RockingParameters]  # in the order of the document
+    # columns of the varied values of each structure
+    varied: dict[str, dict[str, float]]
     azimuths: Any  # [rad], an array; None without --azimuth
     up_to: Grid | None  # the demand at the other end of a range of frequencies
     shakes: list[tuple[Motion, Grid]]  # motions and demands, as they are told
     rows: list[Demand] = field(default_factory=list)  # the demand of each row
-    columns: dict[str, dict[str, Any]] = field(
-        default_factory=dict
-    )  # further ones of each structure
-    worst: dict[str, WorstFrequency] = field(
-        default_factory=dict
-    )  # of each structure, with a range
+    # further columns of each structure
+    columns: dict[str, dict[str, Any]] = field(default_factory=dict)
+    # of each structure, with a range
+    worst: dict[str, WorstFrequency] = field(default_factory=dict)
 
     def needed(self, by_code: bool) -> Demands:
         """Return these demands. Raises click.UsageError if nothing shakes the

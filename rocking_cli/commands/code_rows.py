@@ -16,23 +16,24 @@ from .printing import emit, note
 
 
 class CodeRows:
-    """The checks by the code in one call. given: the arguments of `code_check`; checks:
-    for each structure and motion (check, demand, True if an equation of motion
-    describes the body); lines: the remarks to print below the table.
-    """
+    """The checks by the code in one call."""
 
     def __init__(
         self, spectrum: str | None, floor: Sequence[str], fc: float | None
     ) -> None:
         """Read the options. Raises UsageError, DocumentError."""
         site = None if spectrum is None else read_spectrum(spectrum)
+        # arguments of `code_check`
         self.given: dict[str, Any] = {
             "site": site,
             "floor": [parse_floor(text) for text in floor],
             "confidence": 1.0 if fc is None else fc,
         }
+        # for each structure and motion (check, demand, True if an equation of motion
+        # describes the body)
         self.checks: dict[tuple[str, str], tuple[CodeCheck, Demand, bool]] = {}
-        self.lines: list[str] = []
+        self.lines: list[str] = []  # remarks to print below the table
+        # of each structure
         self.verdicts: dict[str, list[Verdict]] = {}
 
     def alone(

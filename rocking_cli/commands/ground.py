@@ -82,14 +82,14 @@ class Reading:
 
 @dataclass(frozen=True)
 class Ground:
-    """The motion of a call: one pulse or motion document, or None and a set of records.
-    grid: one cell, the demand.
+    """The motion of a call: one pulse or motion document, or None and a set of
+    records.
     """
 
-    motion: Motion | None
-    recordings: tuple[Recording, ...] = ()
-    grid: Grid | None = None
-    upwards: Upwards | None = None  # which the motions have already
+    motion: Motion | None  # None with a set of records
+    recordings: tuple[Recording, ...] = ()  # the set of records
+    grid: Grid | None = None  # one cell, the demand; None without one
+    upwards: Upwards | None = None  # vertical motion that the motions have already
 
     @property
     def shakes(self) -> list[tuple[Motion, Grid]]:

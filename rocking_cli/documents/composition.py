@@ -24,13 +24,11 @@ _UNSPACED = re.compile(r"\s*-?\s*([A-Za-z_]\w*):([^\s:/\\,][^\s,]*)")
 
 @dataclass(frozen=True)
 class Place:
-    """The file, line and column of a key or a value; line 0 if it comes
-    from no file.
-    """
+    """The place of a key or a value."""
 
-    source: str
-    line: int
-    column: int
+    source: str  # the file
+    line: int  # from 1, 0 if it comes from no file
+    column: int  # from 1
 
     def __str__(self) -> str:
         return f"{self.source}:{self.line}:{self.column}" if self.line else self.source
@@ -40,9 +38,10 @@ class Place:
 class Value:
     """The text of a scalar, a list of values, or a mapping."""
 
+    # text of a scalar, a list of values, or a mapping
     content: "str | list[Value] | dict[str, Value]"
-    place: Place
-    quoted: bool = False
+    place: Place  # where it begins
+    quoted: bool = False  # True for a text in quotes
 
     def __str__(self) -> str:
         if isinstance(self.content, str):

@@ -54,23 +54,19 @@ class Document:
 
     source: str  # the file
     place: Place  # where it begins
-    values: dict[str, Value]
+    values: dict[str, Value]  # by key
     keys: dict[str, Place]  # the place of each key
     index: int = 0  # its number in the file
-    text: str = ""
+    text: str = ""  # as the file has it
     asked: set[str] = field(default_factory=set)  # keys that were read
-    inner: list[Document] = field(
-        default_factory=list
-    )  # the documents in the lists of this one
-    dimensions: dict[str, str] = field(
-        default_factory=dict
-    )  # of each quantity that was read, by its path, such as `ties.0.height`
-    bare: dict[str, tuple[float, Place]] = field(
-        default_factory=dict
-    )  # lengths [m] that state no unit, by their path
-    within: tuple[Document, str] | None = (
-        None  # the document around this one, and the path there
-    )
+    # the documents in the lists of this one
+    inner: list[Document] = field(default_factory=list)
+    # of each quantity that was read, by its path, such as `ties.0.height`
+    dimensions: dict[str, str] = field(default_factory=dict)
+    # lengths [m] that state no unit, by their path
+    bare: dict[str, tuple[float, Place]] = field(default_factory=dict)
+    # the document around this one, and the path there
+    within: tuple[Document, str] | None = None
     cells: tuple[Cell, ...] = ()  # of a row of a table, whose other columns are labels
 
     def has(self, key: str) -> bool:

@@ -75,15 +75,14 @@ class Table:
     points.
     """
 
-    source: str
+    source: str  # the file
     line: int  # that of the heading
     headings: list[str]  # one for each column
     # line and cells of each row that is not blank; it may lack cells, or have more than
     # the heading
     rows: list[tuple[int, list[str]]]
-    written: list[
-        list[str]
-    ]  # the cells of each row before decimal commas became points
+    # the cells of each row before decimal commas became points
+    written: list[list[str]]
     comments: str  # the lines above the heading
 
     def place(self, line: int, column: int = 0) -> Place:

@@ -41,15 +41,13 @@ _SHARE = "running maximum of the exact share of overturning motions"
 
 @dataclass(frozen=True, eq=False)
 class Share:
-    """The exact share of overturning motions: points (x [SI], p) joined by straight
-    lines, and the level [SI] up to which the body stays at rest, 0 if unknown.
-    """
+    """The exact share of overturning motions, straight lines between points."""
 
-    structure: str
-    no_damage: float
-    x: Array
-    p: Array
-    limit: str = "overturning"
+    structure: str  # its name
+    no_damage: float  # level up to which the body stays at rest [SI], 0 if unknown
+    x: Array  # intensities of the points [SI], (n,)
+    p: Array  # share of the motions at the points [-], (n,)
+    limit: str = "overturning"  # the limit state
 
 
 State = Fit | Share

@@ -33,13 +33,10 @@ Progress = Callable[[int, int], None]
 class Exposure:
     """Responses of one structure to each motion of a set (members), scaled to each
     level of the intensity measure.
-
-    theta_ratio: max |theta|/alpha, NaN where it falls; outcome: codes of `Outcome`;
-    (members, levels).
     """
 
-    theta_ratio: Array
-    outcome: Array
+    theta_ratio: Array  # max |theta|/alpha, NaN where it falls [-], (members, levels)
+    outcome: Array  # codes of `Outcome`, (members, levels)
 
     def beyond(self, limit: float | None) -> tuple[Array, Array]:
         """Return (beyond, known), both (members, levels). beyond: True if |theta|/alpha
@@ -58,14 +55,12 @@ class Exposure:
 
 @dataclass(frozen=True, eq=False)
 class MotionSet:
-    """The motions of a study, the measure that scales them, its levels [SI], (n,), and
-    the equation of motion.
-    """
+    """The motions of a study."""
 
-    members: Sequence[Member]
-    measure: Measure
-    levels: Array
-    method: Method
+    members: Sequence[Member]  # pulses or records
+    measure: Measure  # the intensity measure that scales them
+    levels: Array  # of the measure [SI], (n,)
+    method: Method  # equation of motion and its tolerance
 
     @property
     def weight(self) -> Array:

@@ -25,13 +25,18 @@ _STRIDE = 2.0
 
 @dataclass(frozen=True)
 class Curve:
-    """A fragility curve: median [unit of the intensity measure], dispersion beta [-],
-    and number n of records.
+    """A fragility curve: a lognormal distribution of the capacity.
+
+    Attributes
+    ----------
+    median: in the unit of the intensity measure
+    beta: dispersion [-]
+    n: number of records
     """
 
-    median: float
-    beta: float
-    n: float
+    median: float  # in the unit of the intensity measure
+    beta: float  # dispersion [-]
+    n: float  # number of records
 
     def __call__(self, x: Array | float) -> Array:
         """Return the probability at intensities x, in the shape of x."""
@@ -45,17 +50,15 @@ class Curve:
 
 @dataclass(frozen=True)
 class Band:
-    """A confidence band of a curve's two parameters, of its probability at some
-    intensities, (k,), and of its annual rate.
-    """
+    """A confidence band of a curve."""
 
-    median_low: float
-    median_high: float
-    beta_low: float
-    beta_high: float
-    low: Array
-    high: Array
-    rate: tuple[float, float] | None = None
+    median_low: float  # lower end of the median [SI]
+    median_high: float  # upper end of the median [SI]
+    beta_low: float  # lower end of the dispersion [-]
+    beta_high: float  # upper end of the dispersion [-]
+    low: Array  # lower end of the probability at some intensities [-], (k,)
+    high: Array  # upper end of the probability at some intensities [-], (k,)
+    rate: tuple[float, float] | None = None  # (low, high) of the annual rate [1/year]
 
 
 def stripes(x: Array, n: Array, z: Array) -> Estimate:
@@ -332,11 +335,18 @@ def fit_cloud(
 
 @dataclass(frozen=True)
 class Resampling:
-    """Options of a bootstrap: number of samples, seed, and level of confidence."""
+    """Options of a bootstrap.
 
-    samples: int = 1000
-    seed: int = 0
-    level: float = 0.95
+    Attributes
+    ----------
+    samples: their number, 0 for no band
+    seed: of the random numbers
+    level: of confidence [-]
+    """
+
+    samples: int = 1000  # their number, 0 for no band
+    seed: int = 0  # of the random numbers
+    level: float = 0.95  # of confidence [-]
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -53,13 +53,13 @@ _TABLE = "a measure with its unit, and annual_rate or p_50_years: PGA [g],annual
 
 
 class Point(NamedTuple):
-    """A row of a file; level in SI, rate in 1/year."""
+    """A row of a file."""
 
-    place: str
-    text: str
-    level: float
-    rate_text: str
-    rate: float
+    place: str  # file, line and column, for messages
+    text: str  # the level as the file has it
+    level: float  # [SI]
+    rate_text: str  # the rate as the file has it
+    rate: float  # [1/year]
 
 
 def openquake_unit(measure: Measure) -> tuple[str, float]:
@@ -69,20 +69,25 @@ def openquake_unit(measure: Measure) -> tuple[str, float]:
 
 @dataclass(frozen=True, eq=False)
 class HazardCurve:
-    """The annual rates [1/year] at which levels [SI] of the measure `im` are exceeded,
-    (n,).
+    """The annual rates at which levels of an intensity measure are exceeded.
 
     Raises UsageError unless there are two levels or more, positive and rising, with
     positive rates that do not rise.
 
     >>> hazard = HazardCurve([1.0, 2.0, 4.0], [1e-2, 1e-3, 1e-4])
-    >>> float(hazard(2.0))
+    >>> round(float(hazard(2.0)), 6)
     0.001
+
+    Attributes
+    ----------
+    x: levels [SI], (n,)
+    rate: annual rates of exceedance [1/year], (n,)
+    im: name of the intensity measure
     """
 
-    x: Array
-    rate: Array
-    im: str = "PGA"
+    x: Array  # levels [SI], (n,)
+    rate: Array  # annual rates of exceedance [1/year], (n,)
+    im: str = "PGA"  # name of the intensity measure
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -183,16 +188,24 @@ class HazardCurve:
 
 @dataclass(frozen=True)
 class Rate:
-    """An annual rate [1/year] of passing a limit state, its 95 % band, the most that
-    motions beyond the last level add, that level [SI], and the probability at the first
-    level of the hazard curve.
+    """An annual rate of passing a limit state.
+
+    Attributes
+    ----------
+    annual: [1/year]
+    low: lower end of its 95 % band [1/year]
+    high: upper end of its 95 % band [1/year]
+    beyond: the most that motions beyond the last level add [1/year]
+    last: the last level [SI]
+    first: probability of the limit state at the first level of the hazard curve [-]
     """
 
-    annual: float
-    low: float | None
-    high: float | None
-    beyond: float
-    last: float
+    annual: float  # [1/year]
+    low: float | None  # lower end of its 95 % band [1/year]
+    high: float | None  # upper end of its 95 % band [1/year]
+    beyond: float  # the most that motions beyond the last level add [1/year]
+    last: float  # the last level [SI]
+    # probability of the limit state at the first level of the hazard curve [-]
     first: float
 
     def probability(self, years: float) -> float:

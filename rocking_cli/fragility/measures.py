@@ -33,17 +33,15 @@ SPECTRAL = (
 
 @dataclass(frozen=True)
 class Measure:
-    """An intensity measure; dimension: a word of `quantities.UNITS`; value: of a motion
-    for a structure; power: of the scale factor.
-    """
+    """An intensity measure."""
 
-    name: str
-    unit: str
-    dimension: str
-    value: Value
-    power: float = 1.0
-    of_structure: bool = False
-    periods: tuple[float, ...] = ()  # of SA and AvgSA, in s
+    name: str  # as options and tables have it
+    unit: str  # SI unit of its values, "" for a plain number
+    dimension: str  # a word of `quantities.UNITS`
+    value: Value  # returns it from the intensity of a motion and a structure
+    power: float = 1.0  # of the scale factor [-]
+    of_structure: bool = False  # True if it also depends on the structure
+    periods: tuple[float, ...] = ()  # of SA and AvgSA [s]
 
     def in_words(self, value: float) -> str:
         """Return a value of the measure [SI] in words; accelerations are in g."""
@@ -123,17 +121,15 @@ def compared(members: "Sequence[Member]", own: Measure) -> Collection[Measure]:
 
 @dataclass(frozen=True, eq=False)
 class Member:
-    """A motion of a set: a pulse or a record. acceleration: peak [m/s2]; omega:
-    circular frequency [rad/s], 1 for a record; weight: in means over the set.
-    """
+    """A motion of a set: a pulse or a record."""
 
-    label: str
-    acceleration: float
-    omega: float
-    intensity: Intensity
-    weight: float = 1.0
-    pulse: Motion | None = None
-    recording: Recording | None = None
+    label: str  # its name in the set
+    acceleration: float  # peak [m/s2]
+    omega: float  # circular frequency [rad/s], 1 for a record
+    intensity: Intensity  # measures of the unscaled motion
+    weight: float = 1.0  # in means over the set [-]
+    pulse: Motion | None = None  # None for a record
+    recording: Recording | None = None  # None for a pulse
 
     @property
     def motion(self) -> Motion:

@@ -79,24 +79,39 @@ def word_of(limit: float | None) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A fitted curve with its band at x, the fraction beyond the limit state by level,
-    and with a hazard curve its annual rate.
+    """A fitted curve with its band, and with a hazard curve its annual rate.
+
+    Attributes
+    ----------
+    structure: its name
+    im: name of the intensity measure
+    limit: the limit state, a number of |theta|/alpha or "overturning"
+    method: "stripes", "first" or "cloud"
+    curve: median and dispersion
+    band: at x, None without a bootstrap
+    x: intensities [SI] of the band, (k,)
+    points: fraction beyond the limit state by level [SI]
+    hazard: the hazard curve of the site
+    rate: annual rate of the limit state by this curve
+    rate_without_fit: annual rate of overturning from traced intervals
+    no_damage: level [SI] up to which the structure stays at rest, 0 if unknown
     """
 
-    structure: str
-    im: str
-    limit: str
-    method: str
-    curve: Curve
-    band: Band | None
-    x: Array
+    structure: str  # its name
+    im: str  # name of the intensity measure
+    limit: str  # the limit state, a number of |theta|/alpha or "overturning"
+    method: str  # "stripes", "first" or "cloud"
+    curve: Curve  # median and dispersion
+    band: Band | None  # at x, None without a bootstrap
+    x: Array  # intensities [SI] of the band, (k,)
+    # fraction beyond the limit state by level [SI]
     points: dict[float, float] = field(default_factory=dict)
-    hazard: HazardCurve | None = None
-    rate: Rate | None = None
+    hazard: HazardCurve | None = None  # the hazard curve of the site
+    rate: Rate | None = None  # annual rate of the limit state by this curve
+    # annual rate of overturning from traced intervals
     rate_without_fit: Rate | None = None
-    no_damage: float = (
-        0.0  # the level [SI] up to which the structure stays at rest, 0 if unknown
-    )
+    # level [SI] up to which the structure stays at rest, 0 if unknown
+    no_damage: float = 0.0
 
     def row(self) -> dict[str, Any]:
         """Return the fit as one row."""
@@ -180,18 +195,16 @@ def hazard_points(
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """A structure under a set of motions: its responses at the levels (exposure) and to
-    the unscaled motions (recorded), and its overturning intervals of the measure, if
-    traced.
-    """
+    """A structure under a set of motions."""
 
-    structure: RockingParameters
-    motions: MotionSet
-    how: Resampling
-    exposure: Exposure
+    structure: RockingParameters  # the one that rocks
+    motions: MotionSet  # the set, its measure and its levels
+    how: Resampling  # options of the bootstrap
+    exposure: Exposure  # responses at the levels
+    # overturning intervals of the measure for each motion, if traced
     intervals: Sequence[Sequence[Interval]] | None = None
-    recorded: Exposure | None = None
-    hazard: HazardCurve | None = None
+    recorded: Exposure | None = None  # responses to the unscaled motions
+    hazard: HazardCurve | None = None  # the hazard curve of the site
 
     @property
     def highest(self) -> float:

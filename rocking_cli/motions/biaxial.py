@@ -38,8 +38,8 @@ def with_vertical(motion: Motion, vertical: Motion, scale: float = 1.0) -> Motio
 class Upwards:
     """A vertical motion times `scale`, to be added to horizontal motions."""
 
-    vertical: Motion
-    scale: float = 1.0
+    vertical: Motion  # the motion, positive upwards
+    scale: float = 1.0  # its factor, with the sign [-]
 
     def __call__(self, motion: Motion) -> Motion:
         """Return the motion with this vertical one, see `with_vertical`."""

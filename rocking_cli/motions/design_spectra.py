@@ -43,7 +43,7 @@ _FLOOR, _FLOOR_KEYS = (
 class MotionSpectrum:
     """The spectrum of a motion of the site."""
 
-    record: Record
+    record: Record  # the motion in its own time
 
     @classmethod
     def of(cls, motion: Motion, amplitude: float, omega: float) -> Self:
@@ -95,14 +95,20 @@ class MotionSpectrum:
 
 @dataclass(frozen=True, eq=False)
 class SpectrumFile:
-    """S_a [m/s2] over T [s] at 5 % damping as a file states it, straight lines between
-    its points. For another damping S_a is multiplied by sqrt(10/(5 + xi)) from the
-    largest S_a on, and stays as it is before, which is safe.
+    """S_a at 5 % damping as a file states it, straight lines between its points. For
+    another damping S_a is multiplied by sqrt(10/(5 + xi)) from the largest S_a on, and
+    stays as it is before, which is safe.
+
+    Attributes
+    ----------
+    name: of the file
+    periods: T of the points [s], rising, (n,)
+    values: S_a at the points [m/s2], (n,)
     """
 
-    name: str
-    periods: Array
-    values: Array
+    name: str  # of the file
+    periods: Array  # T of the points [s], rising, (n,)
+    values: Array  # S_a at the points [m/s2], (n,)
 
     @property
     def pga(self) -> float:
@@ -146,23 +152,26 @@ class SpectrumFile:
 
 @dataclass(frozen=True)
 class FloorMode:
-    """A mode of a building: period [s], damping [-], and gamma psi [-], its
-    participation times its shape at the floor.
+    """A mode of a building.
+
+    Attributes
+    ----------
+    period: [s]
+    damping: ratio of critical damping [-]
+    gamma_psi: its participation times its shape at the floor [-]
     """
 
-    period: float
-    damping: float
-    gamma_psi: float
+    period: float  # [s]
+    damping: float  # ratio of critical damping [-]
+    gamma_psi: float  # its participation times its shape at the floor [-]
 
 
 @dataclass(frozen=True)
 class FloorSpectrum:
-    """The spectrum on a floor of a building with these modes, over that
-    of the ground.
-    """
+    """The spectrum on a floor of a building."""
 
-    ground: MotionSpectrum | SpectrumFile
-    modes: Sequence[FloorMode]
+    ground: MotionSpectrum | SpectrumFile  # spectrum of the ground
+    modes: Sequence[FloorMode]  # of the building
 
     @property
     def pga(self) -> float:

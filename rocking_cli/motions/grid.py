@@ -73,12 +73,16 @@ _PAIRS = (
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """An axis: its name in the file, one of AXES, and its rising values in SI units.
-    Raises UsageError for values that are not valid.
+    """An axis of a grid. Raises UsageError for values that are not valid.
+
+    Attributes
+    ----------
+    name: its name in the file, one of AXES
+    values: rising, in SI units, (n,)
     """
 
-    name: str
-    values: np.ndarray
+    name: str  # its name in the file, one of AXES
+    values: np.ndarray  # rising, in SI units, (n,)
 
     def __post_init__(self) -> None:
         v = self.values
@@ -111,12 +115,17 @@ class Axis:
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """The axes A and Omega, or a_g [m/s2] and omega_g [rad/s]; for a record also A and
-    omega_g. Raises UsageError for other pairs.
+    """The axes A and Omega, or a_g and omega_g; for a record also A and omega_g. Raises
+    UsageError for other pairs.
+
+    Attributes
+    ----------
+    amplitude: A [-] or a_g [m/s2]
+    frequency: Omega [-] or omega_g [rad/s]
     """
 
-    amplitude: Axis
-    frequency: Axis
+    amplitude: Axis  # A [-] or a_g [m/s2]
+    frequency: Axis  # Omega [-] or omega_g [rad/s]
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -16,19 +16,28 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Intensity:
-    """Peak acceleration [m/s2] and its time [s], peak velocity [m/s] and displacement
-    [m], Arias intensity and cumulative absolute velocity [m/s], and the durations from
-    5 % to 75 and 95 % of the Arias intensity [s].
+    """The intensity measures of a motion.
+
+    Attributes
+    ----------
+    pga: peak acceleration [m/s2]
+    pga_time: time of the peak acceleration [s]
+    pgv: peak velocity [m/s]
+    pgd: peak displacement [m]
+    arias: Arias intensity [m/s]
+    cav: cumulative absolute velocity [m/s]
+    d5_75: duration from 5 to 75 % of the Arias intensity [s]
+    d5_95: duration from 5 to 95 % of the Arias intensity [s]
     """
 
-    pga: float
-    pga_time: float
-    pgv: float
-    pgd: float
-    arias: float
-    cav: float
-    d5_75: float
-    d5_95: float
+    pga: float  # peak acceleration [m/s2]
+    pga_time: float  # time of the peak acceleration [s]
+    pgv: float  # peak velocity [m/s]
+    pgd: float  # peak displacement [m]
+    arias: float  # Arias intensity [m/s]
+    cav: float  # cumulative absolute velocity [m/s]
+    d5_75: float  # duration from 5 to 75 % of the Arias intensity [s]
+    d5_95: float  # duration from 5 to 95 % of the Arias intensity [s]
 
 
 def intensity(record: Record) -> Intensity:

@@ -23,26 +23,22 @@ LARGEST_SCALE = 1e100  # larger amplitudes may overflow
 
 @dataclass(frozen=True)
 class Harmonic:
-    """A sinusoid C sin(w phi + f): amplitude C [-], frequency w [multiples of omega_g],
-    phase f [rad].
-    """
+    """A sinusoid C sin(w phi + f)."""
 
-    amplitude: float
-    frequency: float = 1.0
-    phase: float = 0.0
+    amplitude: float  # C [-]
+    frequency: float = 1.0  # w [multiples of omega_g]
+    phase: float = 0.0  # f [rad]
 
 
 @dataclass(frozen=True)
 class Piece:
-    """One piece of a motion between two phases [rad]: harmonics, constant c0 [-], slope
-    c1 [1/rad].
-    """
+    """One piece of a motion between two phases."""
 
-    start: float
-    stop: float
-    harmonics: tuple[Harmonic, ...] = ()
-    constant: float = 0.0
-    slope: float = 0.0
+    start: float  # phase at its start [rad]
+    stop: float  # phase at its end [rad]
+    harmonics: tuple[Harmonic, ...] = ()  # its sinusoids, which are added
+    constant: float = 0.0  # c0 [-]
+    slope: float = 0.0  # c1 [1/rad]
 
     def value(self, phase: np.ndarray | float) -> np.ndarray:
         """Return s(phase) [-], in the shape of `phase`."""
@@ -81,16 +77,23 @@ def plus(a: Piece, b: Piece) -> Piece:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Contiguous pieces from phase 0; the ground acceleration is a_g s(phi). vertical:
-    the vertical motion on the same pieces, over the same amplitude, positive upwards;
-    acceleration: a_g of a record [m/s2], which runs in its own time (omega_g = 1
-    rad/s), else None. Raises MotionError if there is no piece, if pieces overlap or
-    leave a gap, or if a number is not finite.
+    """Contiguous pieces from phase 0; the ground acceleration is a_g s(phi).
+
+    Raises MotionError if there is no piece, if pieces overlap or leave a gap, or if a
+    number is not finite.
+
+    Attributes
+    ----------
+    pieces: contiguous, the first one from phase 0
+    vertical: vertical motion on the same pieces, over the same a_g, positive upwards
+    acceleration: a_g of a record [m/s2], which has omega_g = 1 rad/s; else None
     """
 
-    name: str
-    pieces: Sequence[Piece]
+    name: str  # as messages and files call the motion
+    pieces: Sequence[Piece]  # contiguous, the first one from phase 0
+    # vertical motion on the same pieces, over the same a_g, positive upwards
     vertical: Motion | None = None
+    # a_g of a record [m/s2], which has omega_g = 1 rad/s; else None
     acceleration: float | None = None
 
     @property

@@ -23,14 +23,13 @@ _ROUNDING = 4e-16
 
 class Polyline(Motion):
     """Straight lines over contiguous intervals of phase, s = constant + slope (phase -
-    start); start, stop [rad], constant [-], slope [1/rad] of shape (n,), start[0] = 0.
-    Raises MotionError if an interval is empty or a number is not finite.
+    start). Raises MotionError if an interval is empty or a number is not finite.
     """
 
-    start: Array
-    stop: Array
-    constant: Array
-    slope: Array
+    start: Array  # phase at the start of each interval [rad], the first is 0, (n,)
+    stop: Array  # phase at the end of each interval [rad], (n,)
+    constant: Array  # s at the start of each interval [-], (n,)
+    slope: Array  # [1/rad], (n,)
 
     def __init__(
         self,

@@ -56,14 +56,12 @@ class MotionChoices(TypedDict, total=False):
     component: str | None  # by name or number from 1
     unit: str | None  # of plain numbers
     dt: float | None  # time step of plain numbers [s]
-    column: (
-        str | None
-    )  # of plain numbers, from 1; `all` where each line goes on from the last
-    scale: float | None  # factor, which may be negative
+    # of plain numbers, from 1; `all` where each line goes on from the last
+    column: str | None
+    scale: float | None  # factor, which may be negative [-]
     scale_to: str | None  # instead of `scale`, such as `PGA=0.35g`
-    vertical: (
-        float | None
-    )  # factor of the vertical component of the file, which is added
+    # factor of the vertical component of the file, which is added [-]
+    vertical: float | None
     tell: Callable[[str], None] | None  # called with each remark
 
 
@@ -268,9 +266,9 @@ class NoRecord(DocumentError):
 class Stated(TypedDict):
     """What the user states of files of plain numbers."""
 
-    unit: str | None
-    dt: float | None
-    column: str | None
+    unit: str | None  # of acceleration
+    dt: float | None  # time step [s]
+    column: str | None  # number of a column from 1, or `all`
 
 
 def _stated(given: MotionChoices) -> Stated:

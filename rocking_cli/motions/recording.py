@@ -18,14 +18,20 @@ from .records.record import Record, record_motion
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """A record times a factor, which may be negative, named in a set by its label.
-    Raises MotionError for a zero record or a bad factor.
+    """A record times a factor. Raises MotionError for a zero record or a bad factor.
+
+    Attributes
+    ----------
+    record: as recorded
+    factor: may be negative [-]
+    label: its name in a set
+    upwards: vertical motion with it, None without one
     """
 
-    record: Record
-    factor: float = 1.0
-    label: str = ""
-    upwards: Upwards | None = None
+    record: Record  # as recorded
+    factor: float = 1.0  # may be negative [-]
+    label: str = ""  # its name in a set
+    upwards: Upwards | None = None  # vertical motion with it, None without one
 
     def __post_init__(self) -> None:
         label = (

@@ -19,32 +19,30 @@ class Wave:
     sin(angle + w u), u the phase from the start [rad].
     """
 
-    sign: np.ndarray
-    offset: np.ndarray
-    radius2: np.ndarray
-    angle: np.ndarray
+    sign: np.ndarray  # +1 where s rises, -1 where it falls
+    offset: np.ndarray  # constant part of s [-]
+    radius2: np.ndarray  # radius squared, radius: the amplitude of the sinusoid [-]
+    angle: np.ndarray  # angle of the sinusoid at the start [rad]
 
 
 @dataclass(frozen=True)
 class Segments:
-    """The K monotone segments of a motion, arrays of shape (K,), or (harmonics, K) for
-    sin, cos and frequency. start, length [rad]; s_start, s_end: s at the ends, inside
-    the segment; sin, cos: of each sinusoid at the start, times its amplitude;
-    frequency: over omega_g; slope [1/rad]; joins: True if the next segment is of the
-    same piece; later_max, later_min: largest and least s from the segment on, 0 for the
-    ground at rest.
-    """
+    """The K monotone segments of a motion."""
 
-    start: np.ndarray
-    length: np.ndarray
-    s_start: np.ndarray
-    s_end: np.ndarray
+    start: np.ndarray  # phase at the start [rad], (K,)
+    length: np.ndarray  # [rad], (K,)
+    s_start: np.ndarray  # s at the start, inside the segment [-], (K,)
+    s_end: np.ndarray  # s at the end, inside the segment [-], (K,)
+    # sine of each sinusoid at the start, times its amplitude [-], (harmonics, K)
     sin: np.ndarray
+    # cosine of each sinusoid at the start, times its amplitude [-], (harmonics, K)
     cos: np.ndarray
-    frequency: np.ndarray
-    slope: np.ndarray
-    joins: np.ndarray
+    frequency: np.ndarray  # of each sinusoid over omega_g [-], (harmonics, K)
+    slope: np.ndarray  # of the linear term [1/rad], (K,)
+    joins: np.ndarray  # True if the next segment is of the same piece, (K,)
+    # largest s from the segment on, 0 for the ground at rest [-], (K,)
     later_max: np.ndarray
+    # least s from the segment on, 0 for the ground at rest [-], (K,)
     later_min: np.ndarray
 
     def __len__(self) -> int:
@@ -238,10 +236,10 @@ class Segments:
 @dataclass(frozen=True)
 class Chain(Segments):
     """The segments of several motions behind one another, each followed by still ground
-    without an end; first: of each motion.
+    without an end.
     """
 
-    first: np.ndarray
+    first: np.ndarray  # index of the first segment of each motion, (motions,)
 
     @classmethod
     def of(cls, motions: Sequence[Segments]) -> "Chain":
@@ -279,12 +277,10 @@ class Chain(Segments):
 
 
 class Samples(NamedTuple):
-    """Straight lines over equal steps: the step [rad] and s at the ends of the steps,
-    (steps + 1,).
-    """
+    """Straight lines over equal steps."""
 
-    step: float
-    values: np.ndarray
+    step: float  # length of a step [rad]
+    values: np.ndarray  # s at the ends of the steps [-], (steps + 1,)
 
 
 def largest_from(values: np.ndarray) -> np.ndarray:

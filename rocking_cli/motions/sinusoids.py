@@ -113,15 +113,12 @@ def _bisected(slope: float, waves: Array, low: Array, high: Array) -> Array:
 
 @dataclass(frozen=True)
 class Table:
-    """The polynomials of K segments in P patches: first and last patch of a segment and
-    half width of its patches [rad], (K,); terms: coefficients of the powers of (u -
-    centre)/half, (DEGREE + 1, P).
-    """
+    """The polynomials of K segments in P patches."""
 
-    first: Array
-    last: Array
-    half: Array
-    terms: Array
+    first: Array  # index of the first patch of each segment, (K,)
+    last: Array  # index of the last patch of each segment, (K,)
+    half: Array  # half width of the patches of each segment [rad], (K,)
+    terms: Array  # coefficients of the powers of (u - centre)/half, (DEGREE + 1, P)
 
     def change_at(self, k: Array, u: Array) -> tuple[Array, Array, Array]:
         """Return s - s_start and its derivatives at phase u [rad] from the start of

@@ -91,8 +91,8 @@ WRITTEN_WITH = ("a report needs", "jinja2", "matplotlib")  # the arguments of `r
 class Subject:
     """A structure and its document."""
 
-    document: Document
-    structure: RockingParameters
+    document: Document  # from which the structure was built
+    structure: RockingParameters  # its parameters
 
 
 def page(

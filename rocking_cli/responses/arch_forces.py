@@ -24,49 +24,42 @@ Array = np.ndarray
 
 
 class State(NamedTuple):
-    """Instants of an arch that sways towards +x: phi [rad], phi' [rad/s], and the
-    ground accelerations xg'', zg'' [m/s2]; (n,).
-    """
+    """Instants of an arch that sways towards +x."""
 
-    phi: Array
-    rate: Array
-    across: Array
-    up: Array
+    phi: Array  # [rad], (n,)
+    rate: Array  # phi' [rad/s], (n,)
+    across: Array  # ground acceleration xg'' [m/s2], (n,)
+    up: Array  # ground acceleration zg'' [m/s2], (n,)
 
 
 class LinkForces(NamedTuple):
-    """hinges: (n, 4, 2) forces (x, z) on A, B, C, D; acceleration: phi'' [rad/s2]; per
-    unit density and width.
-    """
+    """The forces at the hinges, per unit density and width."""
 
-    hinges: Array
-    acceleration: Array
+    hinges: Array  # forces (x, z) on A, B, C, D, (n, 4, 2)
+    acceleration: Array  # phi'' [rad/s2], (n,)
 
 
 class Resultants(NamedTuple):
-    """The resultants on each joint, (n, joints): thrust N and shear T over the arch's
-    weight, eccentricity |M|/(N t/2) [-].
-    """
+    """The resultants on each joint."""
 
-    thrust: Array
-    shear: Array
-    eccentricity: Array
+    thrust: Array  # N over the weight of the arch [-], (n, joints)
+    shear: Array  # T over the weight of the arch [-], (n, joints)
+    eccentricity: Array  # |M|/(N t/2) [-], (n, joints)
 
 
 class _Link(NamedTuple):
-    """A link in motion: angle turned, angular velocity, angular acceleration = turn
-    phi'' + turn_drift; its first hinge at rest and now, with that hinge's acceleration
-    = (gain phi'' + drift).
+    """A link in motion. Its angular acceleration is turn phi'' + turn_drift, the
+    acceleration of its first hinge gain phi'' + drift.
     """
 
-    angle: Array
-    speed: Array
-    turn: Array
-    turn_drift: Array
-    rest: Array
-    now: Array
-    gain: Array
-    drift: Array
+    angle: Array  # turned [rad], (n,)
+    speed: Array  # angular velocity [rad/s], (n,)
+    turn: Array  # [-], (n,)
+    turn_drift: Array  # [rad/s2], (n,)
+    rest: Array  # its first hinge at rest [m], (2,)
+    now: Array  # its first hinge now [m], (n, 2)
+    gain: Array  # [m], (n, 2)
+    drift: Array  # [m/s2], (n, 2)
 
     def place(self, x: Array, z: Array) -> tuple[Array, Array, Array]:
         """Return (place, gain, drift) of points given at rest, (points,): their
@@ -93,10 +86,10 @@ def _turned(arm: Array) -> Array:
 
 @dataclass(frozen=True)
 class ArchForces:
-    """The forces in an arch of this mechanism under this gravity [m/s2]."""
+    """The forces in an arch."""
 
-    mechanism: FourBar
-    gravity: float
+    mechanism: FourBar  # of the arch
+    gravity: float  # g [m/s2]
 
     @property
     def weight(self) -> float:

@@ -25,13 +25,11 @@ Array = np.ndarray
 
 
 class Worst(NamedTuple):
-    """The extreme of a quantity over joints (or hinges) and time: its value [-], the
-    number of the joint or hinge, its time [tau].
-    """
+    """The extreme of a quantity over joints (or hinges) and time."""
 
-    value: float
-    joint: int
-    tau: float
+    value: float  # [-]
+    joint: int  # number of the joint or hinge
+    tau: float  # its time [-]
 
 
 HINGE_COLUMNS = tuple(f"hinge{n}_{axis}" for n in (1, 2, 3, 4) for axis in ("fx", "fz"))
@@ -56,9 +54,9 @@ _QUANTITIES: dict[str, Callable[[Resultants], Array]] = {
 class ArchHistory:
     """The forces of one response of an arch by Eq. 3.4."""
 
-    structure: RockingParameters
-    ground: Ground
-    found: History
+    structure: RockingParameters  # an arch
+    ground: Ground  # motion and amplitude
+    found: History  # the response
 
     lost: ClassVar[None] = None  # contact with the ground, as `ForceHistory` finds it
 

@@ -26,16 +26,15 @@ LATE = 1.0 + 1e-14  # of a time: what still belongs to the arc that ends there
 
 
 class Arcs(NamedTuple):
-    """All arcs in the order of time, arrays (arcs,). An arc is the motion on one side
-    between two times tau, given by one series, a lane of `flow`. pace: tau of the side
-    over tau of the history.
+    """All arcs in the order of time. An arc is the motion on one side between two times
+    tau, given by one series.
     """
 
-    start: Array
-    stop: Array
-    side: Array
-    flow: TaylorSeries
-    pace: Array
+    start: Array  # [tau], (arcs,)
+    stop: Array  # [tau], (arcs,)
+    side: Array  # +1 on the right edge, -1 on the left, (arcs,)
+    flow: TaylorSeries  # the series of each arc, one lane an arc
+    pace: Array  # tau of the side over tau of the history [-], (arcs,)
 
     def at(self, tau: Array) -> tuple[Array, Array]:
         """Return (the indices of the times that lie on an arc, the index of the arc of
@@ -57,33 +56,27 @@ class Arcs(NamedTuple):
 
 
 class Event(NamedTuple):
-    """An event at a time tau: release, uplift, impact, peak, rest, overturning, lost
-    contact, or an event of a tie or tendon.
+    """An event at a time tau = p t, p of the edge that lifts first."""
 
-    theta/alpha and its rate by tau (before an impact), with alpha of the side on which
-    the body is and tau = p t of the edge that lifts first; side: +1 or -1; device: the
-    tie or tendon, "" without one.
-    """
-
-    tau: float
+    tau: float  # its time [-]
+    # release, uplift, impact, peak, rest, overturning, lost contact, or of a device
     event: str
-    theta_ratio: float
-    rate: float
-    side: float
-    device: str = ""
+    theta_ratio: float  # theta/alpha, alpha of the side on which the body is [-]
+    rate: float  # of theta/alpha by tau, before an impact [-]
+    side: float  # +1 or -1
+    device: str = ""  # the tie or tendon, "" without one
 
 
 class DeviceForces(NamedTuple):
-    """The forces of ties and the tendon over time, fixed + rate e from each time start
-    [tau] on: arrays (times,), of fixed [N] and rate [N/m] (devices, times). row: of the
-    side, as in `Devices`. At rest a tie of both sides has the larger of its two forces.
+    """The forces of ties and the tendon over time, fixed + rate e from each start on.
+    At rest a tie of both sides has the larger of its two forces.
     """
 
-    devices: "Devices"
-    start: Array
-    row: Array
-    fixed: Array
-    rate: Array
+    devices: "Devices"  # the ties and the tendon
+    start: Array  # times [tau], (times,)
+    row: Array  # index of the side, as in `Devices`, (times,)
+    fixed: Array  # [N], (devices, times)
+    rate: Array  # [N/m], (devices, times)
 
     def columns(self, tau: Array, theta: Array) -> dict[str, Array]:
         """Return the force [N] of each device at times tau, with rotations theta [rad]
@@ -103,19 +96,28 @@ class DeviceForces(NamedTuple):
 
 @dataclass(frozen=True)
 class History:
-    """A response in time: arcs, events, the time tau at which they end; the outcome and
-    the largest |theta|/alpha of the whole motion, which may come later (NaN if the body
-    overturned); devices: a row for each tie and tendon, and device_forces: their forces
-    over time.
+    """A response in time.
+
+    Attributes
+    ----------
+    arcs: in the order of time
+    events: in the order of time
+    end: the time at which arcs and events end [tau]
+    outcome: of the whole motion, which may last longer than the arcs
+    highest: largest |theta|/alpha of the whole motion, NaN if the body overturned [-]
+    devices: a row for each tie and tendon
+    device_forces: forces of the ties and the tendon over time
     """
 
-    equation: Equation
-    arcs: Arcs
-    events: tuple[Event, ...]
-    end: float
-    outcome: Outcome
+    equation: Equation  # the equation of motion
+    arcs: Arcs  # in the order of time
+    events: tuple[Event, ...]  # in the order of time
+    end: float  # the time at which arcs and events end [tau]
+    outcome: Outcome  # of the whole motion, which may last longer than the arcs
+    # largest |theta|/alpha of the whole motion, NaN if the body overturned [-]
     highest: float
-    devices: tuple[dict[str, Any], ...] = ()
+    devices: tuple[dict[str, Any], ...] = ()  # a row for each tie and tendon
+    # forces of the ties and the tendon over time
     device_forces: DeviceForces | None = None
 
     def at(self, tau: Array) -> tuple[Array, Array]:

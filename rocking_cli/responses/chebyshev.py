@@ -22,10 +22,10 @@ _DEEPEST = 12  # halvings of a stretch whose series does not end
 class Extent(NamedTuple):
     """The least and the largest value of a function, and the places of both."""
 
-    least: float
-    at_least: float
-    largest: float
-    at_largest: float
+    least: float  # value
+    at_least: float  # place of the least value
+    largest: float  # value
+    at_largest: float  # place of the largest value
 
     def join(self, other: "Extent") -> "Extent":
         """Return the extent over the intervals of both."""

@@ -72,48 +72,71 @@ TIED_COLUMNS = (
 @dataclass(frozen=True)
 class Verdict:
     """The verdict on a structure under a motion by its governing equation;
-    accelerations are amplitudes a_g of the motion [m/s2].
+    accelerations are amplitudes a_g of the motion.
 
-    demand_a: the demand; uplift_a, first_overturning_a: the lowest that lift and
-    overturn the body, None if none does; safe_to: upper end of the interval around the
-    demand in which the body stands, None if it falls or no larger one overturns it;
-    theta_ratio: max
-    |theta|/alpha, None if it falls; outcome_linear: by the linear equation; friction_needed, fz_min: the friction that the motion needs
-    (impacts apart), and the least vertical force over the weight, of a rigid body whose
-    mass centre is known; friction_needed is also None if the body loses contact;
-    unsettled: true if changes of the demand by 1e-12 to 1e-6 of it change the outcome,
-    or theta_ratio by 0.01; share_of_falls: if many narrow intervals overturn the body,
-    the share of overturning amplitudes within 5 % above the first one; slides: true if
-    friction_needed exceeds the friction of the document; top_displacement: the largest
-    displacement of the top [m], None without a geometry or if the body falls;
-    first_overturning_a_free: first_overturning_a of the body without its ties and
-    tendon; devices: a row for each tie and tendon, see `History.devices`; opens: true
-    if a further hinge opens in an arch, whose mechanism is then another one; None for
-    another structure.
+    Attributes
+    ----------
+    theta_ratio: max |theta|/alpha [-], None if the body falls
+    demand_a: the demand [m/s2]
+    uplift_a: lowest a_g that lifts the body [m/s2], None if none does
+    first_overturning_a: lowest a_g that overturns the body [m/s2], None if none does
+    safe_to: upper end of the interval around the demand in which the body stands
+        [m/s2], None if it falls or no larger a_g overturns it
+    outcome_linear: by the linear equation
+    friction_needed: friction that the motion needs, impacts apart [-]; only of a rigid
+        body whose mass centre is known, None if it loses contact
+    fz_min: least vertical force over the weight [-], of the same bodies
+    unsettled: True if changes of the demand by 1e-12 to 1e-6 of it change the outcome,
+        or theta_ratio by 0.01
+    share_of_falls: if many narrow intervals overturn the body, the share of overturning
+        amplitudes within 5 % above the first one [-]
+    slides: True if friction_needed exceeds the friction of the document
+    top_displacement: largest displacement of the top [m], None without a geometry or if
+        the body falls
+    first_overturning_a_free: first_overturning_a of the body without ties and tendon
+        [m/s2]
+    devices: a row for each tie and tendon, see `History.devices`
+    opens: True if a further hinge opens in an arch, whose mechanism is then another
+        one; None for another structure
+    searched_to: largest a_g of the search [m/s2]; None without a search
     """
 
-    structure: str
-    motion: str
-    model: str
-    outcome: Outcome
-    theta_ratio: float | None
-    demand_a: float
-    uplift_a: float | None
+    structure: str  # name of the structure
+    motion: str  # name of the motion
+    model: str  # the governing equation
+    outcome: Outcome  # by the governing equation
+    theta_ratio: float | None  # max |theta|/alpha [-], None if the body falls
+    demand_a: float  # the demand [m/s2]
+    uplift_a: float | None  # lowest a_g that lifts the body [m/s2], None if none does
+    # lowest a_g that overturns the body [m/s2], None if none does
     first_overturning_a: float | None
+    # upper end of the interval around the demand in which the body stands [m/s2], None
+    # if it falls or no larger a_g overturns it
     safe_to: float | None
-    outcome_linear: Outcome
+    outcome_linear: Outcome  # by the linear equation
+    # friction that the motion needs, impacts apart [-]; only of a rigid body whose mass
+    # centre is known, None if it loses contact
     friction_needed: float | None = None
+    # least vertical force over the weight [-], of the same bodies
     fz_min: float | None = None
+    # True if changes of the demand by 1e-12 to 1e-6 of it change the outcome, or
+    # theta_ratio by 0.01
     unsettled: bool = False
+    # if many narrow intervals overturn the body, the share of overturning amplitudes
+    # within 5 % above the first one [-]
     share_of_falls: float = 0.0
-    slides: bool = False
+    slides: bool = False  # True if friction_needed exceeds the friction of the document
+    # largest displacement of the top [m], None without a geometry or if the body falls
     top_displacement: float | None = None
+    # first_overturning_a of the body without ties and tendon [m/s2]
     first_overturning_a_free: float | None = None
+    # a row for each tie and tendon, see `History.devices`
     devices: tuple[dict[str, Any], ...] = ()
+    # True if a further hinge opens in an arch, whose mechanism is then another one;
+    # None for another structure
     opens: bool | None = None
-    searched_to: float | None = (
-        None  # the largest amplitude a_g of the search [m/s2]; None without one
-    )
+    # largest a_g of the search [m/s2]; None without a search
+    searched_to: float | None = None
 
     @property
     def sentence(self) -> str:

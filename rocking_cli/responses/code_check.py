@@ -44,55 +44,58 @@ METHODS = {"code_linear": f"q = {Q:g}", "code_slv": "SLV", "code_slc": "SLC"}
 
 
 class LimitState(NamedTuple):
-    """A limit state of the displacement method: share of d0, secant period over pi
-    sqrt(d/a), damping of the demand.
-    """
+    """A limit state of the displacement method."""
 
-    share: float
-    factor: float
-    damping: float
+    share: float  # of d0 [-]
+    factor: float  # secant period over pi sqrt(d/a) [-]
+    damping: float  # of the demand [-]
 
 
 SLV, SLC = LimitState(0.40, 1.68, 0.08), LimitState(0.60, 1.56, 0.10)
 
 
 class Reached(NamedTuple):
-    """A limit state of a mechanism: d [m], a [m/s2] and secant period T [s]; the demand
-    on it [m], and the amplitude [m/s2] that reaches it; broken: True if a tie decides
-    it by its break.
-    """
+    """A limit state of a mechanism."""
 
-    state: LimitState
-    displacement: float
-    acceleration: float
-    period: float
-    demand: float
-    amplitude: float
-    broken: bool
+    state: LimitState  # the limit state
+    displacement: float  # d [m]
+    acceleration: float  # a [m/s2]
+    period: float  # secant period T [s]
+    demand: float  # on the displacement [m]
+    amplitude: float  # of the motion that reaches it [m/s2]
+    broken: bool  # True if a tie decides it by its break
 
 
 @dataclass(frozen=True)
 class CodeCheck:
     """A structure checked by the code; amplitudes are of the motion, or the peak of a
-    spectrum file [m/s2].
+    spectrum file. Of several directions these are the least amplitudes, and the curve
+    with the least code_slv.
 
-    demand, demand_a: name and amplitude of the motion or the file; factor: a over
-    alpha, g/(e* FC) [m/s2]; linear: the amplitude that q = 2 accepts; slv, slc: the
-    limit states; curve: the mechanism. Of several directions these are the least
-    amplitudes, and the curve with the least code_slv. on_floor: True for the spectrum
-    of a floor.
+    Attributes
+    ----------
+    structure: its name
+    demand: name of the motion or the file
+    demand_a: amplitude of the motion or the file [m/s2]
+    factor: a over alpha, g/(e* FC) [m/s2]
+    linear: amplitude that q = 2 accepts [m/s2]
+    slv: limit state of life safety
+    slc: limit state of collapse
+    curve: of the mechanism
+    spectrum: of the demand
+    on_floor: True for the spectrum of a floor
     """
 
-    structure: str
-    demand: str
-    demand_a: float
-    factor: float
-    linear: float
-    slv: Reached
-    slc: Reached
-    curve: CapacityCurve
-    spectrum: Spectrum
-    on_floor: bool
+    structure: str  # its name
+    demand: str  # name of the motion or the file
+    demand_a: float  # amplitude of the motion or the file [m/s2]
+    factor: float  # a over alpha, g/(e* FC) [m/s2]
+    linear: float  # amplitude that q = 2 accepts [m/s2]
+    slv: Reached  # limit state of life safety
+    slc: Reached  # limit state of collapse
+    curve: CapacityCurve  # of the mechanism
+    spectrum: Spectrum  # of the demand
+    on_floor: bool  # True for the spectrum of a floor
 
     def row(self, beyond: float | None = None) -> dict[str, Any]:
         """Return the columns that `rocking check --code` adds; beyond: the amplitude

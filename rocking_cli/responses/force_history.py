@@ -44,13 +44,12 @@ _FAR = 100.0
 
 
 class Forces(NamedTuple):
-    """Horizontal (towards +x) and vertical force of the ground on the body, over its
-    weight m g [-]; or their impulses in an impact over m g, times p [-], which are in s
-    when divided by p.
+    """The force of the ground on the body over its weight m g; or its impulse in an
+    impact over m g, times p, which is in s when divided by p.
     """
 
-    fx: Any
-    fz: Any
+    fx: Any  # horizontal, towards +x [-]
+    fz: Any  # vertical [-]
 
     @property
     def friction(self) -> float:
@@ -63,27 +62,24 @@ class Forces(NamedTuple):
 class RequiredFriction(NamedTuple):
     """A required coefficient of friction [-] and its time [tau]."""
 
-    friction: float
-    tau: float
+    friction: float  # required coefficient [-], infinite if Fz <= 0
+    tau: float  # its time [-]
 
 
 @dataclass(frozen=True)
 class GroundForceExtremes:
-    """The friction and the vertical force that a response needs from the ground.
-
-    resting: the largest friction while the body is at rest; lifting: the friction just
-    after the first uplift (Shenton's boundary, if the ground acceleration jumps there);
-    rocking: the largest while the body rocks; impact: the largest of the impulses; each
-    None without such a time. fz_min: least Fz over m g [-]; fz_min_tau: its time. A
-    friction is infinite if Fz <= 0.
+    """The friction and the vertical force that a response needs from the ground. A
+    friction is None if the response has no such time, and infinite if Fz <= 0.
     """
 
-    resting: RequiredFriction | None
+    resting: RequiredFriction | None  # the largest while the body is at rest
+    # just after the first uplift (Shenton's boundary, if the ground acceleration jumps
+    # there)
     lifting: RequiredFriction | None
-    rocking: RequiredFriction | None
-    impact: RequiredFriction | None
-    fz_min: float
-    fz_min_tau: float
+    rocking: RequiredFriction | None  # the largest while the body rocks
+    impact: RequiredFriction | None  # the largest of the impulses
+    fz_min: float  # least Fz over m g [-]
+    fz_min_tau: float  # time of fz_min [tau]
 
     @property
     def friction(self) -> RequiredFriction:
@@ -133,15 +129,13 @@ def body_forces(
 
 
 class Edge(NamedTuple):
-    """An edge: alpha [rad], kappa = R p^2/g = m R^2/I [-], R [m], p [rad/s], eta on
-    leaving it [-].
-    """
+    """An edge and the body that stands on it."""
 
-    alpha: Any
-    kappa: Any
-    arm: float
-    p: float
-    eta: float
+    alpha: Any  # critical angle [rad]
+    kappa: Any  # R p^2/g = m R^2/I [-]
+    arm: float  # R [m]
+    p: float  # frequency parameter [rad/s]
+    eta: float  # restitution on leaving the edge [-]
 
 
 def edges_of(structure: RockingParameters) -> tuple[Edge, Edge]:
@@ -176,10 +170,10 @@ def edges_of(structure: RockingParameters) -> tuple[Edge, Edge]:
 class ForceHistory:
     """The forces of one response of a rigid body on its edges (right, left)."""
 
-    structure: RockingParameters
-    edges: tuple[Edge, Edge]
-    ground: Ground
-    found: History
+    structure: RockingParameters  # a rigid body whose mass centre is known
+    edges: tuple[Edge, Edge]  # right, left
+    ground: Ground  # motion and amplitude
+    found: History  # the response
 
     def edge(self, side: float) -> Edge:
         """Return the edge on which the body stands on this side, +1 right

@@ -19,11 +19,11 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Ground:
-    """A motion, its amplitude over g [-], and omega, its phase [rad] over tau."""
+    """The motion of the ground over tau."""
 
-    motion: Motion
-    amplitude: float
-    omega: float
+    motion: Motion  # over its phase
+    amplitude: float  # a_g over g [-]
+    omega: float  # phase over tau [rad]
 
     @property
     def _signals(self) -> tuple[Motion, ...]:

@@ -34,22 +34,33 @@ _EXACT = 1e-8  # of a boundary before it is rounded
 
 @dataclass(frozen=True)
 class Boundary:
-    """A value [SI] of a key with a structure that stands on one side of it only; shown:
-    the value in the unit of the range.
+    """A value of a key with a structure that stands on one side of it only. Without a
+    boundary the value and capacity_demand are None.
 
-    side: "stands above" or "stands below"; capacity_demand: the number that `check`
-    finds for the document with this value; under a set of motions the least one over
-    the motions of the required share. Without a boundary the value and capacity_demand
-    are None, and the side is "stands everywhere" or "stands nowhere".
+    Attributes
+    ----------
+    structure: its name
+    key: of the document
+    value: [SI]
+    side: "stands above" or "stands below"; without a boundary "stands everywhere" or
+        "stands nowhere"
+    capacity_demand: the number that `check` finds for the document with this value;
+        under a set of motions the least one over the motions of the required share
+    shown: the value in the unit of the range, by heading
+    unit: SI unit of the value, "" for a plain number
     """
 
-    structure: str
-    key: str
-    value: float | None
+    structure: str  # its name
+    key: str  # of the document
+    value: float | None  # [SI]
+    # "stands above" or "stands below"; without a boundary "stands everywhere" or
+    # "stands nowhere"
     side: str
+    # the number that `check` finds for the document with this value; under a set of
+    # motions the least one over the motions of the required share
     capacity_demand: float | None
-    shown: dict[str, float | None]
-    unit: str = ""  # SI unit of the value, empty for a plain number
+    shown: dict[str, float | None]  # the value in the unit of the range, by heading
+    unit: str = ""  # SI unit of the value, "" for a plain number
 
     def row(self) -> dict[str, Any]:
         """Return the boundary as `rocking solve --json` prints it."""

@@ -22,11 +22,11 @@ STATES = ("elastic", "yielded", "broken")  # of ties and tendons
 
 class _Recorder(Writer):
     """Writes down the march of one body with ties or a tendon, up to the phase `until`
-    [rad]; march: the one that it listens to.
+    [rad].
     """
 
     visible = INVISIBLE
-    march: March
+    march: March  # the one that it listens to
 
     def __init__(self, system: System, until: float, omega: float) -> None:
         super().__init__(system.equation, omega)

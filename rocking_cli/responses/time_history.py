@@ -38,18 +38,25 @@ STILL = Motion("free rocking", (Piece(0.0, 1.0),))
 
 @dataclass(frozen=True, eq=False)
 class TimeHistory:
-    """The response of one structure to one motion: A, Omega, and a history for each
-    equation of motion, at least to the end of the shaking.
+    """The response of one structure to one motion.
 
-    shown: the tau up to which rows, events and figures go.
+    Attributes
+    ----------
+    structure: the one that rocks
+    motion: the ground motion
+    amplitude: A [-]
+    omega: Omega [-]
+    histories: by equation of motion, at least to the end of the shaking
+    shown: time up to which rows, events and figures go [tau]
     """
 
-    structure: RockingParameters
-    motion: Motion
-    amplitude: float
-    omega: float
+    structure: RockingParameters  # the one that rocks
+    motion: Motion  # the ground motion
+    amplitude: float  # A [-]
+    omega: float  # Omega [-]
+    # by equation of motion, at least to the end of the shaking
     histories: dict[str, History]
-    shown: float
+    shown: float  # time up to which rows, events and figures go [tau]
 
     @property
     def end(self) -> float:

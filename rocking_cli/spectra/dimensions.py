@@ -20,14 +20,12 @@ _TEXT = None  # the type of a list of texts
 
 
 class About(NamedTuple):
-    """The attributes of a list of values in a file: units, long name, type (None for
-    text); get: reads a value of a structure or record.
-    """
+    """The attributes of a list of values in a file."""
 
-    units: str
-    long_name: str
-    get: Callable[[Any], Any] = str
-    dtype: np.dtype | None = np.dtype("<f8")
+    units: str  # as CF writes them
+    long_name: str  # in words
+    get: Callable[[Any], Any] = str  # reads a value of a structure or record
+    dtype: np.dtype | None = np.dtype("<f8")  # None for text
 
 
 PARAMETERS = {
@@ -130,13 +128,13 @@ ABOUT: dict[str, About] = {
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """The axes of a spectra file. dimensions: the values on each of the three
-    dimensions, in their order; extra: further lists of values by name, each with its
-    dimension; units: the units of the varied keys of a family, which are not in ABOUT.
-    """
+    """The axes of a spectra file."""
 
+    # values on each of the three dimensions, in their order
     dimensions: Mapping[str, Values]
+    # further lists of values by name, each with its dimension
     extra: Mapping[str, tuple[str, Values]]
+    # of the varied keys of a family, which are not in ABOUT
     units: Mapping[str, str] = field(default_factory=dict)
 
     def about(self, name: str) -> About:
@@ -225,13 +223,11 @@ Codes = type[Outcome] | type[Difference]
 
 
 class Variable(NamedTuple):
-    """The type of a variable, its attributes in a file, and the meaning of its values
-    where they are codes.
-    """
+    """A variable of a spectra file."""
 
-    dtype: np.dtype
-    attributes: dict[str, Any]
-    codes: Codes | None = None
+    dtype: np.dtype  # type of its values
+    attributes: dict[str, Any]  # in the file
+    codes: Codes | None = None  # meaning of its values where they are codes
 
     @property
     def fill(self) -> float:

@@ -48,26 +48,23 @@ _SMALL = 20_000  # cells below which starting processes takes longer than they s
 
 @dataclass(frozen=True)
 class Task:
-    """One piece of the work, by index: a record, a structure and some of its Omegas;
-    sign: that of the ground acceleration.
-    """
+    """One piece of the work."""
 
-    record: int
-    structure: int
-    omegas: tuple[int, ...]
-    sign: str
+    record: int  # its index
+    structure: int  # its index
+    omegas: tuple[int, ...]  # indices of some of its Omegas
+    sign: str  # of the ground acceleration
 
 
 @dataclass(frozen=True)
 class Tracing:
-    """A scene of records whose overturning intervals are searched; its columns are T,
-    or are not used. first: search only the lowest overturning amplitude. Raises
-    UsageError for a limit or columns that the search cannot take.
+    """A scene of records whose overturning intervals are searched. Raises UsageError
+    for a limit or columns that the search cannot take.
     """
 
-    scene: RecordScene
-    a_max: float | Limit = A_MAX
-    first: bool = False
+    scene: RecordScene  # its columns are T, or are not used
+    a_max: float | Limit = A_MAX  # upper end of the search
+    first: bool = False  # True: search only the lowest overturning amplitude
 
     def __post_init__(self) -> None:
         columns = self.scene.columns

@@ -48,17 +48,16 @@ def block_of(alpha: float, eta: float | None) -> RockingParameters:
 
 @dataclass(frozen=True, eq=False)
 class RecordScene(Scene):
-    """Structures under records. columns: the third dimension, one of `COLUMNS`; with T
-    [s] the structures are blocks of one size each, whose p is 2 pi/T instead, and the
-    second dimension is their alpha. Raises UsageError when there is no structure or
-    record, one has no units or the model does not hold for it, or there are too many
-    cells.
+    """Structures under records. With columns of T the structures are blocks of one size
+    each, whose p is 2 pi/T instead, and the second dimension is their alpha. Raises
+    UsageError when there is no structure or record, one has no units or the model does
+    not hold for it, or there are too many cells.
     """
 
-    structures: tuple[RockingParameters, ...]
-    recordings: tuple[Recording, ...]
-    columns: Axis = AS_RECORDED
-    method: Method = LINEAR
+    structures: tuple[RockingParameters, ...]  # the second dimension
+    recordings: tuple[Recording, ...]  # the first dimension
+    columns: Axis = AS_RECORDED  # the third dimension, one of `COLUMNS`
+    method: Method = LINEAR  # equation of motion and its tolerance
     of_records = True
 
     def __post_init__(self) -> None:

@@ -35,40 +35,60 @@ _RECORDED = (
 @dataclass(frozen=True)
 class Summary:
     """Counts, times and checks of a sweep; for a resumed sweep the times, checks and
-    counters of the last run only. run_time [s]; estimated_error: largest difference of
-    theta/alpha from the reference on the checked cells; sensitive_cells: checked cells
-    that were chosen for their sensitivity; misjudged: checked cells whose outcome
-    differs; beyond_tolerance: those where theta/alpha differs by more than the
-    tolerance times the condition; shared_cells: cells taken from another structure of
-    equal restitution; resumed_cells: cells from an earlier run; machine_differences:
-    what its machine does differently; records: their number, 0 for a pulse; compared:
-    checked cells of a linear sweep of records that were also computed by the nonlinear
-    equation; differing: those of them that differ in overturning; differences: cells by
-    `Difference`, if both equations were computed; validity: of a linear sweep, if
-    requested; weighed: True if the ground also moved vertically.
+    counters of the last run only.
+
+    Attributes
+    ----------
+    run_time: [s]
+    outcomes: number of cells by the name of the outcome
+    work: counters of the march
+    shared_cells: cells taken from another structure of equal restitution
+    checked_by: the reference that computed cells again
+    sensitive_cells: checked cells that were chosen for their sensitivity
+    estimated_error: largest difference of theta/alpha from the reference on the checked
+        cells [-]
+    misjudged: checked cells whose outcome differs
+    resumed_cells: cells from an earlier run
+    machine_differences: what its machine does differently
+    records: their number, 0 for a pulse
+    compared: checked cells of a linear sweep of records that were also computed by the
+        nonlinear equation
+    differing: those of `compared` that differ in overturning
+    differences: number of cells by the name of the `Difference`, if both equations were
+        computed
+    validity: of a linear sweep, if requested
+    weighed: True if the ground also moved vertically
+    beyond_tolerance: checked cells where theta/alpha differs by more than the tolerance
+        times the condition
     """
 
-    structures: int
-    cells: int
-    run_time: float
-    workers: int
-    outcomes: dict[str, int]
-    work: Work
-    shared_cells: int
-    checked_by: str
-    checked_cells: int
-    sensitive_cells: int
+    structures: int  # their number
+    cells: int  # their number
+    run_time: float  # [s]
+    workers: int  # number of processes
+    outcomes: dict[str, int]  # number of cells by the name of the outcome
+    work: Work  # counters of the march
+    shared_cells: int  # cells taken from another structure of equal restitution
+    checked_by: str  # the reference that computed cells again
+    checked_cells: int  # cells that were computed again by the reference
+    sensitive_cells: int  # checked cells that were chosen for their sensitivity
+    # largest difference of theta/alpha from the reference on the checked cells [-]
     estimated_error: float
-    misjudged: int
-    resumed_cells: int = 0
-    machine_differences: str = ""
-    model: str = LINEAR.model
-    records: int = 0
+    misjudged: int  # checked cells whose outcome differs
+    resumed_cells: int = 0  # cells from an earlier run
+    machine_differences: str = ""  # what its machine does differently
+    model: str = LINEAR.model  # the equation of motion
+    records: int = 0  # their number, 0 for a pulse
+    # checked cells of a linear sweep of records that were also computed by the
+    # nonlinear equation
     compared: int = 0
-    differing: int = 0
+    differing: int = 0  # those of `compared` that differ in overturning
+    # number of cells by the name of the `Difference`, if both equations were computed
     differences: Mapping[str, int] = field(default_factory=dict)
-    validity: Validity | None = None
-    weighed: bool = False
+    validity: Validity | None = None  # of a linear sweep, if requested
+    weighed: bool = False  # True if the ground also moved vertically
+    # checked cells where theta/alpha differs by more than the tolerance times the
+    # condition
     beyond_tolerance: int = 0
 
     @property
@@ -123,16 +143,25 @@ class Summary:
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """A spectrum in memory: theta_ratio, outcome, impacts, and by name the requested
-    variables of `QUANTITIES`. All have the dimensions of the scene, such as (structure,
-    frequency, amplitude) or (record, structure, scale).
+    """A spectrum in memory. All arrays have the dimensions of the scene, such as
+    (structure, frequency, amplitude) or (record, structure, scale).
+
+    Attributes
+    ----------
+    scene: structures, motions and grid
+    theta_ratio: max |theta|/alpha [-]
+    outcome: codes of `Outcome`
+    impacts: number of impacts
+    summary: counts, times and checks of the sweep
+    quantities: the requested variables of `QUANTITIES` by name
     """
 
-    scene: Scene
-    theta_ratio: np.ndarray
-    outcome: np.ndarray
-    impacts: np.ndarray
-    summary: Summary
+    scene: Scene  # structures, motions and grid
+    theta_ratio: np.ndarray  # max |theta|/alpha [-]
+    outcome: np.ndarray  # codes of `Outcome`
+    impacts: np.ndarray  # number of impacts
+    summary: Summary  # counts, times and checks of the sweep
+    # the requested variables of `QUANTITIES` by name
     quantities: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     @property

@@ -28,25 +28,24 @@ Array = np.ndarray
 @dataclass(frozen=True)
 class Unit:
     """One unit of work: a block of the last two dimensions, computed once for all
-    `places` on the first; row, column: its first cell.
+    `places` on the first.
     """
 
-    places: tuple[int, ...]
-    row: int
-    column: int
+    places: tuple[int, ...]  # indices on the first dimension
+    row: int  # of its first cell
+    column: int  # of its first cell
 
 
 class Band(NamedTuple):
-    """Rows of a unit with one structure under one motion: A and Omega broadcast to the
-    shape (rows, columns); sharers: the structures at all places of the unit; they have
-    the rotations of `structure`, which are computed once.
-    """
+    """Rows of a unit with one structure under one motion."""
 
-    structure: RockingParameters
-    motion: Motion
-    shape: tuple[int, int]
-    amplitude: Array
-    omega: Array
+    structure: RockingParameters  # the one that is computed
+    motion: Motion  # the ground motion
+    shape: tuple[int, int]  # (rows, columns)
+    amplitude: Array  # A [-], broadcasts to the shape
+    omega: Array  # Omega [-], broadcasts to the shape
+    # the structures at all places of the unit; they have the rotations of `structure`,
+    # which are computed once
     sharers: tuple[RockingParameters, ...]
 
     @property
@@ -65,12 +64,12 @@ class Band(NamedTuple):
 
 
 class Cell(NamedTuple):
-    """One cell: A and Omega [-] of a structure under a motion."""
+    """One cell of a scene."""
 
-    structure: RockingParameters
-    motion: Motion
-    amplitude: float
-    omega: float
+    structure: RockingParameters  # the one that rocks
+    motion: Motion  # the ground motion
+    amplitude: float  # A [-]
+    omega: float  # Omega [-]
 
 
 class Scene(ABC):
@@ -78,8 +77,9 @@ class Scene(ABC):
     interface of every kind of scene.
     """
 
+    # in the order of the document or of the dimension
     structures: tuple[RockingParameters, ...]
-    method: Method
+    method: Method  # equation of motion and its tolerance
     of_records = False
 
     @property
@@ -189,10 +189,10 @@ class PulseScene(Scene):
     grid does, or the scene holds no structure.
     """
 
-    structures: tuple[RockingParameters, ...]
-    grid: Grid
-    motion: Motion
-    method: Method = LINEAR
+    structures: tuple[RockingParameters, ...]  # the first dimension
+    grid: Grid  # frequencies and amplitudes, the second and the third dimension
+    motion: Motion  # the one motion of all cells
+    method: Method = LINEAR  # equation of motion and its tolerance
 
     def __post_init__(self) -> None:
         if not self.structures:

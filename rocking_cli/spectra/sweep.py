@@ -36,38 +36,53 @@ Progress = Callable[[int, int], None]
 
 @dataclass(frozen=True)
 class SweepOptions:
-    """Options of a sweep, checked at construction. Raises UsageError.
+    """Options of a sweep, checked at construction; those from `impacts` on are for the
+    file of `write_spectrum`. Raises UsageError.
 
-    workers: number of processes, None for all cores; scheduler: address of a
-    dask.distributed cluster that computes instead; chunk_cells: number of cells in one
-    unit of work; check: number of cells to compute again by the reference, None for a
-    few; quantities: names of `QUANTITIES` to compute as well; sample_validity: compare
-    some cells of a linear sweep with the nonlinear equation; progress: called with
-    (units done, all units); tell: called with a line while the sweep waits for its
-    cluster.
-
-    For the file of `write_spectrum`: impacts: store the number of impacts; overwrite:
-    replace an existing output; resume: continue the partial file PATH.part of an
-    interrupted sweep of the same scene; strict: refuse a partial file that another
-    machine began whose results may differ in the last digits; shard: (i, n), compute
-    the i-th of n parts, for `merge`; documents, history: texts to store in the file.
+    Attributes
+    ----------
+    workers: number of processes, None for all cores
+    scheduler: address of a dask.distributed cluster that computes instead
+    chunk_cells: number of cells in one unit of work
+    check: number of cells to compute again by the reference, None for a few
+    quantities: names of `QUANTITIES` to compute as well
+    sample_validity: compare some cells of a linear sweep with the nonlinear equation
+    progress: called with (units done, all units)
+    tell: called with a line while the sweep waits for its cluster
+    impacts: store the number of impacts
+    overwrite: replace an existing output
+    resume: continue the partial file PATH.part of an interrupted sweep of the same
+        scene
+    strict: refuse a partial file that another machine began whose results may differ in
+        the last digits
+    shard: (i, n): compute the i-th of n parts, for `merge`
+    documents: text to store in the file
+    history: text to store in the file
     """
 
-    workers: int | None = None
+    workers: int | None = None  # number of processes, None for all cores
+    # address of a dask.distributed cluster that computes instead
     scheduler: str | None = None
-    chunk_cells: int = CHUNK_CELLS
+    chunk_cells: int = CHUNK_CELLS  # number of cells in one unit of work
+    # number of cells to compute again by the reference, None for a few
     check: int | None = None
-    quantities: Sequence[str] = ()
+    quantities: Sequence[str] = ()  # names of `QUANTITIES` to compute as well
+    # compare some cells of a linear sweep with the nonlinear equation
     sample_validity: bool = False
-    progress: Progress | None = None
+    progress: Progress | None = None  # called with (units done, all units)
+    # called with a line while the sweep waits for its cluster
     tell: Callable[[str], None] | None = None
-    impacts: bool = False
-    overwrite: bool = False
+    impacts: bool = False  # store the number of impacts
+    overwrite: bool = False  # replace an existing output
+    # continue the partial file PATH.part of an interrupted sweep of the same scene
     resume: bool = False
+    # refuse a partial file that another machine began whose results may differ in the
+    # last digits
     strict: bool = False
+    # (i, n): compute the i-th of n parts, for `merge`
     shard: tuple[int, int] | None = None
-    documents: str = ""
-    history: str = ""
+    documents: str = ""  # text to store in the file
+    history: str = ""  # text to store in the file
 
     def __post_init__(self) -> None:
         if self.workers is not None and self.workers < 1:

@@ -200,13 +200,11 @@ def _candidates(scene: Scene) -> Array:
 
 
 class Answer(NamedTuple):
-    """Outcome and theta/alpha of a cell by the reference, and its outcome under the
-    nonlinear equation (None if not compared).
-    """
+    """The reference answer for a cell."""
 
-    outcome: Outcome
-    theta_ratio: float
-    judged: Outcome | None
+    outcome: Outcome  # by the reference
+    theta_ratio: float  # by the reference [-]
+    judged: Outcome | None  # outcome by the nonlinear equation, None if not compared
 
 
 def reference(scene: Scene, place: Place) -> Answer:
@@ -224,9 +222,7 @@ def reference(scene: Scene, place: Place) -> Answer:
 
 class Verification:
     """The cells of some units of work that the reference computes again. chunk: (rows,
-    columns) of a unit. sensitive: the places of these cells, each with True if it was
-    chosen for its sensitivity, False if it was drawn by chance; seen: outcome and
-    theta/alpha that the sweep found there; answers: those that the reference found.
+    columns) of a unit.
     """
 
     def __init__(
@@ -238,13 +234,16 @@ class Verification:
         )
         found = checked_cells(scene, check).tolist() if units else []
         self.scene = scene
+        # the places of these cells: True if one was chosen for its sensitivity, False
+        # if it was drawn by chance
         self.sensitive = {
             (i, r, c): bool(flag)
             for i, r, c, flag in found
             if (i, r - r % rows, c - c % columns) in there
         }
+        # (outcome, theta/alpha) that the sweep found at these places
         self.seen: dict[Place, tuple[int, float]] = {}
-        self.answers: dict[Place, Answer] = {}
+        self.answers: dict[Place, Answer] = {}  # those that the reference found
 
     def compared(self) -> Mapping[str, Any]:
         """Return the result of the comparison, by the fields of `Summary`."""
@@ -298,13 +297,11 @@ class Verification:
 
 @dataclass(frozen=True)
 class Validity:
-    """Numbers of cells: computed by both equations; with different outcomes; with a
-    body that falls, but stands by the linear equation.
-    """
+    """The linear equation against the nonlinear one, in numbers of cells."""
 
-    sampled: int
-    differ: int
-    unsafe: int
+    sampled: int  # computed by both equations
+    differ: int  # with different outcomes
+    unsafe: int  # with a body that falls, but stands by the linear equation
 
 
 def validity(scene: Scene, tolerance: float = 1e-6) -> Validity | None:

@@ -24,21 +24,35 @@ MAX_MEMBERS = 1_000_000
 
 
 class Variation(NamedTuple):
-    """A key and its varied values."""
+    """A key and its varied values.
 
-    key: str
-    values: tuple[float, ...]
+    Attributes
+    ----------
+    key: of the document
+    values: numbers in `unit`
+    unit: None: that of the document
+    """
+
+    key: str  # of the document
+    values: tuple[float, ...]  # numbers in `unit`
     unit: str | None  # None: that of the document
 
 
 class Member(NamedTuple):
-    """One member of a family."""
+    """One member of a family.
+
+    Attributes
+    ----------
+    varied: SI values by key, empty without parameters
+    shown: the same values in the units of the option, by heading with unit
+    parameters: None if the document has no solution
+    fault: the reason why the document has no solution
+    """
 
     varied: dict[str, float]  # SI values by key, empty without parameters
-    shown: dict[
-        str, float
-    ]  # the same values in the units of the option, by heading with unit
-    parameters: RockingParameters | None
+    # the same values in the units of the option, by heading with unit
+    shown: dict[str, float]
+    parameters: RockingParameters | None  # None if the document has no solution
     fault: str | None  # the reason why the document has no solution
 
 

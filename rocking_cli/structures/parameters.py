@@ -59,18 +59,18 @@ def _check_numbers(of: Side | RockingParameters) -> None:
 
 @dataclass(frozen=True)
 class Side:
-    """The parameters of an unsymmetric body while it stands on its `side` "right"
-    (theta > 0) or "left" (theta < 0). eta: angular speed after over before the impact
-    with which it leaves this edge [-]; the others as in `RockingParameters`. Raises
+    """The parameters of an unsymmetric body while it stands on one of its edges. Raises
     StructureError if a number is not finite or out of range.
     """
 
-    side: str
-    p: float
-    alpha: float
-    uplift: float
-    a_scale: float
+    side: str  # "right" (theta > 0) or "left" (theta < 0)
+    p: float  # frequency parameter [rad/s]
+    alpha: float  # critical angle [rad]
+    uplift: float  # lambda, the static uplift acceleration over g [-]
+    a_scale: float  # as in `RockingParameters` [-]
+    # angular speed after over before the impact with which it leaves this edge [-]
     eta: float
+    # R, distance from the edge to the mass centre [m]; None if not known
     arm: float | None = None
 
     def __post_init__(self) -> None:
@@ -100,47 +100,71 @@ def fields_in(row: Mapping[str, Any]) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class RockingParameters:
-    """The parameters of a rocking structure (section 4 of the paper).
+    """The parameters of a rocking structure (section 4 of the paper). If the edges
+    differ, the numbers are those of the edge with the smaller lambda.
 
-    structure: its kind; p: frequency parameter [rad/s]; alpha: critical angle [rad];
-    eta: coefficient of restitution [-]; uplift: lambda, the static uplift acceleration
-    over g [-]; a_scale [-]; eta_source: "momentum" or "given"; gravity [m/s2]; details:
-    further results of the kind; mechanism: for the nonlinear model, None for a rigid
-    body.
+    Raises StructureError if a number is not finite or out of range, or if the sides do
+    not agree with the rest.
 
-    sides: (left, right) if the edges differ; the numbers above are then those of the
-    edge with the smaller lambda. one_sided: the body rocks on its right edge only
-    (theta > 0). Its eta includes the impact on its backing and lies in (-1, 0].
-    damping: zeta of the moment -2 zeta p theta' [-]; friction: coefficient of the base
-    or joints [-], None if not stated. arm: R, distance from the edge to the mass centre
-    [m], only for one rigid body; without R the ground forces are not known. restraints:
-    ties and a tendon, which change uplift, stiffness and equilibrium; all other numbers
-    are those of the free body. top: distances from the left and the right edge to the
-    farthest point of the top [m], empty without a geometry. labels: texts by name that
-    a document or a table has beside its numbers; remarks: sentences on numbers that are
-    probably wrong. Raises StructureError if a number is not finite or out of range, or
-    if the sides do not agree with the rest.
+    Attributes
+    ----------
+    structure: its kind
+    p: frequency parameter [rad/s]
+    alpha: critical angle [rad]
+    eta: coefficient of restitution [-]; of a one-sided body in (-1, 0]
+    uplift: lambda, the static uplift acceleration over g [-]
+    a_scale: factor of the dimensionless amplitude A = a_scale a_g/(alpha g) [-]
+    eta_source: "momentum" or "given"
+    gravity: g [m/s2]
+    details: further results of the kind, by name
+    mechanism: for the nonlinear model, None for a rigid body
+    sides: (left, right) if the edges differ, else empty
+    one_sided: True if it rocks on its right edge only; eta includes the impact on its
+        backing
+    damping: zeta of the moment -2 zeta p theta' [-]
+    friction: coefficient of the base or joints [-], None if not stated
+    arm: R, distance from the edge to the mass centre [m], only for one rigid body;
+        without R the ground forces are not known
+    top: distances from the left and the right edge to the farthest point of the top
+        [m], empty without a geometry
+    restraints: ties and a tendon, which change uplift, stiffness and equilibrium; all
+        other numbers are those of the free body
+    labels: texts by name that a document or a table has beside its numbers
+    remarks: sentences on numbers that are probably wrong
     """
 
-    name: str
-    structure: str
-    p: float
-    alpha: float
-    eta: float
-    uplift: float
+    name: str  # of the structure, as tables and files call it
+    structure: str  # its kind
+    p: float  # frequency parameter [rad/s]
+    alpha: float  # critical angle [rad]
+    eta: float  # coefficient of restitution [-]; of a one-sided body in (-1, 0]
+    uplift: float  # lambda, the static uplift acceleration over g [-]
+    # factor of the dimensionless amplitude A = a_scale a_g/(alpha g) [-]
     a_scale: float
-    eta_source: str = "momentum"
-    gravity: float = DEFAULT_GRAVITY
+    eta_source: str = "momentum"  # "momentum" or "given"
+    gravity: float = DEFAULT_GRAVITY  # g [m/s2]
+    # further results of the kind, by name
     details: Mapping[str, Any] = field(default_factory=dict)
+    # for the nonlinear model, None for a rigid body
     mechanism: Mechanism | None = field(default=None, repr=False, compare=False)
-    sides: tuple[Side, ...] = ()
+    sides: tuple[Side, ...] = ()  # (left, right) if the edges differ, else empty
+    # True if it rocks on its right edge only; eta includes the impact on its backing
     one_sided: bool = False
-    damping: float = 0.0
+    damping: float = 0.0  # zeta of the moment -2 zeta p theta' [-]
+    # coefficient of the base or joints [-], None if not stated
     friction: float | None = None
+    # R, distance from the edge to the mass centre [m], only for one rigid body; without
+    # R the ground forces are not known
     arm: float | None = None
+    # distances from the left and the right edge to the farthest point of the top [m],
+    # empty without a geometry
     top: tuple[float, ...] = field(default=(), repr=False, compare=False)
+    # ties and a tendon, which change uplift, stiffness and equilibrium; all other
+    # numbers are those of the free body
     restraints: Restraints | None = None
+    # texts by name that a document or a table has beside its numbers
     labels: Mapping[str, str] = field(default_factory=dict, repr=False, compare=False)
+    # sentences on numbers that are probably wrong
     remarks: tuple[str, ...] = field(default=(), repr=False, compare=False)
 
     def __post_init__(self) -> None:

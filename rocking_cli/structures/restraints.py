@@ -26,18 +26,15 @@ _POINTS = 1000  # of the search for an equilibrium
 
 @dataclass(frozen=True)
 class Tie:
-    """A horizontal tie, elastic-plastic, in tension only; the side on which it acts is
-    "left", "right" or "both". height, behind: h and x of its anchor [m]; stiffness: K
-    [N/m]; prestress: P0 [N]; yield_force: F_y [N]; ultimate: u_ult [m].
-    """
+    """A horizontal tie, elastic-plastic, in tension only."""
 
-    height: float
-    stiffness: float
-    prestress: float = 0.0
-    yield_force: float = math.inf
-    ultimate: float = math.inf
-    behind: float = 0.0
-    side: str = "both"
+    height: float  # h of its anchor [m]
+    stiffness: float  # K [N/m]
+    prestress: float = 0.0  # P0 [N]
+    yield_force: float = math.inf  # F_y [N]
+    ultimate: float = math.inf  # u_ult [m]
+    behind: float = 0.0  # x of its anchor [m]
+    side: str = "both"  # on which it acts: "left", "right" or "both"
 
     def elongation(self, theta: float) -> float:
         """Return u [m] at a rotation [rad]."""
@@ -87,13 +84,11 @@ class Strand(Tie):
 
 @dataclass(frozen=True)
 class Tendon:
-    """An unbonded vertical tendon through the base; stiffness: k = EA/L [N/m];
-    prestress: P0 [N]; rupture: F_u [N].
-    """
+    """An unbonded vertical tendon through the base."""
 
-    stiffness: float
-    prestress: float = 0.0
-    rupture: float = math.inf
+    stiffness: float  # k = EA/L [N/m]
+    prestress: float = 0.0  # P0 [N]
+    rupture: float = math.inf  # F_u [N]
 
     def at(self, lever: float) -> Strand:
         """Return the tendon at the distance `lever` [m] from an edge."""
@@ -106,25 +101,21 @@ class Tendon:
 
 
 class Stand(NamedTuple):
-    """A body on one edge: its side, alpha [rad], m g R [N m], and the distance from the
-    pivot to the centre line [m].
-    """
+    """A body on one edge."""
 
-    side: str
-    alpha: float
-    moment: float
-    lever: float
+    side: str  # "left" or "right"
+    alpha: float  # critical angle [rad]
+    moment: float  # m g R [N m]
+    lever: float  # distance from the pivot to the centre line [m]
 
 
 @dataclass(frozen=True)
 class Restraints:
-    """The ties and the tendon of a body; stands: the body on its left and on its right
-    edge.
-    """
+    """The ties and the tendon of a body."""
 
-    ties: tuple[Tie, ...] = ()
-    tendon: Tendon | None = None
-    stands: tuple[Stand, ...] = ()
+    ties: tuple[Tie, ...] = ()  # on either side
+    tendon: Tendon | None = None  # None without one
+    stands: tuple[Stand, ...] = ()  # the body on its left and on its right edge
 
     def on(self, side: str, lever: float) -> list[Tie]:
         """Return the ties of a side, and the tendon at the distance `lever` [m] from

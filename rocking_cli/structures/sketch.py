@@ -12,20 +12,15 @@ Lines = tuple[tuple[str, Outline], ...]
 
 @dataclass(frozen=True)
 class Sketch:
-    """Geometry to draw; points are (x, z) [m]. bodies: outlines of the rocking bodies
-    at rest; still: of the parts that do not move; moved: of the bodies at theta =
-    alpha; hollows: of cavities; pivots: name and place; centre: mass centre of the
-    rocking body, None for a linkage; lines: label and points of other lines, such as a
-    crack.
-    """
+    """Geometry to draw; points are (x, z) [m]."""
 
-    bodies: tuple[Outline, ...]
-    still: tuple[Outline, ...] = ()
-    moved: tuple[Outline, ...] = ()
-    hollows: tuple[Outline, ...] = ()
-    pivots: tuple[tuple[str, Point], ...] = ()
-    centre: Point | None = None
-    lines: Lines = ()
+    bodies: tuple[Outline, ...]  # outlines of the rocking bodies at rest
+    still: tuple[Outline, ...] = ()  # outlines of the parts that do not move
+    moved: tuple[Outline, ...] = ()  # outlines of the bodies at theta = alpha
+    hollows: tuple[Outline, ...] = ()  # outlines of cavities
+    pivots: tuple[tuple[str, Point], ...] = ()  # name and place
+    centre: Point | None = None  # mass centre of the rocking body, None for a linkage
+    lines: Lines = ()  # label and points of other lines, such as a crack
 
 
 def rocker(

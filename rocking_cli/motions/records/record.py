@@ -46,37 +46,45 @@ class Given(NamedTuple):
 
 
 class Series(NamedTuple):
-    """One component as a format's reader finds it: samples in the file's unit, and the
-    header's PGA as printed.
-    """
+    """One component as the reader of a format finds it."""
 
-    component: str | None
-    dt: float
-    samples: np.ndarray
-    unit: str
-    pga: str | None = None
-    remark: str = ""
+    component: str | None  # as the file calls it, None without a name
+    dt: float  # time step [s]
+    samples: np.ndarray  # in the unit of the file, (npts,)
+    unit: str  # of the samples
+    pga: str | None = None  # of the header, as printed
+    remark: str = ""  # a sentence for the user, "" without one
 
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """One component as recorded: name of the file, format, component as the file calls
-    it, dt [s], acceleration [m/s2] of shape (npts,), the PGA [m/s2] that the header
-    states, unit and sha256 of the file. Raises DocumentError for fewer than two
-    samples, for one that is not finite or beyond 1e6 m/s2, and for dt outside 1e-7 to
-    1000 s.
+    """One component as recorded. Raises DocumentError for fewer than two samples, for
+    one that is not finite or beyond 1e6 m/s2, and for dt outside 1e-7 to 1000 s.
+
+    Attributes
+    ----------
+    name: of the file
+    format: of the file
+    component: as the file calls it, None without a name
+    dt: time step [s]
+    acceleration: [m/s2], (npts,)
+    header_pga: PGA that the header states [m/s2], None without one
+    unit: of the file
+    source: the file, for messages
+    sha256: of the file
+    remarks: sentences for the user
     """
 
-    name: str
-    format: str
-    component: str | None
-    dt: float
-    acceleration: np.ndarray
-    header_pga: float | None
-    unit: str
-    source: str
-    sha256: str
-    remarks: tuple[str, ...] = ()
+    name: str  # of the file
+    format: str  # of the file
+    component: str | None  # as the file calls it, None without a name
+    dt: float  # time step [s]
+    acceleration: np.ndarray  # [m/s2], (npts,)
+    header_pga: float | None  # PGA that the header states [m/s2], None without one
+    unit: str  # of the file
+    source: str  # the file, for messages
+    sha256: str  # of the file
+    remarks: tuple[str, ...] = ()  # sentences for the user
 
     def __post_init__(self) -> None:
         if not STEPS[0] <= self.dt <= STEPS[1]:

@@ -53,18 +53,16 @@ def stated(
 class Format(NamedTuple):
     """A format of a module that holds several."""
 
-    NAME: str
-    recognise: Callable[[str], bool]
-    read: "Callable[[RecordText], list[Series]]"
+    NAME: str  # as tables print it
+    recognise: Callable[[str], bool]  # True for a text in this format
+    read: "Callable[[RecordText], list[Series]]"  # returns the components of a text
 
 
 class Layout(NamedTuple):
-    """The number of values on a full line, and their width in characters (None:
-    separated by blanks).
-    """
+    """The layout of a full line of numbers."""
 
-    columns: int
-    width: int | None = None
+    columns: int  # number of values
+    width: int | None = None  # of a value, in characters; None: separated by blanks
 
     @classmethod
     def of(cls, found: re.Match[str]) -> Self:
@@ -81,12 +79,10 @@ def fortran_layout(text: str) -> Layout | None:
 
 
 class RecordText:
-    """The text of one file and the place up to which it is read.
-
-    line: number of the next line; given: what the user states.
-    """
+    """The text of one file and the place up to which it is read."""
 
     def __init__(self, source: str, raw: bytes, given: Given | None = None) -> None:
+        # the file, for messages; what the user states
         self.source, self.given = source, given or Given()
         raw = as_utf_8(raw)
         if b"\r" in raw[:HEAD]:
@@ -98,12 +94,13 @@ class RecordText:
             b"\x1a" in raw[-_DOS_BLOCK:]
         ):  # where a text of DOS ends, to the end of its block
             raw = raw.rstrip(b"\x1a\n ")
-        self.raw = raw
-        self.encoding = _encoding(raw)
+        self.raw = raw  # the content, with line ends of Unix
+        self.encoding = _encoding(raw)  # its name
         if self.encoding == "utf-8" and not raw.isascii():
             self.raw = raw.replace("−".encode(), b"-").replace("\xa0".encode(), b" ")
+        # the beginning as text
         self.head = self.decoded(self.raw[:HEAD])
-        self.at, self.line = 0, 1
+        self.at, self.line = 0, 1  # place of the next byte; number of the next line
 
     def decoded(self, raw: bytes) -> str:
         """Return bytes of the file as text."""

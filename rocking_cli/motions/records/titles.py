@@ -43,8 +43,8 @@ AMBIGUOUS = ("u", "v", "V", "U", "x")  # alone beside times: a direction or a qu
 class Title(NamedTuple):
     """A line above the numbers."""
 
-    text: str
-    line: int
+    text: str  # the line as the file has it
+    line: int  # its number in the file
 
 
 def titles_of(text: RecordText) -> Iterator[Title]:

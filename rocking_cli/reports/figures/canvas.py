@@ -86,14 +86,20 @@ PLAIN = {"m/s2": "m/s²", "cm/s2": "cm/s²"}
 
 @dataclass(frozen=True)
 class Look:
-    """The look of a figure file: width [m], dots per inch, title, a style file of
-    matplotlib; None: the figure's own.
+    """The look of a figure file; None: the figure's own.
+
+    Attributes
+    ----------
+    width: [m]
+    dpi: dots per inch
+    title: text above the figure
+    style: a style file of matplotlib
     """
 
-    width: float | None = None
-    dpi: float | None = None
-    title: str | None = None
-    style: str | Path | None = None
+    width: float | None = None  # [m]
+    dpi: float | None = None  # dots per inch
+    title: str | None = None  # text above the figure
+    style: str | Path | None = None  # a style file of matplotlib
 
     def finish(self, figure: Figure) -> None:
         """Give the figure its title, that of the only panel or above all,

@@ -36,21 +36,19 @@ SHARES = (0.16, 0.5, 0.84)
 
 @dataclass(frozen=True)
 class Slice:
-    """A line of cells at `where` = `value` over `along` = `x` (SI), with
-    theta_max/alpha and outcome of each structure or record.
+    """A line of cells at one place of the other axis."""
 
-    etas: the restitution of each structure if Eq. 2.7 holds: plain bodies under one
-    cycle of a sine by the linear equation, over A.
-    """
-
-    where: str
-    value: float
-    along: str
-    x: np.ndarray
-    names: tuple[str, ...]
+    where: str  # name of the other axis
+    value: float  # place on the other axis [SI]
+    along: str  # name of the axis of the line
+    x: np.ndarray  # values of the axis of the line [SI], (n,)
+    names: tuple[str, ...]  # of the structures or records
+    # theta_max/alpha of each structure or record [-], (n,)
     theta: tuple[np.ndarray, ...]
-    outcome: tuple[np.ndarray, ...]
-    title: str
+    outcome: tuple[np.ndarray, ...]  # codes of each structure or record, (n,)
+    title: str  # text above the figure
+    # restitution of each structure if Eq. 2.7 holds: plain bodies under one cycle of a
+    # sine by the linear equation, over A
     etas: tuple[float, ...] = ()
 
 

@@ -108,10 +108,8 @@ def checked_digest(file: BinaryIO) -> str | None:
 
 
 class Log:
-    """The layout and the entries of a partial file. image: the bytes of an HDF5 file
-    without chunks; notes: statements about the whole; places: (offset, bytes) of the
-    last entry of each index; end: where the last whole entry ends. Raises ValueError
-    where it is no partial file, or its layout is damaged.
+    """The layout and the entries of a partial file. Raises ValueError where it is no
+    partial file, or its layout is damaged.
     """
 
     def __init__(self, file: BinaryIO) -> None:
@@ -124,9 +122,11 @@ class Log:
             raise ValueError(
                 "it is not finished, and is no partial file of this program"
             )
-        self.image = read(file, 0, self.end)
-        self.notes: dict[str, Any] = {}
+        self.image = read(file, 0, self.end)  # bytes of an HDF5 file without chunks
+        self.notes: dict[str, Any] = {}  # statements about the whole
+        # (offset, bytes) of the last entry of each index
         self.places: dict[int, tuple[int, int]] = {}
+        # `end` moves on to the place where the last whole entry ends
         while self.end + _ENTRY.size <= size:
             magic, index, length, _ = _ENTRY.unpack(read(file, self.end, _ENTRY.size))
             if magic != _MAGIC or self.end + _ENTRY.size + length > size:

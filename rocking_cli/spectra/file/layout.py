@@ -51,8 +51,8 @@ class ChunkGrid:
     the edge of the array are filled up with zeros.
     """
 
-    shape: tuple[int, ...]
-    chunk: tuple[int, ...]
+    shape: tuple[int, ...]  # of the array
+    chunk: tuple[int, ...]  # cells of a chunk along each dimension
 
     @property
     def counts(self) -> tuple[int, ...]:
@@ -105,16 +105,14 @@ class ChunkGrid:
 
 @dataclass(frozen=True)
 class Layout:
-    """The whole of a spectra file except the results of its cells. frame: the places of
-    its cells; chunk: (rows, columns); names: of the variables; scene: the identity of
-    the scene; attributes: others of the root, with shard "i/n" for the i-th of n parts,
-    and without shard if any chunks may be missing.
-    """
+    """The whole of a spectra file except the results of its cells."""
 
-    frame: Frame
-    chunk: tuple[int, ...]
-    names: tuple[str, ...]
-    scene: Mapping[str, Any]
+    frame: Frame  # places of its cells
+    chunk: tuple[int, ...]  # cells of a chunk, (rows, columns)
+    names: tuple[str, ...]  # of the variables
+    scene: Mapping[str, Any]  # identity of the scene
+    # others of the root, with shard "i/n" for the i-th of n parts, and without shard if
+    # any chunks may be missing
     attributes: Mapping[str, Any]
 
     @property

@@ -18,15 +18,20 @@ from .writer import SpectraWriter, difference
 
 @dataclass(frozen=True)
 class Merged:
-    """The result of a merge: the number of merged chunks, the number of chunks of the
-    sweep, the differences of the machines that computed them, and the shards ("2/8")
-    that are missing or not complete.
+    """The result of a merge.
+
+    Attributes
+    ----------
+    chunks: number of merged chunks
+    all_chunks: number of chunks of the sweep
+    machine_differences: between the machines that computed them
+    missing: shards ("2/8") that are missing or not complete
     """
 
-    chunks: int
-    all_chunks: int
-    machine_differences: str
-    missing: tuple[str, ...] = ()
+    chunks: int  # number of merged chunks
+    all_chunks: int  # number of chunks of the sweep
+    machine_differences: str  # between the machines that computed them
+    missing: tuple[str, ...] = ()  # shards ("2/8") that are missing or not complete
 
 
 def merge(

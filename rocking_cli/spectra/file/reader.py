@@ -44,12 +44,19 @@ _FAULTS = (
 
 
 class SpectraFile(ExitStack[None]):
-    """A spectra file, finished or partial, open for reading; a context manager. frame:
-    the places of its cells; structures: parameters as stored; names: those of the
-    variables; cut: the grid of chunks; done: which chunks are there; attributes: those
-    of the root; digest: that of a finished file, None for a partial file. Every byte is
-    checked by the digest or a checksum. Raises UsageError if the file cannot be opened,
-    and OutputError if it is no spectra file or has changed.
+    """A spectra file, finished or partial, open for reading; a context manager. Every
+    byte is checked by the digest or a checksum. Raises UsageError if the file cannot be
+    opened, and OutputError if it is no spectra file or has changed.
+
+    Attributes
+    ----------
+    frame: places of its cells
+    structures: parameters as stored
+    names: of the variables
+    cut: the grid of chunks
+    done: True for each chunk that is there
+    attributes: of the root
+    digest: of a finished file, None for a partial file
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -84,7 +91,7 @@ class SpectraFile(ExitStack[None]):
         """
         if read(raw, 0, len(SIGNATURE)) != SIGNATURE:
             raise OutputError(f"{self.path}: is not an HDF5 file, or is damaged")
-        self.digest = checked_digest(raw)
+        self.digest = checked_digest(raw)  # of a finished file, None for a partial one
         self._log = Log(raw) if self.digest is None else None
         file = self.file = self.enter_context(
             h5py.File(raw if self._log is None else io.BytesIO(self._log.image), "r")
@@ -108,14 +115,18 @@ class SpectraFile(ExitStack[None]):
             name: (file[name].dims[0][0].name[1:], _values(file[name]))
             for name in others
         }
+        # of the root
         self.attributes = {
             key: x.tolist() if isinstance(x, np.generic | np.ndarray) else x
             for key, x in file.attrs.items()
         }
+        # identity of the scene
         self.scene: dict[str, Any] = json.loads(self.attributes["scene"])
+        # parameters as stored
         self.structures = tuple(
             RockingParameters.from_row(row) for row in self.scene.get("structures", ())
         )
+        # places of the cells, names of the variables, grid of the chunks
         self.frame = Frame(dimensions, lists, varied_units(self.structures))
         self.names = tuple(name for name in VARIABLES if name in names)
         self.cut = ChunkGrid(self.frame.shape, file["outcome"].chunks)

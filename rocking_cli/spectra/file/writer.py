@@ -171,10 +171,8 @@ class SpectraWriter:
     """The one writer of a spectra file; a context manager that closes the partial file
     whatever happens. strict: refuse a partial file that was begun on a machine that
     computes differently; machines: the machines that computed the chunks, by default
-    this one. part: the partial file; done: the finished chunks; resumed: the counts of
-    outcomes in each chunk of an earlier run; machine_differences: those of the
-    machines, empty if they compute alike. Raises UsageError for an output that is
-    refused, OutputError when the file is in use or cannot be written.
+    this one. Raises UsageError for an output that is refused, OutputError when the file
+    is in use or cannot be written.
     """
 
     def __init__(
@@ -187,14 +185,18 @@ class SpectraWriter:
         strict: bool = False,
         machines: Sequence[Mapping[str, Any]] = (),
     ) -> None:
+        # the partial file; the finished file; whether it may replace another one
         self.part, self.output, self.overwrite = (
             check_output(path, overwrite, resume),
             followed(path),
             overwrite,
         )
+        # names of the variables; grid of the chunks
         self.names, self.cut = layout.names, layout.cut
         self.whole = layout.attributes.get("shard") == "1/1"
+        # counts of outcomes in each chunk of an earlier run
         self.resumed: dict[int, np.ndarray] = {}
+        # True for each finished chunk, (chunks,)
         self.done = np.zeros(self.cut.size, dtype=bool)
         self.machines = together([machines or [machine()]])
         try:
@@ -248,6 +250,7 @@ class SpectraWriter:
         if begun and resume:
             self._resume(layout, strict)
         self.log.note(computed_on=self.machines)
+        # those of the machines, empty if they compute alike
         self.machine_differences = unlike(self.machines)
 
     def _resume(self, layout: Layout, strict: bool) -> None:

@@ -40,15 +40,15 @@ Item = list[Unit] | Place
 
 @dataclass(frozen=True)
 class Report:
-    """The result of a unit: its data at each place (converted), its counters over all
-    places, and (outcome, theta/alpha) of its cells to check. The work of units that ran
-    together is counted with the first of them.
+    """The result of a unit. The work of units that ran together is counted with the
+    first of them.
     """
 
-    data: tuple[Any, ...]
-    work: Work
-    outcomes: np.ndarray
-    differences: np.ndarray
+    data: tuple[Any, ...]  # its data at each place, converted
+    work: Work  # counters over all places
+    outcomes: np.ndarray  # number of cells of each outcome, over all places
+    differences: np.ndarray  # number of cells of each `Difference`, over all places
+    # (outcome, theta/alpha) of its cells to check
     seen: Mapping[Place, tuple[int, float]]
 
 
@@ -62,11 +62,12 @@ class Job:
     with each unit.
     """
 
-    scene: Scene
-    chunk: tuple[int, int]
-    checked: tuple[Place, ...]
+    scene: Scene  # the whole sweep
+    chunk: tuple[int, int]  # (rows, columns) of a unit
+    checked: tuple[Place, ...]  # cells that the reference computes again
+    # turns a block into the data of a report; None: the block itself
     convert: Callable[[Block], Any] | None = None
-    quantities: tuple[str, ...] = ()
+    quantities: tuple[str, ...] = ()  # names of the requested variables of `QUANTITIES`
 
     @property
     def one_by_one(self) -> bool:

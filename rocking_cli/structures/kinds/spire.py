@@ -25,13 +25,11 @@ _NODES = 64  # Gauss points for each interval; 32 already give 1e-13
 
 
 class Cone(NamedTuple):
-    """A solid cone on z = 0: base radius [m], height [m]; thin: only its lateral shell,
-    of unit horizontal thickness.
-    """
+    """A solid cone on z = 0."""
 
-    radius: float
-    height: float
-    thin: bool = False
+    radius: float  # of the base [m]
+    height: float  # [m]
+    thin: bool = False  # True: only its lateral shell, of unit horizontal thickness
 
     def whole(self) -> Moments:
         """Return the moments of the whole cone."""
@@ -110,15 +108,13 @@ class Cone(NamedTuple):
 
 
 class Spire(NamedTuple):
-    """The geometry of a spire [m]; thickness 0 means a thin wall, crack_height 0 an
-    uncracked spire.
-    """
+    """The geometry of a spire."""
 
-    base_radius: float
-    height: float
-    thickness: float
-    tip_height: float
-    crack_height: float
+    base_radius: float  # [m]
+    height: float  # [m]
+    thickness: float  # of the wall [m], 0 for a thin wall
+    tip_height: float  # [m]
+    crack_height: float  # [m], 0 for an uncracked spire
 
     def rocking(self, both: bool = False) -> Moments:
         """Return the moments of the part above the crack; both: only what also lies

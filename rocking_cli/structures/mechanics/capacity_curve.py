@@ -28,18 +28,15 @@ _AROUND_BREAK = 1e-9  # relative distance of the points on either side of a brea
 
 
 class CapacityCurve(NamedTuple):
-    """The multiplier alpha [-] of the weights over the displacement d [m] of the
-    equivalent oscillator.
-
-    displacement, multiplier: (n,), from rest to d0, where the weights alone have no
-    capacity left; a tie that still holds beyond d0 is ignored, which is safe. e_star:
-    mass of the oscillator over that of the mechanism [-]; breaks: the index of the last
-    point before each break of a tie or a tendon.
+    """The multiplier of the weights over the displacement of the equivalent oscillator,
+    from rest to d0, where the weights alone have no capacity left; a tie that still
+    holds beyond d0 is ignored, which is safe.
     """
 
-    displacement: Array
-    multiplier: Array
-    e_star: float
+    displacement: Array  # d [m], (n,)
+    multiplier: Array  # alpha [-], (n,)
+    e_star: float  # mass of the oscillator over that of the mechanism [-]
+    # index of the last point before each break of a tie or a tendon
     breaks: tuple[int, ...] = ()
 
     @property

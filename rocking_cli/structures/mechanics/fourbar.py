@@ -22,13 +22,11 @@ FACES = (INTRADOS, EXTRADOS, INTRADOS, EXTRADOS)
 
 
 class Ring(NamedTuple):
-    """The ring of an arch: centre-line radius r [m], thickness t [m], inclusion angle
-    beta [rad].
-    """
+    """The ring of an arch."""
 
-    radius: float
-    thickness: float
-    angle: float
+    radius: float  # r of the centre line [m]
+    thickness: float  # t [m]
+    angle: float  # beta, the inclusion angle [rad]
 
     def point(self, s: Any, face: str) -> tuple[Any, Any]:
         """Return (x, z) [m], from the centre of the ring, of the point on a face at the
@@ -53,14 +51,14 @@ class Ring(NamedTuple):
 
 
 class Rates(NamedTuple):
-    """Rotations of links B-C and C-D per rotation of A-B [-], and the virtual work (Eq.
-    3.4): lift = V'/g, push = B.
+    """Rotations of links B-C and C-D per rotation of A-B, and the virtual work (Eq.
+    3.4).
     """
 
-    second: Any
-    third: Any
-    lift: Any
-    push: Any
+    second: Any  # of link B-C [-]
+    third: Any  # of link C-D [-]
+    lift: Any  # V'/g
+    push: Any  # B
 
     @property
     def admissible(self) -> Any:
@@ -90,13 +88,11 @@ def rates(points: Any, links: Any) -> Rates:
 
 @dataclass(frozen=True)
 class FourBar:
-    """A mechanism of an arch: its ring and the angles [rad] of its four hinges, in
-    rising order. voussoirs: their number, None for a continuous arch; it has no effect
-    on the mechanism.
-    """
+    """A mechanism of an arch."""
 
-    ring: Ring
-    hinges: tuple[float, ...]
+    ring: Ring  # of the arch
+    hinges: tuple[float, ...]  # angles of the four hinges [rad], rising
+    # their number, None for a continuous arch; no effect on the mechanism
     voussoirs: int | None = field(default=None, compare=False)
 
     @cached_property

@@ -24,13 +24,11 @@ _WEIGHTS = (
 
 
 class Coefficients(NamedTuple):
-    """Coefficients of Eq. 3.4 at a rotation phi, for any density. inertia: M [kg m2];
-    lift: V'/g [kg m]; push: B > 0 [kg m].
-    """
+    """Coefficients of Eq. 3.4 at a rotation phi, for any density."""
 
-    inertia: Any
-    lift: Any
-    push: Any
+    inertia: Any  # M [kg m2]
+    lift: Any  # V'/g [kg m]
+    push: Any  # B > 0 [kg m]
 
 
 class Mechanism(Protocol):
@@ -62,12 +60,12 @@ class Mechanism(Protocol):
 class Linearised(NamedTuple):
     """A mechanism linearised at its unstable equilibrium (Eqs. 3.5-3.9)."""
 
-    alpha: float  # rad
-    uplift: float  # lambda
+    alpha: float  # critical angle [rad]
+    uplift: float  # lambda [-]
     stiffness: float  # p^2/g [1/m]
-    a_scale: float  # Eq. 3.9
-    a_scale_3_7: float  # Eq. 3.7
-    eta: float  # from angular momentum
+    a_scale: float  # by Eq. 3.9 [-]
+    a_scale_3_7: float  # by Eq. 3.7 [-]
+    eta: float  # from angular momentum [-]
 
 
 def linearise(mechanism: Mechanism) -> Linearised:

@@ -6,14 +6,12 @@ from typing import Any, NamedTuple
 
 
 class Moments(NamedTuple):
-    """Integrals over the section of a body: mass [kg], first moments of x and z [kg m],
-    moment of x^2 + z^2 [kg m2].
-    """
+    """Integrals over the section of a body."""
 
-    mass: Any
-    x: Any
-    z: Any
-    polar: Any
+    mass: Any  # [kg]
+    x: Any  # first moment [kg m]
+    z: Any  # first moment [kg m]
+    polar: Any  # moment of x^2 + z^2 [kg m2]
 
     def plus(self, other: Moments) -> Moments:
         """Return the moments of two bodies together."""
@@ -40,13 +38,11 @@ class Moments(NamedTuple):
 
 
 class Spin(NamedTuple):
-    """The velocity field of a rigid link, u = (x0 + omega z, z0 - omega x); omega is
-    positive clockwise, towards +x.
-    """
+    """The velocity field of a rigid link, u = (x0 + omega z, z0 - omega x)."""
 
-    x0: Any
-    z0: Any
-    omega: Any
+    x0: Any  # horizontal velocity at the origin
+    z0: Any  # vertical velocity at the origin
+    omega: Any  # positive clockwise, towards +x
 
     def product(self, other: Spin, body: Moments) -> Any:
         """Return int rho u.w dV over a body, where u is this field and w

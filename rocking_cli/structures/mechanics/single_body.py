@@ -35,15 +35,15 @@ from .moments import Moments, spin_about
 
 
 class Edge(NamedTuple):
-    """A body on one edge: p [rad/s], alpha [rad], lambda [-], eta from angular momentum
-    at the impact that leaves this edge (negative if the body is too squat to rock), and
-    the distance R to the mass centre [m], None if the ground forces are not known.
-    """
+    """A body on one edge."""
 
-    p: float
-    alpha: float
-    uplift: float
+    p: float  # frequency parameter [rad/s]
+    alpha: float  # critical angle [rad]
+    uplift: float  # lambda [-]
+    # from angular momentum at the impact that leaves this edge [-], negative if the
+    # body is too squat to rock
     eta: float
+    # R, distance to the mass centre [m]; None if the ground forces are not known
     arm: float | None
 
     def side(self, name: str, eta: float) -> Side:
@@ -53,28 +53,25 @@ class Edge(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class RigidBody:
-    """A rigid body as its kind reads it from a document. edges: returns (left edge,
-    right edge) for a gravity [m/s2]; reach: the least horizontal distance from an edge
-    to the mass centre [m]; again: returns the body with its pivots inside the edges by
-    a length [m]; limit: the bodies for which the momentum model holds; drawing: its
-    geometry; radius: R of two equal edges [m]; top: (x, z) [m] of the impact point on a
-    backing, from the middle of the base; backing: the factor of this impact; top and
-    backing are None if the geometry does not define them; crown: height [m], None for
-    that of the drawing; share: m g R of the parts over mass g R [-]; details: see
-    `RockingParameters`; leaning: details for unequal edges.
-    """
+    """A rigid body as its kind reads it from a document."""
 
+    # returns (left edge, right edge) for a gravity [m/s2]
     edges: Callable[[float], tuple[Edge, Edge]]
-    reach: float
+    reach: float  # least horizontal distance from an edge to the mass centre [m]
+    # returns the body with its pivots inside the edges by a length [m]
     again: Callable[[float], RigidBody]
-    limit: str
-    drawing: Sketch
-    radius: float | None = None
+    limit: str  # the bodies for which the momentum model holds
+    drawing: Sketch  # its geometry
+    radius: float | None = None  # R of two equal edges [m]
+    # (x, z) of the impact point on a backing, from the middle of the base [m]; None if
+    # the geometry does not define it
     top: Point | None = None
+    # factor of the impact on a backing [-]; None if the geometry does not define it
     backing: float | None = None
-    crown: float | None = None
-    share: float = 1.0
-    details: Mapping[str, Any] = field(default_factory=dict)
+    crown: float | None = None  # height [m], None for that of the drawing
+    share: float = 1.0  # m g R of the parts over mass g R [-]
+    details: Mapping[str, Any] = field(default_factory=dict)  # see `RockingParameters`
+    # details for unequal edges
     leaning: Mapping[str, Any] = field(default_factory=dict)
 
     def parameters(self, document: Document, name: str) -> RockingParameters:

@@ -19,15 +19,13 @@ from .single_body import RigidBody, body_on_edges, edges_of, symmetric_body
 
 
 class Piece(NamedTuple):
-    """A piece of a stack: half widths of its base (foot) and top (head) [m], height
-    [m], x of its axis [m], and its moments about the middle of its base.
-    """
+    """A piece of a stack."""
 
-    foot: float
-    head: float
-    height: float
-    axis: float
-    body: Moments
+    foot: float  # half width of its base [m]
+    head: float  # half width of its top [m]
+    height: float  # [m]
+    axis: float  # x of its axis [m]
+    body: Moments  # its moments about the middle of its base
 
 
 def frustum_moments(low: float, high: float, height: float) -> Moments:
@@ -73,13 +71,11 @@ def offset_of(document: Document) -> float:
 
 
 class Bed(NamedTuple):
-    """An interface: x of its left and right edge [m], and the moments of the pieces
-    above it about (0, its level).
-    """
+    """An interface."""
 
-    left: float
-    right: float
-    body: Moments
+    left: float  # x of its left edge [m]
+    right: float  # x of its right edge [m]
+    body: Moments  # moments of the pieces above it about (0, its level)
 
     @property
     def margin(self) -> float:
