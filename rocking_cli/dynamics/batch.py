@@ -65,22 +65,21 @@ class FreeFall:
 
 
 class Batch(NamedTuple):
-    """Cells with one kind of body. segments: the segments of the motion, then still
-    ground if damping leaves the free motion without a closed form; first: index of the
-    segment with which the motion of each cell begins; shaken: index of the segment from
-    which on the ground is still; peaks: True if the largest rotations are wanted;
-    most_steps: a cell with more steps fails.
-    """
+    """Cells with one kind of body."""
 
-    equation: Equation
-    contact: Contact
-    cells: Cells
+    equation: Equation  # equation of motion of all cells
+    contact: Contact  # contact of all cells
+    cells: Cells  # the drive of each cell
+    # segments of the motion, then still ground if damping leaves the free motion
+    # without a closed form
     segments: Segments
+    # index of the segment with which the motion of each cell begins, (cells,)
     first: Array
-    shaken: int
-    peaks: bool
+    shaken: int  # index of the segment from which on the ground is still
+    peaks: bool  # True if the largest rotations are wanted
+    # where the ground falls away from bodies; None if it never does
     free_fall: FreeFall | None
-    most_steps: int
+    most_steps: int  # a cell with more steps fails
 
     @classmethod
     def of(

@@ -24,16 +24,24 @@ Cells = tuple[Array, Array, Array]  # A, Omega and eta, of one shape
 class Response(NamedTuple):
     """Result for each cell, in the shape of the input.
 
-    theta_ratio: max over time of |theta|/alpha [-], NaN where overturned, where contact
-    is lost, or where failed; outcome: uint8 codes of `Outcome`; impacts: int32, impacts
-    during the shaking without those of sequences that are closed in one step; work:
-    counters.
+    Attributes
+    ----------
+    theta_ratio
+        max over time of |theta|/alpha [-]; NaN where overturned, where contact is
+        lost, or where failed
+    outcome
+        codes of `Outcome`, uint8
+    impacts
+        number of impacts during the shaking, int32, without those of sequences that
+        are closed in one step
+    work
+        counters of the computation
     """
 
-    theta_ratio: Array
-    outcome: Array
-    impacts: Array
-    work: Work
+    theta_ratio: Array  # [-], (cells,)
+    outcome: Array  # codes of `Outcome`, (cells,)
+    impacts: Array  # counts, (cells,)
+    work: Work  # counters of all cells
 
     @classmethod
     def joined(cls, parts: Sequence["Response"]) -> "Response":

@@ -21,11 +21,11 @@ _SCAN = 600
 
 
 class CurvePoint(NamedTuple):
-    """One point of a curve: its name, Omega [-] and A [-]."""
+    """One point of a curve."""
 
-    curve: str
-    omega: float
-    amplitude: float
+    curve: str  # name of the curve
+    omega: float  # Omega [-]
+    amplitude: float  # A [-]
 
 
 PULSES = (

@@ -60,14 +60,24 @@ _SHARE = 8_000_000
 
 
 class Interval(NamedTuple):
-    """An interval of amplitudes that overturns at one Omega: from A_from to A_to (None:
-    beyond the limit of the search).
+    """An interval of amplitudes that overturns at one Omega.
+
+    Attributes
+    ----------
+    omega
+        Omega [-]
+    a_from
+        lowest A of the interval [-]
+    a_to
+        largest A of the interval [-], None if it is beyond the limit of the search
+    mode
+        the word of the outcome, see `Outcome.mode`
     """
 
-    omega: float
-    a_from: float
-    a_to: float | None
-    mode: str
+    omega: float  # Omega [-]
+    a_from: float  # A [-]
+    a_to: float | None  # A [-], None beyond the limit of the search
+    mode: str  # word of the outcome
 
 
 def trace_envelope(

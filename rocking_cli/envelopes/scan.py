@@ -40,13 +40,12 @@ _SEARCH_LINES = 64  # number of lines that one search for the next uplift covers
 
 
 class Accuracy(NamedTuple):
-    """How closely the scan follows bodies. degree: of the series of a step; short:
-    bounces shorter than this times `_STEP` are averaged; roots: number of steps of
-    Newton's method to an impact, plus one where a line differs from the record.
-    """
+    """How closely the scan follows bodies."""
 
-    degree: int
-    short: float
+    degree: int  # degree of the series of a step
+    short: float  # bounces shorter than this times `_STEP` are averaged [-]
+    # number of steps of Newton's method to an impact, plus one where a line differs
+    # from the record
     roots: int
 
 
@@ -56,15 +55,14 @@ _FINE = Accuracy(6, 1e-3, 3)
 
 
 class Lines(NamedTuple):
-    """The lines of a record: s at the start of each, its rise, its length; (lines,).
-    residual: the difference r of record and line, for each sample of a line: W and W'
-    at its start, r there, and the rise of r; (4, lines, samples), without samples if
-    the lines are the record itself.
-    """
+    """The lines of a record."""
 
-    s: Array
-    rise: Array
-    length: Array
+    s: Array  # s at the start of each line [-], (lines,)
+    rise: Array  # increase of s over the line [-], (lines,)
+    length: Array  # length of the line [rad], (lines,)
+    # the difference r of record and line, for each sample of a line: W and W' at its
+    # start, r there, and the rise of r, (4, lines, samples); without samples if the
+    # lines are the record itself
     residual: Array
 
 

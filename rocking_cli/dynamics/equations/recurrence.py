@@ -25,7 +25,7 @@ class Recurrence(Protocol):
     of tied bodies.
     """
 
-    damping: float  # zeta
+    damping: float  # zeta [-]
 
     def along(
         self, y: Series, new: Callable[[], Series]

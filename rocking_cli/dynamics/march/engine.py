@@ -57,11 +57,7 @@ def by_windows(run: "Run", waiting: Array) -> None:
 
 
 class Run:
-    """The march of a batch: the lanes in the pool, and the results so far. Parameters:
-    pool: number of lanes advanced together; observers: objects that see the motion of
-    the lanes. theta_ratio, outcome, impacts: (cells,), as in `Response`; bounced: True
-    for damped cells after an impact on still ground.
-    """
+    """The march of a batch: the lanes in the pool, and the results so far."""
 
     def __init__(
         self, batch: Batch, pool: int | None = None, observers: Sequence[Observer] = ()

@@ -12,7 +12,7 @@ from ..lanes import Array, Lanes
 
 
 class Arcs(NamedTuple):
-    """The motion of lanes from their present state until `stop`, each along its flow."""
+    """Motion of lanes from their present state until `stop`, each along its flow."""
 
     lanes: Lanes  # the present state
     flow: Flow  # flow of these lanes
@@ -24,7 +24,7 @@ class Arcs(NamedTuple):
 
 
 class TaylorSteps(NamedTuple):
-    """Motion of bodies in the air from one sample to the next. Every array is (steps,)."""
+    """Motion in the air from one sample to the next. Every array is (steps,)."""
 
     cell: Array  # index of the cell
     side: Array  # +1 right, -1 left
