@@ -134,10 +134,12 @@ class Body(NamedTuple):
         """Return a lower bound of Fz/(m g) of bounces on this edge; of bounces without
         height (top 0) the value just after an impact.
 
-        weight: least force downwards over m g; inward: largest -u'' at the ground
-        without damping [rad]; fastest: largest
-        |u'| [rad]; top: largest u [rad]. Above the ground -u'' is at most cos(alpha - u)/cos(alpha) times that at the ground,
-        under the linear equation at most that at the ground.
+        Above the ground -u'' is at most cos(alpha - u)/cos(alpha) times that at the
+        ground, under the linear equation at most that at the ground. Parameters:
+            weight: least force downwards over m g [-]
+            inward: largest -u'' at the ground without damping [rad]
+            fastest: largest |u'| [rad]
+            top: largest u [rad]
         """
         steepest = np.cos(np.maximum(edge.alpha - top, 0.0))
         growth = 1.0 if self.linear else steepest / np.cos(edge.alpha)
