@@ -135,7 +135,9 @@ class Body(NamedTuple):
         height (top 0) the value just after an impact.
 
         Above the ground -u'' is at most cos(alpha - u)/cos(alpha) times that at the
-        ground, under the linear equation at most that at the ground. Parameters:
+        ground, under the linear equation at most that at the ground.
+
+        Parameters:
             weight: least force downwards over m g [-]
             inward: largest -u'' at the ground without damping [rad]
             fastest: largest |u'| [rad]
