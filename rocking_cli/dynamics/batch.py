@@ -23,12 +23,11 @@ _INSTANT = (
 
 
 class FreeFall:
-    """The first instant at which the ground falls away from the body of each cell,
-    (cells,). k, u: segment and phase of this instant; occurs: True if there is such an
-    instant.
-    """
+    """The first instant at which the ground falls away from the body of each cell."""
 
     def __init__(self, segments: Segments, first: Uplift, occurs: Array) -> None:
+        # k, u: segment and phase [rad] of this instant, (cells,)
+        # occurs: True if there is such an instant, (cells,)
         self.segments, self.k, self.u, self.occurs = segments, first.k, first.u, occurs
 
     @classmethod

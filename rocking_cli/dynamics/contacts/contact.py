@@ -35,13 +35,11 @@ class FreeMotion(NamedTuple):
 
 class Contact(ABC):
     """How a body stands on the ground. The methods of this class hold for two equal
-    edges and for a single edge; `Unequal` overrides them. alike: True if the body has
-    two free and equal edges; left: 1 if the body can lift off onto its left edge,
-    otherwise 0.
+    edges and for a single edge; `Unequal` overrides them.
     """
 
-    alike = False
-    left = 1.0
+    alike = False  # True if the body has two free and equal edges
+    left = 1.0  # 1 if the body can lift off onto its left edge, otherwise 0
 
     @abstractmethod
     def cells(

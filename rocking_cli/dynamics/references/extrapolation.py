@@ -45,7 +45,7 @@ _ROUNDS = 100  # limit of a search for a root; bisection alone takes 60
 class Point(NamedTuple):
     """An instant of a path."""
 
-    time: float  # time from the start [tau]
+    time: float  # the instant [tau]
     theta: float  # rotation [rad]
     w: float  # velocity of the equation, by tau
 

@@ -61,7 +61,7 @@ class Rates(NamedTuple):
 
     alpha: float  # critical angle [rad]
     uplift: float  # static uplift acceleration lambda [-]
-    limit: float  # |theta| from which the body counts as overturned [rad]
+    limit: float  # theta from which the body counts as overturned [rad]
     # function of theta, w, the inward ground acceleration [g] and the weight over m g
     # that returns (theta', w') by tau
     of: Callable[[float, float, float, float], tuple[float, float]]
