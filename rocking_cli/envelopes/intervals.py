@@ -60,24 +60,12 @@ _SHARE = 8_000_000
 
 
 class Interval(NamedTuple):
-    """An interval of amplitudes that overturns at one Omega.
-
-    Attributes
-    ----------
-    omega
-        Omega [-]
-    a_from
-        lowest A of the interval [-]
-    a_to
-        largest A of the interval [-], None if it is beyond the limit of the search
-    mode
-        the word of the outcome, see `Outcome.mode`
-    """
+    """An interval of amplitudes that overturns at one Omega."""
 
     omega: float  # Omega [-]
-    a_from: float  # A [-]
-    a_to: float | None  # A [-], None beyond the limit of the search
-    mode: str  # word of the outcome
+    a_from: float  # lowest A of the interval [-]
+    a_to: float | None  # largest A [-], None beyond the limit of the search
+    mode: str  # word of the outcome, as `Outcome.mode` has it
 
 
 def trace_envelope(

@@ -106,9 +106,7 @@ def chord_errors(
 
 
 class ContactLoss(Observer):
-    """Search for lost contact in the cells of a batch while they are marched. open:
-    True for cells without a proof beforehand.
-    """
+    """Search for lost contact in the cells of a batch while they are marched."""
 
     def __init__(self, body: Body, batch: Batch) -> None:
         self.body, self.batch, self.segments = body, batch, batch.segments
@@ -142,7 +140,7 @@ class ContactLoss(Observer):
         pushes = batch.cells.amplitude * (
             np.array([e.uplift for e in body.edges])[:, None] * self.across[0]
         )
-        self.open = np.any(pushes > safe, axis=0)
+        self.open = np.any(pushes > safe, axis=0)  # True for cells without a proof
         self._lost = np.zeros(self.open.size, dtype=bool)
 
     def contact_proved(

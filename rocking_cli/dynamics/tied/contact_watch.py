@@ -60,11 +60,10 @@ class Stretches(NamedTuple):
 
 
 class ContactWatch:
-    """Finds steps of tied bodies on which Fz <= 0 occurs. body: gives the forces of the
-    free body on the ground.
-    """
+    """Finds steps of tied bodies on which Fz <= 0 occurs."""
 
     def __init__(self, devices: Devices, body: Body) -> None:
+        # body: gives the forces of the free body on the ground
         self.devices, self.body = devices, body
 
     def losses(self, steps: Steps, known: Array) -> tuple[Array, Array]:
