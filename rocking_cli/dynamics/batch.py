@@ -23,12 +23,11 @@ _INSTANT = (
 
 
 class FreeFall:
-    """The first instant at which the ground falls away from the body of each cell,
-    (cells,). k, u: segment and phase of this instant; occurs: True if there is such an
-    instant.
-    """
+    """The first instant at which the ground falls away from the body of each cell."""
 
     def __init__(self, segments: Segments, first: Uplift, occurs: Array) -> None:
+        # k, u: segment and phase [rad] of this instant, (cells,)
+        # occurs: True if there is such an instant, (cells,)
         self.segments, self.k, self.u, self.occurs = segments, first.k, first.u, occurs
 
     @classmethod
@@ -65,22 +64,21 @@ class FreeFall:
 
 
 class Batch(NamedTuple):
-    """Cells with one kind of body. segments: the segments of the motion, then still
-    ground if damping leaves the free motion without a closed form; first: index of the
-    segment with which the motion of each cell begins; shaken: index of the segment from
-    which on the ground is still; peaks: True if the largest rotations are wanted;
-    most_steps: a cell with more steps fails.
-    """
+    """Cells with one kind of body."""
 
-    equation: Equation
-    contact: Contact
-    cells: Cells
+    equation: Equation  # equation of motion of all cells
+    contact: Contact  # contact of all cells
+    cells: Cells  # the drive of each cell
+    # segments of the motion, then still ground if damping leaves the free motion
+    # without a closed form
     segments: Segments
+    # index of the segment with which the motion of each cell begins, (cells,)
     first: Array
-    shaken: int
-    peaks: bool
+    shaken: int  # index of the segment from which on the ground is still
+    peaks: bool  # True if the largest rotations are wanted
+    # where the ground falls away from bodies; None if it never does
     free_fall: FreeFall | None
-    most_steps: int
+    most_steps: int  # a cell with more steps fails
 
     @classmethod
     def of(

@@ -31,15 +31,12 @@ _LOWEST = -0.5 * np.pi  # least z for which the bound is computed
 
 
 class Edge(NamedTuple):
-    """Numbers of one edge of the base, floats or arrays over lanes: alpha [rad]; kappa
-    = m R^2/I [-]; unit: |theta| at y = 1 [rad]; uplift: the static uplift acceleration
-    lambda of the equation [-].
-    """
+    """Numbers of one edge of the base, floats or (lanes,) arrays."""
 
-    alpha: Any
-    kappa: Any
-    unit: Any
-    uplift: Any
+    alpha: Any  # critical angle [rad]
+    kappa: Any  # m R^2/I [-]
+    unit: Any  # |theta| at y = 1 [rad]
+    uplift: Any  # static uplift acceleration lambda of the equation [-]
 
 
 def ground_reaction(
@@ -62,19 +59,18 @@ def ground_reaction(
 
 
 class Body(NamedTuple):
-    """A rigid body. alpha [rad], kappa = m R^2/I [-], a_scale [-] (1 unless given): one
-    value for each edge, right and left, or a single value if the edges are alike;
-    linear: True for the linear equation; damping: zeta [-]; one_sided: True if the body
-    stands on its right edge only. A push [g] is a_scale times the ground acceleration
+    """A rigid body. Tuples hold one value for each edge, right and left, or a single
+    value if the edges are alike. A push [g] is a_scale times the ground acceleration
     over g, outward if it lifts the body on its edge. Under a push the linear equation
     and Fz are those of a_scale 1.
     """
 
-    alpha: tuple[float, ...]
-    kappa: tuple[float, ...]
-    linear: bool
-    damping: float = 0.0
-    one_sided: bool = False
+    alpha: tuple[float, ...]  # critical angle [rad], (edges,)
+    kappa: tuple[float, ...]  # m R^2/I [-], (edges,)
+    linear: bool  # True for the linear equation
+    damping: float = 0.0  # zeta [-]
+    one_sided: bool = False  # True if the body stands on its right edge only
+    # push over ground acceleration [-], (edges,); empty for 1
     a_scale: tuple[float, ...] = ()
 
     @property
@@ -138,10 +134,14 @@ class Body(NamedTuple):
         """Return a lower bound of Fz/(m g) of bounces on this edge; of bounces without
         height (top 0) the value just after an impact.
 
-        weight: least force downwards over m g; inward: largest -u'' at the ground
-        without damping [rad]; fastest: largest
-        |u'| [rad]; top: largest u [rad]. Above the ground -u'' is at most cos(alpha - u)/cos(alpha) times that at the ground,
-        under the linear equation at most that at the ground.
+        Above the ground -u'' is at most cos(alpha - u)/cos(alpha) times that at the
+        ground, under the linear equation at most that at the ground.
+
+        Parameters:
+            weight: least force downwards over m g [-]
+            inward: largest -u'' at the ground without damping [rad]
+            fastest: largest |u'| [rad]
+            top: largest u [rad]
         """
         steepest = np.cos(np.maximum(edge.alpha - top, 0.0))
         growth = 1.0 if self.linear else steepest / np.cos(edge.alpha)

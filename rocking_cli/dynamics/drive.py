@@ -187,18 +187,16 @@ def phase_between(
 
 class RemainingImpulse(NamedTuple):
     """int |s| dphi to the end of a motion of sinusoids, which bounds overturning (Lemma
-    9); arrays over segments. zero: the phase at which s changes its sign in a segment,
-    0 if it does not; sign: the sign of s after `zero`; turn, last: an antiderivative of
-    s at `zero` and at the end of the segment; later: the integral after the segment,
-    with room for rounding.
+    9). Every array is (segments,).
     """
 
-    segments: Segments
+    segments: Segments  # segments of the motion
+    # phase at which s changes its sign in a segment [rad], 0 if it does not
     zero: Array
-    sign: Array
-    turn: Array
-    last: Array
-    later: Array
+    sign: Array  # sign of s after `zero`
+    turn: Array  # an antiderivative of s at `zero` [rad]
+    last: Array  # the same antiderivative at the end of the segment [rad]
+    later: Array  # the integral after the segment, with room for rounding [rad]
 
     @classmethod
     def of(cls, segments: Segments) -> Self:

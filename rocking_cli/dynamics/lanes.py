@@ -70,15 +70,16 @@ def _taken(x: Any, at: Any) -> Any:
 
 
 class Cells(NamedTuple):
-    """The drive of each cell. Each array has one row, (1, cells), if the sides are
-    alike, otherwise two, (2, cells): right edge (theta > 0), left edge. amplitude: the
-    amplitude of the ground over the uplift acceleration of the side; omega: omega_g / p
-    of the side; eta: speed after over speed before the impact that leaves the side,
-    each in the unit of its side.
+    """The drive of each cell. The arrays have one row, (1, cells), if the sides are
+    alike; otherwise they have two, (2, cells), first the right edge (theta > 0), then
+    the left.
     """
 
+    # amplitude of the ground over the uplift acceleration of the side [-]
     amplitude: Array
-    omega: Array
+    omega: Array  # omega_g / p of the side [-]
+    # speed after over speed before the impact that leaves the side [-], each speed in
+    # the unit of its side
     eta: Array
 
     def row(self, side: Array) -> Array | int:
@@ -88,25 +89,20 @@ class Cells(NamedTuple):
 
 @dataclass
 class Lanes(Arrays):
-    """The state of rocking bodies, one body a lane. The side is stored, never inferred
-    from a sign. cell: index of the cell; amplitude, omega, eta: as `Cells` has them for
-    the present side; k, u: segment of the motion and phase since its start [rad]; side:
-    +1 on the right edge (theta > 0), -1 on the left; y, v: displacement in the unit of
-    the side, and dy/dtau with the tau = p t of the side; b: the force y'' + 2 zeta y';
-    peak: largest y at a turning point so far, in the unit of the present side; impacts,
-    steps: their numbers so far.
+    """The state of rocking bodies, one body a lane. Every array is (lanes,). The side
+    is stored, never inferred from a sign.
     """
 
-    cell: Array
-    amplitude: Array
-    omega: Array
-    eta: Array
-    k: Array
-    u: Array
-    side: Array
-    y: Array
-    v: Array
-    b: Array
-    peak: Array
-    impacts: Array
-    steps: Array
+    cell: Array  # index of the cell that the lane computes
+    amplitude: Array  # A of the present side, as in `Cells` [-]
+    omega: Array  # Omega of the present side, as in `Cells` [-]
+    eta: Array  # restitution of the present side, as in `Cells` [-]
+    k: Array  # segment of the motion
+    u: Array  # phase since the start of the segment [rad]
+    side: Array  # +1 on the right edge (theta > 0), -1 on the left
+    y: Array  # displacement, in the unit of the side
+    v: Array  # dy/dtau, tau = p t with the p of the side
+    b: Array  # force y'' + 2 zeta y'
+    peak: Array  # largest y at a turning point so far, in the unit of the present side
+    impacts: Array  # number of impacts so far
+    steps: Array  # number of steps so far

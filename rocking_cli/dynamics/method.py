@@ -28,21 +28,20 @@ Reference = Callable[["Motion", float, float, float], tuple["Outcome", float]]
 
 
 class EquationKind(NamedTuple):
-    """An equation of motion in the registry. model: the word of `--model` and of files;
-    serves: returns True for a structure for which the equation holds; build: returns
-    the equation of a structure at a tolerance, raises ValueError; shares: returns the
-    numbers, besides restitution and damping, that structures must have in common to
-    share a dimensionless computation; rates: name of its form in `references.problems`;
-    exact: True if it has no tolerance; of_cells: returns one equation for cells of
-    plain bodies with these alphas at a tolerance, None if there is none.
-    """
+    """An equation of motion in the registry."""
 
-    model: str
+    model: str  # the word of `--model` and of files
+    # returns True for a structure for which the equation holds
     serves: Callable[[RockingParameters], bool]
+    # returns the equation of a structure at a tolerance, raises ValueError
     build: Callable[[RockingParameters, float], Equation]
+    # returns the numbers, besides restitution and damping, that structures must have in
+    # common to share a dimensionless computation
     shares: Callable[[RockingParameters], Any]
-    rates: str
-    exact: bool = False
+    rates: str  # name of its form in `references.problems`
+    exact: bool = False  # True if it has no tolerance
+    # returns one equation for cells of plain bodies with these alphas at a tolerance,
+    # None if there is none
     of_cells: Callable[[np.ndarray, float], Equation] | None = None
 
 
@@ -98,12 +97,12 @@ MODELS = tuple(dict.fromkeys(kind.model for kind in EQUATIONS))
 
 @dataclass(frozen=True)
 class Method:
-    """The model, and the tolerance of theta/alpha (an exact model ignores it). Raises
-    UsageError for an unknown model or a tolerance out of range.
+    """The model and the tolerance of a computation. Raises UsageError for an unknown
+    model or a tolerance out of range.
     """
 
-    model: str = MODELS[0]
-    tolerance: float = TOLERANCE
+    model: str = MODELS[0]  # one of `MODELS`
+    tolerance: float = TOLERANCE  # of theta/alpha [-]; an exact model ignores it
 
     def __post_init__(self) -> None:
         if self.model not in MODELS:

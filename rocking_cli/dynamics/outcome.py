@@ -17,13 +17,11 @@ FALLEN = 3.0
 
 
 class _Code(IntEnum):
-    """A code with its sentence, its colour in figures (empty if figures do not show
-    it), and its sign in maps of characters.
-    """
+    """A code with the words and signs that show it."""
 
-    sentence: str
-    colour: str
-    sign: str
+    sentence: str  # what has happened, in words
+    colour: str  # colour in figures; empty if figures do not show it
+    sign: str  # sign in maps of characters
 
     def __new__(
         cls, code: int, sentence: str = "", colour: str = "", sign: str = ""
@@ -163,14 +161,15 @@ class Work:
     made unnecessary.
     """
 
-    cells: int = 0
-    no_uplift: int = 0
+    cells: int = 0  # cells in all
+    no_uplift: int = 0  # cells below uplift, which no step is computed for
+    # cells whose overturning was certain before it was computed to its end
     certain_overturning: int = 0
-    free_phase: int = 0
-    rests_skipped: int = 0
-    sequences_closed: int = 0
-    impacts: int = 0
-    steps: int = 0
+    free_phase: int = 0  # cells whose motion after the shaking was not computed
+    rests_skipped: int = 0  # rests to the next uplift, passed in one step
+    sequences_closed: int = 0  # sequences of impacts whose last part was summed
+    impacts: int = 0  # impacts that were computed
+    steps: int = 0  # steps that were computed
 
     def __add__(self, other: Self) -> "Work":
         return Work(

@@ -24,16 +24,24 @@ Cells = tuple[Array, Array, Array]  # A, Omega and eta, of one shape
 class Response(NamedTuple):
     """Result for each cell, in the shape of the input.
 
-    theta_ratio: max over time of |theta|/alpha [-], NaN where overturned, where contact
-    is lost, or where failed; outcome: uint8 codes of `Outcome`; impacts: int32, impacts
-    during the shaking without those of sequences that are closed in one step; work:
-    counters.
+    Attributes
+    ----------
+    theta_ratio
+        max over time of |theta|/alpha [-]; NaN where overturned, where contact is
+        lost, or where failed
+    outcome
+        codes of `Outcome`, uint8
+    impacts
+        number of impacts during the shaking, int32, without those of sequences that
+        are closed in one step
+    work
+        counters of the computation
     """
 
-    theta_ratio: Array
-    outcome: Array
-    impacts: Array
-    work: Work
+    theta_ratio: Array  # [-], (cells,)
+    outcome: Array  # codes of `Outcome`, (cells,)
+    impacts: Array  # counts, (cells,)
+    work: Work  # counters of all cells
 
     @classmethod
     def joined(cls, parts: Sequence["Response"]) -> "Response":
@@ -74,16 +82,38 @@ def response(
     """Largest rotation and outcome of one system under one motion (Eqs. 2.3, 2.4, 2.6,
     3.4).
 
-    amplitude: A = a_scale a_g / (alpha g) [-], finite, not negative; omega: Omega =
-    omega_g / p [-], finite, positive; if the edges differ both are those of the edge
-    that lifts first. eta [-]: within [0, 1], of a one-sided body within (-1, 0], not
-    used if the edges have restitutions of their own. They are broadcast against each
-    other. peaks: False computes the outcome only, theta_ratio is NaN. how: "arrays"
-    advances all cells together, "floats" one cell after the other, for a system of one
-    structure (see `cheaper`); both keep the tolerance, and their digits beyond it
-    differ. pool: number of lanes advanced together, None for the default. Raises
-    ValueError for a number out of range.
+    `amplitude`, `omega` and `eta` are broadcast against each other. If the edges
+    differ, A and Omega are those of the edge that lifts first.
 
+    Parameters
+    ----------
+    system
+        the equation of motion on its contact
+    motion
+        the motion of the ground
+    amplitude
+        A = a_scale a_g / (alpha g) [-], finite, not negative
+    omega
+        Omega = omega_g / p [-], finite, positive
+    eta
+        restitution [-], within [0, 1], of a one-sided body within (-1, 0]; not used if
+        the edges have restitutions of their own
+    peaks
+        False computes the outcome only; theta_ratio is then NaN
+    how
+        "arrays" advances all cells together, "floats" one cell after the other, for a
+        system of one structure (see `cheaper`); both keep the tolerance, and their
+        digits beyond it differ
+    pool
+        number of lanes advanced together, None for the default
+
+    Raises
+    ------
+    ValueError
+        for a number out of range
+
+    Examples
+    --------
     >>> (column,) = load_structures('configs/block.yaml')
     >>> found = response(Method('nonlinear').system_of(column), sine(), 1.5, 6.0, column.eta)
     >>> Outcome(int(found.outcome)).flag, round(float(found.theta_ratio), 6)

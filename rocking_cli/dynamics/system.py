@@ -16,19 +16,33 @@ if TYPE_CHECKING:
 
 
 class System(NamedTuple):
-    """An equation of motion on a contact, `Symmetric` unless given. scale:
-    alpha/a_scale, the ground acceleration over g of A = 1 [-]; body: gives the forces
-    on the ground, None if they are not known; own: (system, number of cells) of each
-    structure, in the order of the cells, if there are several structures; devices: ties
-    and a tendon, None without them.
+    """An equation of motion on a contact.
+
+    Attributes
+    ----------
+    equation
+        the equation of motion
+    contact
+        the contact, `Symmetric` unless given
+    scale
+        alpha/a_scale, the ground acceleration over g of A = 1 [-]
+    body
+        gives the forces on the ground, None if they are not known
+    own
+        (system, number of cells) of each structure, in the order of the cells, if
+        there are several structures
+    devices
+        ties and a tendon, None without them
     """
 
-    equation: Equation
-    contact: Contact = Symmetric()
+    equation: Equation  # equation of motion
+    contact: Contact = Symmetric()  # what happens at impacts and at uplift
+    # ground acceleration over g of A = 1 [-], None if there is none
     scale: float | None = None
-    body: Body | None = None
+    body: Body | None = None  # forces on the ground
+    # (system, number of cells), (structures,)
     own: tuple[tuple["System", int], ...] = ()
-    devices: "Devices | None" = None
+    devices: "Devices | None" = None  # ties and a tendon
 
     @property
     def alike(self) -> bool:

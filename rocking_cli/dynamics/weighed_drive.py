@@ -30,18 +30,18 @@ _LONG = 1 << 16
 @dataclass(frozen=True)
 class WeighedSegments(Segments):
     """The segments of the horizontal motion s, cut so that s_v and both effective
-    motions are monotone too; here `later_max` is that of the left effective motion,
-    `later_min` that of the right. vertical: s_v; right, left: the effective motions;
-    edges: right and left, one after the other; inward: (later_max, later_min) of the
-    horizontal motion; share: r of the right and of the left edge.
+    motions are monotone too. Here `later_max` is that of the left effective motion,
+    `later_min` that of the right.
     """
 
-    vertical: Segments
-    right: Segments
-    left: Segments
+    vertical: Segments  # the vertical motion s_v
+    right: Segments  # the effective motion of the right edge
+    left: Segments  # the effective motion of the left edge
+    # the effective motions one after the other, first the right, then the left
     edges: Segments
+    # (later_max, later_min) of the horizontal motion [-], (segments + 1,) each
     inward: tuple[Any, Any]
-    share: tuple[float, float]
+    share: tuple[float, float]  # r of the right and of the left edge [-]
 
     @property
     def straight(self) -> bool:

@@ -21,12 +21,11 @@ COARSE = 1e-3
 
 
 class Limit(NamedTuple):
-    """The largest amplitude of a search: A, or an acceleration [m/s2], which gives a
-    different A for each structure.
-    """
+    """The largest amplitude of a search."""
 
+    # A [-], or an acceleration [m/s2], which gives a different A for each structure
     value: float
-    acceleration: bool = False
+    acceleration: bool = False  # True if `value` is an acceleration
 
 
 def limit_of(a_max: float | Limit, structure: RockingParameters) -> float:
@@ -47,15 +46,14 @@ def limit_of(a_max: float | Limit, structure: RockingParameters) -> float:
 
 @dataclass(frozen=True)
 class ScanGrid:
-    """The amplitudes of a scan: SCAN_STEP apart, and closer just above uplift, where
-    slow pulses have many intervals. near: the first points one by one; after them point
-    n is start + (n - near.size) step.
+    """The amplitudes A of a scan: SCAN_STEP apart, and closer just above uplift, where
+    slow pulses have many intervals.
     """
 
-    near: Array
-    start: float
-    step: float
-    size: int
+    near: Array  # the first points one by one [-], (near,)
+    start: float  # after them, point n is start + (n - near.size) step [-]
+    step: float  # distance of these later points [-]
+    size: int  # number of all points
 
     @classmethod
     def between(

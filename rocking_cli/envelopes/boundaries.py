@@ -39,33 +39,32 @@ _STRETCH = 80  # points computed together in a search for the first fall
 
 
 class ScanPoints(NamedTuple):
-    """Amplitudes that a scan has computed, by row (Omega) and amplitude: the outcomes,
-    and the numbers of impacts until the outcome was certain.
+    """Amplitudes that a scan has computed, by row and amplitude. Every array is
+    (points,).
     """
 
-    row: Array
-    amplitude: Array
-    label: Array
-    impacts: Array
+    row: Array  # index of the Omega
+    amplitude: Array  # A [-]
+    label: Array  # outcome, a code of `Outcome`
+    impacts: Array  # number of impacts until the outcome was certain
 
 
 @dataclass(frozen=True)
 class Search:
     """The outcomes of a model with one restitution under one motion, up to an
-    amplitude. a_min: first amplitude of the search, unless uplift is above it; ratio:
-    ratio of neighbouring amplitudes of the scan minus 1, in place of SCAN_STEP and of
-    the finer scan; digits: relative width to which changes are traced; parts: parts of
-    a bracket in one cut.
+    amplitude.
     """
 
-    system: System
-    motion: Motion
-    eta: float
-    a_max: float
-    a_min: float = 0.0
+    system: System  # the system whose outcomes are searched
+    motion: Motion  # the motion of the ground
+    eta: float  # restitution [-]
+    a_max: float  # last amplitude of the search [-]
+    a_min: float = 0.0  # first amplitude of the search [-], unless uplift is above it
+    # ratio of neighbouring amplitudes of the scan minus 1 [-], in place of SCAN_STEP
+    # and of the finer scan; 0 for those
     ratio: float = 0.0
-    digits: float = 4e-16
-    parts: int = SECTIONS
+    digits: float = 4e-16  # relative width to which changes are traced [-]
+    parts: int = SECTIONS  # parts of a bracket in one cut
 
     @property
     def lowest(self) -> float:

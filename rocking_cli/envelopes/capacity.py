@@ -47,32 +47,29 @@ _PARTS = 256
 
 @dataclass(frozen=True)
 class Capacity:
-    """The capacity of a body against a demand; amplitudes A [-]. first: the lowest
-    amplitude that overturns, None if there is none; safe_to: the end of the safe
-    interval around the demand, None if the body falls under the demand or no larger
-    amplitude overturns it; uplift: the lowest amplitude that lifts the body, None if
-    there is none. share_of_falls: under a record or a pulse of several cycles, the
-    share of amplitudes up to 5 % above `first` that fall, if they form more than one
-    interval, otherwise 0.
-    """
+    """The capacity of a body against a demand."""
 
-    first: float | None
+    first: float | None  # lowest A that overturns [-], None if there is none
+    # A at the end of the safe interval around the demand [-], None if the body falls
+    # under the demand or no larger amplitude overturns it
     safe_to: float | None
-    uplift: float | None
+    uplift: float | None  # lowest A that lifts the body [-], None if there is none
+    # under a record or a pulse of several cycles, the share of amplitudes up to 5 %
+    # above `first` that fall [-], if they form more than one interval, otherwise 0
     share_of_falls: float = 0.0
 
 
 class CapacitySearch(NamedTuple):
-    """A capacity to be computed: of a structure at Omega [-] against a demand of A =
-    `amplitude` [-]; the search goes up to the larger of `a_max` and twice the demand.
+    """A capacity to be computed. The search goes up to the larger of `a_max` and twice
+    the demand.
     """
 
-    structure: RockingParameters
-    motion: Motion
-    amplitude: float
-    omega: float
-    method: Method
-    a_max: float
+    structure: RockingParameters  # the structure
+    motion: Motion  # the motion of the ground
+    amplitude: float  # A of the demand [-]
+    omega: float  # Omega of the demand [-]
+    method: Method  # model and tolerance
+    a_max: float  # largest A of the search [-]
 
     def ends(self) -> tuple[float, float]:
         """The least and the largest amplitude of the search. Raises UsageError if the

@@ -23,15 +23,13 @@ _MOST_CHANGES = 500
 
 @dataclass
 class Brackets(Arrays):
-    """Brackets of changes of the outcome: row, amplitude below and above each change,
-    outcome at the lower and at the upper amplitude.
-    """
+    """Brackets of changes of the outcome. Every array is (brackets,)."""
 
-    row: Array
-    low: Array
-    high: Array
-    below: Array
-    above: Array
+    row: Array  # index of the Omega
+    low: Array  # amplitude below the change [-]
+    high: Array  # amplitude above the change [-]
+    below: Array  # outcome at the lower amplitude, a code of `Outcome`
+    above: Array  # outcome at the upper amplitude, a code of `Outcome`
 
     @classmethod
     def between(

@@ -21,11 +21,11 @@ _SCAN = 600
 
 
 class CurvePoint(NamedTuple):
-    """One point of a curve: its name, Omega [-] and A [-]."""
+    """One point of a curve."""
 
-    curve: str
-    omega: float
-    amplitude: float
+    curve: str  # name of the curve
+    omega: float  # Omega [-]
+    amplitude: float  # A [-]
 
 
 PULSES = (
@@ -251,14 +251,30 @@ def after_impact_amplitudes(omega: float, eta: float) -> list[float]:
 def closed_form_curves(
     omegas: np.ndarray, eta: float, pulse: str = "sine"
 ) -> list[CurvePoint]:
-    """The curves of Fig. 2 (left) at these Omega [-], for a restitution eta; only the
-    sine has more than the first two.
+    """The curves of Fig. 2 (left); only the sine has more than the first two.
 
-    Raises ValueError when there is no closed form for this pulse.
+    Parameters
+    ----------
+    omegas
+        Omega of the points [-], (points,)
+    eta
+        restitution [-]
+    pulse
+        one of `PULSES`
 
-    >>> [(point.curve, round(float(point.amplitude), 6)) for point in closed_form_curves([3.0], 0.9)]
-    [('initiation', 1.0), ('no_impact', 3.63115), ('after_impact_lower', 1.403565),
-    ('after_impact_upper', 3.484663)]
+    Raises
+    ------
+    ValueError
+        when there is no closed form for this pulse
+
+    Examples
+    --------
+    >>> for point in closed_form_curves([3.0], 0.9):
+    ...     print(point.curve, round(float(point.amplitude), 6))
+    initiation 1.0
+    no_impact 3.63115
+    after_impact_lower 1.403565
+    after_impact_upper 3.484663
     """
     frequencies = [float(omega) for omega in np.atleast_1d(omegas)]
     if not all(0.0 < omega < math.inf for omega in frequencies):

@@ -60,14 +60,12 @@ _SHARE = 8_000_000
 
 
 class Interval(NamedTuple):
-    """An interval of amplitudes that overturns at one Omega: from A_from to A_to (None:
-    beyond the limit of the search).
-    """
+    """An interval of amplitudes that overturns at one Omega."""
 
-    omega: float
-    a_from: float
-    a_to: float | None
-    mode: str
+    omega: float  # Omega [-]
+    a_from: float  # lowest A of the interval [-]
+    a_to: float | None  # largest A [-], None beyond the limit of the search
+    mode: str  # word of the outcome, as `Outcome.mode` has it
 
 
 def trace_envelope(
@@ -82,18 +80,48 @@ def trace_envelope(
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Interval]:
     """Return every interval of amplitudes A up to `a_max` that overturns a structure,
-    wider than 1e-3, for each Omega [-]. `dimensionless_oscillator(eta)` is a structure
-    of which only the restitution is known. Boundaries are traced to the last digits of
-    the model's outcome. Intervals that touch but differ in mode are listed apart. sign:
-    of the ground acceleration, for a body with unequal sides: "+", "-", or "worse",
-    which lists the intervals of either sign; omegas: under a record only 1/p, since a
-    record has its own time; workers: number of processes, None for all cores if that
-    saves time. Raises UsageError when a_max is not above the amplitude of the first
-    uplift or the model does not hold for the structure, OutputError when a worker
-    process dies.
+    wider than 1e-3, for each Omega.
 
-    >>> [(round(i.a_from, 6), i.a_to and round(i.a_to, 6)) for i in trace_envelope(dimensionless_oscillator(0.9), sine(), [3.0])]
-    [(1.403565, 3.484663), (3.63115, None)]
+    Boundaries are traced to the last digits of the model's outcome. Intervals that
+    touch but differ in mode are listed apart.
+
+    Parameters
+    ----------
+    structure
+        the structure; `dimensionless_oscillator(eta)` is one of which only the
+        restitution is known
+    motion
+        the motion of the ground
+    omegas
+        Omega [-], (frequencies,); under a record only 1/p, since a record has its own
+        time
+    method
+        model and tolerance
+    a_max
+        largest A of the search [-]
+    sign
+        sign of the ground acceleration, for a body with unequal sides: "+", "-", or
+        "worse", which lists the intervals of either sign
+    workers
+        number of processes, None for all cores if that saves time
+    progress
+        called now and then with two counts: how much is done, and how much in all
+
+    Raises
+    ------
+    UsageError
+        when a_max is not above the amplitude of the first uplift, or the model does
+        not hold for the structure
+    OutputError
+        when a worker process dies
+
+    Examples
+    --------
+    >>> oscillator = dimensionless_oscillator(0.9)
+    >>> for interval in trace_envelope(oscillator, sine(), [3.0]):
+    ...     print(round(interval.a_from, 6), interval.a_to and round(interval.a_to, 6))
+    1.403565 3.484663
+    3.63115 None
     """
     motion, omegas = (
         motion if isinstance(motion, Motion) else motion.motion,
@@ -287,10 +315,13 @@ def structure_intervals(
     **more: Any,
 ) -> Iterator[dict[str, Any]]:
     """Yield the rows of a structure's overturning intervals, with units if it has any;
-    mode is `NONE` where nothing overturns. sign: as of `trace_envelope`, or "both",
-    which adds the sign, 1 or -1, to each row, None if its sides are equal; lowest: only
-    the lowest interval of each frequency; more: arguments of `trace_envelope`. Raises
-    as `trace_envelope`.
+    mode is `NONE` where nothing overturns. Raises as `trace_envelope`.
+
+    Parameters:
+        sign: as of `trace_envelope`, or "both", which adds the sign, 1 or -1, to each
+            row, None if its sides are equal
+        lowest: True for the lowest interval of each frequency only
+        more: arguments of `trace_envelope`
     """
     omegas = _scaled(structure, axis)
     apart = sign == BOTH and not method.system_of(structure).alike

@@ -51,19 +51,19 @@ _STRETCH = 1000
 @dataclass
 class FallSearch:
     """The search for the lowest amplitude at which one body falls, where falls may be
-    narrow. falls: function that returns True for amplitudes at which the body falls, by
-    the march; approximate_falls: the same for many amplitudes, perhaps approximate, to
-    tell where to look; digits: relative width of a traced boundary; scan: the
-    approximate scan, None without one; by_march: True if `approximate_falls` is the
-    march (bodies with restraints); computed: (amplitudes `COARSE` apart that were
-    computed, True where the body seems to fall).
+    narrow.
     """
 
+    # function that returns True for amplitudes at which the body falls, by the march
     falls: Callable[[Array], Array]
+    # the same for many amplitudes, perhaps approximate, to tell where to look
     approximate_falls: Callable[[Array], Array]
-    digits: float
-    scan: Scan | None = None
+    digits: float  # relative width of a traced boundary [-]
+    scan: Scan | None = None  # the approximate scan, None without one
+    # True if `approximate_falls` is the march (bodies with restraints)
     by_march: bool = False
+    # (amplitudes A `COARSE` apart that were computed [-], True where the body seems to
+    # fall), (amplitudes,) each
     computed: tuple[Array, Array] = field(
         default_factory=lambda: (np.zeros(0), np.zeros(0, dtype=bool))
     )

@@ -40,13 +40,12 @@ _SEARCH_LINES = 64  # number of lines that one search for the next uplift covers
 
 
 class Accuracy(NamedTuple):
-    """How closely the scan follows bodies. degree: of the series of a step; short:
-    bounces shorter than this times `_STEP` are averaged; roots: number of steps of
-    Newton's method to an impact, plus one where a line differs from the record.
-    """
+    """How closely the scan follows bodies."""
 
-    degree: int
-    short: float
+    degree: int  # degree of the series of a step
+    short: float  # bounces shorter than this times `_STEP` are averaged [-]
+    # number of steps of Newton's method to an impact, plus one where a line differs
+    # from the record
     roots: int
 
 
@@ -56,23 +55,21 @@ _FINE = Accuracy(6, 1e-3, 3)
 
 
 class Lines(NamedTuple):
-    """The lines of a record: s at the start of each, its rise, its length; (lines,).
-    residual: the difference r of record and line, for each sample of a line: W and W'
-    at its start, r there, and the rise of r; (4, lines, samples), without samples if
-    the lines are the record itself.
-    """
+    """The lines of a record."""
 
-    s: Array
-    rise: Array
-    length: Array
+    s: Array  # s at the start of each line [-], (lines,)
+    rise: Array  # increase of s over the line [-], (lines,)
+    length: Array  # length of the line [rad], (lines,)
+    # the difference r of record and line, for each sample of a line: W and W' at its
+    # start, r there, and the rise of r, (4, lines, samples); without samples if the
+    # lines are the record itself
     residual: Array
 
 
 class Scan:
-    """One body under one record at one Omega. fine: True to follow it sample by sample,
-    so that most boundaries lie within 1e-6 of those of the march; kind: bodies with
-    equal kinds can be followed together; known: (amplitudes A that were computed, their
-    outcomes).
+    """One body under one record at one Omega, followed approximately. If `fine` it is
+    followed sample by sample, so that most boundaries lie within 1e-6 of those of the
+    march.
     """
 
     def __init__(
@@ -93,6 +90,7 @@ class Scan:
             lane.segments,
             min(step, float(lane.segments.length[:].max())) if fine else step,
         )
+        # bodies with equal kinds can be followed together
         self.kind = (
             type(system.equation),
             lane.zeta,
@@ -100,6 +98,7 @@ class Scan:
             self.lines.residual.size > 0,
             fine,
         )
+        # amplitudes A that were computed [-], and their outcomes, (amplitudes,) each
         self.known = np.zeros(0), np.zeros(0, dtype=np.uint8)
 
     @staticmethod
@@ -153,24 +152,20 @@ def follow(
 
 
 class _Pool:
-    """The lanes of a scan. outcome, bounced: of every lane, as far as they are known.
-    The other fields are those of lanes that still move: number; amplitude A; k, x:
-    line, and time in it over its length; row: body and side; y, v: y and y'; drive:
-    outward drive of s = 1 times A; pace: tau over the phase; rested: line after the one
-    in which the lane came to rest, -1 for others.
-    """
+    """The lanes of a scan: those that still move, and the results of all."""
 
+    # The fields of lanes that still move, (lanes,) each
     _EACH = (
-        "number",
-        "amplitude",
-        "k",
-        "x",
-        "row",
-        "y",
-        "v",
-        "drive",
-        "pace",
-        "rested",
+        "number",  # index of the lane among all lanes
+        "amplitude",  # A [-]
+        "k",  # index of the line
+        "x",  # time in the line over its length [-]
+        "row",  # index of the body and the side
+        "y",  # displacement, in the unit of the side
+        "v",  # velocity y', by tau
+        "drive",  # outward drive of s = 1 times A [-]
+        "pace",  # tau over the phase [1/rad]
+        "rested",  # line after the one in which the lane came to rest, -1 for others
     )
 
     def __init__(self, scans: list[Scan], amplitudes: list[Array]) -> None:
@@ -193,6 +188,7 @@ class _Pool:
         )
         self.k, self.rested = self.end[body], self.begin[body]
         self.x, self.y, self.v, self.drive, self.pace = np.zeros((5, body.size))
+        # the outcome, and True after an impact, of every lane, as far as they are known
         self.outcome, self.bounced = (
             np.full(body.size, Outcome.ROCKED, dtype=np.uint8),
             np.zeros(body.size, dtype=bool),

@@ -43,20 +43,18 @@ Tell = Callable[[float], None]  # called with the share that is done
 class WorstFrequency(NamedTuple):
     """The worst frequency of a range for one structure."""
 
-    grid: Grid  # the demand there, of one cell
-    frequency: (
-        float | None
-    )  # [Hz]; None if the body lifts at no frequency and has no capacity
-    end: str | None  # "lower" or "upper" if it is this end of the range
+    grid: Grid  # the demand at this frequency, of one cell
+    # [Hz]; None if the body lifts at no frequency and has no capacity
+    frequency: float | None
+    end: str | None  # "lower" or "upper" if it is this end of the range, otherwise None
 
 
 class BeyondTheEnd(NamedTuple):
     """The answers of a body to the demand at frequencies beyond an end of the range."""
 
     overturns: float | None  # the frequency nearest to the end that overturns it [Hz]
-    larger: (
-        float | None
-    )  # if none does: the frequency of the largest rotation, if it is larger [Hz]
+    # if none does: the frequency of the largest rotation, if it is larger [Hz]
+    larger: float | None
     last: float  # the last frequency that was tried [Hz]
 
 
@@ -215,13 +213,13 @@ def _of_the_largest(under: Response, omegas: np.ndarray) -> float | None:
 class _Search(NamedTuple):
     """The search for the worst Omega of one structure."""
 
-    structure: RockingParameters
-    motion: Motion
-    amplitude: float  # A of the demand
-    ends: tuple[float, float]  # of Omega
-    method: Method
-    system: System
-    tell: Tell
+    structure: RockingParameters  # the structure
+    motion: Motion  # the motion of the ground
+    amplitude: float  # A of the demand [-]
+    ends: tuple[float, float]  # lowest and highest Omega of the range [-]
+    method: Method  # model and tolerance
+    system: System  # the system of the structure
+    tell: Tell  # called with the share that is done
 
     def scan(self) -> np.ndarray:
         """The Omega of the scan, both ends included."""

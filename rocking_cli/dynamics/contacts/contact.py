@@ -17,36 +17,29 @@ from .sequences import OtherSide, sequence_ends, sequence_time
 
 
 class Uplift(NamedTuple):
-    """The next uplift of bodies at rest: segment k (the number of segments if nothing
-    lifts the body), phase u in it, side, force b.
-    """
+    """The next uplift of bodies at rest. Every array is (lanes,)."""
 
-    k: Array
-    u: Array
-    side: Array
-    b: Array
+    k: Array  # segment; the number of segments if nothing lifts the body
+    u: Array  # phase in the segment [rad]
+    side: Array  # +1 right, -1 left
+    b: Array  # force y'' + 2 zeta y' at uplift, in the unit of the side
 
 
 class FreeMotion(NamedTuple):
-    """Outcome of the motion after the shaking, (lanes,) each: overturns without a
-    further impact, or after one; peak: the largest rotation y to come, NaN if the body
-    overturns.
-    """
+    """Outcome of the motion after the shaking. Every array is (lanes,)."""
 
-    overturns: Array
-    overturns_after_impact: Array
-    peak: Array
+    overturns: Array  # True if the body overturns without a further impact
+    overturns_after_impact: Array  # True if it overturns after one
+    peak: Array  # largest rotation y to come, NaN if the body overturns
 
 
 class Contact(ABC):
     """How a body stands on the ground. The methods of this class hold for two equal
-    edges and for a single edge; `Unequal` overrides them. alike: True if the body has
-    two free and equal edges; left: 1 if the body can lift off onto its left edge,
-    otherwise 0.
+    edges and for a single edge; `Unequal` overrides them.
     """
 
-    alike = False
-    left = 1.0
+    alike = False  # True if the body has two free and equal edges
+    left = 1.0  # 1 if the body can lift off onto its left edge, otherwise 0
 
     @abstractmethod
     def cells(
@@ -270,20 +263,17 @@ def reciprocal_ratios(one: float, other: float) -> tuple[float, float]:
 class Unequal(Contact):
     """Two edges that differ. Each pair of numbers is (right edge, left edge). A and
     Omega are those of the reference edge; on either side y and tau = p t have the unit
-    and the p of that side.
-
-    drive: uplift acceleration of the reference edge over that of the edge; omega: p of
-    the reference edge over that of the edge; eta: |y'| after over |y'| before the
-    impact that leaves the edge, each in the units of its side, so that one of the two
-    may exceed 1, their product may not; rotation: |theta|/alpha at y = 1; pace: alpha p
-    of the edge over alpha p of the reference edge. Raises ValueError for a number out
-    of range.
+    and the p of that side. Raises ValueError for a number out of range.
     """
 
+    # uplift acceleration of the reference edge over that of the edge [-]
     drive: tuple[float, float]
-    omega: tuple[float, float]
+    omega: tuple[float, float]  # p of the reference edge over that of the edge [-]
+    # |y'| after over |y'| before the impact that leaves the edge [-], each in the units
+    # of its side: one of the two may exceed 1, their product may not
     eta: tuple[float, float]
-    rotation: tuple[float, float]
+    rotation: tuple[float, float]  # |theta|/alpha at y = 1 [-]
+    # alpha p of the edge over alpha p of the reference edge [-]
     pace: tuple[float, float] = (1.0, 1.0)
 
     def __post_init__(self) -> None:

@@ -48,19 +48,18 @@ _SAFE_SHARE = 1.0 - 1e-6  # share of a bound that is used; the rest is room for 
 @dataclass
 class OtherSide(Arrays):
     """The side of the next arc (the motion between two impacts), compared with the
-    present side. drive: the outward drive there is -drive times the outward drive a
-    here; time: duration of an arc there over that of the same arc here; eta: speed
-    after over speed before the impact that leaves the present side; back: the same for
-    the impact that leaves the other side; rotation: |theta|/alpha of y = 1 there over
-    that here. From one arc on this side to the next one the speed is multiplied by eta
-    times back.
+    present side. From one arc on this side to the next one the speed is multiplied by
+    eta times back.
     """
 
+    # the outward drive there is -drive times the outward drive here [-], (lanes,)
     drive: Array | float
+    # duration of an arc there over that of the same arc here [-], (lanes,)
     time: Array | float
+    # speed after over before the impact that leaves the present side [-], (lanes,)
     eta: Array
-    back: Array
-    rotation: Array | float
+    back: Array  # the same for the impact that leaves the other side [-], (lanes,)
+    rotation: Array | float  # |theta|/alpha of y = 1 there over that here [-], (lanes,)
 
 
 def sequence_ends(
@@ -108,9 +107,9 @@ def sequence_ends(
 
 
 class SequenceBounds(NamedTuple):
-    """Bounds of a sequence of impacts that is proved to end in rest. Pairs are (on this
-    side, on the other side), each in the unit of its side, (lanes,); without another
-    side the second forces are infinite.
+    """Bounds of a sequence of impacts that is proved to end in rest. Every array is
+    (lanes,). Pairs are (on this side, on the other side), each in the unit of its side;
+    without another side the second forces are infinite.
     """
 
     later: Array  # phase of the segment before which the sequence ends [rad]
@@ -148,7 +147,7 @@ def sequence_bounds(
 
 class _Path(NamedTuple):
     """The forces over the longest duration of a sequence of impacts, and how far they
-    let its speeds grow, (lanes,).
+    let its speeds grow. Every array is (lanes,).
     """
 
     scale: Array  # 2 v / (1 - q)
@@ -157,11 +156,10 @@ class _Path(NamedTuple):
     # inward force on bodies at the ground at the start, on this side and on the other
     now: tuple[Array, Array]
     then: tuple[Array, Array]  # the same after the duration
-    growth: Array  # bound of later speeds over v, on either side
-    gains: Array  # G: bound of the speeds at which arcs on this side begin, over v
-    other_gains: (
-        Array  # H: the same on the other side, less what shorter arcs make up for
-    )
+    growth: Array  # bound of later speeds over v, on either side [-]
+    gains: Array  # G: bound of the speeds at which arcs on this side begin, over v [-]
+    # H: the same on the other side, less what shorter arcs make up for [-]
+    other_gains: Array
 
     def height(self, v: Array, n: Array | float) -> Array:
         """The largest y of an arc, while y and damping take less than

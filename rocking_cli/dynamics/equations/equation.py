@@ -19,33 +19,35 @@ from .recurrence import Rows, Series
 
 
 class Point(NamedTuple):
-    """State of lanes at an instant of an arc: displacement y, velocity v, acceleration
-    b, jerk j; (lanes,), derivatives by tau.
-    """
+    """State of lanes at an instant of an arc. Every array is (lanes,)."""
 
-    y: Array
-    v: Array
-    b: Array
-    j: Array
+    y: Array  # displacement, in the unit of the side
+    v: Array  # velocity y', by tau
+    b: Array  # acceleration y'', by tau
+    j: Array  # jerk y''', by tau
 
 
 class Flow(Protocol):
     """The motion of each lane from its present state to the next impact or the end of a
-    piece. Arrays are (lanes,). damping: zeta [-]; y, v, b: displacement, velocity and
-    acceleration at the start; longest: longest step [tau]; fastest: rate [1/tau] of the
-    fastest change, from which the tolerances of roots follow.
+    piece. Every array is (lanes,).
     """
 
     @property
-    def damping(self) -> float: ...
+    def damping(self) -> float: ...  # zeta [-]
+
     @property
-    def y(self) -> Any: ...
+    def y(self) -> Any: ...  # displacement at the start, in the unit of the side
+
     @property
-    def v(self) -> Any: ...
+    def v(self) -> Any: ...  # velocity y' at the start, by tau
+
     @property
-    def b(self) -> Any: ...
+    def b(self) -> Any: ...  # acceleration y'' at the start, by tau
+
     @property
-    def longest(self) -> Array: ...
+    def longest(self) -> Array: ...  # longest step [tau]
+
+    # rate of the fastest change [1/tau], from which the tolerances of roots follow
     @property
     def fastest(self) -> Array: ...
 
@@ -62,9 +64,10 @@ class Flow(Protocol):
 class Drive(NamedTuple):
     """The shaking of lanes: series in powers of the time over `unit`, from now on."""
 
-    terms: Rows  # of the outward drive over its value at uplift
-    unit: Array  # [tau], (lanes,)
-    weight: Rows | None = None  # of the weight over m g; None if it is constant
+    terms: Rows  # of the outward drive over its value at uplift [-], (terms, lanes)
+    unit: Array  # unit of time of the series [tau], (lanes,)
+    # of the weight over m g [-], (terms, lanes); None if it is constant
+    weight: Rows | None = None
 
     @property
     def line(self) -> Array:
@@ -98,35 +101,28 @@ class Drive(NamedTuple):
 class Equation(ABC):
     """An equation of motion, y'' = f - 2 zeta y', in a displacement y of its own unit,
     with derivatives by tau = p t. Its numbers are floats, or (lanes,) arrays if the two
-    sides of a body differ or every cell has a body of its own (`on`). damping: zeta
-    [-]; without damping the motion after the shaking has a closed form. The comments
-    state the other attributes.
+    sides of a body differ or every cell has a body of its own (`on`).
     """
 
-    tolerance: float  # largest error of theta/alpha that a series may have
-    # upper bound of |df/dy| near the ground on either side, for drives |a| <= 1
+    tolerance: float  # largest error of theta/alpha that a series may have [-]
+    # upper bound of |df/dy| near the ground on either side, for drives |a| <= 1 [-]
     gain: Any
-    uplift_amplitude: Any = (
-        1.0  # the dimensionless amplitude A at which a drive of s = 1 lifts the body
-    )
+    # amplitude A at which a drive of s = 1 lifts the body [-]
+    uplift_amplitude: Any = 1.0
     # y from which the body counts as overturned under any drive: it lies on its side,
     # the linkage has collapsed
     limit: Any
     # energy, as `fall` returns it, of a body that leaves the ground and just reaches
     # its unstable equilibrium
     barrier: Any
-    bounds: tuple[
-        Any, Any
-    ]  # the largest l and the largest m between the ground and `limit`
-    composed: int | None = (
-        # largest degree of a series of one body, if F and G are series about each y:
-        # its cost goes with the cube
-        None
-    )
-    bounded = (
-        False  # True if the search for overturning amplitudes may use Lemmas 9 and 10
-    )
-    per_y: Any = 1.0  # |theta|/alpha at y = 1, if they are proportional
+    # the largest l and the largest m between the ground and `limit` [-]
+    bounds: tuple[Any, Any]
+    # largest degree of a series of one body, if F and G are series about each y: its
+    # cost goes with the cube
+    composed: int | None = None
+    # True if the search for overturning amplitudes may use Lemmas 9 and 10
+    bounded = False
+    per_y: Any = 1.0  # |theta|/alpha at y = 1 [-], if they are proportional
     per_rotation: Any = 1.0  # y at |theta|/alpha = 1, if they are proportional
     # lanes that the march advances together: fewer rounds against arrays that no longer
     # fit the caches (24 terms)
@@ -135,6 +131,7 @@ class Equation(ABC):
     def __init__(self, damping: float) -> None:
         if not 0.0 <= damping < math.inf:
             raise ValueError(f"damping: found {damping:g}; expected a number from 0")
+        # zeta [-]; without damping the motion after the shaking has a closed form
         self.damping = damping
 
     def on(self, side: Array, cell: Array | None = None) -> Self:

@@ -38,17 +38,18 @@ _BOTH = np.stack([_ODD, _EVEN], axis=1)[:, :, None, None]
 
 @dataclass
 class LinearFlow(Arrays):
-    """One arc a lane: the state at its start and the coefficients of the outward drive,
-    (lanes,) or (harmonics, lanes).
-    """
+    """One arc a lane: the state at its start, and the terms of the outward drive."""
 
-    y: Array
-    v: Array
-    b: Array
-    sin: Array  # S_j: coefficient of sin(w h), rate of the outward drive over w
-    cos: Array  # C_j: coefficient of cos(w h) in the outward drive
-    w: Array  # angular frequency over p
-    ramp: Array | None  # r, or None when the motion has no ramp
+    y: Array  # displacement at the start, in the unit of the side, (lanes,)
+    v: Array  # velocity y' at the start, by tau, (lanes,)
+    b: Array  # acceleration y'' at the start, by tau, (lanes,)
+    # S_j: coefficient of sin(w h), rate of the outward drive over w [-], (harmonics,
+    # lanes)
+    sin: Array
+    # C_j: coefficient of cos(w h) in the outward drive [-], (harmonics, lanes)
+    cos: Array
+    w: Array  # angular frequency over p [1/tau], (harmonics, lanes)
+    ramp: Array | None  # r [1/tau], (lanes,), or None when the motion has no ramp
     damping = 0.0
 
     @property

@@ -19,8 +19,17 @@ SERIES = 1e-12  # tolerance of the series with damping or under a varying weight
 
 
 class LinearEquation(Equation):
-    """The linear oscillator, y'' = y - 1 + a - 2 zeta y'; damping: zeta [-]. Raises
-    ValueError when it is negative or not finite.
+    """The linear oscillator, y'' = y - 1 + a - 2 zeta y' (Eq. 2.4).
+
+    Parameters
+    ----------
+    damping
+        zeta [-]
+
+    Raises
+    ------
+    ValueError
+        when the damping is negative or not finite
     """
 
     gain = 1.0

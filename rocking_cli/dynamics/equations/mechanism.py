@@ -54,10 +54,23 @@ _FACTORIALS = np.array([[float(math.factorial(k))] for k in range(DEGREE + 1)])
 
 
 class MechanismEquation(Equation):
-    """Eq. 3.4 for one mechanism; tolerance: error of phi/alpha that the integration
-    aims at; damping: zeta [-], of q. Raises ValueError when the mechanism does not
-    stand, when it never becomes unstable, when its lambda(phi) does not fall until
-    then, or when the tolerance is not between 1e-13 and 1e-2.
+    """Eq. 3.4 for one mechanism.
+
+    Parameters
+    ----------
+    mechanism
+        the mechanism
+    tolerance
+        error of phi/alpha that the integration aims at [-]
+    damping
+        zeta of q [-]
+
+    Raises
+    ------
+    ValueError
+        when the mechanism does not stand, when it never becomes unstable, when its
+        lambda(phi) does not fall until then, or when the tolerance is not between
+        1e-13 and 1e-2
     """
 
     composed = 12

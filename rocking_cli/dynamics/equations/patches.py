@@ -30,20 +30,18 @@ _SMALL = 3e-14
 
 @dataclass(frozen=True)
 class Patches:
-    """Functions of y by patches: edges (patches + 1), centre, half (half the width that
-    was fitted), and (terms, patches) coefficients. Coefficients are of powers of (y -
-    centre) / half. lift F/F0, push G/G0, turn phi/alpha; work and thrust: int lift dy
-    and int push dy from 0.
+    """Functions of y by patches: on each patch a series in powers of (y - centre) /
+    half.
     """
 
-    edges: Array
-    centre: Array
-    half: Array
-    lift: Array
-    push: Array
-    turn: Array
-    work: Array
-    thrust: Array
+    edges: Array  # ends of the patches, in y, (patches + 1,)
+    centre: Array  # middle of each patch, in y, (patches,)
+    half: Array  # half the width that was fitted, in y, (patches,)
+    lift: Array  # coefficients of F/F0 [-], (terms, patches)
+    push: Array  # coefficients of G/G0 [-], (terms, patches)
+    turn: Array  # coefficients of phi/alpha [-], (terms, patches)
+    work: Array  # coefficients of int lift dy from 0, (terms, patches)
+    thrust: Array  # coefficients of int push dy from 0, (terms, patches)
 
     def of(self, y: Array) -> tuple[Array, Array]:
         """(index of the patch, argument of its series) for each displacement y."""

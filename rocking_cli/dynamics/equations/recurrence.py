@@ -25,7 +25,7 @@ class Recurrence(Protocol):
     of tied bodies.
     """
 
-    damping: float  # zeta
+    damping: float  # zeta [-]
 
     def along(
         self, y: Series, new: Callable[[], Series]
@@ -120,11 +120,15 @@ def motion_terms(
 ) -> Any:
     """Return the terms of y in powers of the time over `unit` [tau].
 
-    y, v: displacement and velocity at the start, floats or (lanes,); factors:
-    unit^2/((n + 1)(n + 2)) for n = 0, 1 ..., 0 beyond the degree of a lane; drive,
-    weight: series of the outward drive and of the weight over m g (None: 1); force: y''
-    + 2 zeta y' at the start where it is known to more digits than follow from the
-    drive.
+    Parameters:
+        y: displacement at the start, float or (lanes,)
+        v: velocity y' at the start, by tau, float or (lanes,)
+        unit: unit of time of the series [tau], float or (lanes,)
+        factors: unit^2/((n + 1)(n + 2)) for n = 0, 1 ..., 0 beyond the degree of a lane
+        drive: series of the outward drive
+        weight: series of the weight over m g, None for 1
+        force: y'' + 2 zeta y' at the start, where it is known to more digits than
+            follow from the drive
 
     Returns len(factors) + 2 terms: a list if `drive` is one, otherwise (terms, lanes).
     """

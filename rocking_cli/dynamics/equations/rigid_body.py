@@ -24,19 +24,31 @@ from .taylor import TaylorSeries, line_flow, order_for, series, series_flow
 
 
 class RigidBodyEquation(Equation):
-    """Eq. 2.3 for a rigid body. alpha: critical angle [rad], the two angles (right,
-    left) if the edges differ, or an array with one alpha for each cell; tolerance:
-    error of theta/alpha that the integration aims at; damping: zeta [-]. Raises
-    ValueError when an alpha is not between 1e-30 and pi/2, the tolerance not between
-    1e-13 and 1e-2, or the damping negative.
+    """Eq. 2.3 for a rigid body.
+
+    Parameters
+    ----------
+    alpha
+        critical angle [rad], the two angles (right, left) if the edges differ, or an
+        array with one alpha for each cell, (cells,)
+    tolerance
+        error of theta/alpha that the integration aims at [-]
+    damping
+        zeta [-]
+
+    Raises
+    ------
+    ValueError
+        when an alpha is not between 1e-30 and pi/2, the tolerance not between 1e-13
+        and 1e-2, or the damping negative
     """
 
-    alpha: Any
-    sin: Any
-    cos: Any
-    tan: Any
-    bottom: Any  # 1 - cos(alpha)
-    gain: Any
+    alpha: Any  # critical angle [rad], float or (lanes,)
+    sin: Any  # sin(alpha) [-]
+    cos: Any  # cos(alpha) [-]
+    tan: Any  # tan(alpha) [-]
+    bottom: Any  # 1 - cos(alpha) [-]
+    gain: Any  # as in `Equation` [-]
 
     def __init__(
         self,

@@ -39,15 +39,13 @@ _ROOM = (
 
 @dataclass
 class TaylorSeries(Arrays):
-    """Coefficients of (h / unit)^n, (terms, lanes), and the longest h [tau] for which
-    they hold; fastest, damping: as in `Flow`.
-    """
+    """The series of each lane in powers of h / unit, with h the time from its start."""
 
-    terms: Array
-    unit: Array
-    longest: Array
-    fastest: Array
-    damping: float = 0.0
+    terms: Array  # coefficients of y, (terms, lanes)
+    unit: Array  # unit of time of the series [tau], (lanes,)
+    longest: Array  # longest h for which the series holds [tau], (lanes,)
+    fastest: Array  # rate of the fastest change, as in `Flow` [1/tau], (lanes,)
+    damping: float = 0.0  # zeta [-]
 
     @property
     def y(self) -> Array:

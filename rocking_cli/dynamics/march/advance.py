@@ -24,15 +24,13 @@ _SAFE_SHARE = (
 
 class Windows(NamedTuple):
     """The end of the present window of each lane. A window is an interval in which the
-    drive stays subcritical, or stays supercritical. k, u: segment and phase of the end;
-    supercritical: True if the drive is supercritical; over: phase of the whole segments
-    between the present one and k.
+    drive stays subcritical, or stays supercritical. Every array is (lanes,).
     """
 
-    k: Array
-    u: Array
-    supercritical: Array
-    over: Array
+    k: Array  # segment of the end
+    u: Array  # phase of the end in its segment [rad]
+    supercritical: Array  # True if the drive is supercritical
+    over: Array  # phase of the whole segments between the present one and k [rad]
 
     def phase(self, u: Array) -> Array:
         """The phase from u in the present segment to the end of the window."""
@@ -120,31 +118,29 @@ def _beyond_cuts(
 class Step(NamedTuple):
     """The time that each lane covers with one proof: one window of the drive, or a
     supercritical window that the lane leaves outwards together with the subcritical
-    window after it. k, u: where the step ends; h: its length [tau]; supercritical: True
-    if the drive is supercritical throughout; subcritical: time [tau] in the step at
-    which its subcritical window begins, 0 if the step has no other window.
+    window after it. Every array is (lanes,).
     """
 
-    k: Array
-    u: Array
-    h: Array
-    supercritical: Array
+    k: Array  # segment in which the step ends
+    u: Array  # phase of the end in its segment [rad]
+    h: Array  # length of the step [tau]
+    supercritical: Array  # True if the drive is supercritical throughout
+    # time in the step at which its subcritical window begins [tau], 0 if the step has
+    # no other window
     subcritical: Array
 
 
 class StepResult(NamedTuple):
-    """A step, the state at its end, and where the lane hit the ground (`hit`) the
-    velocity and force of the impact at `reach`; chord_errors: chord errors of
-    `TaylorSeries.at_with_chord_errors`, where the weight varies.
-    """
+    """A step and its outcome. Every array is (lanes,)."""
 
-    step: Step
-    arc: Flow
-    end: Point
-    reach: Array  # [tau] from the start: to the impact, or to the end of the step
-    hit: Array
-    impact_v: Array
-    impact_b: Array
+    step: Step  # the step
+    arc: Flow  # the motion from its start
+    end: Point  # the state at its end
+    reach: Array  # time from the start to the impact, or to the end of the step [tau]
+    hit: Array  # True where the lane hit the ground
+    impact_v: Array  # velocity y' just before the impact
+    impact_b: Array  # force y'' + 2 zeta y' at the impact
+    # chord errors of `TaylorSeries.at_with_chord_errors`, where the weight varies
     chord_errors: Array | None = None
 
     @property

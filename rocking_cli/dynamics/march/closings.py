@@ -24,24 +24,22 @@ FEW_SIGN_CHANGES = 1
 
 
 class Closed(NamedTuple):
-    """Lanes whose outcome is known: their indices, their outcomes, and the largest y of
-    those that rocked (NaN for other outcomes).
-    """
+    """Lanes whose outcome is known."""
 
-    at: Array
-    outcome: Array | Outcome
+    at: Array  # indices of the lanes, (closed,)
+    outcome: Array | Outcome  # their outcomes, (closed,), or one outcome for all
+    # largest y of lanes that rocked, NaN for other outcomes, (closed,)
     peak: Array | float
 
 
 class Closing(NamedTuple):
-    """A proof that ends the march of lanes early. closes(batch, lanes): returns those
-    lanes, just after an impact, whose outcome it proves; counts: the field of `Work`
-    that counts them; still: True for a proof about still ground, before which the run
-    calls its observers.
-    """
+    """A proof that ends the march of lanes early."""
 
+    # function of the batch and of its lanes just after an impact; returns the lanes
+    # whose outcome it proves
     closes: Callable[[Batch, Lanes], Closed]
-    counts: str = ""
+    counts: str = ""  # field of `Work` that counts these lanes
+    # True for a proof about still ground, before which the run calls its observers
     still: bool = False
 
 

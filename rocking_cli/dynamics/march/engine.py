@@ -57,24 +57,24 @@ def by_windows(run: "Run", waiting: Array) -> None:
 
 
 class Run:
-    """The march of a batch: the lanes in the pool, and the results so far. Parameters:
-    pool: number of lanes advanced together; observers: objects that see the motion of
-    the lanes. theta_ratio, outcome, impacts: (cells,), as in `Response`; bounced: True
-    for damped cells after an impact on still ground.
-    """
+    """The march of a batch: the lanes in the pool, and the results so far."""
 
     def __init__(
         self, batch: Batch, pool: int | None = None, observers: Sequence[Observer] = ()
     ) -> None:
         keep_freed_memory()
+        # pool: number of lanes that are advanced together
+        # observers: objects that see the motion of the lanes
         self.batch, self.pool, self.observers = (
             batch,
             pool or batch.equation.pool,
             list(observers),
         )
         self.closings, self.after_rest = closings_of(batch, bool(observers))
+        # results so far, as in `Response`, (cells,)
         self.theta_ratio = np.full(batch.size, 0.0 if batch.peaks else np.nan)
         self.outcome = np.full(batch.size, Outcome.NO_UPLIFT, dtype=np.uint8)
+        # bounced: True for damped cells after an impact on still ground, (cells,)
         self.impacts, self.bounced = (
             np.zeros(batch.size, dtype=np.int32),
             np.zeros(batch.size, dtype=bool),

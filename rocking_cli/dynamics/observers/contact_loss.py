@@ -40,27 +40,25 @@ _HALVINGS = 30
 
 @dataclass
 class Ends(Arrays):
-    """u, u', u'' [rad, by tau] and Fz/(m g) at one end of
-    each stretch, (stretches,).
-    """
+    """The motion at one end of each stretch. Every array is (stretches,)."""
 
-    u: Array
-    v: Array
-    b: Array
-    fz: Array
+    u: Array  # rotation |theta| [rad]
+    v: Array  # u', by tau [rad]
+    b: Array  # u'', by tau [rad]
+    fz: Array  # vertical force on the ground, Fz/(m g) [-]
 
 
 class ShakingBounds(NamedTuple):
-    """The largest push over g of each stretch and bounds of its first two derivatives
-    by tau; the same of the weight over m g less 1.
+    """Bounds of the shaking on each stretch, with derivatives by tau. Every array is
+    (stretches,).
     """
 
-    push: Array
-    push1: Array
-    push2: Array
-    sway: Array
-    sway1: Array
-    sway2: Array
+    push: Array  # largest |push| over g [-]
+    push1: Array  # bound of its first derivative [-]
+    push2: Array  # bound of its second derivative [-]
+    sway: Array  # largest deviation of the weight over m g from 1 [-]
+    sway1: Array  # bound of its first derivative [-]
+    sway2: Array  # bound of its second derivative [-]
 
 
 def chord_errors(
@@ -108,9 +106,7 @@ def chord_errors(
 
 
 class ContactLoss(Observer):
-    """Search for lost contact in the cells of a batch while they are marched. open:
-    True for cells without a proof beforehand.
-    """
+    """Search for lost contact in the cells of a batch while they are marched."""
 
     def __init__(self, body: Body, batch: Batch) -> None:
         self.body, self.batch, self.segments = body, batch, batch.segments
@@ -144,7 +140,7 @@ class ContactLoss(Observer):
         pushes = batch.cells.amplitude * (
             np.array([e.uplift for e in body.edges])[:, None] * self.across[0]
         )
-        self.open = np.any(pushes > safe, axis=0)
+        self.open = np.any(pushes > safe, axis=0)  # True for cells without a proof
         self._lost = np.zeros(self.open.size, dtype=bool)
 
     def contact_proved(

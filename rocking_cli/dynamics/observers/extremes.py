@@ -16,22 +16,20 @@ _CUTS = 7  # largest number of evaluations inside a stretch, at peaks of cubics
 
 @dataclass
 class Point(Arrays):
-    """A quantity and its slope by the time at points, (stretches,)."""
+    """A quantity and its slope by the time at points. Every array is (stretches,)."""
 
-    value: Array
-    slope: Array
+    value: Array  # the quantity, in its own unit
+    slope: Array  # its derivative by tau
 
 
 @dataclass
 class Stretches(Arrays):
-    """Intervals of time of several motions, (n,). own: index of the motion; low, high:
-    start and end [tau]; rate: how fast the quantity changes at most, as the circular
-    frequency of a sinusoid by tau.
-    """
+    """Intervals of time of several motions. Every array is (stretches,)."""
 
-    own: Array
-    low: Array
-    high: Array
+    own: Array  # index of the motion
+    low: Array  # start of the interval [tau]
+    high: Array  # end of the interval [tau]
+    # how fast the quantity changes at most: circular frequency of a sinusoid [1/tau]
     rate: Array
 
 

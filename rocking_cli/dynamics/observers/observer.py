@@ -12,45 +12,36 @@ from ..lanes import Array, Lanes
 
 
 class Arcs(NamedTuple):
-    """The motion of lanes from their present state until `stop` [tau] later, each along
-    its flow. lanes: the present state; flow: of these lanes; y, v, b: displacement,
-    velocity and force at `stop`, (lanes,); wanted: indices of the lanes whose outcome
-    is still open.
-    """
+    """Motion of lanes from their present state until `stop`, each along its flow."""
 
-    lanes: Lanes
-    flow: Flow
-    stop: Array
-    y: Array
-    v: Array
-    b: Array
-    wanted: Array
+    lanes: Lanes  # the present state
+    flow: Flow  # flow of these lanes
+    stop: Array  # end of the motion after the present state [tau], (lanes,)
+    y: Array  # displacement at `stop`, in the unit of the side, (lanes,)
+    v: Array  # velocity y' at `stop`, by tau, (lanes,)
+    b: Array  # force y'' + 2 zeta y' at `stop`, (lanes,)
+    wanted: Array  # indices of the lanes whose outcome is still open, (wanted,)
 
 
 class TaylorSteps(NamedTuple):
-    """Motion of bodies in the air from one sample to the next, (steps,). cell: index of
-    the cell; side: +1 or -1; equation: of these cells on these sides; start, end: (y,
-    y') at the start and at the end; ramp: the drive between the two samples.
-    """
+    """Motion in the air from one sample to the next. Every array is (steps,)."""
 
-    cell: Array
-    side: Array
-    equation: Equation
-    start: tuple[Array, Array]
-    end: tuple[Array, Array]
-    ramp: Drive
+    cell: Array  # index of the cell
+    side: Array  # +1 right, -1 left
+    equation: Equation  # equation of these cells on these sides
+    start: tuple[Array, Array]  # (y, y') at the start
+    end: tuple[Array, Array]  # (y, y') at the end
+    ramp: Drive  # the drive between the two samples
 
 
 class Propagation(NamedTuple):
-    """Propagation of all lanes over samples: y and y' at its end, peak (largest y so
-    far), fall (largest 1 - a on the way), time [tau].
-    """
+    """Propagation of all lanes over samples. Every array is (lanes,)."""
 
-    y: Array
-    v: Array
-    peak: Array
-    fall: Array
-    time: Array
+    y: Array  # displacement at the end, in the unit of the side
+    v: Array  # velocity y' at the end, by tau
+    peak: Array  # largest y so far
+    fall: Array  # largest 1 - a on the way [-]
+    time: Array  # duration [tau]
 
 
 class Observer:

@@ -43,22 +43,20 @@ _ROUNDS = 100  # limit of a search for a root; bisection alone takes 60
 
 
 class Point(NamedTuple):
-    """An instant of a path: time, theta and the velocity w of the equation."""
+    """An instant of a path."""
 
-    time: float
-    theta: float
-    w: float
+    time: float  # the instant [tau]
+    theta: float  # rotation [rad]
+    w: float  # velocity of the equation, by tau
 
 
 class Path(NamedTuple):
-    """The motion on a stretch of time: its peaks, its last instant, True if the body
-    struck the ground there, and the ends of all steps.
-    """
+    """The motion on a stretch of time."""
 
-    peaks: list[Point]
-    end: Point
-    struck: bool
-    steps: list[Point]
+    peaks: list[Point]  # its peaks
+    end: Point  # its last instant
+    struck: bool  # True if the body struck the ground at the last instant
+    steps: list[Point]  # the ends of all steps
 
 
 def step(rate: Rate, start: Point, length: float) -> Point | None:
@@ -179,8 +177,8 @@ class Script:
     accuracy` compares the engine with it.
     """
 
-    method: str
-    tolerance: float
+    method: str  # name of the method of `solve_ivp`
+    tolerance: float  # tolerance that `solve_ivp` is given
 
     def __call__(self, rate: Rate, start: Point, stop: float, limit: float) -> Path:
         """Return the same as `path`."""

@@ -41,12 +41,10 @@ _ROUNDS = 32  # rounds of the search; each leaves two thirds of the interval
 
 
 class Arm(NamedTuple):
-    """One edge. alpha [rad]; rise: R p^2/g with the p of tau [-]. Fz over m g is w +
-    rise (cos(alpha - u))'', with u = |theta|.
-    """
+    """One edge. Fz over m g is w + rise (cos(alpha - u))'', with u = |theta|."""
 
-    alpha: float
-    rise: float
+    alpha: float  # critical angle [rad]
+    rise: float  # R p^2/g with the p of tau [-]
 
     def fz(self, u: float, rate: float, acceleration: float, weight: float) -> float:
         """Fz/(m g) at u [rad]; rate, acceleration: the derivatives u' and u'' by tau;
@@ -59,33 +57,32 @@ class Arm(NamedTuple):
 
 
 class Rates(NamedTuple):
-    """An equation of motion on one edge. alpha: critical angle [rad]; uplift: static
-    lambda [-]; limit: theta [rad] from which the body counts as overturned; of:
-    function of theta, w, the inward ground acceleration [g] and the weight over m g
-    that returns (theta', w') by tau; returns: False if a body that loses contact beyond
-    alpha has an unknown outcome, so that its cell fails.
-    """
+    """An equation of motion on one edge."""
 
-    alpha: float
-    uplift: float
-    limit: float
+    alpha: float  # critical angle [rad]
+    uplift: float  # static uplift acceleration lambda [-]
+    limit: float  # theta from which the body counts as overturned [rad]
+    # function of theta, w, the inward ground acceleration [g] and the weight over m g
+    # that returns (theta', w') by tau
     of: Callable[[float, float, float, float], tuple[float, float]]
+    # False if a body that loses contact beyond alpha has an unknown outcome, so that
+    # its cell fails
     returns: bool = True
 
 
 class Problem(NamedTuple):
-    """A structure for a general solver. edges: the equation of each side, +1 for theta
-    > 0, and -1 unless the body rocks to the right only; scale: ground acceleration of A
-    = 1 [g]; eta: theta' after over theta' before the impact that leaves each edge,
-    empty if the eta of the cell holds; arms: the `Arm` of each edge of a rigid body,
-    empty if its forces are not known; body: function that builds a body with ties or a
-    tendon, None for a free body.
-    """
+    """A structure for a general solver."""
 
+    # equation of each side, +1 for theta > 0, and -1 unless the body rocks to the right
+    # only
     edges: dict[int, Rates]
-    scale: float
+    scale: float  # ground acceleration of A = 1 [g]
+    # theta' after over theta' before the impact that leaves each edge [-]; empty if the
+    # eta of the cell holds
     eta: Mapping[int, float] = {}
+    # `Arm` of each edge of a rigid body; empty if its forces are not known
     arms: Mapping[int, Arm] = {}
+    # function that builds a body with ties or a tendon, None for a free body
     body: Callable[..., Body] | None = None
 
 

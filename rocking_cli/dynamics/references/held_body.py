@@ -93,10 +93,8 @@ class _Device:
 
 
 class Held:
-    """The ties and the tendon of a body that moves. A side is +1 (right) or -1 (left).
-    paces: for each side, its p over the p of tau = p t; arm: R, the distance from the
-    edge to the mass centre [m]; linear: True for the linear equation, in which levers
-    do not change.
+    """The ties and the tendon of a body that moves. A side is +1 (right) or -1
+    (left).
     """
 
     def __init__(
@@ -115,6 +113,9 @@ class Held:
             for i in paces
         }
         self.factors = {i: pace**2 / stands[i].moment for i, pace in paces.items()}
+        # paces: for each side, its p over the p of tau = p t [-]
+        # arm: R, the distance from the edge to the mass centre [m]
+        # linear: True for the linear equation, in which levers do not change
         self.paces, self.arm, self.linear = paces, arm, linear
 
     def pull(self, side: int, u: float) -> float:

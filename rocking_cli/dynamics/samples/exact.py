@@ -87,15 +87,15 @@ def _mode(samples: Array, weights: Sequence[float], decays: Sequence[float]) -> 
 
 class Stretches(NamedTuple):
     """Lower bounds of the outward drive of A = 1 over stretches: the stretch of level k
-    from sample n covers the samples n ... n + 2^k, up to the last one. low: (2 sides x
-    stretches,), 40 bytes a sample; start, shift: (levels,); face: number of entries of
-    one side; the right edge comes first, then the left.
+    from sample n covers the samples n ... n + 2^k, up to the last one. They take 40
+    bytes a sample.
     """
 
+    # the bounds [-], (motions x 2 sides x stretches,); the right edge comes first
     low: Array
-    start: Array
-    shift: Array
-    face: int
+    start: Array  # index of the first entry of each level on a side, (levels,)
+    shift: Array  # a level has an entry for every 2^shift samples, (levels,)
+    face: int  # number of entries of one side
 
     def at(self, face: Array, level: Array, n: Array) -> Array:
         """Lower bound of the outward drive of A = 1 over the stretches of these levels
@@ -133,15 +133,13 @@ def stretches(motions: Sequence[Array], levels: int) -> Stretches:
 
 @dataclass
 class ExactLanes(PooledLanes):
-    """Lanes with their modes. up, down: coefficients of exp(tau) and exp(-tau) in y,
-    with tau from the first sample that is not before u; row: where the table for the
-    lane's pace begins; level: level of the stretch to try next.
-    """
+    """Lanes with their modes. Every array is (lanes,)."""
 
+    # coefficient of exp(tau) in y, tau from the first sample that is not before u
     up: Array
-    down: Array
-    row: Array
-    level: Array
+    down: Array  # coefficient of exp(-tau) in y, with the same tau
+    row: Array  # index at which the table for the lane's pace begins
+    level: Array  # level of the stretch to try next
 
 
 class ExactStepper(SampleStepper[ExactLanes]):

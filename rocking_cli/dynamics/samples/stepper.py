@@ -25,13 +25,11 @@ LONGEST = (
 
 @dataclass
 class PooledLanes(Lanes):
-    """Lanes in the pool. pace: tau between samples; outward: the outward drive of s =
-    1; slot: index of the lane in the pool.
-    """
+    """Lanes in the pool. Every array is (lanes,)."""
 
-    pace: Array
-    outward: Array
-    slot: Array
+    pace: Array  # time between samples [tau]
+    outward: Array  # outward drive of s = 1 [-]
+    slot: Array  # index of the lane in the pool
 
 
 Pooled = TypeVar("Pooled", bound=PooledLanes)

@@ -26,9 +26,9 @@ _NEARLY = 0.9
 
 @dataclass
 class SteppingLanes(PooledLanes):
-    """Lanes in the pool. degree: degree of the Taylor series of each lane."""
+    """Lanes in the pool that take Taylor steps."""
 
-    degree: Array
+    degree: Array  # degree of the Taylor series of each lane, (lanes,)
 
 
 class TaylorStepper(SampleStepper[SteppingLanes]):

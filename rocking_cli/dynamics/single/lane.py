@@ -21,26 +21,25 @@ _BLOCK = 1 << 15  # segments whose lists are held at once
 
 
 class Block(NamedTuple):
-    """Segments first ... first + len(length) - 1: s at their start, its rise, and their
-    length [rad]; up, up_rise: the start and rise of the vertical motion, empty without
-    one.
-    """
+    """Segments that follow one another, as lists with one number a segment."""
 
-    first: int
-    start: list[float]
-    rise: list[float]
-    length: list[float]
+    first: int  # index of the first segment
+    start: list[float]  # s at the start of each segment [-], (segments,)
+    rise: list[float]  # increase of s over each segment [-], (segments,)
+    length: list[float]  # length of each segment [rad], (segments,)
+    # start of the vertical motion in each segment [-], (segments,); empty without one
     up: list[float]
+    # its increase over each segment [-], (segments,); empty without one
     up_rise: list[float]
 
 
 class Wave(NamedTuple):
-    """The closed form of a segment: (sine part at its start, cosine part there,
-    frequency) of each sinusoid, and the slope by the phase.
-    """
+    """The closed form of one segment: sinusoids and a straight line."""
 
+    # of each sinusoid: sine part at the start of the segment [-], cosine part there
+    # [-], frequency over that of the motion [-]
     parts: list[tuple[float, float, float]]
-    slope: float
+    slope: float  # slope of the straight line by the phase [1/rad]
 
     @classmethod
     def of(cls, segments: Segments, k: int) -> Self:
@@ -142,30 +141,24 @@ class DriveLists:
 
 
 class Edge(NamedTuple):
-    """An edge that the body rocks on.
+    """An edge that the body rocks on."""
 
-    drive: outward drive of s = 1; lift, push: the largest l and m; fall: K of Lemma 12;
-    speed_ratio: speed after over speed before an impact on leaving the side, each in
-    the unit of its side; cycle_ratio: the same for a bounce until the body is back
-    here; unit: y = 1 of this side in the unit of the first side; top: y of the unstable
-    equilibrium; limit: y from which the body lies on its side; equation: with numbers
-    that are floats.
-    """
-
-    side: float
-    drive: float
-    omega: float
-    eta: float
-    sway: float
-    lift: float
-    push: float
-    fall: float
+    side: float  # +1 right (theta > 0), -1 left
+    drive: float  # outward drive of s = 1 [-]
+    omega: float  # omega_g / p of the side [-]
+    eta: float  # restitution of the cell on this side, as in `Cells` [-]
+    sway: float  # zg''/g of s_v = 1 [-]
+    lift: float  # largest l up to `limit`, times the largest weight over m g [-]
+    push: float  # largest m up to `limit` [-]
+    fall: float  # K of Lemma 12 [-]
+    # speed after over speed before the impact that leaves the side [-], each speed in
+    # the unit of its side
     speed_ratio: float
-    cycle_ratio: float
-    unit: float
-    top: float
-    limit: float
-    equation: Equation
+    cycle_ratio: float  # the same for a bounce until the body is back on this side [-]
+    unit: float  # y = 1 of this side, in the unit of the first side
+    top: float  # y of the unstable equilibrium
+    limit: float  # y from which the body lies on its side
+    equation: Equation  # equation of this edge, with numbers that are floats
 
 
 class Lane:

@@ -19,34 +19,31 @@ from .lane import Edge, Lane
 
 
 class Listener(NamedTuple):
-    """Functions that a march calls, and how far it then goes: bounces down to the speed
-    `visible`, a fall to y = fallen (right, left).
+    """Functions that a march calls, and two limits that say how far the march then
+    goes.
     """
 
-    keep: Callable[
-        [float, float, float, float, float, Sequence[float]], None
-    ]  # start, reach [tau of the side], side, pace, h, terms
-    note: Callable[[float, str, float, float, float], None]  # tau, event, side, y, y'
+    # called with each arc: start, reach [tau of the side], side, pace, h, terms
+    keep: Callable[[float, float, float, float, float, Sequence[float]], None]
+    # called with each event: tau, event, side, y, y'
+    note: Callable[[float, str, float, float, float], None]
+    # called at each rest: lanes before it, lanes after it
     rest: Callable[[Lanes, Lanes], object]
-    visible: float
-    fallen: tuple[float, float]
-    free: Callable[[Lanes], None] = lambda lanes: (
-        None
-    )  # called where an undamped body is left on still ground
-    may_close: Callable[[Lanes], object] = lambda lanes: (
-        True
-    )  # returns False where the body must bounce on instead of resting at once
+    visible: float  # speed |y'| down to which bounces are followed
+    fallen: tuple[float, float]  # y to which a fall is followed (right, left)
+    # called where an undamped body is left on still ground
+    free: Callable[[Lanes], None] = lambda lanes: None
+    # returns False where the body must bounce on instead of resting at once
+    may_close: Callable[[Lanes], object] = lambda lanes: True
 
 
 class Ended(NamedTuple):
-    """The end of a march: outcome, max |theta|/alpha (NaN where the body fell), impacts
-    during the shaking; lost: tau at which the ground falls away from the body, None if
-    it does not.
-    """
+    """The end of a march."""
 
-    outcome: Outcome
-    theta_ratio: float
-    impacts: int
+    outcome: Outcome  # outcome of the body
+    theta_ratio: float  # max |theta|/alpha [-], NaN where the body fell
+    impacts: int  # number of impacts during the shaking
+    # instant at which the ground falls away from the body [tau], None if it does not
     lost: float | None = None
 
 

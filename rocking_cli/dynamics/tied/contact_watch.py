@@ -42,7 +42,7 @@ class Steps(NamedTuple):
     row: Array  # row of the devices of their side
     now: Phase  # the phases of the devices
     step: Step  # the motion
-    reach: Array  # the part of it that the lane goes [tau]
+    reach: Array  # time from the start that the lane goes along the step [tau]
 
 
 class Stretches(NamedTuple):
@@ -51,8 +51,8 @@ class Stretches(NamedTuple):
     lane: Array  # index of the lane
     low: Array  # first instant [tau]
     high: Array  # last instant [tau]
-    fz_low: Array  # Fz/(m g) at the first instant
-    fz_high: Array  # Fz/(m g) at the last instant
+    fz_low: Array  # Fz/(m g) at the first instant [-]
+    fz_high: Array  # Fz/(m g) at the last instant [-]
 
     def take(self, at: Array) -> Stretches:
         """Return these stretches only."""
@@ -60,11 +60,10 @@ class Stretches(NamedTuple):
 
 
 class ContactWatch:
-    """Finds steps of tied bodies on which Fz <= 0 occurs. body: gives the forces of the
-    free body on the ground.
-    """
+    """Finds steps of tied bodies on which Fz <= 0 occurs."""
 
     def __init__(self, devices: Devices, body: Body) -> None:
+        # body: gives the forces of the free body on the ground
         self.devices, self.body = devices, body
 
     def losses(self, steps: Steps, known: Array) -> tuple[Array, Array]:

@@ -32,17 +32,13 @@ ROWS = ("right", "left")  # sides as rows of arrays
 
 
 class Phase(NamedTuple):
-    """The present phases of the devices, for lanes on their sides. low, high: the y at
-    which each phase ends, (devices, lanes); fixed, rate: force at e = 0 [N] and its
-    growth with e [N/m], (devices, lanes); yields: True for lanes with a yielding
-    device, (lanes,).
-    """
+    """The present phases of the devices, for lanes on their sides."""
 
-    low: Array
-    high: Array
-    fixed: Array
-    rate: Array
-    yields: Array
+    low: Array  # y at which each phase ends inwards, (devices, lanes)
+    high: Array  # y at which each phase ends outwards, (devices, lanes)
+    fixed: Array  # force at e = 0 [N], (devices, lanes)
+    rate: Array  # growth of the force with e [N/m], (devices, lanes)
+    yields: Array  # True for lanes with a yielding device, (lanes,)
 
     def take(self, at: Array | slice) -> Phase:
         """Return the phases of these lanes."""
@@ -51,29 +47,24 @@ class Phase(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Devices:
-    """The restraints of a body on its sides, (sides, devices) arrays, right side first;
-    names: of each device.
-
-    height, behind: h and x [m], of a tendon b and 0; unit: rotation of y = 1 [rad],
-    (sides, 1); moment: m g R times the unit [N m], (sides, 1); tendon: True for the
-    tendon, (devices,); linear: True for the linear equation; body: gives the ground
-    forces of the free body, None if they are not known; weight: m g [N], infinite if
-    the ground forces are not known.
+    """The restraints of a body on its sides. Arrays are (sides, devices) unless their
+    comment names another shape; the right side comes first.
     """
 
-    stiffness: Array
-    prestress: Array
-    force: Array
-    ultimate: Array
-    height: Array
-    behind: Array
-    unit: Array
-    moment: Array
-    tendon: Array
-    names: tuple[str, ...]
-    linear: bool
+    stiffness: Array  # growth of the force with the elongation [N/m]
+    prestress: Array  # P0, the force at elongation 0 [N]
+    force: Array  # F_y, the yield force [N]
+    ultimate: Array  # u_ult, elongation at which the device breaks [m]
+    height: Array  # h, of a tendon b [m]
+    behind: Array  # x, of a tendon 0 [m]
+    unit: Array  # rotation of y = 1 [rad], (sides, 1)
+    moment: Array  # m g R times the unit [N m], (sides, 1)
+    tendon: Array  # True for the tendon, (devices,)
+    names: tuple[str, ...]  # name of each device, (devices,)
+    linear: bool  # True for the linear equation
+    # gives the ground forces of the free body, None if they are not known
     body: Body | None
-    weight: float
+    weight: float  # m g [N], infinite if the ground forces are not known
 
     @classmethod
     def of(

@@ -31,20 +31,17 @@ _HALVINGS = 40
 
 
 class Step(NamedTuple):
-    """A step with at most one turn. arc: the motion from its start; h: its length
-    [tau]; end: the state at its end; outward: direction of the motion at its start, 1
-    outwards, -1 inwards, 0 for bodies that do not move; turn: the time at which y' = 0,
-    NaN without a turn; fastest, largest_acceleration: bounds of |y'| and |y''| in the
-    step.
-    """
+    """A step with at most one turn. Every array is (lanes,)."""
 
-    arc: TaylorSeries
-    h: Array
-    end: Point
+    arc: TaylorSeries  # the motion from its start
+    h: Array  # length of the step [tau]
+    end: Point  # the state at its end
+    # direction of the motion at its start: 1 outwards, -1 inwards, 0 for bodies that do
+    # not move
     outward: Array
-    turn: Array
-    fastest: Array
-    largest_acceleration: Array
+    turn: Array  # time from the start at which y' = 0 [tau], NaN without a turn
+    fastest: Array  # bound of |y'| in the step
+    largest_acceleration: Array  # bound of |y''| in the step
 
 
 class Law:

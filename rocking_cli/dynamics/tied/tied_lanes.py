@@ -30,27 +30,22 @@ class TiedLanes(Lanes):
 
 
 class Ends(NamedTuple):
-    """What happens at the ends of steps, (lanes,). up, down: y has come to the upper or
-    the lower end of the phase of the restraints (the ground is a lower end); peaked: y
-    had a peak, `top`, in the step; bottom: the body turns outwards again; still: the
-    shaking is over.
-    """
+    """What happens at the ends of steps. Every array is (lanes,)."""
 
-    up: Array
+    up: Array  # True if y has come to the upper end of the phase of the restraints
+    # True if y has come to the lower end of the phase; the ground is a lower end
     down: Array
-    peaked: Array
-    bottom: Array
-    top: Array
-    still: Array
+    peaked: Array  # True if y had a peak in the step
+    bottom: Array  # True if the body turns outwards again
+    top: Array  # y of the peak, in the unit of the side
+    still: Array  # True if the shaking is over
 
 
 class Recorder(Protocol):
-    """Records the march of one body, up to phase `until` [rad] of the motion and with
-    each bounce down to the speed `visible`.
-    """
+    """Records the march of one body."""
 
-    until: float
-    visible: float
+    until: float  # phase of the motion up to which the march is recorded [rad]
+    visible: float  # speed |y'| down to which each bounce is recorded
 
     def keep(self, lanes: Lanes, arc: TaylorSeries, reach: float, now: Phase) -> None:
         """Record an arc that lasts `reach` [tau] from the state of the lanes, with the
@@ -70,17 +65,17 @@ class Recorder(Protocol):
 
 @dataclass(frozen=True)
 class Found:
-    """Results of cells. outcome, theta_ratio, impacts: as in `Response`; phase,
-    plastic, farthest: of each device at the end of the march, (sides, devices, cells).
-    """
+    """Results of cells."""
 
-    outcome: Array
-    theta_ratio: Array
-    impacts: Array
-    steps: Array
+    outcome: Array  # codes of `Outcome`, as in `Response`, (cells,)
+    theta_ratio: Array  # max |theta|/alpha [-], as in `Response`, (cells,)
+    impacts: Array  # number of impacts during the shaking, as in `Response`, (cells,)
+    steps: Array  # number of steps, (cells,)
+    # phase of each device at the end of the march, (sides, devices, cells)
     phase: Array
+    # permanent elongation of each device then [m], (sides, devices, cells)
     plastic: Array
-    farthest: Array
+    farthest: Array  # largest elongation of each device [m], (sides, devices, cells)
 
     @property
     def work(self) -> Work:
