@@ -7,7 +7,8 @@ On each side of a body y >= 0 is the displacement, in the unit in which the body
 falls back with acceleration 1. Time is tau = p t, and y' is a derivative by tau. The
 outward drive a is the ground acceleration over its value at uplift. The motion is
 
-    y'' = f - 2 zeta y',    f = -l(y) + a m(y),    l(0) = m(0) = 1,    l/m > 1 below the ground,    zeta >= 0.
+    y'' = f - 2 zeta y',    f = -l(y) + a m(y),    l(0) = m(0) = 1,
+    l/m > 1 below the ground,    zeta >= 0.
 
 For the linear oscillator f = y - 1 + a. At y = 0 an impact puts the body on its other
 side (or back on the same one) with the speed eta |y'|. A body at rest lifts off where a
@@ -23,14 +24,20 @@ without damping.
 piece       a stretch of the motion with one closed form
 segment     a stretch of a piece on which the motion s is monotone
 drive       subcritical where a < 1, supercritical where a >= 1
-window      a stretch of time on which the drive is subcritical throughout, or supercritical throughout
-step        the time that one round of the march covers with one proof: a window, or a supercritical window that the body enters
-            moving outwards together with the subcritical window after it
-flow        the solution from a state under one closed form of the drive; an arc is the part of it that a lane follows
+window      a stretch of time on which the drive is subcritical throughout, or
+            supercritical throughout
+step        the time that one round of the march covers with one proof: a window, or a
+            supercritical window that the body enters moving outwards together with the
+            subcritical window after it
+flow        the solution from a state under one closed form of the drive; an arc is the
+            part of it that a lane follows
 peak        a turning point at which y' changes from positive to negative
-A, Omega    amplitude of the drive over its value at uplift; circular frequency of the motion over p
-e           the strongest inward drive to come (Lemma 6), or a bound that the lemma defines
-w           the weight over m g, 1 + zg''/g where the ground moves upwards too; otherwise 1
+A, Omega    amplitude of the drive over its value at uplift; circular frequency of the
+            motion over p
+e           the strongest inward drive to come (Lemma 6), or a bound that the lemma
+            defines
+w           the weight over m g, 1 + zg''/g where the ground moves upwards too;
+            otherwise 1
 
 **Varying weight.** Where w varies, f = -w l(y) + a m(y), and a body is followed while w
 > 0; after that it has lost contact. The *net drive* is c = a + 1 - w; each side has its
@@ -176,8 +183,8 @@ Any equation. On 0 <= y <= limit let L and M be the largest l and m, and a the l
 drive of a stretch of length h. With K = L + M max(0, -a), f >= -K and y'' + 2 zeta y'
 >= -K, so that
 - no impact comes while y + (y' - zeta h |y'|) h - K h^2/2 > 0;
-- no peak is above the higher end by more than exp(2 zeta h) K h^2/8, and there is none where y' (1 - 2 zeta h) >= K h at the start, or
-  y' <= -K h at the end.
+- no peak is above the higher end by more than exp(2 zeta h) K h^2/8, and there is none
+  where y' (1 - 2 zeta h) >= K h at the start, or y' <= -K h at the end.
 Proof. The first claim is the integral of the inequality. From the peak y falls at most
 by exp(2 zeta s) K s^2/2 to an end s away. Varying weight: with w_+ L in the place of L,
 w_+ the largest weight of a stretch on which w > 0. Test
@@ -193,7 +200,8 @@ Fz >= min(its ends) - (h^2/8) max |Fz''| on stretches of the march that are halv
 the sign is settled. Bounces that Lemma 7 closes: let B be the largest -u'' at the
 ground on the way, V the largest speed and u_m the largest u. Then
 
-    Fz/(m g) >= w_- - kappa [(B c + 2 zeta V) sin(alpha) + V^2 cos(alpha - u_m)],   c = cos(alpha - u_m)/cos(alpha)  (linear: 1)
+    Fz/(m g) >= w_- - kappa [(B c + 2 zeta V) sin(alpha) + V^2 cos(alpha - u_m)],
+    c = cos(alpha - u_m)/cos(alpha)  (linear: 1)
 
 Proof. -u'' = w sin z - a cos z with z between alpha - u_m and alpha is at most c times
 its value at the ground. Ties add to B the most that they pull at u_m, and a tendon adds
@@ -217,7 +225,8 @@ changes along a line only by terms that vanish with the bounce. Let |c| <= e on 
 line, D = 1 - e and |df/dy| <= g while |a| <= 1. As long as W <= 0.095 D^2/g, and so g y
 <= D/10, y <= 1.053 W/F, M <= 1.05 y and v^2 <= 2 W,
 
-    |Q'| <= c'^2 (2 W)^(1/2) [4/3 e/(1 - e^2)^2 + 0.74/D^3] + 2 |c'| g W/D^3,   |phi| <= (2 W)^(1/2) [2/3/(1 - e^2) + 0.36/D^2].
+    |Q'| <= c'^2 (2 W)^(1/2) [4/3 e/(1 - e^2)^2 + 0.74/D^3] + 2 |c'| g W/D^3,
+    |phi| <= (2 W)^(1/2) [2/3/(1 - e^2) + 0.36/D^2].
 
 Where a line ends, Q changes by phi times the change of c'. An impact lowers Q while |c'
 phi| <= 1: log W falls by at least 2 (1 - eta), and c' phi changes by 1 - eta of itself.

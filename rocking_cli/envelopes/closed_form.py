@@ -256,7 +256,8 @@ def closed_form_curves(
 
     Raises ValueError when there is no closed form for this pulse.
 
-    >>> [(point.curve, round(float(point.amplitude), 6)) for point in closed_form_curves([3.0], 0.9)]
+    >>> points = closed_form_curves([3.0], 0.9)
+    >>> [(point.curve, round(float(point.amplitude), 6)) for point in points]
     [('initiation', 1.0), ('no_impact', 3.63115), ('after_impact_lower', 1.403565),
     ('after_impact_upper', 3.484663)]
     """

@@ -92,7 +92,8 @@ def trace_envelope(
     uplift or the model does not hold for the structure, OutputError when a worker
     process dies.
 
-    >>> [(round(i.a_from, 6), i.a_to and round(i.a_to, 6)) for i in trace_envelope(dimensionless_oscillator(0.9), sine(), [3.0])]
+    >>> found = trace_envelope(dimensionless_oscillator(0.9), sine(), [3.0])
+    >>> [(round(i.a_from, 6), i.a_to and round(i.a_to, 6)) for i in found]
     [(1.403565, 3.484663), (3.63115, None)]
     """
     motion, omegas = (

@@ -4,7 +4,8 @@ and the resultant on every radial joint.
 The three links give nine Newton-Euler equations, in the frame of the ground, for the
 four hinge forces and phi'':
 
-    m_i a_i = H_i - H_(i+1) + m_i (-xg'', -g - zg''),   I_i alpha_i = moments of H_i and -H_(i+1) about the mass centre of link i
+    m_i a_i = H_i - H_(i+1) + m_i (-xg'', -g - zg'')
+    I_i alpha_i = moments of H_i and -H_(i+1) about the mass centre of link i
 
 H is the force at a hinge: the part of the arch before the hinge exerts it on the part
 after the hinge. phi'' is that of Eq. 3.4. The balance of the part of a link before a

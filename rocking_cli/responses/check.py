@@ -77,8 +77,8 @@ class Verdict:
     demand_a: the demand; uplift_a, first_overturning_a: the lowest that lift and
     overturn the body, None if none does; safe_to: upper end of the interval around the
     demand in which the body stands, None if it falls or no larger one overturns it;
-    theta_ratio: max
-    |theta|/alpha, None if it falls; outcome_linear: by the linear equation; friction_needed, fz_min: the friction that the motion needs
+    theta_ratio: max |theta|/alpha, None if it falls; outcome_linear: by the linear
+    equation; friction_needed, fz_min: the friction that the motion needs
     (impacts apart), and the least vertical force over the weight, of a rigid body whose
     mass centre is known; friction_needed is also None if the body loses contact;
     unsettled: true if changes of the demand by 1e-12 to 1e-6 of it change the outcome,

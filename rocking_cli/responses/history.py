@@ -49,7 +49,8 @@ def history(
     right side. Raises ValueError when a number is out of range.
 
     >>> (column,) = load_structures('configs/block.yaml')
-    >>> found = history(Method().system_of(column), sine(), 2.0, 6.0, column.eta, duration=40.0)
+    >>> system = Method().system_of(column)
+    >>> found = history(system, sine(), 2.0, 6.0, column.eta, duration=40.0)
     >>> [e.event for e in found.events][:3]
     ['uplift', 'peak', 'impact']
     """

@@ -51,7 +51,8 @@ def condition_of(
     """Return the condition of cells (any shape, broadcast): the change of max
     |theta|/alpha over a small relative change of the input,
 
-        kappa = |d theta/d ln A| + |d theta/d ln Omega| + |d theta/d ln eta|,   theta = max |theta|/alpha        [-]
+        kappa = |d theta/d ln A| + |d theta/d ln Omega| + |d theta/d ln eta|,
+        theta = max |theta|/alpha        [-]
 
     by central differences over a relative 1e-7, or 100 times the tolerance of the
     method (0 of an exact one). respond: the response of arrays (A, Omega, eta). NaN if
