@@ -1,4 +1,5 @@
-# The public names, each with its home: the only list of them. `__init__.py` imports from it what is asked for.
+# The public names, each with its home: the only list of them. `__init__.py` imports
+# from it what is asked for.
 from .documents.document import Document as Document
 from .documents.document import parse_documents as parse_documents
 from .dynamics.equations.linear import LinearEquation as LinearEquation

@@ -167,6 +167,7 @@ def test_the_examples_of_a_function_run(name, tmp_path, monkeypatch, pytestconfi
     )
     assert examples[0].examples, "has none"
     said: list[str] = []
+    # An output wider than a docstring is wrapped there.
     runner = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE)
     result = runner.run(examples[0], out=said.append)
     assert not result.failed, "".join(said)

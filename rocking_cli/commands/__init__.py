@@ -259,6 +259,7 @@ def main(arguments: list[str] | None = None) -> Any:
         ) as error:  # a name that the file system refuses, a disk that fails
             streams.say(
                 "rocking:"
-                f" {f'{error.filename}: ' if error.filename else ''}{error.strerror or error}"
+                f" {f'{error.filename}: ' if error.filename else ''}"
+                f"{error.strerror or error}"
             )
             sys.exit(2 if error.errno == errno.ENAMETOOLONG else 1)

@@ -90,7 +90,11 @@ def command(example: str, *shared: Callable[[F], F]) -> Callable[[F], click.Comm
     help; shared: further decorators, which add the options of the output.
 
     >>> @command("rocking greet Ada --loud", printed)
-    ... def greet(name: str = argument(), loud: bool = flag("--loud", "Shout."), model: Model = group(Model)) -> None:
+    ... def greet(
+    ...     name: str = argument(),
+    ...     loud: bool = flag("--loud", "Shout."),
+    ...     model: Model = group(Model),
+    ... ) -> None:
     ...     '''Its help.'''
     """
 

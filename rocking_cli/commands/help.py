@@ -63,7 +63,8 @@ def help(
         text = page(name)
         assert isinstance(group.command, click.Group)
         if command := group.command.get_command(group, name):
-            text = f"{command.get_help(click.Context(command, parent=group, info_name=name))}\n\n{text}"
+            context = click.Context(command, parent=group, info_name=name)
+            text = f"{command.get_help(context)}\n\n{text}"
     streams.put(*text.rstrip().splitlines())
 
 

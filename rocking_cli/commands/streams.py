@@ -33,9 +33,7 @@ if hasattr(
     os, "register_at_fork"
 ):  # a worker process must not inherit a lock that the thread holds
     os.register_at_fork(
-        before=lock.acquire,
-        after_in_parent=lock.release,
-        after_in_child=lock.release,
+        before=lock.acquire, after_in_parent=lock.release, after_in_child=lock.release
     )
 
 

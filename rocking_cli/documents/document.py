@@ -473,7 +473,8 @@ def parse_documents(text: str, source: str = "<text>") -> list[Document]:
     """Return all documents of a text: YAML documents, JSON objects one after the other,
     or rows of a CSV table. Raises DocumentError.
 
-    >>> [document.values['kind'].content for document in parse_documents('{"kind": "block"} {"kind": "arch"}')]
+    >>> documents = parse_documents('{"kind": "block"} {"kind": "arch"}')
+    >>> [document.values['kind'].content for document in documents]
     ['block', 'arch']
     """
     rows = rows_of_structures(text, source)
@@ -550,9 +551,9 @@ def _document(node: yaml.Node, source: str, index: int) -> Document:
     value = _value(node, 0, [0])
     if not isinstance(value.content, dict):
         hint = unspaced(value.content) if isinstance(value.content, str) else ""
+        expected = "a mapping of keys to values, such as `kind: block`"
         raise DocumentError(
-            f"{value.place}:"
-            f" {hint or f'found {value}; expected a mapping of keys to values, such as `kind: block`'}"
+            f"{value.place}: {hint or f'found {value}; expected {expected}'}"
         )
     keys = {str(key.value): _place(key) for key, _ in node.value}
     mark = node.start_mark

@@ -7,7 +7,8 @@ On each side of a body y >= 0 is the displacement, in the unit in which the body
 falls back with acceleration 1. Time is tau = p t, and y' is a derivative by tau. The
 outward drive a is the ground acceleration over its value at uplift. The motion is
 
-    y'' = f - 2 zeta y',    f = -l(y) + a m(y),    l(0) = m(0) = 1,    l/m > 1 below the ground,    zeta >= 0.
+    y'' = f - 2 zeta y',    f = -l(y) + a m(y),    l(0) = m(0) = 1,
+    l/m > 1 below the ground,    zeta >= 0.
 
 For the linear oscillator f = y - 1 + a. At y = 0 an impact puts the body on its other
 side (or back on the same one) with the speed eta |y'|. A body at rest lifts off where a
@@ -23,14 +24,20 @@ without damping.
 piece       a stretch of the motion with one closed form
 segment     a stretch of a piece on which the motion s is monotone
 drive       subcritical where a < 1, supercritical where a >= 1
-window      a stretch of time on which the drive is subcritical throughout, or supercritical throughout
-step        the time that one round of the march covers with one proof: a window, or a supercritical window that the body enters
-            moving outwards together with the subcritical window after it
-flow        the solution from a state under one closed form of the drive; an arc is the part of it that a lane follows
+window      a stretch of time on which the drive is subcritical throughout, or
+            supercritical throughout
+step        the time that one round of the march covers with one proof: a window, or a
+            supercritical window that the body enters moving outwards together with the
+            subcritical window after it
+flow        the solution from a state under one closed form of the drive; an arc is the
+            part of it that a lane follows
 peak        a turning point at which y' changes from positive to negative
-A, Omega    amplitude of the drive over its value at uplift; circular frequency of the motion over p
-e           the strongest inward drive to come (Lemma 6), or a bound that the lemma defines
-w           the weight over m g, 1 + zg''/g where the ground moves upwards too; otherwise 1
+A, Omega    amplitude of the drive over its value at uplift; circular frequency of the
+            motion over p
+e           the strongest inward drive to come (Lemma 6), or a bound that the lemma
+            defines
+w           the weight over m g, 1 + zg''/g where the ground moves upwards too;
+            otherwise 1
 
 **Varying weight.** Where w varies, f = -w l(y) + a m(y), and a body is followed while w
 > 0; after that it has lost contact. The *net drive* is c = a + 1 - w; each side has its
@@ -46,51 +53,62 @@ is at rest if its speed is below 1e-100, or below 1e-12 if it then bounces lower
 
 # Lemma 1 (subcritical drive)
 
-While a < 1, a body that has crossed y = 0 downwards does not come back. Proof. For y <=
-0, l/m > 1 > a, so f < 0: the body has y' <= 0 at the crossing, and where y' = 0 it only
-falls. So y > 0 at the end of a subcritical window proves that there was no impact, and
-y <= 0 that there was exactly one. Varying weight: it holds, since f = m (a - w l/m) and
-below the ground w l/m > w > a where c < 1. Test
-`test_lemmas.py::test_lemma_1_under_a_subcritical_drive_a_fallen_body_stays_below`.
+While a < 1, a body that has crossed y = 0 downwards does not come back.
+Proof. For y <= 0, l/m > 1 > a, so f < 0: the body has y' <= 0 at the crossing, and
+where y' = 0 it only falls. So y > 0 at the end of a subcritical window proves that
+there was no impact, and y <= 0 that there was exactly one.
+Varying weight: it holds, since f = m (a - w l/m) and below the ground w l/m > w > a
+where c < 1.
+Test `test_lemmas.py::test_lemma_1_under_a_subcritical_drive_a_fallen_body_stays_below`.
 
 # Lemma 2 (supercritical drive)
 
 While a >= 1 and y >= 0: if y' >= 0 at the start there is no event; if y' < 0 there is
-at most one minimum, and its sign decides. Proof. y' = 0 implies y'' >= 0. Undamped, y
-is convex there, so it lies above the point where the tangents at its ends meet. Varying
-weight: it holds, since above the ground w l/m <= w <= a where c >= 1. Test
+at most one minimum, and its sign decides.
+Proof. y' = 0 implies y'' >= 0. Undamped, y is convex there, so it lies above the point
+where the tangents at its ends meet.
+Varying weight: it holds, since above the ground w l/m <= w <= a where c >= 1.
+Test
 `test_lemmas.py::test_lemma_2_under_a_supercritical_drive_there_is_one_minimum_at_most`,
 `march/test_advance.py::test_grazing_is_decided_on_either_side`.
 
 # Lemma 3 (one peak)
 
 In a step along which a falls and then rises at most once, y' changes from positive to
-negative at most once. Proof. Where a' < 0, V is concave while it is negative; where a'
-> 0, V is convex while it is positive. Varying weight: it does not hold, since a' + w'
-(y - 1) has no known sign. Bernstein bounds of the series isolate the turns. Test
+negative at most once.
+Proof. Where a' < 0, V is concave while it is negative; where a' > 0, V is convex while
+it is positive.
+Varying weight: it does not hold, since a' + w' (y - 1) has no known sign. Bernstein
+bounds of the series isolate the turns.
+Test
 `test_lemmas.py::test_lemma_3_a_drive_that_falls_and_then_rises_lets_the_body_turn_back_once`.
 
 # Lemma 4 (hidden turn)
 
 The convexity of Lemma 3 finds a pair of turns between two ends at which y' has the same
-sign. Proof. The slope of V tells on which side of a point its extremum lies, and the
-tangents of V prove that there is none. For Eqs. 2.3 and 3.4 f must grow with y. On
-stocky bodies under strong inward drives (a tan(alpha) tan(z) < -1) it may not, and a
-pair of turns within one window can be missed. This changes no outcome, only the height
-of a lower peak. Varying weight: as Lemma 3. Test
-`test_lemmas.py::test_lemma_4_finds_a_pair_of_turns_that_hides_between_two_ends`.
+sign.
+Proof. The slope of V tells on which side of a point its extremum lies, and the tangents
+of V prove that there is none. For Eqs. 2.3 and 3.4 f must grow with y. On stocky bodies
+under strong inward drives (a tan(alpha) tan(z) < -1) it may not, and a pair of turns
+within one window can be missed. This changes no outcome, only the height of a lower
+peak.
+Varying weight: as Lemma 3.
+Test `test_lemmas.py::test_lemma_4_finds_a_pair_of_turns_that_hides_between_two_ends`.
 
 # Lemma 6 (certain overturning)
 
 Linear: let g be the rate of the unstable mode and e the strongest inward drive to come.
-A body with z = y - 1 + g v > e never returns. Proof. z' = g (z + a) > 0 for all time.
+A body with z = y - 1 + g v > e never returns.
+Proof. z' = g (z + a) > 0 for all time.
 Eqs. 2.3 and 3.4, undamped: a body never returns if it moves outwards beyond the barrier
-of the constant inward drive e, or has the energy to pass this barrier. Proof. A weaker
-drive pushes back less, so the energy over that barrier does not fall. Damped,
-nonlinear: only beyond the equilibrium under e. A body at theta = pi/2, or a collapsed
-linkage, has overturned. Varying weight: beyond the equilibrium of the constant inward
-drive e/w_-, w_- the least weight to come, and moving outwards: there l < 0 and f >= w_-
-(-l - m e/w_-) >= 0. The bounds by energy are not used. Test
+of the constant inward drive e, or has the energy to pass this barrier.
+Proof. A weaker drive pushes back less, so the energy over that barrier does not fall.
+Damped, nonlinear: only beyond the equilibrium under e. A body at theta = pi/2, or a
+collapsed linkage, has overturned.
+Varying weight: beyond the equilibrium of the constant inward drive e/w_-, w_- the least
+weight to come, and moving outwards: there l < 0 and f >= w_- (-l - m e/w_-) >= 0. The
+bounds by energy are not used.
+Test
 `test_lemmas.py::test_lemma_6_no_drive_up_to_the_strongest_brings_back_what_is_lost`,
 `test_lemmas.py::test_lemma_6_calls_lost_what_has_the_speed_to_pass_the_barrier_and_no_less`.
 
@@ -103,17 +121,19 @@ sequence of arcs lasts at most
 
     2 v / (1 - q) [G/(1 - a_+ - e) + eta r H/(1 + d a_- - e)],
 
-e a bound of the force that y and damping add. Proof. An arc ends with more speed than
-it began with only where the force grows, by at most the root of its last over its first
-value. Over a monotone drive these ratios telescope. Where a rises, only arcs on the
-other side gain: speeds on this side grow by at most G, G^2 = (1 + d a_+)/(1 + d a_-).
-Then H = 1, as the force shortens the arcs there by G^2. Where a falls, G = 1 and H^2 =
-(1 - a_-)/(1 - a_+). The march follows a sequence in which an arc could rise above the
-lane's peak so far. A one-sided body: the sequence lasts at most 2 v / (1 - eta) / (1 -
-a_+ - e), and any inward drive holds the body. Varying weight: with c and d the net
-drives on the two sides, it lasts at most 2 v G/(1 - q) [1/(1 - c_+ - e) + eta r/(1 -
-d_+ - e)]. Speeds gain on either side, by at most the root of the largest over the least
-force there; G is the product of both roots, and e holds w times what y adds.
+e a bound of the force that y and damping add.
+Proof. An arc ends with more speed than it began with only where the force grows, by at
+most the root of its last over its first value. Over a monotone drive these ratios
+telescope. Where a rises, only arcs on the other side gain: speeds on this side grow by
+at most G, G^2 = (1 + d a_+)/(1 + d a_-). Then H = 1, as the force shortens the arcs
+there by G^2. Where a falls, G = 1 and H^2 = (1 - a_-)/(1 - a_+). The march follows a
+sequence in which an arc could rise above the lane's peak so far.
+A one-sided body: the sequence lasts at most 2 v / (1 - eta) / (1 - a_+ - e), and any
+inward drive holds the body.
+Varying weight: with c and d the net drives on the two sides, it lasts at most 2 v G/(1
+- q) [1/(1 - c_+ - e) + eta r/(1 - d_+ - e)]. Speeds gain on either side, by at most the
+root of the largest over the least force there; G is the product of both roots, and e
+holds w times what y adds.
 
 No later uplift. Undamped linear oscillator, equal sides: let |a| <= e < 1 from an
 impact on, and V the total variation of a to come, with all its jumps. Then B = v^2
@@ -121,43 +141,47 @@ exp(4/3 V/(1 - e)) bounds every later v^2, if B <= 3/4 (1 - e)^2. If also B <= 3
 e) times the peak so far, the body bounces below this peak to the end of the shaking.
 Proof. Over an arc v^2 changes by int 2 y' a = -int 2 y da. While v^2 <= 3/4 (1 - e)^2
 no arc rises above 2/3 v^2/(1 - e), since y'' <= y - 1 + e. So an arc multiplies v^2 by
-at most 1 + 4/3 dV/(1 - e), and an impact lowers it. Test
-`test_lemmas.py::test_lemma_7_a_summed_sequence_ends_before_anything_else_happens`,
+at most 1 + 4/3 dV/(1 - e), and an impact lowers it.
+Test `test_lemmas.py::test_lemma_7_a_summed_sequence_ends_before_anything_else_happens`,
 `contacts/test_sequences.py::test_marching_on_finds_the_same_peak`.
 
 # Lemma 8 (free motion)
 
 On still ground, undamped, the energy between impacts is constant. On a body with equal
 sides only the next peak and the next impact matter, on a body with unequal sides the
-next two. Proof. The energy decides the height of an arc. An impact does not raise the
-speed (eta <= 1), so later arcs are no higher than the first bounce. On unequal sides
-two impacts together do not raise it, so each arc is no higher than the one before on
-its side. Damped: the body is marched on until these undamped peaks, which are above its
-own, are no higher than its peak so far. Varying weight: it holds, since the ground is
-still. Test `contacts/test_contact.py::test_free_motion_equals_marching`.
+next two.
+Proof. The energy decides the height of an arc. An impact does not raise the speed (eta
+<= 1), so later arcs are no higher than the first bounce. On unequal sides two impacts
+together do not raise it, so each arc is no higher than the one before on its side.
+Damped: the body is marched on until these undamped peaks, which are above its own, are
+no higher than its peak so far.
+Varying weight: it holds, since the ground is still.
+Test `contacts/test_contact.py::test_free_motion_equals_marching`.
 
 # Lemma 9 (nothing overturns below)
 
 Undamped linear oscillator, equal sides: no body overturns while A int |s| dphi <=
 Omega. From any instant on, no body overturns if sqrt(E) + A int |s| dphi/Omega < 1 over
-what is still to come, E = v^2 + y (2 - y). Proof. dE/dtau = 2 v a, and v^2 <= E below y
-= 1, so sqrt(E) grows by at most int |a| dtau. Impacts lower it. A body that overturns
-has had E >= 1. Other bodies under a steady weight: on each edge let W be the speed at
-the ground of a body that just reaches its unstable equilibrium, M the largest m, A_1
-and Omega_1 the edge's for A = Omega = 1, and c a unit in which no impact raises the
-speed. From the first uplift on nothing overturns while A int |s| dphi/Omega max(c A_1
-M/Omega_1) < min(c W), the maximum and the minimum over the edges. Proof. The speed at
-the ground of the same energy grows by at most int |a| M dtau, as above. Damping and
-impacts lower it. Test
-`test_impulse.py::test_lemma_9_nothing_to_come_overturns_what_is_below_the_bound`,
+what is still to come, E = v^2 + y (2 - y).
+Proof. dE/dtau = 2 v a, and v^2 <= E below y = 1, so sqrt(E) grows by at most int |a|
+dtau. Impacts lower it. A body that overturns has had E >= 1. Other bodies under a
+steady weight: on each edge let W be the speed at the ground of a body that just reaches
+its unstable equilibrium, M the largest m, A_1 and Omega_1 the edge's for A = Omega = 1,
+and c a unit in which no impact raises the speed. From the first uplift on nothing
+overturns while A int |s| dphi/Omega max(c A_1 M/Omega_1) < min(c W), the maximum and
+the minimum over the edges.
+Proof. The speed at the ground of the same energy grows by at most int |a| M dtau, as
+above. Damping and impacts lower it.
+Test `test_impulse.py::test_lemma_9_nothing_to_come_overturns_what_is_below_the_bound`,
 `tests/envelopes/test_boundaries.py::test_nothing_overturns_where_the_scan_does_not_look_below`.
 
 # Lemma 10 (nothing returns above)
 
 The same oscillator, which the first segment of the motion lifts at any amplitude. Above
-an amplitude that overturns without impact every other one does too. Proof. At a fixed
-time before the first impact y = A J - K with K > 0 and dy/dA = J, so y grows with A
-where it is positive. Test
+an amplitude that overturns without impact every other one does too.
+Proof. At a fixed time before the first impact y = A J - K with K > 0 and dy/dA = J, so
+y grows with A where it is positive.
+Test
 `tests/envelopes/test_boundaries.py::test_above_overturning_without_impact_there_is_nothing_else`.
 
 # Lemma 11 (exact propagation over samples)
@@ -165,10 +189,11 @@ where it is positive. Test
 Undamped linear oscillator. While a >= c, y(h) >= y + v sinh h + (y - 1 + c)(cosh h -
 1), and no impact comes before this bound is zero. While a <= c the same expression is
 an upper bound. Where y > 0 and a >= c on a stretch of length T, y is nowhere above the
-higher of its ends by more than (1 - c) T^2/8. Proof. Green's function sinh is not
-negative, so y is monotone in the drive. y'' >= c - 1 gives the bound by the ends. The
-state at the end of a stretch is exact if no impact comes on the way. Test
-`samples/test_records.py::test_records_against_an_integration_that_shares_no_code`.
+higher of its ends by more than (1 - c) T^2/8.
+Proof. Green's function sinh is not negative, so y is monotone in the drive. y'' >= c -
+1 gives the bound by the ends. The state at the end of a stretch is exact if no impact
+comes on the way.
+Test `samples/test_records.py::test_records_against_an_integration_that_shares_no_code`.
 
 # Lemma 12 (Taylor step over samples)
 
@@ -176,24 +201,28 @@ Any equation. On 0 <= y <= limit let L and M be the largest l and m, and a the l
 drive of a stretch of length h. With K = L + M max(0, -a), f >= -K and y'' + 2 zeta y'
 >= -K, so that
 - no impact comes while y + (y' - zeta h |y'|) h - K h^2/2 > 0;
-- no peak is above the higher end by more than exp(2 zeta h) K h^2/8, and there is none where y' (1 - 2 zeta h) >= K h at the start, or
-  y' <= -K h at the end.
+- no peak is above the higher end by more than exp(2 zeta h) K h^2/8, and there is none
+  where y' (1 - 2 zeta h) >= K h at the start, or y' <= -K h at the end.
 Proof. The first claim is the integral of the inequality. From the peak y falls at most
-by exp(2 zeta s) K s^2/2 to an end s away. Varying weight: with w_+ L in the place of L,
-w_+ the largest weight of a stretch on which w > 0. Test
+by exp(2 zeta s) K s^2/2 to an end s away.
+Varying weight: with w_+ L in the place of L, w_+ the largest weight of a stretch on
+which w > 0.
+Test
 `samples/test_taylor_steps.py::test_lemma_12_a_step_that_is_taken_holds_no_impact_and_no_higher_peak`.
 
 # Lemma 13 (contact is kept)
 
 A body whose arcs do not overturn it keeps Fz > 0 if the bound of its speed leaves Fz >
-0 on every arc. Proof. Such an arc begins or ends at rest, at a peak. The work of the
-strongest inward push and of the weight over the path between bounds the speed, and the
-speed bounds Fz from below (`body` has the formulas). Where this leaves the sign open,
-Fz >= min(its ends) - (h^2/8) max |Fz''| on stretches of the march that are halved until
-the sign is settled. Bounces that Lemma 7 closes: let B be the largest -u'' at the
-ground on the way, V the largest speed and u_m the largest u. Then
+0 on every arc.
+Proof. Such an arc begins or ends at rest, at a peak. The work of the strongest inward
+push and of the weight over the path between bounds the speed, and the speed bounds Fz
+from below (`body` has the formulas). Where this leaves the sign open, Fz >= min(its
+ends) - (h^2/8) max |Fz''| on stretches of the march that are halved until the sign is
+settled. Bounces that Lemma 7 closes: let B be the largest -u'' at the ground on the
+way, V the largest speed and u_m the largest u. Then
 
-    Fz/(m g) >= w_- - kappa [(B c + 2 zeta V) sin(alpha) + V^2 cos(alpha - u_m)],   c = cos(alpha - u_m)/cos(alpha)  (linear: 1)
+    Fz/(m g) >= w_- - kappa [(B c + 2 zeta V) sin(alpha) + V^2 cos(alpha - u_m)],
+    c = cos(alpha - u_m)/cos(alpha)  (linear: 1)
 
 Proof. -u'' = w sin z - a cos z with z between alpha - u_m and alpha is at most c times
 its value at the ground. Ties add to B the most that they pull at u_m, and a tendon adds
@@ -217,12 +246,14 @@ changes along a line only by terms that vanish with the bounce. Let |c| <= e on 
 line, D = 1 - e and |df/dy| <= g while |a| <= 1. As long as W <= 0.095 D^2/g, and so g y
 <= D/10, y <= 1.053 W/F, M <= 1.05 y and v^2 <= 2 W,
 
-    |Q'| <= c'^2 (2 W)^(1/2) [4/3 e/(1 - e^2)^2 + 0.74/D^3] + 2 |c'| g W/D^3,   |phi| <= (2 W)^(1/2) [2/3/(1 - e^2) + 0.36/D^2].
+    |Q'| <= c'^2 (2 W)^(1/2) [4/3 e/(1 - e^2)^2 + 0.74/D^3] + 2 |c'| g W/D^3,
+    |phi| <= (2 W)^(1/2) [2/3/(1 - e^2) + 0.36/D^2].
 
 Where a line ends, Q changes by phi times the change of c'. An impact lowers Q while |c'
 phi| <= 1: log W falls by at least 2 (1 - eta), and c' phi changes by 1 - eta of itself.
 If all these changes, for W = W_0 exp(G) [(1 - c^2)/(1 - c_0^2)]^(2/3), sum up to no
 more than G, W never exceeds this value: up to the instant at which W reaches it the
-bounds hold. Test `contacts/test_sequences.py::test_no_peak_is_above_the_ceiling`,
+bounds hold.
+Test `contacts/test_sequences.py::test_no_peak_is_above_the_ceiling`,
 `contacts/test_sequences.py::test_marching_on_under_a_record_finds_the_same_peak`.
 """

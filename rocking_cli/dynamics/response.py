@@ -115,7 +115,8 @@ def response(
     Examples
     --------
     >>> (column,) = load_structures('configs/block.yaml')
-    >>> found = response(Method('nonlinear').system_of(column), sine(), 1.5, 6.0, column.eta)
+    >>> system = Method('nonlinear').system_of(column)
+    >>> found = response(system, sine(), 1.5, 6.0, column.eta)
     >>> Outcome(int(found.outcome)).flag, round(float(found.theta_ratio), 6)
     ('rocked', 0.15645)
     """
@@ -420,7 +421,8 @@ def nonlinear_response(
     """`response` of symmetric rigid bodies of one critical angle alpha [rad] (Eqs. 2.3,
     2.6); tolerance: of theta/alpha.
 
-    >>> nonlinear_response(sine(), [1.5, 4.0], 6.0, 0.9, alpha=0.25).theta_ratio.round(6)
+    >>> found = nonlinear_response(sine(), [1.5, 4.0], 6.0, 0.9, alpha=0.25)
+    >>> found.theta_ratio.round(6)
     array([0.153431, 0.673775])
     """
     from .equations.rigid_body import RigidBodyEquation

@@ -177,8 +177,7 @@ class CapacitySearch(NamedTuple):
 
 
 def fall_searches(
-    searches: Sequence[CapacitySearch],
-    progress: Callable[[float], None] | None = None,
+    searches: Sequence[CapacitySearch], progress: Callable[[float], None] | None = None
 ) -> list[FallSearch | None]:
     """Return for each capacity the search for narrow overturning intervals, None if its
     motion needs none; one scan serves all searches. progress: called now and then with

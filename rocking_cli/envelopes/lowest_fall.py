@@ -26,10 +26,7 @@ _FINE = (
     6e-5  # ratio of neighbouring amplitudes, minus 1, in the tenth below a known fall
 )
 # under a pulse with narrow falls: ratio minus 1, and start of the search over the fall
-_FINEST, _NEAREST = (
-    5e-6,
-    0.997,
-)
+_FINEST, _NEAREST = (5e-6, 0.997)
 _NEAR, _ABOVE = (
     0.9,
     1.05,

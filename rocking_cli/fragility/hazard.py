@@ -6,7 +6,8 @@ fragility and H the hazard curve. Between its points H is a straight line in log
 = H_i (x/x_i)^-k, so that a lognormal P of median m gives a closed form on each
 (integration by parts, and Cornell's H(m) exp(k^2 beta^2/2) for a line without ends):
 
-    -[P H] + H_i (x_i/m)^k exp(k^2 beta^2/2) [Phi(u_i+1 + k beta) - Phi(u_i + k beta)],   u = ln(x/m)/beta
+    -[P H] + H_i (x_i/m)^k exp(k^2 beta^2/2) [Phi(u_i+1 + k beta) - Phi(u_i + k beta)],
+    u = ln(x/m)/beta
 
 Nothing is counted outside the points; H(x_last) bounds the part beyond the last.
 """
@@ -250,7 +251,8 @@ def annual_rate(median: float, beta: float, hazard: HazardCurve) -> float:
     """Return the annual rate [1/year] of a limit state: the integral of
     Phi(ln(x/median)/beta) over |dH(x)|; median in SI.
 
-    >>> round(annual_rate(0.43, 0.35, HazardCurve([1e-4, 1.0, 1e4], [5e5, 5e-5, 5e-15])), 8)
+    >>> hazard = HazardCurve([1e-4, 1.0, 1e4], [5e5, 5e-5, 5e-15])
+    >>> round(annual_rate(0.43, 0.35, hazard), 8)
     0.00060472
     """
     if not (

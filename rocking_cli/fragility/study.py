@@ -495,7 +495,8 @@ def fragility(
     state with too few data is left out. Raises UsageError for bad levels or another
     measure, and if no fit is left.
 
-    >>> fragility(load_structures('configs/block.yaml'), load_records('configs/motions/synthetic.at2'), [1.0, 2.0])
+    >>> columns = load_structures('configs/block.yaml')
+    >>> fragility(columns, load_records('configs/motions/synthetic.at2'), [1.0, 2.0])
     Traceback (most recent call last):
         ...
     rocking_cli.errors.UsageError: Column, 0.1, stripes: 1 records; a fit needs at least

@@ -5,7 +5,8 @@ The displacement u of an oscillator with circular frequency w and damping xi und
 straight lines a(t) has z = u' - conj(s) u, s = w (-xi + i sqrt(1 - xi^2)), with z' = s
 z - a, and so an exact recurrence from sample to sample (Nigam and Jennings 1969):
 
-    z(h) = E z - a0 (E - 1)/s - (a1 - a0) (E - 1 - s h)/(s^2 h),   E = exp(s h),   u = Im z / Im s
+    z(h) = E z - a0 (E - 1)/s - (a1 - a0) (E - 1 - s h)/(s^2 h),   E = exp(s h),
+    u = Im z / Im s
 
 S_d is the largest |u| at any time, also between the samples and after the record; S_a =
 w^2 S_d is the pseudo-acceleration.
@@ -39,7 +40,8 @@ def displacement_spectrum(
     bad periods or damping, and for periods that would cut the record into more than
     2^24 samples.
 
-    >>> displacement_spectrum(read_record('configs/motions/synthetic.at2'), [0.5, 1.0]).round(4).tolist()
+    >>> record = read_record('configs/motions/synthetic.at2')
+    >>> displacement_spectrum(record, [0.5, 1.0]).round(4).tolist()
     [0.0621, 0.367]
     """
     periods = np.asarray(periods, dtype=float)
@@ -74,7 +76,8 @@ def acceleration_spectrum(
     """S_a = (2 pi/T)^2 S_d [m/s2], the pseudo-acceleration of the unscaled record;
     arguments and errors as `displacement_spectrum`.
 
-    >>> acceleration_spectrum(read_record('configs/motions/synthetic.at2'), [0.5, 1.0]).round(3).tolist()
+    >>> record = read_record('configs/motions/synthetic.at2')
+    >>> acceleration_spectrum(record, [0.5, 1.0]).round(3).tolist()
     [9.803, 14.488]
     """
     return (2.0 * math.pi / np.asarray(periods)) ** 2 * displacement_spectrum(

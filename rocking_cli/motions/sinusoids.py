@@ -7,7 +7,8 @@ remainder follows from |r^(n)| <= sum_j |C_j| w_j^(n+1), and is halved if it pas
 test:
 
     free      |T_0| > sum_{n>=1} |T_n|               r has no root
-    monotone  |T_1| > sum_{n>=2} n |T_n|             r has one root or none; its signs at the ends decide
+    monotone  |T_1| > sum_{n>=2} n |T_n|             r has one root or none; its signs
+                                                     at the ends decide
     flat      sum |T_n| below rounding               s is constant
 
 Ends at which r is zero within rounding decide nothing: an inflection, or two extremes

@@ -69,7 +69,9 @@ def draw(
     characters that the font lacks. Raises UsageError for another file or nothing to
     draw, and OutputError.
 
-    >>> _ = write_spectrum([dimensionless_oscillator(0.9)], sine(), parse_grid('A=1:8:50,Omega=4:5:2'), 'd.h5', workers=1)
+    >>> grid = parse_grid('A=1:8:50,Omega=4:5:2')
+    >>> structures = [dimensionless_oscillator(0.9)]
+    >>> _ = write_spectrum(structures, sine(), grid, 'd.h5', workers=1)
     >>> draw('d.h5', 'slice.svg', cut='Omega=5')
     'slice at Omega = 5, the nearest of the file'
     """

@@ -185,7 +185,9 @@ def report(
     shaking: a grid of one cell, which records do not need; the other arguments as of
     `page`. Raises UsageError, and OutputError for a file that cannot be written.
 
-    >>> verdicts = report(read_documents('configs/parameters.yaml'), sine(), 'r.html', shaking=parse_grid('a_g=0.2g,f_g=2'))
+    >>> documents = read_documents('configs/parameters.yaml')
+    >>> shaking = parse_grid('a_g=0.2g,f_g=2')
+    >>> verdicts = report(documents, sine(), 'r.html', shaking=shaking)
     >>> [verdict.outcome.flag for verdict in verdicts]
     ['no_uplift']
     """

@@ -24,12 +24,7 @@ _LEAST = 4  # characters of a column that gives way to others
 _NUMBER = re.compile(r"(?:[<>] ?)?[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?")
 # a spreadsheet reads a text that begins so as a formula, after blanks and in full width
 # too
-_FORMULA = (
-    "=",
-    "+",
-    "-",
-    "@",
-)
+_FORMULA = ("=", "+", "-", "@")
 
 
 class Above(float):

@@ -107,7 +107,10 @@ def accuracy(
     """Return the rows of `work_precision` for a structure over a grid; method: None for
     `governing_method`. Raises UsageError.
 
-    >>> rows = accuracy(dimensionless_oscillator(0.9), sine(), parse_grid('A=1:8:20,Omega=1:8:20'), sample=5, scipy=0)
+    >>> grid = parse_grid('A=1:8:20,Omega=1:8:20')
+    >>> rows = accuracy(
+    ...     dimensionless_oscillator(0.9), sine(), grid, sample=5, scipy=0
+    ... )
     >>> rows[0]['method'], rows[0]['misjudged']
     ('rocking, exact', 0)
     """

@@ -4,7 +4,8 @@ and the resultant on every radial joint.
 The three links give nine Newton-Euler equations, in the frame of the ground, for the
 four hinge forces and phi'':
 
-    m_i a_i = H_i - H_(i+1) + m_i (-xg'', -g - zg''),   I_i alpha_i = moments of H_i and -H_(i+1) about the mass centre of link i
+    m_i a_i = H_i - H_(i+1) + m_i (-xg'', -g - zg'')
+    I_i alpha_i = moments of H_i and -H_(i+1) about the mass centre of link i
 
 H is the force at a hinge: the part of the arch before the hinge exerts it on the part
 after the hinge. phi'' is that of Eq. 3.4. The balance of the part of a link before a
@@ -150,10 +151,7 @@ class ArchForces:
                 (
                     system[:, row + axis, 2 * i + axis],
                     system[:, row + axis, 2 * i + 2 + axis],
-                ) = (
-                    1.0,
-                    -1.0,
-                )
+                ) = (1.0, -1.0)
                 system[:, row + axis, 8] = -body.mass * gain[:, axis]
                 load[:, row + axis] = body.mass * (drift[:, axis] - pull[:, axis])
             for end, sign in ((i, 1.0), (i + 1, -1.0)):  # clockwise: z Fx - x Fz

@@ -1,7 +1,8 @@
 """The check of a local mechanism by the Italian code: Circolare 21 gennaio 2019 n. 7,
 section C8.7.1.2.1.
 
-    a = alpha g/(e* FC) (C8.7.1.3),   T_s = k pi sqrt(d_s/a(d_s)), k = 1.68 at SLV and 1.56 at SLC (C8.7.1.10, 11)
+    a = alpha g/(e* FC) (C8.7.1.3),
+    T_s = k pi sqrt(d_s/a(d_s)), k = 1.68 at SLV and 1.56 at SLC (C8.7.1.10, 11)
 
 A motion reaches a limit state at the amplitude whose spectral displacement is d_s, or
 at uplift if that amplitude is larger.
@@ -35,11 +36,7 @@ Q = 2.0  # behaviour factor of the linear check
 ROTATION = 0.40  # of alpha, which is d_SLV of a slender body
 # of amplitudes: step of a search, width of its answer; amplitudes that are looked at
 # together
-_RATIO, _EXACT, _AT_ONCE = (
-    5e-3,
-    1e-4,
-    20,
-)
+_RATIO, _EXACT, _AT_ONCE = (5e-3, 1e-4, 20)
 METHODS = {"code_linear": f"q = {Q:g}", "code_slv": "SLV", "code_slc": "SLC"}
 
 
@@ -165,7 +162,8 @@ def code_check(
 
     >>> (column,) = load_structures('configs/block.yaml')
     >>> found = code_check(column, sine(), parse_grid('a_g=0.3g,T_g=0.4'))
-    >>> round(found.linear / 9.81, 3), round(found.slv.amplitude / 9.81, 3), round(found.slc.amplitude / 9.81, 3)
+    >>> accelerations = found.linear, found.slv.amplitude, found.slc.amplitude
+    >>> tuple(round(acceleration / 9.81, 3) for acceleration in accelerations)
     (0.5, 0.537, 0.765)
     """
     if not 1.0 <= confidence < math.inf:

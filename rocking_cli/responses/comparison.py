@@ -50,7 +50,8 @@ def compare(
     shaking: a grid of one cell for the first structure; a record does not need it;
     methods: the equations of motion, empty for `governing_method`. Raises UsageError.
 
-    >>> found = compare(load_structures(['configs/block.yaml', 'configs/arch.yaml']), sine(), parse_grid('A=2,Omega=5'))
+    >>> structures = load_structures(['configs/block.yaml', 'configs/arch.yaml'])
+    >>> found = compare(structures, sine(), parse_grid('A=2,Omega=5'))
     >>> [history.outcome('linear').flag for history in found]
     ['rocked', 'rocked']
     """

@@ -5,14 +5,16 @@ With s = sgn theta, phi = alpha - |theta|, R from the edge to the mass centre an
 = R p^2/g = m R^2/I,
 
     Fx/(m g) = xg''/g + kappa (s u'' cos phi + s u'^2 sin phi)
-    Fz/(m g) = 1 + zg''/g + kappa (u'' sin phi - u'^2 cos phi),   u = |theta| [rad], ' = d/d(p t)
+    Fz/(m g) = 1 + zg''/g + kappa (u'' sin phi - u'^2 cos phi),
+    u = |theta| [rad], ' = d/d(p t)
 
 for any equation of motion, since they are the forces that move the mass centre as in
 the response. At rest they are xg''/g and 1 + zg''/g. The base needs a coefficient of
 friction of max |Fx|/Fz, and Fz > 0 at all times. The impulses of the ground in an
 impact are
 
-    Jx = s m R cos(alpha) w (1 - eta),   Jz = m w (R sin(alpha) + eta R' sin(alpha')),   w = |theta'| before
+    Jx = s m R cos(alpha) w (1 - eta),   Jz = m w (R sin(alpha) + eta R' sin(alpha')),
+    w = |theta'| before
 
 where R' and alpha' belong to the other edge. Jx/Jz is the friction that the impact
 needs.

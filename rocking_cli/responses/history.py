@@ -25,10 +25,7 @@ Array = np.ndarray
 
 # part of the speed INVISIBLE at which the rest of a bouncing is summed, and bounces
 # until then at most
-_SUMMED, _UNSEEN = (
-    1e-3,
-    1000,
-)
+_SUMMED, _UNSEEN = (1e-3, 1000)
 LONGEST = 1e9  # tau: beyond, doubles do not tell the times of an arc apart
 
 
@@ -49,7 +46,8 @@ def history(
     right side. Raises ValueError when a number is out of range.
 
     >>> (column,) = load_structures('configs/block.yaml')
-    >>> found = history(Method().system_of(column), sine(), 2.0, 6.0, column.eta, duration=40.0)
+    >>> system = Method().system_of(column)
+    >>> found = history(system, sine(), 2.0, 6.0, column.eta, duration=40.0)
     >>> [e.event for e in found.events][:3]
     ['uplift', 'peak', 'impact']
     """

@@ -95,7 +95,8 @@ def boundaries(
     finished values and of all. Raises UsageError, DocumentError.
 
     >>> (column,) = read_documents('configs/block.yaml')
-    >>> (found,), _ = boundaries(column, parse_variation('width=0.4:0.8:3'), [(sine(), parse_grid('a_g=0.4g,f_g=1'))])
+    >>> shakings = [(sine(), parse_grid('a_g=0.4g,f_g=1'))]
+    >>> (found,), _ = boundaries(column, parse_variation('width=0.4:0.8:3'), shakings)
     >>> found.side, found.value, round(found.capacity_demand, 4)
     ('stands above', 0.623121, 1.0)
     """

@@ -380,7 +380,8 @@ def time_history(
     duration [s]: the time that is shown, None for the shaking and 30/p after it; the
     outcome holds for the whole motion. Raises UsageError.
 
-    >>> found = time_history(load_structures('configs/block.yaml')[0], sine(), parse_grid('a_g=0.35g,f_g=1.5'))
+    >>> (column,) = load_structures('configs/block.yaml')
+    >>> found = time_history(column, sine(), parse_grid('a_g=0.35g,f_g=1.5'))
     >>> [event.event for event in found.histories['nonlinear'].events][:3]
     ['uplift', 'peak', 'impact']
     """

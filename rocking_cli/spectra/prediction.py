@@ -30,8 +30,10 @@ def predict(
     when the spectrum has other axes, model or restitutions, or does not reach (A,
     Omega).
 
-    >>> _ = write_spectrum([dimensionless_oscillator(0.9)], sine(), parse_grid('A=1:4:50,Omega=1:8:50'), 'p.h5', workers=1)
-    >>> found = predict(dimensionless_oscillator(0.9), 'p.h5', parse_grid('A=1.5,Omega=6'))
+    >>> oscillator = dimensionless_oscillator(0.9)
+    >>> grid = parse_grid('A=1:4:50,Omega=1:8:50')
+    >>> _ = write_spectrum([oscillator], sine(), grid, 'p.h5', workers=1)
+    >>> found = predict(oscillator, 'p.h5', parse_grid('A=1.5,Omega=6'))
     >>> found['outcome'], round(found['theta_ratio'], 6)
     ('rocked', 0.167098)
     """

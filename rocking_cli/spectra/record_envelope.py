@@ -185,7 +185,8 @@ def envelope(
     whose scale is varied; method: None for `governing_method`; the other arguments as
     of `trace_envelope`. Raises UsageError as that does.
 
-    >>> rows = envelope(load_structures('configs/parameters.yaml')[0], sine(), 'f_g=1.5')
+    >>> (structure,) = load_structures('configs/parameters.yaml')
+    >>> rows = envelope(structure, sine(), 'f_g=1.5')
     >>> [(round(row['a_from'], 3), row['mode']) for row in rows]
     [(11.734, 'after_impact'), (26.953, 'no_impact')]
     """

@@ -168,7 +168,8 @@ def spectrum(
     None for `governing_method`; options: workers, check and quantities of
     `SweepOptions`. Raises UsageError.
 
-    >>> found = spectrum([dimensionless_oscillator(0.9)], sine(), parse_grid('A=1:8:50,Omega=1:8:40'), workers=1)
+    >>> grid = parse_grid('A=1:8:50,Omega=1:8:40')
+    >>> found = spectrum([dimensionless_oscillator(0.9)], sine(), grid, workers=1)
     >>> found.theta_ratio.shape, int(overturned(found.outcome).sum())
     ((1, 40, 50), 1163)
     """
@@ -233,7 +234,8 @@ def write_spectrum(
     documents, history, progress and tell. Raises what `write_scene` raises.
 
     >>> grid = parse_grid('A=1:8:50,Omega=1:8:40')
-    >>> write_spectrum([dimensionless_oscillator(0.9)], sine(), grid, 'shared.h5', workers=1).cells
+    >>> structures = [dimensionless_oscillator(0.9)]
+    >>> write_spectrum(structures, sine(), grid, 'shared.h5', workers=1).cells
     2000
     """
     check_choices("write_spectrum", SweepOptions, options)

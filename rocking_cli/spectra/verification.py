@@ -24,10 +24,7 @@ Place = tuple[int, int, int]  # (structure, row, column) of a cell
 _SEED = 20120924
 _CANDIDATES = 128  # candidates for the most sensitive cells
 # segments beyond which the search takes as long as a sweep, so that all cells are drawn
-_LONGEST, _LONGEST_RECORD = (
-    1000,
-    10_000,
-)
+_LONGEST, _LONGEST_RECORD = (1000, 10_000)
 _EXACT = 1e-10  # tolerance for an exact method, for the rounding of two solvers
 # relative change of each input; the linear equation leaves the differences 8 digits
 STEP = 1e-7
@@ -51,7 +48,8 @@ def condition_of(
     """Return the condition of cells (any shape, broadcast): the change of max
     |theta|/alpha over a small relative change of the input,
 
-        kappa = |d theta/d ln A| + |d theta/d ln Omega| + |d theta/d ln eta|,   theta = max |theta|/alpha        [-]
+        kappa = |d theta/d ln A| + |d theta/d ln Omega| + |d theta/d ln eta|,
+        theta = max |theta|/alpha        [-]
 
     by central differences over a relative 1e-7, or 100 times the tolerance of the
     method (0 of an exact one). respond: the response of arrays (A, Omega, eta). NaN if

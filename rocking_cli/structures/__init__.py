@@ -23,7 +23,8 @@ def build_structure(document: Document) -> RockingParameters:
     """Return the rocking parameters of one document. Raises DocumentError, which names
     file, line, key and the values accepted.
 
-    >>> round(build_structure(parse_documents('{kind: block, width: 0.5, height: 2}')[0]).p, 6)
+    >>> (document,) = parse_documents('{kind: block, width: 0.5, height: 2}')
+    >>> round(build_structure(document).p, 6)
     2.671671
     """
     # Names stand in lists with commas between them, so a name holds none.
@@ -77,7 +78,9 @@ def on_each_interface(document: Document) -> list[Document]:
     prints them. A stack that states `rocks_on`, and any other structure, has one
     document. Raises DocumentError.
 
-    >>> (statue,) = parse_documents('{name: Statue, kind: stack, pieces: [{width: 1, height: 4}, {width: 0.1, height: 0.38}]}')
+    >>> (statue,) = parse_documents('''
+    ... {name: Statue, kind: stack,
+    ...  pieces: [{width: 1, height: 4}, {width: 0.1, height: 0.38}]}''')
     >>> [build_structure(document).name for document in on_each_interface(statue)]
     ['Statue', 'Statue on piece 1 from below']
     """
@@ -137,7 +140,8 @@ def load_structures(
     DocumentError if a document is not valid. Warns (UserWarning) of lengths without a
     unit that make a body higher than 30 m.
 
-    >>> [structure.name for structure in load_structures(['configs/block.yaml', 'configs/arch.yaml'])]
+    >>> structures = load_structures(['configs/block.yaml', 'configs/arch.yaml'])
+    >>> [structure.name for structure in structures]
     ['Column', 'Oppenheim']
     """
     paths = [paths] if isinstance(paths, str | Path) else paths

@@ -3,7 +3,8 @@
 A tie is anchored at the height h above the pivot and x behind it, and stays horizontal.
 At the rotation theta it has
 
-    u = x (1 - cos theta) + h sin theta,   lever = h cos theta + x sin theta,   F = min(P0 + K u, F_y), 0 from u = u_ult on
+    u = x (1 - cos theta) + h sin theta,   lever = h cos theta + x sin theta,
+    F = min(P0 + K u, F_y), 0 from u = u_ult on
 
 A tendon on the centre line, at the distance b from the pivot, has the elongation 2 b
 sin(theta/2) and the lever b cos(theta/2).

@@ -1,6 +1,7 @@
-"""Do the tests notice when dynamics/ is wrong? `python tests/bench/mutants.py [--count
-N] [--seed S] [--tests TEST]... [PATH...]`, or `make mutants`; with paths, other files
-of the package too.
+"""Do the tests notice when dynamics/ is wrong?
+
+`python tests/bench/mutants.py [--count N] [--seed S] [--tests TEST]... [PATH...]`, or
+`make mutants`; with paths, other files of the package too.
 
 Flips signs, comparisons and constants one at a time in a copy of the package, runs the
 tests of its room and then the others until one fails, and prints the changes that none

@@ -63,10 +63,7 @@ IN_SECONDS = (
 )  # scenes whose figure is that of the whole scene
 # the figure that tells how fast a machine is; its value where targets in us and s were
 # set
-KERNEL, THERE = (
-    "linear_compiled_one",
-    0.508,
-)
+KERNEL, THERE = ("linear_compiled_one", 0.508)
 
 
 class Target(NamedTuple):

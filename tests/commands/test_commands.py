@@ -299,16 +299,7 @@ FILES = [
     for name in COMMANDS
     for parameter in cli.get_command(click.Context(cli), name).params
     if parameter.name
-    in (
-        "file",
-        "files",
-        "spectrum",
-        "motion",
-        "output",
-        "pulses",
-        "counts",
-        "vertical",
-    )
+    in ("file", "files", "spectrum", "motion", "output", "pulses", "counts", "vertical")
 ]
 
 

@@ -29,7 +29,8 @@ STATED = "parameters:name=Stated,p=2.67,alpha=0.245,eta=0.9,lambda=0.25"
 
 def test_counts_that_exist_are_fitted(rocking, tmp_path):
     (tmp_path / "c.csv").write_text(
-        "im,n,z\n0.2,40,0\n0.3,40,0\n0.4,40,0\n0.6,40,4\n0.7,40,6\n0.8,40,13\n0.9,40,12\n1,40,16\n"
+        "im,n,z\n0.2,40,0\n0.3,40,0\n0.4,40,0\n0.6,40,4\n"
+        "0.7,40,6\n0.8,40,13\n0.9,40,12\n1,40,16\n"
     )
     (row,) = rocking("fragility", "--counts", "c.csv", "--json").records
     assert (row["median"], row["beta"], row["n"]) == (

@@ -76,7 +76,4 @@ def test_free_rocking_and_records_have_units(rocking):
             *record,
             "--verdict-only",
         )
-    ) == [
-        NONLINEAR,
-        "model: linear, since the geometry of Measured arch is not known",
-    ]
+    ) == [NONLINEAR, "model: linear, since the geometry of Measured arch is not known"]

@@ -15,7 +15,8 @@ def test_prediction_is_the_computed_response_and_states_how_far_the_spectrum_is_
         )
         assert (
             ",".join(beside[0])
-            == "structure,eta,A,Omega,a_g,omega_g,theta_max,theta_ratio,outcome,capacity_demand,margin,margin_side,"
+            == "structure,eta,A,Omega,a_g,omega_g,theta_max,theta_ratio,outcome,"
+            "capacity_demand,margin,margin_side,"
             "theta_ratio_interpolated,interpolation_error"
         )
         assert [r["structure"] for r in beside] == ["One", "Two"]

@@ -117,10 +117,7 @@ def test_the_shipped_record_is_what_its_recipe_makes(rocking):
     )
     # straight lines from one to the other: a trapezium, or two triangles where they
     # cross zero
-    x, y = (
-        made[:-1],
-        made[1:],
-    )
+    x, y = (made[:-1], made[1:])
     each = np.where(
         x * y >= 0.0, np.abs(x + y), (x**2 + y**2) / (np.abs(x) + np.abs(y))
     )

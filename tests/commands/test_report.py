@@ -203,7 +203,7 @@ def test_a_few_records_bear_no_curve(tmp_path):
     ]
 
 
-def test_each_edge_and_the_damping_are_stated_and_what_leaves_the_ground_is_not_called_agreed(
+def test_each_edge_and_the_damping_are_stated_and_what_leaves_the_ground_is_not_agreed(
     tmp_path,
 ):
     statue = subject(

@@ -80,7 +80,8 @@ def test_a_long_stream_of_json_objects_is_read(monkeypatch):
 
 
 CHARACTERS = list(
-    " \n\t:-#'\"{}[]&*!|>%@`,?\\~\0\x1b0123456789.eE+-²½αabcxyz<\ufeff\x85\u2028\U0001f5fc"
+    " \n\t:-#'\"{}[]&*!|>%@`,?\\~\0\x1b"
+    "0123456789.eE+-²½αabcxyz<\ufeff\x85\u2028\U0001f5fc"
 )
 WORDS = [
     "1e400",

@@ -362,7 +362,7 @@ def test_a_lemma_has_a_proof_and_a_test_that_exist(number):
     assert "Proof. " in text or number == 14  # whose statement is the proof
     tests = re.findall(
         r"`([\w/.]+)::(\w+)`",
-        re.search(r"^Test (.*)", text, flags=re.MULTILINE | re.DOTALL)[1],
+        re.search(r"^Test\s(.*)", text, flags=re.MULTILINE | re.DOTALL)[1],
     )
     assert tests
     here = Path(__file__).parent

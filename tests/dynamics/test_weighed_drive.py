@@ -143,10 +143,9 @@ DOWN = Piece(37.0, 40.0, (), -10.0)
 
 
 @pytest.mark.parametrize(
-    (
-        "falls",
-        "at",
-    ),  # how the ground falls, and the phase at which the weight is 0; only later would it lift off
+    # how the ground falls, and the phase at which the weight is 0; only later would it
+    # lift off
+    ("falls", "at"),
     [
         ([], 37.0),
         ([Piece(36.0, 37.0, (), 0.0, -10.0)], 36.5),

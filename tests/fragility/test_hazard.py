@@ -165,7 +165,8 @@ def test_probabilities_and_what_is_missed():
 
 # As the engine writes it (layout of its version 3.20; the numbers are our own): levels
 # in g, cm/s for PGV, m/s for IA.
-OPENQUAKE = """#,,,,,,"generated_by='OpenQuake engine 3.20.0-git6a5db97d59', start_date='2024-06-03T09:36:03', checksum=1, kind='mean', \
+OPENQUAKE = """#,,,,,,"generated_by='OpenQuake engine 3.20.0-git6a5db97d59', \
+start_date='2024-06-03T09:36:03', checksum=1, kind='mean', \
 investigation_time={years}, imt='{imt}'"
 lon,lat,depth,poe-0.0500000,poe-0.1000000,poe-0.2000000,poe-0.4000000
 9.15000,45.15000,0.00000,1.000000E+00,9.754115E-01,3.296800E-01,0.000000E+00
@@ -336,7 +337,8 @@ FIRST_LINES = [
 def test_files_of_earlier_versions_of_openquake_are_read(first, tmp_path):
     path = tmp_path / "h.csv"
     path.write_text(
-        f"{first}\nlon,lat,depth,poe-0.1,poe-0.4\n0.00000,0.00000,-0.10000,4.0E-01,5.0E-02\n"
+        f"{first}\nlon,lat,depth,poe-0.1,poe-0.4\n"
+        "0.00000,0.00000,-0.10000,4.0E-01,5.0E-02\n"
     )
     found = read_hazard(path)
     assert found.x == pytest.approx([0.1 * G, 0.4 * G], rel=1e-14)

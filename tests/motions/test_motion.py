@@ -155,7 +155,7 @@ MOTIONS = [
 
 
 @pytest.mark.parametrize("motion", MOTIONS, ids=lambda m: m.name)
-def test_polynomials_are_the_sums_of_sinusoids_and_cross_each_level_where_the_drive_has_it(
+def test_polynomials_are_the_sums_of_sinusoids_and_cross_each_level_with_the_drive(
     motion,
 ):
     segments, random = motion.segments, np.random.default_rng(1)

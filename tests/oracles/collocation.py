@@ -7,7 +7,8 @@ dips are looked for on 48 points of every step's polynomial, each refined on tha
 polynomial, and an impact once more by a step that ends in it. The contact rules are
 plain Python.
 
-    linear      u'' = -p^2 [w (alpha - u) + s a_scale xg/g] - 2 zeta p u',    w = 1 + zg/g
+    linear      u'' = -p^2 [w (alpha - u) + s a_scale xg/g] - 2 zeta p u',
+                w = 1 + zg/g
     nonlinear   u'' = -p^2 [w sin(alpha - u) + s xg/g cos(alpha - u)] - 2 zeta p u'
 
 with p and alpha of the edge on which the body stands: right for theta > 0 (s = 1), left
@@ -26,10 +27,7 @@ from scipy.optimize import brentq, minimize_scalar
 NODES, FINE = 14, 48
 # of alpha p: bounces this slow have ended if they end before the next uplift, or in any
 # case
-SLOW, REST = (
-    1e-9,
-    1e-12,
-)
+SLOW, REST = (1e-9, 1e-12)
 LONGEST = 0.75  # of 1/p, and of a radian of the motion's phase
 
 _x, _w = legendre.leggauss(NODES)

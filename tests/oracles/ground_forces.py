@@ -1,7 +1,8 @@
 """What a body asks of the ground, from an integration that shares no code: forces by
 the equation of motion along its steps, extremes by Brent's method between samples.
 
-    Fx/m = xg + s R (u'' cos z + u'^2 sin z),   Fz/m = g + zg + R (u'' sin z - u'^2 cos z),   z = alpha - u
+    Fx/m = xg + s R (u'' cos z + u'^2 sin z)
+    Fz/m = g + zg + R (u'' sin z - u'^2 cos z),   z = alpha - u
 """
 
 import math

@@ -68,10 +68,7 @@ class Device:
             rupture
             if self.broken or self.yielding
             else rupture
-            | {
-                "slack": self.spring(u),
-                "yield": self.spring(u) - self.force,
-            }
+            | {"slack": self.spring(u), "yield": self.spring(u) - self.force}
         )
 
 

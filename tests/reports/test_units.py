@@ -88,14 +88,7 @@ def test_the_dimension_of_a_side_an_item_and_a_model_is_that_of_the_column():
             "theta_ratio",
             "name",
         )
-    ] == [
-        "angle",
-        "angle",
-        "frequency parameter",
-        "angle",
-        None,
-        None,
-    ]
+    ] == ["angle", "angle", "frequency parameter", "angle", None, None]
     restraints = (
         "ties_2_height",
         "tendon_rupture",

@@ -276,7 +276,7 @@ def test_what_lines_ask_of_a_body_at_rest_is_what_each_of_them_asks(scale):
     assert (found.rocking is not None) == (scale > 0.4)
 
 
-def test_contact_is_lost_at_the_first_instant_without_force_though_a_free_fall_is_ahead():
+def test_contact_is_lost_at_the_first_instant_without_force_with_a_free_fall_ahead():
     """Against an integration that stops where its own Fz is 0: -u'' = sin(alpha - u) (1
     + zg''/g) + s xg''/g cos(alpha - u).
     """
@@ -424,7 +424,7 @@ def test_bounces_that_a_history_does_not_show_press_less_than_a_body_at_rest():
         ("rectangular-impulse", "rectangular-impulse"),
     ],
 )
-def test_forces_of_a_body_that_has_gone_far_before_the_ground_falls_away_are_not_searched(
+def test_forces_of_a_body_far_gone_before_the_ground_falls_away_are_not_searched(
     across, up
 ):
     """Linear, it goes to 1e9 rad, where its forces oscillate a billion times."""

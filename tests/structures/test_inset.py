@@ -65,11 +65,7 @@ def test_a_spire_by_hand():
 def test_a_one_sided_wall_still_meets_its_backing_at_its_top():
     # half widths and heights; I_G/m, then the vectors from edges and top to the mass
     # centre
-    b, h, d = (
-        0.6,
-        4.0,
-        0.05,
-    )
+    b, h, d = (0.6, 4.0, 0.05)
     central, x = (b * b + h * h) / 3, b - d
     base = (central + h * h - x * x) / (central + h * h + x * x)
     backing = (central + x * b - h * h) / (central + b * b + h * h)

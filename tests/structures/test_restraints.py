@@ -369,11 +369,7 @@ def test_a_spectra_file_keeps_the_restraints(tmp_path):
         summary.checked_cells,
         summary.misjudged,
         summary.estimated_error < 1e-9,
-    ) == (
-        12,
-        0,
-        True,
-    )  # 3 do not lift
+    ) == (12, 0, True)  # 3 do not lift
     with SpectraFile(path) as file:
         assert file.structures[0].restraints == body.restraints
         np.testing.assert_array_equal(np.squeeze(file.array("outcome")), found.outcome)

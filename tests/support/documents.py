@@ -29,7 +29,8 @@ pieces:
   - {from: 0, to: 0.5, sines: [{amplitude: 1}]}
   - {from: 0.5, to: 0.8, constant: 0}
   - {from: 0.8, to: 1.2, constant: -0.6, slope: 1.5}
-  - {from: 1.2, to: 2.2, sines: [{amplitude: 0.5, phase: 90 deg}, {amplitude: 0.2, frequency: 3}]}
+  - {from: 1.2, to: 2.2,
+     sines: [{amplitude: 0.5, phase: 90 deg}, {amplitude: 0.2, frequency: 3}]}
 """
 
 

@@ -13,8 +13,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 README = ROOT / "README.md"
 BLOCK = re.compile(
-    r"```yaml\n#"
-    r" (?P<name>\S+)\n(?P<document>.*?)```|```sh\n(?P<commands>.*?)```(?:\n\n```\n(?P<output>.*?)```)?",
+    r"```yaml\n# (?P<name>\S+)\n(?P<document>.*?)```"
+    r"|```sh\n(?P<commands>.*?)```(?:\n\n```\n(?P<output>.*?)```)?",
     re.DOTALL,
 )
 Run = Callable[..., subprocess.CompletedProcess[str]]

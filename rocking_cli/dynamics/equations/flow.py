@@ -4,14 +4,16 @@ sinusoids and a ramp.
 With y = |theta|/alpha on the current side, tau = p t and the outward drive a = -side A
 s (positive lifts the body),
 
-    y'' = y - 1 + a                                                                  (Eqs. 2.4 and 3.6, dimensionless)
+    y'' = y - 1 + a                                 (Eqs. 2.4 and 3.6, dimensionless)
 
 The state after h is the present state plus increments with their leading power of h as
 a factor: for a small motion, a difference of terms of order one would lose its digits.
 With b = y''(0) and a(h) = a(0) + sum_j [S_j sin(w_j h) - C_j (1 - cos(w_j h))] + r h,
 
-    y(h) = y0 + v0 sinh h + b (cosh h - 1) + sum_j [S_j F3(w_j, h) - C_j F4(w_j, h)] + r (sinh h - h)
-    F3 = (w sinh h - sin(w h)) / (1 + w^2),   F4 = (w^2 (cosh h - 1) - (1 - cos(w h))) / (1 + w^2)
+    y(h) = y0 + v0 sinh h + b (cosh h - 1)
+           + sum_j [S_j F3(w_j, h) - C_j F4(w_j, h)] + r (sinh h - h)
+    F3 = (w sinh h - sin(w h)) / (1 + w^2)
+    F4 = (w^2 (cosh h - 1) - (1 - cos(w h))) / (1 + w^2)
 """
 
 import math

@@ -39,10 +39,7 @@ from .taylor import (
 
 _SHIFT = 4  # powers of x used to shift the series of a narrow patch
 # intervals of a finer table: within half of one, powers above the 4th are below 1e-13
-_MARKS, _NEAR = (
-    2048,
-    4,
-)
+_MARKS, _NEAR = (2048, 4)
 _CHOOSE = np.array(
     [[math.comb(j + k, k) for j in range(MOST_TERMS)] for k in range(_NEAR + 1)],
     dtype=float,

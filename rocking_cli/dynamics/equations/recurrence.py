@@ -149,14 +149,16 @@ def motion_terms(
         if n:
             extend(n)
         if n == 0 and force is not None:
-            own = force
+            own = 1.0 * force
         else:
-            own = -lift[n] if weight is None else -product_term(weight, lift)
-            if push is not None:
-                own = own + product_term(drive, push)
-            elif n < len(drive):
-                own = own + drive[n]
+            weighed = lift[n] if weight is None else product_term(weight, lift)
+            if push is None:  # G = 1
+                own = drive[n] - weighed if n < len(drive) else -weighed
+            else:
+                own = product_term(drive, push)
+                own -= weighed
         if drag is not None:
-            own = own - drag * (n + 1) * motion[n + 1]
-        motion.append(own * factor)
+            own -= drag * (n + 1) * motion[n + 1]
+        own *= factor
+        motion.append(own)
     return motion.array[:, : y.size] if isinstance(drive, Rows) else motion

@@ -177,8 +177,10 @@ class RigidBodyEquation(Equation):
         def extend(n: int) -> None:
             rate.append(n * y[n])
             by_push, by_lift = product_terms(rate, push, lift)
-            lift.append(by_push * (falls / n))
-            push.append(by_lift * (pushes / n))
+            by_push *= falls / n
+            by_lift *= pushes / n
+            lift.append(by_push)
+            push.append(by_lift)
 
         return lift, push, extend
 

@@ -22,20 +22,14 @@ from .extrapolation import Path, Point, Rate, path, step
 
 # limit of the number of stretches of a cell: a constant, and an addition for each
 # segment of the motion
-_MOST, _A_SEGMENT = (
-    5_000,
-    50,
-)
+_MOST, _A_SEGMENT = (5_000, 50)
 _SCRIPT_STRETCH = (
     10.0  # tau between two tests of overturning where the solver chooses its steps
 )
 _AT_REST = 1e-11
 # the least force of a step is searched for if it may be below the first plus the second
 # times its variation
-_NEAR, _PART = (
-    0.1,
-    0.1,
-)
+_NEAR, _PART = (0.1, 0.1)
 _STILL = Piece(0.0, math.inf)  # the ground after the shaking
 _ROUNDS = 32  # rounds of the search; each leaves two thirds of the interval
 

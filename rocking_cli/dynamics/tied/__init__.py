@@ -6,11 +6,15 @@ the displacement y >= 0 on its side, with v = dy/dtau, tau = p t, at the phase u
 the start of segment k of the motion. The drive a is the ground acceleration over its
 value at uplift of the free body, positive outward.
 
-    devices     the restraints in the units of an equation: forces, thresholds, the coefficients of a phase
-    series      the Taylor series of a phase, steps with one turn at most, and the work of a phase
-    bounces     how strongly a body is held at the ground, and which bounces end in rest (Lemma 7)
+    devices     the restraints in the units of an equation: forces, thresholds, the
+                coefficients of a phase
+    series      the Taylor series of a phase, steps with one turn at most, and the work
+                of a phase
+    bounces     how strongly a body is held at the ground, and which bounces end in rest
+                (Lemma 7)
     tied_lanes  the data of the march: lanes, ends of steps, results
-    tied_march  from event to event: engagement, yield, unloading, slack, rupture, impact, rest, overturning
+    tied_march  from event to event: engagement, yield, unloading, slack, rupture,
+                impact, rest, overturning
 
 While no restraint changes its phase (slack, elastic, yielding, broken), the body
 follows one smooth equation, and its restoring moment has a closed form. A phase ends at

@@ -11,7 +11,8 @@ h apart Fz does not leave its chord by more than h^2/8 times a bound of |Fz''|. 
 bounds V, B, J and Q of the first four derivatives of u (by tau), and F the largest
 force and k b the largest stiffness of the tendon,
 
-    |Fz''|/(m g) <= kappa [(Q + 6 V^2 B) |sin z| + 4 V J + 3 B^2 + V^4] + [(F/4 + k b) V^2 + (F/2 + k b) B]/(m g)
+    |Fz''|/(m g) <= kappa [(Q + 6 V^2 B) |sin z| + 4 V J + 3 B^2 + V^4]
+                    + [(F/4 + k b) V^2 + (F/2 + k b) B]/(m g)
 """
 
 from __future__ import annotations

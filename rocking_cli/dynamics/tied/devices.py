@@ -7,7 +7,8 @@ distance b has e = 2 b sin(theta/2) and the lever b cos(theta/2). (Some sources 
 tendon break at b sin theta, which contradicts this lever.) In the linear equation e = h
 theta or b theta, with the levers h and b. The force is
 
-    F = 0 (slack, broken),  P0 + K (e - e_p) (elastic),  F_y (yielding),  e_p the permanent elongation
+    F = 0 (slack, broken),  P0 + K (e - e_p) (elastic),  F_y (yielding),
+    e_p the permanent elongation
 
 A device acts on one side; a tie that acts on both sides is two devices. A tendon acts
 on both sides and breaks on both.

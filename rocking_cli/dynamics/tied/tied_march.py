@@ -12,10 +12,13 @@ had there. Impacts, damping, yielding and ruptures only take energy: a tendon th
 breaks beyond this peak, on the other side, takes at least what it had stored at the
 peak. So
 
-- a body that has returned to the ground from a peak on each of its sides never exceeds these peaks again: it rocked;
-- a body that turns back outwards above the ground after such a peak goes to and fro between both: it leans;
-- a body overturns if it lies on its side, or, in the linear equation, if it moves outwards in the last phase of its restraints, whose
-  stiffness is not positive, and no drive to come reaches its force.
+- a body that has returned to the ground from a peak on each of its sides never exceeds
+  these peaks again: it rocked;
+- a body that turns back outwards above the ground after such a peak goes to and fro
+  between both: it leans;
+- a body overturns if it lies on its side, or, in the linear equation, if it moves
+  outwards in the last phase of its restraints, whose stiffness is not positive, and no
+  drive to come reaches its force.
 
 A body that rocked or leans keeps Fz > 0 later if it did so up to then. At the same
 rotation it is never faster than on the way back from that peak, and its restraints pull

@@ -78,13 +78,14 @@ _SO_MANY = re.compile(
     r"\b(\d+)\s+(?:data )?(?:points|samples|pts|values)\b(?!\s*/|\s*per)"
 )
 _UNITS = re.compile(
-    r"(?:\b(?:units?|einheit(?:en)?|unidad(?:es)?|unita|unites?|birim(?:i|ler)?)\b|单位|単位)"
+    r"(?:\b(?:units?|einheit(?:en)?|unidad(?:es)?|unita|unites?|birim(?:i|ler)?)\b"
+    r"|单位|単位)"
     r"(?:\s+of\s+\w+)?(?:\s*(?:[:=,;\t]|\b(?:of|are|is|in)\b)\s*)+(\S.*)"
 )
 _COMPONENT = re.compile(
-    r"\b(?:comp(?:onent|onente)?|ch(?:an(?:nel)?)?(?=[\s\d.:=])|dir(?:ection|eccion|ezione)?|orientation|"
-    r"composante|richtung|bilesen|yon)(?![a-z])\.?\s*(?:\d+\s*)?[:=,;\t(]?\s*([-+\w./]+(?:"
-    r" deg)?)",
+    r"\b(?:comp(?:onent|onente)?|ch(?:an(?:nel)?)?(?=[\s\d.:=])"
+    r"|dir(?:ection|eccion|ezione)?|orientation|composante|richtung|bilesen|yon)"
+    r"(?![a-z])\.?\s*(?:\d+\s*)?[:=,;\t(]?\s*([-+\w./]+(?: deg)?)",
     re.IGNORECASE,
 )
 _NOT_OF_THE_RECORD = re.compile(

@@ -17,8 +17,8 @@ _FIRST = re.compile(
 )
 _COMMENTS = re.compile(r"^\s*(\d+)\s*comment line", re.IGNORECASE)
 _BLOCK = re.compile(
-    r"^\s*(\d+)\s+([\w.]+(?:"
-    rf" [\w.]+)?)\s*(?:pts|points|counts)\b.*?units\s*=\s*([^,(]+?)\s*(?:\(\s*(\d+)\s*\)|,).*?{FORTRAN}",
+    r"^\s*(\d+)\s+([\w.]+(?: [\w.]+)?)\s*(?:pts|points|counts)\b"
+    rf".*?units\s*=\s*([^,(]+?)\s*(?:\(\s*(\d+)\s*\)|,).*?{FORTRAN}",
     re.IGNORECASE,
 )
 _ACCELERATION = re.compile(
@@ -114,12 +114,8 @@ def _header(text: RecordText, kind: str) -> np.ndarray:
 
 def _step(text: RecordText, reals: np.ndarray, count: int, line: str) -> float:
     """The step dt [s]; line: that before the values, which may state their duration."""
-    dt = (
-        text.step(
-            f"{reals[_STEP_MS] if reals[_STEP_MS] != _NONE else 1e3 * reals[_RAW_STEP]:.12g}"
-        )
-        / 1e3
-    )
+    step = reals[_STEP_MS] if reals[_STEP_MS] != _NONE else 1e3 * reals[_RAW_STEP]
+    dt = text.step(f"{step:.12g}") / 1e3
     if reals[_LENGTH] > 0.0:
         text.agree(count, dt, f"{reals[_LENGTH]:.6g}")
     elif length := stated(_APPROXIMATELY, [line]):

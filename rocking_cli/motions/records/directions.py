@@ -9,8 +9,8 @@ import re
 from .units import plain
 
 _UP_WORDS = (
-    r"up|upward|upwards|ud|u-d|u/d|u_d|du|dn|down|downward|dwn|vrt|ver|vert\w*|vertikale?|"
-    r"dusey|上下|竖向|垂直|竖直"
+    r"up|upward|upwards|ud|u-d|u/d|u_d|du|dn|down|downward|dwn|vrt|ver|vert\w*|"
+    r"vertikale?|dusey|上下|竖向|垂直|竖直"
 )
 _VERTICAL = re.compile(
     rf"(?<![a-z])[-+]?(?:{_UP_WORDS})\d{{0,2}}(?![a-z])"
@@ -19,9 +19,11 @@ _VERTICAL = re.compile(
     r"|(?:^|[ ._])[-+]?[uvz](?:$| \(\d+\)$| comp\w*$)"
 )
 _ACROSS_WORDS = (
-    r"n|s|e|w|ns|sn|ew|we|n-s|s-n|e-w|w-e|n/s|e/w|n_s|e_w|eo|oe|e-o|o-e|north|south|east|west|northsouth|"
+    r"n|s|e|w|ns|sn|ew|we|n-s|s-n|e-w|w-e|n/s|e/w|n_s|e_w|eo|oe|e-o|o-e|"
+    r"north|south|east|west|northsouth|"
     r"eastwest|nord|sud|est|ovest|ost|norte|sur|este|oeste|kuzey|guney|dogu|bati|"
-    r"x|y|l|t|r|h|h1|h2|hor\w*|long|longitudinal|lon|longi|trans|transverse|tran|transversal|"
+    r"x|y|l|t|r|h|h1|h2|hor\w*|long|longitudinal|lon|longi|"
+    r"trans|transverse|tran|transversal|"
     r"radial|rad|tangential|南北|东西|東西"
 )
 _ACROSS = re.compile(

@@ -109,7 +109,8 @@ _DOTS = re.compile(
     r"[a-zθ](\u0308|\u0307)[ _]?g?[ _]?(?:\(t\))?"
 )  # ẍ, ü_g: two derivatives
 _DERIVED = re.compile(
-    r"\b(?:integra(?:l|ted|ls)|squared?|derivative|differentiated|cumulative|cumulated|log|ln|deviation|variance)\b"
+    r"\b(?:integra(?:l|ted|ls)|squared?|derivative|differentiated|cumulative|cumulated"
+    r"|log|ln|deviation|variance)\b"
     r"|^\|.*\|$"
     r"|^[^/]*[a-z]\s*(?:\^\s*2|\*\*\s*2|²)\s*$"
 )

@@ -161,7 +161,8 @@ FORMATS = (
     Format(
         "CWB",
         begins(
-            r"#(?=[\s\S]*#SampleRate\(Hz\):)(?=[\s\S]*#AmplitudeUnit:)(?=[\s\S]*#DataSequence:)"
+            r"#(?=[\s\S]*#SampleRate\(Hz\):)(?=[\s\S]*#AmplitudeUnit:)"
+            r"(?=[\s\S]*#DataSequence:)"
         ),
         _cwb,
     ),

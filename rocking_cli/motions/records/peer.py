@@ -1,6 +1,6 @@
-"""PEER AT2: lines of text, one of which is `NPTS=  n, DT=  x SEC` (older files: `n  x  NPTS, DT`),
-then n values. A line above it states the quantity and the unit, g where it names only
-an acceleration.
+"""PEER AT2: lines of text, one of which is `NPTS=  n, DT=  x SEC` (older files:
+`n  x  NPTS, DT`), then n values. A line above it states the quantity and the unit, g
+where it names only an acceleration.
 """
 
 import re

@@ -12,15 +12,7 @@ import numpy as np
 
 from ...errors import DocumentError, UsageError
 from .claims import Claims, agree
-from .headings import (
-    ACCELERATION,
-    BARE,
-    FREQUENCY,
-    PERIOD,
-    TIME,
-    UNKNOWN,
-    Cell,
-)
+from .headings import ACCELERATION, BARE, FREQUENCY, PERIOD, TIME, UNKNOWN, Cell
 from .record import EVERY, Series
 from .rows import Rows, as_printed, is_row, leads_of, rows_of
 from .text import Array, RecordText, value_of

@@ -22,16 +22,10 @@ STEPS = (1e-7, 1e3)  # s, from the shortest to the longest
 _LONG_STEP = 1.0  # s; recorders sample every 0.001 to 0.02 s
 # g; the largest recorded is about 4 g. A record in gal that is read as g lies above,
 # one in g read as gal below
-_USUAL_PGA = (
-    0.002,
-    5.0,
-)
+_USUAL_PGA = (0.002, 5.0)
 # marks of missing values have two digits or more, and this ratio to the samples at
 # least
-_LEAST_MARK, _BEYOND = (
-    99.0,
-    50.0,
-)
+_LEAST_MARK, _BEYOND = (99.0, 50.0)
 EVERY = "all"  # columns that follow each other: several values of one record on a line
 HORIZONTAL, ALL, STATION = "horizontal", "all", "station"
 

@@ -35,11 +35,7 @@ _BODY_OF_1990 = re.compile(
     re.IGNORECASE,
 )
 # lines, and that of the numbers, from 0, which begins with the sampling rate in BHRC's
-_TEXT, _NUMBERS, _RATE = (
-    13,
-    14,
-    8,
-)
+_TEXT, _NUMBERS, _RATE = (13, 14, 8)
 _IN_A_LINE = 8  # values of the 1990s on a line, in columns as wide as they need
 _PAIRS, _ALONE = Layout(10, 7), Layout(10, 13)
 

@@ -39,7 +39,8 @@ def draw_capacities(
     lacks. Raises OutputError.
 
     >>> (arch,) = load_structures('configs/parameters.yaml')
-    >>> draw_capacities([check(arch, sine(), parse_grid('a_g=0.35g,f_g=1.5'))], 'capacity.svg')
+    >>> verdict = check(arch, sine(), parse_grid('a_g=0.35g,f_g=1.5'))
+    >>> draw_capacities([verdict], 'capacity.svg')
     """
     with canvas(target, overwrite, look=look, tell=tell) as figure:
         capacities(figure, verdicts, in_g)
@@ -198,7 +199,8 @@ def draw_capacity_curves(
     panels, and OutputError.
 
     >>> (column,) = load_structures('configs/block.yaml')
-    >>> draw_capacity_curves([code_check(column, sine(), parse_grid('a_g=0.3g,T_g=0.4'))], 'curve.svg')
+    >>> found = code_check(column, sine(), parse_grid('a_g=0.3g,T_g=0.4'))
+    >>> draw_capacity_curves([found], 'curve.svg')
     """
     with canvas(target, overwrite, look=look, tell=tell) as figure:
         for axes, check in zip(panels(figure, len(checks)), checks, strict=True):

@@ -211,7 +211,8 @@ def spectrum_lines(axes: Axes, found: Slice, units: Units) -> None:
         if found.where == "record"
         else f", {valued(found.where, found.value, units)}"
     )
-    bars_are = f"overturned{' or lost contact' if any(np.any(o == Outcome.LOST_CONTACT) for o in found.outcome) else ''}"
+    lost = any(np.any(o == Outcome.LOST_CONTACT) for o in found.outcome)
+    bars_are = f"overturned{' or lost contact' if lost else ''}"
     axes.set_title(
         f"{found.title}{where}\nbars: {bars_are}",
         pad=raised if any(falls(o).any() for o in found.outcome) else 6.0,

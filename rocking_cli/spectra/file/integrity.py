@@ -61,7 +61,9 @@ def _digest_of(file: BinaryIO, size: int, ranges: Sequence[tuple[int, int]]) -> 
         for begin, length in ranges
         for at in range(begin, begin + length, _BLOCK)
     )
-    return f"blake2b:{digest(chain([json.dumps([size, ranges]).encode()], (read(file, *place) for place in places)))}"
+    stated = json.dumps([size, ranges]).encode()
+    stretches = (read(file, *place) for place in places)
+    return f"blake2b:{digest(chain([stated], stretches))}"
 
 
 def digest_line(file: BinaryIO, places: Sequence[tuple[int, int]]) -> bytes:

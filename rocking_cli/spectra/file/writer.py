@@ -337,7 +337,8 @@ class SpectraWriter:
                 )
         except OutputError as error:
             raise OutputError(
-                f"{error}{f'; the result is kept as {self.part}' if self.done.any() else ''}"
+                f"{error}"
+                f"{f'; the result is kept as {self.part}' if self.done.any() else ''}"
             ) from None
         self._remove()
 

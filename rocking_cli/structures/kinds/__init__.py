@@ -2,12 +2,16 @@
 
 A new kind is one file, and its name in KINDS. The file has
 
-- `body(document)`, which returns the `RigidBody` of a rigid body, or `build(document, name)`, which returns the RockingParameters of any
-  other structure. The document's methods read its keys and refuse wrong values; a key that no method reads is refused afterwards.
-  Both may raise StructureError for a geometry that does not rock;
-- `REPORTS`, the keys of this kind in RockingParameters.details; a document of kind `parameters` keeps them;
+- `body(document)`, which returns the `RigidBody` of a rigid body, or
+  `build(document, name)`, which returns the RockingParameters of any other structure.
+  The document's methods read its keys and refuse wrong values; a key that no method
+  reads is refused afterwards. Both may raise StructureError for a geometry that does
+  not rock;
+- `REPORTS`, the keys of this kind in RockingParameters.details; a document of kind
+  `parameters` keeps them;
 - `SIZES`, the keys that `block:0.5x2` states, if the kind has this form;
-- `sketch(document, parameters)` beside `build`, the geometry for `rocking draw`, if the kind has one.
+- `sketch(document, parameters)` beside `build`, the geometry for `rocking draw`, if the
+  kind has one.
 
 An installed package adds a kind by an entry point; `damping`, `friction`, and `gravity`
 and `restitution` if build does not read them, are read for it:

@@ -4,7 +4,8 @@ N equal rectangular columns of half diagonal R and slenderness alpha rock togeth
 the beam translates with their tops. With gamma = mass of the beam / mass of all
 columns, the frame rocks as one block of the same alpha with
 
-    p_hat = p sqrt((1 + 2 gamma)/(1 + 3 gamma)),   eta = (1 - 3/2 sin^2 alpha + 3 gamma cos 2 alpha)/(1 + 3 gamma)
+    p_hat = p sqrt((1 + 2 gamma)/(1 + 3 gamma))
+    eta   = (1 - 3/2 sin^2 alpha + 3 gamma cos 2 alpha)/(1 + 3 gamma)
 """
 
 import math

@@ -4,7 +4,8 @@
 With the displacements of the mechanism in its present position, of every weight P and
 of the forces F of ties:
 
-    alpha = (sum P delta_y - sum F delta_F)/sum P delta_x (C8.7.1.1),   e* = (sum P delta_x)^2/(sum P sum P delta_x^2) at rest (C8.7.1.5)
+    alpha = (sum P delta_y - sum F delta_F)/sum P delta_x                  (C8.7.1.1)
+    e*    = (sum P delta_x)^2/(sum P sum P delta_x^2) at rest              (C8.7.1.5)
 
 The control point is the mass centre of all that moves. So d = d_C sum P
 delta_x^2/(delta_C sum P delta_x) (C8.7.1.4) is d_C/e*. The weight of a body acts at its

@@ -5,7 +5,7 @@ One coordinate phi >= 0 moves rigid links; phi = 0 at rest. With the velocity fi
 dx/dphi,
 
     M(phi) = int rho u.u dV,   V'(phi) = g int rho u_z dV,   B(phi) = int rho u_x dV
-    M phi'' + M'/2 phi'^2 + V' = -B xg''                                                          (Eq. 3.4)
+    M phi'' + M'/2 phi'^2 + V' = -B xg''                                    (Eq. 3.4)
 
 A new mechanism is a class with the methods of `Mechanism`. A single rigid body has
 closed forms (`single_body`).

@@ -5,7 +5,8 @@ The mass centre is at the horizontal distances l and r from the left and right e
 height z; I_G is the moment of inertia about it. The body stands on its right edge while
 theta > 0. An impact keeps the angular momentum about the new edge:
 
-    eta_right = (I_G + m (z^2 - l r)) / (I_G + m (z^2 + l^2)),   eta_left = (I_G + m (z^2 - l r)) / (I_G + m (z^2 + r^2))
+    eta_right = (I_G + m (z^2 - l r)) / (I_G + m (z^2 + l^2))
+    eta_left  = (I_G + m (z^2 - l r)) / (I_G + m (z^2 + r^2))
 
 A one-sided body rocks on its right edge only. It returns, hits its base, then the
 backing, then its base again. With the vectors r_L from its left edge and r_T from the

@@ -138,7 +138,7 @@ def test_a_second_impact_after_the_shaking_may_be_the_one_that_overturns():
         ((2.0, 0.5), -0.5, "back"),
     ],
 )
-def test_after_the_shaking_the_largest_of_three_arcs_is_kept_and_none_of_a_body_that_falls(
+def test_after_the_shaking_the_largest_of_three_arcs_is_kept_and_none_of_a_falling_body(
     rotation, v, highest
 ):
     """From y = 0.3: E = v^2 + y (2 - y) is left with eta^2 of it at each impact, and an

@@ -41,7 +41,7 @@ ETAS = 0.6, 0.98
 
 @pytest.mark.parametrize("kind", ["plain", "damped"])
 @pytest.mark.parametrize("vertical", [0.0, 0.3])
-def test_a_body_that_the_linear_equation_lifts_at_lambda_leaves_the_ground_where_the_same_motion_does(
+def test_a_body_lifted_at_lambda_leaves_the_ground_where_the_same_motion_does(
     kind, vertical
 ):
     """At equal A and weight the motion is that of a_scale = 1, and Fz follows from the

@@ -23,7 +23,8 @@ SHORT = wave(733, -0.9875)  # g; -0.987500 fills its nine characters
 EIGHT = wave(1234, 11024.7)  # -11024.7 fills its eight characters
 LONG = wave(2000, 161.962)
 
-CSMIP_HEADER = """Corrected accelerogram   12345-X0001-00001.02       Chan{number:3d}: {degrees:3d} Deg     from
+CSMIP_HEADER = """Corrected accelerogram   12345-X0001-00001.02       \
+Chan{number:3d}: {degrees:3d} Deg     from
 Uncorrected Accelerogram Data             Processed: 01/02/00, XYZ
 Record of Sun Jan  2, 1900 13:06:45.0 PST
 Station No. 12345   40.000N, 120.000W      Etna  s/n 1

@@ -204,7 +204,8 @@ def workspace(path, tags=("ev_default",), samples=SAMPLES, **attributes):
         station.create_dataset("StationXML", data=np.zeros(10, dtype=np.int8))
         for i, channel in enumerate(("HNE", "HNN", "HNZ"), 1):
             for tag in tags:
-                name = f"XX.ABC.00.{channel}__2000-01-01T00:00:00__2000-01-01T00:00:04__{tag}"
+                span = "2000-01-01T00:00:00__2000-01-01T00:00:04"
+                name = f"XX.ABC.00.{channel}__{span}__{tag}"
                 data = station.create_dataset(
                     name, data=samples / i if samples.dtype == float else samples
                 )

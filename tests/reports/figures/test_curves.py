@@ -170,7 +170,7 @@ def test_a_comparison_collapses_from_left_to_right(drawn, table):
     assert math.isfinite(heights[0][0])
 
 
-def test_a_family_is_its_parameters_over_the_first_key_and_a_line_for_each_value_of_the_second(
+def test_a_family_is_its_parameters_over_the_first_key_and_a_line_for_each_second_value(
     drawn, table
 ):
     source, rows = table(*SPIRES)

@@ -115,7 +115,8 @@ def test_both_equations_have_a_panel_each(drawn, table):
 def test_records_are_bars_in_g(drawn):
     (axes,) = drawn(
         "record,structure,A_from,A_to,mode,a_from [m/s2],a_to [m/s2]\n"
-        "one,Column,1,2,after_impact,2.4525,4.905\none,Column,3,,no_impact,7.3575,\ntwo,Column,,,none,,\n"
+        "one,Column,1,2,after_impact,2.4525,4.905\n"
+        "one,Column,3,,no_impact,7.3575,\ntwo,Column,,,none,,\n"
     ).axes
     assert [tick.get_text() for tick in axes.get_xticklabels()] == ["one", "two"]
     assert (axes.get_ylabel(), axes.get_title()) == ("$a_g$ [g]", "Column")
@@ -134,8 +135,8 @@ def test_records_are_bars_in_g(drawn):
 
 def test_blocks_under_a_record_are_bands_over_their_size(drawn):
     first, second = drawn(
-        "record,alpha [rad],T"
-        " [s],A_from,mode\none,0.1,1,2,after_impact\none,0.1,2,3,after_impact\none,0.2,1,4,no_impact\n"
+        "record,alpha [rad],T [s],A_from,mode\n"
+        "one,0.1,1,2,after_impact\none,0.1,2,3,after_impact\none,0.2,1,4,no_impact\n"
     ).axes
     assert (first.get_title(), second.get_title()) == (
         r"one, $\alpha$ = 0.1 rad",

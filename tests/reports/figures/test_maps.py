@@ -90,7 +90,7 @@ def test_its_curves_go_up_to_their_nose_and_have_their_names_on_them(figure):
     ]
 
 
-def test_a_map_with_units_is_in_g_and_hz_or_in_those_asked_for_with_a_panel_for_every_structure(
+def test_a_map_with_units_is_in_g_and_hz_or_those_asked_for_with_a_panel_a_structure(
     drawn, swept
 ):
     towers = swept(

@@ -200,11 +200,9 @@ def test_quantiles_of_five_records(spectra):
             ordered = sorted(
                 np.inf if fell[i, j, k] else theta[i, j, k] for i in range(5)
             )
-            assert found[:, j, k].tolist() == [
-                ordered[0],
-                ordered[2],
-                ordered[4],
-            ], "the first, third and fifth of five"
+            assert found[:, j, k].tolist() == [ordered[0], ordered[2], ordered[4]], (
+                "the first, third and fifth of five"
+            )
     assert SHARES == (0.16, 0.5, 0.84)
 
 

@@ -33,8 +33,11 @@ import dask
 from distributed import LocalCluster
 dask.config.set({"distributed.worker.multiprocessing-method": "forkserver"})
 if __name__ == "__main__":
-    with LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
-        print(cluster.scheduler_address, *(w.pid for w in cluster.workers.values()), flush=True)
+    with LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
+    ) as cluster:
+        workers = cluster.workers.values()
+        print(cluster.scheduler_address, *(w.pid for w in workers), flush=True)
         sys.stdin.read()
 """
 

@@ -75,7 +75,9 @@ REPORTS = ("storeys",)
 
 def build(document, name):
     storeys = document.integer("storeys", 1, 99)
-    return RockingParameters(name, "tower", 2.0, 0.2, 0.9, 0.25, 0.8, details={"storeys": storeys})
+    return RockingParameters(
+        name, "tower", 2.0, 0.2, 0.9, 0.25, 0.8, details={"storeys": storeys}
+    )
 """
 
 
@@ -266,7 +268,7 @@ def test_every_kind_takes_damping_and_gravity(kind, plain):
     "name",
     [*(kind for kind in KINDS if kind not in ("arch", "parameters")), "spire_cracked"],
 )
-def test_every_rigid_kind_takes_a_mass_which_changes_nothing_else_and_may_stand_against_a_backing(
+def test_every_rigid_kind_takes_a_mass_alone_and_may_stand_against_a_backing(
     name, plain
 ):
     free, heavy, wall = (

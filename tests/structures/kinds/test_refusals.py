@@ -271,7 +271,8 @@ REFUSED = {
             "structure_kind: found dimensionless; expected the kind of a structure",
         ),
     ],
-    "kind: parameters\nsides:\n- {side: left, p: 2, alpha: 0.2, lambda: 0.2, eta: 0.9}\n": [
+    "kind: parameters\nsides:\n"
+    "- {side: left, p: 2, alpha: 0.2, lambda: 0.2, eta: 0.9}\n": [
         ("", "sides: found a list; expected a list of two"),
         (
             "- {side: left, p: 2, alpha: 0.3, a_scale: 1, eta: 0.8}\n",
@@ -363,7 +364,8 @@ REFUSED = {
         ),
         ("width: 1\nheight: 4\nfriction: 5 m", "friction: found 5 m; expected a"),
     ],
-    "kind: wall\nthickness: 0.6 m\nheight: 6 m\none_sided: true\nmass: 7200 kg\nties:\n- ": [
+    "kind: wall\nthickness: 0.6 m\nheight: 6 m\none_sided: true\n"
+    "mass: 7200 kg\nties:\n- ": [
         (
             "{height: 6.5, stiffness: 1}",
             (
@@ -503,7 +505,7 @@ REFUSED = {
         (
             "ties: [{height: 4.2, stiffness: 1e5}]",
             "height: found 4.2; expected .* up to 4 m, the top of the body",
-        ),
+        )
     ],
     "kind: arch\nradius: 10\nthickness: 1.5\nangle: 3\n": [
         (

@@ -309,7 +309,7 @@ def test_every_interface_of_a_stack_has_its_parameters():
     )
 
 
-def test_an_interface_too_squat_to_rock_on_has_no_restitution_and_a_heavy_top_rocks_the_whole():
+def test_an_interface_too_squat_has_no_restitution_and_a_heavy_top_rocks_the_whole():
     found = built(
         "kind: stack\npieces: [{width: 3, height: 0.5}, {width: 0.4, height: 2}]"
     )
@@ -430,7 +430,7 @@ def test_a_cycle_of_impacts_loses_energy_and_mirrors_exchange_sides(
         assert inertia[1 - i] * body.sides[i].eta ** 2 < inertia[i]
 
 
-def test_a_given_restitution_is_that_of_both_impacts_also_where_momentum_would_throw_the_body_backwards():
+def test_a_given_restitution_is_that_of_both_impacts_even_if_momentum_throws_back():
     assert [side.eta for side in prism(LEANING, "restitution: 0.8").sides] == [0.8, 0.8]
     flat = [(0, 0), (6, 0), (4, 1), (1, 1)]
     with pytest.raises(
