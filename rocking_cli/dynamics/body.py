@@ -4,13 +4,16 @@
 With z = alpha - u, u = |theta|, s the side, tau = p t of the side and w = 1 + zg''/g
 the weight over m g, the acceleration of the mass centre gives
 
-    s Fx/(m g) = s xg''/g + kappa (u'' cos z + u'^2 sin z),   Fz/(m g) = w + kappa (u'' sin z - u'^2 cos z)
+    s Fx/(m g) = s xg''/g + kappa (u'' cos z + u'^2 sin z)
+    Fz/(m g) = w + kappa (u'' sin z - u'^2 cos z)
 
 Every arc that does not overturn the body begins or ends at rest, at a peak. With P the
 strongest |xg''|/g and u_m the largest u, the energy on the way to that peak, or on the
 way back from it, bounds the speed at u by
 
-    u'^2 <= 2 int_u^u_m (w_+ sin z + P cos z) du        (linear: w_+ z + P; with damping u' <= 2 zeta u_m + sqrt((2 zeta u_m)^2 + that))
+    u'^2 <= 2 int_u^u_m (w_+ sin z + P cos z) du        (linear: w_+ z + P)
+
+(with damping u' <= 2 zeta u_m + sqrt((2 zeta u_m)^2 + that))
 
 and the speed bounds Fz from below. `observers.contact_loss` follows the bodies for
 which this bound does not prove Fz > 0.

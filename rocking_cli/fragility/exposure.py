@@ -22,7 +22,7 @@ from ..motions.grid import Axis
 from ..processes import available_cpus
 from ..spectra.sweep import SweepOptions, spectrum_of, write_scene
 from ..structures.parameters import RockingParameters
-from .measures import Measure, Member
+from .measures import Measure, MotionMember
 
 Array = np.ndarray
 Interval = tuple[float, float]
@@ -57,7 +57,7 @@ class Exposure:
 class MotionSet:
     """The motions of a study."""
 
-    members: Sequence[Member]  # pulses or records
+    members: Sequence[MotionMember]  # pulses or records
     measure: Measure  # the intensity measure that scales them
     levels: Array  # of the measure [SI], (n,)
     method: Method  # equation of motion and its tolerance
@@ -76,11 +76,11 @@ class MotionSet:
     def of_records(self) -> bool:
         return all(m.recording is not None for m in self.members)
 
-    def factor(self, structure: RockingParameters, member: Member) -> float:
+    def factor(self, structure: RockingParameters, member: MotionMember) -> float:
         """Return the factor of a motion with which its intensity measure is 1."""
         return member.measured(self.measure, structure) ** (-1.0 / self.measure.power)
 
-    def unit(self, structure: RockingParameters, member: Member) -> float:
+    def unit(self, structure: RockingParameters, member: MotionMember) -> float:
         """Return the dimensionless amplitude A of a motion at which its intensity
         measure is 1.
         """
@@ -221,7 +221,7 @@ def traced(
 
 
 def _trace(
-    structure: RockingParameters, motions: MotionSet, member: Member
+    structure: RockingParameters, motions: MotionSet, member: MotionMember
 ) -> list[Interval]:
     unit, method = motions.unit(structure, member), motions.method
     long = len(member.motion.segments) > LONGEST_FINE

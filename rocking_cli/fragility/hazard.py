@@ -53,7 +53,7 @@ _TIME = re.compile(r"""\binvestigation_time\s*=\s*["']*([\d.eE+-]+)""")
 _TABLE = "a measure with its unit, and annual_rate or p_50_years: PGA [g],annual_rate"
 
 
-class Point(NamedTuple):
+class HazardPoint(NamedTuple):
     """A row of a file."""
 
     place: str  # file, line and column, for messages
@@ -294,7 +294,7 @@ def read_hazard(
         )
     else:
         points = _two_columns(table, measure)
-    for before, now in pairwise([Point("", "", 0.0, "", math.inf), *points]):
+    for before, now in pairwise([HazardPoint("", "", 0.0, "", math.inf), *points]):
         if not now.level > before.level:
             found = f"{now.text}{f' after {before.text}' if before.text else ''}"
             raise DocumentError(
@@ -352,7 +352,7 @@ def _rate(place: str, text: str, years: float | None) -> float:
     return -math.log1p(-value) / years if value < 1.0 else math.inf
 
 
-def _openquake(table: Table, measure: Measure, site: str | None) -> list[Point]:
+def _openquake(table: Table, measure: Measure, site: str | None) -> list[HazardPoint]:
     """Return the points of a table of OpenQuake: the line above its heading has the
     measure, quoted or not, and the time of the poe.
     """
@@ -404,7 +404,9 @@ def _openquake(table: Table, measure: Measure, site: str | None) -> list[Point]:
             )
             place = f"{table.source}, line {at}, column {i}"
             found.append(
-                Point(place, f"{text} {unit}", level, cell, _rate(place, cell, years))
+                HazardPoint(
+                    place, f"{text} {unit}", level, cell, _rate(place, cell, years)
+                )
             )
     return found
 
@@ -425,7 +427,7 @@ def _is_at(place: str, site: str, row: dict[str, str]) -> bool:
     )
 
 
-def _two_columns(table: Table, measure: Measure) -> list[Point]:
+def _two_columns(table: Table, measure: Measure) -> list[HazardPoint]:
     names, first = table.headings, f"{table.source}, line {table.line}"
     (im, unit), (kind, _) = (
         (split_heading(name) for name in names)
@@ -453,7 +455,7 @@ def _two_columns(table: Table, measure: Measure) -> list[Point]:
                 f"{place}: found the level {cell} without a unit; expected {_TABLE}"
             )
         found.append(
-            Point(
+            HazardPoint(
                 place,
                 text,
                 _number(place, text, measure.dimension),

@@ -107,7 +107,7 @@ def measure_of(name: str) -> Measure:
     return found
 
 
-def compared(members: "Sequence[Member]", own: Measure) -> Collection[Measure]:
+def compared(members: "Sequence[MotionMember]", own: Measure) -> Collection[Measure]:
     """Return the measures whose efficiency is compared: MEASURES, those of SPECTRAL if
     all members are records, and `own`.
     """
@@ -120,7 +120,7 @@ def compared(members: "Sequence[Member]", own: Measure) -> Collection[Measure]:
 
 
 @dataclass(frozen=True, eq=False)
-class Member:
+class MotionMember:
     """A motion of a set: a pulse or a record."""
 
     label: str  # its name in the set
@@ -162,7 +162,9 @@ class Member:
         return value
 
 
-def shaken_upwards(members: Sequence[Member], upwards: Upwards) -> tuple[Member, ...]:
+def shaken_upwards(
+    members: Sequence[MotionMember], upwards: Upwards
+) -> tuple[MotionMember, ...]:
     """Return the motions with a vertical motion added to each; the measures stay.
     Raises UsageError if one is a record and the other a pulse.
     """
@@ -177,7 +179,7 @@ def shaken_upwards(members: Sequence[Member], upwards: Upwards) -> tuple[Member,
     )
 
 
-def members_of(recordings: Sequence[Recording]) -> tuple[Member, ...]:
+def members_of(recordings: Sequence[Recording]) -> tuple[MotionMember, ...]:
     """Return the set of these records, with equal weights."""
     found = []
     for r in recordings:
@@ -192,11 +194,13 @@ def members_of(recordings: Sequence[Recording]) -> tuple[Member, ...]:
             i.d5_75,
             i.d5_95,
         )
-        found.append(Member(r.label, r.acceleration, 1.0, scaled, recording=r))
+        found.append(MotionMember(r.label, r.acceleration, 1.0, scaled, recording=r))
     return tuple(found)
 
 
-def site_pulses(path: str | Path, factor: float | None = None) -> tuple[Member, ...]:
+def site_pulses(
+    path: str | Path, factor: float | None = None
+) -> tuple[MotionMember, ...]:
     """Read the pulses of a site: CSV with columns a_g, one of f_g, T_g, omega_g,
     optionally weight (default 1) and pulse (default sine).
 
@@ -220,7 +224,7 @@ def site_pulses(path: str | Path, factor: float | None = None) -> tuple[Member, 
             f"{path}, line 1: found the columns {found}; expected a_g and one of"
             f" {', '.join(frequencies)}"
         )
-    members: list[Member] = []
+    members: list[MotionMember] = []
     for line, row in rows:
         stated = _positive(path, line, row, given[0], frequencies[given[0]])
         omega = (
@@ -241,7 +245,7 @@ def site_pulses(path: str | Path, factor: float | None = None) -> tuple[Member, 
         )
         label = f"{motion.name}, {a_g:.4g} m/s2, {omega / (2.0 * math.pi):.4g} Hz"
         members.append(
-            Member(
+            MotionMember(
                 label,
                 a_g * motion.largest,
                 omega,

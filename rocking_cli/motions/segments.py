@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .blocks import largest
-from .sinusoids import Table, table_of
+from .sinusoids import PolynomialTable, table_of
 
 
 @dataclass(frozen=True)
-class Wave:
+class RisingWave:
     """Segments with a single sinusoid in rising form: sign (s - offset) = radius
     sin(angle + w u), u the phase from the start [rad].
     """
@@ -178,18 +178,18 @@ class Segments:
         return found
 
     @cached_property
-    def wave(self) -> Wave:
+    def wave(self) -> RisingWave:
         """The sinusoids of the segments; only for a motion with one harmonic and no
         slope.
         """
         s, c = self.sin[0], self.cos[0]
         sign = np.where(self.s_end > self.s_start, 1.0, -1.0)
-        return Wave(
+        return RisingWave(
             sign, self.s_start - s, s * s + c * c, np.arctan2(sign * s, sign * c)
         )
 
     @cached_property
-    def table(self) -> Table | None:
+    def table(self) -> PolynomialTable | None:
         """The segments as polynomials; None if the motion has at most one sinusoid and
         no slope, or if the table is too large.
         """

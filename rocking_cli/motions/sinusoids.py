@@ -113,7 +113,7 @@ def _bisected(slope: float, waves: Array, low: Array, high: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class Table:
+class PolynomialTable:
     """The polynomials of K segments in P patches."""
 
     first: Array  # index of the first patch of each segment, (K,)
@@ -153,7 +153,7 @@ class Table:
         return value, rate, second_derivative
 
 
-def table_of(segments: Any) -> Table | None:
+def table_of(segments: Any) -> PolynomialTable | None:
     """Return the table of `Segments`; None if the table would be too large."""
     size, w = np.hypot(segments.sin, segments.cos), segments.frequency  # (harmonics, K)
     length = np.where(
@@ -193,4 +193,4 @@ def table_of(segments: Any) -> Table | None:
             factor *= f * half[k] / (n + 1)
     terms[0] += segments.slope[k] * centre
     terms[1] += segments.slope[k] * half[k]
-    return Table(first, last, half, terms)
+    return PolynomialTable(first, last, half, terms)

@@ -19,7 +19,7 @@ from ..structures.parameters import RockingParameters
 from .arch_forces import ArchForces, Resultants, State
 from .arcs import Event, History
 from .chebyshev import extent
-from .ground_history import Ground
+from .ground_history import GroundMotion
 
 Array = np.ndarray
 
@@ -55,7 +55,7 @@ class ArchHistory:
     """The forces of one response of an arch by Eq. 3.4."""
 
     structure: RockingParameters  # an arch
-    ground: Ground  # motion and amplitude
+    ground: GroundMotion  # motion and amplitude
     found: History  # the response
 
     lost: ClassVar[None] = None  # contact with the ground, as `ForceHistory` finds it

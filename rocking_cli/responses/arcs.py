@@ -25,7 +25,7 @@ _KNOWN = (Outcome.ROCKED, Outcome.LEANING)  # outcomes with a largest rotation
 LATE = 1.0 + 1e-14  # of a time: what still belongs to the arc that ends there
 
 
-class Arcs(NamedTuple):
+class HistoryArcs(NamedTuple):
     """All arcs in the order of time. An arc is the motion on one side between two times
     tau, given by one series.
     """
@@ -110,7 +110,7 @@ class History:
     """
 
     equation: Equation  # the equation of motion
-    arcs: Arcs  # in the order of time
+    arcs: HistoryArcs  # in the order of time
     events: tuple[Event, ...]  # in the order of time
     end: float  # the time at which arcs and events end [tau]
     outcome: Outcome  # of the whole motion, which may last longer than the arcs
@@ -240,7 +240,7 @@ class Writer:
         )  # no -0
         self.events.append(Event(tau, event, *numbers, float(side), device))
 
-    def arcs(self) -> Arcs:
+    def arcs(self) -> HistoryArcs:
         """Return the arcs; each series gets as many terms as the longest one."""
         start, reach, side, pace, unit = np.array(self.numbers).reshape(-1, 5).T
         lengths, most = (
@@ -256,10 +256,10 @@ class Writer:
             np.ones(unit.size),
             float(self.equation.damping),
         )
-        return Arcs(start, start + reach / pace, side, flow, pace)
+        return HistoryArcs(start, start + reach / pace, side, flow, pace)
 
     def history(
-        self, arcs: Arcs, duration: float, outcome: Outcome, highest: float
+        self, arcs: HistoryArcs, duration: float, outcome: Outcome, highest: float
     ) -> History:
         """Return the history up to tau = duration, or to the overturning or the loss of
         contact.
@@ -273,7 +273,7 @@ class Writer:
         events = tuple(e for e in self.events if e.tau <= end)
         kept = int(np.searchsorted(arcs.start, end, side="right"))
         flow = arcs.flow.take(np.arange(kept))
-        arcs = Arcs(
+        arcs = HistoryArcs(
             arcs.start[:kept],
             np.minimum(arcs.stop[:kept], end),
             arcs.side[:kept],

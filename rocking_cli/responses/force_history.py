@@ -35,7 +35,7 @@ from ..motions.blocks import blocks
 from ..structures.parameters import RockingParameters
 from .arcs import LATE, Event, History
 from .chebyshev import Extent, extent, first_below
-from .ground_history import Ground
+from .ground_history import GroundMotion
 
 Array = np.ndarray
 
@@ -130,7 +130,7 @@ def body_forces(
     return Forces(side * outward, up)
 
 
-class Edge(NamedTuple):
+class ForceEdge(NamedTuple):
     """An edge and the body that stands on it."""
 
     alpha: Any  # critical angle [rad]
@@ -140,7 +140,7 @@ class Edge(NamedTuple):
     eta: float  # restitution on leaving the edge [-]
 
 
-def edges_of(structure: RockingParameters) -> tuple[Edge, Edge]:
+def edges_of(structure: RockingParameters) -> tuple[ForceEdge, ForceEdge]:
     """Return the right and the left edge. Raises UsageError if the structure is no
     rigid body, or if its mass centre is not known.
     """
@@ -157,7 +157,7 @@ def edges_of(structure: RockingParameters) -> tuple[Edge, Edge]:
                 " of both edges"
             )
         edges.append(
-            Edge(
+            ForceEdge(
                 side.alpha,
                 side.arm * side.p * side.p / structure.gravity,
                 side.arm,
@@ -173,11 +173,11 @@ class ForceHistory:
     """The forces of one response of a rigid body on its edges (right, left)."""
 
     structure: RockingParameters  # a rigid body whose mass centre is known
-    edges: tuple[Edge, Edge]  # right, left
-    ground: Ground  # motion and amplitude
+    edges: tuple[ForceEdge, ForceEdge]  # right, left
+    ground: GroundMotion  # motion and amplitude
     found: History  # the response
 
-    def edge(self, side: float) -> Edge:
+    def edge(self, side: float) -> ForceEdge:
         """Return the edge on which the body stands on this side, +1 right
         or -1 left.
         """

@@ -18,7 +18,7 @@ Array = np.ndarray
 
 
 @dataclass(frozen=True)
-class Ground:
+class GroundMotion:
     """The motion of the ground over tau."""
 
     motion: Motion  # over its phase

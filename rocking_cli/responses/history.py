@@ -19,7 +19,7 @@ from ..dynamics.single.state import Listener
 from ..dynamics.system import System
 from ..motions.motion import Motion, Piece
 from ..motions.segments import Segments
-from .arcs import INVISIBLE, Arcs, Event, History, Writer
+from .arcs import INVISIBLE, Event, History, HistoryArcs, Writer
 
 Array = np.ndarray
 
@@ -144,7 +144,7 @@ class _MarchWriter(Writer):
     def _note(self, tau: float, event: str, side: float, y: float, v: float) -> None:
         self.add_event(tau, event, side, y, v, self.omega / self.lane.omega_of(side))
 
-    def _overturn(self, arcs: Arcs) -> None:
+    def _overturn(self, arcs: HistoryArcs) -> None:
         """Note the overturning at the last time at which the body passes y of
         `_fallen`, which may be many arcs before the march is certain of the fall.
         """
@@ -184,7 +184,7 @@ class _MarchWriter(Writer):
                 float(point.v[0]),
             )
 
-    def _lose(self, arcs: Arcs, tau: float) -> None:
+    def _lose(self, arcs: HistoryArcs, tau: float) -> None:
         """Note the loss of contact at tau, when the ground begins to fall as fast as
         the body.
         """

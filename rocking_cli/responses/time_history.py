@@ -18,7 +18,7 @@ from ..motions.grid import Grid, HasMotion, demand_of
 from ..structures.parameters import RockingParameters
 from .arcs import Event, History
 from .force_history import ForceHistory, edges_of
-from .ground_history import Ground
+from .ground_history import GroundMotion
 from .history import history
 
 if TYPE_CHECKING:
@@ -93,7 +93,7 @@ class TimeHistory:
         """Return tau at the samples of a record, at the same mean step after its end,
         and at impacts and peaks. Raises UsageError.
         """
-        stops = Ground(self.motion, self.amplitude, self.omega).stops
+        stops = GroundMotion(self.motion, self.amplitude, self.omega).stops
         last, step = float(stops[-1]), float(stops[-1]) / stops.size
         if self.end / step > MOST_POINTS:
             raise UsageError(
@@ -119,7 +119,7 @@ class TimeHistory:
                 f"{s.name}: found ties or a tendon; expected a body without them, whose"
                 " forces on the ground are known"
             )
-        ground = Ground(
+        ground = GroundMotion(
             self.motion,
             float(s.ground_acceleration(self.amplitude)) / s.gravity,
             self.omega,

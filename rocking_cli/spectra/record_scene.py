@@ -22,7 +22,7 @@ from ..motions.grid import MAX_CELLS, Axis, parse_angles, parse_axes, written_ax
 from ..motions.recording import Recording
 from ..structures.parameters import RockingParameters
 from .dimensions import RECORDED, Frame, lists_of, structure_lists, varied_units
-from .scene import Array, Band, Cell, Scene, Unit
+from .scene import Array, CellBand, Scene, SceneCell, Unit
 
 COLUMNS = ("scale", "A", "a_g", "T")
 AS_RECORDED = Axis("scale", np.array([1.0]))
@@ -153,14 +153,14 @@ class RecordScene(Scene):
     def sharing(self) -> list[tuple[int, ...]]:
         return [(i,) for i in range(len(self.recordings))]
 
-    def bands(self, unit: Unit, size: tuple[int, int]) -> Iterator[Band]:
+    def bands(self, unit: Unit, size: tuple[int, int]) -> Iterator[CellBand]:
         recording = self.recordings[unit.places[0]]
         motion, columns = recording.motion, slice(unit.column, unit.column + size[1])
         for structure in self.structures[unit.row : unit.row + size[0]]:
             amplitude, omega = np.broadcast_arrays(
                 *self._scaled(structure, recording.acceleration)
             )
-            yield Band(
+            yield CellBand(
                 structure,
                 motion,
                 (1, size[1]),
@@ -192,7 +192,7 @@ class RecordScene(Scene):
             ),
         )
 
-    def judge_of(self, cell: Cell) -> Outcome | None:
+    def judge_of(self, cell: SceneCell) -> Outcome | None:
         nonlinear = Method("nonlinear")
         if not self.method.exact or not nonlinear.serves(cell.structure):
             return None

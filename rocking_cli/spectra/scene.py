@@ -36,7 +36,7 @@ class Unit:
     column: int  # of its first cell
 
 
-class Band(NamedTuple):
+class CellBand(NamedTuple):
     """Rows of a unit with one structure under one motion."""
 
     structure: RockingParameters  # the one that is computed
@@ -63,7 +63,7 @@ class Band(NamedTuple):
         )
 
 
-class Cell(NamedTuple):
+class SceneCell(NamedTuple):
     """One cell of a scene."""
 
     structure: RockingParameters  # the one that rocks
@@ -108,7 +108,7 @@ class Scene(ABC):
         """Groups of places of the first dimension that are computed together, once."""
 
     @abstractmethod
-    def bands(self, unit: Unit, size: tuple[int, int]) -> Iterator[Band]:
+    def bands(self, unit: Unit, size: tuple[int, int]) -> Iterator[CellBand]:
         """Yield the parts of a unit that have one structure each, in the order of their
         rows; size: (rows, columns) of the unit.
         """
@@ -122,10 +122,10 @@ class Scene(ABC):
         """The names of QUANTITIES that the result always has."""
         return ()
 
-    def cell(self, place: int, row: int, column: int) -> Cell:
+    def cell(self, place: int, row: int, column: int) -> SceneCell:
         """Return the cell at these indices on the three dimensions."""
         (band,) = self.bands(Unit((place,), row, column), (1, 1))
-        return Cell(
+        return SceneCell(
             band.structure, band.motion, band.amplitude.item(), band.omega.item()
         )
 
@@ -147,7 +147,7 @@ class Scene(ABC):
         """Return the scene with only the data that these units need."""
         return self
 
-    def judge_of(self, cell: Cell) -> Outcome | None:
+    def judge_of(self, cell: SceneCell) -> Outcome | None:
         """Return the outcome of a cell by the nonlinear equation; None if the scene
         does not compare the equations.
         """
@@ -241,12 +241,12 @@ class PulseScene(Scene):
     def title(self) -> str:
         return self.motion.name
 
-    def bands(self, unit: Unit, size: tuple[int, int]) -> Iterator[Band]:
+    def bands(self, unit: Unit, size: tuple[int, int]) -> Iterator[CellBand]:
         structure = self.structures[unit.places[0]]
         amplitude, omega = self.grid.scaled(structure)
         columns = amplitude[unit.column : unit.column + size[1]]
         sharers = tuple(self.structures[i] for i in unit.places)
-        yield Band(
+        yield CellBand(
             structure,
             self.motion,
             size,

@@ -251,7 +251,7 @@ def write_scene(
     `rocking help files`). Raises UsageError for a refused scene or output, OutputError
     when the file cannot be written or a worker process dies, Interrupted on Ctrl-C.
     """
-    from .file.layout import Layout
+    from .file.layout import FileLayout
     from .file.writer import SpectraWriter
 
     options = options or SweepOptions()
@@ -275,7 +275,7 @@ def write_scene(
         "quantities": list(options.quantities_of(scene)),
         "chunk": list(chunk),
     }
-    layout = Layout(
+    layout = FileLayout(
         scene.frame(), chunk, names, {**scene.identity(), **stored}, attributes
     )
     with SpectraWriter(

@@ -12,7 +12,7 @@ from support.synthetic_records import shaken
 from rocking_cli import Motion
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.responses.chebyshev import Extent
-from rocking_cli.responses.ground_history import Ground
+from rocking_cli.responses.ground_history import GroundMotion
 
 ACROSS = shaken(wave(301, 4.0), 0.01)
 MOTIONS = {
@@ -38,8 +38,8 @@ def in_pieces(motion):
 )
 def test_lines_at_once_are_lines_one_by_one(motion, low, high):
     found, wanted = (
-        Ground(motion, 0.4, 0.5).lines(low, high),
-        Ground(in_pieces(motion), 0.4, 0.5).extents(low, high),
+        GroundMotion(motion, 0.4, 0.5).lines(low, high),
+        GroundMotion(in_pieces(motion), 0.4, 0.5).extents(low, high),
     )
     assert found is not None
     for x, parts in zip(found, zip(*wanted, strict=True), strict=True):
@@ -50,5 +50,7 @@ def test_lines_at_once_are_lines_one_by_one(motion, low, high):
 
 
 def test_a_ground_without_a_weight_says_so_without_a_warning():
-    weight, _ = Ground(MOTIONS["with a vertical motion"], 4.0, 0.5).lines(0.0, 20.0)
+    weight, _ = GroundMotion(MOTIONS["with a vertical motion"], 4.0, 0.5).lines(
+        0.0, 20.0
+    )
     assert weight.least < 0.0

@@ -5,7 +5,7 @@ tests of the engines.
 import numpy as np
 
 from rocking_cli import LinearEquation, Motion, Record, Recording, System, response
-from rocking_cli.fragility.measures import Member, pulse_intensity
+from rocking_cli.fragility.measures import MotionMember, pulse_intensity
 from rocking_cli.motions import Harmonic, Piece
 from rocking_cli.motions.biaxial import with_vertical
 
@@ -34,7 +34,7 @@ def shaken(samples, dt):
 
 def pulsed(motion, acceleration, omega, weight=1.0):
     """A pulse of this peak [m/s2] and frequency [rad/s] as a motion of a set."""
-    return Member(
+    return MotionMember(
         motion.name,
         acceleration,
         omega,

@@ -127,7 +127,7 @@ def tabulate(mechanism: Mechanism) -> Patches:
     ValueError as `MechanismEquation`.
     """
     form = linearise(mechanism)
-    path = _Path(mechanism, form.alpha, form.stiffness)
+    path = _PatchPath(mechanism, form.alpha, form.stiffness)
     fits = _fit(path, 0.0, path.length, 0)
     edges = np.array([0.0, *(f[0] for f in fits)])
     centre, half = np.array([f[1] for f in fits]), np.array([f[2] for f in fits])
@@ -164,7 +164,7 @@ def _narrowed(wide: Patches) -> Patches:
     return Patches(edges, centre, half, *rows[:2, : DEGREE + 1], *rows[2:, :_TERMS])
 
 
-class _Path:
+class _PatchPath:
     """Computes y(phi) from rest to collapse by quadrature, and F/F0, G/G0, phi/alpha at
     given y.
     """
@@ -254,7 +254,7 @@ def _collapse(mechanism: Mechanism, alpha: float) -> float:
 
 
 def _fit(
-    path: _Path, start: float, stop: float, depth: int
+    path: _PatchPath, start: float, stop: float, depth: int
 ) -> list[tuple[float, float, float, list[Array]]]:
     """Return patches from start to stop, halved until their series converge."""
     if depth > 16:

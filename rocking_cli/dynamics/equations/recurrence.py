@@ -149,7 +149,7 @@ def motion_terms(
         if n:
             extend(n)
         if n == 0 and force is not None:
-            own = 1.0 * force
+            own = force
         else:
             weighed = lift[n] if weight is None else product_term(weight, lift)
             if push is None:  # G = 1
@@ -158,7 +158,6 @@ def motion_terms(
                 own = product_term(drive, push)
                 own -= weighed
         if drag is not None:
-            own -= drag * (n + 1) * motion[n + 1]
-        own *= factor
-        motion.append(own)
+            own = own - drag * (n + 1) * motion[n + 1]
+        motion.append(own * factor)
     return motion.array[:, : y.size] if isinstance(drive, Rows) else motion

@@ -115,7 +115,7 @@ def _beyond_cuts(
         k[lanes], u[lanes] = following.k[same], following.u[same]
 
 
-class Step(NamedTuple):
+class LaneStep(NamedTuple):
     """The time that each lane covers with one proof: one window of the drive, or a
     supercritical window that the lane leaves outwards together with the subcritical
     window after it. Every array is (lanes,).
@@ -133,7 +133,7 @@ class Step(NamedTuple):
 class StepResult(NamedTuple):
     """A step and its outcome. Every array is (lanes,)."""
 
-    step: Step  # the step
+    step: LaneStep  # the step
     arc: Flow  # the motion from its start
     end: Point  # the state at its end
     reach: Array  # time from the start to the impact, or to the end of the step [tau]
@@ -153,7 +153,7 @@ class StepResult(NamedTuple):
         )
 
 
-def next_step(segments: Segments, lanes: Lanes, longest: Array) -> Step:
+def next_step(segments: Segments, lanes: Lanes, longest: Array) -> LaneStep:
     """The longest step of each lane that one sign test covers and that the flow can
     make (`longest` [tau]).
     """
@@ -180,7 +180,7 @@ def next_step(segments: Segments, lanes: Lanes, longest: Array) -> Step:
         k[long], u[long] = place(
             segments, lanes.k[long], lanes.u[long] + longest[long] * lanes.omega[long]
         )
-    return Step(k, u, h, supercritical, subcritical)
+    return LaneStep(k, u, h, supercritical, subcritical)
 
 
 def advance(
@@ -220,7 +220,9 @@ def advance(
     return StepResult(step, arc, end, reach, hit, impact_v, impact_b, chord_errors)
 
 
-def _impact_guess(arc: Flow, step: Step, end: Point, reach: Array, at: Array) -> Array:
+def _impact_guess(
+    arc: Flow, step: LaneStep, end: Point, reach: Array, at: Array
+) -> Array:
     """A first guess of the impact time inside the bracket: from the start by y, y', y''
     where b < 0 there, else a step from the end.
     """

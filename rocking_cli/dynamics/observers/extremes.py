@@ -15,7 +15,7 @@ _CUTS = 7  # largest number of evaluations inside a stretch, at peaks of cubics
 
 
 @dataclass
-class Point(Arrays):
+class ExtremePoint(Arrays):
     """A quantity and its slope by the time at points. Every array is (stretches,)."""
 
     value: Array  # the quantity, in its own unit
@@ -23,7 +23,7 @@ class Point(Arrays):
 
 
 @dataclass
-class Stretches(Arrays):
+class SearchStretches(Arrays):
     """Intervals of time of several motions. Every array is (stretches,)."""
 
     own: Array  # index of the motion
@@ -33,7 +33,9 @@ class Stretches(Arrays):
     rate: Array
 
 
-Along = Callable[[Array, Array], Point]  # function of (indices of motions, times)
+Along = Callable[
+    [Array, Array], ExtremePoint
+]  # function of (indices of motions, times)
 
 
 class Extremes:
@@ -57,7 +59,12 @@ class Extremes:
         return ~(bound <= self.largest[cell])
 
     def search(
-        self, cell: Array, along: Along, s: Stretches, one: Point, other: Point
+        self,
+        cell: Array,
+        along: Along,
+        s: SearchStretches,
+        one: ExtremePoint,
+        other: ExtremePoint,
     ) -> None:
         """Raise the extremes of these cells to the largest values on stretches, (n,).
         along: function of (indices of motions, times) that returns the quantity; one,
@@ -89,8 +96,8 @@ class Extremes:
 
 
 def parts(
-    along: Along, whole: Stretches, start: Point, end: Point
-) -> tuple[Stretches, Point, Point]:
+    along: Along, whole: SearchStretches, start: ExtremePoint, end: ExtremePoint
+) -> tuple[SearchStretches, ExtremePoint, ExtremePoint]:
     """Short parts of whole stretches, and the values at their starts and ends; start,
     end: values at the ends of the whole stretches.
     """
@@ -110,7 +117,9 @@ def parts(
     return s, one, other
 
 
-def _excess(s: Stretches, one: Point, other: Point, level: Array) -> Array:
+def _excess(
+    s: SearchStretches, one: ExtremePoint, other: ExtremePoint, level: Array
+) -> Array:
     """The largest value - level inside a stretch: an inner Bernstein coefficient of the
     cubic, plus an estimate of its error.
     """
@@ -123,7 +132,7 @@ def _excess(s: Stretches, one: Point, other: Point, level: Array) -> Array:
     return np.maximum(*inner) + (s.rate * h) ** 4 / 384.0 * size
 
 
-def _peak(s: Stretches, one: Point, other: Point) -> Array:
+def _peak(s: SearchStretches, one: ExtremePoint, other: ExtremePoint) -> Array:
     """Time of the peak of the cubic; NaN or outside the stretch if the cubic has no
     peak in it.
     """
@@ -135,5 +144,7 @@ def _peak(s: Stretches, one: Point, other: Point) -> Array:
     return s.low + h * np.where(c2 > 0.0, -(c2 + root) / (3.0 * c3), c1 / (root - c2))
 
 
-def _either(first: Array, a: Point, b: Point) -> Point:
-    return Point(np.where(first, a.value, b.value), np.where(first, a.slope, b.slope))
+def _either(first: Array, a: ExtremePoint, b: ExtremePoint) -> ExtremePoint:
+    return ExtremePoint(
+        np.where(first, a.value, b.value), np.where(first, a.slope, b.slope)
+    )

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..batch import Batch
 from ..lanes import Array, Lanes
-from .extremes import Extremes, Point, Stretches, parts
+from .extremes import ExtremePoint, Extremes, SearchStretches, parts
 from .observer import Arcs, Observer, Propagation, TaylorSteps
 
 
@@ -61,21 +61,21 @@ class PeakSpeed(Observer):
             np.zeros(at.size),
         )
 
-        def rates(own: Array, y: Array, *of: Array) -> Point:
+        def rates(own: Array, y: Array, *of: Array) -> ExtremePoint:
             equation = self.equation.on(side[own], cell[own])
             speed, slope = (
                 sign[own] * self.contact.speed(side[own], equation.rotation_rate(y, x))
                 for x in of
             )
-            return Point(speed, slope)
+            return ExtremePoint(speed, slope)
 
-        def along(own: Array, h: Array) -> Point:
+        def along(own: Array, h: Array) -> ExtremePoint:
             point = arc.take(own).at(h)
             return rates(own, point.y, point.v, point.b)
 
         indices, whole = (
             np.arange(at.size),
-            Stretches(np.arange(at.size), zero, reach[at], arc.fastest),
+            SearchStretches(np.arange(at.size), zero, reach[at], arc.fastest),
         )
         ends = rates(indices, arc.y, arc.v, arc.b), rates(indices, y[at], v[at], b[at])
         s, one, other = parts(along, whole, *ends)

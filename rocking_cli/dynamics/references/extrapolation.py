@@ -42,7 +42,7 @@ _NEAR = 1e-9  # error of the time to a root
 _ROUNDS = 100  # limit of a search for a root; bisection alone takes 60
 
 
-class Point(NamedTuple):
+class StatePoint(NamedTuple):
     """An instant of a path."""
 
     time: float  # the instant [tau]
@@ -53,13 +53,13 @@ class Point(NamedTuple):
 class Path(NamedTuple):
     """The motion on a stretch of time."""
 
-    peaks: list[Point]  # its peaks
-    end: Point  # its last instant
+    peaks: list[StatePoint]  # its peaks
+    end: StatePoint  # its last instant
     struck: bool  # True if the body struck the ground at the last instant
-    steps: list[Point]  # the ends of all steps
+    steps: list[StatePoint]  # the ends of all steps
 
 
-def step(rate: Rate, start: Point, length: float) -> Point | None:
+def step(rate: Rate, start: StatePoint, length: float) -> StatePoint | None:
     """The state `length` after `start`; None if the step is too long for the
     extrapolations to agree.
     """
@@ -100,18 +100,18 @@ def step(rate: Rate, start: Point, length: float) -> Point | None:
                 <= max(_LEAST, _TOLERANCE * max(abs(a), abs(c), abs(length * d)))
                 for a, b, c, d in zip(row[-1], row[-2], (theta, w), first, strict=True)
             ):
-                return Point(time + length, *row[-1])
+                return StatePoint(time + length, *row[-1])
             table = row
     return None
 
 
-def path(rate: Rate, start: Point, stop: float, limit: float) -> Path:
+def path(rate: Rate, start: StatePoint, stop: float, limit: float) -> Path:
     """The path from an instant on or above the ground until `stop`, an impact, or an
     angle beyond `limit`. It finds at most one peak in a step, or one dip, which may
     reach the ground although both ends of the step lie above it. Raises ArithmeticError
     when no step is short enough.
     """
-    peaks: list[Point] = []
+    peaks: list[StatePoint] = []
     stretch, passed = stop - start.time, 0.0
     longest, here, steps = stretch / _PIECES, start, [start]
     force = rate(*start)[1]
@@ -152,8 +152,8 @@ def path(rate: Rate, start: Point, stop: float, limit: float) -> Path:
 
 
 def _passes_zero(
-    rate: Rate, start: Point, end: Point, which: int, sense: float = 1.0
-) -> Point:
+    rate: Rate, start: StatePoint, end: StatePoint, which: int, sense: float = 1.0
+) -> StatePoint:
     """Where theta (which = 1) or w (2) falls (sense = 1) or rises (-1) through zero, to
     `_NEAR`; the caller adds a tangent step.
     """
@@ -180,7 +180,9 @@ class Script:
     method: str  # name of the method of `solve_ivp`
     tolerance: float  # tolerance that `solve_ivp` is given
 
-    def __call__(self, rate: Rate, start: Point, stop: float, limit: float) -> Path:
+    def __call__(
+        self, rate: Rate, start: StatePoint, stop: float, limit: float
+    ) -> Path:
         """Return the same as `path`."""
         from scipy.integrate import solve_ivp
 
@@ -203,11 +205,11 @@ class Script:
             events=events,
         )
         impacts, peaks, _ = (
-            [Point(float(t), *map(float, y)) for t, y in zip(*x, strict=True)]
+            [StatePoint(float(t), *map(float, y)) for t, y in zip(*x, strict=True)]
             for x in zip(found.t_events, found.y_events, strict=True)
         )
         steps = [
-            Point(float(t), *map(float, y))
+            StatePoint(float(t), *map(float, y))
             for t, y in zip(found.t, found.y.T, strict=True)
         ]
         return Path(

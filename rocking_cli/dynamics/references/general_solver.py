@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 from ...motions.motion import Motion, Piece, extremes, plus
 from ..outcome import FALLEN, Outcome
-from .extrapolation import Path, Point, Rate, path, step
+from .extrapolation import Path, Rate, StatePoint, path, step
 
 # limit of the number of stretches of a cell: a constant, and an addition for each
 # segment of the motion
@@ -77,7 +77,7 @@ class Problem(NamedTuple):
     # `Arm` of each edge of a rigid body; empty if its forces are not known
     arms: Mapping[int, Arm] = {}
     # function that builds a body with ties or a tendon, None for a free body
-    body: Callable[..., Body] | None = None
+    body: Callable[..., ReferenceBody] | None = None
 
 
 def solve_cell(
@@ -93,7 +93,7 @@ def solve_cell(
     root.
     """
     try:
-        return (problem.body or Body)(
+        return (problem.body or ReferenceBody)(
             motion, problem, float(amplitude), float(omega), eta, solver
         ).run()
     except (ArithmeticError, ValueError):
@@ -158,7 +158,7 @@ def falls_to_zero(
     return False
 
 
-class Body:
+class ReferenceBody:
     """A body under a motion, from event to event."""
 
     def __init__(
@@ -239,7 +239,7 @@ class Body:
             else 1.0 + self.drive * value(self.up, self.omega * time)
         )
 
-    def pressure(self, at: Point) -> float:
+    def pressure(self, at: StatePoint) -> float:
         """The forces downwards at an instant, over m g."""
         return self.weight(at.time)
 
@@ -278,7 +278,7 @@ class Body:
         """Move the body over one stretch, or to the impact in it."""
         of, start, push = (
             self.here.of,
-            Point(self.time, self.theta, self.w),
+            StatePoint(self.time, self.theta, self.w),
             self.side * self.drive,
         )
 
@@ -334,7 +334,7 @@ class Body:
         if self.w <= 0.0 or (self.w < _AT_REST and not lifted and eta < 1.0):
             self.side, self.w = 0, 0.0
 
-    def check_contact(self, rate: Rate, steps: list[Point]) -> None:
+    def check_contact(self, rate: Rate, steps: list[StatePoint]) -> None:
         """Record in `contact_lost` if Fz falls to zero along these steps of a body
         whose forces are known; such a body has theta' = w.
         """
@@ -342,7 +342,7 @@ class Body:
         if arm is None or self.contact_lost:
             return
 
-        def acceleration_and_fz(at: Point) -> tuple[float, float]:
+        def acceleration_and_fz(at: StatePoint) -> tuple[float, float]:
             acceleration = rate(*at)[1]
             return acceleration, arm.fz(at.theta, at.w, acceleration, self.pressure(at))
 
@@ -358,9 +358,11 @@ class Body:
                 theta + 0.125 * length * (one.w - other.w),
                 w + 0.125 * length * (before[0] - after[0]),
             )
-            middle = acceleration_and_fz(Point(one.time + 0.5 * length, theta, w))
+            middle = acceleration_and_fz(StatePoint(one.time + 0.5 * length, theta, w))
 
-            def within(part: float, one: Point = one, length: float = length) -> float:
+            def within(
+                part: float, one: StatePoint = one, length: float = length
+            ) -> float:
                 return acceleration_and_fz(step(rate, one, part * length) or one)[1]
 
             self.contact_lost = self.contact_lost or falls_to_zero(

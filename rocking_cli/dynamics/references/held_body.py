@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 from ...motions.motion import Motion
 from ...structures.restraints import Strand
-from .extrapolation import Path, Point, Rate, step
-from .general_solver import Body, Problem, Rates
+from .extrapolation import Path, Rate, StatePoint, step
+from .general_solver import Problem, Rates, ReferenceBody
 
 if TYPE_CHECKING:
     from ...structures.restraints import Restraints, Tie
@@ -193,7 +193,7 @@ class Held:
         return sum(d.law != "broken" for d in self.devices[side]) < whole
 
 
-class _TiedBody(Body):
+class _TiedBody(ReferenceBody):
     def __init__(
         self, held: Held, motion: Motion, problem: Problem, *numbers: Any
     ) -> None:
@@ -220,7 +220,7 @@ class _TiedBody(Body):
 
         return rates
 
-    def pressure(self, at: Point) -> float:
+    def pressure(self, at: StatePoint) -> float:
         return 1.0 + self.held.downwards(self.side, at.theta)
 
     def cut(self, rate: Rate, found: Path) -> Path:
@@ -251,9 +251,9 @@ class _TiedBody(Body):
 
 def body_with(
     restraints: Restraints, paces: Mapping[int, float], arm: float | None, linear: bool
-) -> Callable[..., Body]:
-    """A function that builds a `Body` with these restraints; paces, arm, linear: as of
-    `Held`.
+) -> Callable[..., ReferenceBody]:
+    """Return a function that builds a `ReferenceBody` with these restraints; paces,
+    arm, linear: as of `Held`.
     """
     return lambda *more: _TiedBody(
         Held(restraints, paces, arm or math.nan, linear), *more

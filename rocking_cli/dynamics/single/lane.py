@@ -140,7 +140,7 @@ class DriveLists:
         )
 
 
-class Edge(NamedTuple):
+class LaneEdge(NamedTuple):
     """An edge that the body rocks on."""
 
     side: float  # +1 right (theta > 0), -1 left
@@ -206,7 +206,7 @@ class Lane:
             for side in ((1.0,) if self._strike(cells, 1.0)[0] > 0.0 else (1.0, -1.0))
         }
 
-    def edges(self, amplitude: float) -> dict[float, Edge]:
+    def edges(self, amplitude: float) -> dict[float, LaneEdge]:
         """Return the edges, by the sign of their side, under a motion of this amplitude
         A.
         """
@@ -220,7 +220,7 @@ class Lane:
             )
         return edges
 
-    def _edge(self, cells: Cells, side: float) -> Edge:
+    def _edge(self, cells: Cells, side: float) -> LaneEdge:
         """Return the edge of a side under A = 1."""
         equation, seg, at = (
             self.system.equation.on(np.array([side])),
@@ -248,7 +248,7 @@ class Lane:
         lanes.peak[:] = 1.0
         self.system.contact.turn(cells, lanes, np.array([0]), np.ones(1))
         cycle_ratio = speed_ratio * back if to != side else speed_ratio
-        return Edge(
+        return LaneEdge(
             side,
             -side * amplitude,
             omega,

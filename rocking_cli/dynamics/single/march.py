@@ -17,9 +17,9 @@ import numpy as np
 from ..equations.recurrence import motion_terms
 from ..equations.taylor import LONGEST, MOST_TERMS
 from ..outcome import FALLEN, Outcome
-from .lane import Edge, Lane
+from .lane import Lane, LaneEdge
 from .series_roots import first_root, only_root, turns, value
-from .state import Body, Ended, Listener
+from .state import Ended, Listener, MarchState
 
 _INSTANT = 1e-12  # share of a step: a shorter part of it is rounding of its ends
 _ROOM = 0.9  # part of the step that the last terms allow, for the next attempt
@@ -52,7 +52,7 @@ def march(
     )
 
 
-class _March(Body):
+class _March(MarchState):
     """The march of one body from event to event."""
 
     def run(self, release: float) -> Ended:
@@ -200,7 +200,7 @@ class _March(Body):
                 terms,
             )
 
-    def _top(self, edge: Edge) -> float:
+    def _top(self, edge: LaneEdge) -> float:
         """The y beyond which the march tests whether a body that moves outwards can
         come back.
         """
@@ -292,7 +292,7 @@ class _March(Body):
             self._check_overturned()
 
     def _window(
-        self, edge: Edge, k: int, u: float, h: float, c0: float, c1: float
+        self, edge: LaneEdge, k: int, u: float, h: float, c0: float, c1: float
     ) -> float:
         """The share of a step at which c, which is monotone, passes 1."""
         if self.drive_lists.straight:
@@ -306,7 +306,7 @@ class _March(Body):
 
     def _terms(
         self,
-        edge: Edge,
+        edge: LaneEdge,
         k: int,
         u: float,
         h: float,

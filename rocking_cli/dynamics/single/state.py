@@ -15,7 +15,7 @@ from ..drive import place
 from ..equations.taylor import LONGEST, WITHIN
 from ..lanes import Cells, Lanes
 from ..outcome import Outcome
-from .lane import Edge, Lane
+from .lane import Lane, LaneEdge
 
 
 class Listener(NamedTuple):
@@ -47,7 +47,7 @@ class Ended(NamedTuple):
     lost: float | None = None
 
 
-class Body:
+class MarchState:
     """The state of a march: segment k and phase u in it, the edge the body is on, y and
     y', the force if it is known to more digits than the drive tells, and the largest y
     so far in the unit of the first side.
@@ -57,7 +57,7 @@ class Body:
         self,
         lane: Lane,
         cells: Cells,
-        edges: dict[float, Edge],
+        edges: dict[float, LaneEdge],
         peaks: bool,
         listener: Listener | None,
         most: int,
@@ -98,7 +98,7 @@ class Body:
         lanes.peak[0] = self.peak / self.edge.unit
         return lanes
 
-    def _net(self, edge: Edge, k: int, u: float) -> float:
+    def _net(self, edge: LaneEdge, k: int, u: float) -> float:
         """The net drive c at phase u of segment k; 0 on the still ground after the
         motion.
         """
@@ -148,7 +148,7 @@ class Body:
         lanes.steps[0] = self.impacts
         return bool(too_many_impacts(self.segments, lanes, self.most)[0])
 
-    def _may_rest(self, edge: Edge, fall: float) -> bool:
+    def _may_rest(self, edge: LaneEdge, fall: float) -> bool:
         """The part of the test of Lemma 7 that needs no arrays: False if the lemma
         cannot prove that the bounces end in this segment.
         """

@@ -46,7 +46,7 @@ class Steps(NamedTuple):
     reach: Array  # time from the start that the lane goes along the step [tau]
 
 
-class Stretches(NamedTuple):
+class WatchStretches(NamedTuple):
     """Parts of steps between two instants after their start, (stretches,)."""
 
     lane: Array  # index of the lane
@@ -55,9 +55,9 @@ class Stretches(NamedTuple):
     fz_low: Array  # Fz/(m g) at the first instant [-]
     fz_high: Array  # Fz/(m g) at the last instant [-]
 
-    def take(self, at: Array) -> Stretches:
+    def take(self, at: Array) -> WatchStretches:
         """Return these stretches only."""
-        return Stretches(*(x[at] for x in self))
+        return WatchStretches(*(x[at] for x in self))
 
 
 class ContactWatch:
@@ -144,7 +144,7 @@ class ContactWatch:
             of_body + (0.25 * force + stiffness) * v * v + (0.5 * force + stiffness) * b
         )
 
-    def _stretches(self, steps: Steps, at: Array, parts: Array) -> Stretches:
+    def _stretches(self, steps: Steps, at: Array, parts: Array) -> WatchStretches:
         """Return the stretches between these parts of the steps of the lanes `at`, lane
         by lane.
         """
@@ -152,7 +152,7 @@ class ContactWatch:
         lane = np.repeat(at, parts.size)
         fz = self.fz(steps, lane, h.ravel()).reshape(h.shape) if at.size else h
         each = np.repeat(at, parts.size - 1)
-        return Stretches(
+        return WatchStretches(
             each, *(x.ravel() for x in (h[:, :-1], h[:, 1:], fz[:, :-1], fz[:, 1:]))
         )
 
@@ -186,7 +186,7 @@ class ContactWatch:
                 (left.low, middle, left.fz_low, fz),
                 (middle, left.high, fz, left.fz_high),
             )
-            left = Stretches(
+            left = WatchStretches(
                 np.repeat(left.lane, 2),
                 *(np.stack(pair, axis=1).ravel() for pair in zip(*halves, strict=True)),
             )
@@ -194,7 +194,7 @@ class ContactWatch:
         return lost, found[:, lost]
 
 
-def _proved(stretches: Stretches, curvature: Array) -> Array:
+def _proved(stretches: WatchStretches, curvature: Array) -> Array:
     """True where the chord of Fz, less its error, is positive; curvature: a bound of
     |Fz''|/(m g).
     """

@@ -29,7 +29,7 @@ class TiedLanes(Lanes):
     lost: Array  # True if Fz <= 0 has occurred
 
 
-class Ends(NamedTuple):
+class StepEnds(NamedTuple):
     """What happens at the ends of steps. Every array is (lanes,)."""
 
     up: Array  # True if y has come to the upper end of the phase of the restraints

@@ -46,7 +46,7 @@ from .bounces import Bounces
 from .contact_watch import ContactWatch, Steps
 from .devices import BROKEN, ELASTIC, SLACK, YIELDING, Phase
 from .series import Law, Step, falls, one_turn
-from .tied_lanes import Ends, Found, Recorder, TiedLanes
+from .tied_lanes import Found, Recorder, StepEnds, TiedLanes
 
 # a speed below this counts as zero: it changes y by about as much, and a later uplift
 # by far less than rounding
@@ -331,7 +331,7 @@ class March:
             row,
             now,
             high,
-            Ends(
+            StepEnds(
                 up, down, peaked, turned & ~peaked & ~(up | down), top, k >= self.shaken
             ),
         )
@@ -355,7 +355,7 @@ class March:
             )
 
     def _events(
-        self, lanes: TiedLanes, row: Array, now: Phase, high: Array, ends: Ends
+        self, lanes: TiedLanes, row: Array, now: Phase, high: Array, ends: StepEnds
     ) -> TiedLanes:
         """Apply the events at step ends: a peak on the way, an end of a phase, an
         impact, a turn. Returns the lanes that go on.

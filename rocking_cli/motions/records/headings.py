@@ -121,7 +121,7 @@ _CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _SPLIT = re.compile(r"[\s_.,:;/|\-\"']+")
 
 
-class Cell(NamedTuple):
+class HeadingCell(NamedTuple):
     """What one heading says."""
 
     text: str  # the heading as the file has it
@@ -146,7 +146,7 @@ class Cell(NamedTuple):
         )
 
 
-def cell_of(text: str, first: bool = True) -> Cell:
+def cell_of(text: str, first: bool = True) -> HeadingCell:
     """Return what the heading of a column says; first: whether it is
     the first column.
     """
@@ -186,7 +186,7 @@ def cell_of(text: str, first: bool = True) -> Cell:
     if role != UNKNOWN and states_factor(text):
         role, odd = UNKNOWN, text
     known, seconds = next(iter(accelerations), None), next(iter(times), None)
-    return Cell(text, role, known, seconds, component, odd)
+    return HeadingCell(text, role, known, seconds, component, odd)
 
 
 def units_row(cells: list[str]) -> list[str] | None:

@@ -12,9 +12,9 @@ import numpy as np
 
 from ...errors import DocumentError, UsageError
 from .claims import Claims, agree
-from .headings import ACCELERATION, BARE, FREQUENCY, PERIOD, TIME, UNKNOWN, Cell
+from .headings import ACCELERATION, BARE, FREQUENCY, PERIOD, TIME, UNKNOWN, HeadingCell
 from .record import EVERY, Series
-from .rows import Rows, as_printed, is_row, leads_of, rows_of
+from .rows import NumberRows, as_printed, is_row, leads_of, rows_of
 from .text import Array, RecordText, value_of
 from .titles import (
     AMBIGUOUS,
@@ -94,7 +94,11 @@ class _Table:
     """The numbers of a file with what its headings and its user say of them."""
 
     def __init__(
-        self, text: RecordText, claims: Claims, rows: Rows, cells: list[Cell] | None
+        self,
+        text: RecordText,
+        claims: Claims,
+        rows: NumberRows,
+        cells: list[HeadingCell] | None,
     ) -> None:
         self.text, self.claims, self.rows, self.cells = text, claims, rows, cells
         self.width = rows.columns
@@ -322,7 +326,7 @@ class _Table:
             f"{self.text.source}: `column`: found {given}; the file holds {held}"
         )
 
-    def name_of(self, column: int, cell: Cell | None, taken: int) -> str | None:
+    def name_of(self, column: int, cell: HeadingCell | None, taken: int) -> str | None:
         if cell is not None and cell.component is not None:
             return cell.component
         chosen = self.width > 2 and taken == 1 and self.text.given.column is not None
@@ -368,7 +372,7 @@ class _Table:
         taken = f"a step of {step:g} s, where the first column is taken for times in s"
         return step, "" if known else taken
 
-    def unit(self, cell: Cell | None) -> str:
+    def unit(self, cell: HeadingCell | None) -> str:
         """The unit that a heading or the user states."""
         said = cell.unit if cell is not None else None
         quoted = f"the heading {cell.text!r}" if cell is not None else ""
@@ -396,7 +400,7 @@ class _Table:
             f"{source}: `{name}`: found {given}; the file says otherwise: {said}"
         )
 
-    def require_name(self, cell: Cell | None) -> None:
+    def require_name(self, cell: HeadingCell | None) -> None:
         """Refuse a file that is named as velocities and says nothing else itself."""
         if self.claims.acceleration or (cell is not None and cell.role == ACCELERATION):
             return
@@ -445,8 +449,8 @@ def even_step(
 
 
 def _without_leads(
-    text: RecordText, claims: Claims, rows: Rows, above: list[Title]
-) -> tuple[Rows, str]:
+    text: RecordText, claims: Claims, rows: NumberRows, above: list[Title]
+) -> tuple[NumberRows, str]:
     """(the rows below those that hold a count, step or rate, a remark that names
     these).
 
@@ -483,7 +487,7 @@ def _without_leads(
     return kept, f"above the samples stand {' and '.join(said)}" if said else ""
 
 
-def _may_be(word: str, value: float, rows: Rows) -> str:
+def _may_be(word: str, value: float, rows: NumberRows) -> str:
     below = f"{rows.values.size} values below it"
     if value >= 1.0:
         what = (

@@ -21,7 +21,7 @@ _STAR = re.compile(r"\*+|nan|inf|[-+]inf", re.IGNORECASE)
 _BETWEEN = re.compile(r"[\s,;\"']+")
 
 
-class Rows(NamedTuple):
+class NumberRows(NamedTuple):
     """The numbers of a file as they stand on its lines."""
 
     values: Array  # all numbers, in order
@@ -35,7 +35,7 @@ class Rows(NamedTuple):
         """How many numbers stand on most lines."""
         return int(np.bincount(self.counts).argmax())
 
-    def below(self, rows: int) -> "Rows":
+    def below(self, rows: int) -> "NumberRows":
         """Return the rows below so many first ones."""
         numbers = int(self.counts[:rows].sum())
         return self._replace(
@@ -54,7 +54,7 @@ def is_row(line: str) -> bool:
     return bool(words) and known and numbers[0]
 
 
-def rows_of(text: RecordText, headings: int | None) -> Rows:
+def rows_of(text: RecordText, headings: int | None) -> NumberRows:
     """Return the rows of numbers to come; headings: how many cells the line above has.
 
     Raises DocumentError at a word that is no number, and at an empty cell.
@@ -74,7 +74,9 @@ def rows_of(text: RecordText, headings: int | None) -> Rows:
         block = block.replace(separator.encode(), b" ")
     values, counts, lines = text.numbers_of(block)
     text.at = len(text.raw)
-    return Rows(values, counts, lines, block.split(None, _SHOWN)[:_SHOWN], separator)
+    return NumberRows(
+        values, counts, lines, block.split(None, _SHOWN)[:_SHOWN], separator
+    )
 
 
 def _separator(block: bytes, headings: int | None) -> tuple[str, bool]:
@@ -102,7 +104,7 @@ def _separator(block: bytes, headings: int | None) -> tuple[str, bool]:
     return (",", False) if times else (" ", True)
 
 
-def leads_of(rows: Rows) -> int:
+def leads_of(rows: NumberRows) -> int:
     """Return how many first rows hold numbers that seem to be no samples.
 
     Of a single column these are numbers printed unlike the others, whole numbers far
@@ -123,7 +125,7 @@ def leads_of(rows: Rows) -> int:
     return found
 
 
-def _first_is_apart(rows: Rows) -> int:
+def _first_is_apart(rows: NumberRows) -> int:
     """1 if the times of several columns rise evenly from the second row on only."""
     if rows.counts.size < 4 or (rows.counts != rows.columns).any():
         return 0
@@ -134,7 +136,7 @@ def _first_is_apart(rows: Rows) -> int:
     return int(even and abs(steps[0] - usual) > 0.5 * usual)
 
 
-def _is_lead(rows: Rows, at: int) -> bool:
+def _is_lead(rows: NumberRows, at: int) -> bool:
     value, rest = float(rows.values[at]), rows.values[at + 1 :]
     if not value > 0.0:
         return False

@@ -12,12 +12,12 @@ from .headings import (
     PERIOD,
     TIME,
     UNKNOWN,
-    Cell,
+    HeadingCell,
     cell_of,
     cells_in,
     units_row,
 )
-from .rows import Rows, is_row
+from .rows import NumberRows, is_row
 from .text import RecordText, value_of
 from .units import dimension_of
 
@@ -93,8 +93,8 @@ def _split(line: str, columns: int, separator: str) -> list[str] | None:
 
 
 def headings(
-    text: RecordText, titles: list[Title], rows: Rows
-) -> tuple[list[Cell] | None, list[Title]]:
+    text: RecordText, titles: list[Title], rows: NumberRows
+) -> tuple[list[HeadingCell] | None, list[Title]]:
     """(what the columns are called, None where nothing says so; the other lines)."""
     columns = rows.columns
     if columns == 1 or not titles:
@@ -174,7 +174,7 @@ def _holds_value(cell: str) -> bool:
     return _VALUE.search(_IN_BRACKETS.sub(" ", cell)) is not None
 
 
-def _require_one(text: RecordText, title: Title, rows: Rows) -> None:
+def _require_one(text: RecordText, title: Title, rows: NumberRows) -> None:
     """Raise DocumentError if the line above one column names several,
     or another one.
     """
@@ -212,7 +212,7 @@ def _require_one(text: RecordText, title: Title, rows: Rows) -> None:
         )
 
 
-def _require_as_many(text: RecordText, title: Title, rows: Rows) -> None:
+def _require_as_many(text: RecordText, title: Title, rows: NumberRows) -> None:
     """Raise DocumentError if the line above the numbers names more or fewer columns."""
     words = unmarked(title.text)
     for mark in (",", ";", "\t"):

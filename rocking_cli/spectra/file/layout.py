@@ -104,7 +104,7 @@ class ChunkGrid:
 
 
 @dataclass(frozen=True)
-class Layout:
+class FileLayout:
     """The whole of a spectra file except the results of its cells."""
 
     frame: Frame  # places of its cells

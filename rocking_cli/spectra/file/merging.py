@@ -11,7 +11,7 @@ from ...dynamics.outcome import Outcome
 from ...errors import OutputError, UsageError
 from ..dimensions import VARIABLES
 from ..work.machine import together, unlike
-from .layout import Layout, Packed, unpack
+from .layout import FileLayout, Packed, unpack
 from .reader import SpectraFile
 from .writer import SpectraWriter, difference
 
@@ -76,7 +76,7 @@ def merge(
             for key in ("history", "documents", "motion", "model", "tolerance")
             if key in first.attributes
         }
-        layout = Layout(
+        layout = FileLayout(
             first.frame, first.cut.chunk[1:], first.names, first.scene, kept
         )
         writer = stack.enter_context(

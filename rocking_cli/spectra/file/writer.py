@@ -36,7 +36,7 @@ from .integrity import (
     reason,
     write,
 )
-from .layout import BOOKKEEPING, Layout, Packed, checksum, joined, split
+from .layout import BOOKKEEPING, FileLayout, Packed, checksum, joined, split
 
 # s: a process that only tests for use of a partial file locks it for an instant
 PATIENCE = 0.3
@@ -178,7 +178,7 @@ class SpectraWriter:
     def __init__(
         self,
         path: Path,
-        layout: Layout,
+        layout: FileLayout,
         *,
         overwrite: bool = False,
         resume: bool = False,
@@ -218,7 +218,7 @@ class SpectraWriter:
             ) from None
 
     def _begin(
-        self, layout: Layout, overwrite: bool, resume: bool, strict: bool
+        self, layout: FileLayout, overwrite: bool, resume: bool, strict: bool
     ) -> None:
         """Begin the partial file, or continue it. Raises UsageError, OutputError,
         OSError, or ValueError where it cannot go on.
@@ -253,7 +253,7 @@ class SpectraWriter:
         # those of the machines, empty if they compute alike
         self.machine_differences = unlike(self.machines)
 
-    def _resume(self, layout: Layout, strict: bool) -> None:
+    def _resume(self, layout: FileLayout, strict: bool) -> None:
         """Continue a partial file of the same scene with its intact chunks. Raises
         UsageError, OutputError, OSError.
         """

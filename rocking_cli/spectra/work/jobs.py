@@ -29,7 +29,7 @@ from ...dynamics.response import (
 from ...motions import Motion
 from ...processes import Run, processes
 from ...structures.parameters import RockingParameters
-from ..scene import Band, Scene, Unit
+from ..scene import CellBand, Scene, Unit
 from ..verification import Answer, Place, Verification, condition_of, reference
 
 TOGETHER = 1 << 19  # cells of an exact equation that a worker computes in one batch
@@ -121,7 +121,7 @@ class Job:
             )
             for u in units
         ]
-        batches: dict[Any, list[Band]] = {}
+        batches: dict[Any, list[CellBand]] = {}
         for band in chain.from_iterable(bands):
             shared = self.pooled and chains(
                 scene.method.system_of(band.structure), band.motion
@@ -162,7 +162,7 @@ class Job:
         ]
 
     def under_records(
-        self, batch: Sequence[Band], cells: np.ndarray
+        self, batch: Sequence[CellBand], cells: np.ndarray
     ) -> tuple[Block, Work]:
         """Return (the variables of all cells (A, Omega, eta), the work) for bands of
         one system under several records.
@@ -190,7 +190,7 @@ class Job:
         }, got.work
 
     def together_of(
-        self, batch: Sequence[Band], cells: np.ndarray
+        self, batch: Sequence[CellBand], cells: np.ndarray
     ) -> tuple[Block, Work]:
         """Return (the variables of all cells (A, Omega, eta), the work) for bands under
         one motion.

@@ -5,7 +5,7 @@ a capital, or a finial on a gable.
 from ...documents.document import Document
 from ..mechanics.moments import Moments
 from ..mechanics.single_body import RigidBody
-from ..mechanics.stacked_pieces import Piece, offset_of, round_piece, stacked
+from ..mechanics.stacked_pieces import StackPiece, offset_of, round_piece, stacked
 
 REPORTS = ("rocks_on", "interfaces", "direction")
 _WANTED = (
@@ -32,7 +32,7 @@ def body(document: Document) -> RigidBody:
     return stacked(document, "pieces", "piece", pieces)
 
 
-def _piece(part: Document) -> Piece:
+def _piece(part: Document) -> StackPiece:
     piece = (
         _cuboid(part) if part.has("width") or part.has("depth") else round_piece(part)
     )
@@ -42,7 +42,7 @@ def _piece(part: Document) -> Piece:
     return piece._replace(body=Moments(*(density * moment for moment in piece.body)))
 
 
-def _cuboid(part: Document) -> Piece:
+def _cuboid(part: Document) -> StackPiece:
     for key in ("radius", "base_radius", "top_radius"):
         if part.has(key):
             raise part.fault(
@@ -58,4 +58,4 @@ def _cuboid(part: Document) -> Piece:
         0.5 * mass * height,
         mass * (width * width / 12.0 + height * height / 3.0),
     )
-    return Piece(0.5 * width, 0.5 * width, height, offset_of(part), moments)
+    return StackPiece(0.5 * width, 0.5 * width, height, offset_of(part), moments)

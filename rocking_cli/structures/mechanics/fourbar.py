@@ -50,7 +50,7 @@ class Ring(NamedTuple):
         )
 
 
-class Rates(NamedTuple):
+class LinkRates(NamedTuple):
     """Rotations of links B-C and C-D per rotation of A-B, and the virtual work (Eq.
     3.4).
     """
@@ -68,7 +68,7 @@ class Rates(NamedTuple):
         return (self.third > 0.0) & (self.second < 1.0) & (self.second < self.third)
 
 
-def rates(points: Any, links: Any) -> Rates:
+def rates(points: Any, links: Any) -> LinkRates:
     """Return the first-order kinematics of the linkage in any position, from AB + w2 BC
     + w3 CD = 0. points: (x, z) of A, B, C, D; links: (mass, first moment of x, first
     moment of z) of the three links.
@@ -83,7 +83,7 @@ def rates(points: Any, links: Any) -> Rates:
         (x1 - m1 * xa) + m2 * abx + second * (x2 - m2 * xb) + third * (x3 - m3 * xd)
     )
     push = (z1 - m1 * za) + m2 * abz + second * (z2 - m2 * zb) + third * (z3 - m3 * zd)
-    return Rates(second, third, lift, push)
+    return LinkRates(second, third, lift, push)
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ class FourBar:
             for a, b in zip(self.hinges[:-1], self.hinges[1:], strict=True)
         ]
 
-    def at_rest(self) -> Rates:
+    def at_rest(self) -> LinkRates:
         """Return the rates of the linkage at rest."""
         return rates(self.points, [m[:3] for m in self.links])
 

@@ -16,7 +16,7 @@ from itertools import pairwise, product
 
 import numpy as np
 
-from .fourbar import FACES, Rates, Ring, rates
+from .fourbar import FACES, LinkRates, Ring, rates
 
 Hinges = tuple[float, ...]  # angles of A, B, C, D [rad]
 
@@ -128,7 +128,7 @@ def _uplifts(ring: Ring, s: np.ndarray) -> np.ndarray:
         )
 
 
-def _rates(ring: Ring, s: np.ndarray) -> Rates:
+def _rates(ring: Ring, s: np.ndarray) -> LinkRates:
     points = [ring.point(x, face) for x, face in zip(s, FACES, strict=True)]
     return rates(points, [ring.sector(a, b)[:3] for a, b in pairwise(s)])
 

@@ -35,7 +35,7 @@ from ..sketch import Point, Sketch, rectangle, redrawn, rocker
 from .moments import Moments, spin_about
 
 
-class Edge(NamedTuple):
+class EdgeParameters(NamedTuple):
     """A body on one edge."""
 
     p: float  # frequency parameter [rad/s]
@@ -57,7 +57,7 @@ class RigidBody:
     """A rigid body as its kind reads it from a document."""
 
     # returns (left edge, right edge) for a gravity [m/s2]
-    edges: Callable[[float], tuple[Edge, Edge]]
+    edges: Callable[[float], tuple[EdgeParameters, EdgeParameters]]
     reach: float  # least horizontal distance from an edge to the mass centre [m]
     # returns the body with its pivots inside the edges by a length [m]
     again: Callable[[float], RigidBody]
@@ -199,8 +199,8 @@ def equal_edges(
         radius if whole else None,
     )
 
-    def edges(gravity: float) -> tuple[Edge, Edge]:
-        edge = Edge(
+    def edges(gravity: float) -> tuple[EdgeParameters, EdgeParameters]:
+        edge = EdgeParameters(
             math.sqrt(gravity / (radius * inertia)),
             alpha,
             math.tan(alpha),
@@ -315,7 +315,9 @@ def body_on_edges(
     )
 
 
-def edges_of(body: Moments, half: float, gravity: float) -> tuple[Edge, Edge]:
+def edges_of(
+    body: Moments, half: float, gravity: float
+) -> tuple[EdgeParameters, EdgeParameters]:
     """Return the parameters on the left edge (-half, 0) and the right edge (half, 0)
     [m]; the mass centre must be above the base.
     """
@@ -324,11 +326,11 @@ def edges_of(body: Moments, half: float, gravity: float) -> tuple[Edge, Edge]:
         spin_about(-half, 0.0), body
     )  # I_G + m (z^2 - l r)
 
-    def on(edge: float) -> Edge:
+    def on(edge: float) -> EdgeParameters:
         distance = abs(edge - body.x / body.mass)
         arm = math.hypot(distance, z)
         p = math.sqrt(gravity * arm * body.mass / body.about(edge, 0.0))
-        return Edge(
+        return EdgeParameters(
             p,
             math.atan2(distance, z),
             distance / z,

@@ -18,7 +18,7 @@ from .moments import Moments
 from .single_body import RigidBody, body_on_edges, edges_of, symmetric_body
 
 
-class Piece(NamedTuple):
+class StackPiece(NamedTuple):
     """A piece of a stack."""
 
     foot: float  # half width of its base [m]
@@ -43,7 +43,7 @@ def frustum_moments(low: float, high: float, height: float) -> Moments:
     return Moments(area, 0.0, first, second + across)
 
 
-def round_piece(document: Document) -> Piece:
+def round_piece(document: Document) -> StackPiece:
     """A piece from the keys radius and height, or base_radius, top_radius and height;
     and offset of its axis. Raises DocumentError.
     """
@@ -62,7 +62,7 @@ def round_piece(document: Document) -> Piece:
             "top_radius", "length", least=0.0, where="a length from 0"
         )
         base = document.length("base_radius")
-    return Piece(base, top, height, offset, frustum_moments(base, top, height))
+    return StackPiece(base, top, height, offset, frustum_moments(base, top, height))
 
 
 def offset_of(document: Document) -> float:
@@ -111,7 +111,11 @@ class Bed(NamedTuple):
 
 
 def stacked(
-    document: Document, key: str, word: str, pieces: Sequence[Piece], inset: float = 0.0
+    document: Document,
+    key: str,
+    word: str,
+    pieces: Sequence[StackPiece],
+    inset: float = 0.0,
 ) -> RigidBody:
     """Return the body that rocks on the interface of the key `rocks_on`, by default on
     the one with the least margin, on the lowest one of equal margins. pieces: from

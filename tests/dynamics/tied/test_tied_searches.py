@@ -13,7 +13,7 @@ from support.documents import built
 from rocking_cli import Method, sine, trace_envelope
 from rocking_cli.dynamics.outcome import overturned
 from rocking_cli.fragility.exposure import MotionSet, exposures
-from rocking_cli.fragility.measures import MEASURES, Member, pulse_intensity
+from rocking_cli.fragility.measures import MEASURES, MotionMember, pulse_intensity
 
 WALL = built(
     "kind: wall\nthickness: 0.6 m\nheight: 6 m\none_sided: true\nmass: 7200 kg\nties:"
@@ -44,7 +44,9 @@ def test_the_edges_of_an_envelope_separate_what_stands_from_what_falls():
 
 def test_a_set_of_pulses_falls_where_the_oracle_does():
     members = [
-        Member(f"{w} rad/s", 2.0, w, pulse_intensity(OUTWARDS, 2.0, w), pulse=OUTWARDS)
+        MotionMember(
+            f"{w} rad/s", 2.0, w, pulse_intensity(OUTWARDS, 2.0, w), pulse=OUTWARDS
+        )
         for w in (5.0, 8.0)
     ]
     levels = np.array([3.5, 7.0, 12.0])

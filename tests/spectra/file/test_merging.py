@@ -17,7 +17,7 @@ from rocking_cli import (
 )
 from rocking_cli.spectra.dimensions import VARIABLES
 from rocking_cli.spectra.file import writer as store
-from rocking_cli.spectra.file.layout import Layout, pack, unpack
+from rocking_cli.spectra.file.layout import FileLayout, pack, unpack
 from rocking_cli.spectra.file.writer import SpectraWriter
 
 GRID = parse_grid("A=0.5:12:40,Omega=0.5:12:30")
@@ -48,7 +48,7 @@ def altered(path, index, change):
             for k in ("history", "documents", "motion", "model", "shard")
         }
         with SpectraWriter(
-            other, Layout(f.frame, f.cut.chunk[1:], f.names, f.scene, attributes)
+            other, FileLayout(f.frame, f.cut.chunk[1:], f.names, f.scene, attributes)
         ) as writer:
             for i in (int(i) for i in f.done.nonzero()[0]):
                 packed = f.packed(i)

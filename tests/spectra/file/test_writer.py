@@ -30,7 +30,7 @@ from rocking_cli import (
 from rocking_cli.reports.summary import summary_lines
 from rocking_cli.spectra.file import writer as store
 from rocking_cli.spectra.file.integrity import Log
-from rocking_cli.spectra.file.layout import Layout, pack
+from rocking_cli.spectra.file.layout import FileLayout, pack
 from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.spectra.file.writer import SpectraWriter, difference
 from rocking_cli.spectra.scene import PulseScene
@@ -84,7 +84,7 @@ def names(folder):
 
 
 def layout():
-    return Layout(
+    return FileLayout(
         PulseScene(tuple(ONE), GRID, SINE).frame(),
         (5, 40),
         ("theta_ratio", "outcome"),
