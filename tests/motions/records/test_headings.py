@@ -212,7 +212,7 @@ def test_one_column_is_read_as_the_lines_above_it_say(tmp_path, heading, said):
     (tmp_path / "a.txt").write_text(table(heading, 1.0, times=None))
     record = read_record(tmp_path / "a.txt")
     assert (record.unit, record.component) == said
-    assert record.dt == pytest.approx(0.01, rel=1e-15)
+    assert record.dt == pytest.approx(0.01, rel=2e-15)
     np.testing.assert_allclose(
         record.acceleration, ACCELERATIONS[said[0]] * READ, rtol=1e-14
     )
