@@ -27,6 +27,7 @@ from .quantities import (
     parse_quantity,
     with_a_point,
 )
+from .spreads import MOST_CUT, Spread, is_spread, parse_spread
 from .table import Cell, rows_of_structures, split_heading
 from .texts import text_of
 
@@ -44,6 +45,17 @@ LABELS = "labels"  # the key of texts that the computation does not use
 _ITEM = re.compile(
     r"([a-z_]+)_(\d{1,4})_([a-z_]+)"
 )  # a CSV column for an item of a list, such as pieces_1_width
+
+
+@dataclass(frozen=True)
+class Uncertain:
+    """A key whose value has a spread, and the range of the key."""
+
+    path: str  # of the key in the document, such as `ties.0.height`
+    spread: Spread  # [SI]
+    dimension: str  # of the key
+    low: float  # least value of the key [SI]
+    high: float  # largest value of the key [SI]
 
 
 @dataclass
@@ -65,6 +77,8 @@ class Document:
     dimensions: dict[str, str] = field(default_factory=dict)
     # lengths [m] that state no unit, by their path
     bare: dict[str, tuple[float, Place]] = field(default_factory=dict)
+    # the keys with a spread, by their path
+    uncertain: dict[str, Uncertain] = field(default_factory=dict)
     # the document around this one, and the path there
     within: tuple[Document, str] | None = None
     cells: tuple[Cell, ...] = ()  # of a row of a table, whose other columns are labels
@@ -118,8 +132,8 @@ class Document:
         where: str = "",
         default: float | None = None,
     ) -> float:
-        """Return the SI value of a key, `default` if it is absent; where: the range in
-        words. Raises DocumentError.
+        """Return the SI value of a key, `default` if it is absent, the mean of a number
+        with a spread; where: the range in words. Raises DocumentError.
         """
         self.dimensions[key] = dimension
         if self.within:
@@ -131,13 +145,17 @@ class Document:
         value = self.values[key]
         if not isinstance(value.content, str):
             raise self.fault(key, str(value), accepted(dimension))
+        spread = None
         try:
-            number = parse_quantity(value.content, dimension)
+            if is_spread(value.content):
+                spread = parse_spread(value.content, dimension)
+            number = spread.mean if spread else parse_quantity(value.content, dimension)
         except ValueError as error:
             raise self.fault(key, str(value), str(error)) from None
         if dimension == "length" and is_bare(value.content):
             self.note_bare(key, number, value.place)
-        if not (above < number < below and least <= number <= most):
+        ends = (spread.first, spread.second) if spread and spread.bounded else (number,)
+        if not all(above < x < below and least <= x <= most for x in ends):
             hint = (
                 " (a bare number is in rad)"
                 if dimension == "angle" and is_bare(value.content)
@@ -148,7 +166,31 @@ class Document:
                 str(value),
                 (where or _range_text(above, below, least, most)) + hint,
             )
+        if spread and not spread.certain:
+            self.note_uncertain(
+                key, spread, dimension, max(above, least), min(below, most)
+            )
         return number
+
+    def note_uncertain(
+        self, path: str, spread: Spread, dimension: str, low: float, high: float
+    ) -> None:
+        """Note a key with a spread in the outermost document. Raises DocumentError if
+        the range of the key cuts too much off.
+        """
+        if self.within is not None:
+            outer, own = self.within
+            outer.note_uncertain(f"{own}.{path}", spread, dimension, low, high)
+            return
+        if (cut := spread.cut(low, high)) > MOST_CUT:
+            value = self.value_at(path)
+            place = self.place if value is None else value.place
+            inside = _range_text(-math.inf, math.inf, low, high)
+            raise DocumentError(
+                f"{place}: {path}: found {value}, of which {100.0 * cut:.3g} % are not"
+                f" {inside}; expected a smaller standard deviation, or LOW .. HIGH"
+            )
+        self.uncertain[path] = Uncertain(path, spread, dimension, low, high)
 
     def note_bare(self, path: str, number: float, place: Place) -> None:
         """Note a length [m] without a unit in the outermost document."""
@@ -196,6 +238,10 @@ class Document:
     def integer(self, key: str, least: int, most: int) -> int:
         """Return the value of a key, a whole number from `least` to `most`."""
         wanted = f"a whole number from {least} to {most}"
+        if self.has(key) and is_spread(str(self.values[key].content)):
+            raise self.fault(
+                key, str(self.values[key]), f"{wanted}; it takes no spread"
+            )
         number = self.quantity(key, "number", least=least, most=most, where=wanted)
         if number != int(number):
             raise self.fault(key, str(self.values[key]), wanted)
@@ -400,6 +446,7 @@ class Document:
             inner=[],
             dimensions={},
             bare={},
+            uncertain={},
         )
 
 

@@ -23,6 +23,7 @@ from ..errors import DocumentError
 from .composition import LONGEST, Place
 from .files import read_bytes
 from .quantities import FACTORS, split_quantity
+from .spreads import has_no_unit, in_unit, is_spread
 from .texts import refuse_binary, text_of
 
 KIND = "kind"  # only a table of structures has this column
@@ -292,12 +293,12 @@ def with_unit(cell: str, unit: str) -> str:
     """Return the text of a cell with the unit of its heading, unless the cell states
     its own.
     """
+    if unit in _BARE:
+        return cell
+    if is_spread(cell):
+        return in_unit(cell, unit) if has_no_unit(cell) else cell
     parts = split_quantity(cell)
-    return (
-        f"{cell} {unit}"
-        if parts is not None and not parts[1] and unit not in _BARE
-        else cell
-    )
+    return f"{cell} {unit}" if parts is not None and not parts[1] else cell
 
 
 def named_rows(path: str | Path) -> tuple[list[str], list[tuple[int, dict[str, str]]]]:

@@ -201,7 +201,7 @@ class Body(NamedTuple):
         return kept
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=4096)
 def safe_push(body: Body, edge: int, ratio: float) -> float:
     """Return the largest push [g], of either sign, under which a body that does not
     overturn is proved to keep contact (Fz > 0). edge: 0 right, 1 left; ratio: the

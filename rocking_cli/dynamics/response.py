@@ -302,9 +302,9 @@ def cells_that_lose_contact(
                 )
             )
         return np.concatenate(found)
-    if system.body is None or not np.any(
-        doubtful & (cells[0] > system.safe_amplitude(motion))
-    ):
+    if system.body is None or not doubtful.any():
+        return np.zeros(0, dtype=np.int64)
+    if not np.any(doubtful & (cells[0] > system.safe_amplitude(motion))):
         return np.zeros(0, dtype=np.int64)
     from .observers.contact_loss import ContactLoss
 

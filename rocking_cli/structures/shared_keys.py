@@ -8,6 +8,7 @@ import math
 from typing import TYPE_CHECKING
 
 from ..documents.quantities import DEFAULT_GRAVITY
+from ..documents.spreads import is_spread
 from ..errors import DocumentError
 from .parameters import MOST_DAMPING
 
@@ -136,6 +137,8 @@ def _stated(
             "restitution", "number", above=above, least=least, most=most
         )
     except DocumentError:  # its sentence lacks `auto`
+        if is_spread(str(document.values["restitution"].content)):
+            raise
         raise document.fault(
             "restitution", str(document.values["restitution"]), wanted
         ) from None
