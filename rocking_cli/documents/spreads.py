@@ -163,7 +163,7 @@ def _uniform(low: str, high: str, dimension: str) -> Spread:
 
 
 def _in_one_unit(first: str, second: str, dimension: str) -> tuple[float, float]:
-    """Return the SI values of two quantities; a bare one takes the unit of the other."""
+    """Return the SI values of two quantities; a bare one has the unit of the other."""
     units = [unit_of(text) for text in (first, second)]
     given = [unit for unit in units if unit]
     if given and given[0] in UNITS[dimension]:

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..documents.spreads import NOTED_CUT
 from ..errors import DocumentError, StructureError
 from .kinds import KEYS, KINDS, build, reports_of
 from .parameters import OTHERS, RockingParameters, Side
@@ -50,8 +51,27 @@ def build_structure(document: Document) -> RockingParameters:
     document.has("labels")  # a key of every kind, also of those of installed packages
     document.finish(KEYS)
     return replace(
-        built, labels=labels_of(document), remarks=size_remarks(document, built)
+        built,
+        labels=labels_of(document),
+        remarks=(*size_remarks(document, built), *cut_remarks(document)),
+        uncertain=tuple(document.uncertain),
     )
+
+
+def cut_remarks(document: Document) -> list[str]:
+    """Return a remark on each normal number of which the range of its key cuts off more
+    than a thousandth.
+    """
+    found = []
+    for path, key in document.uncertain.items():
+        if (cut := key.spread.cut(key.low, key.high)) > NOTED_CUT:
+            value = document.value_at(path)
+            place = document.place if value is None else value.place
+            found.append(
+                f"{place}: {path}: {100.0 * cut:.2g} % of {value} are out of its range"
+                " and are not drawn"
+            )
+    return found
 
 
 def read_documents(path: str | Path) -> list[Document]:

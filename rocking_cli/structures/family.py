@@ -17,6 +17,7 @@ from ..documents.quantities import (
     split_quantity,
     with_a_point,
 )
+from ..documents.spreads import is_spread
 from ..errors import DocumentError, UsageError
 from .parameters import OTHERS, RockingParameters
 
@@ -140,6 +141,13 @@ def family(
         return
     parsed = [parse_variation(v) if isinstance(v, str) else v for v in variations]
     keys = [v.key for v in parsed]
+    for key in keys:
+        value = document.value_at(key)
+        if value is not None and is_spread(str(value.content)):
+            raise UsageError(
+                f"`vary` {key}: found {value}, which has a spread; expected a key"
+                " without one"
+            )
     units = [
         v.unit if v.unit is not None else _own_unit(document, v.key) for v in parsed
     ]

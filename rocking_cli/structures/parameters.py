@@ -131,6 +131,7 @@ class RockingParameters:
         other numbers are those of the free body
     labels: texts by name that a document or a table has beside its numbers
     remarks: sentences on numbers that are probably wrong
+    uncertain: keys of the document that have a spread, at whose means the numbers hold
     """
 
     name: str  # of the structure, as tables and files call it
@@ -166,6 +167,8 @@ class RockingParameters:
     labels: Mapping[str, str] = field(default_factory=dict, repr=False, compare=False)
     # sentences on numbers that are probably wrong
     remarks: tuple[str, ...] = field(default=(), repr=False, compare=False)
+    # keys of the document that have a spread, at whose means the numbers hold
+    uncertain: tuple[str, ...] = field(default=(), repr=False, compare=False)
 
     def __post_init__(self) -> None:
         _check_numbers(self)

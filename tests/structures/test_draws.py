@@ -15,7 +15,8 @@ def drawn(text, n=1024, seed=0):
 @pytest.mark.parametrize(
     ("height", "sd", "quantiles"),
     [
-        # lambda = w/h of a block: P(lambda <= x) = Phi((x h - w)/sqrt(s_w^2 + x^2 s_h^2))
+        # lambda = w/h of a block: P(lambda <= x) = Phi((x h - w)/s),
+        # s^2 = s_w^2 + x^2 s_h^2
         ("2", 0.005, (0.24177573, 0.25, 0.25822427)),
         ("2+-0.02", 0.0055912886, (0.24087115, 0.25, 0.25926416)),
     ],
@@ -47,7 +48,8 @@ def test_draws_that_make_no_structure_are_told():
     faults = [draw for draw in found if draw.parameters is None]
     # Momentum gives eta < 0 for a block wider than sqrt(2) times its height.
     assert all(draw.values["width"] > 2.0 * 2.0**0.5 for draw in faults)
-    assert faults and all("restitution" in draw.fault for draw in faults)
+    assert faults
+    assert all("restitution" in draw.fault for draw in faults)
 
 
 def test_a_key_inside_a_list_has_a_spread_too():
