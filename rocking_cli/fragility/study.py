@@ -393,7 +393,7 @@ class Study:
         }
 
     @property
-    def resurrections(self) -> int:
+    def standing_again(self) -> int:
         """The number of motions that overturn the structure at one level and not at a
         higher one.
         """
