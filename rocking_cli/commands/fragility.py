@@ -20,9 +20,10 @@ from .progress import ProgressLine
 
 if TYPE_CHECKING:
     from ..fragility.exposure import MotionSet
+    from ..fragility.fitted_curve import Fit
     from ..fragility.hazard import HazardCurve
     from ..fragility.measures import Measure, MotionMember
-    from ..fragility.study import Fit, Study
+    from ..fragility.study import Study
     from ..spectra.sweep import SweepOptions
     from ..structures import RockingParameters
 
@@ -89,7 +90,7 @@ def fragility(
     if wanted.cells:
         emit_cells(found)
     elif wanted.efficiency:
-        emit_efficiency([row for study in found for row in study.efficiency()], wanted)
+        emit_efficiency(found, wanted)
     else:
         refused, remarks = _fit_and_print(found, asked, wanted, sweep.overwrite)
     note(
@@ -117,7 +118,7 @@ def _asked(
     that do not go together, and for an output that cannot be written.
     """
     from ..fragility.exposure import MotionSet
-    from ..fragility.hazard import read_hazard
+    from ..fragility.hazard_files import read_hazard
     from ..fragility.measures import measure_of
     from ..spectra.sweep import SweepOptions
 
@@ -221,7 +222,7 @@ def _check_output(wanted: Fits, shaken: ground.Ground, sweep: options.Sweep) -> 
 
 def _studies(asked: _Request, wanted: Fits) -> list[Study]:
     """Return each structure under the set of motions; none if a shard is written."""
-    from ..fragility.fits import Resampling
+    from ..fragility.bootstrap import Resampling
     from ..fragility.study import studies
 
     path: Path | None = None if wanted.export else wanted.output

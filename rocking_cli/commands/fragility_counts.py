@@ -37,9 +37,9 @@ def fit_the_counts(wanted: Fits, overwrite: bool) -> None:
     """Fit the counts of --counts, and print the fit, with the annual rate of --hazard
     and the file of --export.
     """
+    from ..fragility.bootstrap import Resampling
     from ..fragility.counts import fit_counts
-    from ..fragility.fits import Resampling
-    from ..fragility.study import word_of
+    from ..fragility.fitted_curve import word_of
 
     _refuse_others()
     limit = word_of(wanted.limit_of_counts()) if given("limits") else "counted"
@@ -83,7 +83,7 @@ def _read(wanted: Fits, overwrite: bool) -> tuple[Counts, HazardCurve | None]:
     --export that cannot be written.
     """
     from ..fragility.counts import read_counts
-    from ..fragility.hazard import read_hazard
+    from ..fragility.hazard_files import read_hazard
 
     counts = read_counts(
         str(wanted.counts),

@@ -10,7 +10,8 @@ from .fragility_options import Fits
 from .printing import emit, form, units_of, units_shown
 
 if TYPE_CHECKING:
-    from ..fragility.study import Fit, Study
+    from ..fragility.fitted_curve import Fit
+    from ..fragility.study import Study
 
 
 def emit_cells(studies: Sequence[Study]) -> None:
@@ -27,14 +28,14 @@ def emit_fits(
     """Print the rows of fits, or with --curve those of curves; unit: of the levels, as
     they are stated.
     """
-    from ..fragility.hazard import RATE_COLUMNS
-    from ..fragility.study import (
+    from ..fragility.fitted_curve import (
         CURVE_COLUMNS,
         CURVE_KEYS,
         FRAGILITY_COLUMNS,
         FRAGILITY_KEYS,
         HAZARD_COLUMNS,
     )
+    from ..fragility.hazard import RATE_COLUMNS
     from ..reports.units import OF_THE_MEASURE, dimension_of_measure
 
     columns: tuple[str, ...]
@@ -72,8 +73,10 @@ def _add_rejected(rows: list[dict[str, Any]], standing: float | None) -> None:
     if standing is None:
         return
     for row in rows:
-        falls = row["limit_state"] == "overturning"
-        row["rejected"] = -math.expm1(-row["annual_rate"] * standing) if falls else None
+        overturning = row["limit_state"] == "overturning"
+        row["rejected"] = (
+            -math.expm1(-row["annual_rate"] * standing) if overturning else None
+        )
 
 
 def _name_the_unit(rows: list[dict[str, Any]]) -> None:
@@ -90,14 +93,15 @@ def _name_the_unit(rows: list[dict[str, Any]]) -> None:
             row["im"] = headed(row["im"], units.of(dimension)[0])
 
 
-def emit_efficiency(rows: list[dict[str, Any]], wanted: Fits) -> None:
+def emit_efficiency(studies: Sequence[Study], wanted: Fits) -> None:
     """Print a row for each measure. In a table and in CSV, its unit stands beside its
     name, because the medians of one column have several.
     """
     from ..documents.quantities import headed
-    from ..fragility.study import EFFICIENCY_COLUMNS, EFFICIENCY_KEYS
+    from ..fragility.efficiency import EFFICIENCY_COLUMNS, EFFICIENCY_KEYS, efficiency
     from ..reports.units import OF_THE_MEASURE, dimension_of_measure
 
+    rows = [row for study in studies for row in efficiency(study)]
     units = units_shown(_table_units(wanted.unit_of_levels()))
     for row in rows if form() != "json" else ():
         dimension = dimension_of_measure(row["im"])

@@ -204,7 +204,7 @@ def test_what_leaves_the_ground_passes_every_limit():
     assert 1.0 < first[0] / body.ground_acceleration(1.0) < 1.6
 
 
-def test_standing_again_counts_motions_that_overturn_at_a_level_and_not_at_a_larger_one():
+def test_motions_that_stand_again_at_a_larger_level_are_counted():
     beyond = np.array([[0, 1, 1, 1], [0, 1, 0, 1], [1, 0, 1, 0], [0, 0, 0, 0]])
     exposure = Exposure(
         np.zeros(beyond.shape),
