@@ -213,7 +213,7 @@ def _check_output(wanted: Fits, shaken: ground.Ground, sweep: options.Sweep) -> 
     if wanted.output is None:
         refuse("goes with -o OUT.h5", "resume", "shard", "scheduler")
         return
-    from ..spectra.file.writer import check_output
+    from ..spectra.file.partial_file import check_output
 
     if not (sweep.resume and wanted.output.is_file()):
         check_output(wanted.output, sweep.overwrite, sweep.resume)
