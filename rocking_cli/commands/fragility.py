@@ -76,8 +76,8 @@ def fragility(
 
         fit_the_counts(wanted, sweep.overwrite)
         return
-    asked = _asked(files, motions, shaken, wanted, model, sweep)
-    found = _studies(asked, wanted)
+    request = _requested(files, motions, shaken, wanted, model, sweep)
+    found = _studies(request, wanted)
     if not found:
         note(
             f"{wanted.output}: {sweep.shard} is written; join all shards by rocking"
@@ -92,13 +92,13 @@ def fragility(
     elif wanted.efficiency:
         emit_efficiency(found, wanted)
     else:
-        refused, remarks = _fit_and_print(found, asked, wanted, sweep.overwrite)
+        refused, remarks = _fit_and_print(found, request, wanted, sweep.overwrite)
     note(
         *refused,
         *remarks,
-        *model.in_words([asked.motions.method], asked.structures),
-        *direction_in_words(*asked.structures),
-        f"{len(asked.motions.members)} motions",
+        *model.in_words([request.motions.method], request.structures),
+        *direction_in_words(*request.structures),
+        f"{len(request.motions.members)} motions",
         *_standing_again(found),
     )
     # of the default limit states some may have no fit
@@ -106,7 +106,7 @@ def fragility(
     partly(refused and stated is not click.core.ParameterSource.DEFAULT)
 
 
-def _asked(
+def _requested(
     files: tuple[str, ...],
     motions: ground.BothWays,
     shaken: ground.Ground,
@@ -220,28 +220,28 @@ def _check_output(wanted: Fits, shaken: ground.Ground, sweep: options.Sweep) -> 
         options.refuse_own_input(wanted.output, shaken.recordings)
 
 
-def _studies(asked: _Request, wanted: Fits) -> list[Study]:
+def _studies(request: _Request, wanted: Fits) -> list[Study]:
     """Return each structure under the set of motions; none if a shard is written."""
     from ..fragility.bootstrap import Resampling
     from ..fragility.study import studies
 
     path: Path | None = None if wanted.export else wanted.output
     found = studies(
-        asked.structures,
-        asked.motions,
-        asked.methods,
+        request.structures,
+        request.motions,
+        request.methods,
         Resampling(wanted.samples, wanted.seed),
-        sweep=asked.sweep,
+        sweep=request.sweep,
         path=path,
-        exact=asked.exact,
-        hazard=asked.hazard,
+        exact=request.exact,
+        hazard=request.hazard,
         line=ProgressLine,
     )
     return list(found)
 
 
 def _fit_and_print(
-    found: Sequence[Study], asked: _Request, wanted: Fits, overwrite: bool
+    found: Sequence[Study], request: _Request, wanted: Fits, overwrite: bool
 ) -> tuple[list[str], list[str]]:
     """Fit the curves, write the file of --export and print the rows; return (a sentence
     on each limit state without a fit, remarks).
@@ -250,9 +250,9 @@ def _fit_and_print(
     from ..fragility.study import fitted
     from .fragility_rows import emit_fits
 
-    fits, refused = fitted(found, asked.states, asked.methods)
-    if not fits and not (asked.exact and (wanted.curve or asked.hazard)):
-        note(*direction_in_words(*asked.structures))
+    fits, refused = fitted(found, request.states, request.methods)
+    if not fits and not (request.exact and (wanted.curve or request.hazard)):
+        note(*direction_in_words(*request.structures))
         raise UsageError(
             refused[0]
             if refused
@@ -266,13 +266,13 @@ def _fit_and_print(
         from ..fragility.exports import share_of, write
 
         exported = [share_of(study) for study in found] if wanted.exact else fits
-        measure = asked.motions.measure
+        measure = request.motions.measure
         remarks += write(exported, wanted.output, wanted.export, measure, overwrite)
 
-    traced = found if asked.exact else []
+    traced = found if request.exact else []
     emit_fits(fits, traced, wanted)
-    if asked.hazard is not None:
-        remarks += _remarks_on_rates(fits, traced, asked.hazard)
+    if request.hazard is not None:
+        remarks += _remarks_on_rates(fits, traced, request.hazard)
     return refused, remarks
 
 
