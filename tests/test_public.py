@@ -277,7 +277,7 @@ RENAMED = [
     ("Work", "chatters_closed", "sequences_closed"),
 ]
 HOMES = {
-    "Band": "fragility.fits",
+    "Band": "fragility.bootstrap",
     "Work": "dynamics.outcome",
 }  # of those that are not public
 

@@ -16,6 +16,7 @@ from .printing import emit, form, is_quiet, note, printed, units_of
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
+    from ..dynamics.outcome import Outcome
     from ..envelopes.amplitudes import Limit
     from ..responses.check import Verdict
     from .check_demands import Demands
@@ -61,6 +62,33 @@ class CodeOptions:
         return None
 
 
+@dataclass(frozen=True)
+class Checks:
+    """What to find of each structure, and what to print and draw."""
+
+    a_max: Limit = options.a_max()
+    sign: str = ground.sign()
+    verdict_only: bool = flag(
+        "--verdict-only", "Skip the search; first_overturning_a and safe_to stay empty."
+    )
+    inset_effect: bool = options.inset_effect()
+    vary: tuple[str, ...] = options.vary()
+    sort: str | None = options.sort()
+    fail_on: str | None = option(
+        "--fail-on",
+        "Exit code 5 if a structure falls or loses contact, in either direction.",
+        type=click.Choice(["overturning"]),
+    )
+    output: Path | None = options.output("Draw the capacities: .png, .svg or .pdf.")
+    overwrite: bool = options.overwrite()
+    workers: int | None = options.workers()
+
+    @property
+    def limit(self) -> Limit | None:
+        """The largest amplitude of the search, None without a search."""
+        return None if self.verdict_only else self.a_max
+
+
 @command(
     "rocking check configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 --sort"
     " capacity",
@@ -70,22 +98,7 @@ def check(
     files: tuple[str, ...] = options.files(),
     asked: ground.Directed = group(ground.Directed),
     of_code: CodeOptions = group(CodeOptions),
-    a_max: Limit = options.a_max(),
-    sign: str = ground.sign(),
-    verdict_only: bool = flag(
-        "--verdict-only", "Skip the search; first_overturning_a and safe_to stay empty."
-    ),
-    inset_effect: bool = options.inset_effect(),
-    vary: tuple[str, ...] = options.vary(),
-    sort: str | None = options.sort(),
-    fail_on: str | None = option(
-        "--fail-on",
-        "Exit code 5 if a structure falls or loses contact, in either direction.",
-        type=click.Choice(["overturning"]),
-    ),
-    output: Path | None = options.output("Draw the capacities: .png, .svg or .pdf."),
-    overwrite: bool = options.overwrite(),
-    workers: int | None = options.workers(),
+    wanted: Checks = group(Checks),
 ) -> int:
     """Check which structures stand under a motion, and find the lowest amplitude that
     overturns each.
@@ -104,10 +117,10 @@ def check(
     from ..dynamics.outcome import Outcome
     from .check_demands import at_worst, opposite_outcomes, stated_demands
 
-    stated = stated_demands(files, asked, vary, sign)
-    by_code = of_code.rows(verdict_only)
-    if output is not None:
-        options.check_target(output, overwrite)
+    stated = stated_demands(files, asked, wanted.vary, wanted.sign)
+    by_code = of_code.rows(wanted.verdict_only)
+    if wanted.output is not None:
+        options.check_target(wanted.output, wanted.overwrite)
     if by_code and of_code.spectrum and not stated.shakes:
         refuse(
             "needs a motion: under --spectrum alone nothing is shaken",
@@ -115,32 +128,28 @@ def check(
             "sort",
             "inset_effect",
         )
-        by_code.alone(stated.structures, stated.varied, output, overwrite)
+        by_code.alone(stated.structures, stated.varied, wanted.output, wanted.overwrite)
         return 0
-    limit = None if verdict_only else a_max
-    demands = at_worst(stated.needed(by_code is not None), limit, workers)
+
+    demanded = stated.needed(by_code is not None)
+    demands = at_worst(demanded, wanted.limit, wanted.workers)
     if by_code:
         demands.rows = by_code.dynamic(demands.rows)
+    judged = _judge_and_print(demands, wanted, by_code)
+    _draw(judged, wanted, by_code, _in_g(asked))
 
-    judged = _printed(demands, limit, workers, by_code, sort is not None)
-    in_g = _in_g(asked)
-    _draw(judged, output, by_code, in_g, overwrite)
-
-    opposite = opposite_outcomes(demands, limit, workers)
+    opposite = opposite_outcomes(demands, wanted.limit, wanted.workers)
     ground.note_demand(demands.shakes)
     ground.note_governing(demands.structures, demands.shakes[0][1].dimensionless)
-    note(*_lines(judged, demands, by_code, opposite, limit, inset_effect, in_g))
+    note(*_lines(judged, demands, wanted, by_code, opposite))
     outcomes = [*(v.outcome for v in judged), *(outcome for _, outcome in opposite)]
     partly(Outcome.FAILED in outcomes)
-    return 5 if fail_on and any(outcome.falls for outcome in outcomes) else 0
+    overturning = any(outcome.falls for outcome in outcomes)
+    return 5 if wanted.fail_on and overturning else 0
 
 
-def _printed(
-    demands: Demands,
-    limit: Limit | None,
-    workers: int | None,
-    by_code: CodeRows | None,
-    by_capacity: bool,
+def _judge_and_print(
+    demands: Demands, wanted: Checks, by_code: CodeRows | None
 ) -> list[Verdict]:
     """Print a row for each demand and return the verdicts: JSON and CSV as soon as each
     is known, a table when all are.
@@ -150,23 +159,24 @@ def _printed(
 
     found: Iterable[Verdict] = verdicts(
         demands.rows,
-        a_max=limit,
-        workers=workers,
+        a_max=wanted.limit,
+        workers=wanted.workers,
         progress=ProgressLine("check", "checks"),
     )
-    if by_capacity or form() is None:
+    if wanted.sort is not None or form() is None:
         found = list(found)
-    if by_capacity:
+    if wanted.sort is not None:
         from ..reports.wording import capacity_left
 
         found = sorted(found, key=capacity_left)
     judged: list[Verdict] = []
+    searched = wanted.limit is not None
 
     def rows() -> Iterator[dict[str, Any]]:
         for verdict in found:
             judged.append(verdict)
-            by = by_code.columns(verdict, limit is not None) if by_code else {}
-            yield row_of(verdict, demands, by, limit is not None)
+            columns = by_code.columns(verdict, searched) if by_code else {}
+            yield row_of(verdict, demands, columns, searched)
         yield from by_code.others() if by_code else ()
 
     every: Iterable[dict[str, Any]] = list(rows()) if form() is None else rows()
@@ -183,33 +193,29 @@ def _printed(
 
 
 def _draw(
-    judged: list[Verdict],
-    output: Path | None,
-    by_code: CodeRows | None,
-    in_g: bool,
-    overwrite: bool,
+    judged: list[Verdict], wanted: Checks, by_code: CodeRows | None, in_g: bool
 ) -> None:
     """Draw the capacities, or the capacity curves of the code, if the call has an
     output.
     """
-    if output is None:
+    if wanted.output is None:
         return
     if by_code:
-        by_code.draw(output, overwrite)
+        by_code.draw(wanted.output, wanted.overwrite)
         return
     from ..reports.figures.capacities import draw_capacities
 
-    draw_capacities(judged, output, in_g=in_g, overwrite=overwrite, tell=note)
+    draw_capacities(
+        judged, wanted.output, in_g=in_g, overwrite=wanted.overwrite, tell=note
+    )
 
 
 def _lines(
     judged: list[Verdict],
     demands: Demands,
+    wanted: Checks,
     by_code: CodeRows | None,
-    opposite: list[tuple[str, Any]],
-    limit: Limit | None,
-    inset_effect: bool,
-    in_g: bool,
+    opposite: list[tuple[str, Outcome]],
 ) -> Iterator[str]:
     """Yield the lines below the rows, none with --quiet."""
     if is_quiet():
@@ -219,15 +225,16 @@ def _lines(
     from .check_remarks import inset_effects, remarks, worst_at_an_end
 
     yield from remarks(judged)
-    yield from worst_at_an_end(demands, judged, in_g)
+    yield from worst_at_an_end(demands, judged, _in_g(demands.asked))
     yield from by_code.said() if by_code else ()
     if opposite:
         from ..reports.wording import opposite_in_words
 
         yield opposite_in_words(opposite)
+    limit = wanted.limit
     if limit is None:
         return
-    if inset_effect:
+    if wanted.inset_effect:
         yield from inset_effects(judged, demands, limit)
     elif may_be_worn(judged, demands.rows):
         yield (

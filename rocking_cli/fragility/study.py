@@ -3,7 +3,7 @@ the printed rows.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
 from pathlib import Path
@@ -17,7 +17,8 @@ from ..errors import UsageError, did_you_mean
 from ..motions.recording import Recording
 from ..spectra.sweep import SweepOptions
 from ..structures.parameters import RockingParameters
-from . import fits
+from .bootstrap import Resampling, bootstrap, interval
+from .estimates import Estimate, cloud, first_overturning, stripes
 from .exposure import (
     Exposure,
     Interval,
@@ -29,168 +30,26 @@ from .exposure import (
     share_overturned,
     traced,
 )
-from .fits import Band, Curve, Resampling, check_levels
+from .fits import FEWEST, Curve, check_levels, fit_cloud, fit_first, fit_stripes
+from .fitted_curve import (
+    FRAGILITY_COLUMNS,
+    Fit,
+    hazard_points,
+    rate_of,
+    with_more,
+    word_of,
+)
 from .hazard import HazardCurve, Rate
-from .measures import Measure, compared, measure_of, members_of
+from .measures import Measure, measure_of, members_of
 
 Array = np.ndarray
 Fitted = tuple[
-    Curve, Callable[[Array], fits.Estimate], dict[float, float]
+    Curve, Callable[[Array], Estimate], dict[float, float]
 ]  # with the estimate of samples, and the points of the data
 METHODS = ("stripes", "first", "cloud")
 LIMITS: tuple[float | None, ...] = (0.1, 0.5, 1.0, None)
-FRAGILITY_COLUMNS = (
-    "structure",
-    "im",
-    "limit_state",
-    "method",
-    "median",
-    "beta",
-    "median_low",
-    "median_high",
-    "beta_low",
-    "beta_high",
-    "n",
-)
-FRAGILITY_KEYS = ("structure", "limit_state", "method")  # they say which row it is
-CURVE_KEYS = (*FRAGILITY_KEYS, "x")
 CELL_KEYS = ("structure", "motion", "pga")
-EFFICIENCY_KEYS = ("structure", "im")
-HAZARD_COLUMNS = ("hazard", "deaggregation", "annual_rate")  # of the points of a curve
-CURVE_COLUMNS = (
-    "structure",
-    "im",
-    "limit_state",
-    "method",
-    "x",
-    "probability",
-    "low",
-    "high",
-    "fraction",
-)
 CELL_COLUMNS = ("structure", "motion", "pga", "pgv_pga", "theta_ratio", "outcome")
-EFFICIENCY_COLUMNS = ("structure", "im", "median", "beta", "efficiency", "n")
-
-
-def word_of(limit: float | None) -> str:
-    """Return the printed text of a limit state."""
-    return "overturning" if limit is None else f"{limit:g}"
-
-
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """A fitted curve with its band, and with a hazard curve its annual rate.
-
-    Attributes
-    ----------
-    structure: its name
-    im: name of the intensity measure
-    limit: the limit state, a number of |theta|/alpha or "overturning"
-    method: "stripes", "first" or "cloud"
-    curve: median and dispersion
-    band: at x, None without a bootstrap
-    x: intensities [SI] of the band, (k,)
-    points: fraction beyond the limit state by level [SI]
-    hazard: the hazard curve of the site
-    rate: annual rate of the limit state by this curve
-    rate_without_fit: annual rate of overturning from traced intervals
-    no_damage: level [SI] up to which the structure stays at rest, 0 if unknown
-    """
-
-    structure: str  # its name
-    im: str  # name of the intensity measure
-    limit: str  # the limit state, a number of |theta|/alpha or "overturning"
-    method: str  # "stripes", "first" or "cloud"
-    curve: Curve  # median and dispersion
-    band: Band | None  # at x, None without a bootstrap
-    x: Array  # intensities [SI] of the band, (k,)
-    # fraction beyond the limit state by level [SI]
-    points: dict[float, float] = field(default_factory=dict)
-    hazard: HazardCurve | None = None  # the hazard curve of the site
-    rate: Rate | None = None  # annual rate of the limit state by this curve
-    # annual rate of overturning from traced intervals
-    rate_without_fit: Rate | None = None
-    # level [SI] up to which the structure stays at rest, 0 if unknown
-    no_damage: float = 0.0
-
-    def row(self) -> dict[str, Any]:
-        """Return the fit as one row."""
-        c, b = self.curve, self.band
-        low, high, *beta = (
-            (None,) * 4
-            if b is None
-            else (b.median_low, b.median_high, b.beta_low, b.beta_high)
-        )
-        values = (
-            *self._names().values(),
-            c.median,
-            c.beta,
-            low,
-            high,
-            *beta,
-            round(c.n),
-        )
-        row: dict[str, Any] = dict(zip(FRAGILITY_COLUMNS, values, strict=True))
-        if self.rate is not None:
-            row |= {
-                **self.rate.row(),
-                "rate_without_fit": (
-                    self.rate_without_fit and self.rate_without_fit.annual
-                ),
-            }
-        return row
-
-    def points_of_curve(self) -> Iterator[dict[str, Any]]:
-        """Yield the curve as rows."""
-        probability = self.curve(self.x)
-        hazard = hazard_points(self.hazard, self.x, probability, self.rate)
-        for i, (x, more) in enumerate(zip(self.x.tolist(), hazard, strict=True)):
-            low, high = (
-                (None, None)
-                if self.band is None
-                else (float(self.band.low[i]), float(self.band.high[i]))
-            )
-            row = {
-                **self._names(),
-                "x": x,
-                "probability": float(probability[i]),
-                "low": low,
-                "high": high,
-            }
-            yield {**row, "fraction": self.points.get(x), **more}
-
-    def _names(self) -> dict[str, Any]:
-        return {
-            "structure": self.structure,
-            "im": self.im,
-            "limit_state": self.limit,
-            "method": self.method,
-        }
-
-
-def with_more(levels: Array, first: float, last: float) -> Array:
-    """Return levels with 61 more from `first` to `last`, at which a curve is drawn."""
-    return np.union1d(np.geomspace(first, last, 61), levels)
-
-
-def hazard_points(
-    hazard: HazardCurve | None, x: Array, probability: Array, rate: Rate | None
-) -> list[dict[str, Any]]:
-    """Return the columns HAZARD_COLUMNS at points of a curve: H, dlambda/d(ln x) with
-    the annual rate lambda, and lambda [1/year].
-    """
-    if hazard is None or rate is None:
-        return [{} for _ in x]
-    inside = (x >= hazard.x[0]) & (x <= hazard.x[-1])
-    columns = (
-        np.where(inside, hazard(x), np.nan),
-        probability * hazard.density(x),
-        np.full(x.shape, rate.annual),
-    )
-    return [
-        dict(zip(HAZARD_COLUMNS, map(float, values), strict=True))
-        for values in zip(*columns, strict=True)
-    ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,8 +99,8 @@ class Study:
         """Return the fit of a limit state by a method. Raises UsageError if there are
         too few data.
         """
-        if (count := len(self.motions.members)) < fits.FEWEST:
-            raise UsageError(f"{count} records; a fit needs at least {fits.FEWEST}")
+        if (count := len(self.motions.members)) < FEWEST:
+            raise UsageError(f"{count} records; a fit needs at least {FEWEST}")
         curve, estimate, points = {
             "stripes": self._stripes,
             "first": self._first,
@@ -253,11 +112,7 @@ class Study:
         else:
             levels, of = np.union1d(levels, hazard.x), hazard.rate_of
             x = with_more(levels, levels[0], levels[-1])
-        band = (
-            fits.bootstrap(count, estimate, self.how, x, of)
-            if self.how.samples
-            else None
-        )
+        band = bootstrap(count, estimate, self.how, x, of) if self.how.samples else None
         if hazard is not None:
             rate = rate_of(curve, band, hazard)
         names = self.structure.name, self.motions.measure.name, word_of(limit), method
@@ -270,8 +125,8 @@ class Study:
         n, z = w * known, w * (beyond & known)
         points = dict(zip(levels.tolist(), (z.sum(0) / n.sum(0)).tolist(), strict=True))
         return (
-            fits.fit_stripes(levels, n.sum(0), z.sum(0)),
-            lambda i: fits.stripes(levels, n[i].sum(-2), z[i].sum(-2)),
+            fit_stripes(levels, n.sum(0), z.sum(0)),
+            lambda i: stripes(levels, n[i].sum(-2), z[i].sum(-2)),
             points,
         )
 
@@ -287,8 +142,8 @@ class Study:
             float(x): float(w[r <= x].sum() / w.sum()) for x in self.motions.levels
         }
         return (
-            fits.fit_first(r, highest, w),
-            lambda i: fits.first_overturning(r[i], highest, w[i]),
+            fit_first(r, highest, w),
+            lambda i: first_overturning(r[i], highest, w[i]),
             share,
         )
 
@@ -304,8 +159,8 @@ class Study:
             self.motions.weight,
         )
         return (
-            fits.fit_cloud(x, theta, limit, w),
-            lambda i: fits.cloud(x[i], theta[i], limit, w[i]),
+            fit_cloud(x, theta, limit, w),
+            lambda i: cloud(x[i], theta[i], limit, w[i]),
             {},
         )
 
@@ -320,8 +175,8 @@ class Study:
         highest, w = min(self.highest, float(self.hazard.x[-1])), self.motions.weight
         of_each = w * self.hazard.of_intervals(self.intervals, highest)
         low = high = None
-        if self.how.samples and w.size >= fits.FEWEST and np.ptp(of_each) > 0.0:
-            ends = fits.interval(
+        if self.how.samples and w.size >= FEWEST and np.ptp(of_each) > 0.0:
+            ends = interval(
                 w.size, lambda i: (of_each[i].sum(-1) / w[i].sum(-1))[None], self.how
             )
             low, high = (float(end[0]) if np.isfinite(end[0]) else None for end in ends)
@@ -393,7 +248,7 @@ class Study:
         }
 
     @property
-    def resurrections(self) -> int:
+    def standing_again(self) -> int:
         """The number of motions that overturn the structure at one level and not at a
         higher one.
         """
@@ -404,48 +259,6 @@ class Study:
             bool(found) and (len(found) > 1 or bool(np.isfinite(found[-1][1])))
             for found in self.intervals
         )
-
-    def efficiency(self) -> list[dict[str, Any]]:
-        """Return rows with the dispersion for each measure, the smallest first;
-        efficiency: the smallest dispersion over that of the row.
-
-        The dispersion is that of the first overturnings, if traced, otherwise of the
-        cells at the levels. Raises UsageError for too few overturnings.
-        """
-        found: list[tuple[str, Curve]] = []
-        (gone, known), motions, weight = (
-            self.exposure.beyond(None),
-            self.motions,
-            self.motions.weight,
-        )
-        here = self.own(motions.measure)
-        for measure in compared(motions.members, motions.measure):
-            own, power = self.own(measure), measure.power / motions.measure.power
-            if self.intervals is not None:
-                first, most = first_of(self.intervals) / here, self.highest / here
-                curve = fits.fit_first(own * first**power, own * most**power, weight)
-            else:
-                x, n = (
-                    own[:, None] * (motions.levels / here[:, None]) ** power,
-                    weight[:, None] * known,
-                )
-                if not 0.0 < (n * gone).sum() < n.sum():
-                    raise UsageError(
-                        f"{self.structure.name}: all cells overturn, or none; expected"
-                        " levels at which some do"
-                    )
-                curve = replace(
-                    fits.fit_cells(x.ravel(), n.ravel(), (n * gone).ravel()),
-                    n=float(weight.size),
-                )
-            found.append((measure.name, curve))
-        found.sort(key=lambda pair: pair[1].beta)
-        least = found[0][1].beta
-        rows = (
-            (self.structure.name, im, c.median, c.beta, least / c.beta, round(c.n))
-            for im, c in found
-        )
-        return [dict(zip(EFFICIENCY_COLUMNS, row, strict=True)) for row in rows]
 
     def cells(self) -> Iterator[dict[str, Any]]:
         """Yield the cells as rows over PGA [m/s2] and PGV/PGA [s]; a factor of the
@@ -538,7 +351,7 @@ def fragility(
 def studies(
     structures: Sequence[RockingParameters],
     motions: MotionSet,
-    fits: Iterable[str],
+    methods: Iterable[str],
     how: Resampling,
     *,
     sweep: SweepOptions,
@@ -562,10 +375,10 @@ def studies(
         )
         intervals = (
             traced(s, motions, sweep.workers, line(label, "motions"))
-            if exact or "first" in fits
+            if exact or "first" in methods
             else None
         )
-        recorded = as_recorded(s, motions) if "cloud" in fits else None
+        recorded = as_recorded(s, motions) if "cloud" in methods else None
         yield Study(s, motions, how, exposure, intervals, recorded, hazard)
 
 
@@ -584,17 +397,3 @@ def fitted(
                 f"{study.structure.name}, {word_of(limit)}, {method}: {error}"
             )
     return found, refused
-
-
-def rate_of(curve: Curve, band: Band | None, hazard: HazardCurve) -> Rate:
-    """Return the annual rate of a fitted curve, with the band of its samples."""
-    low, high = (None, None) if band is None or band.rate is None else band.rate
-    annual = float(hazard.rate_of(np.log(curve.median), np.array(curve.beta)))
-    return Rate(
-        annual,
-        low,
-        high,
-        float(hazard.rate[-1]),
-        float(hazard.x[-1]),
-        float(curve(hazard.x[0])),
-    )

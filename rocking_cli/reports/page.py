@@ -27,10 +27,12 @@ from ..dynamics.method import LINEAR, governing_method, has_direction
 from ..dynamics.outcome import Difference, difference
 from ..envelopes.intervals import A_MAX
 from ..errors import DocumentError, UsageError
+from ..fragility.bootstrap import Resampling
 from ..fragility.exposure import MotionSet, exposures
-from ..fragility.fits import FEWEST, Resampling
+from ..fragility.fits import FEWEST
+from ..fragility.fitted_curve import Fit, word_of
 from ..fragility.measures import MEASURES, members_of
-from ..fragility.study import LIMITS, Fit, Study, word_of
+from ..fragility.study import LIMITS, Study
 from ..motions import Motion
 from ..motions.grid import Axis, Grid, HasMotion, demand_in_words, demand_of
 from ..motions.recording import Recording

@@ -204,7 +204,7 @@ def test_what_leaves_the_ground_passes_every_limit():
     assert 1.0 < first[0] / body.ground_acceleration(1.0) < 1.6
 
 
-def test_resurrections_are_motions_that_stand_again_at_a_larger_level():
+def test_motions_that_stand_again_at_a_larger_level_are_counted():
     beyond = np.array([[0, 1, 1, 1], [0, 1, 0, 1], [1, 0, 1, 0], [0, 0, 0, 0]])
     exposure = Exposure(
         np.zeros(beyond.shape),
@@ -216,7 +216,7 @@ def test_resurrections_are_motions_that_stand_again_at_a_larger_level():
             MotionSet(RECORDS, MEASURES["PGA"], np.arange(1.0, 5.0), LINEAR),
             Resampling(),
             exposure,
-        ).resurrections
+        ).standing_again
         == 2
     )
 

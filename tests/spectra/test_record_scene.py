@@ -30,7 +30,7 @@ from rocking_cli import (
 from rocking_cli.dynamics.response import response_with_speed
 from rocking_cli.motions.recording import Recording
 from rocking_cli.reports.summary import summary_lines
-from rocking_cli.spectra.file.writer import difference
+from rocking_cli.spectra.file.same_scene import first_difference
 from rocking_cli.spectra.record_scene import (
     angles_scene,
     block_of,
@@ -261,7 +261,7 @@ def test_the_scene_states_a_hash_and_no_sample(tmp_path):
     one, other = (
         structures_scene([BLOCK], some).identity() for some in (RECORDS, others)
     )
-    assert difference(one, other)[0] == "records[1]"
+    assert first_difference(one, other)[0] == "records[1]"
 
 
 def test_bad_scenes_are_refused():

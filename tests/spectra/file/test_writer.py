@@ -32,7 +32,8 @@ from rocking_cli.spectra.file import writer as store
 from rocking_cli.spectra.file.integrity import Log
 from rocking_cli.spectra.file.layout import FileLayout, pack
 from rocking_cli.spectra.file.reader import SpectraFile
-from rocking_cli.spectra.file.writer import SpectraWriter, difference
+from rocking_cli.spectra.file.same_scene import first_difference
+from rocking_cli.spectra.file.writer import SpectraWriter
 from rocking_cli.spectra.scene import PulseScene
 from rocking_cli.spectra.sweep import SweepOptions
 from rocking_cli.spectra.work import machine
@@ -185,7 +186,7 @@ def test_resume_takes_only_its_own_scene(output, whole, changed, words):
     ],
 )
 def test_scenes_differ_by_a_field_with_both_its_values(one, other, found):
-    assert difference(one, other) == found
+    assert first_difference(one, other) == found
 
 
 def test_resume_calls_no_damaged_file_complete(output, whole):
