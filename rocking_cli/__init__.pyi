@@ -2,6 +2,7 @@
 # from it what is asked for.
 from .documents.document import Document as Document
 from .documents.document import parse_documents as parse_documents
+from .documents.spreads import Spread as Spread
 from .dynamics.equations.linear import LinearEquation as LinearEquation
 from .dynamics.equations.mechanism import MechanismEquation as MechanismEquation
 from .dynamics.equations.rigid_body import RigidBodyEquation as RigidBodyEquation
@@ -80,6 +81,9 @@ from .responses.solving import Boundary as Boundary
 from .responses.solving import boundaries as boundaries
 from .responses.time_history import TimeHistory as TimeHistory
 from .responses.time_history import time_history as time_history
+from .responses.uncertainty import DrawnVerdict as DrawnVerdict
+from .responses.uncertainty import Share as Share
+from .responses.uncertainty import drawn_verdict as drawn_verdict
 from .spectra.file.merging import Merged as Merged
 from .spectra.file.merging import merge as merge
 from .spectra.file.reader import SpectraFile as SpectraFile
@@ -93,6 +97,8 @@ from .structures import build_structure as build_structure
 from .structures import load_structures as load_structures
 from .structures import on_each_interface as on_each_interface
 from .structures import read_documents as read_documents
+from .structures.draws import Draw as Draw
+from .structures.draws import draws as draws
 from .structures.family import Member as Member
 from .structures.family import Variation as Variation
 from .structures.family import family as family

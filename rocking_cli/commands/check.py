@@ -11,6 +11,7 @@ import click
 
 from . import ground, options
 from .command import command, flag, group, option, partly, refuse
+from .draws import DrawnRows, Draws
 from .parameter_types import NUMBER, InputPath
 from .printing import emit, form, is_quiet, note, printed, units_of
 from .progress import ProgressLine
@@ -18,7 +19,7 @@ from .progress import ProgressLine
 if TYPE_CHECKING:
     from ..dynamics.outcome import Outcome
     from ..envelopes.amplitudes import Limit
-    from ..responses.check import Verdict
+    from ..responses.check import Demand, Verdict
     from .check_demands import Demands
     from .code_rows import CodeRows
 
@@ -99,6 +100,7 @@ def check(
     asked: ground.Directed = group(ground.Directed),
     of_code: CodeOptions = group(CodeOptions),
     wanted: Checks = group(Checks),
+    drawn: Draws = group(Draws),
 ) -> int:
     """Check which structures stand under a motion, and find the lowest amplitude that
     overturns each.
@@ -111,13 +113,17 @@ def check(
     overturn the body; capacity_demand, first_overturning_a over demand_a, in a table as
     `> 13` if no amplitude up to 13 times the demand overturns; safe_to, the end of the
     safe interval around the demand; outcome_linear; friction_needed and fz_min of a
-    rigid body; opens, if a further hinge of an arch opens. Accelerations are in m/s2
+    rigid body; opens, if a further hinge of an arch opens. With --draws: share_falls,
+    the share of the draws that falls, with its 95 % interval; quantiles of
+    first_overturning_a; key_1, the key that explains most of it, and its index of first
+    order. Accelerations are in m/s2
     (JSON, CSV) or in the unit of the request (table), unless --units says otherwise.
     """
     from ..dynamics.outcome import Outcome
     from .check_demands import at_worst, opposite_outcomes, stated_demands
 
     stated = stated_demands(files, asked, wanted.vary, wanted.sign)
+    drawn.require(stated.structures)
     by_code = of_code.rows(wanted.verdict_only)
     if wanted.output is not None:
         options.check_target(wanted.output, wanted.overwrite)
@@ -135,13 +141,14 @@ def check(
     demands = at_worst(demanded, wanted.limit, wanted.workers)
     if by_code:
         demands.rows = by_code.dynamic(demands.rows)
-    judged = _judge_and_print(demands, wanted, by_code)
+    of_draws = DrawnRows(drawn, wanted.limit)
+    judged = _judge_and_print(demands, wanted, by_code, of_draws)
     _draw(judged, wanted, by_code, _in_g(asked))
 
     opposite = opposite_outcomes(demands, wanted.limit, wanted.workers)
     ground.note_demand(demands.shakes)
     ground.note_governing(demands.structures, demands.shakes[0][1].dimensionless)
-    note(*_lines(judged, demands, wanted, by_code, opposite))
+    note(*of_draws.said, *_lines(judged, demands, wanted, by_code, opposite))
     outcomes = [*(v.outcome for v in judged), *(outcome for _, outcome in opposite)]
     partly(Outcome.FAILED in outcomes)
     overturning = any(outcome.falls for outcome in outcomes)
@@ -149,7 +156,7 @@ def check(
 
 
 def _judge_and_print(
-    demands: Demands, wanted: Checks, by_code: CodeRows | None
+    demands: Demands, wanted: Checks, by_code: CodeRows | None, of_draws: DrawnRows
 ) -> list[Verdict]:
     """Print a row for each demand and return the verdicts: JSON and CSV as soon as each
     is known, a table when all are.
@@ -157,25 +164,30 @@ def _judge_and_print(
     from ..responses.check import CHECK_COLUMNS, CHECK_KEYS, verdicts
     from .check_rows import UNSEEN, row_of
 
-    found: Iterable[Verdict] = verdicts(
+    found: Iterable[tuple[Verdict, Demand]] = zip(
+        verdicts(
+            demands.rows,
+            a_max=wanted.limit,
+            workers=wanted.workers,
+            progress=ProgressLine("check", "checks"),
+        ),
         demands.rows,
-        a_max=wanted.limit,
-        workers=wanted.workers,
-        progress=ProgressLine("check", "checks"),
+        strict=True,
     )
     if wanted.sort is not None or form() is None:
         found = list(found)
     if wanted.sort is not None:
         from ..reports.wording import capacity_left
 
-        found = sorted(found, key=capacity_left)
+        found = sorted(found, key=lambda one: capacity_left(one[0]))
     judged: list[Verdict] = []
     searched = wanted.limit is not None
 
     def rows() -> Iterator[dict[str, Any]]:
-        for verdict in found:
+        for verdict, demand in found:
             judged.append(verdict)
             columns = by_code.columns(verdict, searched) if by_code else {}
+            columns |= of_draws.columns(demand)
             yield row_of(verdict, demands, columns, searched)
         yield from by_code.others() if by_code else ()
 

@@ -7,7 +7,8 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from . import equations, options
-from .command import command
+from .command import command, group, refuse
+from .draws import Draws
 from .printing import emit, form, keep_labels, note, printed
 from .progress import ProgressLine
 
@@ -28,11 +29,13 @@ def params(
     files: tuple[str, ...] = options.files(),
     vary: tuple[str, ...] = options.vary(),
     linear_uplift: str = equations.linear_uplift(),
+    drawn: Draws = group(Draws),
 ) -> None:
     """Derive p, alpha, eta, lambda and a_scale of each structure.
 
     FILE is a YAML or JSON structure document, - for standard input. Bounds of --vary
-    without a unit have the unit of that key in the document. A body with unequal sides
+    without a unit have the unit of that key in the document. With --draws a row for
+    each quantity: its mean, standard deviation and quantiles. A body with unequal sides
     has the parameters of the edge that lifts first, and those of each edge. A stack has
     those of each interface: as rows below it, with --json and --csv as
     `other_interfaces`. Members of a family without a solution are reported and left out
@@ -46,6 +49,12 @@ def params(
     documents = options.documents_of(files)
     variations = [parse_variation(text) for text in vary]
     total = members(variations)
+    if drawn.draws:
+        refuse("does not go with --draws", "vary", "linear_uplift")
+        structures, _ = options.structures_of(files)
+        drawn.require(structures)
+        emit(list(drawn.rows(structures)), keys=("name", "quantity"))
+        return
     shown = form()
     early: list[RockingParameters] = []
 

@@ -59,6 +59,7 @@ COLUMNS = {
             "demand_a",
             "uplift_a",
             "first_overturning_a",
+            *(f"first_overturning_a_q{share}" for share in ("05", "50", "95")),
             "safe_to",
             "searched_to",
         ),

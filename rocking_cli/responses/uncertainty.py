@@ -12,18 +12,24 @@ import numpy as np
 
 from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import Outcome, safe
-from ..dynamics.response import cheaper, response
+from ..dynamics.response import LONG, cheaper, response
+from ..envelopes.intervals import A_MAX
+from ..errors import UsageError
+from ..motions.grid import Grid, HasMotion, demand_of
+from ..motions.motion import Motion
+from ..structures.draws import DRAWS, draws
+from ..structures.parameters import RockingParameters
 
 if TYPE_CHECKING:
-    from ..motions.grid import Grid
-    from ..motions.motion import Motion
-    from ..structures.parameters import RockingParameters
+    from ..documents.document import Document
 
 Array = np.ndarray
 
 LEVEL = 0.95  # of the intervals
 BINS = 16  # of equal count, for an index of first order
 STEP = 0.01  # ratio of neighbouring amplitudes of the search, minus 1
+QUANTILES = {"q05": 0.05, "q50": 0.5, "q95": 0.95}  # by their names in columns
+_UNDER_A_RECORD = 64  # draws whose first overturning is searched under a record
 _DIGITS = 1e-6  # relative width of a traced first overturning amplitude
 # neighbouring amplitudes of each body that are computed together, at least and at most,
 # and cells of a group that are
@@ -158,6 +164,147 @@ def first_overturning_of(
     first = together.lowest_falls(together.least_uplifts(), np.asarray(a_max, float))
     unit = np.array([float(s.ground_acceleration(1.0)) for s in structures])
     return first * unit
+
+
+@dataclass(frozen=True)
+class DrawnVerdict:
+    """The verdicts on the draws of one structure under one demand."""
+
+    share: Share  # of the draws that fall
+    left_out: int  # draws that make no structure
+    fault: str | None  # why the first of them makes none
+    failed: int  # draws whose computation failed; they count as falls
+    # first overturning amplitude of the ground [m/s2] that 5, 50 and 95 % of the draws
+    # do not exceed; infinite where none overturns up to the limit, empty without search
+    quantiles: tuple[float, ...]
+    searched: int  # draws whose first overturning was searched
+    # index of first order of each key [-]: of the first overturning amplitude, or
+    # without a search of the outcome
+    indices: dict[str, float]
+
+    @property
+    def key(self) -> str | None:
+        """The key that explains most; None if the result does not vary."""
+        most = max(self.indices, key=self.indices.__getitem__)
+        return most if self.indices[most] else None
+
+    def row(self) -> dict[str, float | int | str | None]:
+        """Return the columns that `rocking check --draws` adds."""
+        key = self.key
+        values = (
+            self.share.share,
+            self.share.low,
+            self.share.high,
+            self.share.draws,
+            *(x if np.isfinite(x) else None for x in self.quantiles),
+            key,
+            None if key is None else self.indices[key],
+        )
+        return dict(zip(drawn_columns(bool(self.quantiles)), values, strict=True))
+
+
+def drawn_columns(searched: bool) -> tuple[str, ...]:
+    """Return the columns that `rocking check --draws` adds; searched: with the
+    quantiles of the first overturning amplitude.
+    """
+    quantiles = tuple(f"first_overturning_a_{name}" for name in QUANTILES)
+    shares = ("share_falls", "share_low", "share_high", "draws")
+    return (*shares, *(quantiles if searched else ()), "key_1", "index_1")
+
+
+def drawn_verdict(
+    structure: RockingParameters | Document,
+    motion: Motion | HasMotion,
+    shaking: Grid | None = None,
+    *,
+    n: int = DRAWS,
+    seed: int = 0,
+    a_max: float | None = A_MAX,
+) -> DrawnVerdict:
+    """Return the share of draws that falls under a demand, and which key matters.
+
+    A draw that overturns, loses contact or rests leaning falls. The outcome is that at
+    the demand: a draw may stand there although it overturns at a lower amplitude.
+
+    Parameters
+    ----------
+    structure
+        a structure or document with at least one number with a spread
+    motion
+        the motion of the ground
+    shaking
+        the demand, a grid of one cell; a record does not need it
+    n
+        number of draws, rounded up to a power of two
+    seed
+        of the draws
+    a_max
+        largest A of the search for the first overturning amplitude [-], which goes at
+        least to twice the demand; None: no search. Under a record the first 64 draws
+        are searched
+
+    Returns
+    -------
+    DrawnVerdict
+
+    Raises
+    ------
+    UsageError
+        if no number has a spread, or n is out of range
+    DocumentError
+        if the document is not valid at the means
+
+    Examples
+    --------
+    >>> (wall,) = load_structures('block:0.62+-0.01x2')
+    >>> found = drawn_verdict(wall, sine(), parse_grid('a_g=0.4g,f_g=1'), a_max=None)
+    >>> round(found.share.share, 2)
+    0.62
+    """
+    motion, shaking = demand_of(motion, shaking)
+    document = getattr(structure, "drawn_from", structure)
+    if document is None:
+        raise UsageError(
+            f"{structure.name}: found no number with a spread; expected one, such as"
+            " width: 0.5 m +- 10 mm"
+        )
+    every = list(draws(document, n, seed))
+    made = [draw for draw in every if draw.parameters is not None]
+    if not made:
+        raise UsageError(f"no draw makes a structure: {every[0].fault}")
+    bodies = [draw.parameters for draw in made if draw.parameters is not None]
+    names = list(made[0].values)
+    keys = np.array([list(draw.values.values()) for draw in made])
+
+    codes = outcomes_at(bodies, motion, shaking)
+    falls = _falls(codes)
+    result, quantiles, searched = falls.astype(float), (), 0
+    if a_max is not None:
+        searched = len(bodies) if len(motion.segments) <= LONG else _UNDER_A_RECORD
+        bodies = bodies[:searched]
+        searched = len(bodies)
+        tops = [max(a_max, 2.0 * shaking.cell(body)[0]) for body in bodies]
+        first = first_overturning_of(bodies, motion, shaking, tops)
+        quantiles = tuple(
+            float(np.quantile(first, share, method="inverted_cdf"))
+            for share in QUANTILES.values()
+        )
+        # A draw that does not overturn counts with the end of its search.
+        ends = [
+            float(body.ground_acceleration(top))
+            for body, top in zip(bodies, tops, strict=True)
+        ]
+        result = np.minimum(first, ends)
+    indices = first_order_indices(keys[: result.size], result)
+    return DrawnVerdict(
+        share=Share.of(int(falls.sum()), falls.size),
+        left_out=len(every) - len(made),
+        fault=next((draw.fault for draw in every if draw.fault), None),
+        failed=int(np.count_nonzero(codes == Outcome.FAILED)),
+        quantiles=quantiles,
+        searched=searched,
+        indices=dict(zip(names, indices.tolist(), strict=True)),
+    )
 
 
 class _Together:

@@ -54,7 +54,7 @@ def build_structure(document: Document) -> RockingParameters:
         built,
         labels=labels_of(document),
         remarks=(*size_remarks(document, built), *cut_remarks(document)),
-        uncertain=tuple(document.uncertain),
+        drawn_from=document if document.uncertain else None,
     )
 
 

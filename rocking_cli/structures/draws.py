@@ -5,20 +5,21 @@ ranks of its keys.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ..documents.quantities import si_unit
 from ..errors import DocumentError, UsageError
-from .parameters import RockingParameters
+from .parameters import RockingParameters, numbers_of
 
 if TYPE_CHECKING:
     from ..documents.document import Document, Uncertain
 
 DRAWS = 1024  # of the command line, when it states no number
 MOST_DRAWS = 1 << 20
+UNIT_OF = {"p": "rad/s", "alpha": "rad"}  # of the rocking parameters, 1 for the others
 _EDGE = 2.0**-31  # ranks stay so far inside (0, 1)
 
 
@@ -114,6 +115,44 @@ def draws(document: Document, n: int = DRAWS, seed: int = 0) -> Iterator[Draw]:
             yield Draw(values, build_structure(drawn), None)
         except DocumentError as error:
             yield Draw(values, None, str(error))
+
+
+def summaries(found: Iterable[Draw]) -> list[dict[str, Any]]:
+    """Return the distribution of each rocking parameter over the draws.
+
+    Parameters
+    ----------
+    found
+        draws of one structure; those without parameters are left out
+
+    Returns
+    -------
+    list of dict
+        for p [rad/s], alpha [rad], eta, lambda and a_scale [-]: quantity, unit, mean,
+        sd, q05, q50, q95
+
+    Examples
+    --------
+    >>> (document,) = read_documents('block:0.5+-0.01x2')
+    >>> rows = {row['quantity']: row for row in summaries(draws(document))}
+    >>> round(rows['lambda']['mean'], 4), round(rows['lambda']['sd'], 3)
+    (0.25, 0.005)
+    """
+    made = [numbers_of(one.parameters) for one in found if one.parameters is not None]
+    rows = []
+    for name in made[0] if made else ():
+        values = np.array([numbers[name] for numbers in made])
+        quantiles = np.quantile(values, (0.05, 0.5, 0.95)).tolist()
+        rows.append(
+            {
+                "quantity": name,
+                "unit": UNIT_OF.get(name, ""),
+                "mean": float(values.mean()),
+                "sd": float(values.std(ddof=1)),
+                **dict(zip(("q05", "q50", "q95"), quantiles, strict=True)),
+            }
+        )
+    return rows
 
 
 def sobol(dimensions: int, n: int, seed: int) -> np.ndarray:

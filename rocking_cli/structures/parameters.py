@@ -14,6 +14,7 @@ from ..errors import StructureError
 from .restraints import Restraints
 
 if TYPE_CHECKING:
+    from ..documents.document import Document
     from .mechanics.kinematics import Mechanism
 
 VARIED = (
@@ -131,7 +132,8 @@ class RockingParameters:
         other numbers are those of the free body
     labels: texts by name that a document or a table has beside its numbers
     remarks: sentences on numbers that are probably wrong
-    uncertain: keys of the document that have a spread, at whose means the numbers hold
+    drawn_from: the document, if it holds numbers with a spread, at whose means all
+        numbers hold
     """
 
     name: str  # of the structure, as tables and files call it
@@ -167,8 +169,8 @@ class RockingParameters:
     labels: Mapping[str, str] = field(default_factory=dict, repr=False, compare=False)
     # sentences on numbers that are probably wrong
     remarks: tuple[str, ...] = field(default=(), repr=False, compare=False)
-    # keys of the document that have a spread, at whose means the numbers hold
-    uncertain: tuple[str, ...] = field(default=(), repr=False, compare=False)
+    # the document, if it holds numbers with a spread, at whose means all numbers hold
+    drawn_from: Document | None = field(default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         _check_numbers(self)

@@ -1,0 +1,119 @@
+"""The options --draws and --seed: draws of structures whose numbers have spreads."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .command import option, partly
+from .printing import note
+
+if TYPE_CHECKING:
+    from ..envelopes.amplitudes import Limit
+    from ..responses.check import Demand
+    from ..responses.uncertainty import DrawnVerdict
+    from ..structures import RockingParameters
+
+
+@dataclass(frozen=True)
+class Draws:
+    """The draws of a call."""
+
+    draws: int | None = option(
+        "--draws",
+        "Draw numbers with a spread, such as width: 0.5 m +- 10 mm, this many times.",
+        type=click.IntRange(2, 1 << 20),
+    )
+    seed: int = option(
+        "--seed", "Seed of the draws.", type=click.IntRange(0), default=0
+    )
+
+    def require(self, structures: Iterable[RockingParameters]) -> None:
+        """Raise click.UsageError for --draws if no structure has a number with a
+        spread.
+        """
+        if self.draws and not any(s.drawn_from for s in structures):
+            raise click.UsageError(
+                "--draws: no number of the structures has a spread, such as"
+                " width: 0.5 m +- 10 mm"
+            )
+
+    def rows(self, structures: Iterable[RockingParameters]) -> Iterator[dict[str, Any]]:
+        """Yield a row for each quantity of each structure that has a spread: its mean,
+        standard deviation and quantiles over the draws.
+        """
+        from ..structures.draws import draws, summaries
+
+        for structure in structures:
+            if structure.drawn_from is None:
+                continue
+            found = list(draws(structure.drawn_from, self.draws or 2, self.seed))
+            faults = [draw.fault for draw in found if draw.fault]
+            note_left_out(structure.name, len(faults), len(found), faults[:1])
+            for row in summaries(found):
+                yield {"name": structure.name, **row}
+
+
+class DrawnRows:
+    """The draws of the demands of `rocking check`: their columns and lines."""
+
+    def __init__(self, draws: Draws, limit: Limit | None) -> None:
+        self._draws = draws
+        self._limit = limit  # of the search, None without one
+        self.said: list[str] = []  # a line for each demand with draws
+
+    def columns(self, demand: Demand) -> dict[str, Any]:
+        """Return the columns of a demand; none without --draws. A structure without a
+        spread has empty ones.
+        """
+        structure, motion, shaking = demand
+        if self._draws.draws is None:
+            return {}
+        from ..envelopes.amplitudes import limit_of
+        from ..responses.uncertainty import drawn_columns, drawn_verdict
+
+        if structure.drawn_from is None:
+            return dict.fromkeys(drawn_columns(self._limit is not None))
+        limit = self._limit
+        found = drawn_verdict(
+            structure,
+            motion,
+            shaking,
+            n=self._draws.draws,
+            seed=self._draws.seed,
+            a_max=None if limit is None else limit_of(limit, structure),
+        )
+        draws = found.share.draws + found.left_out
+        faults = [found.fault] if found.fault else []
+        note_left_out(structure.name, found.left_out, draws, faults)
+        partly(found.failed > 0)
+        self.said.append(in_words(structure.name, found))
+        return found.row()
+
+
+def note_left_out(name: str, left_out: int, draws: int, faults: list[Any]) -> None:
+    """Print how many draws make no structure, and why the first of them makes none."""
+    if not left_out:
+        return
+    partly()
+    note(
+        f"{name}: {left_out} of {draws:,} draws make no structure and are left out:"
+        f" {faults[0]}"
+    )
+
+
+def in_words(name: str, found: DrawnVerdict) -> str:
+    """Return the line on the draws of a structure."""
+    share = found.share
+    line = (
+        f"{name}: of {share.draws:,} draws {100.0 * share.share:.3g} % fall"
+        f" ({100.0 * share.low:.3g} to {100.0 * share.high:.3g} %)"
+    )
+    if found.key is None:
+        return line
+    what = "the first overturning" if found.quantiles else "the outcome"
+    explained = 100.0 * found.indices[found.key]
+    return f"{line}; {found.key} explains {explained:.0f} % of {what}"
