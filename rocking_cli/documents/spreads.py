@@ -137,9 +137,8 @@ def parse_spread(text: str, dimension: str) -> Spread:
             continue
         if len(parts) != 2 or not all(parts) or is_spread(parts[0] + parts[1]):
             raise ValueError(FORMS)
-        return (
-            _normal(*parts, dimension) if mark == "+-" else _uniform(*parts, dimension)
-        )
+        read = _normal if mark == "+-" else _uniform
+        return read(parts[0], parts[1], dimension)
     raise ValueError(FORMS)
 
 

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,9 +18,6 @@ from ..motions.grid import Grid, HasMotion, demand_of
 from ..motions.motion import Motion
 from ..structures.draws import DRAWS, draws
 from ..structures.parameters import RockingParameters
-
-if TYPE_CHECKING:
-    from ..documents.document import Document
 
 Array = np.ndarray
 
@@ -213,7 +209,7 @@ def drawn_columns(searched: bool) -> tuple[str, ...]:
 
 
 def drawn_verdict(
-    structure: RockingParameters | Document,
+    structure: RockingParameters,
     motion: Motion | HasMotion,
     shaking: Grid | None = None,
     *,
@@ -229,7 +225,7 @@ def drawn_verdict(
     Parameters
     ----------
     structure
-        a structure or document with at least one number with a spread
+        a structure whose document holds at least one number with a spread
     motion
         the motion of the ground
     shaking
@@ -251,8 +247,6 @@ def drawn_verdict(
     ------
     UsageError
         if no number has a spread, or n is out of range
-    DocumentError
-        if the document is not valid at the means
 
     Examples
     --------
@@ -262,49 +256,52 @@ def drawn_verdict(
     0.62
     """
     motion, shaking = demand_of(motion, shaking)
-    document = getattr(structure, "drawn_from", structure)
-    if document is None:
+    if structure.drawn_from is None:
         raise UsageError(
             f"{structure.name}: found no number with a spread; expected one, such as"
             " width: 0.5 m +- 10 mm"
         )
-    every = list(draws(document, n, seed))
+    every = list(draws(structure.drawn_from, n, seed))
     made = [draw for draw in every if draw.parameters is not None]
     if not made:
         raise UsageError(f"no draw makes a structure: {every[0].fault}")
     bodies = [draw.parameters for draw in made if draw.parameters is not None]
-    names = list(made[0].values)
     keys = np.array([list(draw.values.values()) for draw in made])
 
     codes = outcomes_at(bodies, motion, shaking)
-    falls = _falls(codes)
-    result, quantiles, searched = falls.astype(float), (), 0
+    result = _falls(codes).astype(float)
+    share = Share.of(int(result.sum()), result.size)
+    quantiles: tuple[float, ...] = ()
     if a_max is not None:
-        searched = len(bodies) if len(motion.segments) <= LONG else _UNDER_A_RECORD
-        bodies = bodies[:searched]
-        searched = len(bodies)
-        tops = [max(a_max, 2.0 * shaking.cell(body)[0]) for body in bodies]
-        first = first_overturning_of(bodies, motion, shaking, tops)
-        quantiles = tuple(
-            float(np.quantile(first, share, method="inverted_cdf"))
-            for share in QUANTILES.values()
-        )
-        # A draw that does not overturn counts with the end of its search.
-        ends = [
-            float(body.ground_acceleration(top))
-            for body, top in zip(bodies, tops, strict=True)
-        ]
-        result = np.minimum(first, ends)
+        some = bodies if len(motion.segments) <= LONG else bodies[:_UNDER_A_RECORD]
+        result, quantiles = _first_and_quantiles(some, motion, shaking, a_max)
     indices = first_order_indices(keys[: result.size], result)
     return DrawnVerdict(
-        share=Share.of(int(falls.sum()), falls.size),
+        share=share,
         left_out=len(every) - len(made),
         fault=next((draw.fault for draw in every if draw.fault), None),
         failed=int(np.count_nonzero(codes == Outcome.FAILED)),
         quantiles=quantiles,
-        searched=searched,
-        indices=dict(zip(names, indices.tolist(), strict=True)),
+        searched=result.size if quantiles else 0,
+        indices=dict(zip(made[0].values, indices.tolist(), strict=True)),
     )
+
+
+def _first_and_quantiles(
+    bodies: Sequence[RockingParameters], motion: Motion, shaking: Grid, a_max: float
+) -> tuple[Array, tuple[float, ...]]:
+    """Return (first overturning amplitude of each body [m/s2], its quantiles). A body
+    that does not overturn counts with the end of its search, and is infinite in the
+    quantiles.
+    """
+    tops = [max(a_max, 2.0 * shaking.cell(body)[0]) for body in bodies]
+    first = first_overturning_of(bodies, motion, shaking, tops)
+    quantiles = np.quantile(first, [*QUANTILES.values()], method="inverted_cdf")
+    ends = [
+        float(body.ground_acceleration(top))
+        for body, top in zip(bodies, tops, strict=True)
+    ]
+    return np.minimum(first, ends), tuple(quantiles.tolist())
 
 
 class _Together:
