@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from . import ground, options
+from . import demand, options
 from .command import command, flag, group, option, partly, refuse
 from .parameter_types import NUMBER, InputPath
 from .printing import emit, form, is_quiet, note, printed, units_of
@@ -67,7 +67,7 @@ class Checks:
     """What to find of each structure, and what to print and draw."""
 
     a_max: Limit = options.a_max()
-    sign: str = ground.sign()
+    sign: str = demand.sign()
     verdict_only: bool = flag(
         "--verdict-only", "Skip the search; first_overturning_a and safe_to stay empty."
     )
@@ -96,7 +96,7 @@ class Checks:
 )
 def check(
     files: tuple[str, ...] = options.files(),
-    asked: ground.Directed = group(ground.Directed),
+    asked: demand.Directed = group(demand.Directed),
     of_code: CodeOptions = group(CodeOptions),
     wanted: Checks = group(Checks),
 ) -> int:
@@ -139,8 +139,8 @@ def check(
     _draw(judged, wanted, by_code, _in_g(asked))
 
     opposite = opposite_outcomes(demands, wanted.limit, wanted.workers)
-    ground.note_demand(demands.shakes)
-    ground.note_governing(demands.structures, demands.shakes[0][1].dimensionless)
+    demand.note_demand(demands.shakes)
+    demand.note_governing(demands.structures, demands.shakes[0][1].dimensionless)
     note(*_lines(judged, demands, wanted, by_code, opposite))
     outcomes = [*(v.outcome for v in judged), *(outcome for _, outcome in opposite)]
     partly(Outcome.FAILED in outcomes)
@@ -247,7 +247,7 @@ def _lines(
     )
 
 
-def _in_g(asked: ground.Directed) -> bool:
+def _in_g(asked: demand.Directed) -> bool:
     """True if --units, or the text of the amplitude, states g."""
     units = units_of()
     if units is not None and "acceleration" in units.chosen:
