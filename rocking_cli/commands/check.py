@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from . import ground, options
+from . import demand, options
 from .command import command, flag, group, option, partly, refuse
-from .draws import DrawnRows, Draws
+from .draws import DrawnRows, Draws, require_spreads
 from .parameter_types import NUMBER, InputPath
 from .printing import emit, form, is_quiet, note, printed, units_of
 from .progress import ProgressLine
@@ -68,7 +68,7 @@ class Checks:
     """What to find of each structure, and what to print and draw."""
 
     a_max: Limit = options.a_max()
-    sign: str = ground.sign()
+    sign: str = demand.sign()
     verdict_only: bool = flag(
         "--verdict-only", "Skip the search; first_overturning_a and safe_to stay empty."
     )
@@ -97,7 +97,7 @@ class Checks:
 )
 def check(
     files: tuple[str, ...] = options.files(),
-    asked: ground.Directed = group(ground.Directed),
+    asked: demand.Directed = group(demand.Directed),
     of_code: CodeOptions = group(CodeOptions),
     wanted: Checks = group(Checks),
     drawn: Draws = group(Draws),
@@ -123,7 +123,8 @@ def check(
     from .check_demands import at_worst, opposite_outcomes, stated_demands
 
     stated = stated_demands(files, asked, wanted.vary, wanted.sign)
-    drawn.require(stated.structures)
+    if drawn.draws is not None:
+        require_spreads(stated.structures)
     by_code = of_code.rows(wanted.verdict_only)
     if wanted.output is not None:
         options.check_target(wanted.output, wanted.overwrite)
@@ -146,8 +147,8 @@ def check(
     _draw(judged, wanted, by_code, _in_g(asked))
 
     opposite = opposite_outcomes(demands, wanted.limit, wanted.workers)
-    ground.note_demand(demands.shakes)
-    ground.note_governing(demands.structures, demands.shakes[0][1].dimensionless)
+    demand.note_demand(demands.shakes)
+    demand.note_governing(demands.structures, demands.shakes[0][1].dimensionless)
     note(*of_draws.said, *_lines(judged, demands, wanted, by_code, opposite))
     outcomes = [*(v.outcome for v in judged), *(outcome for _, outcome in opposite)]
     partly(Outcome.FAILED in outcomes)
@@ -184,10 +185,10 @@ def _judge_and_print(
     searched = wanted.limit is not None
 
     def rows() -> Iterator[dict[str, Any]]:
-        for verdict, demand in found:
+        for verdict, demanded in found:
             judged.append(verdict)
             columns = by_code.columns(verdict, searched) if by_code else {}
-            columns |= of_draws.columns(demand)
+            columns |= of_draws.columns(demanded)
             yield row_of(verdict, demands, columns, searched)
         yield from by_code.others() if by_code else ()
 
@@ -259,7 +260,7 @@ def _lines(
     )
 
 
-def _in_g(asked: ground.Directed) -> bool:
+def _in_g(asked: demand.Directed) -> bool:
     """True if --units, or the text of the amplitude, states g."""
     units = units_of()
     if units is not None and "acceleration" in units.chosen:

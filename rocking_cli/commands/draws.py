@@ -31,16 +31,6 @@ class Draws:
         "--seed", "Seed of the draws.", type=click.IntRange(0), default=0
     )
 
-    def require(self, structures: Iterable[RockingParameters]) -> None:
-        """Raise click.UsageError for --draws if no structure has a number with a
-        spread.
-        """
-        if self.draws and not any(s.drawn_from for s in structures):
-            raise click.UsageError(
-                "--draws: no number of the structures has a spread, such as"
-                " width: 0.5 m +- 10 mm"
-            )
-
     def rows(self, structures: Iterable[RockingParameters]) -> Iterator[dict[str, Any]]:
         """Yield a row for each quantity of each structure that has a spread: its mean,
         standard deviation and quantiles over the draws.
@@ -52,9 +42,19 @@ class Draws:
                 continue
             found = list(draws(structure.drawn_from, self.draws or 2, self.seed))
             faults = [draw.fault for draw in found if draw.fault]
-            note_left_out(structure.name, len(faults), len(found), faults[:1])
+            first = faults[0] if faults else None
+            note_left_out(structure.name, len(faults), len(found), first)
             for row in summaries(found):
                 yield {"name": structure.name, **row}
+
+
+def require_spreads(structures: Iterable[RockingParameters]) -> None:
+    """Raise click.UsageError if no structure has a number with a spread to draw."""
+    if not any(s.drawn_from for s in structures):
+        raise click.UsageError(
+            "--draws: no number of the structures has a spread, such as width: 0.5 m"
+            " +- 10 mm"
+        )
 
 
 class DrawnRows:
@@ -87,21 +87,20 @@ class DrawnRows:
             a_max=None if limit is None else limit_of(limit, structure),
         )
         draws = found.share.draws + found.left_out
-        faults = [found.fault] if found.fault else []
-        note_left_out(structure.name, found.left_out, draws, faults)
+        note_left_out(structure.name, found.left_out, draws, found.fault)
         partly(found.failed > 0)
         self.said.append(in_words(structure.name, found))
         return found.row()
 
 
-def note_left_out(name: str, left_out: int, draws: int, faults: list[Any]) -> None:
+def note_left_out(name: str, left_out: int, draws: int, fault: str | None) -> None:
     """Print how many draws make no structure, and why the first of them makes none."""
     if not left_out:
         return
     partly()
     note(
         f"{name}: {left_out} of {draws:,} draws make no structure and are left out:"
-        f" {faults[0]}"
+        f" {fault}"
     )
 
 

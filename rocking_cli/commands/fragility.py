@@ -14,6 +14,7 @@ import click
 from ..errors import UsageError
 from . import equations, ground, options
 from .command import command, group, partly, refuse, refuse_together
+from .draws import note_left_out, require_spreads
 from .fragility_options import Fits
 from .printing import note, printed
 from .progress import ProgressLine
@@ -85,6 +86,11 @@ def fragility(
         )
         return
 
+    for study in found:
+        if study.drawn is not None:
+            made = study.drawn.made
+            left_out = int(made.size - made.sum())
+            note_left_out(study.structure.name, left_out, made.size, study.drawn.fault)
     refused: list[str] = []
     remarks: list[str] = []
     if wanted.cells:
@@ -123,6 +129,9 @@ def _requested(
     from ..spectra.sweep import SweepOptions
 
     structures, texts = options.structures_of(files, each=True)
+    if wanted.draws is not None:
+        require_spreads(structures)
+        refuse("does not go with --draws", "exact", "cells", "efficiency", "output")
     _refuse_contradictions(shaken, wanted)
     measure = measure_of(wanted.im)
     hazard = (
@@ -236,6 +245,7 @@ def _studies(request: _Request, wanted: Fits) -> list[Study]:
         exact=request.exact,
         hazard=request.hazard,
         line=ProgressLine,
+        draws=None if wanted.draws is None else (wanted.draws, wanted.seed),
     )
     return list(found)
 

@@ -101,8 +101,16 @@ class Fits:
         type=click.IntRange(0, 100_000),
         default=1000,
     )
+    draws: int | None = option(
+        "--draws",
+        "Draws of numbers with a spread for each motion, such as 64.",
+        type=click.IntRange(2, 1 << 20),
+    )
     seed: int = option(
-        "--seed", "Seed of the bootstrap.", type=click.IntRange(0), default=0
+        "--seed",
+        "Seed of the bootstrap and of the draws.",
+        type=click.IntRange(0),
+        default=0,
     )
     output: Path | None = options.output(
         "The HDF5 file of all cells (records), or that of --export."

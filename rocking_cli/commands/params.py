@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import equations, options
 from .command import command, group, refuse
-from .draws import Draws
+from .draws import Draws, require_spreads
 from .printing import emit, form, keep_labels, note, printed
 from .progress import ProgressLine
 
@@ -52,7 +52,7 @@ def params(
     if drawn.draws:
         refuse("does not go with --draws", "vary", "linear_uplift")
         structures, _ = options.structures_of(files)
-        drawn.require(structures)
+        require_spreads(structures)
         emit(list(drawn.rows(structures)), keys=("name", "quantity"))
         return
     shown = form()

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from . import ground, options
+from . import demand, options
 from .command import command, flag, group, option, partly
 from .printing import note, quiet
 from .progress import ProgressLine
@@ -18,7 +18,7 @@ MOST = 12  # structures of a page
 )
 def report(
     files: tuple[str, ...] = options.files(),
-    asked: ground.Demand = group(ground.Demand),
+    asked: demand.Demand = group(demand.Demand),
     output: Path = options.output("The page: .html.", required=True),
     title: str | None = option(
         "--title",
@@ -79,7 +79,7 @@ def report(
         workers=workers,
         progress=ProgressLine("report", "checks"),
     )
-    ground.note_demand(shakes)
-    ground.note_governing(structures, shakes[0][1].dimensionless)
+    demand.note_demand(shakes)
+    demand.note_governing(structures, shakes[0][1].dimensionless)
     note(f"{output}: {tally(verdicts)}")
     partly(any(v.outcome == Outcome.FAILED for v in verdicts))

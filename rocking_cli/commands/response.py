@@ -7,7 +7,7 @@ from itertools import chain
 from typing import TYPE_CHECKING
 
 from ..errors import UsageError
-from . import equations, ground, options
+from . import demand, equations, ground, options
 from .command import argument, command, flag, group, option, partly, refuse
 from .parameter_types import NUMBER, InputPath, quantity
 from .printing import emit, form, note, printed
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class OneMotion(ground.Directed):
+class OneMotion(demand.Directed):
     """The demand, with --row-step for the rows."""
 
     motion_dt: float | None = option("--motion-dt", ground.DT, type=quantity("time"))
@@ -112,7 +112,7 @@ def response(
     )
     _print(found, wanted)
     if shaken.grid is not None:
-        ground.note_demand(shaken.shakes)
+        demand.note_demand(shaken.shakes)
     note(*model.in_words(methods, structures, bare))
     note(*found.summary(forces=wanted.forces))
     partly(found.failed)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from . import ground, options
+from . import demand, options
 from .command import command, group, option, partly
 from .printing import emit, form, note, printed
 from .progress import ProgressLine
@@ -50,8 +50,8 @@ class Solving:
 def solve(
     files: tuple[str, ...] = options.files(),
     wanted: Solving = group(Solving),
-    asked: ground.Demand = group(ground.Demand),
-    sign: str = ground.sign(),
+    asked: demand.Demand = group(demand.Demand),
+    sign: str = demand.sign(),
     workers: int | None = options.workers(),
 ) -> None:
     """Find the values of a key from which each structure stands under a motion with a
@@ -95,7 +95,7 @@ def solve(
         partly(any(line.startswith("no ") for line in lines))
 
     emit(rows, COLUMNS, keys=("structure", varied.key))
-    ground.note_demand([*shakes, *(ends[1].shakes if ends else [])])
+    demand.note_demand([*shakes, *(ends[1].shakes if ends else [])])
     note(
         *remarks,
         f"the scan has {len(varied.values)} values; two boundaries between neighbours"

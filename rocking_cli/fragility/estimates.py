@@ -100,31 +100,39 @@ def first_overturning(
         np.broadcast_to(np.asarray(x, dtype=float), r.shape)
         for x in (np.log(limit), 1.0 if weight is None else weight)
     )
-    overturned = np.isfinite(r)
     middle = float(y_limit.mean())
+    mean, spread = _centred_first_overturning(r, y_limit, middle, w)
+    mean = np.clip(np.nan_to_num(mean, nan=9.0), -9.0, 9.0)
+    return middle + mean, np.clip(np.nan_to_num(spread, nan=MOST), LEAST, MOST)
+
+
+def _centred_first_overturning(
+    r: Array, y_limit: Array, middle: float, weight: Array
+) -> Estimate:
+    """Return (the mean of ln r less `middle`, the dispersion) of first overturnings r;
+    NaN where no record overturns the body. y_limit: ln of the highest intensity.
+    """
+    overturned = np.isfinite(r)
     y_limit = y_limit - middle
     y = np.where(overturned, np.log(np.where(overturned, r, 1.0)) - middle, 0.0)
     exact, first, second = (
-        (np.where(overturned, w, 0.0) * y**power).sum(-1) for power in (0, 1, 2)
+        (np.where(overturned, weight, 0.0) * y**power).sum(-1) for power in (0, 1, 2)
     )
-    standing = np.where(overturned, 0.0, w)
-    count = overturned.sum(-1)
-
+    standing = np.where(overturned, 0.0, weight)
     with np.errstate(all="ignore"):
-        # Closed form where every record overturns the body; else the start.
+        # closed form where every record overturns the body, else the start
+        count = overturned.sum(-1)
         mean = first / exact
         variance = np.maximum(second / exact - mean * mean, 0.0)
         spread = np.sqrt(variance * count / np.maximum(count - 1, 1))
-        if np.any(standing > 0.0):
-            slope = 1.0 / np.clip(np.nan_to_num(spread, nan=1.0), 0.05, 5.0)
-            none = np.zeros_like(standing)
-            sample = _Sample(y_limit, none, standing, exact, first, second)
-            found = _likeliest(-np.nan_to_num(mean) * slope, slope, sample)
-            every = ~np.any(standing > 0.0, axis=-1)
-            mean = np.where(every, mean, found[0])
-            spread = np.where(every, spread, found[1])
-    mean = np.clip(np.nan_to_num(mean, nan=9.0), -9.0, 9.0)
-    return middle + mean, np.clip(np.nan_to_num(spread, nan=MOST), LEAST, MOST)
+        if not np.any(standing > 0.0):
+            return mean, spread
+        slope = 1.0 / np.clip(np.nan_to_num(spread, nan=1.0), 0.05, 5.0)
+        none = np.zeros_like(standing)
+        sample = _Sample(y_limit, none, standing, exact, first, second)
+        found = _likeliest(-np.nan_to_num(mean) * slope, slope, sample)
+        every = ~np.any(standing > 0.0, axis=-1)
+        return np.where(every, mean, found[0]), np.where(every, spread, found[1])
 
 
 def cloud(

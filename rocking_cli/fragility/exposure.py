@@ -52,6 +52,11 @@ class Exposure:
         with np.errstate(invalid="ignore"):
             return gone | (self.theta_ratio > limit), known
 
+    def counts(self, limit: float | None) -> tuple[Array, Array]:
+        """Return (known, beyond & known) of `beyond` as numbers, (members, levels)."""
+        beyond, known = self.beyond(limit)
+        return known.astype(float), (beyond & known).astype(float)
+
 
 @dataclass(frozen=True, eq=False)
 class MotionSet:

@@ -65,6 +65,8 @@ class Fit:
     rate: annual rate of the limit state by this curve
     rate_without_fit: annual rate of overturning from traced intervals
     no_damage: level [SI] up to which the structure stays at rest, 0 if unknown
+    beta_motions: dispersion of the motions alone, at the means of numbers with a
+        spread [-]; None without draws
     """
 
     structure: str  # its name
@@ -82,6 +84,9 @@ class Fit:
     rate_without_fit: Rate | None = None
     # level [SI] up to which the structure stays at rest, 0 if unknown
     no_damage: float = 0.0
+    # dispersion of the motions alone, at the means of numbers with a spread [-]; None
+    # without draws
+    beta_motions: float | None = None
 
     def row(self) -> dict[str, Any]:
         """Return the fit as one row."""
@@ -101,6 +106,8 @@ class Fit:
             round(c.n),
         )
         row: dict[str, Any] = dict(zip(FRAGILITY_COLUMNS, values, strict=True))
+        if self.beta_motions is not None:
+            row["beta_motions"] = self.beta_motions
         if self.rate is not None:
             row |= {
                 **self.rate.row(),

@@ -110,13 +110,29 @@ def _openquake(table: Table, measure: Measure, site: str | None) -> list[HazardP
     """Return the points of a table of OpenQuake: the line above its heading has the
     measure, quoted or not, and the time of the poe.
     """
-    first, names = f"{table.source}, line 1", table.headings
+    years = _years(table, measure)
+    line, row = _row_of(table, site)
+    unit, factor = openquake_unit(measure)
+    found = []
+    for i, (name, cell) in enumerate(zip(table.headings, row, strict=True), 1):
+        if name.startswith(_LEVEL):
+            text = name.removeprefix(_LEVEL)
+            heading = f"{table.source}, line {table.line}, column {i}"
+            level = _number(heading, text) * factor
+            place = f"{table.source}, line {line}, column {i}"
+            rate = _rate(place, cell, years)
+            found.append(HazardPoint(place, f"{text} {unit}", level, cell, rate))
+    return found
+
+
+def _years(table: Table, measure: Measure) -> float:
+    """Return the time of the probabilities of a table of OpenQuake. Raises
+    DocumentError, and UsageError for another measure.
+    """
+    first = f"{table.source}, line 1"
     imt, time = _IMT.search(table.comments), _TIME.search(table.comments)
-    if (
-        imt is None
-        or time is None
-        or not any(name.startswith(_LEVEL) for name in names)
-    ):
+    levels = any(name.startswith(_LEVEL) for name in table.headings)
+    if imt is None or time is None or not levels:
         raise DocumentError(
             f"{first}: found no hazard curve of OpenQuake; expected imt=,"
             " investigation_time= and columns poe-"
@@ -128,18 +144,7 @@ def _openquake(table: Table, measure: Measure, site: str | None) -> list[HazardP
             f"{first}: found investigation_time={time[1]}; expected a positive number"
             " of years"
         )
-    line, row = _row_of(table, site)
-    unit, factor = openquake_unit(measure)
-    found = []
-    for i, (name, cell) in enumerate(zip(names, row, strict=True), 1):
-        if name.startswith(_LEVEL):
-            text = name.removeprefix(_LEVEL)
-            heading = f"{table.source}, line {table.line}, column {i}"
-            level = _number(heading, text) * factor
-            place = f"{table.source}, line {line}, column {i}"
-            rate = _rate(place, cell, years)
-            found.append(HazardPoint(place, f"{text} {unit}", level, cell, rate))
-    return found
+    return years
 
 
 def _row_of(table: Table, site: str | None) -> tuple[int, Sequence[str]]:

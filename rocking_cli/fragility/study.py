@@ -4,7 +4,7 @@ the printed rows.
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from ..motions.recording import Recording
 from ..spectra.sweep import SweepOptions
 from ..structures.parameters import RockingParameters
 from .bootstrap import Resampling, bootstrap, interval
+from .drawn import DrawnExposure, drawn_exposure
 from .estimates import Estimate, cloud, first_overturning, stripes
 from .exposure import (
     Exposure,
@@ -64,6 +65,8 @@ class Study:
     intervals: Sequence[Sequence[Interval]] | None = None
     recorded: Exposure | None = None  # responses to the unscaled motions
     hazard: HazardCurve | None = None  # the hazard curve of the site
+    # responses of the draws of a structure whose numbers have spreads
+    drawn: DrawnExposure | None = None
 
     @property
     def highest(self) -> float:
@@ -101,11 +104,12 @@ class Study:
         """
         if (count := len(self.motions.members)) < FEWEST:
             raise UsageError(f"{count} records; a fit needs at least {FEWEST}")
-        curve, estimate, points = {
-            "stripes": self._stripes,
+        of_method: dict[str, Callable[[float | None], Fitted]] = {
+            "stripes": partial(self._stripes, self.drawn or self.exposure),
             "first": self._first,
             "cloud": self._cloud,
-        }[method](limit)
+        }
+        curve, estimate, points = of_method[method](limit)
         levels, hazard, rate = self.motions.levels, self.hazard, None
         if hazard is None:
             x, of = with_more(levels, 0.5 * levels[0], 1.5 * levels[-1]), None
@@ -117,12 +121,18 @@ class Study:
             rate = rate_of(curve, band, hazard)
         names = self.structure.name, self.motions.measure.name, word_of(limit), method
         free = self.rate_without_fit if limit is None else None
-        return Fit(*names, curve, band, x, points, hazard, rate, free, self.no_damage)
+        alone = None
+        if self.drawn is not None:  # the motions alone, at the means
+            alone = self._stripes(self.exposure, limit)[0].beta
+        found = Fit(*names, curve, band, x, points, hazard, rate, free, self.no_damage)
+        return replace(found, beta_motions=alone)
 
-    def _stripes(self, limit: float | None) -> Fitted:
-        beyond, known = self.exposure.beyond(limit)
+    def _stripes(
+        self, exposure: Exposure | DrawnExposure, limit: float | None
+    ) -> Fitted:
+        known, beyond = exposure.counts(limit)
         levels, w = self.motions.levels, self.motions.weight[:, None]
-        n, z = w * known, w * (beyond & known)
+        n, z = w * known, w * beyond
         points = dict(zip(levels.tolist(), (z.sum(0) / n.sum(0)).tolist(), strict=True))
         return (
             fit_stripes(levels, n.sum(0), z.sum(0)),
@@ -359,10 +369,12 @@ def studies(
     exact: bool = False,
     hazard: HazardCurve | None = None,
     line: Callable[[str, str], Progress | None] = lambda name, unit: None,
+    draws: tuple[int, int] | None = None,
 ) -> Iterator[Study]:
     """Yield each structure under a set of motions; sweep, path: as of `exposures`;
     exact: trace every overturning interval; line: the progress of work by its name and
-    unit.
+    unit; draws: their number for each motion and their seed, of structures whose
+    numbers have spreads.
     """
     found = exposures(
         structures, motions, path, replace(sweep, progress=line("fragility", "chunks"))
@@ -379,7 +391,10 @@ def studies(
             else None
         )
         recorded = as_recorded(s, motions) if "cloud" in methods else None
-        yield Study(s, motions, how, exposure, intervals, recorded, hazard)
+        drawn = None
+        if draws is not None and s.drawn_from is not None:
+            drawn = drawn_exposure(s, motions, *draws, line(label, "motions"))
+        yield Study(s, motions, how, exposure, intervals, recorded, hazard, drawn)
 
 
 def fitted(

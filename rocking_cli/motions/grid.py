@@ -218,9 +218,13 @@ def parse_axes(text: str, *, records: bool = False) -> dict[str, Axis]:
         name, dimension = known[key]
         values = parse_span(f"`grid` {key}", span, dimension)
         if values[0] < 0.0 or (values[0] == 0.0 and key not in _FROM_ZERO):
+            how = (
+                " or zero; `scale` -1 gives the motion the other direction"
+                if key in _FROM_ZERO
+                else ""
+            )
             raise UsageError(
-                f"`grid` {key}: found {span!r}; expected positive"
-                f" values{' or zero' if key in _FROM_ZERO else ''}"
+                f"`grid` {key}: found {span!r}; expected positive values{how}"
             )
         if key == "f_g":
             values = 2.0 * math.pi * values

@@ -229,6 +229,13 @@ def _in_words(device: dict[str, Any], limit: str) -> str:
         if device["tie_force"] is None
         else f" ({device['tie_force']:.4g} of its {limit})"
     )
+    if not device["tie_elongation"]:
+        prestress = (
+            f", at its prestress of {device['force']:.6g} N{share}"
+            if device["force"]
+            else ""
+        )
+        return f"{device['device']} {device['state']}, not stretched{prestress}"
     left = (
         f", {1e3 * device['permanent']:.4g} mm of them permanent"
         if device["permanent"]

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import Outcome, safe
-from ..dynamics.response import LONG, cheaper, response
+from ..dynamics.response import LONG, Response, cheaper, response
 from ..envelopes.intervals import A_MAX
 from ..errors import UsageError
 from ..motions.grid import Grid, HasMotion, demand_of
@@ -120,10 +120,9 @@ def outcomes_at(
         codes of `Outcome`, (structures,)
     """
     method = governing_method(*structures, dimensionless=shaking.dimensionless)
-    cells = np.array([(*shaking.cell(s), s.eta) for s in structures])
-    return _Together(method, motion, structures, cells[:, 1], cells[:, 2]).outcomes(
-        np.arange(len(structures)), cells[:, 0]
-    )
+    cells = np.array([shaking.cell(s) for s in structures])
+    together = Together(method, motion, structures, cells[:, 1])
+    return together.outcomes(np.arange(len(structures)), cells[:, 0])
 
 
 def first_overturning_of(
@@ -155,8 +154,8 @@ def first_overturning_of(
         amplitude of the ground [m/s2], infinite where none overturns, (structures,)
     """
     method = governing_method(*structures, dimensionless=shaking.dimensionless)
-    cells = np.array([(*shaking.cell(s), s.eta) for s in structures])
-    together = _Together(method, motion, structures, cells[:, 1], cells[:, 2])
+    omega = np.array([shaking.cell(s)[1] for s in structures])
+    together = Together(method, motion, structures, omega)
     first = together.lowest_falls(together.least_uplifts(), np.asarray(a_max, float))
     unit = np.array([float(s.ground_acceleration(1.0)) for s in structures])
     return first * unit
@@ -304,7 +303,7 @@ def _first_and_quantiles(
     return np.minimum(first, ends), tuple(quantiles.tolist())
 
 
-class _Together:
+class Together:
     """Structures under one motion, each at its own amplitudes."""
 
     def __init__(
@@ -313,10 +312,10 @@ class _Together:
         motion: Motion,
         structures: Sequence[RockingParameters],
         omega: Array,
-        eta: Array,
     ) -> None:
         self.method, self.motion, self.structures = method, motion, structures
-        self.omega, self.eta = omega, eta  # of each structure [-]
+        self.omega = omega  # Omega of each structure [-]
+        self.eta = np.array([s.eta for s in structures])  # restitution of each [-]
         groups: dict[object, int] = {}
         self.group = np.array(
             [groups.setdefault(self._shared(s), len(groups)) for s in structures]
@@ -342,26 +341,35 @@ class _Together:
 
     def outcomes(self, which: Array, amplitude: Array) -> Array:
         """Return the outcome of cells: structure `which` at this amplitude A."""
-        found = np.zeros(which.size, dtype=np.uint8)
+        return self.responses(which, amplitude, peaks=False)[1]
+
+    def responses(
+        self, which: Array, amplitude: Array, peaks: bool = True
+    ) -> tuple[Array, Array]:
+        """Return (theta_ratio, outcome) of cells: structure `which` at this amplitude
+        A; without peaks theta_ratio is NaN.
+        """
+        theta_ratio = np.full(which.size, np.nan)
+        outcome = np.zeros(which.size, dtype=np.uint8)
         for number in np.unique(self.group[which]):
             at = np.flatnonzero(self.group[which] == number)
-            found[at] = self._of_group(which[at], amplitude[at])
-        return found
+            at = at[np.argsort(which[at], kind="stable")]  # by structure
+            got = self._of_group(which[at], amplitude[at], peaks)
+            theta_ratio[at], outcome[at] = got.theta_ratio, got.outcome
+        return theta_ratio, outcome
 
-    def _of_group(self, which: Array, amplitude: Array) -> Array:
-        order = np.argsort(which, kind="stable")
+    def _of_group(self, which: Array, amplitude: Array, peaks: bool) -> Response:
+        """Return the responses of cells of one group, which are in the order of their
+        structures.
+        """
         own, counts = np.unique(which, return_counts=True)
         structures = [self.structures[i] for i in own]
         system = self.method.system_of_cells(structures, counts.tolist())
         if self.method.exact:
             system = system._replace(body=None, own=())
         how = cheaper(self.motion, which.size) if own.size == 1 else "arrays"
-        at = which[order]
-        cells = (amplitude[order], self.omega[at], self.eta[at])
-        got = response(system, self.motion, *cells, peaks=False, how=how).outcome
-        found = np.empty_like(got)
-        found[order] = got
-        return found
+        cells = (amplitude, self.omega[which], self.eta[which])
+        return response(system, self.motion, *cells, peaks=peaks, how=how)
 
     def lowest_falls(self, lowest: Array, highest: Array) -> Array:
         """Return the lowest amplitude A that overturns each structure between two

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,7 +25,10 @@ from .dimensions import QUANTITIES, VARIABLES
 from .results import Spectrum, Summary
 from .scene import PulseScene, Scene, Unit, cut_into_units
 from .verification import Verification, default_check, validity
-from .work.jobs import Block, Job, local_crew, unit_reports
+from .work.jobs import Block, Crew, Job, Report, local_crew, unit_reports
+
+if TYPE_CHECKING:
+    from .file.layout import FileLayout
 
 _MOST_UNITS = 1_000_000
 CHUNK_CELLS = 131072
@@ -251,33 +254,11 @@ def write_scene(
     `rocking help files`). Raises UsageError for a refused scene or output, OutputError
     when the file cannot be written or a worker process dies, Interrupted on Ctrl-C.
     """
-    from .file.layout import FileLayout
     from .file.writer import SpectraWriter
 
     options = options or SweepOptions()
-    units, chunk, names, method = (
-        _units_of(scene, options),
-        options.chunk(scene),
-        options.variables_of(scene),
-        scene.method,
-    )
-    attributes: dict[str, Any] = {
-        "history": options.history,
-        "documents": options.documents,
-        "motion": scene.title,
-        "model": method.model,
-    }
-    if method.stated_tolerance is not None:
-        attributes["tolerance"] = method.stated_tolerance
-    attributes["shard"] = "{}/{}".format(*options.shard or (1, 1))
-    stored = {
-        "impacts": options.impacts,
-        "quantities": list(options.quantities_of(scene)),
-        "chunk": list(chunk),
-    }
-    layout = FileLayout(
-        scene.frame(), chunk, names, {**scene.identity(), **stored}, attributes
-    )
+    units, chunk = _units_of(scene, options), options.chunk(scene)
+    layout = _layout(scene, options)
     with SpectraWriter(
         Path(path),
         layout,
@@ -290,15 +271,9 @@ def write_scene(
             for i, own in zip(unit.places, data, strict=True):
                 writer.write((i, unit.row, unit.column), own)
 
+        pack = partial(_packed, layout.names, chunk)
         try:
-            summary = _run(
-                scene,
-                options,
-                units,
-                keep,
-                partial(_packed, names, chunk),
-                writer.found,
-            )
+            summary = _run(scene, options, units, keep, pack, writer.found)
         except KeyboardInterrupt:
             kept = int(writer.done.sum())
             if not kept:
@@ -315,6 +290,30 @@ def write_scene(
         )
         writer.finish(summary.row())
     return summary
+
+
+def _layout(scene: Scene, options: SweepOptions) -> "FileLayout":
+    """Return the layout of the file of a scene. Raises UsageError."""
+    from .file.layout import FileLayout
+
+    chunk, method = options.chunk(scene), scene.method
+    names = options.variables_of(scene)
+    attributes: dict[str, Any] = {
+        "history": options.history,
+        "documents": options.documents,
+        "motion": scene.title,
+        "model": method.model,
+    }
+    if method.stated_tolerance is not None:
+        attributes["tolerance"] = method.stated_tolerance
+    attributes["shard"] = "{}/{}".format(*options.shard or (1, 1))
+    identity = {
+        **scene.identity(),
+        "impacts": options.impacts,
+        "quantities": list(options.quantities_of(scene)),
+        "chunk": list(chunk),
+    }
+    return FileLayout(scene.frame(), chunk, names, identity, attributes)
 
 
 def _packed(
@@ -336,7 +335,8 @@ def _units_of(scene: Scene, options: SweepOptions) -> list[Unit]:
     rows, columns = (
         -(-n // size) for n, size in zip(scene.shape[1:], chunk, strict=True)
     )
-    count, cells = rows * columns * len(scene.sharing()), chunk[0] * chunk[1]
+    count = rows * columns * len(scene.sharing())
+    cells = chunk[0] * chunk[1]
     if count > _MOST_UNITS:
         raise UsageError(
             f"found {count} units of work of {cells} cells; expected up to"
@@ -344,6 +344,24 @@ def _units_of(scene: Scene, options: SweepOptions) -> list[Unit]:
         )
     refuse_endless(count * cells, 1 if scene.of_records else scene.segments)
     return list(cut_into_units(scene, chunk))
+
+
+@dataclass
+class _Counts:
+    """What the units of a shard add up to."""
+
+    outcomes: np.ndarray  # number of cells of each `Outcome`
+    differences: np.ndarray  # number of cells of each `Difference`
+    work: Work  # of the computed cells
+    shared: int = 0  # cells that took the result of another structure
+
+    def add(self, unit: Unit, report: Report) -> None:
+        """Add the counts of a computed unit."""
+        self.work += report.work
+        self.outcomes += report.outcomes
+        self.differences += report.differences
+        places = len(unit.places)
+        self.shared += int(report.outcomes.sum()) // places * (places - 1)
 
 
 def _run(
@@ -358,69 +376,68 @@ def _run(
     data, in order. found: returns the counts of outcomes of a unit that a resumed file
     already has, None for a unit to compute.
     """
-    began, (part, parts) = time.perf_counter(), options.shard or (1, 1)
-    there = {unit: found(unit) for unit in units[part - 1 :: parts]}
-    todo = [unit for unit, counts in there.items() if counts is None]
-    before = sum(
-        (counts for counts in there.values() if counts is not None),
-        np.zeros(len(Outcome), dtype=np.int64),
-    )
-    workers, chunk = (
-        max(1, min(options.processes(scene), len(todo))),
-        options.chunk(scene),
-    )
+    began = time.perf_counter()
+    todo, resumed = _todo(units, options.shard, found)
+    workers = max(1, min(options.processes(scene), len(todo)))
     check = default_check(scene) if options.check is None else options.check
-    verification, quantities = (
-        Verification(scene, check, chunk, todo),
-        options.quantities_of(scene),
-    )
-    job = Job(scene, chunk, tuple(verification.sensitive), convert, quantities)
-    if options.scheduler is None:
-        crew = local_crew(job, workers)
-    else:
-        from .work.cluster import cluster
+    verification = Verification(scene, check, options.chunk(scene), todo)
+    quantities = options.quantities_of(scene)
+    sensitive = tuple(verification.sensitive)
+    job = Job(scene, options.chunk(scene), sensitive, convert, quantities)
 
-        crew = cluster(job, options.scheduler, options.tell)
-    total, shared, differences, outcomes = (
-        Work(),
-        0,
-        np.zeros(len(Difference), dtype=np.int64),
-        before.copy(),
-    )
-    for done, (unit, report) in enumerate(
-        unit_reports(job, todo, crew, verification), 1 + len(units) - len(todo)
-    ):
+    counts = _Counts(resumed.copy(), np.zeros(len(Difference), dtype=np.int64), Work())
+    reports = unit_reports(job, todo, _crew(job, options, workers), verification)
+    for done, (unit, report) in enumerate(reports, 1 + len(units) - len(todo)):
         with deferred():
             keep(unit, report.data)
-        total += report.work
-        outcomes += report.outcomes
-        differences += report.differences
-        shared += (
-            int(report.outcomes.sum()) // len(unit.places) * (len(unit.places) - 1)
-        )
+        counts.add(unit, report)
         if options.progress:
             options.progress(done, len(units))
     check_for_a_stop()
-    outcomes[Outcome.NOT_COMPUTED] = (
-        scene.cells - outcomes.sum()
-    )  # those of other shards
+    # cells of other shards
+    counts.outcomes[Outcome.NOT_COMPUTED] = scene.cells - counts.outcomes.sum()
+
+    differences = {d.flag: int(counts.differences[d]) for d in Difference}
     return Summary(
         structures=len(scene.structures),
         cells=scene.cells,
         run_time=time.perf_counter() - began,
         workers=workers,
-        outcomes={o.flag: int(outcomes[o]) for o in Outcome},
-        work=total,
-        shared_cells=shared,
+        outcomes={o.flag: int(counts.outcomes[o]) for o in Outcome},
+        work=counts.work,
+        shared_cells=counts.shared,
         checked_by=CHECKED_BY,
         model=scene.method.model,
         records=scene.shape[0] if scene.of_records else 0,
         weighed=scene.weighed,
-        differences=(
-            {d.flag: int(differences[d]) for d in Difference}
-            if "linear" in quantities
-            else {}
-        ),
-        resumed_cells=int(before.sum()),
+        differences=differences if "linear" in quantities else {},
+        resumed_cells=int(resumed.sum()),
         **verification.compared(),
     )
+
+
+def _todo(
+    units: Sequence[Unit],
+    shard: tuple[int, int] | None,
+    found: Callable[[Unit], np.ndarray | None],
+) -> tuple[list[Unit], np.ndarray]:
+    """Return (the units of a shard to compute, the counts of outcomes of the others);
+    found: as in `_run`.
+    """
+    part, parts = shard or (1, 1)
+    there = {unit: found(unit) for unit in units[part - 1 :: parts]}
+    todo = [unit for unit, counts in there.items() if counts is None]
+    resumed = np.zeros(len(Outcome), dtype=np.int64)
+    for counts in there.values():
+        if counts is not None:
+            resumed = resumed + counts
+    return todo, resumed
+
+
+def _crew(job: Job, options: SweepOptions, workers: int) -> Crew:
+    """Return the processes that compute a job: those of this machine, or a cluster."""
+    if options.scheduler is None:
+        return local_crew(job, workers)
+    from .work.cluster import cluster
+
+    return cluster(job, options.scheduler, options.tell)

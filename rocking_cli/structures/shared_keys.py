@@ -57,8 +57,12 @@ def restitution_of(
             "given",
         )
     if momentum < 0.0:
-        found = _swapped(document) or f"a restitution of {momentum:.4g} from momentum"
-        raise document.fault(None, found, f"{limit}; or give restitution")
+        found = _swapped(document) or (
+            "a shape for which conservation of angular momentum at an impact gives the"
+            f" restitution {momentum:.4g}, below 0"
+        )
+        expected = f"{limit}; or give restitution, a number from 0 to 1"
+        raise document.fault(None, found, expected)
     return momentum, "momentum"
 
 
