@@ -79,7 +79,11 @@ def word_of(limit: float | None) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A fitted curve with its band, and with a hazard curve its annual rate.
+    """A fitted fragility curve with its band, and with a hazard curve its annual rate.
+
+    `fragility` returns one for each structure, limit state and method; `row` and
+    `points_of_curve` are what `rocking fragility` prints, and `export_fragility` writes
+    them for other programs.
 
     Attributes
     ----------
@@ -95,6 +99,14 @@ class Fit:
     rate: annual rate of the limit state by this curve
     rate_without_fit: annual rate of overturning from traced intervals
     no_damage: level [SI] up to which the structure stays at rest, 0 if unknown
+
+    Examples
+    --------
+    >>> curve = fit_stripes([1.0, 1.5, 2.0], [54, 54, 54], [2, 25, 43])
+    >>> import numpy as np
+    >>> fit = Fit("Column", "PGA", "overturning", "stripes", curve, None, np.ones(1))
+    >>> fit.row()["structure"], round(fit.row()["median"], 4)
+    ('Column', 1.5725)
     """
 
     structure: str  # its name
@@ -487,16 +499,46 @@ def fragility(
     hazard: HazardCurve | None = None,
 ) -> list[Fit]:
     """Return the fragility curves of structures under records, as `rocking fragility`
-    fits them.
+    does.
 
-    levels: of the measure im, in SI; limits: values of |theta|/alpha, None for
-    overturning; methods: some of `METHODS`; method: the equation of motion, None for
-    `governing_method`; hazard: a curve of the same measure, for annual rates. A limit
-    state with too few data is left out. Raises UsageError for bad levels or another
-    measure, and if no fit is left.
+    Parameters
+    ----------
+    structures
+        one or more
+    records
+        the records, each scaled to every level; see `load_records`
+    levels
+        levels of the measure [SI], positive and rising, (k,)
+    im
+        the intensity measure: "PGA", "PGV", "SA(1.0)" and others of
+        `rocking help fragility`
+    limits
+        limit states: values of |theta|/alpha [-], None for overturning
+    methods
+        some of "stripes", "first" and "cloud"
+    method
+        the equation of motion; None for the nonlinear one if all geometries are known
+    how
+        options of the bootstrap, None for 1000 samples
+    workers
+        number of processes, None for all cores
+    hazard
+        a hazard curve of the same measure, for annual rates
 
-    >>> columns = load_structures('configs/block.yaml')
-    >>> fragility(columns, load_records('configs/motions/synthetic.at2'), [1.0, 2.0])
+    Returns
+    -------
+    list of Fit
+        a limit state with too few data is left out
+
+    Raises
+    ------
+    UsageError
+        for bad levels or another measure, and if no fit is left
+
+    Examples
+    --------
+    >>> columns = load_structures("configs/block.yaml")
+    >>> fragility(columns, load_records("configs/motions/synthetic.at2"), [1.0, 2.0])
     Traceback (most recent call last):
         ...
     rocking_cli.errors.UsageError: Column, 0.1, stripes: 1 records; a fit needs at least
