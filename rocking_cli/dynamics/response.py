@@ -106,7 +106,7 @@ def response(
     Parameters
     ----------
     system
-        the equation of motion on its contact
+        the equation of motion on its contact, such as `Method().system_of(structure)`
     motion
         the motion of the ground
     amplitude
@@ -125,15 +125,25 @@ def response(
     pool
         number of lanes advanced together, None for the default
 
+    Returns
+    -------
+    Response
+        theta_ratio [-], outcome and impacts, in the shape of the input
+
     Raises
     ------
-    ValueError
-        for a number out of range
+    ArgumentError
+        for a number out of range (ValueError inside the package)
+
+    Notes
+    -----
+    The outcome also counts the motion after the shaking, by Eq. 2.7 or its like for the
+    nonlinear equation.
 
     Examples
     --------
-    >>> (column,) = load_structures('configs/block.yaml')
-    >>> system = Method('nonlinear').system_of(column)
+    >>> (column,) = load_structures("configs/block.yaml")
+    >>> system = Method("nonlinear").system_of(column)
     >>> found = response(system, sine(), 1.5, 6.0, column.eta)
     >>> Outcome(int(found.outcome)).flag, round(float(found.theta_ratio), 6)
     ('rocked', 0.15645)
