@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from ..motions.recording import Recording
     from ..structures import RockingParameters
 
-_PULSE = ("pulse", "cycles", "gamma", "phase")
 _OF_A_FILE = ("vertical_component", "vertical_unit", "vertical_dt")
 _MOTION = (
     "A record or a motion document instead of a pulse; for a set: records, a directory"
@@ -167,6 +166,10 @@ class Source:
     motion: tuple[str, ...] = option(
         "--motion", _MOTION, multiple=True, type=InputPath(), metavar="FILE..."
     )
+
+
+# The name and the parameters of a pulse.
+_PULSE = tuple(of.name for of in fields(Source) if of.name != "motion")
 
 
 @dataclass(frozen=True)
