@@ -97,6 +97,7 @@ def trace_envelope(
 ) -> list[Interval]:
     """Return every interval of amplitudes that overturns a structure, for each Omega.
 
+    For one sine cycle and the linear equation it is Fig. 2 (left) of the paper.
     Intervals wider than 1e-3 are found. Boundaries are traced to the last digits of the
     model's outcome. Intervals that touch but differ in mode are listed apart.
 

@@ -182,6 +182,8 @@ def code_check(
 ) -> CodeCheck:
     """Check a structure by the Italian code "ntc2018", with its capacity curve.
 
+    It is the check of local mechanisms of Circolare 21 gennaio 2019 n. 7, C8.7.1.2.1.
+
     Parameters
     ----------
     structure
@@ -327,7 +329,7 @@ def first_beyond(
     Raises
     ------
     UsageError
-        as `check`
+        for a grid of several cells, or an equation that does not hold for the structure
 
     Examples
     --------

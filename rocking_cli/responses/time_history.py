@@ -279,7 +279,7 @@ class TimeHistory:
         steps
             True: a row at each end of an arc and each event
         dimensionless
-            True: without the columns that have units
+            True: tau, theta/alpha and A, without the columns that have units
         forces
             True: with the forces over m g
 

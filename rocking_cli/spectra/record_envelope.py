@@ -183,6 +183,7 @@ def envelope(
     """Return every interval of amplitudes that overturns a structure, as rows with
     units.
 
+    For one sine cycle and the linear equation it is Fig. 2 (left) of the paper.
     `trace_envelope` returns the same intervals over A and Omega.
 
     Parameters
