@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from ..envelopes.lowest_fall import FallSearch
 
 Demand = tuple[RockingParameters, Motion, Grid]
+# Called with the number of finished stages, of which a part counts as a fraction, and
+# of all.
 Progress = Callable[[float, int], None]
 
 _STAGES = 3  # of a verdict: responses, search, history
