@@ -6,7 +6,7 @@ import os
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from ..motions.grid import Grid
     from ..motions.recording import Recording
 
-_PULSE = ("pulse", "cycles", "gamma", "phase")
 _OF_A_FILE = ("vertical_component", "vertical_unit", "vertical_dt")
 _MOTION = (
     "A record or a motion document instead of a pulse; for a set: records, a directory"
@@ -161,6 +160,10 @@ class Source:
     motion: tuple[str, ...] = option(
         "--motion", _MOTION, multiple=True, type=InputPath(), metavar="FILE..."
     )
+
+
+# The name and the parameters of a pulse.
+_PULSE = tuple(of.name for of in fields(Source) if of.name != "motion")
 
 
 @dataclass(frozen=True)

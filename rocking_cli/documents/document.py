@@ -60,8 +60,21 @@ class Uncertain:
 
 @dataclass
 class Document:
-    """One document: its values by key. Each reading method marks its key as asked for;
-    `finish` refuses the other keys.
+    """One document: its values by key, each with its place in the file.
+
+    `read_documents` and `parse_documents` make documents; `build_structure` and
+    `family` take them. A kind of structure reads a document with `quantity`, `length`,
+    `choice`, `flag`, `integer`, `word`, `pair` and `parts`. Each of these methods marks
+    its key as asked for, and `finish` refuses the other keys.
+
+    Examples
+    --------
+    >>> (document,) = parse_documents("{kind: block, width: 500 mm, height: 2}")
+    >>> document.length("width"), document.has("restitution")
+    (0.5, False)
+    >>> taller = document.with_value("height", "3 m", "a study")
+    >>> f"{build_structure(taller).alpha:.4f}"
+    '0.1651'
     """
 
     source: str  # the file
@@ -84,7 +97,17 @@ class Document:
     cells: tuple[Cell, ...] = ()  # of a row of a table, whose other columns are labels
 
     def has(self, key: str) -> bool:
-        """True if the key has a value that is not null."""
+        """True if the key has a value that is not null.
+
+        Parameters
+        ----------
+        key
+            key of the document; it counts as asked for
+
+        Returns
+        -------
+        bool
+        """
         self.asked.add(key)
         value = self.values.get(key)
         return value is not None and (
@@ -92,7 +115,22 @@ class Document:
         )
 
     def fault(self, key: str | None, found: str, wanted: str) -> DocumentError:
-        """Return the error for the value of a key (None: for the document)."""
+        """Return the error for the value of a key.
+
+        Parameters
+        ----------
+        key
+            key of the document, None for the document itself
+        found
+            what was found, in words
+        wanted
+            what is accepted, in words
+
+        Returns
+        -------
+        DocumentError
+            with file, line and column of the value
+        """
         place = (
             self.place
             if key is None
@@ -107,7 +145,20 @@ class Document:
         )
 
     def missing(self, key: str, wanted: str) -> DocumentError:
-        """Return the error for a required key that is absent or misspelt."""
+        """Return the error for a required key that is absent or misspelt.
+
+        Parameters
+        ----------
+        key
+            key of the document
+        wanted
+            what is accepted, in words
+
+        Returns
+        -------
+        DocumentError
+            with the place of a key of similar spelling, else of the document
+        """
         from difflib import get_close_matches
 
         left = [other for other in self.keys if other not in self.asked]
@@ -132,8 +183,32 @@ class Document:
         where: str = "",
         default: float | None = None,
     ) -> float:
-        """Return the SI value of a key, `default` if it is absent, the mean of a number
-        with a spread; where: the range in words. Raises DocumentError.
+        """Return the SI value of a key.
+
+        Parameters
+        ----------
+        key
+            key of the document
+        dimension
+            "length", "angle", "acceleration", "number" or another key of `UNITS`
+        above, below
+            limits that the value itself must not reach [SI]
+        least, most
+            limits that the value may reach [SI]
+        where
+            the range in words, for the message; by default made of the limits
+        default
+            the value of an absent key [SI], None if the key is required
+
+        Returns
+        -------
+        float
+            the value [SI]
+
+        Raises
+        ------
+        DocumentError
+            for an absent required key, another unit, or a value out of range
         """
         self.dimensions[key] = dimension
         if self.within:
@@ -167,12 +242,12 @@ class Document:
                 (where or _range_text(above, below, least, most)) + hint,
             )
         if spread and not spread.certain:
-            self.note_uncertain(
+            self._note_uncertain(
                 key, spread, dimension, max(above, least), min(below, most)
             )
         return number
 
-    def note_uncertain(
+    def _note_uncertain(
         self, path: str, spread: Spread, dimension: str, low: float, high: float
     ) -> None:
         """Note a key with a spread in the outermost document. Raises DocumentError if
@@ -180,7 +255,7 @@ class Document:
         """
         if self.within is not None:
             outer, own = self.within
-            outer.note_uncertain(f"{own}.{path}", spread, dimension, low, high)
+            outer._note_uncertain(f"{own}.{path}", spread, dimension, low, high)
             return
         if (cut := spread.cut(low, high)) > MOST_CUT:
             value = self.value_at(path)
@@ -193,14 +268,40 @@ class Document:
         self.uncertain[path] = Uncertain(path, spread, dimension, low, high)
 
     def note_bare(self, path: str, number: float, place: Place) -> None:
-        """Note a length [m] without a unit in the outermost document."""
+        """Note a length without a unit in the outermost document.
+
+        Parameters
+        ----------
+        path
+            path of the value, such as `pieces.0.width`
+        number
+            the length [m]
+        place
+            its place in the file
+        """
         if self.within is None:
             self.bare[path] = (number, place)
         else:
             self.within[0].note_bare(f"{self.within[1]}.{path}", number, place)
 
     def length(self, key: str) -> float:
-        """Return the value of a key that must be a positive length [m]."""
+        """Return the value of a key that must be a positive length.
+
+        Parameters
+        ----------
+        key
+            key of the document
+
+        Returns
+        -------
+        float
+            the length [m]
+
+        Raises
+        ------
+        DocumentError
+            for an absent key, another unit, or a length that is not positive
+        """
         return self.quantity(
             key,
             "length",
@@ -211,7 +312,26 @@ class Document:
     def choice(
         self, key: str, options: Sequence[str], default: str | None = None
     ) -> str:
-        """Return the value of a key, one of the words `options`."""
+        """Return the value of a key that must be one of some words.
+
+        Parameters
+        ----------
+        key
+            key of the document
+        options
+            the accepted words
+        default
+            the word of an absent key, None if the key is required
+
+        Returns
+        -------
+        str
+
+        Raises
+        ------
+        DocumentError
+            for an absent required key and for another word
+        """
         if not self.has(key):
             if default is None:
                 raise self.missing(key, f"one of {', '.join(options)}")
@@ -227,7 +347,23 @@ class Document:
         return str(value.content)
 
     def flag(self, key: str) -> bool:
-        """Return the value of a key that is true or false; False if it is absent."""
+        """Return the value of a key that must be true or false.
+
+        Parameters
+        ----------
+        key
+            key of the document
+
+        Returns
+        -------
+        bool
+            False if the key is absent
+
+        Raises
+        ------
+        DocumentError
+            for another value
+        """
         if not self.has(key):
             return False
         value = self.values[key]
@@ -236,7 +372,24 @@ class Document:
         return value.word() == "true"
 
     def integer(self, key: str, least: int, most: int) -> int:
-        """Return the value of a key, a whole number from `least` to `most`."""
+        """Return the value of a key that must be a whole number.
+
+        Parameters
+        ----------
+        key
+            key of the document
+        least, most
+            limits that the number may reach
+
+        Returns
+        -------
+        int
+
+        Raises
+        ------
+        DocumentError
+            for an absent key, a fraction, or a number out of range
+        """
         wanted = f"a whole number from {least} to {most}"
         if self.has(key) and is_spread(str(self.values[key].content)):
             raise self.fault(
@@ -248,8 +401,23 @@ class Document:
         return int(number)
 
     def word(self, key: str, default: str) -> str:
-        """Return the value of a key, a text of printable characters that
-        is not empty.
+        """Return the value of a key that must be a text of printable characters.
+
+        Parameters
+        ----------
+        key
+            key of the document
+        default
+            the text of an absent key
+
+        Returns
+        -------
+        str
+
+        Raises
+        ------
+        DocumentError
+            for an empty text and for a value that is no text
         """
         if not self.has(key):
             return default
@@ -267,8 +435,30 @@ class Document:
     def pair(
         self, key: str, value: Value, dimension: str, name: str, wanted: str
     ) -> tuple[float, float]:
-        """Return the SI values of a list of two quantities inside the value of `key`;
-        name: the name of the pair.
+        """Return a list of two quantities that stands inside the value of a key.
+
+        Parameters
+        ----------
+        key
+            key of the document
+        value
+            the list, a part of the value of `key`
+        dimension
+            dimension of both quantities, as in `quantity`
+        name
+            what the pair is, for the message, such as "point"
+        wanted
+            what is accepted, in words
+
+        Returns
+        -------
+        tuple of two floats
+            the quantities [SI]
+
+        Raises
+        ------
+        DocumentError
+            if the value is no such list
         """
         if isinstance(value.content, list) and len(value.content) == 2:
             try:
@@ -297,7 +487,26 @@ class Document:
         )
 
     def part(self, key: str, value: Value, path: str = "") -> Document:
-        """Return a mapping inside the value of `key` as a document."""
+        """Return a mapping that stands inside the value of a key as a document.
+
+        Parameters
+        ----------
+        key
+            key of the document
+        value
+            the mapping
+        path
+            its path in this document, such as `ties.0`; by default the key
+
+        Returns
+        -------
+        Document
+
+        Raises
+        ------
+        DocumentError
+            if the value is no mapping
+        """
         if not isinstance(value.content, dict):
             raise DocumentError(
                 f"{value.place}: {key}: found {value}; expected a mapping of keys to"
@@ -312,8 +521,26 @@ class Document:
         )
 
     def parts(self, key: str, wanted: str) -> list[Document]:
-        """Return each mapping of a non-empty list as a document; `finish` of this
-        document finishes them too.
+        """Return each mapping of a list as a document.
+
+        `finish` of this document finishes them too.
+
+        Parameters
+        ----------
+        key
+            key of the document, whose value is the list
+        wanted
+            what is accepted, in words
+
+        Returns
+        -------
+        list of Document
+            one or more
+
+        Raises
+        ------
+        DocumentError
+            for an absent key, an empty list, and an item that is no mapping
         """
         value = self.values[key] if self.has(key) else None
         if value is None:
@@ -327,9 +554,20 @@ class Document:
         return found
 
     def finish(self, elsewhere: Collection[str] = ()) -> None:
-        """Raise DocumentError if the document holds a key that no method asked for. In
-        a row of a table such a column is a label, unless its name is like a key of this
-        document, or is a key of others; elsewhere: those keys.
+        """Refuse the keys that no method asked for.
+
+        In a row of a table such a column is a label, unless its name is like a key of
+        this document or is in `elsewhere`.
+
+        Parameters
+        ----------
+        elsewhere
+            keys of other documents, which are no labels
+
+        Raises
+        ------
+        DocumentError
+            for an unknown key, with the known ones
         """
         for part in self.inner:
             part.finish()
@@ -416,8 +654,17 @@ class Document:
         )
 
     def value_at(self, key: str) -> Value | None:
-        """Return the value of a key, or at a path such as `ties.0.yield`; None without
-        it.
+        """Return the value of a key or at a path.
+
+        Parameters
+        ----------
+        key
+            key of the document, or a path such as `ties.0.yield`
+
+        Returns
+        -------
+        Value or None
+            None if there is no value
         """
         head, *path = [key] if key in self.values else key.split(".")
         found = self.values.get(head)
@@ -429,8 +676,25 @@ class Document:
         return found
 
     def with_value(self, key: str, text: str, source: str) -> Document:
-        """Return a copy with the value of a key, or at a path such as `ties.0.yield`,
-        replaced or added; source: its place in errors.
+        """Return a copy with one value replaced or added.
+
+        Parameters
+        ----------
+        key
+            key of the document, or a path such as `ties.0.yield`
+        text
+            the new value, as a document would state it
+        source
+            the place of the value in messages
+
+        Returns
+        -------
+        Document
+
+        Raises
+        ------
+        DocumentError
+            for a path that does not exist
         """
         head, *path = key.split(".")
         new, keys = Value(text, Place(source, 0, 0)), self.keys
@@ -517,11 +781,29 @@ def documents_of(source: str, raw: bytes) -> list[Document]:
 
 
 def parse_documents(text: str, source: str = "<text>") -> list[Document]:
-    """Return all documents of a text: YAML documents, JSON objects one after the other,
-    or rows of a CSV table. Raises DocumentError.
+    """Return all documents of a text.
 
+    Parameters
+    ----------
+    text
+        YAML documents, JSON objects one after the other, or rows of a CSV table
+    source
+        the name of the text in messages
+
+    Returns
+    -------
+    list of Document
+        in the order of the text
+
+    Raises
+    ------
+    DocumentError
+        for a text that is none of these, with line and column
+
+    Examples
+    --------
     >>> documents = parse_documents('{"kind": "block"} {"kind": "arch"}')
-    >>> [document.values['kind'].content for document in documents]
+    >>> [document.values["kind"].content for document in documents]
     ['block', 'arch']
     """
     rows = rows_of_structures(text, source)

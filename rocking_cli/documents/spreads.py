@@ -23,11 +23,21 @@ NOTED_CUT = 1e-3  # the share that a line tells
 class Spread:
     """A number that is not known exactly: normal or uniform.
 
-    A normal is cut at the range of its key, so that no draw is lost.
+    A document has one where it states `MEAN +- SD` or `LOW .. HIGH`. A normal number is
+    cut at the range of its key, so that no draw is lost.
+
+    Attributes
+    ----------
+    shape
+        "normal" or "uniform"
+    first
+        mean of a normal number, lower bound of a uniform one [SI]
+    second
+        standard deviation of a normal number, upper bound of a uniform one [SI]
 
     Examples
     --------
-    >>> width = parse_spread('0.5 m +- 10 mm', 'length')
+    >>> width = Spread('normal', 0.5, 0.01)
     >>> width.mean, width.sd
     (0.5, 0.01)
     """
@@ -61,7 +71,18 @@ class Spread:
         return self.sd == 0.0
 
     def cut(self, low: float, high: float) -> float:
-        """Return the share of a normal outside of a range [-]."""
+        """Return the share of a normal number outside of a range.
+
+        Parameters
+        ----------
+        low, high
+            the range [SI]
+
+        Returns
+        -------
+        float
+            the share [-], 0 for a uniform number
+        """
         if self.shape != "normal" or self.certain:
             return 0.0
         below = _normal_share((low - self.first) / self.second)

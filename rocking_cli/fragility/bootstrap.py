@@ -13,13 +13,20 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Resampling:
-    """Options of a bootstrap.
+    """Options of the bootstrap that gives the bands of `fragility`.
+
+    Raises ArgumentError for a field of another type.
 
     Attributes
     ----------
     samples: their number, 0 for no band
     seed: of the random numbers
     level: of confidence [-]
+
+    Examples
+    --------
+    >>> Resampling(samples=200, seed=1).level
+    0.95
     """
 
     samples: int = 1000  # their number, 0 for no band

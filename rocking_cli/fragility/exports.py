@@ -88,19 +88,42 @@ def export_fragility(
     im: str = "PGA",
     overwrite: bool = False,
 ) -> list[str]:
-    """Write fragility curves for another program, and return a sentence on each
-    difference between the file and the curves.
+    """Write fragility curves for another program.
 
-    curves: one for each structure and limit state, with levels in SI; limit states that
-    a structure lacks are left out; form: `openquake` (NRML 0.5) or `pelicun` (CSV, and
-    JSON of the same name). Raises UsageError for a measure that the program does not
-    know, and OutputError.
+    Parameters
+    ----------
+    curves
+        one for each structure and limit state, with levels in SI; limit states that a
+        structure lacks are left out
+    target
+        the file
+    form
+        "openquake" (NRML 0.5) or "pelicun" (CSV, and JSON of the same name)
+    im
+        the intensity measure of the levels
+    overwrite
+        True: replace an existing file
 
-    >>> export_fragility([], 'f.xml')
-    Traceback (most recent call last):
-        ...
-    rocking_cli.errors.ArgumentError: export_fragility: `curves`: found an empty list;
-    expected a list of Fit (see fragility)
+    Returns
+    -------
+    list of str
+        a sentence on each difference between the file and the curves
+
+    Raises
+    ------
+    UsageError
+        for a measure that the program does not know, two curves of one limit state, or
+        a file that exists
+    OutputError
+        when the file cannot be written
+
+    Examples
+    --------
+    >>> curve = fit_stripes([1.0, 1.5, 2.0], [54, 54, 54], [2, 25, 43])
+    >>> import numpy as np
+    >>> fit = Fit("Column", "PGA", "overturning", "stripes", curve, None, np.ones(1))
+    >>> export_fragility([fit], "column.xml")
+    []
     """
     measure = measure_of(im)
     check_export(Path(target), form, measure, overwrite)

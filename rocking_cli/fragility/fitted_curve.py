@@ -49,7 +49,11 @@ def word_of(limit: float | None) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A fitted curve with its band, and with a hazard curve its annual rate.
+    """A fitted fragility curve with its band, and with a hazard curve its annual rate.
+
+    `fragility` returns one for each structure, limit state and method; `row` and
+    `points_of_curve` are what `rocking fragility` prints, and `export_fragility` writes
+    them for other programs.
 
     Attributes
     ----------
@@ -65,8 +69,14 @@ class Fit:
     rate: annual rate of the limit state by this curve
     rate_without_fit: annual rate of overturning from traced intervals
     no_damage: level [SI] up to which the structure stays at rest, 0 if unknown
-    beta_motions: dispersion of the motions alone, at the means of numbers with a
-        spread [-]; None without draws
+
+    Examples
+    --------
+    >>> curve = fit_stripes([1.0, 1.5, 2.0], [54, 54, 54], [2, 25, 43])
+    >>> import numpy as np
+    >>> fit = Fit("Column", "PGA", "overturning", "stripes", curve, None, np.ones(1))
+    >>> fit.row()["structure"], round(fit.row()["median"], 4)
+    ('Column', 1.5725)
     """
 
     structure: str  # its name

@@ -39,18 +39,22 @@ RATE_COLUMNS = (
 class HazardCurve:
     """The annual rates at which levels of an intensity measure are exceeded.
 
+    `read_hazard` reads one of a file; `annual_rate` and `fragility` take it. Between
+    the levels ln rate is linear in ln level; a call returns the rate at any level.
     Raises UsageError unless there are two levels or more, positive and rising, with
     positive rates that do not rise.
-
-    >>> hazard = HazardCurve([1.0, 2.0, 4.0], [1e-2, 1e-3, 1e-4])
-    >>> round(float(hazard(2.0)), 6)
-    0.001
 
     Attributes
     ----------
     x: levels [SI], (n,)
     rate: annual rates of exceedance [1/year], (n,)
     im: name of the intensity measure
+
+    Examples
+    --------
+    >>> hazard = HazardCurve([1.0, 2.0, 4.0], [1e-2, 1e-3, 1e-4])
+    >>> round(float(hazard(2.0)), 6)
+    0.001
     """
 
     x: Array  # levels [SI], (n,)
@@ -93,8 +97,17 @@ class HazardCurve:
         return -np.diff(np.log(self.rate)) / np.diff(np.log(self.x))
 
     def density(self, x: Array) -> Array:
-        """Return -dH/d(ln x) [1/year] at levels x [SI], of the line to the right of a
-        point; 0 outside the points.
+        """Return -dH/d(ln x) at some levels.
+
+        Parameters
+        ----------
+        x
+            levels [SI], of any shape
+
+        Returns
+        -------
+        array
+            [1/year], of the line to the right of a point; 0 outside the points
         """
         line = np.searchsorted(self.x, x, side="right") - 1
         inside = (line >= 0) & (line < self.slope.size)
@@ -103,8 +116,19 @@ class HazardCurve:
         )
 
     def rate_of(self, ln_median: Array, beta: Array) -> Array:
-        """Return the annual rate [1/year] of lognormal fragilities, in the shape of ln
-        median and beta.
+        """Return the annual rate of lognormal fragilities.
+
+        Parameters
+        ----------
+        ln_median
+            ln of the median [SI], of any shape
+        beta
+            dispersion [-], of the same shape
+
+        Returns
+        -------
+        array
+            [1/year], in the same shape
         """
         from scipy.special import log_ndtr, ndtr
 
@@ -141,8 +165,19 @@ class HazardCurve:
         intervals: Sequence[Sequence[tuple[float, float]]],
         highest: float = math.inf,
     ) -> Array:
-        """Return the annual rate [1/year] of each motion, (members,): sum of H(x_from)
-        - H(x_to) over its intervals up to `highest`.
+        """Return the annual rate of overturning of each motion from its intervals.
+
+        Parameters
+        ----------
+        intervals
+            of each motion, pairs (from, to) of levels [SI], (members,)
+        highest
+            level above which nothing is counted [SI]
+
+        Returns
+        -------
+        array
+            the sum of H(from) - H(to) [1/year], (members,)
         """
         return np.array(
             [
@@ -156,7 +191,9 @@ class HazardCurve:
 
 @dataclass(frozen=True)
 class Rate:
-    """An annual rate of passing a limit state.
+    """An annual rate of passing a limit state, part of a `Fit`.
+
+    `probability` turns it into a probability within some years.
 
     Attributes
     ----------
@@ -166,6 +203,12 @@ class Rate:
     beyond: the most that motions beyond the last level add [1/year]
     last: the last level [SI]
     first: probability of the limit state at the first level of the hazard curve [-]
+
+    Examples
+    --------
+    >>> rate = Rate(annual=1e-3, low=None, high=None, beyond=0.0, last=9.81, first=0.0)
+    >>> f"{rate.probability(50.0):.5f}"
+    '0.04877'
     """
 
     annual: float  # [1/year]
@@ -177,8 +220,17 @@ class Rate:
     first: float
 
     def probability(self, years: float) -> float:
-        """Return the probability of passing the limit state within this number of
-        years.
+        """Return the probability of passing the limit state within some years.
+
+        Parameters
+        ----------
+        years
+            their number
+
+        Returns
+        -------
+        float
+            1 - exp(-annual years) [-]
         """
         return -math.expm1(-self.annual * years)
 
@@ -196,8 +248,17 @@ class Rate:
         return dict(zip(RATE_COLUMNS, values, strict=False))
 
     def remarks(self, hazard: HazardCurve) -> list[str]:
-        """Return a sentence for each end of the levels beyond which more than a tenth
-        of the rate, or P > 0.01, is not counted.
+        """Return a sentence for each end of the hazard curve that matters.
+
+        Parameters
+        ----------
+        hazard
+            the hazard curve of the rate
+
+        Returns
+        -------
+        list of str
+            if more than a tenth of the rate, or P > 0.01, is not counted
         """
         in_words, found = measure_of(hazard.im).in_words, []
         if self.beyond > 0.1 * self.annual:
@@ -215,9 +276,34 @@ class Rate:
 
 
 def annual_rate(median: float, beta: float, hazard: HazardCurve) -> float:
-    """Return the annual rate [1/year] of a limit state: the integral of
-    Phi(ln(x/median)/beta) over |dH(x)|; median in SI.
+    """Return the annual rate of a limit state whose capacity is lognormal.
 
+    Parameters
+    ----------
+    median
+        of the capacity, in the SI unit of the hazard curve, positive
+    beta
+        dispersion [-], positive
+    hazard
+        the hazard curve of the site
+
+    Returns
+    -------
+    float
+        the integral of Phi(ln(x/median)/beta) over |dH(x)| [1/year]
+
+    Raises
+    ------
+    UsageError
+        for a median or beta that is not positive
+
+    Notes
+    -----
+    Motions below the first and above the last level of the hazard curve are not
+    counted.
+
+    Examples
+    --------
     >>> hazard = HazardCurve([1e-4, 1.0, 1e4], [5e5, 5e-5, 5e-15])
     >>> round(annual_rate(0.43, 0.35, hazard), 8)
     0.00060472

@@ -47,16 +47,36 @@ def openquake_unit(measure: Measure) -> tuple[str, float]:
 def read_hazard(
     path: str | Path, im: str = "PGA", site: str | None = None
 ) -> HazardCurve:
-    """Return the hazard curve of a file: a CSV as OpenQuake writes it, or two columns,
-    levels and annual rates or probabilities.
+    """Return the hazard curve of a file.
 
-    im: the measure that the levels must have; site: `LON,LAT` of a row of OpenQuake's
-    file, None if it has one row. A probability p in t years is the rate -ln(1 - p)/t.
-    First levels whose probability is 1, and last levels whose rate is 0, are left out.
-    Raises UsageError for an unreadable file or another measure, DocumentError with
-    file, line and column for its faults.
+    A probability p in t years is the rate -ln(1 - p)/t. First levels whose probability
+    is 1, and last levels whose rate is 0, are left out.
 
-    >>> read_hazard('configs/hazard.csv').rate[:3].tolist()
+    Parameters
+    ----------
+    path
+        a CSV as OpenQuake writes it, or two columns, levels and annual rates or
+        probabilities
+    im
+        the measure that the levels must have, such as "PGA" or "SA(1.0)"
+    site
+        "LON,LAT" of a row of OpenQuake's file, None if it has one row
+
+    Returns
+    -------
+    HazardCurve
+        levels in SI, rates in 1/year
+
+    Raises
+    ------
+    UsageError
+        for an unreadable file or another measure
+    DocumentError
+        for its faults, with file, line and column
+
+    Examples
+    --------
+    >>> read_hazard("configs/hazard.csv").rate[:3].tolist()
     [0.1, 0.03, 0.008]
     """
     table, measure = read_table(path), measure_of(im)

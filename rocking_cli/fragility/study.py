@@ -310,16 +310,46 @@ def fragility(
     hazard: HazardCurve | None = None,
 ) -> list[Fit]:
     """Return the fragility curves of structures under records, as `rocking fragility`
-    fits them.
+    does.
 
-    levels: of the measure im, in SI; limits: values of |theta|/alpha, None for
-    overturning; methods: some of `METHODS`; method: the equation of motion, None for
-    `governing_method`; hazard: a curve of the same measure, for annual rates. A limit
-    state with too few data is left out. Raises UsageError for bad levels or another
-    measure, and if no fit is left.
+    Parameters
+    ----------
+    structures
+        one or more
+    records
+        the records, each scaled to every level; see `load_records`
+    levels
+        levels of the measure [SI], positive and rising, (k,)
+    im
+        the intensity measure: "PGA", "PGV", "SA(1.0)" and others of
+        `rocking help fragility`
+    limits
+        limit states: values of |theta|/alpha [-], None for overturning
+    methods
+        some of "stripes", "first" and "cloud"
+    method
+        the equation of motion; None for the nonlinear one if all geometries are known
+    how
+        options of the bootstrap, None for 1000 samples
+    workers
+        number of processes, None for all cores
+    hazard
+        a hazard curve of the same measure, for annual rates
 
-    >>> columns = load_structures('configs/block.yaml')
-    >>> fragility(columns, load_records('configs/motions/synthetic.at2'), [1.0, 2.0])
+    Returns
+    -------
+    list of Fit
+        a limit state with too few data is left out
+
+    Raises
+    ------
+    UsageError
+        for bad levels or another measure, and if no fit is left
+
+    Examples
+    --------
+    >>> columns = load_structures("configs/block.yaml")
+    >>> fragility(columns, load_records("configs/motions/synthetic.at2"), [1.0, 2.0])
     Traceback (most recent call last):
         ...
     rocking_cli.errors.UsageError: Column, 0.1, stripes: 1 records; a fit needs at least

@@ -77,8 +77,12 @@ def plus(a: Piece, b: Piece) -> Piece:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Contiguous pieces from phase 0; the ground acceleration is a_g s(phi).
+    """A ground motion as exact pieces; the ground acceleration is a_g s(phi), phi =
+    omega_g t.
 
+    `sine`, `cosine`, `pulse` and `read_motion` make one; a record has one in its own
+    time (`Record.motion`). `value` evaluates s, `largest` is max |s|, `duration` the
+    phase at which the shaking ends, and `scaled` returns the motion times a factor.
     Raises MotionError if there is no piece, if pieces overlap or leave a gap, or if a
     number is not finite.
 
@@ -87,6 +91,14 @@ class Motion:
     pieces: contiguous, the first one from phase 0
     vertical: vertical motion on the same pieces, over the same a_g, positive upwards
     acceleration: a_g of a record [m/s2], which has omega_g = 1 rad/s; else None
+
+    Examples
+    --------
+    >>> motion = sine()
+    >>> motion.value([0.5, 2.0]).round(6).tolist()
+    [0.479426, 0.909297]
+    >>> round(motion.duration, 6), motion.largest
+    (6.283185, 1.0)
     """
 
     name: str  # as messages and files call the motion
@@ -142,7 +154,17 @@ class Motion:
         return self.pieces[-1].stop
 
     def still_until(self, phase: float) -> Motion:
-        """Return the motion followed by the ground at rest up to a phase [rad]."""
+        """Return the motion followed by the ground at rest.
+
+        Parameters
+        ----------
+        phase
+            phase at which the rest ends [rad]
+
+        Returns
+        -------
+        Motion
+        """
         up = None if self.vertical is None else self.vertical.still_until(phase)
         return self.on(np.append(self.marks, phase), up)
 
@@ -154,8 +176,20 @@ class Motion:
         return np.array([0.0, *(p.stop for p in self.pieces)])
 
     def on(self, marks: np.ndarray, vertical: Motion | None = None) -> Motion:
-        """Return the motion with a piece between each two phases [rad], which include
-        its own marks, at rest after its end; vertical: on the same.
+        """Return the motion on finer pieces, at rest after its end.
+
+        Parameters
+        ----------
+        marks
+            the ends of all pieces [rad], (n + 1,), which include the marks of the
+            motion
+        vertical
+            a vertical motion on the same pieces, None without one
+
+        Returns
+        -------
+        Motion
+            with n pieces
         """
         pieces = []
         for start, stop in pairwise(marks.tolist()):
@@ -179,8 +213,23 @@ class Motion:
         )
 
     def scaled(self, factor: float, name: str | None = None) -> Motion:
-        """Return the motion times a factor, and its vertical one times |factor|; name:
-        by default with the factor. Raises MotionError.
+        """Return the motion times a factor, and its vertical motion times |factor|.
+
+        Parameters
+        ----------
+        factor
+            [-], may be negative, not zero
+        name
+            of the new motion; by default with the factor
+
+        Returns
+        -------
+        Motion
+
+        Raises
+        ------
+        MotionError
+            for a factor of zero, or one that is not finite or above 1e100
         """
         scaled_name, up = self._scaled_name(factor)
         return Motion(
@@ -205,8 +254,18 @@ class Motion:
         return float(max(self.segments.later_max[0], -self.segments.later_min[0]))
 
     def value(self, phase: np.ndarray | float) -> np.ndarray:
-        """Return s [-] at phases [rad] of any shape; at a jump the value after it,
-        outside the motion zero.
+        """Return s at some phases; at a jump the value after it, outside the motion
+        zero.
+
+        Parameters
+        ----------
+        phase
+            phi = omega_g t [rad], of any shape
+
+        Returns
+        -------
+        array
+            s [-], in the shape of `phase`
         """
         phase = np.asarray(phase, dtype=float)
         result = np.zeros_like(phase)
@@ -221,8 +280,18 @@ class Motion:
         return self.cut([extremes(piece) for piece in self.pieces])
 
     def cut(self, inner: Sequence[Sequence[float]]) -> Segments:
-        """Return the segments of the pieces; inner: the phases [rad] of the cuts inside
-        each piece, among them its extremes.
+        """Return the segments of the pieces.
+
+        Parameters
+        ----------
+        inner
+            the phases of the cuts inside each piece [rad], among them its extremes,
+            (pieces,) lists
+
+        Returns
+        -------
+        Segments
+            on each of which s is monotone
         """
         marks = [
             [piece.start, *within, piece.stop]

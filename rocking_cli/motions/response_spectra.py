@@ -36,11 +36,31 @@ _NAME = re.compile(r"(SA|AvgSA)(?:\((.*)\))?", re.IGNORECASE)
 def displacement_spectrum(
     record: Record, periods: Sequence[float] | Array, damping: float = DAMPING
 ) -> Array:
-    """Return S_d [m] of the unscaled record at periods [s], (n,). Raises UsageError for
-    bad periods or damping, and for periods that would cut the record into more than
-    2^24 samples.
+    """Return the displacement spectrum S_d of a record, of the elastic oscillator.
 
-    >>> record = read_record('configs/motions/synthetic.at2')
+    Parameters
+    ----------
+    record
+        as recorded
+    periods
+        T [s], positive, (n,)
+    damping
+        ratio of critical damping [-], from 0 to below 1
+
+    Returns
+    -------
+    array
+        S_d [m], (n,)
+
+    Raises
+    ------
+    UsageError
+        for bad periods or damping, and for periods that would cut the record into more
+        than 2^24 samples
+
+    Examples
+    --------
+    >>> record = read_record("configs/motions/synthetic.at2")
     >>> displacement_spectrum(record, [0.5, 1.0]).round(4).tolist()
     [0.0621, 0.367]
     """
@@ -73,10 +93,30 @@ def displacement_spectrum(
 def acceleration_spectrum(
     record: Record, periods: Sequence[float] | Array, damping: float = DAMPING
 ) -> Array:
-    """S_a = (2 pi/T)^2 S_d [m/s2], the pseudo-acceleration of the unscaled record;
-    arguments and errors as `displacement_spectrum`.
+    """Return the spectrum of the pseudo-acceleration S_a = (2 pi/T)^2 S_d of a record.
 
-    >>> record = read_record('configs/motions/synthetic.at2')
+    Parameters
+    ----------
+    record
+        as recorded
+    periods
+        T [s], positive, (n,)
+    damping
+        ratio of critical damping [-], from 0 to below 1
+
+    Returns
+    -------
+    array
+        S_a [m/s2], (n,)
+
+    Raises
+    ------
+    UsageError
+        as `displacement_spectrum`
+
+    Examples
+    --------
+    >>> record = read_record("configs/motions/synthetic.at2")
     >>> acceleration_spectrum(record, [0.5, 1.0]).round(3).tolist()
     [9.803, 14.488]
     """

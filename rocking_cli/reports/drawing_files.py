@@ -56,23 +56,58 @@ def draw(
     overwrite: bool = True,
     tell: Callable[[str], None] | None = None,
 ) -> str | Axes | None:
-    """Draw a file into a PNG, SVG or PDF; for a slice, return a sentence that states
-    its value. Or into Axes, which are returned.
+    """Draw a file of results into a PNG, SVG or PDF file, or into Axes.
 
-    source: a spectra file, or CSV (`-`: standard input), or the CSV of several
-    responses; structure: name of the structure or record of a map, None for the first;
-    cut: a slice of a spectra file, such as `Omega=5` or `f_g=1.5`; every: a panel for
-    each structure; over: the abscissa of a family, `KEY` or `KEY/KEY`; log: x, y or xy;
-    units: None for g and Hz; portrait: the phase portrait of a response; body: the
-    structure of its separatrix, None for the block with its p and alpha; align: the
-    time of each response counts from its largest rotation; tell: called with the
-    characters that the font lacks. Raises UsageError for another file or nothing to
-    draw, and OutputError.
+    Parameters
+    ----------
+    source
+        a spectra file, a CSV file of a command ("-": standard input), or the CSV files
+        of several responses
+    target
+        the file to write, or Axes of matplotlib
+    structure
+        name of the structure or record of a map, None for the first
+    cut
+        a slice of a spectra file, such as "Omega=5" or "f_g=1.5"
+    every
+        True: a panel for each structure
+    over
+        the abscissa of a family, "KEY" or "KEY/KEY"
+    log
+        logarithmic axes: "x", "y" or "xy"
+    units
+        of the axes, None for g and Hz
+    look
+        size, title and style, None for the figure's own
+    portrait
+        True: the phase portrait of a response
+    body
+        the structure of its separatrix, None for the block with its p and alpha
+    align
+        True: the time of each response counts from its largest rotation
+    overwrite
+        False: an existing file is an error
+    tell
+        called with the characters that the font lacks
 
-    >>> grid = parse_grid('A=1:8:50,Omega=4:5:2')
+    Returns
+    -------
+    str, Axes or None
+        the Axes if the target is one; of a slice a sentence that states its value
+
+    Raises
+    ------
+    UsageError
+        for another file, nothing to draw, or Axes for several panels
+    OutputError
+        when a file is damaged or cannot be written, or matplotlib is not installed
+
+    Examples
+    --------
+    >>> grid = parse_grid("A=1:8:50,Omega=4:5:2")
     >>> structures = [dimensionless_oscillator(0.9)]
-    >>> _ = write_spectrum(structures, sine(), grid, 'd.h5', workers=1)
-    >>> draw('d.h5', 'slice.svg', cut='Omega=5')
+    >>> _ = write_spectrum(structures, sine(), grid, "d.h5", workers=1)
+    >>> draw("d.h5", "slice.svg", cut="Omega=5")
     'slice at Omega = 5, the nearest of the file'
     """
     sources = [

@@ -181,15 +181,48 @@ def report(
     overwrite: bool = True,
     workers: int | None = None,
 ) -> list[Verdict]:
-    """Write the page of `rocking report` about the structures of documents under a
-    motion or records; return its verdicts.
+    """Write an HTML page on structures under a motion or records.
 
-    shaking: a grid of one cell, which records do not need; the other arguments as of
-    `page`. Raises UsageError, and OutputError for a file that cannot be written.
+    Parameters
+    ----------
+    documents
+        of the structures
+    motion
+        the motion of the ground, or several records
+    target
+        the HTML file to write
+    shaking
+        amplitude and frequency, a grid of one cell, which records do not need
+    title
+        of the page, None for the names of the structures
+    summary
+        True: the page begins with a sentence on each structure
+    by_capacity
+        True: the structure with the least capacity comes first
+    overwrite
+        False: an existing file is an error
+    workers
+        number of processes, None for all cores
 
-    >>> documents = read_documents('configs/parameters.yaml')
-    >>> shaking = parse_grid('a_g=0.2g,f_g=2')
-    >>> verdicts = report(documents, sine(), 'r.html', shaking=shaking)
+    Returns
+    -------
+    list of Verdict
+        a verdict for each structure under each motion
+
+    Raises
+    ------
+    UsageError
+        for a demand of zero, or a target that cannot or must not be written
+    DocumentError
+        if a document is not valid
+    OutputError
+        when the file cannot be written, or a package for it is not installed
+
+    Examples
+    --------
+    >>> documents = read_documents("configs/parameters.yaml")
+    >>> shaking = parse_grid("a_g=0.2g,f_g=2")
+    >>> verdicts = report(documents, sine(), "r.html", shaking=shaking)
     >>> [verdict.outcome.flag for verdict in verdicts]
     ['no_uplift']
     """

@@ -104,14 +104,44 @@ def accuracy(
     scipy: int = 10,
     seed: int = 0,
 ) -> list[dict[str, Any]]:
-    """Return the rows of `work_precision` for a structure over a grid; method: None for
-    `governing_method`. Raises UsageError.
+    """Return error and run time of the methods over a grid, beside SciPy's solvers.
 
-    >>> grid = parse_grid('A=1:8:20,Omega=1:8:20')
+    Parameters
+    ----------
+    structure
+        the structure
+    motion
+        the motion of the ground
+    grid
+        from whose cells some are drawn
+    method
+        the equation of motion; None for the nonlinear one if the geometry is known and
+        the axes have units, else the linear one
+    sample
+        number of cells that are compared, from 1
+    scipy
+        number of cells that SciPy's solvers compute, 0 for none
+    seed
+        of the random choice of cells
+
+    Returns
+    -------
+    list of dict
+        rows of `rocking accuracy`: method, tolerance, cells, time_per_cell [s],
+        error_max and error_99 of theta/alpha [-], misjudged
+
+    Raises
+    ------
+    UsageError
+        for a number out of range, or an equation that does not hold for the structure
+
+    Examples
+    --------
+    >>> grid = parse_grid("A=1:8:20,Omega=1:8:20")
     >>> rows = accuracy(
     ...     dimensionless_oscillator(0.9), sine(), grid, sample=5, scipy=0
     ... )
-    >>> rows[0]['method'], rows[0]['misjudged']
+    >>> rows[0]["method"], rows[0]["misjudged"]
     ('rocking, exact', 0)
     """
     for name, value, least in (

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from ..envelopes.lowest_fall import FallSearch
 
 Demand = tuple[RockingParameters, Motion, Grid]
+# Called with the number of finished stages, of which a part counts as a fraction, and
+# of all.
 Progress = Callable[[float, int], None]
 
 _STAGES = 3  # of a verdict: responses, search, history
@@ -71,8 +73,12 @@ TIED_COLUMNS = (
 
 @dataclass(frozen=True)
 class Verdict:
-    """The verdict on a structure under a motion by its governing equation;
-    accelerations are amplitudes a_g of the motion.
+    """The verdict on a structure under a motion, as `check` returns it.
+
+    It is that of the governing equation; accelerations are amplitudes a_g of the
+    motion. `capacity_demand` is the lowest overturning amplitude over the demand,
+    `falls` and `sentence` state the outcome, `row` is what `rocking check --json`
+    prints.
 
     Attributes
     ----------
@@ -99,6 +105,15 @@ class Verdict:
     opens: True if a further hinge opens in an arch, whose mechanism is then another
         one; None for another structure
     searched_to: largest a_g of the search [m/s2]; None without a search
+
+    Examples
+    --------
+    >>> (column,) = load_structures("configs/block.yaml")
+    >>> verdict = check(column, sine(), parse_grid("a_g=0.35g,f_g=1.5"))
+    >>> verdict.outcome.flag, verdict.falls, f"{verdict.theta_ratio:.4f}"
+    ('rocked', False, '0.4629')
+    >>> f"{verdict.first_overturning_a:.4f} m/s2"
+    '3.8278 m/s2'
     """
 
     structure: str  # name of the structure
@@ -204,17 +219,46 @@ def check(
     a_max: float | None = A_MAX,
     progress: Progress | None = None,
 ) -> Verdict:
-    """Return the verdict on a structure under a motion; shaking: the demand, a grid of
-    one cell; a record does not need it.
+    """Return whether a structure stands under a motion, and by which margin.
 
-    a_max: the search for overturning goes up to this A, or to twice the demand if that
-    is larger; None: no search. progress: called with the number of finished stages, of
-    which a part counts as a fraction, and of all (responses, search, forces). Raises
-    UsageError for a demand of zero, for one above the limit of the search, and for a
-    structure without units.
+    The governing equation decides: the nonlinear one (Eqs. 2.3, 3.4) if the geometry is
+    known and the motion has units, else the linear one (Eqs. 2.4, 3.6).
 
-    >>> (column,) = load_structures('configs/block.yaml')
-    >>> verdict = check(column, sine(), parse_grid('a_g=0.35g,f_g=1.5'))
+    Parameters
+    ----------
+    structure
+        the structure
+    motion
+        the motion of the ground
+    shaking
+        the demand: amplitude and frequency, a grid of one cell; a record does not need
+        it
+    a_max
+        A up to which overturning amplitudes are searched [-], or twice the demand if
+        that is larger; None: no search
+    progress
+        called with the number of finished stages, of which a part counts as a fraction,
+        and of all (responses, search, forces)
+
+    Returns
+    -------
+    Verdict
+
+    Raises
+    ------
+    UsageError
+        for a demand of zero, for one above the limit of the search, and for a structure
+        without units
+
+    Notes
+    -----
+    The amplitudes that overturn a body are intervals: above the first one it may stand
+    again. `capacity_demand` below 1 with the outcome "rocked" says so.
+
+    Examples
+    --------
+    >>> (column,) = load_structures("configs/block.yaml")
+    >>> verdict = check(column, sine(), parse_grid("a_g=0.35g,f_g=1.5"))
     >>> verdict.outcome.flag, round(verdict.capacity_demand, 4)
     ('rocked', 1.1149)
     """

@@ -39,16 +39,46 @@ def history(
     release: float = 0.0,
     duration: float,
 ) -> History:
-    """Return the response of a body that begins at rest, or at theta/alpha = release,
-    up to tau = duration or the end of the shaking.
+    """Return the response in time of one body, in dimensionless form (Eqs. 2.3, 2.4,
+    3.4).
 
-    Parameters as in `response`; amplitude 0 is free rocking. A body is released to its
-    right side. Raises ValueError when a number is out of range.
+    The body begins at rest, or released at theta/alpha = release to its right side. The
+    history goes up to tau = p t = duration or to the end of the shaking, whichever is
+    later. `time_history` does the same for a structure in SI units.
 
-    >>> (column,) = load_structures('configs/block.yaml')
+    Parameters
+    ----------
+    system
+        the equation of motion on its contact, such as `Method().system_of(structure)`
+    motion
+        the motion of the ground
+    amplitude
+        A = a_scale a_g / (alpha g) [-], finite, not negative; 0 is free rocking
+    omega
+        Omega = omega_g / p [-], finite, positive
+    eta
+        restitution [-]
+    release
+        theta/alpha at the start [-], from 0 to below 1
+    duration
+        tau = p t up to which the history goes [-], positive
+
+    Returns
+    -------
+    History
+        arcs and events, and the outcome of the whole motion
+
+    Raises
+    ------
+    ArgumentError
+        for a number out of range
+
+    Examples
+    --------
+    >>> (column,) = load_structures("configs/block.yaml")
     >>> system = Method().system_of(column)
     >>> found = history(system, sine(), 2.0, 6.0, column.eta, duration=40.0)
-    >>> [e.event for e in found.events][:3]
+    >>> [event.event for event in found.events][:3]
     ['uplift', 'peak', 'impact']
     """
     numbers = {

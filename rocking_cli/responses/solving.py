@@ -34,8 +34,10 @@ _EXACT = 1e-8  # of a boundary before it is rounded
 
 @dataclass(frozen=True)
 class Boundary:
-    """A value of a key with a structure that stands on one side of it only. Without a
-    boundary the value and capacity_demand are None.
+    """A value of a key at which a structure begins or ceases to stand.
+
+    `boundaries` returns them. Without a boundary the value and capacity_demand are
+    None.
 
     Attributes
     ----------
@@ -48,6 +50,14 @@ class Boundary:
         under a set of motions the least one over the motions of the required share
     shown: the value in the unit of the range, by heading
     unit: SI unit of the value, "" for a plain number
+
+    Examples
+    --------
+    >>> column = parse_documents("{kind: block, width: 0.5, height: 2}")[0]
+    >>> shakes = [(sine(), parse_grid("a_g=0.1g,f_g=1"))]
+    >>> (found,), _ = boundaries(column, parse_variation("width=0.5:0.6:2"), shakes)
+    >>> found.side, found.value
+    ('stands everywhere', None)
     """
 
     structure: str  # its name
@@ -83,22 +93,57 @@ def boundaries(
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[list[Boundary], list[str]]:
-    """Return (boundaries, remarks); without a boundary one row, which says whether the
-    structure stands at all values. On one side of a boundary the first overturning
-    amplitude, of a stack the least of its interfaces, is at least `margin` times the
-    demand under this share of the motions. Two boundaries between neighbouring values
-    of `varied` may be missed.
+    """Return the values of a key at which a structure begins or ceases to stand.
 
-    shakes: motions with grids of one cell, the demands; opposite: the same motions in
-    the opposite direction, if both count; up_to: the demand at the other end of a range
-    of frequencies, of which the worst counts; progress: called with the number of
-    finished values and of all. Raises UsageError, DocumentError.
+    On one side of a boundary the first overturning amplitude, of a stack the least of
+    its interfaces, is at least `margin` times the demand under this share of the
+    motions.
 
-    >>> (column,) = read_documents('configs/block.yaml')
-    >>> shakings = [(sine(), parse_grid('a_g=0.4g,f_g=1'))]
-    >>> (found,), _ = boundaries(column, parse_variation('width=0.4:0.8:3'), shakings)
-    >>> found.side, found.value, round(found.capacity_demand, 4)
-    ('stands above', 0.623121, 1.0)
+    Parameters
+    ----------
+    document
+        the structure
+    varied
+        the key and the values between which boundaries are searched
+    shakes
+        motions with grids of one cell, the demands
+    margin
+        least accepted capacity over demand [-]
+    share
+        share of the motions under which the structure must stand [-], above 0, up to 1
+    opposite
+        the same motions in the opposite direction, if both count
+    up_to
+        the demand at the other end of a range of frequencies, of which the worst counts
+    workers
+        number of processes, None for all cores if that saves time
+    progress
+        called with the number of finished values and of all
+
+    Returns
+    -------
+    tuple of (list of Boundary, list of str)
+        the boundaries, and remarks; without a boundary one row, which says whether the
+        structure stands at all values
+
+    Raises
+    ------
+    UsageError
+        for a number out of range, or a grid of several cells
+    DocumentError
+        if the document is not valid, or the key is unknown
+
+    Notes
+    -----
+    Two boundaries between neighbouring values of `varied` may be missed.
+
+    Examples
+    --------
+    >>> (column,) = read_documents("configs/block.yaml")
+    >>> shakes = [(sine(), parse_grid("a_g=0.4g,f_g=1"))]
+    >>> (found,), _ = boundaries(column, parse_variation("width=0.4:0.8:3"), shakes)
+    >>> found.side, f"{found.value:.5f} m", round(found.capacity_demand, 4)
+    ('stands above', '0.62312 m', 1.0)
     """
     from scipy.optimize import brentq
 

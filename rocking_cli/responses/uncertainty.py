@@ -34,7 +34,25 @@ _FEWEST, _MOST, _CELLS = 24, 400, 25_000
 
 @dataclass(frozen=True)
 class Share:
-    """The share of draws for which something holds, with its interval."""
+    """The share of draws for which something holds, with its interval.
+
+    Attributes
+    ----------
+    count
+        draws for which it holds
+    draws
+        all draws
+    low
+        lower end of the 95 % interval [-]
+    high
+        its upper end [-]
+
+    Examples
+    --------
+    >>> found = Share.of(12, 1024)
+    >>> f"{found.low:.5f} {found.share:.5f} {found.high:.5f}"
+    '0.00607 0.01172 0.02038'
+    """
 
     count: int  # draws for which it holds
     draws: int  # all draws
@@ -51,11 +69,16 @@ class Share:
         """Return the share with its interval of Clopper and Pearson, which holds for
         independent draws and is wider than needed for those of a Sobol sequence.
 
-        Examples
-        --------
-        >>> found = Share.of(12, 1024)
-        >>> round(found.low, 6), round(found.high, 6)
-        (0.00607, 0.020381)
+        Parameters
+        ----------
+        count
+            draws for which it holds
+        draws
+            all draws
+
+        Returns
+        -------
+        Share
         """
         from scipy.special import betaincinv
 
@@ -163,7 +186,35 @@ def first_overturning_of(
 
 @dataclass(frozen=True)
 class DrawnVerdict:
-    """The verdicts on the draws of one structure under one demand."""
+    """The verdicts on the draws of one structure under one demand.
+
+    Attributes
+    ----------
+    share
+        of the draws that fall
+    left_out
+        draws that make no structure
+    fault
+        why the first of them makes none
+    failed
+        draws whose computation failed; they count as falls
+    quantiles
+        first overturning amplitude of the ground [m/s2] that 5, 50 and 95 % of the
+        draws do not exceed; infinite where none overturns up to the limit, empty
+        without a search
+    searched
+        draws whose first overturning was searched
+    indices
+        index of first order of each key [-]
+
+    Examples
+    --------
+    >>> (wall,) = load_structures('block:0.5x2,restitution=0.85..0.95')
+    >>> demand = parse_grid('a_g=0.4g,f_g=1.5')
+    >>> found = drawn_verdict(wall, sine(), demand, n=64, a_max=None)
+    >>> found.key, f"{found.share.share:.1f}"
+    ('restitution', '0.8')
+    """
 
     share: Share  # of the draws that fall
     left_out: int  # draws that make no structure

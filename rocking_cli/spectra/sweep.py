@@ -166,12 +166,43 @@ def spectrum(
     method: Method | None = None,
     **options: Any,
 ) -> Spectrum:
-    """Return the rocking spectrum of structures over a grid, in memory. A record needs
-    no grid; parse_grid(..., own_time=True) scales it. method: the equation of motion,
-    None for `governing_method`; options: workers, check and quantities of
-    `SweepOptions`. Raises UsageError.
+    """Return the rocking spectrum of structures over a grid, in memory (section 2 of
+    the paper).
 
-    >>> grid = parse_grid('A=1:8:50,Omega=1:8:40')
+    Parameters
+    ----------
+    structures
+        one or more; of those of equal restitution a linear spectrum over A and Omega is
+        computed once
+    motion
+        the motion of the ground
+    grid
+        the cells: A and Omega, or a_g and a frequency; a record needs none, and
+        parse_grid(..., own_time=True) scales it
+    method
+        the equation of motion; None for the nonlinear one if all geometries are known
+        and the axes have units, else the linear one
+    options
+        `workers`: number of processes, None for all cores; `check`: number of cells
+        that the reference computes again; `quantities`: more variables, such as
+        "condition"
+
+    Returns
+    -------
+    Spectrum
+        with arrays of the shape (structures, frequencies, amplitudes)
+
+    Raises
+    ------
+    UsageError
+        for an equation that does not hold for a structure, an option out of range, or a
+        pulse without a grid
+    OutputError
+        when a worker process dies
+
+    Examples
+    --------
+    >>> grid = parse_grid("A=1:8:50,Omega=1:8:40")
     >>> found = spectrum([dimensionless_oscillator(0.9)], sine(), grid, workers=1)
     >>> found.theta_ratio.shape, int(overturned(found.outcome).sum())
     ((1, 40, 50), 1163)
@@ -232,13 +263,49 @@ def write_spectrum(
     **options: Any,
 ) -> Summary:
     """Compute a spectrum of structures under a pulse and stream it into an HDF5 file.
-    method: as in `spectrum`; options: those of `SweepOptions`: workers, scheduler,
-    chunk_cells, check, quantities, impacts, overwrite, resume, strict, shard,
-    documents, history, progress and tell. Raises what `write_scene` raises.
 
-    >>> grid = parse_grid('A=1:8:50,Omega=1:8:40')
+    The file opens in xarray and other netCDF readers; `SpectraFile` reads it, `draw`
+    draws it. While it is computed it has the name PATH.part.
+
+    Parameters
+    ----------
+    structures
+        one or more, with distinct names
+    motion
+        the pulse
+    grid
+        the cells: A and Omega, or a_g and a frequency
+    path
+        the HDF5 file
+    method
+        the equation of motion, None as in `spectrum`
+    options
+        `workers`, `check` and `quantities` as in `spectrum`; `scheduler` (address of a
+        dask cluster), `chunk_cells`, `impacts` (True stores their number), `overwrite`,
+        `resume`, `strict`, `shard` ((i, n): the i-th of n parts, for `merge`),
+        `sample_validity`, `documents` and `history` (texts to store), `progress` and
+        `tell` (functions)
+
+    Returns
+    -------
+    Summary
+        counts, times and checks of the sweep
+
+    Raises
+    ------
+    UsageError
+        for a refused scene, option or output; a file that exists is not replaced
+        without `overwrite`
+    OutputError
+        when the file cannot be written or a worker process dies
+    Interrupted
+        on Ctrl-C; `resume` goes on with the finished chunks
+
+    Examples
+    --------
+    >>> grid = parse_grid("A=1:8:50,Omega=1:8:40")
     >>> structures = [dimensionless_oscillator(0.9)]
-    >>> write_spectrum(structures, sine(), grid, 'shared.h5', workers=1).cells
+    >>> write_spectrum(structures, sine(), grid, "shared.h5", workers=1).cells
     2000
     """
     check_choices("write_spectrum", SweepOptions, options)

@@ -24,7 +24,24 @@ _EDGE = 2.0**-31  # ranks stay so far inside (0, 1)
 
 
 class Draw(NamedTuple):
-    """One draw of a structure."""
+    """One draw of a structure whose numbers have spreads.
+
+    Attributes
+    ----------
+    values
+        SI values of the keys with a spread, by their path
+    parameters
+        the structure, None if these values make none that rocks
+    fault
+        the reason why they make none
+
+    Examples
+    --------
+    >>> (document,) = read_documents('block:0.4..0.6x2')
+    >>> draw = next(draws(document, 8))
+    >>> draw.parameters.uplift == draw.values['width'] / 2.0
+    True
+    """
 
     values: dict[str, float]  # SI values of the keys with a spread, by their path
     # parameters of the structure, None if these values make no structure that rocks

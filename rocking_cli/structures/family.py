@@ -25,13 +25,22 @@ MAX_MEMBERS = 1_000_000
 
 
 class Variation(NamedTuple):
-    """A key and its varied values.
+    """A key of a document and the values that it takes in turn.
+
+    `parse_variation` makes one of a text; `family` and `boundaries` take it.
 
     Attributes
     ----------
     key: of the document
     values: numbers in `unit`
     unit: None: that of the document
+
+    Examples
+    --------
+    >>> (document,) = read_documents("configs/block.yaml")
+    >>> widths = Variation("width", (0.5, 1.0), "m")
+    >>> [f"{member.parameters.alpha:.4f}" for member in family(document, [widths])]
+    ['0.2450', '0.4636']
     """
 
     key: str  # of the document
@@ -40,7 +49,7 @@ class Variation(NamedTuple):
 
 
 class Member(NamedTuple):
-    """One member of a family.
+    """One structure of a `family`.
 
     Attributes
     ----------
@@ -48,6 +57,13 @@ class Member(NamedTuple):
     shown: the same values in the units of the option, by heading with unit
     parameters: None if the document has no solution
     fault: the reason why the document has no solution
+
+    Examples
+    --------
+    >>> (document,) = read_documents("configs/block.yaml")
+    >>> member = next(family(document, ["height=2:4:3"]))
+    >>> member.varied, member.fault
+    ({'height': 2.0}, None)
     """
 
     varied: dict[str, float]  # SI values by key, empty without parameters
@@ -58,10 +74,27 @@ class Member(NamedTuple):
 
 
 def parse_variation(text: str, count: int | None = None) -> Variation:
-    """Return the variation that `KEY=START:STOP:N` states. Bounds without a unit take
-    the unit of the document; count: the N of a text without N. Raises UsageError.
+    """Return the variation that a text states.
 
-    >>> parse_variation('angle=150deg:160deg:3')
+    Parameters
+    ----------
+    text
+        KEY=START:STOP:N; bounds without a unit take the unit of the document
+    count
+        the N of a text without N
+
+    Returns
+    -------
+    Variation
+
+    Raises
+    ------
+    UsageError
+        for a text of another form
+
+    Examples
+    --------
+    >>> parse_variation("angle=150deg:160deg:3")
     Variation(key='angle', values=(150.0, 155.0, 160.0), unit='deg')
     """
     key, equals, span = text.partition("=")
@@ -122,13 +155,34 @@ def members(variations: Sequence[Variation]) -> int:
 def family(
     document: Document, variations: Sequence[Variation | str], each: bool = False
 ) -> Iterator[Member]:
-    """Yield a member for each combination of the varied values; the last key varies
-    fastest. A variation may be a text, see `parse_variation`; each: a stack has a
-    member for each interface, see `on_each_interface`. Raises DocumentError if a key is
-    unknown, and UsageError if a key takes a text.
+    """Yield a structure for each combination of varied values.
 
-    >>> (document,) = read_documents('configs/block.yaml')
-    >>> [round(member.parameters.p, 4) for member in family(document, ['height=2:4:3'])]
+    Parameters
+    ----------
+    document
+        the structure
+    variations
+        the keys and their values, or texts as `parse_variation` reads them; the last
+        key varies fastest
+    each
+        True: a stack has a member for each interface, see `on_each_interface`
+
+    Yields
+    ------
+    Member
+        its `fault` says why a combination has no solution
+
+    Raises
+    ------
+    DocumentError
+        if a key is unknown
+    UsageError
+        if a key takes a text, or a text states no variation
+
+    Examples
+    --------
+    >>> (document,) = read_documents("configs/block.yaml")
+    >>> [round(member.parameters.p, 4) for member in family(document, ["height=2:4:3"])]
     [2.6717, 2.1996, 1.9106]
     """
     from . import build_structure, on_each_interface

@@ -101,11 +101,15 @@ def fields_in(row: Mapping[str, Any]) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class RockingParameters:
-    """The parameters of a rocking structure (section 4 of the paper). If the edges
-    differ, the numbers are those of the edge with the smaller lambda.
+    """The parameters of a rocking structure (sections 2 to 4 of the paper).
 
-    Raises StructureError if a number is not finite or out of range, or if the sides do
-    not agree with the rest.
+    `load_structures` and `build_structure` make one of a document, and
+    `dimensionless_oscillator` one of a restitution alone. If the edges differ, the
+    numbers are those of the edge with the smaller lambda. `row` and `from_row` write
+    and read it; `dimensionless_amplitude` and `ground_acceleration` turn a_g into A and
+    back; `with_restitution` returns the same body with another eta. Raises
+    StructureError if a number is not finite or out of range, or if the sides do not
+    agree with the rest.
 
     Attributes
     ----------
@@ -132,8 +136,17 @@ class RockingParameters:
         other numbers are those of the free body
     labels: texts by name that a document or a table has beside its numbers
     remarks: sentences on numbers that are probably wrong
-    drawn_from: the document, if it holds numbers with a spread, at whose means all
-        numbers hold
+
+    Examples
+    --------
+    >>> column = RockingParameters(
+    ...     name="Column", structure="parameters", p=2.67, alpha=0.245, eta=0.91,
+    ...     uplift=0.25, a_scale=1.0,
+    ... )
+    >>> round(column.dimensionless_amplitude(0.35 * 9.81), 4)
+    1.4286
+    >>> column.row()["lambda"]
+    0.25
     """
 
     name: str  # of the structure, as tables and files call it
@@ -216,8 +229,29 @@ class RockingParameters:
     def of_sides(
         cls, name: str, structure: str, left: Side, right: Side, **more: Any
     ) -> RockingParameters:
-        """Return a body on two edges; without `sides` if their parameters are equal.
-        `more`: the other fields.
+        """Return a body on two edges.
+
+        Parameters
+        ----------
+        name
+            of the structure
+        structure
+            its kind
+        left, right
+            parameters of the body on each edge; if they are equal, `sides` is empty
+        more
+            the other fields
+
+        Returns
+        -------
+        RockingParameters
+            whose p, alpha, eta, lambda and a_scale are those of the edge with the
+            smaller lambda
+
+        Raises
+        ------
+        StructureError
+            if a number is out of range
         """
         sides = () if numbers_of(left) == numbers_of(right) else (left, right)
         weaker = weaker_side((left, right))
@@ -239,8 +273,22 @@ class RockingParameters:
 
     @classmethod
     def from_row(cls, row: Mapping[str, Any]) -> RockingParameters:
-        """Return the parameters from the dictionary of `row()`. Raises KeyError,
-        TypeError or ValueError if it is not valid.
+        """Return the parameters that `row()` wrote.
+
+        Parameters
+        ----------
+        row
+            a dictionary, as `rocking params --json` prints it
+
+        Returns
+        -------
+        RockingParameters
+            without the mechanism of an arch, which a row does not hold
+
+        Raises
+        ------
+        KeyError, TypeError, ValueError
+            if the dictionary is not valid
         """
         sides = tuple(
             Side(side["side"], arm=side.get("arm"), **fields_in(side))
@@ -283,8 +331,22 @@ class RockingParameters:
         return replace(self, a_scale=self.alpha / self.uplift, sides=sides)
 
     def with_restitution(self, eta: float) -> RockingParameters:
-        """Return the same body with another restitution on every edge. Raises
-        StructureError if it is out of range.
+        """Return the same body with another restitution on every edge.
+
+        Parameters
+        ----------
+        eta
+            coefficient of restitution [-] (Eq. 2.6)
+
+        Returns
+        -------
+        RockingParameters
+            with eta_source "given"
+
+        Raises
+        ------
+        StructureError
+            if eta is out of range
         """
         return replace(
             self,
@@ -326,8 +388,17 @@ class RockingParameters:
         }
 
     def alpha_on(self, side: Any) -> Any:
-        """Return alpha [rad] on the right edge (side = +1) or the left edge (side =
-        -1), in the shape of `side`.
+        """Return the critical angle on each side.
+
+        Parameters
+        ----------
+        side
+            +1 for the right edge (theta > 0), -1 for the left, of any shape
+
+        Returns
+        -------
+        float or array
+            alpha [rad], in the shape of `side`
         """
         if not self.sides:
             return self.alpha + 0.0 * side
@@ -335,11 +406,33 @@ class RockingParameters:
         return left.alpha + (right.alpha - left.alpha) * (side > 0.0)
 
     def dimensionless_amplitude(self, a_g: Any) -> Any:
-        """Return A = a_scale a_g / (alpha g) for a ground acceleration a_g [m/s2]."""
+        """Return A = a_scale a_g / (alpha g).
+
+        Parameters
+        ----------
+        a_g
+            amplitude of the ground acceleration [m/s2], of any shape
+
+        Returns
+        -------
+        float or array
+            A [-]
+        """
         return self.a_scale * a_g / (self.alpha * self.gravity)
 
     def ground_acceleration(self, amplitude: Any) -> Any:
-        """Return the ground acceleration a_g [m/s2] of a dimensionless amplitude A."""
+        """Return a_g = A alpha g / a_scale.
+
+        Parameters
+        ----------
+        amplitude
+            A [-], of any shape
+
+        Returns
+        -------
+        float or array
+            amplitude of the ground acceleration [m/s2]
+        """
         return amplitude * (self.alpha * self.gravity) / self.a_scale
 
 
@@ -349,12 +442,31 @@ def weaker_side(sides: Sequence[Side]) -> Side:
 
 
 def dimensionless_oscillator(eta: float) -> RockingParameters:
-    """Return the oscillator of a dimensionless spectrum. Its p, alpha, lambda, a_scale
-    and gravity are 1, so a_g = A and omega_g = Omega. Raises StructureError if eta is
-    not in [0, 1].
+    """Return the oscillator of a dimensionless spectrum.
 
-    >>> dimensionless_oscillator(0.9).eta
-    0.9
+    Its p, alpha, lambda, a_scale and gravity are 1, so a_g = A and omega_g = Omega. One
+    spectrum of it serves every structure of the same restitution (section 4 of the
+    paper).
+
+    Parameters
+    ----------
+    eta
+        coefficient of restitution [-], from 0 to 1 (Eq. 2.6)
+
+    Returns
+    -------
+    RockingParameters
+
+    Raises
+    ------
+    StructureError
+        if eta is not in [0, 1]
+
+    Examples
+    --------
+    >>> oscillator = dimensionless_oscillator(0.9)
+    >>> oscillator.p, oscillator.alpha, oscillator.eta
+    (1.0, 1.0, 0.9)
     """
     return RockingParameters(
         f"eta={eta:g}", DIMENSIONLESS, 1.0, 1.0, eta, 1.0, 1.0, "given", 1.0

@@ -86,7 +86,9 @@ PLAIN = {"m/s2": "m/s²", "cm/s2": "cm/s²"}
 
 @dataclass(frozen=True)
 class Look:
-    """The look of a figure file; None: the figure's own.
+    """The look of a figure file; None leaves a choice to the figure.
+
+    `draw` and the other drawing functions take one.
 
     Attributes
     ----------
@@ -94,6 +96,14 @@ class Look:
     dpi: dots per inch
     title: text above the figure
     style: a style file of matplotlib
+
+    Examples
+    --------
+    >>> _ = draw_structures(
+    ...     read_documents("configs/block.yaml"), "b.svg", look=Look(width=0.08)
+    ... )
+    >>> Look(width=0.08, title="Column").title
+    'Column'
     """
 
     width: float | None = None  # [m]
@@ -102,8 +112,12 @@ class Look:
     style: str | Path | None = None  # a style file of matplotlib
 
     def finish(self, figure: Figure) -> None:
-        """Give the figure its title, that of the only panel or above all,
-        and its size.
+        """Give a figure its title, that of the only panel or above all, and its size.
+
+        Parameters
+        ----------
+        figure
+            a Figure of matplotlib
         """
         if self.title is not None and len(figure.axes) == 1:
             figure.axes[0].title.set_text(literal(self.title))

@@ -33,14 +33,35 @@ def draw_capacities(
     overwrite: bool = True,
     tell: Callable[[str], None] | None = None,
 ) -> None:
-    """Draw the verdicts of a check into a PNG, SVG or PDF file.
+    """Draw the capacities and demands of a check into a PNG, SVG or PDF file.
 
-    in_g: accelerations in g, else in m/s2; tell: called with characters that the font
-    lacks. Raises OutputError.
+    Parameters
+    ----------
+    verdicts
+        one or more, of `check`
+    target
+        the file to write
+    in_g
+        True: accelerations in g, else in m/s2
+    look
+        size, title and style, None for the figure's own
+    overwrite
+        False: an existing file is an error
+    tell
+        called with the characters that the font lacks
 
-    >>> (arch,) = load_structures('configs/parameters.yaml')
-    >>> verdict = check(arch, sine(), parse_grid('a_g=0.35g,f_g=1.5'))
-    >>> draw_capacities([verdict], 'capacity.svg')
+    Raises
+    ------
+    UsageError
+        for another kind of file, or one that exists
+    OutputError
+        when the file cannot be written or matplotlib is not installed
+
+    Examples
+    --------
+    >>> (arch,) = load_structures("configs/parameters.yaml")
+    >>> verdict = check(arch, sine(), parse_grid("a_g=0.35g,f_g=1.5"))
+    >>> draw_capacities([verdict], "capacity.svg")
     """
     with canvas(target, overwrite, look=look, tell=tell) as figure:
         capacities(figure, verdicts, in_g)
@@ -195,12 +216,31 @@ def draw_capacity_curves(
 ) -> None:
     """Draw each check by a code in a panel of its own, into a PNG, SVG or PDF file.
 
-    tell: called with characters that the font lacks. Raises UsageError for too many
-    panels, and OutputError.
+    Parameters
+    ----------
+    checks
+        one or more, of `code_check`
+    target
+        the file to write
+    look
+        size, title and style, None for the figure's own
+    overwrite
+        False: an existing file is an error
+    tell
+        called with the characters that the font lacks
 
-    >>> (column,) = load_structures('configs/block.yaml')
-    >>> found = code_check(column, sine(), parse_grid('a_g=0.3g,T_g=0.4'))
-    >>> draw_capacity_curves([found], 'curve.svg')
+    Raises
+    ------
+    UsageError
+        for too many panels, another kind of file, or one that exists
+    OutputError
+        when the file cannot be written or matplotlib is not installed
+
+    Examples
+    --------
+    >>> (column,) = load_structures("configs/block.yaml")
+    >>> found = code_check(column, sine(), parse_grid("a_g=0.3g,T_g=0.4"))
+    >>> draw_capacity_curves([found], "curve.svg")
     """
     with canvas(target, overwrite, look=look, tell=tell) as figure:
         for axes, check in zip(panels(figure, len(checks)), checks, strict=True):

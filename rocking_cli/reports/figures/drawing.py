@@ -30,14 +30,36 @@ def draw_structures(
     overwrite: bool = True,
     tell: Callable[[str], None] | None = None,
 ) -> None:
-    """Draw the structure of each document in its own panel of a PNG, SVG or PDF file,
-    all at one scale.
+    """Draw structures to scale, each in its own panel of a PNG, SVG or PDF file.
 
-    A structure without geometry is left out; tell: called with a sentence on it, and on
-    characters that the font lacks. Raises DocumentError if a document is not valid or
-    no structure has a geometry, and OutputError.
+    Parameters
+    ----------
+    documents
+        of the structures; one without geometry is left out
+    target
+        the file to write
+    units
+        of the lengths, None for those of the figure
+    look
+        size, title and style, None for the figure's own
+    overwrite
+        False: an existing file is an error
+    tell
+        called with a sentence on a structure that is left out, and on characters that
+        the font lacks
 
-    >>> draw_structures(read_documents('configs/arch.yaml'), 'arch.svg')
+    Raises
+    ------
+    UsageError
+        for another kind of file, or one that exists
+    DocumentError
+        if a document is not valid or no structure has a geometry
+    OutputError
+        when the file cannot be written or matplotlib is not installed
+
+    Examples
+    --------
+    >>> draw_structures(read_documents("configs/arch.yaml"), "arch.svg")
     """
     found: list[tuple[RockingParameters, Sketch]] = []
     for document in documents:

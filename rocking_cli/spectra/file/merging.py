@@ -20,7 +20,7 @@ from .writer import SpectraWriter
 
 @dataclass(frozen=True)
 class Merged:
-    """The result of a merge.
+    """What `merge` did.
 
     Attributes
     ----------
@@ -28,6 +28,11 @@ class Merged:
     all_chunks: number of chunks of the sweep
     machine_differences: between the machines that computed them
     missing: shards ("2/8") that are missing or not complete
+
+    Examples
+    --------
+    >>> Merged(chunks=4, all_chunks=4, machine_differences="").missing
+    ()
     """
 
     chunks: int  # number of merged chunks
@@ -43,18 +48,41 @@ def merge(
     overwrite: bool = False,
     strict: bool = False,
 ) -> Merged:
-    """Write one spectrum from these shards; strict: refuse shards of machines that
-    compute differently. Raises UsageError when they are not of one scene, OutputError
-    when one is damaged, two hold different data for the same cells, or the output
-    cannot be written.
+    """Write one spectra file from the shards of a sweep.
 
-    >>> grid = parse_grid('A=1:8:50,Omega=1:8:40')
+    Parameters
+    ----------
+    paths
+        files of `write_spectrum(..., shard=(i, n))`, finished or partial
+    output
+        the file to write
+    overwrite
+        True: replace an existing output
+    strict
+        True: refuse shards of machines that compute differently in the last digits
+
+    Returns
+    -------
+    Merged
+        with the shards that are missing
+
+    Raises
+    ------
+    UsageError
+        when the shards are not of one scene, or the output exists
+    OutputError
+        when one is damaged, two hold different data for the same cells, or the output
+        cannot be written
+
+    Examples
+    --------
+    >>> grid = parse_grid("A=1:8:50,Omega=1:8:40")
     >>> for i in (1, 2):
     ...     _ = write_spectrum(
-    ...         [dimensionless_oscillator(0.9)], sine(), grid, f'{i}.h5',
+    ...         [dimensionless_oscillator(0.9)], sine(), grid, f"{i}.h5",
     ...         workers=1, chunk_cells=500, shard=(i, 2),
     ...     )
-    >>> merge(['1.h5', '2.h5'], 'whole.h5').all_chunks
+    >>> merge(["1.h5", "2.h5"], "whole.h5").all_chunks
     4
     """
     with ExitStack() as stack:

@@ -44,9 +44,12 @@ _FAULTS = (
 
 
 class SpectraFile(ExitStack[None]):
-    """A spectra file, finished or partial, open for reading; a context manager. Every
-    byte is checked by the digest or a checksum. Raises UsageError if the file cannot be
-    opened, and OutputError if it is no spectra file or has changed.
+    """A spectra file, finished or partial, open for reading; a context manager.
+
+    `array` returns a whole variable, `block` a part of it, `cells` rows; `grid` and
+    `motion` are those of a spectrum of a pulse. Every byte is checked by the digest or
+    a checksum. Raises UsageError if the file cannot be opened, and OutputError if it is
+    no spectra file or has changed.
 
     Attributes
     ----------
@@ -57,6 +60,15 @@ class SpectraFile(ExitStack[None]):
     done: True for each chunk that is there
     attributes: of the root
     digest: of a finished file, None for a partial file
+
+    Examples
+    --------
+    >>> grid = parse_grid("A=1:3:3,Omega=2:4:2")
+    >>> structures = [dimensionless_oscillator(0.9)]
+    >>> _ = write_spectrum(structures, sine(), grid, "s.h5", workers=1)
+    >>> with SpectraFile("s.h5") as file:
+    ...     print(file.complete, file.array("outcome").shape)
+    True (1, 2, 3)
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -196,7 +208,17 @@ class SpectraFile(ExitStack[None]):
         return [int(i) for i in np.flatnonzero(self.done) if not self.intact(int(i))]
 
     def intact(self, index: int) -> bool:
-        """True if a chunk is undamaged."""
+        """True if a chunk is undamaged.
+
+        Parameters
+        ----------
+        index
+            index of the chunk
+
+        Returns
+        -------
+        bool
+        """
         try:
             self.packed(index)
         except OutputError:
@@ -204,16 +226,44 @@ class SpectraFile(ExitStack[None]):
         return True
 
     def outcomes(self, index: int) -> np.ndarray:
-        """Return the number of cells of a chunk for each
-        outcome. Raises OutputError.
+        """Return the number of cells of a chunk for each outcome.
+
+        Parameters
+        ----------
+        index
+            index of the chunk
+
+        Returns
+        -------
+        array
+            counts, (outcomes,)
+
+        Raises
+        ------
+        OutputError
+            for a damaged chunk
         """
         return np.bincount(
             self._arrays(index)["outcome"].ravel(), minlength=len(Outcome)
         )
 
     def packed(self, index: int) -> Packed:
-        """Return the bytes of a chunk as they are stored, compressed. Raises
-        OutputError if they are damaged.
+        """Return the bytes of a chunk as they are stored, compressed.
+
+        Parameters
+        ----------
+        index
+            index of the chunk
+
+        Returns
+        -------
+        Packed
+            bytes by variable
+
+        Raises
+        ------
+        OutputError
+            if they are damaged
         """
         try:
             if self._log is not None:
@@ -246,8 +296,24 @@ class SpectraFile(ExitStack[None]):
     def block(
         self, place: int, rows: slice, columns: slice = slice(None)
     ) -> dict[str, np.ndarray]:
-        """Return the variables at one place of the first dimension, over these rows and
-        columns. Raises OutputError for a damaged chunk.
+        """Return the variables over a part of the cells.
+
+        Parameters
+        ----------
+        place
+            index along the first dimension
+        rows, columns
+            slices of the second and third dimension
+
+        Returns
+        -------
+        dict of arrays
+            by variable, (rows, columns)
+
+        Raises
+        ------
+        OutputError
+            for a damaged chunk
         """
         wanted = [
             slice(*s.indices(n)[:2])
@@ -272,8 +338,24 @@ class SpectraFile(ExitStack[None]):
         return {name: values[0] for name, values in found.items()}
 
     def array(self, name: str) -> np.ndarray:
-        """Return one variable over all three dimensions, NaN or 0 in cells that are not
-        computed. Raises OutputError, UsageError.
+        """Return one variable over all cells.
+
+        Parameters
+        ----------
+        name
+            one of `names`, such as "theta_ratio"
+
+        Returns
+        -------
+        array
+            over all three dimensions; NaN or 0 in cells that are not computed
+
+        Raises
+        ------
+        UsageError
+            for a variable that the file does not hold
+        OutputError
+            for a damaged chunk
         """
         if name not in self.names:
             raise UsageError(
