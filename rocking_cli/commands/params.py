@@ -46,15 +46,15 @@ def params(
     from ..structures.family import family, members, parse_variation
     from ..structures.parameters import OTHERS
 
-    documents = options.documents_of(files)
-    variations = [parse_variation(text) for text in vary]
-    total = members(variations)
     if drawn.draws:
         refuse("does not go with --draws", "vary", "linear_uplift")
         structures, _ = options.structures_of(files)
         require_spreads(structures)
         emit(list(drawn.rows(structures)), keys=("name", "quantity"))
         return
+    documents = options.documents_of(files)
+    variations = [parse_variation(text) for text in vary]
+    total = members(variations)
     shown = form()
     early: list[RockingParameters] = []
 
