@@ -21,13 +21,13 @@ def test_params_has_a_row_for_each_quantity(rocking):
     assert list(found) == ["p", "alpha", "eta", "lambda", "a_scale"]
 
 
-@pytest.mark.parametrize("workers", ["1", "2"])
 def test_a_document_may_come_through_a_pipe(rocking):
     text = '{"kind": "block", "width": "0.5 +- 0.01", "height": 2}'
     done = rocking("params", "-", "--draws", "8", "--csv", stdin=text)
     assert len(done.rows) == 5
 
 
+@pytest.mark.parametrize("workers", ["1", "2"])
 def test_check_gives_the_share_that_falls(rocking, workers):
     calls = ("check", WALL, "block:0.7x2", *DEMAND, "--draws", "256")
     done = rocking(*calls, "--verdict-only", "--workers", workers, "--json")
