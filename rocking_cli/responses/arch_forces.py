@@ -194,10 +194,9 @@ class ArchForces:
         [rad/s2], (n,).
         """
         ring = self.mechanism.ring
-        start = np.full(joints.size, self.mechanism.hinges[hinge])
-        part = ring.sector(start, joints)  # negative if the joint lies before the hinge
-        mass = np.where(part.mass == 0.0, 1.0, part.mass)  # an empty part has no centre
-        x, z = part.x / mass, part.z / mass
+        # negative if the joint lies before the hinge
+        part = ring.sector(np.full(joints.size, self.mechanism.hinges[hinge]), joints)
+        x, z = _centre_of(part)
 
         # Newton: the force on the joint is the rest of m a = sum of forces.
         at, gain, drift = link.place(x, z)
@@ -207,11 +206,11 @@ class ArchForces:
         force = hinge_force[0] - inertia
 
         # Euler, about the centre of the joint.
-        faces = (np.array(ring.point(joints, face)) for face in (INTRADOS, EXTRADOS))
-        centre = link.place(*(0.5 * sum(faces)))[0]
-        spin = link.turn * acceleration + link.turn_drift
+        inner, outer = ring.point(joints, INTRADOS), ring.point(joints, EXTRADOS)
+        centre = link.place(*(0.5 * (np.array(inner) + np.array(outer))))[0]
+        spin = (link.turn * acceleration + link.turn_drift)[:, None]
         moment = _moment(hinge_force[1] - centre, hinge_force[0])
-        moment -= _moment(at - centre, inertia) + part.about(x, z) * spin[:, None]
+        moment -= _moment(at - centre, inertia) + part.about(x, z) * spin
         return force, moment
 
     def _normals(self, link: _Link, joints: Array) -> Array:
@@ -266,6 +265,12 @@ def _turns(bars: list[Array], rate: Array) -> tuple[list[Array], list[Array]]:
         (rate * turn)[:, None] ** 2 * bar for turn, bar in zip(turns, bars, strict=True)
     )
     return turns, [0.0 * one, *_solved(across[1], across[2], centripetal)]
+
+
+def _centre_of(part: Moments) -> tuple[Array, Array]:
+    """Return (x, z) of the mass centres of parts [m], the origin for an empty part."""
+    mass = np.where(part.mass == 0.0, 1.0, part.mass)
+    return part.x / mass, part.z / mass
 
 
 def _balance(

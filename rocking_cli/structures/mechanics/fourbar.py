@@ -187,12 +187,14 @@ class FourBar:
         shape = np.shape(phi)
         second, third = (turn.ravel() for turn in self.rotations(phi))
         phi = np.ravel(np.asarray(phi, dtype=float))
-        a, b, c, d = (point[:, None] for point in self.points)
+        a, b, c, d = self.points[..., None]
         b_now, c_now = a + _rotate(b - a, phi), d + _rotate(c - d, third)
         centres = [
             after + _rotate(np.array([[m.x], [m.z]]) / m.mass - before, turn)
-            for m, before, after, turn in zip(
-                self.links, (a, b, d), (a, b_now, d), (phi, second, third), strict=True
+            for m, (before, after, turn) in zip(
+                self.links,
+                ((a, a, phi), (b, b_now, second), (d, d, third)),
+                strict=True,
             )
         ]
         links = [
