@@ -85,12 +85,16 @@ def draw(
         elif cut is not None:
             axes, remark = _cut(figure, sources[0], cut, shown)
         else:
-            with SpectraFile(sources[0]) as file:
-                axes = _places(figure, file, structure, every, shown)
+            axes = _places(figure, sources[0], structure, every, shown)
         _require_marks(axes, sources[0])
-        for one in axes:
-            one.set(**{f"{axis}scale": "log" for axis in log})
+        _set_logarithmic(axes, log)
     return remark if isinstance(target, str | Path) else target
+
+
+def _set_logarithmic(axes: Sequence[Axes], log: str) -> None:
+    """Make these scales logarithmic; log: x, y or xy."""
+    for one in axes:
+        one.set(**{f"{axis}scale": "log" for axis in log})
 
 
 def _paths(source: str | Path | Sequence[str | Path]) -> list[Path]:
@@ -192,26 +196,26 @@ def is_spectra_file(source: Path) -> bool:
 
 
 def _places(
-    figure: Figure, file: SpectraFile, name: str | None, every: bool, units: Units
+    figure: Figure, source: Path, name: str | None, every: bool, units: Units
 ) -> list[Axes]:
     """Draw the map of one structure or record, or of all with `every`; records over
     structures as lines, over alpha and T as quantiles.
     """
-    names, *both = file.frame.dimensions.values()
-    if "alpha" in file.frame.dimensions and name is None and not every:
-        return record_spectra(figure, file, units)
-    chosen = list(range(len(names))) if every else [place_of(file, name)]
-    axes = panels(figure, len(chosen))
-    of_structures = any(isinstance(values, list) for values in both)
-    entries: dict[str, Any] = {}
-    for one, place in zip(axes, chosen, strict=True):
-        if of_structures:
-            spectrum_lines(one, of_record(file, place), units)
-        else:
-            entries |= {
-                entry.get_label(): entry
-                for entry in outcome_map(one, file, place, units)
-            }
+    with SpectraFile(source) as file:
+        names, *both = file.frame.dimensions.values()
+        if "alpha" in file.frame.dimensions and name is None and not every:
+            return record_spectra(figure, file, units)
+        chosen = list(range(len(names))) if every else [place_of(file, name)]
+        axes = panels(figure, len(chosen))
+        if any(isinstance(values, list) for values in both):  # of structures
+            for one, place in zip(axes, chosen, strict=True):
+                spectrum_lines(one, of_record(file, place), units)
+            return axes
+        entries = {
+            entry.get_label(): entry
+            for one, place in zip(axes, chosen, strict=True)
+            for entry in outcome_map(one, file, place, units)
+        }
     if entries:
         figure.legend(
             handles=list(entries.values()),
