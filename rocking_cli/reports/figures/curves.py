@@ -284,34 +284,33 @@ def least_amplitudes(
     y = next(
         key for key in ("first_overturning_a", "a_from", "A_from") if key in rows[0]
     )
-    varied = [heading for heading in rows[0] if heading.startswith(VARIED)]
+    varied = [key for key in rows[0] if key.startswith(VARIED)]
     xlabel, others = _abscissa(rows, varied, over)
-    frequency = next((key for key in ("omega_g", "Omega") if rows[0].get(key)), "")
-    for row in rows if frequency else ():  # its last digits differ between structures
-        row[frequency] = f"{float(row[frequency]):.9g}"
+    frequency = _with_equal_frequencies(rows)
     axes = figure.add_subplot()
     places = [
         key
         for key in ("motion", "record", frequency, "model")
         if len(groups(rows, key)) > 1
     ]
-    drawn: set[float] = set()  # the demands that have a line
+    demands: set[float] = set()  # that have a line
     for i, (group, some) in enumerate(groups(rows, *others, *places).items()):
         words = [
-            (
-                _valued(key, text)
-                if key in others
-                else valued(key, float(text), units)
-                if key == frequency
-                else text
-            )
+            valued(key, float(text), units)
+            if key == frequency
+            else _valued(key, text)
+            if key in others
+            else text
             for key, text in zip([*others, *places], group, strict=True)
         ]
         least = [_first(lines, y) for lines in groups(some, _X).values()]
-        points = _broken(least, values(least, y, units))
-        axes.plot(*points, label=", ".join(words) or "_", **line_style(i))
+        axes.plot(
+            *_broken(least, values(least, y, units)),
+            label=", ".join(words) or "_",
+            **line_style(i),
+        )
         if "demand_a" in rows[0]:
-            _plot_demand(axes, float(values(some, "demand_a", units)[0]), drawn)
+            _plot_demand(axes, float(values(some, "demand_a", units)[0]), demands)
     axes.set(
         xlabel=xlabel,
         ylabel=label(y, units),
@@ -320,6 +319,16 @@ def least_amplitudes(
     axes.set_ylim(bottom=0.0)
     legend(axes)
     return [axes]
+
+
+def _with_equal_frequencies(rows: Rows) -> str:
+    """Return the column of frequencies, empty without one. Its last digits, which
+    differ between structures, are rounded away in the rows.
+    """
+    name = next((key for key in ("omega_g", "Omega") if rows[0].get(key)), "")
+    for row in rows if name else ():
+        row[name] = f"{float(row[name]):.9g}"
+    return name
 
 
 def _first(rows: Rows, y: str) -> dict[str, str]:
