@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from ...documents.document import Document, parse_documents
+from ...documents.document import Document
+from ...documents.parsing import parse_documents
 from ...documents.quantities import DEFAULT_GRAVITY
 from ...dynamics.method import LINEAR, Method
 from ...responses.separatrix import separatrix
