@@ -1,7 +1,7 @@
 # The public names, each with its home: the only list of them. `__init__.py` imports
 # from it what is asked for.
 from .documents.document import Document as Document
-from .documents.document import parse_documents as parse_documents
+from .documents.parsing import parse_documents as parse_documents
 from .documents.spreads import Spread as Spread
 from .dynamics.equations.linear import LinearEquation as LinearEquation
 from .dynamics.equations.mechanism import MechanismEquation as MechanismEquation

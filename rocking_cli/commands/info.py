@@ -163,7 +163,7 @@ def _documents(file: "SpectraFile") -> list[dict[str, Any]]:
     """Return the documents of a spectra file, each with the name of its structure in
     the file.
     """
-    from ..documents.document import parse_documents
+    from ..documents.parsing import parse_documents
 
     text = str(file.attributes.get("documents", ""))
     found = [

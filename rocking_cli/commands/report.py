@@ -44,7 +44,8 @@ def report(
     install jinja2 matplotlib.
     """
     from ..dynamics.outcome import Outcome
-    from ..reports.page import WRITTEN_WITH, Subject, write_page
+    from ..reports.page import WRITTEN_WITH, write_page
+    from ..reports.page_sections import Subject
     from ..responses.check import tally
     from ..structures import build_structure, with_distinct_names
 

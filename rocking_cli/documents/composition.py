@@ -4,7 +4,8 @@ time and memory.
 
 import json
 import re
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import yaml
@@ -64,6 +65,39 @@ class Value:
             self.content.casefold()
             if isinstance(self.content, str) and not self.quoted
             else None
+        )
+
+    def inner(self, name: str) -> "Value | None":
+        """Return the value of a key of this mapping, or of an index of this list; None
+        without it.
+        """
+        if isinstance(self.content, dict):
+            return self.content.get(name)
+        if isinstance(self.content, list) and name.isdigit():
+            return self.content[int(name)] if int(name) < len(self.content) else None
+        return None
+
+    def with_inner(self, path: Sequence[str], new: "Value") -> "Value":
+        """Return a copy with the value at a path replaced, or added to a mapping.
+
+        Raises DocumentError for a path that leads nowhere.
+        """
+        name, *rest = path
+        content = self.content
+        if isinstance(content, dict) and (not rest or name in content):
+            changed = content[name].with_inner(rest, new) if rest else new
+            return replace(self, content={**content, name: changed})
+        if isinstance(content, list) and rest and (old := self.inner(name)):
+            items = [x.with_inner(rest, new) if x is old else x for x in content]
+            return replace(self, content=items)
+        wanted = (
+            f"a number from 0 to {len(content) - 1} and a key"
+            if isinstance(content, list)
+            else "a key of a mapping"
+        )
+        raise DocumentError(
+            f"{new.place}: found {name!r} in {self} of line {self.place.line}; expected"
+            f" {wanted}"
         )
 
     def plain(self) -> Any:

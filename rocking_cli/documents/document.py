@@ -12,24 +12,18 @@ import math
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
-
-import yaml
 
 from ..errors import DocumentError, did_you_mean
-from .composition import DEEPEST, MOST_VALUES, Place, Value, compose, unspaced
-from .files import read_bytes
+from .composition import Place, Value
 from .quantities import (
     FACTORS,
     SMALLEST_LENGTH,
     accepted,
     is_bare,
     parse_quantity,
-    with_a_point,
 )
 from .spreads import MOST_CUT, Spread, is_spread, parse_spread
-from .table import Cell, rows_of_structures, split_heading
-from .texts import text_of
+from .table import ITEM, Cell, split_heading, text_of_row
 
 MEANT = {
     "eta": "restitution",
@@ -42,9 +36,6 @@ MEANT = {
     "weight": "mass",
 }
 LABELS = "labels"  # the key of texts that the computation does not use
-_ITEM = re.compile(
-    r"([a-z_]+)_(\d{1,4})_([a-z_]+)"
-)  # a CSV column for an item of a list, such as pieces_1_width
 
 
 @dataclass(frozen=True)
@@ -637,7 +628,7 @@ class Document:
         kept, labels = [], {}
         for cell in self.cells:
             if cell.key in keys or (
-                (item := _ITEM.fullmatch(cell.key)) and item[1] in keys
+                (item := ITEM.fullmatch(cell.key)) and item[1] in keys
             ):
                 labels[cell.key] = Value(cell.written, cell.place, quoted=True)
             else:
@@ -650,7 +641,7 @@ class Document:
         texts = {name: label.content for name, label in labels.items()}
         self.cells, self.text = (
             (),
-            f"{_text_of_row(kept)}\n{LABELS}: {json.dumps(texts)}",
+            f"{text_of_row(kept)}\n{LABELS}: {json.dumps(texts)}",
         )
 
     def value_at(self, key: str) -> Value | None:
@@ -669,10 +660,7 @@ class Document:
         head, *path = [key] if key in self.values else key.split(".")
         found = self.values.get(head)
         for name in path:
-            content = found.content if found else ""
-            found = (
-                content.get(name) if isinstance(content, dict) else _item(content, name)
-            )
+            found = found.inner(name) if found else None
         return found
 
     def with_value(self, key: str, text: str, source: str) -> Document:
@@ -699,7 +687,7 @@ class Document:
         head, *path = key.split(".")
         new, keys = Value(text, Place(source, 0, 0)), self.keys
         if path and head in self.values:
-            key, new = head, _with_inner(self.values[head], path, new)
+            key, new = head, self.values[head].with_inner(path, new)
         else:
             keys = {**keys, key: new.place}
         return replace(
@@ -712,42 +700,6 @@ class Document:
             bare={},
             uncertain={},
         )
-
-
-def _item(content: object, name: str) -> Value | None:
-    return (
-        content[int(name)]
-        if isinstance(content, list) and name.isdigit() and int(name) < len(content)
-        else None
-    )
-
-
-def _with_inner(value: Value, path: Sequence[str], new: Value) -> Value:
-    name, *rest = path
-    if isinstance(value.content, dict) and (not rest or name in value.content):
-        return replace(
-            value,
-            content={
-                **value.content,
-                name: _with_inner(value.content[name], rest, new) if rest else new,
-            },
-        )
-    if isinstance(value.content, list) and rest and (old := _item(value.content, name)):
-        return replace(
-            value,
-            content=[
-                _with_inner(x, rest, new) if x is old else x for x in value.content
-            ],
-        )
-    wanted = (
-        f"a number from 0 to {len(value.content) - 1} and a key"
-        if isinstance(value.content, list)
-        else "a key of a mapping"
-    )
-    raise DocumentError(
-        f"{new.place}: found {name!r} in {value} of line {value.place.line}; expected"
-        f" {wanted}"
-    )
 
 
 def _range_text(above: float, below: float, least: float, most: float) -> str:
@@ -766,199 +718,3 @@ def _range_text(above: float, below: float, least: float, most: float) -> str:
         else ""
     )
     return "a value " + " and ".join(x for x in (low, high) if x)
-
-
-def read_documents(path: str | Path) -> list[Document]:
-    """Read all documents of a YAML, JSON or CSV file; `-` is standard input. Raises
-    UsageError (no such file) or DocumentError.
-    """
-    return documents_of(*read_bytes(path))
-
-
-def documents_of(source: str, raw: bytes) -> list[Document]:
-    """Return all documents in the bytes of a file. Raises DocumentError."""
-    return parse_documents(text_of(source, raw), source)
-
-
-def parse_documents(text: str, source: str = "<text>") -> list[Document]:
-    """Return all documents of a text.
-
-    Parameters
-    ----------
-    text
-        YAML documents, JSON objects one after the other, or rows of a CSV table
-    source
-        the name of the text in messages
-
-    Returns
-    -------
-    list of Document
-        in the order of the text
-
-    Raises
-    ------
-    DocumentError
-        for a text that is none of these, with line and column
-
-    Examples
-    --------
-    >>> documents = parse_documents('{"kind": "block"} {"kind": "arch"}')
-    >>> [document.values["kind"].content for document in documents]
-    ['block', 'arch']
-    """
-    rows = rows_of_structures(text, source)
-    if rows is None:
-        documents = [
-            _document(node, source, i) for i, node in enumerate(compose(text, source))
-        ]
-    else:
-        documents = [
-            replace(document_of(cells, source, i), cells=tuple(cells))
-            for i, cells in enumerate(rows)
-        ]
-    if not documents:
-        raise DocumentError(
-            f"{Place(source, 1, 1)}: empty; expected a structure document, such as"
-            " `kind: block` with width and height"
-        )
-    return documents
-
-
-def document_of(cells: Sequence[Cell], source: str, index: int = 0) -> Document:
-    """Return the document with these keys, texts and places, such as the cells of a CSV
-    row. Raises DocumentError.
-    """
-    values: dict[str, Value] = {}
-    keys: dict[str, Place] = {}
-    for key, text, place, _ in cells:
-        value = Value(text, place)
-        if text.startswith(("[", "{")) and (node := _only_node(text, place)):
-            value = replace(_value(node, 1, [0]), place=place)
-        if item := _ITEM.fullmatch(key):
-            name, number, part = item.groups()
-            whole = values.setdefault(name, Value([], place))
-            keys.setdefault(name, place)
-            items = whole.content
-            if not isinstance(items, list) or not 1 <= int(number) <= len(items) + 1:
-                raise DocumentError(
-                    f"{place}: {key}: found item {number}; expected items in order,"
-                    f" from {name}_1"
-                )
-            if int(number) > len(items):
-                items.append(Value({}, place))
-            content = items[int(number) - 1].content
-            if not isinstance(content, dict):
-                raise DocumentError(
-                    f"{place}: {key}: found together with {name}, which states the same"
-                    " item; expected one of them"
-                )
-            content[part] = value
-        else:
-            values[key], keys[key] = value, place
-    return Document(source, cells[0].place, values, keys, index, _text_of_row(cells))
-
-
-def _text_of_row(cells: Sequence[Cell]) -> str:
-    return "\n".join(
-        f"{cell.key}: {json.dumps(cell.text) if cell.key == 'name' else cell.text}"
-        for cell in cells
-    )
-
-
-def _only_node(text: str, place: Place) -> yaml.Node | None:
-    """Return the YAML list or mapping of a cell, None for a text that only begins like
-    one.
-    """
-    try:
-        (node,) = compose(text, place.source, place.line - 1)
-    except (DocumentError, ValueError):
-        return None
-    return node
-
-
-def _document(node: yaml.Node, source: str, index: int) -> Document:
-    value = _value(node, 0, [0])
-    if not isinstance(value.content, dict):
-        hint = unspaced(value.content) if isinstance(value.content, str) else ""
-        expected = "a mapping of keys to values, such as `kind: block`"
-        raise DocumentError(
-            f"{value.place}: {hint or f'found {value}; expected {expected}'}"
-        )
-    keys = {str(key.value): _place(key) for key, _ in node.value}
-    mark = node.start_mark
-    text = mark.buffer[mark.pointer : node.end_mark.pointer] if mark.buffer else ""
-    return Document(
-        source, value.place, value.content, keys, index, text.rstrip("\0").strip()
-    )
-
-
-def _place(node: yaml.Node) -> Place:
-    return Place(
-        node.start_mark.name, node.start_mark.line + 1, node.start_mark.column + 1
-    )
-
-
-def _value(node: yaml.Node, depth: int, count: list[int]) -> Value:
-    place = _place(node)
-    count[0] += 1
-    if depth > DEEPEST or count[0] > MOST_VALUES:
-        raise DocumentError(
-            f"{place}: {'nested too deeply' if depth > DEEPEST else 'too many values'}"
-            " to be a structure document"
-        )
-    if isinstance(node, yaml.ScalarNode):
-        return Value(
-            _whole_characters(node.value, place), place, quoted=node.style is not None
-        )
-    if isinstance(node, yaml.SequenceNode):
-        return Value([_value(child, depth + 1, count) for child in node.value], place)
-    content: dict[str, Value] = {}
-    before: tuple[str, str] = (
-        "",
-        "",
-    )  # the key and the text of the value before, which a decimal comma would end
-    for key, child in node.value:
-        where = _place(key)
-        if (
-            child.value == ""
-            and re.fullmatch(r"\d+( \S+)?", str(key.value))
-            and before[1].lstrip("+-").isdigit()
-        ):
-            number = f"{before[1]},{key.value}"
-            raise DocumentError(
-                f"{where}: {before[0]}: found {number}; expected a"
-                f" number{with_a_point(number)}"
-            )
-        before = (str(key.value), str(child.value))
-        if (
-            isinstance(key, yaml.ScalarNode)
-            and key.style is None
-            and (fault := unspaced(key.value))
-            and child.value == ""
-        ):
-            raise DocumentError(f"{where}: {fault}")
-        if not isinstance(key, yaml.ScalarNode):
-            raise DocumentError(f"{where}: a key must be a word")
-        if key.value in content:
-            raise DocumentError(
-                f"{where}: duplicate key {key.value!r}, first given at line"
-                f" {content[key.value].place.line}"
-            )
-        if key.value == "<<":
-            raise DocumentError(
-                f"{where}: merge keys (<<) are not part of structure documents"
-            )
-        content[_whole_characters(key.value, where)] = _value(child, depth + 1, count)
-    return Value(content, place)
-
-
-def _whole_characters(text: str, place: Place) -> str:
-    """Return the text with each pair of surrogates joined to one character."""
-    if text.isascii() or not any("\ud800" <= c <= "\udfff" for c in text):
-        return text
-    try:
-        return text.encode("utf-16", "surrogatepass").decode("utf-16")
-    except UnicodeDecodeError:
-        raise DocumentError(
-            f"{place}: holds half a character (a lone surrogate)"
-        ) from None

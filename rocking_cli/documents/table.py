@@ -12,6 +12,7 @@ that begins with a bracket is a YAML list, an empty cell means no key.
 
 import csv
 import io
+import json
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -53,6 +54,8 @@ _IN_BLANKS = re.compile(
     r"\"[^\"]*\"|[^\s\[(]\S*(?:\s*[\[(][^\])]*[\])])?"
 )  # a heading or a cell between blanks
 _BARE = ("", "-", "1")  # no unit
+# a column for an item of a list, such as pieces_1_width
+ITEM = re.compile(r"([a-z_]+)_(\d{1,4})_([a-z_]+)")
 
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?(?:\s*[^\s\d,.].*)?")
 _DECIMAL_POINT = re.compile(r"[+-]?\d*\.\d+(?:[eE][+-]?\d+)?(?:\s*[^\s\d,.].*)?")
@@ -351,6 +354,14 @@ def rows_of_structures(text: str, source: str) -> Iterator[list[Cell]] | None:
             f" {wanted}"
         )
     return None
+
+
+def text_of_row(cells: Sequence[Cell]) -> str:
+    """Return a row of a table of structures as the text of a document."""
+    return "\n".join(
+        f"{cell.key}: {json.dumps(cell.text) if cell.key == 'name' else cell.text}"
+        for cell in cells
+    )
 
 
 def _fields(line: str, separator: str) -> list[str]:

@@ -10,8 +10,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import BinaryIO, TypedDict, TypeVar, Unpack
 
-from ..documents.document import documents_of
 from ..documents.files import STDIN, read_bytes
+from ..documents.parsing import documents_of
 from ..documents.quantities import quantity_at
 from ..errors import DocumentError, NoAcceleration, NoComponent, UsageError
 from .biaxial import Upwards

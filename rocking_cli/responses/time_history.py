@@ -17,7 +17,8 @@ from ..motions import Motion, Piece
 from ..motions.grid import Grid, HasMotion, demand_of
 from ..structures.parameters import RockingParameters
 from .arcs import Event, History
-from .force_history import ForceHistory, edges_of
+from .force_history import ForceHistory
+from .ground_forces import edges_of
 from .ground_history import GroundMotion
 from .history import history
 
@@ -296,44 +297,50 @@ class TimeHistory:
         s = self.structure
         time = 1.0 if dimensionless else 1.0 / s.p
         tau = self.times(None if dt is None else dt / time, steps)
-        names = (
-            ("tau", "theta_ratio", "theta_ratio_rate", "A")
-            if dimensionless
-            else ("t", "theta", "theta_dot", "ground_acceleration")
-        )
-        ground = self.amplitude * self.motion.value(tau * self.omega)
-        columns: dict[str, np.ndarray] = {names[0]: tau * time}
+        columns = {"tau" if dimensionless else "t": tau * time}
         last = {} if dimensionless else {"tau": tau}
         for model, found in self.histories.items():
             suffix = f"_{model}" if len(self.histories) > 1 else ""
             ratio, rate = found.at(tau)
-            angle = 1.0 if dimensionless else s.alpha_on(found.sides(tau))
-            columns[names[1] + suffix], columns[names[2] + suffix] = (
-                ratio * angle,
-                rate * angle / time,
-            )
+            own = self._columns(model, tau, (ratio, rate), dimensionless, forces)
+            columns |= {name + suffix: values for name, values in own.items()}
             last |= {} if dimensionless else {f"theta_ratio{suffix}": ratio}
-            more = self.forces[model].columns(tau) if forces else {}
-            if found.device_forces and not dimensionless:
-                more = found.device_forces.columns(tau, columns[names[1] + suffix])
-            columns |= {name + suffix: values for name, values in more.items()}
-        columns |= {
-            names[3]: ground if dimensionless else s.ground_acceleration(ground),
-            **last,
-        }
-        named = dict(
-            zip(
-                NAMED,
-                (s.name, self.motion.name, " and ".join(self.histories)),
-                strict=True,
-            )
+        shaking = self.amplitude * self.motion.value(tau * self.omega)
+        columns |= (
+            {"A": shaking}
+            if dimensionless
+            else {"ground_acceleration": s.ground_acceleration(shaking)}
         )
-        keys = list(columns)
+        columns |= last
+        texts = s.name, self.motion.name, " and ".join(self.histories)
+        named = dict(zip(NAMED, texts, strict=True))
         for row in zip(*columns.values(), strict=True):
             yield {
-                k: None if math.isnan(x) else float(x)
-                for k, x in zip(keys, row, strict=True)
+                key: None if math.isnan(x) else float(x)
+                for key, x in zip(columns, row, strict=True)
             } | named
+
+    def _columns(
+        self,
+        model: str,
+        tau: np.ndarray,
+        state: tuple[np.ndarray, np.ndarray],
+        dimensionless: bool,
+        forces: bool,
+    ) -> dict[str, np.ndarray]:
+        """Return the rotation, its speed, and the forces by one equation; state: theta
+        over alpha and its derivative by tau.
+        """
+        s, found = self.structure, self.histories[model]
+        more = self.forces[model].columns(tau) if forces else {}
+        ratio, rate = state
+        if dimensionless:
+            return {"theta_ratio": ratio, "theta_ratio_rate": rate, **more}
+        alpha = s.alpha_on(found.sides(tau))
+        theta = ratio * alpha
+        if found.device_forces:
+            more = found.device_forces.columns(tau, theta)
+        return {"theta": theta, "theta_dot": rate * alpha / (1.0 / s.p), **more}
 
     def events(
         self, *, dimensionless: bool = False, forces: bool = False

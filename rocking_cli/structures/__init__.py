@@ -125,7 +125,7 @@ def read_documents(path: str | Path) -> list[Document]:
     >>> [document.source for document in read_documents("configs/arch.yaml")]
     ['configs/arch.yaml']
     """
-    from ..documents.document import read_documents as of_file
+    from ..documents.parsing import read_documents as of_file
 
     stated = None
     if ":" in str(path):

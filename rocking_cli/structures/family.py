@@ -73,6 +73,19 @@ class Member(NamedTuple):
     fault: str | None  # the reason why the document has no solution
 
 
+class Choice(NamedTuple):
+    """One of the varied values of a key."""
+
+    key: str  # of the document
+    value: float  # number in `unit`
+    unit: str  # empty: that of the document
+
+    @property
+    def text(self) -> str:
+        """The text that stands in the document."""
+        return f"{float(self.value)!r} {self.unit}".strip()
+
+
 def parse_variation(text: str, count: int | None = None) -> Variation:
     """Return the variation that a text states.
 
@@ -185,7 +198,7 @@ def family(
     >>> [round(member.parameters.p, 4) for member in family(document, ["height=2:4:3"])]
     [2.6717, 2.1996, 1.9106]
     """
-    from . import build_structure, on_each_interface
+    from . import on_each_interface
 
     if each and document.values.get(
         OTHERS
@@ -194,8 +207,7 @@ def family(
             yield from family(one, variations)
         return
     parsed = [parse_variation(v) if isinstance(v, str) else v for v in variations]
-    keys = [v.key for v in parsed]
-    for key in keys:
+    for key in [v.key for v in parsed]:
         value = document.value_at(key)
         if value is not None and is_spread(str(value.content)):
             raise UsageError(
@@ -206,66 +218,71 @@ def family(
         v.unit if v.unit is not None else _own_unit(document, v.key) for v in parsed
     ]
     for values in itertools.product(*(v.values for v in parsed)):
-        varied, texts = (
-            document,
-            {
-                key: f"{float(value)!r} {unit}".strip()
-                for key, value, unit in zip(keys, values, units, strict=True)
-            },
+        choices = [
+            Choice(v.key, value, unit)
+            for v, value, unit in zip(parsed, values, units, strict=True)
+        ]
+        yield from _members(document, choices, each)
+
+
+def _members(
+    document: Document, choices: Sequence[Choice], each: bool
+) -> Iterator[Member]:
+    """Yield the member with these values, or that of each interface; the reason if the
+    document has no solution.
+    """
+    varied = document
+    for choice in choices:
+        source = f"{document.source} with {choice.key}={choice.text}"
+        varied = varied.with_value(choice.key, choice.text, source)
+    structures, fault = _built(varied, [choice.key for choice in choices], each)
+    dimensions = varied.dimensions
+    shown = {
+        headed(choice.key, choice.unit or si_unit(dimensions.get(choice.key))): (
+            choice.value
         )
-        for key, text in texts.items():
-            varied = varied.with_value(
-                key, text, f"{document.source} with {key}={text}"
-            )
-        try:
-            found = [
-                build_structure(one)
-                for one in (on_each_interface(varied) if each else [varied])
-            ]
-            fault = None
-        except DocumentError as error:
-            if any(
-                key not in varied.asked and key not in varied.dimensions for key in keys
-            ):
-                raise
-            found, fault = [], str(error)
-        dimensions = varied.dimensions
-        if found and (words := [key for key in keys if key not in dimensions]):
-            raise UsageError(
-                f"`vary` {words[0]}: found a key that takes a text; expected a key that"
-                " takes a number"
-            )
-        shown = {
-            headed(key, unit or si_unit(dimensions.get(key))): value
-            for key, unit, value in zip(keys, units, values, strict=True)
-        }
-        si = (
-            {key: parse_quantity(text, dimensions[key]) for key, text in texts.items()}
-            if found
-            else {}
+        for choice in choices
+    }
+    if fault is not None:
+        yield Member({}, shown, None, fault)
+        return
+
+    si = {c.key: parse_quantity(c.text, dimensions[c.key]) for c in choices}
+    details = {
+        "varied": si,
+        "varied_units": {c.key: si_unit(dimensions[c.key]) for c in choices},
+    }
+    suffix = [f"{choice.key}={choice.value:g}{choice.unit}" for choice in choices]
+    for structure in structures:
+        named = replace(
+            structure,
+            name=" ".join([structure.name, *suffix]),
+            details={**structure.details, **details},
         )
-        for built in found:
-            name = " ".join(
-                [
-                    built.name,
-                    *(
-                        f"{key}={value:g}{unit}"
-                        for key, value, unit in zip(keys, values, units, strict=True)
-                    ),
-                ]
-            )
-            more = {
-                "varied": si,
-                "varied_units": {key: si_unit(dimensions[key]) for key in keys},
-            }
-            yield Member(
-                si,
-                shown,
-                replace(built, name=name, details={**built.details, **more}),
-                None,
-            )
-        if fault is not None:
-            yield Member(si, shown, None, fault)
+        yield Member(si, shown, named, None)
+
+
+def _built(
+    varied: Document, keys: Sequence[str], each: bool
+) -> tuple[list[RockingParameters], str | None]:
+    """Return (structures, None), or ([], the reason) if these values have no solution.
+    Raises DocumentError if no kind asks for a key, and UsageError if it takes a text.
+    """
+    from . import build_structure, on_each_interface
+
+    try:
+        documents = on_each_interface(varied) if each else [varied]
+        structures = [build_structure(one) for one in documents]
+    except DocumentError as error:
+        if any(key not in varied.asked | varied.dimensions.keys() for key in keys):
+            raise
+        return [], str(error)
+    if words := [key for key in keys if key not in varied.dimensions]:
+        raise UsageError(
+            f"`vary` {words[0]}: found a key that takes a text; expected a key that"
+            " takes a number"
+        )
+    return structures, None
 
 
 def _own_unit(document: Document, key: str) -> str:

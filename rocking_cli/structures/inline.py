@@ -25,7 +25,7 @@ def inline_document(text: str) -> "Document | None":
     if match is None or os.path.exists(text):
         return None
     from ..documents.composition import Place
-    from ..documents.document import document_of
+    from ..documents.parsing import document_of
     from ..documents.quantities import with_a_point
     from ..documents.table import Cell
 

@@ -30,7 +30,8 @@ from rocking_cli.fragility.exposure import Exposure
 from rocking_cli.fragility.measures import members_of, shaken_upwards
 from rocking_cli.motions.biaxial import Upwards
 from rocking_cli.motions.reading import read_motions
-from rocking_cli.reports.page import Subject, page
+from rocking_cli.reports.page import page
+from rocking_cli.reports.page_sections import Subject
 from rocking_cli.reports.wording import (
     OVERVIEW,
     demand_plainly,
@@ -96,7 +97,7 @@ def subject(text: str) -> Subject:
 @pytest.fixture(scope="module", autouse=True)
 def coarse_maps():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("rocking_cli.reports.page.SIDE", 20)
+        patch.setattr("rocking_cli.reports.page_sections.SIDE", 20)
         yield
 
 
@@ -269,7 +270,7 @@ def test_a_vertical_motion_is_in_every_verdict_and_in_the_curves(
         ]
 
     monkeypatch.setattr("rocking_cli.reports.page.verdicts", noted)
-    monkeypatch.setattr("rocking_cli.reports.page.exposures", half_of_them)
+    monkeypatch.setattr("rocking_cli.reports.page_sections.exposures", half_of_them)
     call = (
         "report",
         "configs/parameters.yaml",

@@ -11,19 +11,21 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from ...errors import DocumentError, NoAcceleration
+from .printed_numbers import (
+    NUMBER,
+    OF_NUMBERS,
+    Array,
+    parsed,
+    shown,
+    value_of,
+    words_on_lines,
+)
 from .record import Given, Series
 from .units import WRITTEN_UNITS, time_unit, unit_of
 
-Array = np.ndarray
 Keys = dict[str, tuple[str, int]]
 
 HEAD = 1 << 16  # bytes in which a format shows itself
-NUMBER = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
-_D_AS_E = bytes.maketrans(b"Dd", b"Ee")  # the letter of an exponent in Fortran
-OF_NUMBERS = b" \t\n0123456789+-.eEdD*"
-_NO_LETTER = re.compile(
-    rb"([+-]?\d*\.\d+)([+-]\d{3})"
-)  # an exponent beyond 99 in Fortran
 _UTF_16 = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}
 _DOS_BLOCK = 128  # bytes
 # a format such as (8F10.5) or (1E15.6)
@@ -384,7 +386,7 @@ class RecordText:
         block: the rest of the file from the next line on, with blanks between numbers.
         Raises DocumentError at a word that is no number.
         """
-        each = _words_on_lines(block)
+        each = words_on_lines(block)
         filled = np.flatnonzero(each)
         counts, lines = each[filled], self.line + filled
         values = parsed(block)
@@ -404,19 +406,6 @@ class RecordText:
         return value
 
 
-def value_of(token: bytes) -> float | None:
-    """Return the finite number that a token states, which may have the exponent letter
-    D; None if it states none.
-    """
-    token = (
-        _NO_LETTER.sub(rb"\1E\2", token.translate(_D_AS_E))
-        if len(token) < 40
-        else token
-    )
-    value = float(token) if NUMBER.fullmatch(token) else np.nan
-    return value if np.isfinite(value) else None
-
-
 def as_utf_8(raw: bytes) -> bytes:
     """Return a text without its byte order mark, in UTF-8 if it was UTF-16."""
     if (encoding := _UTF_16.get(raw[:2])) is not None:
@@ -433,39 +422,3 @@ def _encoding(raw: bytes) -> str:
             continue
         return encoding
     return "latin-1"
-
-
-def _words_on_lines(block: bytes) -> Array:
-    """How many words stand on each line of a block."""
-    codes = np.frombuffer(block, dtype=np.uint8)
-    blank = codes <= 32
-    begins = ~blank & np.concatenate([[True], blank[:-1]])
-    line = np.cumsum(codes == 10)
-    return np.bincount(line[begins], minlength=int(line[-1]) + 1 if codes.size else 0)
-
-
-def parsed(block: bytes) -> Array | None:
-    """Return the numbers between the blanks of a block; None if one of its words is not
-    a finite number.
-    """
-    try:
-        values = np.array(list(map(float, block.translate(_D_AS_E).split())))
-    except ValueError:
-        return None
-    return (
-        values if np.all(np.isfinite(values)) and b"_" not in block else None
-    )  # Python takes 1_000 for a number
-
-
-def shown(token: bytes) -> str:
-    """Return a token that is not a number, in quotes and with the reason."""
-    if not token:
-        return "blanks in place of a number"
-    words = token.decode("utf-8", "replace")
-    if set(token) == {42}:
-        reason = "stars in place of a number"
-    elif len(NUMBER.findall(token)) > 1 and not NUMBER.sub(b"", token).strip(b"."):
-        reason = "two numbers run together"
-    else:
-        reason = "which is no finite number"
-    return f"{(words if len(words) <= 40 else words[:37] + '...')!r}, {reason}"

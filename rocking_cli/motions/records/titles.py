@@ -17,8 +17,9 @@ from .headings import (
     cells_in,
     units_row,
 )
+from .printed_numbers import value_of
 from .rows import NumberRows, is_row
-from .text import RecordText, value_of
+from .text import RecordText
 from .units import dimension_of
 
 _COMMENT = re.compile(

@@ -137,36 +137,9 @@ def capacities(figure: Figure, verdicts: Sequence[Verdict], in_g: bool) -> Axes:
         / unit
     )
     for row, v in enumerate(verdicts):
-        colour = v.outcome.colour if v.outcome != Outcome.NO_UPLIFT else "#E8E8E8"
-        reach = 0.0 if v.first_overturning_a is None else v.first_overturning_a / unit
-        axes.barh(
-            row, reach, height=0.62, color=colour, edgecolor="0.35", linewidth=0.8
-        )
-        if v.uplift_a is not None:
-            axes.plot(
-                [v.uplift_a / unit] * 2,
-                [row - 0.31, row + 0.31],
-                color="k",
-                lw=1.0,
-                ls=":",
-            )
-        axes.plot(
-            [v.demand_a / unit] * 2, [row - 0.45, row + 0.45], color="#D55E00", lw=2.0
-        )
-        ratio, known = "", "; no capacity known"
-        if v.capacity_demand is not None:
-            ratio, known = f"{v.capacity_demand:.2f}  ", ""
-        elif v.capacity_above is not None:
-            ratio, known = f"{Above(v.capacity_above).shown(3)}  ", ""
-        window = (
-            ", in a safe window"
-            if v.outcome.safe
-            and v.capacity_demand is not None
-            and v.capacity_demand < 1.0
-            else ""
-        )
+        _plot_bar(axes, row, v, unit)
         axes.annotate(
-            f"{ratio}{v.sentence}{window}{known}",
+            _verdict_in_words(v),
             (1.0, row),
             xycoords=("axes fraction", "data"),
             xytext=(6, 0),
@@ -204,6 +177,33 @@ def capacities(figure: Figure, verdicts: Sequence[Verdict], in_g: bool) -> Axes:
     )
     axes.grid(axis="y", visible=False)
     return axes
+
+
+def _plot_bar(axes: Axes, row: int, v: Verdict, unit: float) -> None:
+    """Draw the bar of one verdict, and its marks at uplift and demand; unit: of the
+    axis [m/s2].
+    """
+    colour = v.outcome.colour if v.outcome != Outcome.NO_UPLIFT else "#E8E8E8"
+    reach = 0.0 if v.first_overturning_a is None else v.first_overturning_a / unit
+    axes.barh(row, reach, height=0.62, color=colour, edgecolor="0.35", linewidth=0.8)
+    if v.uplift_a is not None:
+        uplift = [v.uplift_a / unit] * 2
+        axes.plot(uplift, [row - 0.31, row + 0.31], color="k", lw=1.0, ls=":")
+    demand = [v.demand_a / unit] * 2
+    axes.plot(demand, [row - 0.45, row + 0.45], color="#D55E00", lw=2.0)
+
+
+def _verdict_in_words(v: Verdict) -> str:
+    """Return the capacity over the demand and the outcome. A body that stands although
+    a weaker motion overturns it is in a safe window.
+    """
+    if v.capacity_demand is not None:
+        window = v.outcome.safe and v.capacity_demand < 1.0
+        words = ", in a safe window" if window else ""
+        return f"{v.capacity_demand:.2f}  {v.sentence}{words}"
+    if v.capacity_above is not None:
+        return f"{Above(v.capacity_above).shown(3)}  {v.sentence}"
+    return f"{v.sentence}; no capacity known"
 
 
 def draw_capacity_curves(

@@ -57,52 +57,59 @@ def slice_of(file: SpectraFile, cut: str) -> Slice:
     file, or f_g, T_g or p. Raises UsageError.
     """
     rows, columns = list(file.frame.dimensions.items())[1:]
-    axes = {
-        name: np.asarray(values)
-        for name, values in (rows, columns)
-        if not isinstance(values, list)
-    }
-    try:
-        ((name, axis),) = parse_axes(cut, records=file.frame.of_records).items()
-        (value,), values = axis.values, axes[name]
-        if (
-            not values[0] * (1.0 - 1e-5) <= value <= values[-1] * (1.0 + 1e-5)
-        ):  # the rounding of a printed end
-            raise ValueError
-    except (KeyError, ValueError, UsageError):
-        wanted = " or ".join(_accepted(name, values) for name, values in axes.items())
-        raise UsageError(f"`slice`: found {cut!r}; expected {wanted}") from None
-    at = int(np.abs(values - value).argmin())
-    first, places = next(iter(file.frame.dimensions.items()))
-    along, x = columns if name == rows[0] else rows
+    where, at = _nearest(file, cut)
+    along, x = columns if where == rows[0] else rows
     if isinstance(x, list):
         raise UsageError(
             f"`slice`: found {cut!r}; expected an axis in a file whose other axis has"
             " numbers"
         )
-    cells = (
-        (slice(at, at + 1), slice(None))
-        if name == rows[0]
-        else (slice(None), slice(at, at + 1))
-    )
-    blocks = [file.block(i, *cells) for i in range(len(places))]
-    names = (
-        [titled(s.name, s.eta) for s in file.structures]
-        if first == "structure"
-        else [literal(str(r)) for r in places]
-    )
-    title = f"{literal(file.scene['motion'][0])}, " if first == "structure" else ""
+    line = slice(at, at + 1)
+    cells = (line, slice(None)) if where == rows[0] else (slice(None), line)
+    names = _names(file)
+    blocks = [file.block(i, *cells) for i in range(len(names))]
+    motion = "" if file.frame.of_records else f"{literal(file.scene['motion'][0])}, "
     return Slice(
-        name,
-        float(values[at]),
+        where,
+        float(np.asarray(file.frame.dimensions[where])[at]),
         along,
         np.asarray(x),
-        tuple(names),
-        tuple(b["theta_ratio"].ravel() for b in blocks),
-        tuple(b["outcome"].ravel() for b in blocks),
-        f"{title}{file.scene['model']} equation",
+        names,
+        tuple(block["theta_ratio"].ravel() for block in blocks),
+        tuple(block["outcome"].ravel() for block in blocks),
+        f"{motion}{file.scene['model']} equation",
         _etas(file) if along == "A" else (),
     )
+
+
+def _nearest(file: SpectraFile, cut: str) -> tuple[str, int]:
+    """Return (name of the axis, index of the value nearest to the cut). Raises
+    UsageError for a value outside of the axis.
+    """
+    axes = {
+        name: np.asarray(values)
+        for name, values in list(file.frame.dimensions.items())[1:]
+        if not isinstance(values, list)
+    }
+    try:
+        ((name, axis),) = parse_axes(cut, records=file.frame.of_records).items()
+        (asked,), values = axis.values, axes[name]
+        if (
+            not values[0] * (1.0 - 1e-5) <= asked <= values[-1] * (1.0 + 1e-5)
+        ):  # the rounding of a printed end
+            raise ValueError
+    except (KeyError, ValueError, UsageError):
+        wanted = " or ".join(_accepted(name, values) for name, values in axes.items())
+        raise UsageError(f"`slice`: found {cut!r}; expected {wanted}") from None
+    return name, int(np.abs(values - asked).argmin())
+
+
+def _names(file: SpectraFile) -> tuple[str, ...]:
+    """Return the name of each structure or record."""
+    first, places = next(iter(file.frame.dimensions.items()))
+    if first == "structure":
+        return tuple(titled(s.name, s.eta) for s in file.structures)
+    return tuple(literal(str(record)) for record in places)
 
 
 def _etas(file: SpectraFile) -> tuple[float, ...]:

@@ -17,7 +17,7 @@ import numpy as np
 from ...documents.document import Document
 from ..mechanics.moments import Moments, spin_about
 from ..mechanics.single_body import RigidBody, symmetric_body
-from ..sketch import rocker
+from ..sketch import Point, Sketch, rocker
 
 REPORTS = ("tip_height", "crack_height")
 SIZES = ("base_radius", "height")
@@ -47,32 +47,36 @@ class Cone(NamedTuple):
         in theta, with z = middle - half cos(theta), which removes the square roots at
         the ends of an interval.
         """
-        nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-        theta = 0.5 * math.pi * (nodes + 1.0)
         total = Moments(0.0, 0.0, 0.0, 0.0)
         for start, stop in self._intervals(edge, slope):
-            half = 0.5 * (stop - start)
-            z = 0.5 * (start + stop) - half * np.cos(theta)
-            weight = 0.5 * math.pi * weights * half * np.sin(theta)
-            radius = self.radius * (1.0 - z / self.height)
-            with np.errstate(over="ignore"):  # the slope of a nearly flat crack
-                angle = np.arccos(np.clip((edge - z / slope) / radius, -1.0, 1.0))
-            area, x, xx = self._slice(radius, angle)
-            if both:
-                beyond = self._slice(radius, math.pi - angle)
-                area, x, xx = (
-                    np.where(angle > 0.5 * math.pi, a - b, 0.0)
-                    for a, b in zip((area, x, xx), beyond, strict=True)
-                )
+            z, weight = _gauss_points(start, stop)
+            area, x, xx = self._slices(z, edge - z / slope, both)
+            integrands = (area, x, area * z, xx + area * z * z)
             total = total.plus(
-                Moments(
-                    *(
-                        float((weight * f).sum())
-                        for f in (area, x, area * z, xx + area * z * z)
-                    )
-                )
+                Moments(*(float((weight * f).sum()) for f in integrands))
             )
         return total
+
+    def _slices(
+        self, z: np.ndarray, chord: np.ndarray, both: bool
+    ) -> tuple[np.ndarray, ...]:
+        """Return (int dA, int x dA, int x^2 dA) of the slices at the heights z beyond
+        their chord at this x [m]; both: only what also lies above the mirror image.
+        """
+        radius = self.radius * (1.0 - z / self.height)
+        with np.errstate(over="ignore"):  # the slope of a nearly flat crack
+            angle = np.arccos(np.clip(chord / radius, -1.0, 1.0))
+        above = self._slice(radius, angle)
+        if not both:
+            return above
+
+        # Above both planes lies chord <= x <= -chord: what is beyond the chord without
+        # what is beyond its mirror image; nothing for a positive chord.
+        beyond = self._slice(radius, math.pi - angle)
+        return tuple(
+            np.where(angle > 0.5 * math.pi, a - b, 0.0)
+            for a, b in zip(above, beyond, strict=True)
+        )
 
     def _slice(
         self, radius: np.ndarray, angle: np.ndarray
@@ -105,6 +109,17 @@ class Cone(NamedTuple):
                 marks.append((edge - side * self.radius) / fall)
         marks = sorted(z for z in marks if 0.0 <= z <= self.height)
         return [(a, b) for a, b in itertools.pairwise(marks) if b > a]
+
+
+def _gauss_points(start: float, stop: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the points z in an interval, and their weights, of the rule in theta that
+    `Cone.above` describes.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    theta = 0.5 * math.pi * (nodes + 1.0)
+    half = 0.5 * (stop - start)
+    z = 0.5 * (start + stop) - half * np.cos(theta)
+    return z, 0.5 * math.pi * weights * half * np.sin(theta)
 
 
 class Spire(NamedTuple):
@@ -156,51 +171,50 @@ def body(document: Document) -> RigidBody:
     crack: none | diagonal, crack_height.
     """
     spire = _read(document)
-    r, h, crack, moments = (
-        spire.base_radius,
-        spire.height,
-        spire.crack_height,
-        spire.rocking(),
-    )
-    left, right, apex, inner = (-r, 0.0), (r, 0.0), (0.0, h), r - spire.thickness
-    hollows = (
-        (((-inner, 0.0), (inner, 0.0), (0.0, spire.tip_height)),)
-        if spire.thickness
-        else ()
-    )
-    centre = (moments.x / moments.mass, moments.z / moments.mass)
+    moments, radius = spire.rocking(), spire.base_radius
+    drawing = _drawing(spire, (moments.x / moments.mass, moments.z / moments.mass))
     more: dict[str, Any] = {
+        "drawing": drawing,
         "limit": "a spire more slender, or cracked lower",
         "eta": spire.restitution(),
     }
-    if not crack:
-        drawing = rocker([(left, right, apex)], left, right, centre, hollows=hollows)
-        return symmetric_body(moments, r, top=apex, drawing=drawing, **more)
-    windward = (-r * (1.0 - crack / h), crack)
-    lines = (
-        ("crack", (right, windward)),
-        ("its mirror image", (left, (-windward[0], crack))),
-    )
-    drawing = rocker(
-        [(windward, right, apex)],
-        left,
-        right,
-        centre,
-        still=((left, right, windward),),
-        hollows=hollows,
-        lines=lines,
-    )
+    if not spire.crack_height:
+        return symmetric_body(moments, radius, top=(0.0, spire.height), **more)
 
     def refused(_: float) -> RigidBody:
         raise document.fault(
             "inset", "an inset of a cracked spire", "no inset, or crack: none"
         )
 
-    more["details"], more["again"] = (
-        {"tip_height": spire.tip_height, "crack_height": crack},
-        refused,
+    details = {"tip_height": spire.tip_height, "crack_height": spire.crack_height}
+    # Another part of the spire rocks on each edge.
+    return symmetric_body(
+        moments, radius, whole=False, details=details, again=refused, **more
     )
-    return symmetric_body(moments, r, whole=False, drawing=drawing, **more)
+
+
+def _drawing(spire: Spire, centre: Point) -> Sketch:
+    """Return the section of a spire, with its crack and the crack's mirror image."""
+    radius, crack = spire.base_radius, spire.crack_height
+    left, right, apex = (-radius, 0.0), (radius, 0.0), (0.0, spire.height)
+    inner = radius - spire.thickness
+    cavity = (-inner, 0.0), (inner, 0.0), (0.0, spire.tip_height)
+    hollows = (cavity,) if spire.thickness else ()
+    if not crack:
+        return rocker([(left, right, apex)], left, right, centre, hollows=hollows)
+    windward = (-radius * (1.0 - crack / spire.height), crack)
+    return rocker(
+        [(windward, right, apex)],
+        left,
+        right,
+        centre,
+        still=((left, right, windward),),
+        hollows=hollows,
+        lines=(
+            ("crack", (right, windward)),
+            ("its mirror image", (left, (-windward[0], crack))),
+        ),
+    )
 
 
 def _read(document: Document) -> Spire:

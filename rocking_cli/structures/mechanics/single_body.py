@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -79,70 +79,102 @@ class RigidBody:
         """Return the rocking parameters, with gravity, restitution, sides, mass and
         inset of the document. Raises DocumentError.
         """
-        (inset, body), gravity, mass = (
-            self.moved_in(document),
-            gravity_of(document),
-            mass_of(document),
-        )
-        details = dict(body.details)
-        if mass is not None:
-            details["mass"] = mass
-        if document.has("inset"):
-            details |= {
-                "inset": inset,
-                "alpha_geometric": (
-                    min(self.edges(1.0), key=lambda edge: edge.uplift).alpha
-                ),
-            }
-        left, right = body.edges(gravity)
+        inset, body = self.moved_in(document)
+        gravity = gravity_of(document)
         more: dict[str, Any] = {
             "name": name,
             "structure": str(document.values["kind"].content),
             "gravity": gravity,
-            "details": details,
+            "details": self._details(document, inset, body),
+            "top": body._top_arms(),
         }
-        more["top"] = body._top_arms()
+        left, right = body.edges(gravity)
         if document.flag("one_sided"):
-            e, source = one_sided_restitution_of(
-                document, (right.eta, left.eta), body.backing
-            )
-            more |= {
-                "p": right.p,
-                "alpha": right.alpha,
-                "eta": e,
-                "uplift": right.uplift,
-                "a_scale": 1.0,
-                "arm": right.arm,
-            }
-            found = RockingParameters(**more, eta_source=source, one_sided=True)
+            found = body._one_sided(document, left, right, more)
         else:
-            eta_left, source = restitution_of(document, left.eta, body.limit)
-            eta_right, _ = restitution_of(document, right.eta, body.limit)
-            details |= body.leaning
-            sides = left.side("left", eta_left), right.side("right", eta_right)
-            found = RockingParameters.of_sides(
-                **more, left=sides[0], right=sides[1], eta_source=source
-            )
-        if not restraints_in(document):
-            return found
+            found = body._on_both_edges(document, left, right, more)
+        if restraints_in(document):
+            return body._restrained(document, found, inset)
+        return found
+
+    def _details(
+        self, document: Document, inset: float, body: RigidBody
+    ) -> dict[str, Any]:
+        """Return the details of `body`, this body on pivots inside its edges."""
+        details = dict(body.details)
+        mass = mass_of(document)
+        if mass is not None:
+            details["mass"] = mass
+        if document.has("inset"):
+            weaker = min(self.edges(1.0), key=lambda edge: edge.uplift)
+            details |= {"inset": inset, "alpha_geometric": weaker.alpha}
+        return details
+
+    def _one_sided(
+        self,
+        document: Document,
+        left: EdgeParameters,
+        right: EdgeParameters,
+        more: dict[str, Any],
+    ) -> RockingParameters:
+        """Return the parameters of the body against a backing: those on its right edge,
+        with the restitution of three impacts.
+        """
+        eta, source = one_sided_restitution_of(
+            document, (right.eta, left.eta), self.backing
+        )
+        return RockingParameters(
+            p=right.p,
+            alpha=right.alpha,
+            eta=eta,
+            uplift=right.uplift,
+            a_scale=1.0,
+            arm=right.arm,
+            eta_source=source,
+            one_sided=True,
+            **more,
+        )
+
+    def _on_both_edges(
+        self,
+        document: Document,
+        left: EdgeParameters,
+        right: EdgeParameters,
+        more: dict[str, Any],
+    ) -> RockingParameters:
+        """Return the parameters on the left and the right edge."""
+        eta_left, source = restitution_of(document, left.eta, self.limit)
+        eta_right, _ = restitution_of(document, right.eta, self.limit)
+        return RockingParameters.of_sides(
+            left=left.side("left", eta_left),
+            right=right.side("right", eta_right),
+            eta_source=source,
+            **{**more, "details": {**more["details"], **self.leaning}},
+        )
+
+    def _restrained(
+        self, document: Document, found: RockingParameters, inset: float
+    ) -> RockingParameters:
+        """Return the parameters with the document's ties, tendon and dampers, which are
+        placed by the geometry of the body. Raises DocumentError.
+        """
         from ..restraint_keys import restrained
 
-        (_, (x_left, level)), *_, (_, (x_right, _)) = body.drawing.pivots
+        (_, (left, level)), *_, (_, (right, _)) = self.drawing.pivots
         z = [
             z
-            for outline in (*body.drawing.still, *body.drawing.bodies)
+            for outline in (*self.drawing.still, *self.drawing.bodies)
             for _, z in outline
         ]
-        crown, width = body.crown or max(z) - min(z), x_right - x_left + 2.0 * inset
         return restrained(
             document,
             found,
-            crown=crown,
+            crown=self.crown or max(z) - min(z),
             level=level - min(z),
             inset=inset,
-            width=width,
-            radius=body.radius,
-            share=body.share,
+            width=right - left + 2.0 * inset,
+            radius=self.radius,
+            share=self.share,
         )
 
     def moved_in(self, document: Document) -> tuple[float, RigidBody]:
@@ -352,58 +384,6 @@ def _against_backing(body: Moments, half: float, top: Point | None) -> float | N
     return float(
         (central + body.mass * ((x + half) * (x - top[0]) + z * (z - top[1])))
         / body.about(*top)
-    )
-
-
-def worn(
-    body: RockingParameters, share: float
-) -> tuple[float, RockingParameters] | None:
-    """Return (inset [m], parameters) of the body with its pivots inside the edges by
-    this share of the distance between the edges. A given restitution, and one that
-    includes the impact on a backing, stays. None if the mass centre would lie beyond a
-    pivot, and for a body with ties or a tendon, whose levers change too.
-    """
-    if body.restraints:
-        return None
-    sides: tuple[Side | RockingParameters, ...] = body.sides or (body, body)
-    (left, _), (right, z) = (
-        (
-            math.sin(side.alpha) * (side.arm or 0.0),
-            math.cos(side.alpha) * (side.arm or 0.0),
-        )
-        for side in sides
-    )
-    x, half, square = (
-        0.5 * (left - right),
-        (0.5 - share) * (left + right),
-        right * right + z * z,
-    )
-    if not abs(x) < half:
-        return None
-    polar = (
-        body.gravity * math.sqrt(square) / sides[1].p ** 2 - square + x * x + z * z
-    )  # I_G/m and the parallel axis
-    kept = body.one_sided or body.eta_source == "given"
-    edges = zip(
-        ("left", "right"),
-        edges_of(Moments(1.0, x, z, polar), half, body.gravity),
-        sides,
-        strict=True,
-    )
-    there = [
-        edge.side(name, abs(side.eta) if kept else edge.eta)
-        for name, edge, side in edges
-    ]
-    moved = RockingParameters.of_sides(body.name, body.structure, *there)
-    eta = body.eta if kept and not body.sides else moved.eta
-    numbers: dict[str, Any] = {
-        "p": moved.p,
-        "alpha": moved.alpha,
-        "uplift": moved.uplift,
-        "eta": eta,
-    }
-    return share * (left + right), replace(
-        body, **numbers, arm=moved.arm, sides=moved.sides, details={}
     )
 
 

@@ -9,11 +9,12 @@ import math
 from collections.abc import Sequence
 from functools import partial
 from itertools import accumulate
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ...documents.document import Document
+from ...errors import DocumentError
 from ..shared_keys import gravity_of, restraints_in
-from ..sketch import rocker
+from ..sketch import Outline, Point, Sketch, rocker
 from .moments import Moments
 from .single_body import RigidBody, body_on_edges, edges_of, symmetric_body
 
@@ -70,8 +71,8 @@ def offset_of(document: Document) -> float:
     return document.quantity("offset", "length", default=0.0)
 
 
-class Bed(NamedTuple):
-    """An interface."""
+class Interface(NamedTuple):
+    """The plane on which a piece stands, with the pieces above it."""
 
     left: float  # x of its left edge [m]
     right: float  # x of its right edge [m]
@@ -125,98 +126,173 @@ def stacked(
     `rocks_on`: they hold each interface in another way, so that the least margin does
     not tell which one overturns first.
     """
-    moments, beds = Moments(0.0, 0.0, 0.0, 0.0), list[Bed]()
+    interfaces = _interfaces(document, key, word, pieces, inset)
+    lowest = _weakest_standing(document, key, word, interfaces, inset)
+    details = {}
+    if len(pieces) > 1:
+        lowest = _lowest_rocking(document, word, interfaces, lowest)
+        supports = _supports(word, len(interfaces))
+        details = {
+            "rocks_on": supports[lowest],
+            "interfaces": _interface_rows(document, supports, interfaces),
+        }
+    interface = interfaces[lowest]
+
+    # A mass centre in the middle has the closed forms of Eqs. 2.2 and 2.6.
+    rock = body_on_edges if interface.centred.x else symmetric_body
+    return rock(
+        interface.centred,
+        interface.half,
+        top=_top_corner(pieces, lowest, interface),
+        limit=f"a {word} more slender than this one",
+        details=details,
+        drawing=_drawing(pieces, lowest, interface, inset),
+        again=partial(stacked, document, key, word, pieces),
+    )
+
+
+def _interfaces(
+    document: Document,
+    key: str,
+    word: str,
+    pieces: Sequence[StackPiece],
+    inset: float,
+) -> list[Interface]:
+    """Return the interfaces from below. Raises DocumentError if a piece does not stand
+    on the one below it.
+    """
+    above = Moments(0.0, 0.0, 0.0, 0.0)  # of the pieces above the interface
+    found: list[Interface] = []
     for i in range(len(pieces) - 1, -1, -1):
         piece = pieces[i]
-        moments = piece.body.shifted(x=piece.axis).plus(moments.shifted(z=piece.height))
-        left, right = piece.axis - piece.foot, piece.axis + piece.foot
-        if i:
-            below = pieces[i - 1]
-            left, right = (
-                max(left, below.axis - below.head),
-                min(right, below.axis + below.head),
-            )
+        above = piece.body.shifted(x=piece.axis).plus(above.shifted(z=piece.height))
+        left, right = _overlap(pieces, i)
         left, right = left + inset, right - inset
         if not right > left:
-            if inset:
-                raise document.fault(
-                    "inset",
-                    f"an inset beyond half the base of {word} {i + 1} from below",
-                    "a shorter one",
-                )
-            raise document.fault(
-                key,
-                f"{word} {i + 1} from below apart from the one below it",
-                f"{word}s that stand on each other",
-            )
-        beds.insert(0, Bed(left, right, moments))
-    weakest = min(range(len(beds)), key=lambda i: beds[i].margin)
-    bed, last = beds[weakest], pieces[-1]
-    if not bed.margin > 0.0:
+            raise _no_base(document, key, word, i, inset)
+        found.insert(0, Interface(left, right, above))
+    return found
+
+
+def _overlap(pieces: Sequence[StackPiece], i: int) -> tuple[float, float]:
+    """Return the ends in x [m] of the contact of a piece with the one below it."""
+    piece = pieces[i]
+    left, right = piece.axis - piece.foot, piece.axis + piece.foot
+    if i == 0:  # it stands on the ground
+        return left, right
+    below = pieces[i - 1]
+    return max(left, below.axis - below.head), min(right, below.axis + below.head)
+
+
+def _no_base(
+    document: Document, key: str, word: str, i: int, inset: float
+) -> DocumentError:
+    """Return the error for an interface without width: it is the fault of the inset
+    where there is one.
+    """
+    if inset:
+        return document.fault(
+            "inset",
+            f"an inset beyond half the base of {word} {i + 1} from below",
+            "a shorter one",
+        )
+    return document.fault(
+        key,
+        f"{word} {i + 1} from below apart from the one below it",
+        f"{word}s that stand on each other",
+    )
+
+
+def _weakest_standing(
+    document: Document,
+    key: str,
+    word: str,
+    interfaces: Sequence[Interface],
+    inset: float,
+) -> int:
+    """Return the index of the interface with the least margin. Raises DocumentError if
+    the pieces above it fall under their own weight.
+    """
+    weakest = min(range(len(interfaces)), key=lambda i: interfaces[i].margin)
+    if not interfaces[weakest].margin > 0.0:
         found = (
             f"{word} {weakest + 1} from below, with the pieces on it, beyond its edge"
         )
         raise document.fault("inset" if inset else key, found, "a stack that stands")
-    details = {}
-    if len(pieces) > 1:
-        if document.has("rocks_on"):
-            weakest = document.integer("rocks_on", 0, len(beds) - 1)
-        elif held := restraints_in(document):
-            wanted = (
-                f"0 for its base, or the number from below of the {word} on which it"
-                " rocks"
-            )
-            raise document.missing(
-                "rocks_on",
-                f"{wanted}: {held[0]} hold each interface differently, so check"
-                " each one",
-            )
-        bed = beds[weakest]
-        gravity = gravity_of(document)
-        supports = [
-            "its base",
-            *(f"{word} {i} from below" for i in range(1, len(beds))),
-        ]
-        interfaces = [
-            {"on": on, **one.numbers(gravity)}
-            for on, one in zip(supports, beds, strict=True)
-        ]
-        details = {"rocks_on": supports[weakest], "interfaces": interfaces}
-    levels = list(accumulate((piece.height for piece in pieces), initial=0.0))
-    outlines = []
-    for (foot, head, _, axis, _), low, high in zip(
-        pieces, levels, levels[1:], strict=False
-    ):
-        outlines.append(
-            (
-                (axis - foot, low),
-                (axis + foot, low),
-                (axis + head, high),
-                (axis - head, high),
-            )
+    return weakest
+
+
+def _lowest_rocking(
+    document: Document, word: str, interfaces: Sequence[Interface], weakest: int
+) -> int:
+    """Return the index of the lowest piece that rocks, from the key `rocks_on` or, by
+    default, `weakest`. Raises DocumentError.
+    """
+    if document.has("rocks_on"):
+        return document.integer("rocks_on", 0, len(interfaces) - 1)
+    if held := restraints_in(document):
+        raise document.missing(
+            "rocks_on",
+            f"0 for its base, or the number from below of the {word} on which it"
+            f" rocks: {held[0]} hold each interface differently, so check each one",
         )
-    base, (mass, x, z, _) = levels[weakest], bed.body
-    edges = (bed.left - inset, base), (bed.right + inset, base)
-    drawing = rocker(
-        outlines[weakest:],
-        *edges,
+    return weakest
+
+
+def _supports(word: str, count: int) -> list[str]:
+    """Return the name of what bears each interface, from below."""
+    return ["its base", *(f"{word} {i} from below" for i in range(1, count))]
+
+
+def _interface_rows(
+    document: Document, supports: Sequence[str], interfaces: Sequence[Interface]
+) -> list[dict[str, Any]]:
+    """Return the parameters on each interface as a row of the details."""
+    gravity = gravity_of(document)
+    return [
+        {"on": on, **interface.numbers(gravity)}
+        for on, interface in zip(supports, interfaces, strict=True)
+    ]
+
+
+def _top_corner(
+    pieces: Sequence[StackPiece], lowest: int, interface: Interface
+) -> Point:
+    """Return (x, z) [m] of the left corner of the top, from the middle between the
+    edges; a backing stands on the left.
+    """
+    last = pieces[-1]
+    return (
+        last.axis - last.head - 0.5 * (interface.left + interface.right),
+        sum(piece.height for piece in pieces[lowest:]),
+    )
+
+
+def _drawing(
+    pieces: Sequence[StackPiece], lowest: int, interface: Interface, inset: float
+) -> Sketch:
+    """Return the stack on the ground; the pieces below `lowest` stay."""
+    levels = list(accumulate((piece.height for piece in pieces), initial=0.0))
+    outlines = [
+        _outline(piece, low, high)
+        for piece, low, high in zip(pieces, levels, levels[1:], strict=False)
+    ]
+    base, (mass, x, z, _) = levels[lowest], interface.body
+    return rocker(
+        outlines[lowest:],
+        (interface.left - inset, base),
+        (interface.right + inset, base),
         (x / mass, base + z / mass),
         inset=inset,
-        still=tuple(outlines[:weakest]),
+        still=tuple(outlines[:lowest]),
     )
-    top = (
-        last.axis - last.head - 0.5 * (bed.left + bed.right),
-        sum(piece.height for piece in pieces[weakest:]),
-    )
-    rock = body_on_edges if bed.centred.x else symmetric_body
-    limit = f"a {word} more slender than this one"
-    again = partial(stacked, document, key, word, pieces)
-    return rock(
-        bed.centred,
-        bed.half,
-        top=top,
-        limit=limit,
-        details=details,
-        drawing=drawing,
-        again=again,
+
+
+def _outline(piece: StackPiece, low: float, high: float) -> Outline:
+    """Return the section of a piece between two levels [m]."""
+    return (
+        (piece.axis - piece.foot, low),
+        (piece.axis + piece.foot, low),
+        (piece.axis + piece.head, high),
+        (piece.axis - piece.head, high),
     )
