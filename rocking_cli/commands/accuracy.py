@@ -4,7 +4,7 @@ import click
 
 from . import equations, ground, options
 from .command import command, group, option
-from .printing import emit, note, printed
+from .printing import computed, emit, note, printed
 
 
 @command(
@@ -62,7 +62,5 @@ def accuracy(
         " a cell"
     )
     scene = PulseScene(tuple(structures), grid, motion, methods[0])
-    emit(
-        work_precision(scene, sample=sample, scipy=scipy, seed=seed),
-        keys=("method", "tolerance"),
-    )
+    rows = work_precision(scene, sample=sample, scipy=scipy, seed=seed)
+    emit(computed(rows), keys=("method", "tolerance"))

@@ -13,7 +13,7 @@ from . import demand, options
 from .command import command, flag, group, option, partly, refuse
 from .draws import DrawnRows, Draws, require_spreads
 from .parameter_types import NUMBER, InputPath
-from .printing import emit, form, is_quiet, note, printed, units_of
+from .printing import computed, emit, form, is_quiet, note, printed, units_of
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
@@ -192,10 +192,9 @@ def _judge_and_print(
             yield row_of(verdict, demands, columns, searched)
         yield from by_code.others() if by_code else ()
 
-    every: Iterable[dict[str, Any]] = list(rows()) if form() is None else rows()
     units = "g,mm,deg" if _in_g(demands.asked) else "mm,deg"
     emit(
-        every,
+        computed(rows()),
         CHECK_COLUMNS,
         keys=CHECK_KEYS,
         table_units=units,

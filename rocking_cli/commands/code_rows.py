@@ -127,7 +127,7 @@ class CodeRows:
                 or structure.sides
             ):
                 continue
-            falls = sum(
+            fallen = sum(
                 v.falls or v.theta_ratio is None or v.theta_ratio >= 1.0
                 for v in verdicts
             )
@@ -135,11 +135,11 @@ class CodeRows:
             met = [
                 key
                 for key, state in (("SLV", SLV), ("SLC", SLC))
-                if not falls and mean <= state.share
+                if not fallen and mean <= state.share
             ]
             result = (
-                f"{falls} pass alpha"
-                if falls
+                f"{fallen} pass alpha"
+                if fallen
                 else f"none passes alpha, the mean of theta_ratio is {mean:.3g}"
             )
             states = " and ".join(met) or "neither SLV nor SLC"

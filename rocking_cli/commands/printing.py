@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
@@ -19,6 +19,8 @@ from .command import F
 if TYPE_CHECKING:
     from ..reports.units import Units
     from ..structures import RockingParameters
+
+Row = TypeVar("Row", bound=Mapping[str, Any])
 
 
 def _keep(context: click.Context, parameter: click.Parameter, value: Any) -> None:
@@ -209,6 +211,13 @@ def _width() -> int:
     from ..reports.tables import WIDTH
 
     return get_terminal_size((WIDTH, 0)).columns if sys.stdout.isatty() else WIDTH
+
+
+def computed(rows: Iterable[Row]) -> Iterable[Row]:
+    """Return rows for `emit`: those of a table are computed here, before it is printed;
+    those of JSON and CSV are printed one by one as they come.
+    """
+    return list(rows) if form() is None else rows
 
 
 def in_options(text: str, command: click.Command) -> str:

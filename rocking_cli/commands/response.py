@@ -10,7 +10,7 @@ from ..errors import UsageError
 from . import demand, equations, ground, options
 from .command import argument, command, flag, group, option, partly, refuse
 from .parameter_types import NUMBER, InputPath, quantity
-from .printing import emit, form, note, printed
+from .printing import computed, emit, form, note, printed
 
 if TYPE_CHECKING:
     from ..responses.time_history import TimeHistory
@@ -142,11 +142,11 @@ def _print(found: TimeHistory, wanted: Rows) -> None:
     shown = {"dimensionless": wanted.dimensionless, "forces": wanted.forces}
     if not wanted.events:
         rows = found.rows(dt=wanted.dt, steps=wanted.steps, **shown)
-        emit(rows, keys=KEYS, unseen=NAMED)
+        emit(computed(rows), keys=KEYS, unseen=NAMED)
         return
     closing = found.summaries(**shown) if form() == "json" else ()
     emit(
-        chain(found.events(**shown), closing),
+        computed(chain(found.events(**shown), closing)),
         ("model", "event"),
         keys=EVENT_KEYS,
         dimensions=dict.fromkeys(IMPULSES) if wanted.dimensionless else None,

@@ -41,13 +41,13 @@ def _curve(study: Study, measure: Measure) -> Curve:
     if study.intervals is not None:
         first, most = first_of(study.intervals) / here, study.highest / here
         return fit_first(own * first**power, own * most**power, weight)
-    gone, known = study.exposure.beyond(None)
+    fallen, known = study.exposure.beyond(None)
     x = own[:, None] * (motions.levels / here[:, None]) ** power
     n = weight[:, None] * known
-    if not 0.0 < (n * gone).sum() < n.sum():
+    if not 0.0 < (n * fallen).sum() < n.sum():
         raise UsageError(
             f"{study.structure.name}: all cells overturn, or none; expected levels at"
             " which some do"
         )
-    curve = fit_cells(x.ravel(), n.ravel(), np.ravel(n * gone))
+    curve = fit_cells(x.ravel(), n.ravel(), np.ravel(n * fallen))
     return replace(curve, n=float(weight.size))

@@ -43,14 +43,14 @@ class Exposure:
         exceeds `limit` (None: if the body falls), or if contact is lost; known: True if
         the cell has an outcome.
         """
-        gone, known = (
+        fallen, known = (
             falls(self.outcome),
             (self.outcome != Outcome.FAILED) & (self.outcome != Outcome.NOT_COMPUTED),
         )
         if limit is None:
-            return gone, known
+            return fallen, known
         with np.errstate(invalid="ignore"):
-            return gone | (self.theta_ratio > limit), known
+            return fallen | (self.theta_ratio > limit), known
 
     def counts(self, limit: float | None) -> tuple[Array, Array]:
         """Return (known, beyond & known) of `beyond` as numbers, (members, levels)."""

@@ -172,16 +172,16 @@ def _candidates(scene: Scene) -> Array:
     chance, or one row of cells of one record.
     """
     if isinstance(scene, PulseScene):
-        liveliest = max(
+        least_damped = max(
             (group[0] for group in scene.sharing()),
             key=lambda i: abs(scene.structures[i].eta),
         )
         drawn = sampled_cells(
-            replace(scene, structures=(scene.structures[liveliest],)),
+            replace(scene, structures=(scene.structures[least_damped],)),
             _CANDIDATES,
             _SEED + 1,
         )
-        drawn[:, 0] = liveliest
+        drawn[:, 0] = least_damped
         return drawn
     one = sampled_cells(scene, 1, _SEED + 1)
     if not len(one):
