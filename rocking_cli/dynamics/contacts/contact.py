@@ -19,10 +19,10 @@ from .sequences import OtherSide, sequence_ends, sequence_time
 class Uplift(NamedTuple):
     """The next uplift of bodies at rest. Every array is (lanes,)."""
 
-    k: Array  # segment; the number of segments if nothing lifts the body
-    u: Array  # phase in the segment [rad]
+    segment: Array  # its index; the number of segments if nothing lifts the body
+    phase: Array  # phase in the segment [rad]
     side: Array  # +1 right, -1 left
-    b: Array  # force y'' + 2 zeta y' at uplift, in the unit of the side
+    force: Array  # y'' + 2 zeta y' at uplift, in the unit of the side
 
 
 class FreeMotion(NamedTuple):
@@ -146,7 +146,9 @@ def first_uplift(
     if (weighed := segments.weighed) is not None:
         one = first_uplift(weighed.right, k, u, right, np.zeros_like(right))
         other = first_uplift(weighed.left, k, u, np.zeros_like(left), left)
-        before = (one.k < other.k) | ((one.k == other.k) & (one.u <= other.u))
+        before = (one.segment < other.segment) | (
+            (one.segment == other.segment) & (one.phase <= other.phase)
+        )
         return Uplift(
             *(np.where(before, a, b) for a, b in zip(one, other, strict=True))
         )
@@ -210,7 +212,7 @@ class Symmetric(Contact):
         """Reverse the side, and with it the sign of the drive."""
         lanes.side = -lanes.side
         lanes.v = -lanes.eta * v
-        lanes.b = -2.0 - b  # b = -1 + a at y = 0, and a changes its sign
+        lanes.force = -2.0 - b  # b = -1 + a at y = 0, and a changes its sign
 
     def other_side(self, lanes: Lanes) -> OtherSide:
         """Return the other side, whose numbers equal those of this one."""
@@ -241,7 +243,7 @@ class OneSided(Contact):
     def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
         """Return the body on the same side; the force stays the same."""
         lanes.v = -lanes.eta * v
-        lanes.b = b.copy()
+        lanes.force = b.copy()
 
     def other_side(self, lanes: Lanes) -> None:
         """Return None: every arc is on the same side."""
@@ -325,7 +327,7 @@ class Unequal(Contact):
         lanes.v = -lanes.eta * v
         # b = -1 + a at y = 0; a changes its sign, and its unit becomes the uplift of
         # the other edge
-        lanes.b = -1.0 - (1.0 + b) * (
+        lanes.force = -1.0 - (1.0 + b) * (
             self._of(self.drive, -lanes.side) / self._of(self.drive, lanes.side)
         )
         self.turn(cells, lanes, np.arange(lanes.side.size), -lanes.side)

@@ -76,7 +76,8 @@ def sequence_ends(
     """
     v, speed_ratio = lanes.v, lanes.eta if there is None else there.eta * there.back
     slow = np.flatnonzero(
-        (lanes.b < 0.0) & ((v * v < 0.05 * lanes.b * lanes.b) | (v < BELOW_ROUNDING))
+        (lanes.force < 0.0)
+        & ((v * v < 0.05 * lanes.force * lanes.force) | (v < BELOW_ROUNDING))
     )
     gap = np.zeros(v.shape)
     gap[slow] = np.minimum(
@@ -89,10 +90,11 @@ def sequence_ends(
     )
     at = np.flatnonzero((gap > 0.0) & (v * v < 0.05 * gap * gap) & (speed_ratio < 1.0))
     room = (
-        segments.length[lanes.k[at]] - lanes.u[at]
+        segments.length[lanes.segment[at]] - lanes.phase[at]
     )  # `_ends` tries a duration longer than 3 v / (1 - q) / (1 - a)
     at = at[
-        3.0 * v[at] * lanes.omega[at] < room * (1.0 - speed_ratio[at]) * -lanes.b[at]
+        3.0 * v[at] * lanes.omega[at]
+        < room * (1.0 - speed_ratio[at]) * -lanes.force[at]
     ]
     if at.size:
         proved[at] |= _ends(
@@ -192,7 +194,9 @@ def _path_of(
     with np.errstate(invalid="ignore", divide="ignore"):
         scale = 2.0 * lanes.v / (1.0 - q)
         duration = np.where(still, 0.0, 1.5 * scale * (1.0 / here + n * r / other))
-    later = np.minimum(lanes.u + lanes.omega * duration, segments.length[lanes.k])
+    later = np.minimum(
+        lanes.phase + lanes.omega * duration, segments.length[lanes.segment]
+    )
     then, other_then = _forces(segments, lanes, there, later)
     with np.errstate(invalid="ignore", divide="ignore"):
         grows, other_grows = then / here, 1.0 if there is None else other_then / other
@@ -228,7 +232,7 @@ def _ends(
     more: float,
 ) -> Array:
     """As `sequence_ends`, for lanes whose sequence may be short enough."""
-    k, v = lanes.k, lanes.v
+    k, v = lanes.segment, lanes.v
     n, r, rotation = (
         (0.0, 1.0, 1.0) if there is None else (there.eta, there.time, there.rotation)
     )
@@ -272,24 +276,24 @@ def _forces(
     """
     if (weighed := segments.weighed) is not None:
         here = (
-            -lanes.b
+            -lanes.force
             if u is None
-            else 1.0 - weighed.net(lanes.side, lanes.amplitude, lanes.k, u)
+            else 1.0 - weighed.net(lanes.side, lanes.amplitude, lanes.segment, u)
         )
         if there is None:
             return here, np.full(here.shape, np.inf)
         return here, 1.0 - weighed.net(
             -lanes.side,
             lanes.amplitude * there.drive,
-            lanes.k,
-            lanes.u if u is None else u,
+            lanes.segment,
+            lanes.phase if u is None else u,
         )
-    drive = 1.0 + lanes.b
+    drive = 1.0 + lanes.force
     if u is not None:
         outward = -lanes.side * lanes.amplitude
         drive = drive + outward * (
-            drive_change(segments, lanes.k, u)
-            - drive_change(segments, lanes.k, lanes.u)
+            drive_change(segments, lanes.segment, u)
+            - drive_change(segments, lanes.segment, lanes.phase)
         )
     return 1.0 - drive, (
         np.full(drive.shape, np.inf) if there is None else 1.0 + there.drive * drive
@@ -303,8 +307,8 @@ def sequence_time(
     does not end.
     """
     if there is None:
-        return 2.0 * lanes.v / (1.0 - lanes.eta) / -lanes.b
-    drive, speed_ratio = weight + lanes.b, there.eta * there.back
+        return 2.0 * lanes.v / (1.0 - lanes.eta) / -lanes.force
+    drive, speed_ratio = weight + lanes.force, there.eta * there.back
     ends = (lanes.v > 0.0) & (speed_ratio < 1.0)
     total = (
         2.0
@@ -323,12 +327,17 @@ def stays_below_peak(segments: Segments, lanes: Lanes) -> Array:
     and never rise above their peak (Lemma 7). It holds for undamped linear oscillators
     with equal edges.
     """
-    drive, ends = 1.0 + lanes.b, -lanes.side * lanes.amplitude * segments.s_end[lanes.k]
+    drive, ends = (
+        1.0 + lanes.force,
+        -lanes.side * lanes.amplitude * segments.s_end[lanes.segment],
+    )
     left = 1.0 - np.maximum(
         np.maximum(np.abs(drive), np.abs(ends)),
-        lanes.amplitude * segments.largest_later[lanes.k],
+        lanes.amplitude * segments.largest_later[lanes.segment],
     )
-    variation = np.abs(ends - drive) + lanes.amplitude * segments.variation[lanes.k]
+    variation = (
+        np.abs(ends - drive) + lanes.amplitude * segments.variation[lanes.segment]
+    )
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
         fastest = lanes.v * lanes.v * np.exp(4.0 / 3.0 * variation / left)
         return np.asarray(
@@ -349,9 +358,9 @@ def too_many_impacts(segments: Segments, lanes: Lanes, most: int) -> Array:
     if not at.size:
         return found
     lanes = lanes.take(at)
-    left = segments.length[lanes.k] - lanes.u
+    left = segments.length[lanes.segment] - lanes.phase
     now, *later = (
-        1.0 - (1.0 - _forces(segments, lanes, None, lanes.u + share * left)[0]) ** 2
+        1.0 - (1.0 - _forces(segments, lanes, None, lanes.phase + share * left)[0]) ** 2
         for share in _SHARES
     )
     pace = np.mean([np.cbrt(np.maximum(still, 0.0)) ** 2 for still in later], axis=0)
@@ -374,7 +383,7 @@ def _tested(lanes: Lanes) -> Array:
         & (lanes.eta > NEARLY_ELASTIC)
         & (lanes.v > 0.0)
     )
-    return np.flatnonzero(tested & (lanes.b < 0.0) & (lanes.b > -2.0))
+    return np.flatnonzero(tested & (lanes.force < 0.0) & (lanes.force > -2.0))
 
 
 def bounces_to_end(segments: Segments, lanes: Lanes, equation: Equation) -> Array:
@@ -385,7 +394,7 @@ def bounces_to_end(segments: Segments, lanes: Lanes, equation: Equation) -> Arra
     at = _tested(lanes)
     if not at.size:
         return found
-    k = lanes.k[at]
+    k = lanes.segment[at]
     later = np.minimum(k + 1, len(segments) - 1)
     largest = np.maximum(
         np.maximum(segments.later_max[later], -segments.later_min[later]),
@@ -409,7 +418,15 @@ def bound_of_peaks(segments: Segments, lane: Lanes, gain: float) -> float:
     equation, a bound of |df/dy|.
     """
     (k,), (u,), (amplitude,), (omega,), (v,), (b,) = (
-        x.tolist() for x in (lane.k, lane.u, lane.amplitude, lane.omega, lane.v, lane.b)
+        x.tolist()
+        for x in (
+            lane.segment,
+            lane.phase,
+            lane.amplitude,
+            lane.omega,
+            lane.v,
+            lane.force,
+        )
     )
     jump = (
         _JOINED

@@ -27,14 +27,16 @@ class Windows(NamedTuple):
     drive stays subcritical, or stays supercritical. Every array is (lanes,).
     """
 
-    k: Array  # segment of the end
-    u: Array  # phase of the end in its segment [rad]
+    segment: Array  # segment of the end
+    phase: Array  # phase of the end in its segment [rad]
     supercritical: Array  # True if the drive is supercritical
-    over: Array  # phase of the whole segments between the present one and k [rad]
+    over: (
+        Array  # phase of the whole segments between the present one and `segment` [rad]
+    )
 
-    def phase(self, u: Array) -> Array:
+    def phase_from(self, u: Array) -> Array:
         """The phase from u in the present segment to the end of the window."""
-        return self.u - u + self.over
+        return self.phase - u + self.over
 
 
 def window_end(
@@ -52,7 +54,7 @@ def window_end(
             side,
             amplitude,
         )
-        return there._replace(k=there.k - offset)
+        return there._replace(segment=there.segment - offset)
     inverse = 1.0 / amplitude
 
     def cut_at(lanes: Array, k: Array) -> Array:
@@ -112,7 +114,7 @@ def _beyond_cuts(
         lanes = ends[same]
         k, u, over = k.copy(), u.copy(), over.copy()
         over[lanes] += segments.length[k[lanes]] + following.over[same]
-        k[lanes], u[lanes] = following.k[same], following.u[same]
+        k[lanes], u[lanes] = following.segment[same], following.phase[same]
 
 
 class LaneStep(NamedTuple):
@@ -121,8 +123,8 @@ class LaneStep(NamedTuple):
     window after it. Every array is (lanes,).
     """
 
-    k: Array  # segment in which the step ends
-    u: Array  # phase of the end in its segment [rad]
+    segment: Array  # segment in which the step ends
+    phase: Array  # phase of the end in its segment [rad]
     h: Array  # length of the step [tau]
     supercritical: Array  # True if the drive is supercritical throughout
     # time in the step at which its subcritical window begins [tau], 0 if the step has
@@ -139,7 +141,7 @@ class StepResult(NamedTuple):
     reach: Array  # time from the start to the impact, or to the end of the step [tau]
     hit: Array  # True where the lane hit the ground
     impact_v: Array  # velocity y' just before the impact
-    impact_b: Array  # force y'' + 2 zeta y' at the impact
+    impact_force: Array  # force y'' + 2 zeta y' at the impact
     # chord errors of `TaylorSeries.at_with_chord_errors`, where the weight varies
     chord_errors: Array | None = None
 
@@ -157,9 +159,11 @@ def next_step(segments: Segments, lanes: Lanes, longest: Array) -> LaneStep:
     """The longest step of each lane that one sign test covers and that the flow can
     make (`longest` [tau]).
     """
-    window = window_end(segments, lanes.k, lanes.u, lanes.side, lanes.amplitude)
-    k, u = window.k.copy(), window.u.copy()
-    h = window.phase(lanes.u) / lanes.omega
+    window = window_end(
+        segments, lanes.segment, lanes.phase, lanes.side, lanes.amplitude
+    )
+    k, u = window.segment.copy(), window.phase.copy()
+    h = window.phase_from(lanes.phase) / lanes.omega
     supercritical, subcritical = window.supercritical.copy(), np.zeros(h.size)
     # A supercritical window entered outwards holds no event: go on to the end of the
     # subcritical window after it.
@@ -172,13 +176,15 @@ def next_step(segments: Segments, lanes: Lanes, longest: Array) -> LaneStep:
     if on.size:
         beyond = window_end(segments, k[on], u[on], lanes.side[on], lanes.amplitude[on])
         subcritical[on] = h[on]
-        h[on] += beyond.phase(u[on]) / lanes.omega[on]
-        k[on], u[on], supercritical[on] = beyond.k, beyond.u, False
+        h[on] += beyond.phase_from(u[on]) / lanes.omega[on]
+        k[on], u[on], supercritical[on] = beyond.segment, beyond.phase, False
     long = np.flatnonzero(h > longest)
     if long.size:
         h[long] = longest[long]
         k[long], u[long] = place(
-            segments, lanes.k[long], lanes.u[long] + longest[long] * lanes.omega[long]
+            segments,
+            lanes.segment[long],
+            lanes.phase[long] + longest[long] * lanes.omega[long],
         )
     return LaneStep(k, u, h, supercritical, subcritical)
 
@@ -208,7 +214,7 @@ def advance(
         touched = ~(y_min > 0.0)
         hit[dips[touched]] = True
         reach[dips[touched]] = h_min[touched]
-    impact_v, impact_b = np.zeros_like(reach), np.zeros_like(reach)
+    impact_v, impact_force = np.zeros_like(reach), np.zeros_like(reach)
     at = np.flatnonzero(hit)
     if at.size:
         guess = _impact_guess(arc, step, end, reach, at)
@@ -216,8 +222,8 @@ def advance(
         reach[at], impact_v[at] = impact_root(
             falling, step.subcritical[at], reach[at], guess
         )
-        impact_b[at] = falling.at_ground(reach[at])
-    return StepResult(step, arc, end, reach, hit, impact_v, impact_b, chord_errors)
+        impact_force[at] = falling.at_ground(reach[at])
+    return StepResult(step, arc, end, reach, hit, impact_v, impact_force, chord_errors)
 
 
 def _impact_guess(
@@ -271,7 +277,7 @@ def turning_points(
     low, high = step.subcritical.copy(), result.reach.copy()
     # Entered inwards, y' may rise through zero while the drive still falls: as a
     # concave function, not above its tangent.
-    slope = _slope(lanes.b, lanes.v, -damping)  # lanes carry the force
+    slope = _slope(lanes.force, lanes.v, -damping)  # lanes carry the force
     turning = np.flatnonzero(wanted & ~rises & (slope > 0.0))
     if turning.size:
         bottom = np.minimum(_bottom(segments, lanes, result, turning), high[turning])
@@ -318,8 +324,8 @@ def _bottom(segments: Segments, lanes: Lanes, result: StepResult, at: Array) -> 
     """The time [tau] for which the drive falls in these steps: until their last segment
     begins; 0 where the drive only rises.
     """
-    k, u = lanes.k[at], lanes.u[at]
-    to_k, to_u = result.step.k[at], result.step.u[at]
+    k, u = lanes.segment[at], lanes.phase[at]
+    to_k, to_u = result.step.segment[at], result.step.phase[at]
     to_k = np.where(to_u > 0.0, to_k, to_k - 1)
     inside = (
         -lanes.side[at] * (segments.s_end[k] - segments.s_start[k]) < 0.0

@@ -112,7 +112,14 @@ class Run:
         )  # infinite: no later peak exceeds it
         row = self.batch.cells.row(first.side)
         amplitude, omega, eta = (values[row, cell] for values in self.batch.cells)
-        place_and_state = (first.k, first.u, first.side, zero, zero.copy(), first.b)
+        place_and_state = (
+            first.segment,
+            first.phase,
+            first.side,
+            zero,
+            zero.copy(),
+            first.force,
+        )
         return Lanes(
             cell, amplitude, omega, eta, *place_and_state, peak, count, count.copy()
         )
@@ -129,7 +136,7 @@ class Run:
             np.inf if batch.free_fall is None else batch.free_fall.time_left(lanes),
         )
         end, hit = result.end, result.hit
-        k, u = place(seg, result.step.k, result.step.u)
+        k, u = place(seg, result.step.segment, result.step.phase)
         bad = ~(np.isfinite(end.y) & np.isfinite(result.reach)) | (
             lanes.steps > batch.most_steps
         )
@@ -156,7 +163,7 @@ class Run:
             over[fallen] = ~bad[fallen]
         if self.observers:
             y, v = np.where(hit, 0.0, end.y), np.where(hit, result.impact_v, end.v)
-            b = np.where(hit, result.impact_b, result.force)
+            b = np.where(hit, result.impact_force, result.force)
             arcs = Arcs(
                 lanes, result.arc, result.reach, y, v, b, np.flatnonzero(~(bad | over))
             )
@@ -180,7 +187,7 @@ class Run:
             lanes.take(struck),
             result.reach[struck],
             result.impact_v[struck],
-            result.impact_b[struck],
+            result.impact_force[struck],
         )
         return self.end_free_fall(in_air.join(struck_lanes))
 
@@ -191,8 +198,12 @@ class Run:
         their new state.
         """
         lanes = lanes.take(at)
-        lanes.k, lanes.u = k[at], u[at]
-        lanes.y, lanes.v, lanes.b = result.end.y[at], result.end.v[at], result.force[at]
+        lanes.segment, lanes.phase = k[at], u[at]
+        lanes.y, lanes.v, lanes.force = (
+            result.end.y[at],
+            result.end.v[at],
+            result.force[at],
+        )
         self._renew_forces(lanes)
         return lanes
 
@@ -201,16 +212,18 @@ class Run:
         force b, without those that the impact finishes.
         """
         batch, seg = self.batch, self.batch.segments
-        lanes.k, lanes.u = place(seg, lanes.k, lanes.u + lanes.omega * h)
+        lanes.segment, lanes.phase = place(
+            seg, lanes.segment, lanes.phase + lanes.omega * h
+        )
         lanes.y = np.zeros(h.size)
         batch.contact.strike(batch.cells, lanes, v, b)
-        lanes.b = seg.force_at_impact(
-            lanes.side, lanes.amplitude, lanes.k, lanes.u, lanes.b
+        lanes.force = seg.force_at_impact(
+            lanes.side, lanes.amplitude, lanes.segment, lanes.phase, lanes.force
         )
-        lanes.impacts += lanes.k < batch.shaken if batch.equation.damping else 1
+        lanes.impacts += lanes.segment < batch.shaken if batch.equation.damping else 1
         self._renew_forces(lanes)
         if batch.equation.damping:
-            self.bounced[lanes.cell[lanes.k >= batch.shaken]] = True
+            self.bounced[lanes.cell[lanes.segment >= batch.shaken]] = True
         for closing in self.closings:
             lanes = self._close(closing, lanes)
         lanes = self._rest(lanes)
@@ -233,17 +246,17 @@ class Run:
             batch.cells,
             batch.segments,
             lanes.cell[resting],
-            lanes.k[resting],
-            lanes.u[resting],
+            lanes.segment[resting],
+            lanes.phase[resting],
         )
-        lanes.k[resting], lanes.u[resting] = again.k, again.u
-        lanes.y[resting], lanes.v[resting], lanes.b[resting] = 0.0, 0.0, again.b
+        lanes.segment[resting], lanes.phase[resting] = again.segment, again.phase
+        lanes.y[resting], lanes.v[resting], lanes.force[resting] = 0.0, 0.0, again.force
         batch.contact.turn(batch.cells, lanes, resting, again.side)
         self.work.sequences_closed += int(ends[resting].sum())
         self.work.rests_skipped += resting.size
-        settled = resting[again.k >= len(batch.segments)]
+        settled = resting[again.segment >= len(batch.segments)]
         self.finish(lanes, settled, Outcome.ROCKED, lanes.peak[settled])
-        return lanes.take(np.flatnonzero(lanes.k < len(batch.segments)))
+        return lanes.take(np.flatnonzero(lanes.segment < len(batch.segments)))
 
     def end_free_fall(self, lanes: AnyLanes) -> AnyLanes:
         """Finish bodies from which the ground has fallen away: overturned if the
@@ -268,7 +281,7 @@ class Run:
         closed = closing.closes(self.batch, lanes)
         if closed.at.size:
             ended = self._end(closing, lanes, closed)
-            lanes = lanes.take(np.delete(np.arange(lanes.k.size), ended))
+            lanes = lanes.take(np.delete(np.arange(lanes.segment.size), ended))
         return lanes
 
     def _end(self, closing: Closing, lanes: Lanes, closed: Closed) -> Array:
@@ -332,8 +345,10 @@ class Run:
         form: the drive may jump there.
         """
         seg = self.batch.segments
-        at = np.flatnonzero((lanes.u == 0.0) & (lanes.k > 0) & (lanes.k < len(seg)))
-        self.renew_force(lanes, at[~seg.joins[lanes.k[at] - 1]])
+        at = np.flatnonzero(
+            (lanes.phase == 0.0) & (lanes.segment > 0) & (lanes.segment < len(seg))
+        )
+        self.renew_force(lanes, at[~seg.joins[lanes.segment[at] - 1]])
 
     def renew_force(self, lanes: Lanes, at: Array) -> None:
         """Recompute the force on the lanes `at`, which are at the start
@@ -343,10 +358,10 @@ class Run:
             self.batch.segments,
             lanes.side[at],
             lanes.amplitude[at],
-            lanes.k[at],
+            lanes.segment[at],
         )
-        weight = seg.weight(side, amplitude, k, lanes.u[at])
+        weight = seg.weight(side, amplitude, k, lanes.phase[at])
         drive = -side * amplitude * seg.s_start[k]
-        lanes.b[at] = self.batch.equation.on(side, lanes.cell[at]).force(
+        lanes.force[at] = self.batch.equation.on(side, lanes.cell[at]).force(
             lanes.y[at], drive, weight
         )

@@ -66,10 +66,14 @@ class _March(MarchState):
         else:
             self._uplift(first=True)
         while self.end is None:
-            if self.k >= count:
+            if self.segment >= count:
                 self._free()
                 break
-            if self.k >= self.lane.shaken and self.listener is None and self._settled():
+            if (
+                self.segment >= self.lane.shaken
+                and self.listener is None
+                and self._settled()
+            ):
                 break
             self.steps += 1
             if not (
@@ -91,7 +95,7 @@ class _March(MarchState):
         1) decides on an impact, and no turn is above the peak so far.
         """
         block, edge, equation = (
-            self.drive_lists.at(self.k),
+            self.drive_lists.at(self.segment),
             self.edge,
             self.edge.equation,
         )
@@ -99,16 +103,17 @@ class _March(MarchState):
         last = len(lengths)
         if (
             equation.composed
-            or (lengths[self.k - block.first] - self.u) / edge.omega > self.reach
+            or (lengths[self.segment - block.first] - self.phase) / edge.omega
+            > self.reach
         ):
             return False
         if self.free_fall is not None and self.free_fall.occurs[0]:
-            last = min(last, max(0, int(self.free_fall.k[0]) - block.first))
+            last = min(last, max(0, int(self.free_fall.segment[0]) - block.first))
         peak = -math.inf if self.listener is not None else self.peak / edge.unit
         top, fall, drag, least = self._top(edge), edge.fall, self.lane.zeta, self.least
         limits, weight, lifts, lifts_then = self.limits[edge.side], None, 1.0, 1.0
         push, pace, factors, built = edge.drive, 1.0 / edge.omega, [], (0.0, 0)
-        k, u, y, v = self.k - block.first, self.u, self.y, self.v
+        k, u, y, v = self.segment - block.first, self.phase, self.y, self.v
         while k < last:
             # The drive and the weight along the line, or along the rest of it.
             h, drive, gain = lengths[k] * pace, push * starts[k], push * rises[k]
@@ -161,7 +166,7 @@ class _March(MarchState):
                 self._keep(block.first + k, u, hit, h, terms)
                 _, v = value(terms, hit / h, h)
                 u += hit * edge.omega
-                self.k, self.u = (
+                self.segment, self.phase = (
                     (block.first + k, u)
                     if u < lengths[k]
                     else (block.first + k + 1, 0.0)
@@ -170,8 +175,8 @@ class _March(MarchState):
                 return True
             self._keep(block.first + k, u, h, h, terms)
             k, u, y, v, self.force = k + 1, 0.0, end, speed / h, None
-        self.k, self.u, self.y, self.v = k + block.first, u, y, v
-        return self.k >= self.drive_lists.count
+        self.segment, self.phase, self.y, self.v = k + block.first, u, y, v
+        return self.segment >= self.drive_lists.count
 
     @staticmethod
     def _may_turn(terms: list[float], speed: float) -> bool:
@@ -212,7 +217,7 @@ class _March(MarchState):
 
     def _step(self) -> None:
         """Take one step within one window."""
-        edge, k, u = self.edge, self.k, self.u
+        edge, k, u = self.edge, self.segment, self.phase
         block = self.drive_lists.at(k)
         length = block.length[k - block.first]
         whole = (length - u) / edge.omega
@@ -283,10 +288,12 @@ class _March(MarchState):
             self._keep(k, u, reach, h, terms)
         if hit is not None:
             to = u + hit * edge.omega
-            self.k, self.u = (k, to) if hit < whole and to < length else (k + 1, 0.0)
+            self.segment, self.phase = (
+                (k, to) if hit < whole and to < length else (k + 1, 0.0)
+            )
             self._impact(v)
             return
-        self.k, self.u = (k, to) if to < length else (k + 1, 0.0)
+        self.segment, self.phase = (k, to) if to < length else (k + 1, 0.0)
         self.y, self.v, self.force = y, v, None
         if self.end is None and (y >= edge.limit or (y >= self._top(edge) and v > 0.0)):
             self._check_overturned()
@@ -377,7 +384,7 @@ class _March(MarchState):
                 self._finish(self._overturned())
             elif self.listener is not None:
                 self.listener.note(
-                    self.lane.tau(self.k, self.u + x * h * self.edge.omega),
+                    self.lane.tau(self.segment, self.phase + x * h * self.edge.omega),
                     "peak",
                     self.edge.side,
                     y,

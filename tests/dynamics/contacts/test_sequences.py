@@ -120,7 +120,7 @@ def test_a_body_at_the_bound_is_marched():
         variation=np.full(3, 0.5), largest_later=np.zeros(3)
     )  # and as much again
     assert stays_below_peak(
-        segments, lanes(k=2, u=u, v=v, b=-0.5, peak=peak)
+        segments, lanes(segment=2, phase=u, v=v, force=-0.5, peak=peak)
     ).tolist() == [True, False, True, False]
 
 
@@ -129,7 +129,9 @@ def start(motion, amplitude, v):
     right edge.
     """
     force = -amplitude * float(motion.segments.s_start[0]) - 1.0
-    return lanes(amplitude=amplitude, v=v, b=force, peak=np.inf, impacts=1, steps=16)
+    return lanes(
+        amplitude=amplitude, v=v, force=force, peak=np.inf, impacts=1, steps=16
+    )
 
 
 def highest_peak(drive, step, v):
@@ -281,7 +283,7 @@ def test_marching_on_under_a_record_finds_the_same_peak(alpha, excess, monkeypat
         (False, 0.9, 1e-5, {"steps": 17}),  # not now
         (False, 0.9, 1e-5, {"eta": 0.98}),
         (False, 0.9, 0.5, {}),
-        (False, 0.9, 1e-5, {"b": -1e-17}),  # lost beside 1
+        (False, 0.9, 1e-5, {"force": -1e-17}),  # lost beside 1
     ],
 )
 def test_a_body_is_followed_unless_its_bounces_are_proved_to_last(
