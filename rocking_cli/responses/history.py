@@ -229,7 +229,7 @@ class _MarchWriter(Writer):
                 lanes.force + change,
             )
             lanes.phase += lanes.omega * h
-            contact.strike(self.cells, lanes, fall, force)
+            contact.impact(self.cells, lanes, fall, force)
             lanes.force = self._force_at_ground(lanes, np.zeros(1))
         weight = self.segments.weight(
             lanes.side, lanes.amplitude, lanes.segment, lanes.phase

@@ -50,7 +50,7 @@ class Contact(ABC):
         """
 
     @abstractmethod
-    def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
+    def impact(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
         """Apply an impact with velocity v <= 0 and force b under the weight m g: set
         side, velocity, force of the lanes (Eq. 2.6).
         """
@@ -208,7 +208,7 @@ class Symmetric(Contact):
             (amplitude / equation.uplift_amplitude)[None], omega[None], eta[None]
         )
 
-    def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
+    def impact(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
         """Reverse the side, and with it the sign of the drive."""
         lanes.side = -lanes.side
         lanes.v = -lanes.eta * v
@@ -240,7 +240,7 @@ class OneSided(Contact):
             np.abs(eta)[None],
         )
 
-    def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
+    def impact(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
         """Return the body on the same side; the force stays the same."""
         lanes.v = -lanes.eta * v
         lanes.force = b.copy()
@@ -322,7 +322,7 @@ class Unequal(Contact):
     def speed(self, side: Array, rate: Array) -> Array:
         return rate * self._of(self.pace, side)
 
-    def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
+    def impact(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
         """Put lanes on the other edge, with its drive, time and unit."""
         lanes.v = -lanes.eta * v
         # b = -1 + a at y = 0; a changes its sign, and its unit becomes the uplift of

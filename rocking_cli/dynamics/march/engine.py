@@ -216,7 +216,7 @@ class Run:
             seg, lanes.segment, lanes.phase + lanes.omega * h
         )
         lanes.y = np.zeros(h.size)
-        batch.contact.strike(batch.cells, lanes, v, b)
+        batch.contact.impact(batch.cells, lanes, v, b)
         lanes.force = seg.force_at_impact(
             lanes.side, lanes.amplitude, lanes.segment, lanes.phase, lanes.force
         )

@@ -109,8 +109,7 @@ class MarchState:
         """
         if k >= self.drive_lists.count:
             return 0.0
-        s, up = self.drive_lists.value(k, u)
-        return edge.drive * s - edge.sway * up
+        return edge.net(*self.drive_lists.value(k, u))
 
     def _impact(self, v: float) -> None:
         """Apply an impact with velocity v <= 0 by the rule of the contact."""

@@ -18,7 +18,7 @@ value at uplift of the free body, positive outward.
 
 While no restraint changes its branch (slack, elastic, yielding, broken), the body
 follows one smooth equation, and its restoring moment has a closed form. A branch ends
-at a rotation that is known beforehand, or at a turn. A step has one turn at most, so the
-signs at its ends and at the turn decide whether it meets the rotation. Of the lemmas
-for the free body only Lemma 7 is used (`bounces`).
+at a rotation that is known beforehand, or at a turn. A step has one turn at most, so
+the signs at its ends and at the turn decide whether it meets the rotation. Of the
+lemmas for the free body only Lemma 7 is used (`bounces`).
 """

@@ -1,5 +1,5 @@
 """Ties and a tendon in the units of an equation: elongation, force, and the rotations
-at which a branch of them ends.
+at which a branch of their force law ends.
 
 A tie at the height h and the distance x behind the pivot has the elongation e = x (1 -
 cos theta) + h sin theta and the lever h cos theta + x sin theta; a tendon at the
@@ -33,7 +33,7 @@ ROWS = ("right", "left")  # sides as rows of arrays
 
 
 class Branch(NamedTuple):
-    """The present branches of the devices, for lanes on their sides."""
+    """The present branch of the force law of each device, for lanes on their sides."""
 
     low: Array  # y at which each branch ends inwards, (devices, lanes)
     high: Array  # y at which each branch ends outwards, (devices, lanes)
@@ -216,7 +216,7 @@ class Devices:
         )
 
     def branch(self, row: Array, branch: Array, plastic: Array) -> Branch:
-        """The limits in y and the force law of devices in these branches, as `Branch`."""
+        """The limits in y and the force law of devices on these branches."""
         pulls, yields = self.thresholds(row, plastic)
         ultimate, stiffness = self.on(self.ultimate, row), self.on(self.stiffness, row)
         elastic, yielding = branch == ELASTIC, branch == YIELDING

@@ -1,5 +1,5 @@
-"""The motion of tied bodies within one branch of their restraints: its Taylor series and
-its first turn.
+"""The motion of tied bodies while every restraint stays on one branch of its force law:
+its Taylor series and its first turn.
 
 With y = theta/sin(alpha) on the present side (the linear equation has no devices but
 springs, which add a constant and a stiffness),
@@ -81,7 +81,7 @@ class Law:
 
 
 class HeldBody:
-    """The equation of lanes in one branch of their restraints: that of the free body,
+    """The equation of lanes while their restraints keep their branches: that of the free body,
     and the moment of its devices.
 
     The moment is a sum of cos theta, sin theta, cos 2 theta, sin 2 theta, cos(theta/2):

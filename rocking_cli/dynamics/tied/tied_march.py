@@ -526,7 +526,7 @@ class March:
         struck.v = np.minimum(struck.v, 0.0)
         known = np.zeros(lanes.cell.size, dtype=bool)
         known[at] = still & (struck.turned & self.every == self.every)
-        self.contact.strike(self.cells, struck, struck.v, struck.force)
+        self.contact.impact(self.cells, struck, struck.v, struck.force)
         struck.y[:] = 0.0
         for name in (
             "side",
