@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..batch import Batch
-from ..contacts.sequences import (
+from ..contacts.lasting_bounces import (
     NEARLY_ELASTIC,
     bounces_to_end,
     stays_below_peak,

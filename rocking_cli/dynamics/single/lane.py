@@ -166,7 +166,7 @@ class LaneEdge(NamedTuple):
         return self.drive * s - self.sway * up
 
 
-def _first(number: Any) -> float:
+def _float_of(number: Any) -> float:
     """The first of the numbers of an array, or the number itself."""
     return float(np.ravel(number)[0])
 
@@ -236,11 +236,11 @@ class Lane:
         """Return the edge of a side under A = 1; `edges` adds K of Lemma 12."""
         at = np.array([side])
         equation, weighed = self.system.equation.on(at), self.segments.weighed
-        amplitude, omega, eta = (_first(x[cells.row(at), 0]) for x in cells)
+        amplitude, omega, eta = (_float_of(x[cells.row(at), 0]) for x in cells)
         sway = 0.0
         if weighed is not None:
-            sway = _first(weighed.sway(at, np.array([amplitude])))
-        largest_lift, largest_push = (_first(x) for x in equation.bounds)
+            sway = _float_of(weighed.sway(at, np.array([amplitude])))
+        largest_lift, largest_push = (_float_of(x) for x in equation.bounds)
         speed_ratio, cycle_ratio = self._speed_ratios(cells, side)
         return LaneEdge(
             side=side,
@@ -254,8 +254,8 @@ class Lane:
             speed_ratio=speed_ratio,
             cycle_ratio=cycle_ratio,
             unit=self._unit_of(cells, side),
-            top=_first(equation.displacement(np.ones(1))),
-            limit=_first(equation.limit),
+            top=_float_of(equation.displacement(np.ones(1))),
+            limit=_float_of(equation.limit),
             equation=self.system.equation.edge(side),
         )
 

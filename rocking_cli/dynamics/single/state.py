@@ -10,7 +10,8 @@ import numpy as np
 
 from ..batch import FreeFall
 from ..contacts.contact import Uplift
-from ..contacts.sequences import BELOW_ROUNDING, STILL, too_many_impacts
+from ..contacts.lasting_bounces import too_many_impacts
+from ..contacts.sequences import BELOW_ROUNDING, STILL
 from ..drive import place
 from ..equations.taylor import LONGEST, WITHIN
 from ..lanes import Cells, Lanes

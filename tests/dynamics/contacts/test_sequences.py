@@ -22,8 +22,8 @@ from rocking_cli import (
     sine,
 )
 from rocking_cli.dynamics import batch
-from rocking_cli.dynamics.contacts import sequences
-from rocking_cli.dynamics.contacts.sequences import (
+from rocking_cli.dynamics.contacts import lasting_bounces
+from rocking_cli.dynamics.contacts.lasting_bounces import (
     bounces_to_end,
     bound_of_peaks,
     stays_below_peak,
@@ -300,7 +300,7 @@ def test_a_long_record_is_gone_through_part_by_part(monkeypatch):
     motion = shaken(noise(60, 0.05, 1), 0.05)
     body = start(motion, 0.9, 1e-4)
     whole = bound_of_peaks(motion.segments, body, 1.0)
-    monkeypatch.setattr(sequences, "blocks", partial(blocks, most=7))
+    monkeypatch.setattr(lasting_bounces, "blocks", partial(blocks, most=7))
     assert bound_of_peaks(motion.segments, body, 1.0) == pytest.approx(whole, rel=1e-14)
 
 
@@ -311,7 +311,7 @@ def test_nothing_is_proved_of_a_motion_that_jumps(monkeypatch):
             "step", marks[:-1], marks[1:], np.array([0.5, after]), np.zeros(2)
         )
         for part in (1, 2):
-            monkeypatch.setattr(sequences, "blocks", partial(blocks, most=part))
+            monkeypatch.setattr(lasting_bounces, "blocks", partial(blocks, most=part))
             assert (
                 np.isfinite(
                     bound_of_peaks(motion.segments, start(motion, 0.5, 1e-3), 1.0)
