@@ -152,43 +152,58 @@ def first_uplift(
         return Uplift(
             *(np.where(before, a, b) for a, b in zip(one, other, strict=True))
         )
-    k, u = k.copy(), u.copy()
-    side, b = np.ones(k.shape), np.zeros(k.shape)
-    last = len(segments)
-    waiting = np.arange(k.size)
+    size, last = k.size, len(segments)
+    found = Uplift(k.copy(), u.copy(), np.ones(size), np.zeros(size))
+    waiting = np.arange(size)
     while waiting.size:
-        here = np.minimum(k[waiting], last - 1)
+        # Bodies that no drive to come lifts go to the end of the motion.
+        here = np.minimum(found.segment[waiting], last - 1)
         strongest = np.maximum(
             left[waiting] * segments.later_max[here],
             right[waiting] * -segments.later_min[here],
         )
-        over = (k[waiting] >= last) | (strongest <= 1.0)
-        k[waiting[over]] = last
+        over = (found.segment[waiting] >= last) | (strongest <= 1.0)
+        found.segment[waiting[over]] = last
         waiting = waiting[~over]
-        kk, uu = k[waiting], u[waiting]
-        s_now = segments.s_start[kk]
-        inside = np.flatnonzero(uu > 0.0)
-        s_now[inside] += drive_change(segments, kk[inside], uu[inside])
-        s_end = segments.s_end[kk]
-        push_now = np.where(s_now > 0.0, left[waiting], right[waiting]) * np.abs(s_now)
-        a_end = np.where(s_end > 0.0, left[waiting], right[waiting])
-        now = push_now > 1.0
-        later = ~now & (a_end * np.abs(s_end) > 1.0)
-        hit = np.flatnonzero(now)
-        side[waiting[hit]] = -np.sign(s_now[hit])
-        b[waiting[hit]] = push_now[hit] - 1.0
-        hit = np.flatnonzero(later)
-        side[waiting[hit]] = -np.sign(s_end[hit])
-        u[waiting[hit]] = np.maximum(
-            uu[hit], crossing(segments, kk[hit], np.sign(s_end[hit]) / a_end[hit])
-        )
-        waiting = waiting[~(now | later)]
+
+        # The others are lifted in this segment, or go on to the next one whose drive
+        # exceeds 1.
+        lifted = _lift(segments, found, waiting, right[waiting], left[waiting])
+        waiting = waiting[~lifted]
         with np.errstate(divide="ignore"):
-            k[waiting] = segments.next_beyond(
-                k[waiting] + 1, 1.0 / left[waiting], 1.0 / right[waiting]
+            found.segment[waiting] = segments.next_beyond(
+                found.segment[waiting] + 1, 1.0 / left[waiting], 1.0 / right[waiting]
             )
-        u[waiting] = 0.0
-    return Uplift(k, u, side, b)
+        found.phase[waiting] = 0.0
+    return found
+
+
+def _lift(
+    segments: Segments, found: Uplift, at: Array, right: Array, left: Array
+) -> Array:
+    """Lift those of the bodies `at` that the rest of their segment lifts: set their
+    `found`, and return True for them. right, left: amplitudes of these bodies.
+    """
+    k, u = found.segment[at], found.phase[at]
+    s_now, s_end = segments.s_start[k], segments.s_end[k]
+    inside = np.flatnonzero(u > 0.0)
+    s_now[inside] += drive_change(segments, k[inside], u[inside])
+
+    # The drive lifts the body now: it has jumped, and the force is not zero.
+    drive_now = np.where(s_now > 0.0, left, right) * np.abs(s_now)
+    now = drive_now > 1.0
+    hit = np.flatnonzero(now)
+    found.side[at[hit]] = -np.sign(s_now[hit])
+    found.force[at[hit]] = drive_now[hit] - 1.0
+
+    # s is monotone: the drive lifts the body later if it does so at the segment's end.
+    amplitude = np.where(s_end > 0.0, left, right)
+    later = ~now & (amplitude * np.abs(s_end) > 1.0)
+    hit = np.flatnonzero(later)
+    found.side[at[hit]] = -np.sign(s_end[hit])
+    level = np.sign(s_end[hit]) / amplitude[hit]
+    found.phase[at[hit]] = np.maximum(u[hit], crossing(segments, k[hit], level))
+    return now | later
 
 
 class Symmetric(Contact):

@@ -208,9 +208,10 @@ def _ends(
     more: float,
 ) -> Array:
     """As `sequence_ends`, for lanes whose sequence may be short enough."""
-    v, eta, time, rotation = lanes.v, 0.0, 1.0, 1.0
-    if there is not None:
-        eta, time, rotation = there.eta, there.time, there.rotation
+    v = lanes.v
+    eta, time, rotation = (
+        (0.0, 1.0, 1.0) if there is None else (there.eta, there.time, there.rotation)
+    )
     path = _path_of(segments, lanes, there, speed_ratio)
     here, other = path.least
     height = path.height(v, eta)

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import cache
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -56,6 +56,18 @@ def by_windows(run: "Run", waiting: Array) -> None:
             lanes = run.round(lanes)
 
 
+class RoundEnds(NamedTuple):
+    """What the steps of a round end with. Every array is (lanes,); a lane has one of
+    the three ends at most.
+    """
+
+    segment: Array  # segment of the end of the step; their number after the motion
+    phase: Array  # phase of the end in its segment [rad]
+    failed: Array  # True if the march of the lane fails
+    shaken: Array  # True if an undamped lane is in the air when the shaking ends
+    over: Array  # True if the lane has overturned, or will for certain (Lemma 6)
+
+
 class Run:
     """The march of a batch: the lanes in the pool, and the results so far."""
 
@@ -96,114 +108,129 @@ class Run:
         march(self, waiting)
 
     def start(self, cell: Array) -> Lanes:
-        """Return lanes for these cells, at their first uplift from rest; k is the
-        number of segments if there is no uplift.
+        """Return lanes for these cells, at their first uplift from rest; the segment is
+        the number of segments if there is no uplift.
         """
-        zero, count, begin = (
-            np.zeros(cell.size),
-            np.zeros(cell.size, dtype=np.int32),
-            self.batch.first[cell],
+        batch, size = self.batch, cell.size
+        first = batch.contact.uplift(
+            batch.cells, batch.segments, cell, batch.first[cell], np.zeros(size)
         )
-        first = self.batch.contact.uplift(
-            self.batch.cells, self.batch.segments, cell, begin, zero
-        )
-        peak = np.full(
-            cell.size, 0.0 if self.batch.peaks else np.inf
-        )  # infinite: no later peak exceeds it
-        row = self.batch.cells.row(first.side)
-        amplitude, omega, eta = (values[row, cell] for values in self.batch.cells)
-        place_and_state = (
-            first.segment,
-            first.phase,
-            first.side,
-            zero,
-            zero.copy(),
-            first.force,
-        )
+        row = batch.cells.row(first.side)
+        amplitude, omega, eta = (values[row, cell] for values in batch.cells)
         return Lanes(
-            cell, amplitude, omega, eta, *place_and_state, peak, count, count.copy()
+            cell=cell,
+            amplitude=amplitude,
+            omega=omega,
+            eta=eta,
+            segment=first.segment,
+            phase=first.phase,
+            side=first.side,
+            y=np.zeros(size),
+            v=np.zeros(size),
+            force=first.force,
+            peak=np.full(size, 0.0 if batch.peaks else np.inf),  # none exceeds infinity
+            impacts=np.zeros(size, dtype=np.int32),
+            steps=np.zeros(size, dtype=np.int32),
         )
 
     def round(self, lanes: AnyLanes) -> AnyLanes:
         """Take one step of every lane; returns the lanes that are not finished."""
-        batch, seg = self.batch, self.batch.segments
+        batch = self.batch
         lanes.steps += 1
+        until = np.inf if batch.free_fall is None else batch.free_fall.time_left(lanes)
         equation = batch.equation.on(lanes.side, lanes.cell)
-        result = advance(
-            seg,
-            lanes,
-            equation,
-            np.inf if batch.free_fall is None else batch.free_fall.time_left(lanes),
-        )
+        result = advance(batch.segments, lanes, equation, until)
+        self.work.impacts += int(result.hit.sum())
+        self.work.steps += result.hit.size
+
+        ends = self._ends(lanes, result)
+        last = self._in_the_air(lanes, result, ends, np.flatnonzero(ends.shaken))
+        free = free_motion(batch, last)
+        if batch.peaks:
+            self._raise_peaks(lanes, result, ends, free.outcome)
+        if self.observers:
+            self._show(lanes, result, np.flatnonzero(~(ends.failed | ends.over)))
+
+        self.finish(lanes, np.flatnonzero(ends.failed), Outcome.FAILED, np.nan)
+        last.peak = lanes.peak[ends.shaken]
+        peak = np.maximum(last.peak, free.peak)
+        self._end(FREE_MOTION, last, free._replace(peak=peak))
+        self.overturn(lanes, np.flatnonzero(ends.over))
+        return self._go_on(lanes, result, ends)
+
+    def _ends(self, lanes: Lanes, result: StepResult) -> RoundEnds:
+        """Return what the steps end with. The order decides: a lane that fails has no
+        other end, an impact comes before the end of the shaking, and that before
+        overturning.
+        """
+        batch, seg = self.batch, self.batch.segments
         end, hit = result.end, result.hit
         k, u = place(seg, result.step.segment, result.step.phase)
-        bad = ~(np.isfinite(end.y) & np.isfinite(result.reach)) | (
-            lanes.steps > batch.most_steps
-        )
-        shaken = ~hit & ~bad & (k >= len(seg))
-        if batch.equation.damping:
-            bad, shaken = (
-                bad | shaken,
-                np.zeros(hit.shape, dtype=bool),
-            )  # a damped lane should have settled before
-        cannot_return = batch.cannot_return(
-            lanes, slice(None), np.minimum(k, len(seg) - 1), end.y, end.v
-        )
-        over = ~hit & ~bad & ~shaken & cannot_return
-        last = self._in_the_air(lanes, result, k, u, np.flatnonzero(shaken))
-        free = free_motion(batch, last)
-        wanted = ~(bad | over)
-        wanted[np.flatnonzero(shaken)[free.outcome != Outcome.ROCKED]] = False
-        if batch.peaks:
-            at, _, y = turning_points(seg, lanes, result, wanted)
-            np.maximum.at(lanes.peak, at, y)  # a lane may have several turning points
-            fallen = at[
-                y >= np.broadcast_to(equation.limit, hit.shape)[at]
-            ]  # it lay on its side, even if y ends lower
-            over[fallen] = ~bad[fallen]
-        if self.observers:
-            y, v = np.where(hit, 0.0, end.y), np.where(hit, result.impact_v, end.v)
-            b = np.where(hit, result.impact_force, result.force)
-            arcs = Arcs(
-                lanes, result.arc, result.reach, y, v, b, np.flatnonzero(~(bad | over))
-            )
-            for observer in self.observers:
-                observer.arcs(arcs)
-        self.work.impacts += int(hit.sum())
-        self.work.steps += hit.size
-        self.finish(lanes, np.flatnonzero(bad), Outcome.FAILED, np.nan)
-        last.peak = lanes.peak[shaken]
-        self._end(
-            FREE_MOTION, last, free._replace(peak=np.maximum(last.peak, free.peak))
-        )
-        self.overturn(lanes, np.flatnonzero(over))
 
-        going = ~(bad | over | shaken)
-        struck = np.flatnonzero(going & hit)
-        in_air = self._in_the_air(lanes, result, k, u, np.flatnonzero(going & ~hit))
-        for closing in self.closings if batch.equation.damping else ():
+        failed = ~(np.isfinite(end.y) & np.isfinite(result.reach))
+        failed |= lanes.steps > batch.most_steps
+
+        shaken = ~hit & ~failed & (k >= len(seg))
+        if batch.equation.damping:  # a damped lane should have settled before
+            failed, shaken = failed | shaken, np.zeros(hit.shape, dtype=bool)
+
+        here = np.minimum(k, len(seg) - 1)
+        cannot_return = batch.cannot_return(lanes, slice(None), here, end.y, end.v)
+        over = ~hit & ~failed & ~shaken & cannot_return
+        return RoundEnds(k, u, failed, shaken, over)
+
+    def _raise_peaks(
+        self, lanes: Lanes, result: StepResult, ends: RoundEnds, free: Array | Outcome
+    ) -> None:
+        """Take the turning points of the steps into the peaks of the lanes. A body that
+        has lain on its side on the way has overturned, even if it ends lower. free:
+        outcomes of the free motion of shaken lanes.
+        """
+        wanted = ~(ends.failed | ends.over)
+        wanted[np.flatnonzero(ends.shaken)[free != Outcome.ROCKED]] = False
+        at, _, y = turning_points(self.batch.segments, lanes, result, wanted)
+        np.maximum.at(lanes.peak, at, y)  # a lane may have several turning points
+        limit = self.batch.equation.on(lanes.side, lanes.cell).limit
+        fallen = at[y >= np.broadcast_to(limit, wanted.shape)[at]]
+        ends.over[fallen] = ~ends.failed[fallen]
+
+    def _show(self, lanes: Lanes, result: StepResult, wanted: Array) -> None:
+        """Show the steps to the observers; wanted: indices of lanes that are still
+        open.
+        """
+        end, hit = result.end, result.hit
+        y, v = np.where(hit, 0.0, end.y), np.where(hit, result.impact_v, end.v)
+        force = np.where(hit, result.impact_force, result.force)
+        arcs = Arcs(lanes, result.arc, result.reach, y, v, force, wanted)
+        for observer in self.observers:
+            observer.arcs(arcs)
+
+    def _go_on(self, lanes: AnyLanes, result: StepResult, ends: RoundEnds) -> AnyLanes:
+        """Return the lanes after their steps that are not finished."""
+        going = ~(ends.failed | ends.over | ends.shaken)
+        flying = np.flatnonzero(going & ~result.hit)
+        in_air = self._in_the_air(lanes, result, ends, flying)
+        for closing in self.closings if self.batch.equation.damping else ():
             in_air = self._close(closing, in_air) if closing.still else in_air
-        struck_lanes = self._after_impact(
-            lanes.take(struck),
-            result.reach[struck],
-            result.impact_v[struck],
-            result.impact_force[struck],
+        landed = np.flatnonzero(going & result.hit)
+        after_impact = self._after_impact(
+            lanes.take(landed),
+            result.reach[landed],
+            result.impact_v[landed],
+            result.impact_force[landed],
         )
-        return self.end_free_fall(in_air.join(struck_lanes))
+        return self.end_free_fall(in_air.join(after_impact))
 
     def _in_the_air(
-        self, lanes: AnyLanes, result: StepResult, k: Array, u: Array, at: Array
+        self, lanes: AnyLanes, result: StepResult, ends: RoundEnds, at: Array
     ) -> AnyLanes:
         """Return the lanes `at`, which reached the end of their step in the air, with
         their new state.
         """
         lanes = lanes.take(at)
-        lanes.segment, lanes.phase = k[at], u[at]
-        lanes.y, lanes.v, lanes.force = (
-            result.end.y[at],
-            result.end.v[at],
-            result.force[at],
-        )
+        lanes.segment, lanes.phase = ends.segment[at], ends.phase[at]
+        lanes.y, lanes.v = result.end.y[at], result.end.v[at]
+        lanes.force = result.force[at]
         self._renew_forces(lanes)
         return lanes
 

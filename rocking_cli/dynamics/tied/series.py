@@ -81,8 +81,8 @@ class Law:
 
 
 class HeldBody:
-    """The equation of lanes while their restraints keep their branches: that of the free body,
-    and the moment of its devices.
+    """The equation of lanes while their restraints keep their branches: that of the
+    free body, and the moment of its devices.
 
     The moment is a sum of cos theta, sin theta, cos 2 theta, sin 2 theta, cos(theta/2):
     those of theta follow from l and m of the free body, the second harmonics are rho
