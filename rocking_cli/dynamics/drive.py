@@ -244,7 +244,7 @@ class RemainingImpulse(NamedTuple):
         int |s| dphi/Omega < 1 (Lemma 9).
         """
         return (
-            lanes.amplitude * self.after(lanes.k, lanes.u)
+            lanes.amplitude * self.after(lanes.segment, lanes.phase)
             < _SAFE_SHARE * (1.0 - np.abs(lanes.v)) * lanes.omega
         )
 

@@ -399,7 +399,7 @@ class Search:
                 0 * cell,
                 np.zeros(omegas.size),
             )
-            holds = amplitude * remaining.after(lift.k, lift.u) <= most
+            holds = amplitude * remaining.after(lift.segment, lift.phase) <= most
             low, high = np.where(holds, middle, low), np.where(holds, high, middle)
         return low
 

@@ -75,14 +75,16 @@ class LinearEquation(Equation):
                 SERIES,
                 self.damping,
             )
-        _, sin, cos = segment_value(segments, lanes.k, lanes.u)
+        _, sin, cos = segment_value(segments, lanes.segment, lanes.phase)
         outward = -lanes.side * lanes.amplitude
         ramp = (
-            outward * segments.slope[lanes.k] * lanes.omega if segments.sloped else None
+            outward * segments.slope[lanes.segment] * lanes.omega
+            if segments.sloped
+            else None
         )
-        w = segments.frequency.take(lanes.k, axis=1) * lanes.omega
+        w = segments.frequency.take(lanes.segment, axis=1) * lanes.omega
         return LinearFlow(
-            lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp
+            lanes.y, lanes.v, lanes.force, outward * cos, outward * sin, w, ramp
         )
 
     def along(

@@ -174,9 +174,9 @@ class ContactLoss(Observer):
             arcs.stop[at],
         )
         slowing = 2.0 * self.body.damping
-        one = self._ends(lanes, low, lanes.y, lanes.v, lanes.b - slowing * lanes.v)
+        one = self._ends(lanes, low, lanes.y, lanes.v, lanes.force - slowing * lanes.v)
         other = self._ends(
-            lanes, high, arcs.y[at], arcs.v[at], arcs.b[at] - slowing * arcs.v[at]
+            lanes, high, arcs.y[at], arcs.v[at], arcs.force[at] - slowing * arcs.v[at]
         )
         for _ in range(_HALVINGS if at.size else 0):
             self._lost[lanes.cell[~((one.fz > 0.0) & (other.fz > 0.0))]] = True
@@ -237,7 +237,7 @@ class ContactLoss(Observer):
         velocity v and acceleration b.
         """
         weight = self.segments.weight(
-            lanes.side, lanes.amplitude, lanes.k, lanes.u + lanes.omega * h
+            lanes.side, lanes.amplitude, lanes.segment, lanes.phase + lanes.omega * h
         )
         edge = self.body.on(lanes.side)
         u, v, b = edge.unit * y, edge.unit * v, edge.unit * b
@@ -268,8 +268,8 @@ class ContactLoss(Observer):
         contact, body = self.batch.contact, self.body
         bounds = sequence_bounds(self.segments, lanes, contact.other_side(lanes))
         now, later = (
-            self.segments.weight(lanes.side, lanes.amplitude, lanes.k, u)
-            for u in (lanes.u, bounds.later)
+            self.segments.weight(lanes.side, lanes.amplitude, lanes.segment, u)
+            for u in (lanes.phase, bounds.later)
         )
         lightest, heaviest = np.minimum(now, later), np.maximum(now, later)
         kept, lost = (
@@ -290,7 +290,7 @@ class ContactLoss(Observer):
             weight, force, speed = (
                 (heaviest, bounds.least[i], 0.0 * lanes.v)
                 if i
-                else (now, -lanes.b, lanes.v)
+                else (now, -lanes.force, lanes.v)
             )
             lost |= (
                 body.fz_in_bounces(

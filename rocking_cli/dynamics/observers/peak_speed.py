@@ -154,4 +154,6 @@ class PeakSpeed(Observer):
         """False for lanes that fall for the first time on still ground: the march
         follows them to the impact.
         """
-        return ~((lanes.k >= self.shaken) & (lanes.y > 0.0) & ~bounced[lanes.cell])
+        return ~(
+            (lanes.segment >= self.shaken) & (lanes.y > 0.0) & ~bounced[lanes.cell]
+        )

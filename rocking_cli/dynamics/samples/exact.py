@@ -186,7 +186,7 @@ class ExactStepper(SampleStepper[ExactLanes]):
 
     def prepare(self, lanes: PooledLanes) -> ExactLanes:
         found = lanes.extended(
-            ExactLanes, up=lanes.y, down=lanes.y, row=lanes.k, level=lanes.k
+            ExactLanes, up=lanes.y, down=lanes.y, row=lanes.segment, level=lanes.segment
         )
         self._renew_modes(found)
         return found
@@ -197,13 +197,13 @@ class ExactStepper(SampleStepper[ExactLanes]):
 
     def _renew_modes(self, lanes: ExactLanes) -> None:
         """Compute the modes of lanes at the next sample."""
-        inside = lanes.u > 0.0
+        inside = lanes.phase > 0.0
         lanes.row = self.rows[self.cells.row(lanes.side), lanes.cell]
         there = self.equation.flow(self.segments, lanes).at(
-            (lanes.pace - lanes.u / lanes.omega) * inside
+            (lanes.pace - lanes.phase / lanes.omega) * inside
         )
         bounded = self.bounded.take(
-            lanes.row + np.minimum(lanes.k + inside, self.last.take(lanes.cell))
+            lanes.row + np.minimum(lanes.segment + inside, self.last.take(lanes.cell))
         )
         y, v = (
             there.y - 1.0 - lanes.outward * bounded.real,
@@ -211,8 +211,8 @@ class ExactStepper(SampleStepper[ExactLanes]):
         )
         lanes.up, lanes.down = 0.5 * (y + v), 0.5 * (y - v)
         fall = (
-            lanes.v + np.sqrt(lanes.v * lanes.v - 2.0 * lanes.b * lanes.y)
-        ) / -lanes.b
+            lanes.v + np.sqrt(lanes.v * lanes.v - 2.0 * lanes.force * lanes.y)
+        ) / -lanes.force
         level = np.frexp(np.where(fall > 0.0, 0.5 * fall / lanes.pace, 8.0))[1]
         lanes.level = np.clip(level, 0, self._top(lanes.pace)).astype(np.int64)
 
@@ -225,9 +225,9 @@ class ExactStepper(SampleStepper[ExactLanes]):
         ).astype(np.int64)
 
     def can_propagate(self, lanes: ExactLanes) -> Array:
-        ahead = self.step.take(lanes.cell) - lanes.u
-        return (lanes.k < self.last.take(lanes.cell)) & (
-            (lanes.y > 0.0) | (2.0 * lanes.v * lanes.omega >= -lanes.b * ahead)
+        ahead = self.step.take(lanes.cell) - lanes.phase
+        return (lanes.segment < self.last.take(lanes.cell)) & (
+            (lanes.y > 0.0) | (2.0 * lanes.v * lanes.omega >= -lanes.force * ahead)
         )
 
     def propagate(self, lanes: ExactLanes, at: Array) -> Array:
@@ -243,19 +243,19 @@ class ExactStepper(SampleStepper[ExactLanes]):
         face += (drive > 0.0) * self.stretches.face
         for _ in range(_ROUNDS):
             least = np.abs(drive) * self.stretches.at(
-                face, own.level, own.k - first
+                face, own.level, own.segment - first
             )  # outward drive
             time, fall = horizon(own.y, own.v, least)
-            past = own.u * per_step  # samples since the start of the interval
+            past = own.phase * per_step  # samples since the start of the interval
             ahead = np.fmin(
                 past + time * (_SAFE_SHARE / pace),
-                np.minimum(np.left_shift(1, own.level), last - own.k),
+                np.minimum(np.left_shift(1, own.level), last - own.segment),
             )
             go &= ahead >= 1.0
             count = np.where(go, ahead, 1.0).astype(np.int64)
-            to = np.minimum(own.k + count, last)
+            to = np.minimum(own.segment + count, last)
             grown = np.exp(
-                (count - (own.u > 0.0)) * pace
+                (count - (own.phase > 0.0)) * pace
             )  # where u is 0 the modes belong to this sample, else to the next
             up, down, bounded = (
                 own.up * grown,
@@ -277,8 +277,8 @@ class ExactStepper(SampleStepper[ExactLanes]):
             level = np.minimum(np.frexp(ahead)[1], top)
             level[held] = np.frexp(count[held] // 2)[1] - 1
             for name, value in {
-                "k": to,
-                "u": 0.0,
+                "segment": to,
+                "phase": 0.0,
                 "y": y,
                 "v": v,
                 "peak": peak,
@@ -287,7 +287,7 @@ class ExactStepper(SampleStepper[ExactLanes]):
             }.items():
                 setattr(own, name, np.where(moved, value, getattr(own, name)))
             own.level = np.where(go, level, own.level)
-            go &= own.k < last
+            go &= own.segment < last
             if np.count_nonzero(go) * _FEW < at.size:
                 break
         lanes.put(at, own)
@@ -332,7 +332,7 @@ class ExactStepper(SampleStepper[ExactLanes]):
         drive, cell = lanes.outward[at], lanes.cell[at]
         face = self.face.take(cell) + (drive < 0.0) * self.stretches.face
         return -np.abs(drive) * self.stretches.at(
-            face, lanes.level[at], lanes.k[at] - self.first.take(cell)
+            face, lanes.level[at], lanes.segment[at] - self.first.take(cell)
         )
 
 

@@ -56,7 +56,7 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
 
     def propagate(self, lanes: SteppingLanes, at: Array) -> Array:
         """Take several Taylor steps. A lane stops when a step is not proved."""
-        names = "cell", "side", "k", "y", "v", "peak", "pace", "outward", "degree"
+        names = "cell", "side", "segment", "y", "v", "peak", "pace", "outward", "degree"
         cell, side, k, y, v, peak, pace, outward, degree = (
             getattr(lanes, name).take(at) for name in names
         )
@@ -83,7 +83,7 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
             go &= k < end
             if not go.any():
                 break
-        lanes.k[at], lanes.y[at], lanes.v[at], lanes.peak[at] = k, y, v, peak
+        lanes.segment[at], lanes.y[at], lanes.v[at], lanes.peak[at] = k, y, v, peak
         return go
 
     def _ramp(self, k: Array, outward: Array, pace: Array) -> Drive:
@@ -151,20 +151,22 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
         if len(self.cells.amplitude) > 1:  # the other edge needs another degree
             lanes.degree = self._degree(lanes)
         at = np.flatnonzero(
-            (lanes.u > 0.0) & (lanes.k < self.last.take(lanes.cell)) & (lanes.v > 0.0)
+            (lanes.phase > 0.0)
+            & (lanes.segment < self.last.take(lanes.cell))
+            & (lanes.v > 0.0)
         )
         if not at.size:
             return
         some = lanes.take(at)
         share, equation = (
-            some.u / self.step.take(some.cell),
+            some.phase / self.step.take(some.cell),
             self.equation.on(some.side, some.cell),
         )
         factors, last = (
             factors_for(some.pace * (1.0 - share), some.degree),
             some.degree * at.size + np.arange(at.size),
         )
-        ramp = self._ramp(some.k, some.outward, some.pace).after(share)
+        ramp = self._ramp(some.segment, some.outward, some.pace).after(share)
         y, v, proved = self._step(
             equation, some.y, some.v, some.peak, ramp, factors, last
         )
@@ -177,7 +179,7 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
             )
         on = np.flatnonzero(proved)
         at = at[on]
-        lanes.k[at], lanes.u[at] = some.k[on] + 1, 0.0
+        lanes.segment[at], lanes.phase[at] = some.segment[on] + 1, 0.0
         lanes.y[at], lanes.v[at], lanes.peak[at] = (
             y[on],
             v[on],

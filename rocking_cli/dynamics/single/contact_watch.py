@@ -79,7 +79,7 @@ def loses_contact(lane: Lane, amplitude: float, most: int) -> bool:
         .take((side < 0.0).astype(np.int64))
     )
     flow = TaylorSeries(terms, h, reach, np.zeros(reach.size))
-    lanes.y, lanes.v, lanes.b = flow.y, flow.v, flow.b
+    lanes.y, lanes.v, lanes.force = flow.y, flow.v, flow.b
     there = flow.at(reach)
     loss.arcs(
         Arcs(lanes, flow, reach, there.y, there.v, there.b, np.arange(reach.size))

@@ -1,5 +1,5 @@
 """Ties and a tendon in the units of an equation: elongation, force, and the rotations
-at which a phase of them ends.
+at which a branch of their force law ends.
 
 A tie at the height h and the distance x behind the pivot has the elongation e = x (1 -
 cos theta) + h sin theta and the lever h cos theta + x sin theta; a tendon at the
@@ -32,18 +32,18 @@ SLACK, ELASTIC, YIELDING, BROKEN = range(4)
 ROWS = ("right", "left")  # sides as rows of arrays
 
 
-class Phase(NamedTuple):
-    """The present phases of the devices, for lanes on their sides."""
+class Branch(NamedTuple):
+    """The present branch of the force law of each device, for lanes on their sides."""
 
-    low: Array  # y at which each phase ends inwards, (devices, lanes)
-    high: Array  # y at which each phase ends outwards, (devices, lanes)
+    low: Array  # y at which each branch ends inwards, (devices, lanes)
+    high: Array  # y at which each branch ends outwards, (devices, lanes)
     fixed: Array  # force at e = 0 [N], (devices, lanes)
     rate: Array  # growth of the force with e [N/m], (devices, lanes)
     yields: Array  # True for lanes with a yielding device, (lanes,)
 
-    def take(self, at: Array | slice) -> Phase:
-        """Return the phases of these lanes."""
-        return Phase(*(x[..., at] for x in self))
+    def take(self, at: Array | slice) -> Branch:
+        """Return the branches of these lanes."""
+        return Branch(*(x[..., at] for x in self))
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,13 +215,13 @@ class Devices:
             0.0, np.where(self.on(self.stiffness, row) > 0.0, elongation - elastic, 0.0)
         )
 
-    def phase(self, row: Array, phase: Array, plastic: Array) -> Phase:
-        """The limits in y and the force law of devices in these phases, as `Phase`."""
+    def branch(self, row: Array, branch: Array, plastic: Array) -> Branch:
+        """The limits in y and the force law of devices on these branches."""
         pulls, yields = self.thresholds(row, plastic)
         ultimate, stiffness = self.on(self.ultimate, row), self.on(self.stiffness, row)
-        elastic, yielding = phase == ELASTIC, phase == YIELDING
+        elastic, yielding = branch == ELASTIC, branch == YIELDING
         high = np.where(
-            phase == SLACK,
+            branch == SLACK,
             pulls,
             np.where(
                 elastic,
@@ -234,7 +234,7 @@ class Devices:
             elastic, self.on(self.prestress, row) - stiffness * plastic, 0.0
         )
         fixed = np.where(yielding, self.on(self.force, row), fixed)
-        return Phase(
+        return Branch(
             self.level(row, low),
             self.level(row, high),
             fixed,
@@ -242,45 +242,51 @@ class Devices:
             yielding.any(axis=0),
         )
 
-    def at_ground(self, row: Array, phase: Array, plastic: Array) -> Array:
-        """The phase of each device when a body leaves the ground onto these sides."""
+    def at_ground(self, row: Array, branch: Array, plastic: Array) -> Array:
+        """The branch of each device when a body leaves the ground onto these sides."""
         pulls, _ = self.thresholds(row, plastic)
-        return np.where(phase == BROKEN, BROKEN, np.where(pulls <= 0.0, ELASTIC, SLACK))
+        return np.where(
+            branch == BROKEN, BROKEN, np.where(pulls <= 0.0, ELASTIC, SLACK)
+        )
 
-    def force_at_ground(self, row: Array, phase: Array, plastic: Array) -> Array:
+    def force_at_ground(self, row: Array, branch: Array, plastic: Array) -> Array:
         """The force [N] of each device on bodies at the ground, (devices, lanes)."""
         force = np.clip(
             self.on(self.prestress, row) - self.on(self.stiffness, row) * plastic,
             0.0,
             None,
         )
-        return np.where(phase == BROKEN, 0.0, force)
+        return np.where(branch == BROKEN, 0.0, force)
 
-    def pull(self, row: Array, phase: Array, plastic: Array) -> Array:
+    def pull(self, row: Array, branch: Array, plastic: Array) -> Array:
         """The restoring acceleration -y'' that the devices add to bodies at the ground,
         (lanes,).
         """
         return (
             _added(
-                self.force_at_ground(row, phase, plastic) * self.on(self.height, row)
+                self.force_at_ground(row, branch, plastic) * self.on(self.height, row)
             )
             / self.moment[row, 0]
         )
 
-    def press(self, row: Array, phase: Array, plastic: Array) -> Array:
+    def press(self, row: Array, branch: Array, plastic: Array) -> Array:
         """The vertical force of a tendon on bodies at the ground, over
         m g, (lanes,).
         """
         return (
             _added(
                 np.where(
-                    self.tendon[:, None], self.force_at_ground(row, phase, plastic), 0.0
+                    self.tendon[:, None],
+                    self.force_at_ground(row, branch, plastic),
+                    0.0,
                 )
             )
             / self.weight
         )
 
-    def largest_pull(self, row: Array, phase: Array, plastic: Array, y: Array) -> Array:
+    def largest_pull(
+        self, row: Array, branch: Array, plastic: Array, y: Array
+    ) -> Array:
         """An upper bound of the restoring acceleration -y'' that the devices add up to
         y, if none yields before, (lanes,).
         """
@@ -301,7 +307,7 @@ class Devices:
             * np.sin(np.minimum(self.unit[row, 0] * y, 0.5 * np.pi))
         )
         return (
-            _added(np.where(phase == BROKEN, 0.0, force) * lever) / self.moment[row, 0]
+            _added(np.where(branch == BROKEN, 0.0, force) * lever) / self.moment[row, 0]
         )
 
     @cached_property
@@ -329,7 +335,7 @@ class Devices:
         )
         return np.asarray(1.0 + self.pull(rows, none, none)[:, None])
 
-    def downwards(self, row: Array, now: Phase, y: Array) -> Array:
+    def downwards(self, row: Array, now: Branch, y: Array) -> Array:
         """The vertical force of a tendon on the body, over m g, (lanes,)."""
         force = np.where(
             self.tendon[:, None], now.fixed + now.rate * self.elongation(row, y), 0.0
@@ -337,7 +343,7 @@ class Devices:
         return _added(force) * np.cos(0.5 * self.unit[row, 0] * y) / self.weight
 
     def tendon_bounds(
-        self, row: Array, now: Phase, turned: Array
+        self, row: Array, now: Branch, turned: Array
     ) -> tuple[Array, Array]:
         """(largest force of a tendon up to this rotation [rad], its stiffness times its
         lever), each over m g, (lanes,).
@@ -362,7 +368,7 @@ class Devices:
             else of_tie
         )
 
-    def pulled(self, row: Array, now: Phase, y: Array) -> Array:
+    def pulled(self, row: Array, now: Branch, y: Array) -> Array:
         """The restoring acceleration -y'' that the devices add at y, (lanes,)."""
         return (
             _added(
@@ -371,7 +377,7 @@ class Devices:
             / self.moment[row, 0]
         )
 
-    def linear_terms(self, row: Array, now: Phase) -> tuple[Array, Array]:
+    def linear_terms(self, row: Array, now: Branch) -> tuple[Array, Array]:
         """(constant, stiffness) that the devices add to -y'' = constant + stiffness y
         in the linear equation, each (lanes,).
         """
@@ -381,7 +387,7 @@ class Devices:
             _added(now.rate * h * h) * self.unit[row, 0] / moment,
         )
 
-    def circular_terms(self, row: Array, now: Phase) -> Array:
+    def circular_terms(self, row: Array, now: Branch) -> Array:
         """Coefficients of cos theta, sin theta, cos 2 theta, sin 2 theta and, with a
         tendon, cos(theta/2), sin(theta/2), in y'', (4 or 6, lanes).
         """

@@ -1,5 +1,5 @@
-"""The motion of tied bodies within one phase of their restraints: its Taylor series and
-its first turn.
+"""The motion of tied bodies while every restraint stays on one branch of its force law:
+its Taylor series and its first turn.
 
 With y = theta/sin(alpha) on the present side (the linear equation has no devices but
 springs, which add a constant and a stiffness),
@@ -25,7 +25,7 @@ from ..equations.rigid_body import RigidBodyEquation
 from ..equations.taylor import TaylorSeries
 from ..lanes import Array, Lanes
 from ..march.roots import bernstein_form, impact_root, sense
-from .devices import Devices, Phase
+from .devices import Branch, Devices
 
 _HALVINGS = 40
 
@@ -52,12 +52,12 @@ class Law:
         self.tolerance = equation.tolerance  # of y
         self.order = taylor.order_for(equation.tolerance)
 
-    def force(self, row: Array, now: Phase, side: Array, y: Array, a: Array) -> Array:
+    def force(self, row: Array, now: Branch, side: Array, y: Array, a: Array) -> Array:
         """y'' under the outward drive a, without damping, (lanes,)."""
         return self.equation.on(side).force(y, a) - self.devices.pulled(row, now, y)
 
     def flow(
-        self, segments: Segments, lanes: Lanes, row: Array, now: Phase, exact: Array
+        self, segments: Segments, lanes: Lanes, row: Array, now: Branch, exact: Array
     ) -> TaylorSeries:
         """The series of lanes from their present state; exact: True where y'' is
         exactly 0 now.
@@ -67,17 +67,22 @@ class Law:
         drive = (
             -lanes.side
             * lanes.amplitude
-            * (segments.s_start[lanes.k] + drive_change(segments, lanes.k, lanes.u))
+            * (
+                segments.s_start[lanes.segment]
+                + drive_change(segments, lanes.segment, lanes.phase)
+            )
         )
-        lanes.b = np.where(exact, 0.0, self.force(row, now, lanes.side, lanes.y, drive))
+        lanes.force = np.where(
+            exact, 0.0, self.force(row, now, lanes.side, lanes.y, drive)
+        )
         rate = 1.0 + np.sqrt(self.devices.linear_terms(row, now)[1])
         terms, fastest = taylor.series_flow(held, segments, lanes, self.order, rate)
         return taylor.series(terms, fastest, self.tolerance, self.equation.damping)
 
 
 class HeldBody:
-    """The equation of lanes in one phase of their restraints: that of the free body,
-    and the moment of its devices.
+    """The equation of lanes while their restraints keep their branches: that of the
+    free body, and the moment of its devices.
 
     The moment is a sum of cos theta, sin theta, cos 2 theta, sin 2 theta, cos(theta/2):
     those of theta follow from l and m of the free body, the second harmonics are rho
@@ -85,7 +90,7 @@ class HeldBody:
     """
 
     def __init__(
-        self, equation: Equation, devices: Devices, row: Array, now: Phase
+        self, equation: Equation, devices: Devices, row: Array, now: Branch
     ) -> None:
         self.equation, self.devices, self.row, self.now, self.damping = (
             equation,

@@ -10,15 +10,16 @@ from typing import NamedTuple, Protocol
 from ..equations.taylor import TaylorSeries
 from ..lanes import Array, Lanes
 from ..outcome import Work
-from .devices import Phase
+from .devices import Branch
 
 
 @dataclass
 class TiedLanes(Lanes):
     """Lanes of tied bodies; a device is a tie or the tendon on one side."""
 
-    # phase of each device, as `devices` numbers them, (sides, devices, lanes)
-    phase: Array
+    # branch of the force law that each device is on, as `devices` numbers them, (sides,
+    # devices, lanes)
+    branch: Array
     plastic: Array  # permanent elongation of each device [m], (sides, devices, lanes)
     farthest: Array  # largest elongation of each device [m], (sides, devices, lanes)
     exact: Array  # True where y'' is exactly 0
@@ -32,8 +33,8 @@ class TiedLanes(Lanes):
 class StepEnds(NamedTuple):
     """What happens at the ends of steps. Every array is (lanes,)."""
 
-    up: Array  # True if y has come to the upper end of the phase of the restraints
-    # True if y has come to the lower end of the phase; the ground is a lower end
+    up: Array  # True if y has come to the upper end of the branch of the restraints
+    # True if y has come to the lower end of the branch; the ground is a lower end
     down: Array
     peaked: Array  # True if y had a peak in the step
     bottom: Array  # True if the body turns outwards again
@@ -47,7 +48,7 @@ class Recorder(Protocol):
     until: float  # phase of the motion up to which the march is recorded [rad]
     visible: float  # speed |y'| down to which each bounce is recorded
 
-    def keep(self, lanes: Lanes, arc: TaylorSeries, reach: float, now: Phase) -> None:
+    def keep(self, lanes: Lanes, arc: TaylorSeries, reach: float, now: Branch) -> None:
         """Record an arc that lasts `reach` [tau] from the state of the lanes, with the
         force law of the devices on it.
         """
@@ -71,8 +72,9 @@ class Found:
     theta_ratio: Array  # max |theta|/alpha [-], as in `Response`, (cells,)
     impacts: Array  # number of impacts during the shaking, as in `Response`, (cells,)
     steps: Array  # number of steps, (cells,)
-    # phase of each device at the end of the march, (sides, devices, cells)
-    phase: Array
+    # branch of the force law of each device at the end of the march, (sides, devices,
+    # cells)
+    branch: Array
     # permanent elongation of each device then [m], (sides, devices, cells)
     plastic: Array
     farthest: Array  # largest elongation of each device [m], (sides, devices, cells)

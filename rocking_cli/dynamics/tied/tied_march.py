@@ -1,7 +1,7 @@
 """The march of tied bodies, many at once, from event to event.
 
-A step lies within one closed form of the motion and one phase of the restraints, and
-has one turn at most (`series`). If y passes an end of the phase before or after the
+A step lies within one closed form of the motion and one branch of the restraints, and
+has one turn at most (`series`). If y passes an end of the branch before or after the
 turn, the step ends there: the bracket holds one root. So a step cannot miss an
 engagement, a yield, a slack, a rupture or an impact. A peak ends a step only if a
 restraint yields there.
@@ -17,7 +17,7 @@ peak. So
 - a body that turns back outwards above the ground after such a peak goes to and fro
   between both: it leans;
 - a body overturns if it lies on its side, or, in the linear equation, if it moves
-  outwards in the last phase of its restraints, whose stiffness is not positive, and no
+  outwards in the last branch of its restraints, whose stiffness is not positive, and no
   drive to come reaches its force.
 
 A body that rocked or leans keeps Fz > 0 later if it did so up to then. At the same
@@ -44,7 +44,7 @@ from ..outcome import FALLEN, LOST, Outcome
 from ..system import System
 from .bounces import Bounces
 from .contact_watch import ContactWatch, Steps
-from .devices import BROKEN, ELASTIC, SLACK, YIELDING, Phase
+from .devices import BROKEN, ELASTIC, SLACK, YIELDING, Branch
 from .series import Law, Step, falls, one_turn
 from .tied_lanes import Found, Recorder, StepEnds, TiedLanes
 
@@ -181,7 +181,7 @@ class March:
             lanes.plastic[0], lanes.farthest[0] = self.devices.stretched(row, e), e
             pulls, _ = self.devices.thresholds(row, lanes.plastic[0])
             broken = e >= self.devices.on(self.devices.ultimate, row)
-            lanes.phase[0] = np.where(
+            lanes.branch[0] = np.where(
                 broken, BROKEN, np.where(e > pulls, ELASTIC, SLACK)
             )
             self._note(lanes, "release", lanes.y, lanes.v)
@@ -216,16 +216,16 @@ class March:
             self.cells.eta,
         )
         again = self.contact.uplift(
-            effective, self.segments, np.arange(at.size), resting.k, resting.u
+            effective, self.segments, np.arange(at.size), resting.segment, resting.phase
         )
-        k, u = place(self.segments, again.k, again.u)
-        lanes.k[at], lanes.u[at], lanes.y[at], lanes.v[at] = k, u, 0.0, 0.0
+        k, u = place(self.segments, again.segment, again.phase)
+        lanes.segment[at], lanes.phase[at], lanes.y[at], lanes.v[at] = k, u, 0.0, 0.0
         if not self.one_sided:
             self.contact.turn(self.cells, lanes, at, again.side)
-        moved = (k != again.k) & ~self.segments.joins[
-            np.minimum(again.k, len(self.segments) - 1)
+        moved = (k != again.segment) & ~self.segments.joins[
+            np.minimum(again.segment, len(self.segments) - 1)
         ]
-        lanes.exact[at] = (again.b == 0.0) & ~moved
+        lanes.exact[at] = (again.force == 0.0) & ~moved
         self._leave(lanes, at)
         ended = k >= self.shaken
         if self.recorder is not None:
@@ -241,20 +241,20 @@ class March:
         )
 
     def _leave(self, lanes: TiedLanes, at: Array) -> None:
-        """Set the devices of lanes that leave the ground to the phases in which they
+        """Set the devices of lanes that leave the ground to the branches in which they
         begin.
         """
         row = self.devices.row(lanes.side)[at]
-        phase, plastic = lanes.phase[row, :, at].T, lanes.plastic[row, :, at].T
-        lanes.phase[row, :, at] = self.devices.at_ground(row, phase, plastic).T
+        branch, plastic = lanes.branch[row, :, at].T, lanes.plastic[row, :, at].T
+        lanes.branch[row, :, at] = self.devices.at_ground(row, branch, plastic).T
 
-    def _phase(self, lanes: TiedLanes) -> tuple[Array, Phase, Array, Array]:
-        """(row, phase of the devices, y at its lower end, y at its upper end) of each
+    def _branch(self, lanes: TiedLanes) -> tuple[Array, Branch, Array, Array]:
+        """(row, branch of the devices, y at its lower end, y at its upper end) of each
         lane.
         """
         row = self.devices.row(lanes.side)
-        now = self.devices.phase(
-            row, self._of(lanes.phase, row), self._of(lanes.plastic, row)
+        now = self.devices.branch(
+            row, self._of(lanes.branch, row), self._of(lanes.plastic, row)
         )
         return (
             row,
@@ -268,12 +268,12 @@ class March:
         returns the lanes that go on.
         """
         lanes.steps += 1
-        row, now, ground, high = self._phase(lanes)
-        seg, k = self.segments, lanes.k
+        row, now, ground, high = self._branch(lanes)
+        seg, k = self.segments, lanes.segment
         joined = seg.joins[k]
         left = (
             seg.length[k]
-            - lanes.u
+            - lanes.phase
             + np.where(joined, seg.length[np.minimum(k + 1, self.shaken)], 0.0)
         ) / lanes.omega
         step = one_turn(self.law.flow(seg, lanes, row, now, lanes.exact), left)
@@ -293,7 +293,7 @@ class March:
         peaked[turns] = (step.outward[turns] > 0.0) & ~up[turns]
         through = (
             peaked & ~now.yields & (self.recorder is None)
-        )  # here a peak ends no phase
+        )  # here a peak ends no branch
         reach[through], y[through], v[through] = (
             step.h[through],
             step.end.y[through],
@@ -320,10 +320,10 @@ class March:
         self._press(lanes, row, now, step, reach)
         whole = (reach >= left) & ~(up | down)
         lanes.y, lanes.v = y, v
-        lanes.k, lanes.u = place(
-            seg, k, np.where(whole, 0.0, lanes.u + lanes.omega * reach)
+        lanes.segment, lanes.phase = place(
+            seg, k, np.where(whole, 0.0, lanes.phase + lanes.omega * reach)
         )
-        lanes.k[whole] = (k + 1 + joined)[whole]
+        lanes.segment[whole] = (k + 1 + joined)[whole]
         lanes.exact[:] = False
         turned = peaked | (v == 0.0)
         return self._events(
@@ -337,7 +337,7 @@ class March:
         )
 
     def _press(
-        self, lanes: TiedLanes, row: Array, now: Phase, step: Step, reach: Array
+        self, lanes: TiedLanes, row: Array, now: Branch, step: Step, reach: Array
     ) -> None:
         """Mark lanes with Fz <= 0 in their steps; of a body that is recorded, note the
         first such instant.
@@ -351,13 +351,16 @@ class March:
             instant = self.watch.first(steps, *around)
             then = step.arc.at(instant)
             self._note(
-                replace(lanes, u=lanes.u + lanes.omega * instant), LOST, then.y, then.v
+                replace(lanes, phase=lanes.phase + lanes.omega * instant),
+                LOST,
+                then.y,
+                then.v,
             )
 
     def _events(
-        self, lanes: TiedLanes, row: Array, now: Phase, high: Array, ends: StepEnds
+        self, lanes: TiedLanes, row: Array, now: Branch, high: Array, ends: StepEnds
     ) -> TiedLanes:
-        """Apply the events at step ends: a peak on the way, an end of a phase, an
+        """Apply the events at step ends: a peak on the way, an end of a branch, an
         impact, a turn. Returns the lanes that go on.
         """
         fallen, hit = ends.up & (high >= self.limit[row]), ends.down & (lanes.y <= 0.0)
@@ -401,7 +404,8 @@ class March:
             Outcome.ROCKED,
         ):
             outcome[0] *= (
-                self.segments.start[lanes.k[0]] + lanes.u[0] >= self.recorder.until
+                self.segments.start[lanes.segment[0]] + lanes.phase[0]
+                >= self.recorder.until
             )
         if falls.any():
             self._stretch(lanes, np.flatnonzero(falls), row, lanes.y)
@@ -414,7 +418,7 @@ class March:
         largest so far.
         """
         e, row = self.devices.elongation(row[at], top[at]), row[at]
-        whole = lanes.phase[row, :, at].T != BROKEN
+        whole = lanes.branch[row, :, at].T != BROKEN
         lanes.farthest[row, :, at] = np.where(
             whole,
             np.maximum(lanes.farthest[row, :, at].T, e),
@@ -425,31 +429,34 @@ class March:
         self, lanes: TiedLanes, at: Array, row: Array, limits: Array, sign: float
     ) -> None:
         """Move devices of the lanes `at` that are at an upper (sign = 1) or lower (sign
-        = -1) end of their phase to the next phase.
+        = -1) end of their branch to the next branch.
         """
         reached = sign * (lanes.y[at] - limits[:, at]) >= 0.0
-        phase, plastic = (x[row[at], :, at].T for x in (lanes.phase, lanes.plastic))
+        branch, plastic = (x[row[at], :, at].T for x in (lanes.branch, lanes.plastic))
         elastic, ultimate = (
-            phase == ELASTIC,
+            branch == ELASTIC,
             self.devices.on(self.devices.ultimate, row[at]),
         )
         _, yields = self.devices.thresholds(row[at], plastic)
         if sign > 0.0:
             following = np.where(
-                phase == SLACK,
+                branch == SLACK,
                 ELASTIC,
                 np.where(elastic & (yields < ultimate), YIELDING, BROKEN),
             )
         else:
-            following = np.full(phase.shape, SLACK)
-        following = np.where(reached, following, phase)
+            following = np.full(branch.shape, SLACK)
+        following = np.where(reached, following, branch)
         breaks = reached & (following == BROKEN)
         kept = np.where(breaks, self.devices.stretched(row[at], ultimate), plastic)
-        lanes.phase[row[at], :, at], lanes.plastic[row[at], :, at] = following.T, kept.T
+        lanes.branch[row[at], :, at], lanes.plastic[row[at], :, at] = (
+            following.T,
+            kept.T,
+        )
         for device in np.flatnonzero(
             self.devices.tendon
         ):  # a tendon breaks on both sides
-            lanes.phase[:, device, at[breaks[device]]] = BROKEN
+            lanes.branch[:, device, at[breaks[device]]] = BROKEN
             lanes.turned[at[breaks[device]]] = (
                 0  # without it Fz is not what it was on the way back from a peak
             )
@@ -469,12 +476,12 @@ class March:
         """
         if not at.size:
             return
-        phase, plastic = (x[row[at], :, at].T for x in (lanes.phase, lanes.plastic))
+        branch, plastic = (x[row[at], :, at].T for x in (lanes.branch, lanes.plastic))
         left = self.devices.stretched(
             row[at], self.devices.elongation(row[at], lanes.y[at])
         )
-        yielding = phase == YIELDING
-        lanes.phase[row[at], :, at] = np.where(yielding, ELASTIC, phase).T
+        yielding = branch == YIELDING
+        lanes.branch[row[at], :, at] = np.where(yielding, ELASTIC, branch).T
         lanes.plastic[row[at], :, at] = np.where(
             yielding, np.maximum(left, plastic), plastic
         ).T
@@ -484,7 +491,7 @@ class March:
                     lanes, "unloading", lanes.y, lanes.v, self.devices.names[device]
                 )
 
-    def _certain(self, lanes: TiedLanes, row: Array, now: Phase, high: Array) -> Array:
+    def _certain(self, lanes: TiedLanes, row: Array, now: Branch, high: Array) -> Array:
         """True for lanes that no later drive can turn back."""
         falls = np.zeros(lanes.cell.size, dtype=bool)
         at = np.flatnonzero(
@@ -492,10 +499,10 @@ class March:
         )
         if not at.size:
             return falls
-        side, k = lanes.side[at], np.minimum(lanes.k[at], len(self.segments) - 1)
+        side, k = lanes.side[at], np.minimum(lanes.segment[at], len(self.segments) - 1)
         inward = self.segments.strongest_inward(side, lanes.amplitude[at], k)
         if self.devices.linear:
-            there = Phase(*(x[..., at] for x in now))
+            there = Branch(*(x[..., at] for x in now))
             soft = self.devices.linear_terms(row[at], there)[1] <= 1.0
             falls[at] = soft & (
                 self.law.force(row[at], there, side, lanes.y[at], -inward) > 0.0
@@ -513,13 +520,13 @@ class March:
         """
         self._note(lanes, "impact", lanes.y, lanes.v)
         struck = lanes.take(at)
-        still = struck.k >= self.shaken
+        still = struck.segment >= self.shaken
         struck.impacts += ~still
         struck.bounced[:] = True
         struck.v = np.minimum(struck.v, 0.0)
         known = np.zeros(lanes.cell.size, dtype=bool)
         known[at] = still & (struck.turned & self.every == self.every)
-        self.contact.strike(self.cells, struck, struck.v, struck.b)
+        self.contact.impact(self.cells, struck, struck.v, struck.force)
         struck.y[:] = 0.0
         for name in (
             "side",
@@ -563,11 +570,11 @@ class March:
         ratio = self.equation.on(lanes.side[at]).rotation(lanes.peak[at])
         found.theta_ratio[cell] = np.where(known & ~lanes.lost[at], ratio, np.nan)
         found.outcome[cell[known & lanes.lost[at]]] = Outcome.LOST_CONTACT
-        phase, plastic = lanes.phase[row, :, at].T, lanes.plastic[row, :, at].T
+        branch, plastic = lanes.branch[row, :, at].T, lanes.plastic[row, :, at].T
         left = self.devices.stretched(row, self.devices.elongation(row, lanes.y[at]))
         lanes.plastic[row, :, at] = np.where(
-            phase == YIELDING, np.maximum(left, plastic), plastic
+            branch == YIELDING, np.maximum(left, plastic), plastic
         ).T
-        for name in ("phase", "plastic", "farthest"):
+        for name in ("branch", "plastic", "farthest"):
             getattr(found, name)[..., cell] = getattr(lanes, name)[..., at]
         return lanes.take(np.delete(np.arange(lanes.cell.size), at))

@@ -22,8 +22,8 @@ from rocking_cli import (
     sine,
 )
 from rocking_cli.dynamics import batch
-from rocking_cli.dynamics.contacts import sequences
-from rocking_cli.dynamics.contacts.sequences import (
+from rocking_cli.dynamics.contacts import lasting_bounces
+from rocking_cli.dynamics.contacts.lasting_bounces import (
     bounces_to_end,
     bound_of_peaks,
     stays_below_peak,
@@ -120,7 +120,7 @@ def test_a_body_at_the_bound_is_marched():
         variation=np.full(3, 0.5), largest_later=np.zeros(3)
     )  # and as much again
     assert stays_below_peak(
-        segments, lanes(k=2, u=u, v=v, b=-0.5, peak=peak)
+        segments, lanes(segment=2, phase=u, v=v, force=-0.5, peak=peak)
     ).tolist() == [True, False, True, False]
 
 
@@ -129,7 +129,9 @@ def start(motion, amplitude, v):
     right edge.
     """
     force = -amplitude * float(motion.segments.s_start[0]) - 1.0
-    return lanes(amplitude=amplitude, v=v, b=force, peak=np.inf, impacts=1, steps=16)
+    return lanes(
+        amplitude=amplitude, v=v, force=force, peak=np.inf, impacts=1, steps=16
+    )
 
 
 def highest_peak(drive, step, v):
@@ -281,7 +283,7 @@ def test_marching_on_under_a_record_finds_the_same_peak(alpha, excess, monkeypat
         (False, 0.9, 1e-5, {"steps": 17}),  # not now
         (False, 0.9, 1e-5, {"eta": 0.98}),
         (False, 0.9, 0.5, {}),
-        (False, 0.9, 1e-5, {"b": -1e-17}),  # lost beside 1
+        (False, 0.9, 1e-5, {"force": -1e-17}),  # lost beside 1
     ],
 )
 def test_a_body_is_followed_unless_its_bounces_are_proved_to_last(
@@ -298,7 +300,7 @@ def test_a_long_record_is_gone_through_part_by_part(monkeypatch):
     motion = shaken(noise(60, 0.05, 1), 0.05)
     body = start(motion, 0.9, 1e-4)
     whole = bound_of_peaks(motion.segments, body, 1.0)
-    monkeypatch.setattr(sequences, "blocks", partial(blocks, most=7))
+    monkeypatch.setattr(lasting_bounces, "blocks", partial(blocks, most=7))
     assert bound_of_peaks(motion.segments, body, 1.0) == pytest.approx(whole, rel=1e-14)
 
 
@@ -309,7 +311,7 @@ def test_nothing_is_proved_of_a_motion_that_jumps(monkeypatch):
             "step", marks[:-1], marks[1:], np.array([0.5, after]), np.zeros(2)
         )
         for part in (1, 2):
-            monkeypatch.setattr(sequences, "blocks", partial(blocks, most=part))
+            monkeypatch.setattr(lasting_bounces, "blocks", partial(blocks, most=part))
             assert (
                 np.isfinite(
                     bound_of_peaks(motion.segments, start(motion, 0.5, 1e-3), 1.0)

@@ -501,7 +501,7 @@ def test_a_block_with_a_tendon_against_another_integration(
         shaking(sine().still_until(omega_g * (period + 3 / body.p)), a_g * 9.8, omega_g)
     )
     assert (
-        (found.phase == BROKEN).ravel().tolist()
+        (found.branch == BROKEN).ravel().tolist()
         == [device.broken for device in devices]
         == [breaks, breaks]
     )  # on both sides
