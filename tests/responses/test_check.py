@@ -118,15 +118,6 @@ def judged(structure, motion, demand, a_max=A_MAX):
     return inside, not inside and first is not None and first < verdict.demand_a
 
 
-def test_verdicts_agree_with_envelope_and_history():
-    random = np.random.default_rng(16)
-    fell = [
-        judged(*at_random(random, linear=n >= 1, pulses=QUICK), a_max=4.0)
-        for n in range(6)
-    ]
-    assert 1 < sum(x for x, _ in fell) < 5
-
-
 @pytest.mark.parametrize(
     ("a_g", "falls", "at_lambda"),
     [("3", False, False), ("6", True, False), ("3", False, True)],
@@ -183,27 +174,6 @@ def test_the_record_has_the_columns_the_uplift_and_the_top():
     assert record["top_displacement"] == pytest.approx(
         turned * math.hypot(0.5, 2.0), rel=1e-9
     )
-
-
-def test_workers_change_nothing():
-    demands = [
-        (
-            built(f"kind: parameters\np: {p}\nalpha: 0.2\neta: 0.8\nlambda: 0.25"),
-            sine(),
-            DEMAND,
-        )
-        for p in (1.5, 2.0, 3.0)
-    ]
-    heard: list[tuple[float, int]] = []
-    found = list(verdicts(demands, workers=1, progress=lambda *x: heard.append(x)))
-    assert (
-        list(verdicts(demands, workers=2))
-        == found
-        == [check(*demand) for demand in demands]
-    )
-    thirds = [(i + 1) / 3 for i in range(3 * len(demands))]  # three stages of each
-    assert [done for done, _ in heard] == pytest.approx(thirds, rel=1e-12)
-    assert {total for _, total in heard} == {len(demands)}
 
 
 def test_verdicts_under_records_are_the_same_one_by_one_and_together():

@@ -30,8 +30,6 @@ from rocking_cli.dynamics.method import LINEAR
 from rocking_cli.dynamics.tied.bounces import Bounces
 from rocking_cli.dynamics.tied.devices import BROKEN
 from rocking_cli.dynamics.tied.tied_march import March
-from rocking_cli.motions import Motion, Piece
-from rocking_cli.motions.motion import Harmonic
 from rocking_cli.motions.polyline import Polyline
 from rocking_cli.responses.history import history
 from rocking_cli.responses.tied_history import remarks
@@ -578,28 +576,6 @@ def test_a_body_that_a_tie_holds_beyond_alpha_leans():
         WALL + TIE % ", yield: 20 kN, ultimate: 80 cm", OUTWARDS, 1.6, 0.8
     )
     assert Outcome(int(torn.outcome[0])).overturned
-
-
-def test_a_lane_has_the_same_digits_in_any_company():
-    text = WALL.replace("true", "false") + TIE % ", yield: 20 kN, side: right"
-    body = built(text)
-    system, eta = Method("nonlinear").system_of(body), body.eta
-    amplitude, omega = (
-        x.ravel() for x in np.meshgrid(np.linspace(2, 16, 9), np.linspace(2, 9, 5))
-    )
-    wave = Motion("two", (Piece(0.0, 7.0, (Harmonic(1.0), Harmonic(0.4, 2.3, 0.2))),))
-    for motion in (sine(), wave, pulse("rectangular-impulse")):
-        whole = response(system, motion, amplitude, omega, eta)
-        for i in (0, 7, 20, 44):
-            one = response(system, motion, amplitude[i : i + 1], omega[i : i + 1], eta)
-            assert (one.outcome[0], one.theta_ratio[0]) == (
-                whole.outcome[i],
-                pytest.approx(whole.theta_ratio[i], abs=0, nan_ok=True),
-            )
-        mirrored = response(system, motion.scaled(-1.0), amplitude, omega, eta)
-        assert not np.array_equal(
-            mirrored.theta_ratio, whole.theta_ratio, equal_nan=True
-        )  # the sides differ
 
 
 def test_a_body_that_a_tie_presses_to_the_ground_comes_to_rest_at_once():
