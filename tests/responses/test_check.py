@@ -178,7 +178,7 @@ def test_the_record_has_the_columns_the_uplift_and_the_top():
 
 def test_verdicts_under_records_are_the_same_one_by_one_and_together():
     """Their searches are scanned together."""
-    motions = [shaken(noise(240, 0.06, seed), 0.06) for seed in (1, 2)]
+    motions = [shaken(noise(100, 0.06, seed), 0.06) for seed in (1, 2)]
     shaking = as_recorded(2.9)
     bodies = [
         built(f"{{kind: block, name: A, width: 0.4, height: {height}}}")

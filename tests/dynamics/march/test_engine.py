@@ -233,7 +233,10 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before)
 
 
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="another C library")
-@pytest.mark.parametrize("asked", [{}, {"MALLOC_TRIM_THRESHOLD_": "65536"}])
+@pytest.mark.parametrize(
+    "asked",
+    [{}, pytest.param({"MALLOC_TRIM_THRESHOLD_": "65536"}, marks=pytest.mark.soak)],
+)
 def test_a_march_faults_in_no_memory_that_it_had_before(asked):
     done = subprocess.run(
         [sys.executable, "-c", CODE],

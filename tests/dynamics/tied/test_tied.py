@@ -247,7 +247,11 @@ def cases():
 
 
 @pytest.mark.parametrize(
-    ("text", "devices", "damping", "a_g", "period", "sign"), list(cases())
+    ("text", "devices", "damping", "a_g", "period", "sign"),
+    [
+        pytest.param(*case, marks=[pytest.mark.soak] * (i > 9))
+        for i, case in enumerate(cases())
+    ],
 )
 def test_ties_hold_yield_and_break_as_another_integration_says(
     text, devices, damping, a_g, period, sign
@@ -549,11 +553,12 @@ def test_a_body_that_a_tie_holds_beyond_alpha_leans():
         True,
         "yielded",
     )
-    late = time_history(body, OUTWARDS, demand, [EXACT], duration=16.0).histories[
+    method = Method("nonlinear", 1e-9)
+    late = time_history(body, OUTWARDS, demand, [method], duration=12.0).histories[
         "nonlinear"
     ]
     assert late.outcome == Outcome.LEANING
-    ratio, _ = late.at(np.linspace(8.0, 15.0, 300) * body.p)
+    ratio, _ = late.at(np.linspace(8.0, 11.0, 300) * body.p)
     assert (
         ratio.min() > 0.5
     )  # it goes to and fro about an equilibrium that is not upright
@@ -562,10 +567,10 @@ def test_a_body_that_a_tie_holds_beyond_alpha_leans():
         built(WALL + YIELDING + "damping: 0.3\n"),
         OUTWARDS,
         demand,
-        [EXACT],
-        duration=45.0,
+        [method],
+        duration=30.0,
     ).histories["nonlinear"]
-    theta = ALPHA * damped.at(np.array([44.0]) * body.p)[0][0]
+    theta = ALPHA * damped.at(np.array([29.0]) * body.p)[0][0]
     left = damped.devices[0]["permanent"]
     force = 5e3 + 2e6 * (5.5 * math.sin(theta) - left)
     weight = MASS * G * RADIUS * math.sin(ALPHA - theta)
