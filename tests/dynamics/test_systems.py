@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 import pytest
 from oracles.collocation import conditioning, integrate
-from support.bodies import drawn, shaken, shaking_of
+from support.bodies import random_body, random_shaking, shaking_of
 
 from rocking_cli import Method, Outcome, RockingParameters, response, sine
 from rocking_cli.responses.history import history
@@ -52,7 +52,7 @@ def test_a_body_answers_as_an_independent_integration(
         set(),
     )
     while asked < count:
-        structure, body, _ = drawn(
+        structure, body, _ = random_body(
             f"{kind} {model}",
             random,
             (0.08, 0.4),
@@ -60,7 +60,7 @@ def test_a_body_answers_as_an_independent_integration(
             0.4,
             (0.01, 0.05, 0.2, 0.6),
         )
-        motion, amplitude, omega = shaken(
+        motion, amplitude, omega = random_shaking(
             random, structure, (share,), (0.8, 7.0), recorded
         )
         amplitude = (

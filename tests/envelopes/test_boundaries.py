@@ -127,7 +127,7 @@ def same_changes(spared, every):
     np.testing.assert_allclose(ends[0], ends[1], rtol=1e-14, atol=0)
 
 
-def drawn(number):
+def random_search(number):
     """A motion, a restitution, four Omega and the least number of changes."""
     random = np.random.default_rng(number)
     motion = [sine(), sine(0.5), pulse("rectangular-impulse"), cosine(1), cosine(0.5)][
@@ -150,7 +150,7 @@ def drawn(number):
             (motion, 0.9, np.array([2.3, 5.0, 9.1]), 3)
             for motion in (cosine(1), sine(0.5))
         ),
-        *map(drawn, range(30)),
+        *map(random_search, range(30)),
     ],
 )
 def test_what_the_scan_leaves_out_changes_nothing(motion, eta, omegas, least):

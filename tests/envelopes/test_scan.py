@@ -7,7 +7,7 @@ from itertools import cycle
 import numpy as np
 import pytest
 from support.bodies import SYSTEMS
-from support.synthetic_records import noise, shaken
+from support.synthetic_records import motion_of_samples, noise
 
 from rocking_cli import Outcome, RigidBodyEquation, System, response
 from rocking_cli.dynamics.outcome import safe
@@ -15,8 +15,8 @@ from rocking_cli.envelopes.scan import Scan, follow
 
 NAMES = [name for name in SYSTEMS if name != "an arch"]
 SCANNED = {
-    "a step a sample": shaken(noise(100, 0.06, 4), 0.06),
-    "five samples a step": shaken(noise(600, 0.01, 9), 0.01),
+    "a step a sample": motion_of_samples(noise(100, 0.06, 4), 0.06),
+    "five samples a step": motion_of_samples(noise(600, 0.01, 9), 0.01),
 }
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support.documents import built
-from support.synthetic_records import noise, shaken
+from support.synthetic_records import motion_of_samples, noise
 
 from rocking_cli import (
     Axis,
@@ -128,7 +128,7 @@ def test_forces_under_a_record_are_those_of_its_history(a_g, falls, at_lambda):
     """
     structure, motion = (
         BLOCK.lifting_at_lambda() if at_lambda else BLOCK,
-        shaken([0.0, 0.5, 0.6, -1.0, -0.7, 0.4, 0.0], 0.2),
+        motion_of_samples([0.0, 0.5, 0.6, -1.0, -0.7, 0.4, 0.0], 0.2),
     )
     demand, method = parse_grid(f"a_g={a_g},omega_g=1"), governing_method(structure)
     verdict = check(structure, motion, demand, a_max=1.01)
@@ -178,7 +178,7 @@ def test_the_record_has_the_columns_the_uplift_and_the_top():
 
 def test_verdicts_under_records_are_the_same_one_by_one_and_together():
     """Their searches are scanned together."""
-    motions = [shaken(noise(100, 0.06, seed), 0.06) for seed in (1, 2)]
+    motions = [motion_of_samples(noise(100, 0.06, seed), 0.06) for seed in (1, 2)]
     shaking = as_recorded(2.9)
     bodies = [
         built(f"{{kind: block, name: A, width: 0.4, height: {height}}}")

@@ -35,7 +35,7 @@ def recorded(samples, dt, name="r", factor=1.0):
     )
 
 
-def shaken(samples, dt):
+def motion_of_samples(samples, dt):
     return recorded(samples, dt).motion
 
 
@@ -177,11 +177,13 @@ RECORDS = [noise(100, 0.05, 1), noise(110, 0.05, 2, quiet=40), noise(120, 0.04, 
 def weighed(part, share, record, dt=0.04):
     """Samples of RECORDS with others upwards; and both as `long_series`."""
     return upwards(
-        shaken(RECORDS[record][part], dt), shaken(noise(120, 0.04, 8)[part], dt), share
+        motion_of_samples(RECORDS[record][part], dt),
+        motion_of_samples(noise(120, 0.04, 8)[part], dt),
+        share,
     )
 
 
-def cells(count, seed):
+def random_cells(count, seed):
     """A from 1 to 8, some just above uplift; 2 pi/p from 0.5 to 12 s in a record's own
     time.
     """

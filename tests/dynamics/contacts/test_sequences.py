@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.optimize import bisect
 from support.references import lanes
-from support.synthetic_records import noise, shaken
+from support.synthetic_records import motion_of_samples, noise
 
 from rocking_cli import (
     LinearEquation,
@@ -228,7 +228,7 @@ def test_no_peak_is_above_the_ceiling(name):
     one that the drive is in step with.
     """
     drive, step = in_step(*IN_STEP[name]) if name in IN_STEP else DRIVES[name]
-    motion, amplitude = shaken(-drive, step), np.abs(drive).max()
+    motion, amplitude = motion_of_samples(-drive, step), np.abs(drive).max()
     speeds = (
         [IN_STEP[name][2]]
         if name in IN_STEP
@@ -260,7 +260,7 @@ def test_marching_on_under_a_record_finds_the_same_peak(alpha, excess, monkeypat
     random = np.random.default_rng(3)
     amplitude = 1.0 + 10.0 ** random.uniform(*excess, 8)
     omega, eta = random.uniform(0.2, 0.5, 8), random.choice([0.995, 1.0], 8)
-    motion = shaken(noise(60, 0.05, 1), 0.05)
+    motion = motion_of_samples(noise(60, 0.05, 1), 0.05)
 
     def found():
         if alpha:
@@ -292,7 +292,7 @@ def test_marching_on_under_a_record_finds_the_same_peak(alpha, excess, monkeypat
 def test_a_body_is_followed_unless_its_bounces_are_proved_to_last(
     proved, amplitude, v, changed
 ):
-    motion = shaken([0.0, 0.5, -1.0, 0.0], 0.1)
+    motion = motion_of_samples([0.0, 0.5, -1.0, 0.0], 0.1)
     body = start(motion, amplitude, v)
     for name, value in changed.items():
         getattr(body, name)[:] = value
@@ -300,7 +300,7 @@ def test_a_body_is_followed_unless_its_bounces_are_proved_to_last(
 
 
 def test_a_long_record_is_gone_through_part_by_part(monkeypatch):
-    motion = shaken(noise(60, 0.05, 1), 0.05)
+    motion = motion_of_samples(noise(60, 0.05, 1), 0.05)
     body = start(motion, 0.9, 1e-4)
     whole = bound_of_peaks(motion.segments, body, 1.0)
     monkeypatch.setattr(sequences, "blocks", partial(blocks, most=7))

@@ -13,7 +13,13 @@ import numpy as np
 import pytest
 from support.bodies import SYSTEMS
 from support.references import INTERVALS, LADDER, MIXED, answers
-from support.synthetic_records import RECORDS, allowance, assert_same, shaken, weighed
+from support.synthetic_records import (
+    RECORDS,
+    allowance,
+    assert_same,
+    motion_of_samples,
+    weighed,
+)
 
 from rocking_cli import Motion, Outcome, cosine, linear_response, pulse, response, sine
 from rocking_cli.motions import Harmonic, Piece
@@ -123,7 +129,7 @@ def test_first_uplift_and_no_uplift():
     ("name", "motion", "count"),
     [
         ("the oscillator", sine(1.5), 200),
-        ("the oscillator", shaken(RECORDS[0], 0.03), 8),
+        ("the oscillator", motion_of_samples(RECORDS[0], 0.03), 8),
         ("a body", weighed(slice(36, 52), 0.8, 2)[0], 8),
         ("an arch", sine(), 30),
     ],

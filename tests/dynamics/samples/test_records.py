@@ -13,10 +13,10 @@ from support.synthetic_records import (
     RECORDS,
     allowance,
     assert_same,
-    cells,
     long_series,
+    motion_of_samples,
+    random_cells,
     room,
-    shaken,
     weighed,
 )
 
@@ -59,8 +59,11 @@ MODELS = {"linear": "the oscillator", "nonlinear": "a body"}
 def test_records_against_an_integration_that_shares_no_code(
     model, record, part, count, etas
 ):
-    motion, (system, _) = shaken(RECORDS[record][part], 0.04), SYSTEMS[MODELS[model]]
-    (amplitude, omega), eta = cells(count, record), np.resize(etas, count)
+    motion, (system, _) = (
+        motion_of_samples(RECORDS[record][part], 0.04),
+        SYSTEMS[MODELS[model]],
+    )
+    (amplitude, omega), eta = random_cells(count, record), np.resize(etas, count)
     if 1.0 in etas:  # without loss some never end: only those that bounce little
         amplitude += 2.0
         for less, most in ((0.98, 40), (1.0, 200)):
@@ -84,7 +87,7 @@ def against_the_march(name, motion, long, count, seed):
     """On arrays and one at a time: outcomes and impacts equal, rotations within what
     rounding, or the tolerance of series, may come to.
     """
-    (system, eta), (amplitude, omega) = SYSTEMS[name], cells(count, seed)
+    (system, eta), (amplitude, omega) = SYSTEMS[name], random_cells(count, seed)
     omega *= 8.0 if motion.samples is None else 1.0
     omega[:2] /= 40.0  # samples too far apart to be stepped over
     etas = np.full(count, eta)
@@ -111,9 +114,9 @@ def against_the_march(name, motion, long, count, seed):
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_the_same_as_the_march_by_long_series(name):
     motion = (
-        shaken(RECORDS[1], 0.03)
+        motion_of_samples(RECORDS[1], 0.03)
         if SYSTEMS[name][0].equation.bounded
-        else shaken(RECORDS[0][30:70], 0.05)
+        else motion_of_samples(RECORDS[0][30:70], 0.05)
     )
     against_the_march(name, motion, long_series(motion), 8, 5)
 
@@ -140,7 +143,7 @@ def test_one_arch_at_a_time_is_the_march_under_a_pulse(motion):
 @pytest.mark.parametrize("record", range(3))
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_many_cells_of_each_system(name, record):
-    motion = shaken(RECORDS[record], 0.04)
+    motion = motion_of_samples(RECORDS[record], 0.04)
     against_the_march(name, motion, long_series(motion), 300, 20 + record)
     against_the_march(
         name,
@@ -157,7 +160,10 @@ def test_samples_that_change_nothing(model):
         np.concatenate([[0.0], RECORDS[2][31:89], [0.0]]),
         SYSTEMS[MODELS[model]],
     )
-    cell, motion = (*cells(8, 7), np.full(8, 0.8)), shaken(samples, 0.04)
+    cell, motion = (
+        (*random_cells(8, 7), np.full(8, 0.8)),
+        motion_of_samples(samples, 0.04),
+    )
     first = response(system, motion, *cell)
     fine = np.interp(
         np.arange(4 * samples.size - 3) / 4.0, np.arange(samples.size), samples
@@ -167,7 +173,11 @@ def test_samples_that_change_nothing(model):
         np.append(np.zeros(33), samples),
         np.append(samples, np.zeros(100)),
     )
-    for other in (shaken(fine, 0.01), shaken(delayed, 0.04), shaken(continued, 0.04)):
+    for other in (
+        motion_of_samples(fine, 0.01),
+        motion_of_samples(delayed, 0.04),
+        motion_of_samples(continued, 0.04),
+    ):
         assert_same(
             response(system, other, *cell), first.theta_ratio, first.outcome, allowed
         )
