@@ -629,28 +629,23 @@ def test_the_worst_frequency_of_a_range_is_exact(rocking):
     """Beyond its ends nothing is looked for; between them an envelope at 3 frequencies
     finds no lower amplitude.
     """
-    motion = ("--pulse", "cosine", "--a-max", "3")
-    other = "parameters:p=3,alpha=0.2,eta=0.8,lambda=0.2,name=other"
+    motion = ("--pulse", "cosine", "--a-max", "4")
     done = rocking(
         "check",
         STATED,
-        other,
         "--a-g",
         "0.1g",
         "--T-g",
-        "0.9:1.0",
+        "1.2:1.4",
         *motion,
-        "--workers",
-        "2",
         "--json",
     )
-    row, second = done.records
-    assert second["structure"] == "other"
+    row = done.record
     lowest = rocking(
         "envelope",
         STATED,
         "--grid",
-        "T_g=0.9:1.0:3",
+        "T_g=1.2:1.4:3",
         "--lowest",
         "--model",
         "linear",
@@ -670,11 +665,11 @@ def test_the_worst_frequency_of_a_range_is_exact(rocking):
         "--json",
     ).record
     assert {**there, "worst_f_g": row["worst_f_g"], "worst_f_g_end": "lower"} == row
-    assert "demand: a_g 0.981 m/s2 = 0.1 g, f_g 1 to 1.1111 Hz" in done.stderr
+    assert "demand: a_g 0.981 m/s2 = 0.1 g, f_g 0.71429 to 0.83333 Hz" in done.stderr
     assert (
         "worst_f_g [Hz]"
         in rocking(
-            "check", STATED, "--a-g", "0.1g", "--f-g", "0.7:0.75", "--verdict-only"
+            "check", STATED, "--a-g", "0.26g", "--f-g", "0.7:0.75", "--verdict-only"
         ).stdout
     )
 
@@ -810,7 +805,7 @@ def test_a_search_that_takes_minutes_is_announced(rocking, monkeypatch):
 def test_falls_in_narrow_intervals_are_a_column_and_one_line(rocking, tmp_path):
     for n, seed in enumerate((1, 2)):
         rows = "".join(
-            f"{0.06 * i:.2f},{x:.6f}\n" for i, x in enumerate(noise(120, 0.06, seed))
+            f"{0.06 * i:.2f},{x:.6f}\n" for i, x in enumerate(noise(240, 0.06, seed))
         )
         (tmp_path / f"r{n}.csv").write_text(rows)
     call = (
