@@ -626,31 +626,26 @@ def test_the_worst_azimuth_of_two_components(rocking, refused, tmp_path):
 
 
 def test_the_worst_frequency_of_a_range_is_exact(rocking):
-    """Beyond its ends nothing is looked for; between them an envelope at 6 frequencies
+    """Beyond its ends nothing is looked for; between them an envelope at 3 frequencies
     finds no lower amplitude.
     """
     motion = ("--pulse", "cosine", "--a-max", "4")
-    other = "parameters:p=3,alpha=0.2,eta=0.8,lambda=0.2,name=other"
     done = rocking(
         "check",
         STATED,
-        other,
         "--a-g",
         "0.1g",
         "--T-g",
-        "0.9:1.4",
+        "1.2:1.4",
         *motion,
-        "--workers",
-        "2",
         "--json",
     )
-    row, second = done.records
-    assert second["structure"] == "other"
+    row = done.record
     lowest = rocking(
         "envelope",
         STATED,
         "--grid",
-        "T_g=0.9:1.4:6",
+        "T_g=1.2:1.4:3",
         "--lowest",
         "--model",
         "linear",
@@ -670,10 +665,12 @@ def test_the_worst_frequency_of_a_range_is_exact(rocking):
         "--json",
     ).record
     assert {**there, "worst_f_g": row["worst_f_g"], "worst_f_g_end": "lower"} == row
-    assert "demand: a_g 0.981 m/s2 = 0.1 g, f_g 0.71429 to 1.1111 Hz" in done.stderr
+    assert "demand: a_g 0.981 m/s2 = 0.1 g, f_g 0.71429 to 0.83333 Hz" in done.stderr
     assert (
         "worst_f_g [Hz]"
-        in rocking("check", STATED, "--a-g", "0.1g", "--f-g", "0.7:0.75").stdout
+        in rocking(
+            "check", STATED, "--a-g", "0.26g", "--f-g", "0.7:0.75", "--verdict-only"
+        ).stdout
     )
 
 

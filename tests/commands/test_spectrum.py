@@ -109,7 +109,7 @@ def test_arches_and_spires_sweep_like_any_other_structure(rocking, tmp_path):
     """
     files, periods = (
         [f"configs/{name}.yaml" for name in ("arch", "spire_cracked", "prism")],
-        "T_g=0.6:1.6:2",
+        "T_g=1.6",
     )
     assert (
         rocking(
@@ -118,7 +118,15 @@ def test_arches_and_spires_sweep_like_any_other_structure(rocking, tmp_path):
         == 0
     )
     envelope = rocking(
-        "envelope", *files, "--grid", periods, "--a-max", "20", "--sign", "+", "--json"
+        "envelope",
+        *files,
+        "--grid",
+        periods,
+        "--a-max",
+        "2.1g",
+        "--sign",
+        "+",
+        "--json",
     )
     rows = envelope.records
     with h5py.File(tmp_path / "s.h5") as f:

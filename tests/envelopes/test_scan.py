@@ -7,7 +7,7 @@ from itertools import cycle
 import numpy as np
 import pytest
 from support.bodies import SYSTEMS
-from support.synthetic_records import noise, shaken
+from support.synthetic_records import motion_of_samples, noise
 
 from rocking_cli import Outcome, RigidBodyEquation, System, response
 from rocking_cli.dynamics.outcome import safe
@@ -15,8 +15,8 @@ from rocking_cli.envelopes.scan import Scan, follow
 
 NAMES = [name for name in SYSTEMS if name != "an arch"]
 SCANNED = {
-    "a step a sample": shaken(noise(100, 0.06, 4), 0.06),
-    "five samples a step": shaken(noise(600, 0.01, 9), 0.01),
+    "a step a sample": motion_of_samples(noise(100, 0.06, 4), 0.06),
+    "five samples a step": motion_of_samples(noise(600, 0.01, 9), 0.01),
 }
 
 
@@ -25,7 +25,7 @@ SCANNED = {
 )
 def test_a_scan_falls_as_the_march_but_next_to_boundaries(name, motion):
     (system, eta), motion = SYSTEMS[name], SCANNED[motion]
-    amplitude = np.geomspace(1.01, 4.0, 150) * system.least_uplift(motion)
+    amplitude = np.geomspace(1.01, 4.0, 60) * system.least_uplift(motion)
     near = response(
         system,
         motion,
@@ -37,8 +37,8 @@ def test_a_scan_falls_as_the_march_but_next_to_boundaries(name, motion):
     falls = ~safe(near.outcome)
     settled = falls.all(axis=0) | ~falls.any(axis=0)
     found = ~safe(Scan(system, motion, 0.4, eta).outcomes(amplitude))
-    assert 3 < falls[1].sum() < 50
-    assert np.mean((found != falls[1])[settled]) < 0.015
+    assert 1 < falls[1].sum() < 30
+    assert np.count_nonzero((found != falls[1])[settled]) <= 1
 
 
 @pytest.mark.parametrize(
@@ -74,22 +74,18 @@ def test_a_scan_ends_where_a_sample_just_reaches_the_uplift(name):
 def test_a_close_scan_has_the_outcomes_of_the_march(name):
     system, eta = SYSTEMS[name]
     motion = SCANNED["a step a sample"]
-    amplitude = np.geomspace(1.01, 4.0, 400) * system.least_uplift(motion)
+    amplitude = np.geomspace(1.01, 4.0, 150) * system.least_uplift(motion)
     expected = response(system, motion, amplitude, 0.4, eta, peaks=False).outcome
     expected[expected == Outcome.NO_UPLIFT] = Outcome.ROCKED
     assert np.unique(expected).size >= 2
-    assert (
-        np.mean(
-            Scan(system, motion, 0.4, eta, fine=True).outcomes(amplitude) != expected
-        )
-        < 0.005
-    )
+    found = Scan(system, motion, 0.4, eta, fine=True).outcomes(amplitude)
+    assert np.count_nonzero(found != expected) <= 1
 
 
 def test_no_fall_depends_on_the_bodies_and_the_motions_that_are_scanned_with_it():
     cases = [
         (SYSTEMS[name][0], SCANNED[motion], 0.4, SYSTEMS[name][1])
-        for name, motion in zip(NAMES, cycle(SCANNED), strict=False)
+        for name, motion in zip(NAMES[::2], cycle(SCANNED), strict=False)
     ]
     cases += [
         (
@@ -102,7 +98,7 @@ def test_no_fall_depends_on_the_bodies_and_the_motions_that_are_scanned_with_it(
     ]
     together = [Scan(*case) for case in cases]
     amplitudes = [
-        np.geomspace(1.01, 4.0, 12 + i) * case[0].least_uplift(case[1])
+        np.geomspace(1.01, 4.0, 6 + i) * case[0].least_uplift(case[1])
         for i, case in enumerate(cases)
     ]
     follow(together, amplitudes)

@@ -122,8 +122,8 @@ def test_cells_are_single_responses_to_the_scaled_motions(up):
     """
     method, levels = Method("nonlinear"), np.array([2.6, 4.0])
     members = PULSES[:2] if up is UPWARDS["pulses"] else RECORDS[:2]
-    shaken = members if up is None else shaken_upwards(members, up)
-    motions = MotionSet(shaken, MEASURES["PGA"], levels, method)
+    moved = members if up is None else shaken_upwards(members, up)
+    motions = MotionSet(moved, MEASURES["PGA"], levels, method)
     (found,), recorded = exposures([BLOCK], motions), as_recorded(BLOCK, motions)
     for i, member in enumerate(members):
         motion = (

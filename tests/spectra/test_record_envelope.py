@@ -11,7 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 from support.documents import built
 from support.record_layouts import rows, wave
-from support.synthetic_records import noise, recorded, shaken
+from support.synthetic_records import motion_of_samples, noise, recorded
 
 from rocking_cli import Axis, LinearEquation, Recording, System, Units, UsageError
 from rocking_cli.dynamics.references.general_solver import solve_cell
@@ -60,7 +60,7 @@ def test_ends_of_intervals_by_another_method():
 
 
 def test_a_scan_that_leads_the_march_changes_no_interval(monkeypatch):
-    motion = shaken(noise(100, 0.06, 4), 0.06)
+    motion = motion_of_samples(noise(100, 0.06, 4), 0.06)
     omegas = np.array([0.3, 0.5])
     search = Search(
         System(LinearEquation()), motion, 0.9, 4.0, ratio=RATIO, digits=1e-6, parts=128

@@ -85,7 +85,7 @@ SYSTEMS = {  # with restitutions
 }
 
 
-def drawn(
+def random_body(
     kind: str,
     random: np.random.Generator,
     alphas: Range,
@@ -171,7 +171,7 @@ def forces_of(
     return found.forces[method.model].extremes
 
 
-def shaken(
+def random_shaking(
     random: np.random.Generator,
     body: RockingParameters,
     shares: Sequence[float],

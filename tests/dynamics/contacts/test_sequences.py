@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.optimize import bisect
 from support.references import lanes
-from support.synthetic_records import noise, shaken
+from support.synthetic_records import motion_of_samples, noise
 
 from rocking_cli import (
     LinearEquation,
@@ -55,8 +55,8 @@ def test_what_a_motion_varies_later_is_counted_with_its_jumps():
 @pytest.mark.parametrize("motion", MOTIONS, ids=lambda m: m.name)
 def test_marching_on_finds_the_same_peak(motion, monkeypatch):
     random = np.random.default_rng(11)
-    amplitude, omega = random.uniform(1.0, 3.0, 150), random.uniform(0.5, 8.0, 150)
-    eta = random.choice([0.0, 0.3, 0.9, 0.99], 150)
+    amplitude, omega = random.uniform(1.0, 3.0, 40), random.uniform(0.5, 8.0, 40)
+    eta = random.choice([0.0, 0.3, 0.9, 0.99], 40)
     settled = linear_response(motion, amplitude, omega, eta)
     monkeypatch.setattr(closings, "STAYS_BELOW_PEAK", closings.FREE_MOTION)
     marched = linear_response(motion, amplitude, omega, eta)
@@ -84,23 +84,28 @@ def test_bodies_that_hardly_leave_the_ground_and_would_bounce_for_ever_are_at_re
 
 
 @pytest.mark.parametrize(
-    "motion", [cosine(1.5), pulse("ricker-symmetric")], ids=lambda m: m.name
+    "motion",
+    [
+        cosine(1.5),
+        pytest.param(pulse("ricker-symmetric"), marks=pytest.mark.soak),
+    ],
+    ids=lambda m: m.name,
 )
 def test_given_up_is_what_would_have_been_given_up(motion, monkeypatch):
     monkeypatch.setattr(batch, "MAX_STEPS", 150)
     random = np.random.default_rng(5)
     amplitude, omega = (
-        1.0 + 10.0 ** random.uniform(-9.0, -1.0, 200),
-        10.0 ** random.uniform(-1.0, 1.0, 200),
+        1.0 + 10.0 ** random.uniform(-9.0, -1.0, 40),
+        10.0 ** random.uniform(-1.0, 1.0, 40),
     )
-    eta = random.choice([1.0, 1.0 - 1e-9, 1.0 - 1e-5, 0.999], 200)
+    eta = random.choice([1.0, 1.0 - 1e-9, 1.0 - 1e-5, 0.999], 40)
     early = linear_response(motion, amplitude, omega, eta)
     monkeypatch.setattr(closings, "TOO_MANY_IMPACTS", closings.FREE_MOTION)
     late = linear_response(motion, amplitude, omega, eta)
     assert np.array_equal(early.outcome, late.outcome)
     assert np.array_equal(early.theta_ratio, late.theta_ratio, equal_nan=True)
     assert early.work.steps < 0.6 * late.work.steps
-    assert 50 < (early.outcome == Outcome.FAILED).sum() < 150
+    assert 10 < (early.outcome == Outcome.FAILED).sum() < 30
 
 
 def test_a_body_at_the_bound_is_marched():
@@ -225,7 +230,7 @@ def test_no_peak_is_above_the_ceiling(name):
     one that the drive is in step with.
     """
     drive, step = in_step(*IN_STEP[name]) if name in IN_STEP else DRIVES[name]
-    motion, amplitude = shaken(-drive, step), np.abs(drive).max()
+    motion, amplitude = motion_of_samples(-drive, step), np.abs(drive).max()
     speeds = (
         [IN_STEP[name][2]]
         if name in IN_STEP
@@ -257,7 +262,7 @@ def test_marching_on_under_a_record_finds_the_same_peak(alpha, excess, monkeypat
     random = np.random.default_rng(3)
     amplitude = 1.0 + 10.0 ** random.uniform(*excess, 8)
     omega, eta = random.uniform(0.2, 0.5, 8), random.choice([0.995, 1.0], 8)
-    motion = shaken(noise(60, 0.05, 1), 0.05)
+    motion = motion_of_samples(noise(60, 0.05, 1), 0.05)
 
     def found():
         if alpha:
@@ -289,7 +294,7 @@ def test_marching_on_under_a_record_finds_the_same_peak(alpha, excess, monkeypat
 def test_a_body_is_followed_unless_its_bounces_are_proved_to_last(
     proved, amplitude, v, changed
 ):
-    motion = shaken([0.0, 0.5, -1.0, 0.0], 0.1)
+    motion = motion_of_samples([0.0, 0.5, -1.0, 0.0], 0.1)
     body = start(motion, amplitude, v)
     for name, value in changed.items():
         getattr(body, name)[:] = value
@@ -297,7 +302,7 @@ def test_a_body_is_followed_unless_its_bounces_are_proved_to_last(
 
 
 def test_a_long_record_is_gone_through_part_by_part(monkeypatch):
-    motion = shaken(noise(60, 0.05, 1), 0.05)
+    motion = motion_of_samples(noise(60, 0.05, 1), 0.05)
     body = start(motion, 0.9, 1e-4)
     whole = bound_of_peaks(motion.segments, body, 1.0)
     monkeypatch.setattr(lasting_bounces, "blocks", partial(blocks, most=7))
