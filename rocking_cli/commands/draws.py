@@ -14,7 +14,6 @@ from .printing import note
 if TYPE_CHECKING:
     from ..envelopes.amplitudes import Limit
     from ..responses.check import Demand
-    from ..responses.uncertainty import DrawnVerdict
     from ..structures import RockingParameters
 
 
@@ -73,6 +72,7 @@ class DrawnRows:
         if self._draws.draws is None:
             return {}
         from ..envelopes.amplitudes import limit_of
+        from ..reports.wording import draws_in_words
         from ..responses.uncertainty import drawn_columns, drawn_verdict
 
         if structure.drawn_from is None:
@@ -89,7 +89,7 @@ class DrawnRows:
         draws = found.share.draws + found.left_out
         note_left_out(structure.name, found.left_out, draws, found.fault)
         partly(found.failed > 0)
-        self.said.append(in_words(structure.name, found))
+        self.said.append(draws_in_words(structure.name, found))
         return found.row()
 
 
@@ -102,17 +102,3 @@ def note_left_out(name: str, left_out: int, draws: int, fault: str | None) -> No
         f"{name}: {left_out} of {draws:,} draws make no structure and are left out:"
         f" {fault}"
     )
-
-
-def in_words(name: str, found: DrawnVerdict) -> str:
-    """Return the line on the draws of a structure."""
-    share = found.share
-    line = (
-        f"{name}: of {share.draws:,} draws {100.0 * share.share:.3g} % fall"
-        f" ({100.0 * share.low:.3g} to {100.0 * share.high:.3g} %)"
-    )
-    if found.key is None:
-        return line
-    what = "the first overturning" if found.quantiles else "the outcome"
-    explained = 100.0 * found.indices[found.key]
-    return f"{line}; {found.key} explains {explained:.0f} % of {what}"

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from . import demand, options
 from .command import command, flag, group, option, partly
+from .draws import Draws, require_spreads
 from .printing import note, quiet
 from .progress import ProgressLine
 
@@ -31,6 +32,7 @@ def report(
     ),
     inset_effect: bool = options.inset_effect(),
     sort: str | None = options.sort(),
+    drawn: Draws = group(Draws),
     workers: int | None = options.workers(),
     overwrite: bool = options.overwrite(),
 ) -> None:
@@ -40,6 +42,7 @@ def report(
     The page is one HTML file. It holds the table of rocking check; for each structure
     its drawing, parameters and their relations, the map with the demand, the number of
     cells in which the linear equation is wrong, and fragility curves under records;
+    with --draws the share of the draws that falls, over the amplitude;
     then the command, versions and hashes. The page needs jinja2 and matplotlib: pip
     install jinja2 matplotlib.
     """
@@ -58,6 +61,8 @@ def report(
     structures = with_distinct_names(
         [build_structure(document) for document in documents]
     )
+    if drawn.draws is not None:
+        require_spreads(structures)
     options.introduce(structures)
     options.note_interfaces(structures)
     subjects = [
@@ -76,6 +81,7 @@ def report(
         summary=summary,
         by_capacity=sort is not None,
         inset_effect=inset_effect,
+        draws=None if drawn.draws is None else (drawn.draws, drawn.seed),
         overwrite=overwrite,
         workers=workers,
         progress=ProgressLine("report", "checks"),

@@ -86,6 +86,7 @@ def page(
     by_capacity: bool = False,
     opposite: str = "",
     insets: Sequence[str] = (),
+    draws: tuple[int, int] | None = None,
 ) -> str:
     """Return the page as HTML.
 
@@ -94,7 +95,8 @@ def page(
     strength of the shaking in words; title: None for the names of the structures;
     summary: begin with a sentence on each structure and a list of contents;
     by_capacity: the least capacity first; opposite: a remark on that direction; insets:
-    lines on what worn edges would take of the capacities.
+    lines on what worn edges would take of the capacities; draws: their number and seed,
+    of structures whose numbers have spreads.
     """
     motions = ", ".join(dict.fromkeys(v.motion for v in verdicts))
     if by_capacity:
@@ -117,7 +119,7 @@ def page(
         verdicts=[_row(HEADS, attrgetter(*HEADS.values())(v), v) for v in verdicts],
         capacities=image(lambda figure: capacities(figure, verdicts, True)),
         structures=[
-            section(one, of[one.structure.name], pulse, recordings, workers)
+            section(one, of[one.structure.name], pulse, recordings, workers, draws)
             for one in subjects
         ],
         command=command,

@@ -15,6 +15,7 @@ from ..documents.document import Document
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..dynamics.method import LINEAR, governing_method
 from ..dynamics.outcome import Difference, difference
+from ..dynamics.response import LONG
 from ..errors import DocumentError, UsageError
 from ..fragility.bootstrap import Resampling
 from ..fragility.exposure import MotionSet, exposures
@@ -23,10 +24,11 @@ from ..fragility.fitted_curve import Fit, word_of
 from ..fragility.measures import MEASURES, members_of
 from ..fragility.study import LIMITS, Study
 from ..motions import Motion
-from ..motions.grid import Axis, Grid
+from ..motions.grid import Axis, Grid, demand_of
 from ..motions.recording import Recording
 from ..responses.check import Verdict
 from ..responses.tied_history import remarks as device_remarks
+from ..responses.uncertainty import Share, drawn_verdict, share_curve
 from ..spectra.file.reader import SpectraFile
 from ..spectra.sweep import SweepOptions, write_spectrum
 from ..structures import RockingParameters
@@ -35,9 +37,13 @@ from .figures.canvas import FIGURE_UNITS, Figure, Look, drawn_as, literal, style
 from .figures.drawing import structure_axes
 from .figures.fragility_curves import fragility_curves
 from .figures.maps import outcome_map
-from .wording import parameter_rows
+from .figures.shares import shares
+from .wording import draws_in_words, parameter_rows
 
 SIDE = 80  # values on each axis of a map
+# amplitudes of the curve of draws, and those in a step where the share changes
+CURVE, CLOSER = 22, 6
+FEW_DRAWS = 128  # draws of that curve under a record, at most
 
 
 @dataclass(frozen=True)
@@ -54,8 +60,11 @@ def section(
     pulse: tuple[Motion, Grid] | None,
     recordings: Sequence[Recording],
     workers: int | None,
+    draws: tuple[int, int] | None = None,
 ) -> dict[str, Any]:
-    """Return the template's values for one structure and its verdicts."""
+    """Return the template's values for one structure and its verdicts; draws: their
+    number and seed, of a structure whose numbers have spreads.
+    """
     structure = subject.structure
     if pulse is None:
         drawn, cases = None, "motions"
@@ -89,6 +98,7 @@ def section(
             else _agreement(codes, cases)
         ),
         "fragility": _fragility(structure, recordings, workers) if recordings else None,
+        "draws": _draws(structure, mine, pulse, recordings, draws),
         "text": subject.document.text.strip(),
     }
 
@@ -243,6 +253,69 @@ def _fragility(
         "fits": [_fitted(fit) for fit in fits],
         "remarks": remarks,
     }
+
+
+def _draws(
+    structure: RockingParameters,
+    mine: Sequence[Verdict],
+    pulse: tuple[Motion, Grid] | None,
+    recordings: Sequence[Recording],
+    draws: tuple[int, int] | None,
+) -> dict[str, Any] | None:
+    """Return the template's values for the draws of a structure: a line on each motion,
+    and the share that falls over the amplitude of the worst one. None without draws.
+    """
+    if draws is None or structure.drawn_from is None:
+        return None
+    n, seed = draws
+    shakes = [pulse] if pulse else [demand_of(one, None) for one in recordings]
+    found = [
+        drawn_verdict(structure, *shake, n=n, seed=seed, a_max=None) for shake in shakes
+    ]
+    worst = max(range(len(found)), key=lambda i: found[i].share.count)
+    motion, shaking = shakes[worst]
+    demand = mine[worst].demand_a
+    some = n if len(motion.segments) <= LONG else min(n, FEW_DRAWS)
+    amplitudes, curve = _share_curve(structure, motion, shaking, demand, some, seed)
+
+    def plan(figure: Figure) -> None:
+        axes = figure.add_subplot()
+        shares(axes, motion.name, amplitudes, curve, demand, FIGURE_UNITS)
+
+    return {
+        "lines": [
+            draws_in_words(motion.name, one)
+            for (motion, _), one in zip(shakes, found, strict=True)
+        ],
+        "figure": image(plan),
+    }
+
+
+def _share_curve(
+    structure: RockingParameters,
+    motion: Motion,
+    shaking: Grid,
+    demand: float,
+    n: int,
+    seed: int,
+) -> tuple[np.ndarray, list[Share]]:
+    """Return (amplitudes [m/s2], the share of the draws that falls at each), from a
+    quarter of the demand to twice it, closer where the share changes much.
+    """
+    x = demand * np.linspace(0.25, 2.0, CURVE)
+    found = share_curve(structure, motion, shaking, x, n, seed)
+    steps = np.abs(np.diff([one.share for one in found]))
+    between = [
+        np.linspace(x[i], x[i + 1], CLOSER + 2)[1:-1]
+        for i in np.flatnonzero(steps > 0.05)
+    ]
+    if not between:
+        return x, found
+    more = np.concatenate(between)
+    found += share_curve(structure, motion, shaking, more, n, seed)
+    x = np.append(x, more)
+    order = np.argsort(x)
+    return x[order], [found[i] for i in order]
 
 
 def _stripes(

@@ -5,7 +5,7 @@ structure with their relations.
 import math
 import re
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..dynamics.method import LINEAR
@@ -14,6 +14,9 @@ from ..motions import Motion
 from ..motions.grid import Grid
 from ..responses.check import Verdict
 from ..structures import RockingParameters, Side
+
+if TYPE_CHECKING:
+    from ..responses.uncertainty import DrawnVerdict
 
 OVERVIEW = (
     "structure",
@@ -37,6 +40,20 @@ ParameterRow = tuple[
 _EQUILIBRIUM = "{:.4g}°: beyond it the structure does not come back on its own"
 _LIFTS = "it lifts at ẍg = λ g"
 _CYCLES = re.compile(r"(.+), ([\d.]+) cycles?")
+
+
+def draws_in_words(name: str, found: "DrawnVerdict") -> str:
+    """Return the line on the draws of a structure."""
+    share = found.share
+    line = (
+        f"{name}: of {share.draws:,} draws {100.0 * share.share:.3g} % fall"
+        f" ({100.0 * share.low:.3g} to {100.0 * share.high:.3g} %)"
+    )
+    if found.key is None:
+        return line
+    what = "the first overturning" if found.quantiles else "the outcome"
+    explained = 100.0 * found.indices[found.key]
+    return f"{line}; {found.key} explains {explained:.0f} % of {what}"
 
 
 def demand_plainly(

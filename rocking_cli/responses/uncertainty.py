@@ -354,6 +354,49 @@ def _first_and_quantiles(
     return np.minimum(first, ends), tuple(quantiles.tolist())
 
 
+def share_curve(
+    structure: RockingParameters,
+    motion: Motion,
+    shaking: Grid,
+    amplitudes: Array,
+    n: int = DRAWS,
+    seed: int = 0,
+) -> list[Share]:
+    """Return the share of draws that falls at each of some amplitudes.
+
+    Parameters
+    ----------
+    structure
+        a structure whose document holds at least one number with a spread
+    motion
+        the motion of the ground
+    shaking
+        the demand, a grid of one cell, whose frequency holds
+    amplitudes
+        of the ground [m/s2], (k,)
+    n
+        number of draws, rounded up to a power of two
+    seed
+        of the draws
+
+    Returns
+    -------
+    list of Share
+        (k,)
+    """
+    assert structure.drawn_from is not None
+    every = draws(structure.drawn_from, n, seed)
+    bodies = [draw.parameters for draw in every if draw.parameters is not None]
+    method = governing_method(*bodies, dimensionless=shaking.dimensionless)
+    omega = np.array([shaking.cell(body)[1] for body in bodies])
+    together = Together(method, motion, bodies, omega)
+    scale = np.array([float(body.dimensionless_amplitude(1.0)) for body in bodies])
+    which = np.tile(np.arange(len(bodies)), amplitudes.size)
+    codes = together.outcomes(which, (amplitudes[:, None] * scale).ravel())
+    falls = _falls(codes).reshape(amplitudes.size, -1).sum(axis=1)
+    return [Share.of(int(count), len(bodies)) for count in falls]
+
+
 class Together:
     """Structures under one motion, each at its own amplitudes."""
 

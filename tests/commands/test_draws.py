@@ -1,5 +1,7 @@
 """--draws at the shell: numbers with a spread."""
 
+import re
+
 import pytest
 
 WALL = "block:0.62+-0.01x2"
@@ -83,3 +85,12 @@ def test_what_has_no_draws_is_refused(rocking, call, said):
     assert done.returncode in (2, 3)
     assert said in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_a_report_says_how_many_fall(rocking, tmp_path):
+    out = tmp_path / "r.html"
+    call = ("report", WALL, *DEMAND, "--draws", "64", "-o", str(out))
+    assert rocking(*call).returncode == 0
+    text = out.read_text()
+    assert re.search(r"sine, 1 cycle: of 64 draws 6\d.* % fall \(.* to .* %\)", text)
+    assert 'alt="Share of the draws of' in text
