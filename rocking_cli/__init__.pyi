@@ -77,12 +77,12 @@ from .responses.code_check import code_check as code_check
 from .responses.code_check import first_beyond as first_beyond
 from .responses.comparison import compare as compare
 from .responses.history import history as history
+from .responses.shares import ShareOfDraws as ShareOfDraws
 from .responses.solving import Boundary as Boundary
 from .responses.solving import boundaries as boundaries
 from .responses.time_history import TimeHistory as TimeHistory
 from .responses.time_history import time_history as time_history
 from .responses.uncertainty import DrawnVerdict as DrawnVerdict
-from .responses.uncertainty import Share as Share
 from .responses.uncertainty import drawn_verdict as drawn_verdict
 from .spectra.file.merging import Merged as Merged
 from .spectra.file.merging import merge as merge

@@ -2,16 +2,18 @@
 own, so that a share is a mean over the motions and the spreads.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..dynamics.outcome import Outcome, falls
 from ..errors import UsageError
-from ..responses.uncertainty import Together
-from ..structures.draws import draws
+from ..responses.together import Together
+from ..structures.draws import Draw, draws
 from ..structures.parameters import RockingParameters
 from .exposure import MotionSet, Progress
+from .measures import MotionMember
 
 Array = np.ndarray
 
@@ -38,11 +40,9 @@ class DrawnExposure:
         if limit is not None:
             with np.errstate(invalid="ignore"):
                 beyond = beyond | (self.theta_ratio > limit)
-        made = self.made[:, None, :]
-        total = made.sum(axis=2)
-        return (made & known).sum(axis=2) / total, (made & known & beyond).sum(
-            axis=2
-        ) / total
+        known &= self.made[:, None, :]
+        total = self.made.sum(axis=1)[:, None]
+        return known.sum(axis=2) / total, (known & beyond).sum(axis=2) / total
 
 
 def drawn_exposure(
@@ -79,29 +79,36 @@ def drawn_exposure(
     n = 1 << (n - 1).bit_length()
     count = len(motions.members)
     every = list(draws(structure.drawn_from, n * count, seed))
-    shape = (count, motions.levels.size, n)
-    theta_ratio = np.full(shape, np.nan)
-    outcome = np.full(shape, Outcome.FAILED, dtype=np.uint8)
-    made = np.zeros((count, n), dtype=bool)
+    found = []
     for i, member in enumerate(motions.members):
-        block = every[i * n : (i + 1) * n]
-        made[i] = [draw.parameters is not None for draw in block]
-        bodies = [draw.parameters for draw in block if draw.parameters is not None]
-        if not bodies:
-            raise UsageError(f"{structure.name}: no draw makes a structure")
-        together = Together(
-            motions.method,
-            member.motion,
-            bodies,
-            np.array([member.omega / body.p for body in bodies]),
-        )
-        unit = np.array([motions.unit(body, member) for body in bodies])
-        amplitude = (motions.scales[:, None] * unit).ravel()
-        which = np.tile(np.arange(len(bodies)), motions.levels.size)
-        theta, codes = together.responses(which, amplitude)
-        theta_ratio[i][:, made[i]] = theta.reshape(-1, len(bodies))
-        outcome[i][:, made[i]] = codes.reshape(-1, len(bodies))
+        found.append(_under(motions, member, every[i * n : (i + 1) * n]))
         if progress is not None:
             progress(i + 1, count)
+    theta_ratio, outcome, made = (np.array(x) for x in zip(*found, strict=True))
     fault = next((draw.fault for draw in every if draw.fault), None)
     return DrawnExposure(theta_ratio, outcome, made, fault)
+
+
+def _under(
+    motions: MotionSet, member: MotionMember, block: Sequence[Draw]
+) -> tuple[Array, Array, Array]:
+    """Return (theta_ratio, outcome, made) of draws under one motion, the first two
+    (levels, n). Raises UsageError if no draw makes a structure.
+    """
+    made = np.array([draw.parameters is not None for draw in block])
+    bodies = [draw.parameters for draw in block if draw.parameters is not None]
+    if not bodies:
+        raise UsageError(f"no draw makes a structure: {block[0].fault}")
+    omega = np.array([member.omega / body.p for body in bodies])
+    together = Together(motions.method, member.motion, bodies, omega)
+    unit = np.array([motions.unit(body, member) for body in bodies])
+    amplitude = (motions.scales[:, None] * unit).ravel()
+    which = np.tile(np.arange(len(bodies)), motions.levels.size)
+    theta, codes = together.responses(which, amplitude)
+
+    shape = (motions.levels.size, made.size)
+    theta_ratio = np.full(shape, np.nan)
+    outcome = np.full(shape, Outcome.FAILED, dtype=np.uint8)
+    theta_ratio[:, made] = theta.reshape(-1, len(bodies))
+    outcome[:, made] = codes.reshape(-1, len(bodies))
+    return theta_ratio, outcome, made

@@ -27,8 +27,9 @@ from ..motions import Motion
 from ..motions.grid import Axis, Grid, demand_of
 from ..motions.recording import Recording
 from ..responses.check import Verdict
+from ..responses.shares import ShareOfDraws
 from ..responses.tied_history import remarks as device_remarks
-from ..responses.uncertainty import Share, drawn_verdict, share_curve
+from ..responses.uncertainty import drawn_verdict, share_curve
 from ..spectra.file.reader import SpectraFile
 from ..spectra.sweep import SweepOptions, write_spectrum
 from ..structures import RockingParameters
@@ -298,7 +299,7 @@ def _share_curve(
     demand: float,
     n: int,
     seed: int,
-) -> tuple[np.ndarray, list[Share]]:
+) -> tuple[np.ndarray, list[ShareOfDraws]]:
     """Return (amplitudes [m/s2], the share of the draws that falls at each), from a
     quarter of the demand to twice it, closer where the share changes much.
     """

@@ -11,12 +11,8 @@ import pytest
 import rocking_cli as rk
 from rocking_cli.dynamics.outcome import safe
 from rocking_cli.motions.grid import demand_of
-from rocking_cli.responses.uncertainty import (
-    Share,
-    first_order_indices,
-    first_overturning_of,
-    outcomes_at,
-)
+from rocking_cli.responses.shares import ShareOfDraws, first_order_indices
+from rocking_cli.responses.together import first_overturning_of, outcomes_at
 from rocking_cli.structures.draws import draws, sobol
 
 
@@ -30,7 +26,7 @@ from rocking_cli.structures.draws import draws, sobol
     ],
 )
 def test_the_interval_of_clopper_and_pearson(count, low, high):
-    found = Share.of(count, 1024)
+    found = ShareOfDraws.of(count, 1024)
     assert (found.low, found.high) == pytest.approx((low, high), rel=1e-7)
 
 
@@ -56,7 +52,7 @@ def drawn(text, n=1024):
 
 def share_of_falls(structures, motion, grid=None):
     codes = outcomes_at(structures, *demand_of(motion, grid and rk.parse_grid(grid)))
-    return Share.of(int(np.count_nonzero(~safe(codes))), codes.size)
+    return ShareOfDraws.of(int(np.count_nonzero(~safe(codes))), codes.size)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import numpy as np
 from .canvas import Axes, label, literal
 
 if TYPE_CHECKING:
-    from ...responses.uncertainty import Share
+    from ...responses.shares import ShareOfDraws
     from ..units import Units
 
 
@@ -18,7 +18,7 @@ def shares(
     axes: Axes,
     title: str,
     amplitude: np.ndarray,
-    found: Sequence[Share],
+    found: Sequence[ShareOfDraws],
     demand: float,
     units: Units,
 ) -> None:
