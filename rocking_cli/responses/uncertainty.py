@@ -1,5 +1,5 @@
-"""The verdicts on a structure whose numbers have spreads: the share of draws that falls,
-and which key matters.
+"""The verdicts on a structure whose numbers have spreads: the share of draws that
+falls, and which key matters.
 """
 
 from __future__ import annotations
