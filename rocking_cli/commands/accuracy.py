@@ -10,7 +10,7 @@ from .printing import computed, emit, note, printed
 
 
 @dataclass(frozen=True)
-class Comparison:
+class AccuracyOptions:
     """The cells to compare with the reference."""
 
     axes: str = option(
@@ -42,7 +42,7 @@ class Comparison:
 )
 def accuracy(
     files: tuple[str, ...] = options.files(),
-    wanted: Comparison = group(Comparison),
+    wanted: AccuracyOptions = group(AccuracyOptions),
     sizeless: equations.Oscillators = group(equations.Oscillators),
     motions: ground.Motions = group(ground.Motions),
     model: equations.Model = group(equations.Model),

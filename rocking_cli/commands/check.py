@@ -63,7 +63,7 @@ class CodeOptions:
 
 
 @dataclass(frozen=True)
-class Checks:
+class CheckOptions:
     """What to find of each structure, and what to print and draw."""
 
     a_max: Limit = options.a_max()
@@ -98,7 +98,7 @@ def check(
     files: tuple[str, ...] = options.files(),
     asked: demand.Directed = group(demand.Directed),
     of_code: CodeOptions = group(CodeOptions),
-    wanted: Checks = group(Checks),
+    wanted: CheckOptions = group(CheckOptions),
 ) -> int:
     """Check which structures stand under a motion, and find the lowest amplitude that
     overturns each.
@@ -149,7 +149,7 @@ def check(
 
 
 def _judge_and_print(
-    demands: Demands, wanted: Checks, by_code: CodeRows | None
+    demands: Demands, wanted: CheckOptions, by_code: CodeRows | None
 ) -> list[Verdict]:
     """Print a row for each demand and return the verdicts: JSON and CSV as soon as each
     is known, a table when all are.
@@ -192,7 +192,7 @@ def _judge_and_print(
 
 
 def _draw(
-    judged: list[Verdict], wanted: Checks, by_code: CodeRows | None, in_g: bool
+    judged: list[Verdict], wanted: CheckOptions, by_code: CodeRows | None, in_g: bool
 ) -> None:
     """Draw the capacities, or the capacity curves of the code, if the call has an
     output.
@@ -212,7 +212,7 @@ def _draw(
 def _lines(
     judged: list[Verdict],
     demands: Demands,
-    wanted: Checks,
+    wanted: CheckOptions,
     by_code: CodeRows | None,
     opposite: list[tuple[str, Outcome]],
 ) -> Iterator[str]:

@@ -13,7 +13,7 @@ MOST = 12  # structures of a page
 
 
 @dataclass(frozen=True)
-class Page:
+class ReportOptions:
     """What the page holds."""
 
     output: Path = options.output("The page: .html.", required=True)
@@ -38,7 +38,7 @@ class Page:
 def report(
     files: tuple[str, ...] = options.files(),
     asked: demand.Demand = group(demand.Demand),
-    wanted: Page = group(Page),
+    wanted: ReportOptions = group(ReportOptions),
     workers: int | None = options.workers(),
     overwrite: bool = options.overwrite(),
 ) -> None:
