@@ -281,7 +281,7 @@ def write_scene(
                     "interrupted before the first chunk was done; nothing is kept"
                 ) from None
             raise Interrupted(
-                f"interrupted; {kept} of {writer.cut.size} chunks are kept in"
+                f"interrupted; {kept} of {writer.chunk_grid.size} chunks are kept in"
                 f" {writer.part}; `resume` goes on"
             ) from None
         judged = validity(scene) if options.sample_validity else None
