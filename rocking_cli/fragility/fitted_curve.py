@@ -115,11 +115,9 @@ class Fit:
         probability = self.curve(self.x)
         hazard = hazard_points(self.hazard, self.x, probability, self.rate)
         for i, (x, more) in enumerate(zip(self.x.tolist(), hazard, strict=True)):
-            low, high = (
-                (None, None)
-                if self.band is None
-                else (float(self.band.low[i]), float(self.band.high[i]))
-            )
+            low = high = None
+            if self.band is not None:
+                low, high = float(self.band.low[i]), float(self.band.high[i])
             row = {
                 **self._names(),
                 "x": x,
