@@ -64,7 +64,7 @@ class CodeOptions:
 
 
 @dataclass(frozen=True)
-class Checks:
+class CheckOptions:
     """What to find of each structure, and what to print and draw."""
 
     a_max: Limit = options.a_max()
@@ -99,7 +99,7 @@ def check(
     files: tuple[str, ...] = options.files(),
     asked: demand.Directed = group(demand.Directed),
     of_code: CodeOptions = group(CodeOptions),
-    wanted: Checks = group(Checks),
+    wanted: CheckOptions = group(CheckOptions),
     drawn: Draws = group(Draws),
 ) -> int:
     """Check which structures stand under a motion, and find the lowest amplitude that
@@ -157,7 +157,10 @@ def check(
 
 
 def _judge_and_print(
-    demands: Demands, wanted: Checks, by_code: CodeRows | None, of_draws: DrawnRows
+    demands: Demands,
+    wanted: CheckOptions,
+    by_code: CodeRows | None,
+    of_draws: DrawnRows,
 ) -> list[Verdict]:
     """Print a row for each demand and return the verdicts: JSON and CSV as soon as each
     is known, a table when all are.
@@ -205,7 +208,7 @@ def _judge_and_print(
 
 
 def _draw(
-    judged: list[Verdict], wanted: Checks, by_code: CodeRows | None, in_g: bool
+    judged: list[Verdict], wanted: CheckOptions, by_code: CodeRows | None, in_g: bool
 ) -> None:
     """Draw the capacities, or the capacity curves of the code, if the call has an
     output.
@@ -225,7 +228,7 @@ def _draw(
 def _lines(
     judged: list[Verdict],
     demands: Demands,
-    wanted: Checks,
+    wanted: CheckOptions,
     by_code: CodeRows | None,
     opposite: list[tuple[str, Outcome]],
 ) -> Iterator[str]:

@@ -18,9 +18,7 @@ _NAMED = 3  # structures that a line names
 
 
 def remarks(verdicts: list[Verdict]) -> list[str]:
-    """Return the lines on which structures fall, and what is to note on the others."""
-    from ..dynamics.outcome import Outcome
-
+    """Return the lines on which structures overturn, and what to note on the others."""
     several = len({v.motion for v in verdicts}) > 1
 
     def named(found: Iterable[Verdict]) -> list[str]:
@@ -28,12 +26,36 @@ def remarks(verdicts: list[Verdict]) -> list[str]:
             f"{v.structure} under {v.motion}" if several else v.structure for v in found
         ]
 
-    falls = named(v for v in verdicts if v.outcome.overturned)
-    lines = [
-        f"{len(falls)} of {len(verdicts)}"
-        f" overturn{': ' if falls else ''}{', '.join(falls)}"
-    ] * bool(verdicts)
-    conditions: list[tuple[str, Callable[[Verdict], Any]]] = [
+    lines = []
+    if verdicts:
+        overturned = named(v for v in verdicts if v.outcome.overturned)
+        names = f": {', '.join(overturned)}" if overturned else ""
+        lines.append(f"{len(overturned)} of {len(verdicts)} overturn{names}")
+    for words, holds in _conditions():
+        if names_of := named(filter(holds, verdicts)):
+            lines.append(f"{words}: {', '.join(names_of)}")
+    for v in verdicts:
+        if v.devices:
+            from ..responses.tied_history import remarks as of_ties
+
+            of_devices = of_ties(
+                v.devices, v.first_overturning_a, v.first_overturning_a_free
+            )
+            lines += [f"{named([v])[0]}: {line}" for line in of_devices]
+    if any(v.share_of_falls for v in verdicts):
+        lines.append(
+            "falls_nearby: this share of the amplitudes up to 5 % above"
+            " first_overturning_a overturns, in many narrow intervals; narrower ones"
+            " may begin below it"
+        )
+    return lines
+
+
+def _conditions() -> list[tuple[str, Callable[[Verdict], Any]]]:
+    """Return (words, condition): what is said of the verdicts for which it holds."""
+    from ..dynamics.outcome import Outcome
+
+    return [
         (
             "lose contact with the ground, and their later motion is not known",
             lambda v: v.outcome == Outcome.LOST_CONTACT,
@@ -80,24 +102,6 @@ def remarks(verdicts: list[Verdict]) -> list[str]:
             lambda v: v.falls and v.outcome_linear.safe,
         ),
     ]
-    for words, holds in conditions:
-        if names := named(filter(holds, verdicts)):
-            lines.append(f"{words}: {', '.join(names)}")
-    for v in verdicts:
-        if v.devices:
-            from ..responses.tied_history import remarks as of_ties
-
-            of_devices = of_ties(
-                v.devices, v.first_overturning_a, v.first_overturning_a_free
-            )
-            lines += [f"{named([v])[0]}: {line}" for line in of_devices]
-    if any(v.share_of_falls for v in verdicts):
-        lines.append(
-            "falls_nearby: this share of the amplitudes up to 5 % above"
-            " first_overturning_a overturns, in many narrow intervals; narrower ones"
-            " may begin below it"
-        )
-    return lines
 
 
 def worst_at_an_end(

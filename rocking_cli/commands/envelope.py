@@ -26,7 +26,7 @@ SIGNS = ("worse", "+", "-", "both")
 
 
 @dataclass(frozen=True)
-class Envelope:
+class EnvelopeOptions:
     """The options of `rocking envelope`."""
 
     axes: str | None = option(
@@ -63,7 +63,7 @@ class Envelope:
 @command("rocking envelope --eta 0.9 --grid Omega=2:6:5", printed)
 def envelope(
     files: tuple[str, ...] = options.files(),
-    wanted: Envelope = group(Envelope),
+    wanted: EnvelopeOptions = group(EnvelopeOptions),
     sizeless: equations.Sizeless = group(equations.Sizeless),
     motions: ground.BothWays = group(ground.BothWays),
     model: equations.Equations = group(equations.Equations),
@@ -145,7 +145,7 @@ class _Tracing:
     most: float  # the largest A of the search [-]
     rows: list[dict[str, Any]] = field(default_factory=list)  # those found
 
-    def trace(self, wanted: Envelope) -> Iterator[dict[str, Any]]:
+    def trace(self, wanted: EnvelopeOptions) -> Iterator[dict[str, Any]]:
         """Yield the rows as they are found."""
         from ..envelopes.intervals import structure_intervals
 
@@ -173,7 +173,7 @@ def _tracings(
     motion: Motion,
     axis: Axis,
     methods: Sequence[Method],
-    wanted: Envelope,
+    wanted: EnvelopeOptions,
 ) -> list[_Tracing]:
     """Return the searches of a call, by structure and equation. Raises UsageError for
     one that cannot be done, before the first row is printed.
@@ -193,7 +193,7 @@ def _tracings(
 
 
 def _remarks(
-    tracings: Sequence[_Tracing], equations: int, wanted: Envelope
+    tracings: Sequence[_Tracing], equations: int, wanted: EnvelopeOptions
 ) -> Iterator[str]:
     """Yield lines on frequencies without overturning, and with both equations on what
     the linear one misjudges; equations: the number for each structure.
@@ -231,7 +231,7 @@ def _closing(lines: list[str], narrowest: str, failed: int) -> None:
 
 def _of_records(
     files: tuple[str, ...],
-    wanted: Envelope,
+    wanted: EnvelopeOptions,
     sizeless: equations.Sizeless,
     shaken: ground.Ground,
     model: equations.Equations,
@@ -297,7 +297,7 @@ def _of_records(
     _closing(lines, f"{100.0 * RATIO:g} % of the amplitude", modes["failed"])
 
 
-def _refuse_of_records(wanted: Envelope, model: equations.Equations) -> None:
+def _refuse_of_records(wanted: EnvelopeOptions, model: equations.Equations) -> None:
     """Raise click.UsageError for options that do not go with records."""
     refuse("does not go with records", "closed_form")
     if wanted.median and wanted.sign == "both":

@@ -15,7 +15,7 @@ from ..errors import UsageError
 from . import equations, ground, options
 from .command import command, group, partly, refuse, refuse_together
 from .draws import note_left_out, require_spreads
-from .fragility_options import Fits
+from .fragility_options import FragilityOptions
 from .printing import note, printed
 from .progress import ProgressLine
 
@@ -56,7 +56,7 @@ class _Request:
 def fragility(
     files: tuple[str, ...] = options.files(),
     motions: ground.BothWays = group(ground.BothWays),
-    wanted: Fits = group(Fits),
+    wanted: FragilityOptions = group(FragilityOptions),
     model: equations.Model = group(equations.Model),
     sweep: options.Sweep = group(options.Sweep),
 ) -> None:
@@ -116,7 +116,7 @@ def _requested(
     files: tuple[str, ...],
     motions: ground.BothWays,
     shaken: ground.Ground,
-    wanted: Fits,
+    wanted: FragilityOptions,
     model: equations.Model,
     sweep: options.Sweep,
 ) -> _Request:
@@ -155,7 +155,7 @@ def _requested(
     return _Request(structures, motion_set, states, methods, hazard, exact, settings)
 
 
-def _refuse_contradictions(shaken: ground.Ground, wanted: Fits) -> None:
+def _refuse_contradictions(shaken: ground.Ground, wanted: FragilityOptions) -> None:
     """Raise click.UsageError for options that need others or contradict each other."""
     if bool(shaken.recordings) == (wanted.pulses is not None):
         raise click.UsageError(
@@ -172,7 +172,7 @@ def _refuse_contradictions(shaken: ground.Ground, wanted: Fits) -> None:
 
 
 def _members(
-    motions: ground.BothWays, shaken: ground.Ground, wanted: Fits
+    motions: ground.BothWays, shaken: ground.Ground, wanted: FragilityOptions
 ) -> tuple[MotionMember, ...]:
     """Return the motions of the set: pulses of a site, or records."""
     from ..fragility.measures import members_of, shaken_upwards, site_pulses
@@ -187,7 +187,7 @@ def _members(
 
 
 def _check_export(
-    wanted: Fits,
+    wanted: FragilityOptions,
     states: list[float | None],
     methods: list[str],
     measure: Measure,
@@ -217,7 +217,9 @@ def _check_export(
     options.refuse_own_input(wanted.output, shaken.recordings)
 
 
-def _check_output(wanted: Fits, shaken: ground.Ground, sweep: options.Sweep) -> None:
+def _check_output(
+    wanted: FragilityOptions, shaken: ground.Ground, sweep: options.Sweep
+) -> None:
     """Raise UsageError for a file of cells that cannot or must not be written."""
     if wanted.output is None:
         refuse("goes with -o OUT.h5", "resume", "shard", "scheduler")
@@ -229,7 +231,7 @@ def _check_output(wanted: Fits, shaken: ground.Ground, sweep: options.Sweep) -> 
         options.refuse_own_input(wanted.output, shaken.recordings)
 
 
-def _studies(request: _Request, wanted: Fits) -> list[Study]:
+def _studies(request: _Request, wanted: FragilityOptions) -> list[Study]:
     """Return each structure under the set of motions; none if a shard is written."""
     from ..fragility.bootstrap import Resampling
     from ..fragility.study import studies
@@ -251,7 +253,7 @@ def _studies(request: _Request, wanted: Fits) -> list[Study]:
 
 
 def _fit_and_print(
-    found: Sequence[Study], request: _Request, wanted: Fits, overwrite: bool
+    found: Sequence[Study], request: _Request, wanted: FragilityOptions, overwrite: bool
 ) -> tuple[list[str], list[str]]:
     """Fit the curves, write the file of --export and print the rows; return (a sentence
     on each limit state without a fit, remarks).

@@ -8,7 +8,7 @@ import click
 
 from . import options
 from .command import given, refuse
-from .fragility_options import Fits
+from .fragility_options import FragilityOptions
 from .fragility_rows import emit_fits
 from .printing import note
 
@@ -33,7 +33,7 @@ _WITH_COUNTS = (
 )
 
 
-def fit_the_counts(wanted: Fits, overwrite: bool) -> None:
+def fit_the_counts(wanted: FragilityOptions, overwrite: bool) -> None:
     """Fit the counts of --counts, and print the fit, with the annual rate of --hazard
     and the file of --export.
     """
@@ -66,7 +66,7 @@ def _refuse_others() -> None:
     refuse("does not go with --counts", *(every - set(_WITH_COUNTS)))
 
 
-def _refuse_contradictions(wanted: Fits, limit: str) -> None:
+def _refuse_contradictions(wanted: FragilityOptions, limit: str) -> None:
     """Raise click.UsageError for options that need others; limit: the limit state."""
     if wanted.hazard is None:
         refuse("goes with --hazard", "site", "standing")
@@ -78,7 +78,9 @@ def _refuse_contradictions(wanted: Fits, limit: str) -> None:
         )
 
 
-def _read(wanted: Fits, overwrite: bool) -> tuple[Counts, HazardCurve | None]:
+def _read(
+    wanted: FragilityOptions, overwrite: bool
+) -> tuple[Counts, HazardCurve | None]:
     """Return (the counts, the hazard curve of the same measure), and refuse a file of
     --export that cannot be written.
     """

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Fits:
+class FragilityOptions:
     """What to fit, under which motions, and what to print and write."""
 
     pulses: str | None = option(

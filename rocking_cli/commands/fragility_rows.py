@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from .fragility_options import Fits
+from .fragility_options import FragilityOptions
 from .printing import emit, form, units_of, units_shown
 
 if TYPE_CHECKING:
@@ -23,7 +23,10 @@ def emit_cells(studies: Sequence[Study]) -> None:
 
 
 def emit_fits(
-    fits: Sequence[Fit], exact: Sequence[Study], wanted: Fits, unit: str = ""
+    fits: Sequence[Fit],
+    exact: Sequence[Study],
+    wanted: FragilityOptions,
+    unit: str = "",
 ) -> None:
     """Print the rows of fits, or with --curve those of curves; unit: of the levels, as
     they are stated.
@@ -93,7 +96,7 @@ def _name_the_unit(rows: list[dict[str, Any]]) -> None:
             row["im"] = headed(row["im"], units.of(dimension)[0])
 
 
-def emit_efficiency(studies: Sequence[Study], wanted: Fits) -> None:
+def emit_efficiency(studies: Sequence[Study], wanted: FragilityOptions) -> None:
     """Print a row for each measure. In a table and in CSV, its unit stands beside its
     name, because the medians of one column have several.
     """

@@ -313,16 +313,15 @@ class BothWays(Motions):
             refuse("goes with a record: give one to --vertical", *_OF_A_FILE)
             motion = pulse(self.vertical)
         else:
-            component, unit, dt = (
-                self.vertical_component,
-                self.vertical_unit,
-                self.vertical_dt,
-            )
             with named(
                 component="vertical_component", unit="vertical_unit", dt="vertical_dt"
             ):
                 motion = read_motion(
-                    self.vertical, component=component, unit=unit, dt=dt, tell=note
+                    self.vertical,
+                    component=self.vertical_component,
+                    unit=self.vertical_unit,
+                    dt=self.vertical_dt,
+                    tell=note,
                 )
         return Upwards(motion, factor), None
 

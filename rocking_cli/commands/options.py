@@ -196,10 +196,8 @@ def members_of(
     from ..structures.parameters import VARIED
 
     refuse("does not go with --vary", "etas")
-    documents, variations = (
-        documents_of(files),
-        [parse_variation(text) for text in vary],
-    )
+    documents = documents_of(files)
+    variations = [parse_variation(text) for text in vary]
     members(variations)
     every = [
         member

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Figure:
+class PlotOptions:
     """What to draw of the files, and where."""
 
     output: Path | None = options.output("The figure: .png, .svg or .pdf.")
@@ -78,7 +78,7 @@ def plot(
     files: tuple[Path, ...] = argument(
         nargs=-1, required=True, type=click.Path(path_type=Path), metavar="FILE..."
     ),
-    wanted: Figure = group(Figure),
+    wanted: PlotOptions = group(PlotOptions),
     looks: options.Looks = group(options.Looks),
     overwrite: bool = options.overwrite(),
 ) -> None:
@@ -117,7 +117,7 @@ def plot(
             note(remark)
 
 
-def _refuse_contradictions(files: tuple[Path, ...], wanted: Figure) -> None:
+def _refuse_contradictions(files: tuple[Path, ...], wanted: PlotOptions) -> None:
     """Raise click.UsageError for options that have no effect on these files."""
     from ..reports.drawing_files import is_spectra_file
 
@@ -141,7 +141,7 @@ def _refuse_contradictions(files: tuple[Path, ...], wanted: Figure) -> None:
         refuse("goes with --animate and --phase-portrait", "body")
 
 
-def _put_map(file: Path, wanted: Figure) -> None:
+def _put_map(file: Path, wanted: PlotOptions) -> None:
     """Print the map or slice of a spectra file as text."""
     from ..reports.figures.characters import text_map
     from ..spectra.file.reader import SpectraFile
@@ -150,7 +150,7 @@ def _put_map(file: Path, wanted: Figure) -> None:
         streams.put(*text_map(spectrum, wanted.structure, wanted.cut))
 
 
-def _check_targets(file: Path, wanted: Figure, overwrite: bool) -> None:
+def _check_targets(file: Path, wanted: PlotOptions, overwrite: bool) -> None:
     """Raise UsageError for figures that cannot or must not be written."""
     if wanted.output is None and wanted.animate is None:
         raise click.UsageError(
@@ -170,7 +170,7 @@ def _check_targets(file: Path, wanted: Figure, overwrite: bool) -> None:
 def _draw(
     files: tuple[Path, ...],
     output: Path,
-    wanted: Figure,
+    wanted: PlotOptions,
     document: Document | None,
     look: Look,
     overwrite: bool,

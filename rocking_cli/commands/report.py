@@ -1,5 +1,6 @@
 """`rocking report`: structures under a motion, as one page."""
 
+from dataclasses import dataclass
 from pathlib import Path
 
 from . import demand, options
@@ -12,6 +13,24 @@ PAGES = (".html", ".htm")
 MOST = 12  # structures of a page
 
 
+@dataclass(frozen=True)
+class ReportOptions:
+    """What the page holds."""
+
+    output: Path = options.output("The page: .html.", required=True)
+    title: str | None = option(
+        "--title",
+        "Title of the page (default: the names of the structures).",
+        metavar="TEXT",
+    )
+    summary: bool = flag(
+        "--summary",
+        "Begin with a page in words: a sentence on each structure; the details follow.",
+    )
+    inset_effect: bool = options.inset_effect()
+    sort: str | None = options.sort()
+
+
 @command(
     "rocking report configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 -o"
     " report.html",
@@ -20,18 +39,7 @@ MOST = 12  # structures of a page
 def report(
     files: tuple[str, ...] = options.files(),
     asked: demand.Demand = group(demand.Demand),
-    output: Path = options.output("The page: .html.", required=True),
-    title: str | None = option(
-        "--title",
-        "Title of the page (default: the names of the structures).",
-        metavar="TEXT",
-    ),
-    summary: bool = flag(
-        "--summary",
-        "Begin with a page in words: a sentence on each structure; the details follow.",
-    ),
-    inset_effect: bool = options.inset_effect(),
-    sort: str | None = options.sort(),
+    wanted: ReportOptions = group(ReportOptions),
     drawn: Draws = group(Draws),
     workers: int | None = options.workers(),
     overwrite: bool = options.overwrite(),
@@ -52,12 +60,12 @@ def report(
     from ..responses.check import tally
     from ..structures import build_structure, with_distinct_names
 
-    options.check_target(output, overwrite, PAGES, packages=WRITTEN_WITH)
+    options.check_target(wanted.output, overwrite, PAGES, packages=WRITTEN_WITH)
     files, shaken = asked.several(files)
     shaken = asked.of(shaken)
     documents = options.documents_of(files, MOST, "a page", each=True)
     shakes = shaken.needed()
-    options.refuse_own_input(output, shaken.recordings)
+    options.refuse_own_input(wanted.output, shaken.recordings)
     structures = with_distinct_names(
         [build_structure(document) for document in documents]
     )
@@ -72,15 +80,15 @@ def report(
     verdicts = write_page(
         subjects,
         shakes,
-        output,
+        wanted.output,
         recordings=shaken.recordings,
         vertical=asked.vertical,
         command=options.command_line(),
         made=options.now(),
-        title=title,
-        summary=summary,
-        by_capacity=sort is not None,
-        inset_effect=inset_effect,
+        title=wanted.title,
+        summary=wanted.summary,
+        by_capacity=wanted.sort is not None,
+        inset_effect=wanted.inset_effect,
         draws=None if drawn.draws is None else (drawn.draws, drawn.seed),
         overwrite=overwrite,
         workers=workers,
@@ -88,5 +96,5 @@ def report(
     )
     demand.note_demand(shakes)
     demand.note_governing(structures, shakes[0][1].dimensionless)
-    note(f"{output}: {tally(verdicts)}")
+    note(f"{wanted.output}: {tally(verdicts)}")
     partly(any(v.outcome == Outcome.FAILED for v in verdicts))

@@ -24,7 +24,7 @@ class OneMotion(demand.Directed):
 
 
 @dataclass(frozen=True)
-class Rows:
+class ResponseOptions:
     """The start of the body, and what to print of its motion."""
 
     release: float = option(
@@ -77,7 +77,7 @@ def response(
     file: str = argument(type=InputPath()),
     asked: OneMotion = group(OneMotion),
     model: equations.Models = group(equations.Models),
-    wanted: Rows = group(Rows),
+    wanted: ResponseOptions = group(ResponseOptions),
 ) -> None:
     """Time history of one structure: t [s], theta [rad], theta_dot [rad/s],
     ground_acceleration [m/s2].
@@ -135,7 +135,7 @@ def _shaken(asked: OneMotion) -> ground.Ground:
     return asked.of(ground.Ground(directed.motion))
 
 
-def _print(found: TimeHistory, wanted: Rows) -> None:
+def _print(found: TimeHistory, wanted: ResponseOptions) -> None:
     """Print the rows of a time history, or its events."""
     from ..responses.time_history import EVENT_KEYS, IMPULSES, KEYS, NAMED
 

@@ -20,7 +20,7 @@ _SCAN = 17  # values of a range that states no number
 
 
 @dataclass(frozen=True)
-class Solving:
+class SolveOptions:
     """The key to vary, and what a structure must withstand."""
 
     vary: str = option(
@@ -49,7 +49,7 @@ class Solving:
 )
 def solve(
     files: tuple[str, ...] = options.files(),
-    wanted: Solving = group(Solving),
+    wanted: SolveOptions = group(SolveOptions),
     asked: demand.Demand = group(demand.Demand),
     sign: str = demand.sign(),
     workers: int | None = options.workers(),

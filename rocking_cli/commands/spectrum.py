@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Cells:
+class SpectrumOptions:
     """The cells to compute, what the file stores of them, and how they are verified."""
 
     axes: str | None = option(
@@ -72,7 +72,7 @@ class Cells:
 )
 def spectrum(
     files: tuple[str, ...] = options.files(),
-    wanted: Cells = group(Cells),
+    wanted: SpectrumOptions = group(SpectrumOptions),
     sizeless: equations.Sizeless = group(equations.Sizeless),
     motions: ground.BothWays = group(ground.BothWays),
     model: equations.Equations = group(equations.Equations),
@@ -134,7 +134,7 @@ def spectrum(
     partly(summary.failed)
 
 
-def _grid(wanted: Cells, shaken: ground.Ground) -> Grid | None:
+def _grid(wanted: SpectrumOptions, shaken: ground.Ground) -> Grid | None:
     """Return the grid of a pulse or motion document, None for records, whose axes have
     other names. Raises UsageError.
     """
@@ -155,7 +155,7 @@ def _scene(
     structures: list[RockingParameters],
     shaken: ground.Ground,
     grid: Grid | None,
-    wanted: Cells,
+    wanted: SpectrumOptions,
     sizeless: equations.Sizeless,
     model: equations.Equations,
 ) -> Scene:

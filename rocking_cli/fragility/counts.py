@@ -12,7 +12,7 @@ from ..documents.table import named_rows
 from ..errors import DocumentError, UsageError
 from .bootstrap import Resampling, bootstrap_counts
 from .fits import fit_stripes
-from .fitted_curve import Fit, rate_of, with_more
+from .fitted_curve import Fit, drawn_at, rate_of
 from .hazard import HazardCurve
 from .measures import Measure, cell, measure_of
 
@@ -112,26 +112,19 @@ def fit_counts(
         curve = fit_stripes(x, n, z)
     except UsageError as error:
         raise UsageError(f"{counts.source}: {error}") from None
-    if hazard is None:
-        at, of = with_more(x, 0.5 * x[0], 1.5 * x[-1]), None
-    else:
-        levels, of = np.union1d(x, hazard.x), hazard.rate_of
-        at = with_more(levels, levels[0], levels[-1])
-    band = bootstrap_counts(x, n, z, how, at, of) if how.samples else None
-    rate = None if hazard is None else rate_of(curve, band, hazard)
-    points = dict(zip(x.tolist(), (z / n).tolist(), strict=True))
-    name = _LEVEL if counts.measure is None else counts.measure.name
+    at, rates = drawn_at(x, hazard)
+    band = bootstrap_counts(x, n, z, how, at, rates) if how.samples else None
     return Fit(
-        Path(counts.source).stem,
-        name,
-        limit,
-        "stripes",
-        curve,
-        band,
-        at,
-        points,
-        hazard,
-        rate,
+        structure=Path(counts.source).stem,
+        im=_LEVEL if counts.measure is None else counts.measure.name,
+        limit=limit,
+        method="stripes",
+        curve=curve,
+        band=band,
+        x=at,
+        points=dict(zip(x.tolist(), (z / n).tolist(), strict=True)),
+        hazard=hazard,
+        rate=None if hazard is None else rate_of(curve, band, hazard),
     )
 
 

@@ -188,10 +188,8 @@ def check_export(target: Path, form: str, measure: Measure, overwrite: bool) -> 
     if form not in FORMS:
         raise UsageError(f"`export`: found {form!r}; expected {' or '.join(FORMS)}")
     if form == "pelicun":
-        known, expected = (
-            measure.name in _DEMANDS or measure.name.startswith("SA("),
-            "PGA, PGV or SA(T)",
-        )
+        known = measure.name in _DEMANDS or measure.name.startswith("SA(")
+        expected = "PGA, PGV or SA(T)"
     else:
         known = not measure.of_structure and (
             len(measure.periods) < 2 or "," not in measure.name

@@ -43,10 +43,9 @@ class Exposure:
         exceeds `limit` (None: if the body falls), or if contact is lost; known: True if
         the cell has an outcome.
         """
-        fallen, known = (
-            falls(self.outcome),
-            (self.outcome != Outcome.FAILED) & (self.outcome != Outcome.NOT_COMPUTED),
-        )
+        fallen = falls(self.outcome)
+        failed = self.outcome == Outcome.FAILED
+        known = ~failed & (self.outcome != Outcome.NOT_COMPUTED)
         if limit is None:
             return fallen, known
         with np.errstate(invalid="ignore"):
@@ -178,10 +177,8 @@ def _under_each(
     structure: RockingParameters, motions: MotionSet, amplitudes: Sequence[Array]
 ) -> Exposure:
     """Return the exposure of a structure to each motion at its amplitudes A."""
-    system, pairs = (
-        motions.method.system_of(structure),
-        zip(motions.members, amplitudes, strict=True),
-    )
+    system = motions.method.system_of(structure)
+    pairs = zip(motions.members, amplitudes, strict=True)
     found = [
         response(system, m.motion, a, np.array([m.omega / structure.p]), structure.eta)
         for m, a in pairs

@@ -2,7 +2,7 @@
 annual rate.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -132,11 +132,9 @@ class Fit:
         probability = self.curve(self.x)
         hazard = hazard_points(self.hazard, self.x, probability, self.rate)
         for i, (x, more) in enumerate(zip(self.x.tolist(), hazard, strict=True)):
-            low, high = (
-                (None, None)
-                if self.band is None
-                else (float(self.band.low[i]), float(self.band.high[i]))
-            )
+            low = high = None
+            if self.band is not None:
+                low, high = float(self.band.low[i]), float(self.band.high[i])
             row = {
                 **self._names(),
                 "x": x,
@@ -155,9 +153,19 @@ class Fit:
         }
 
 
-def with_more(levels: Array, first: float, last: float) -> Array:
-    """Return levels with 61 more from `first` to `last`, at which a curve is drawn."""
-    return np.union1d(np.geomspace(first, last, 61), levels)
+def drawn_at(
+    levels: Array, hazard: HazardCurve | None
+) -> tuple[Array, Callable[[Array, Array], Array] | None]:
+    """Return (the intensities at which a curve is drawn: the levels and 61 more, with a
+    hazard curve from its first to its last level as well; the annual rate of lognormal
+    curves, None without a hazard curve).
+    """
+    if hazard is None:
+        first, last, rate = 0.5 * levels[0], 1.5 * levels[-1], None
+    else:
+        levels, rate = np.union1d(levels, hazard.x), hazard.rate_of
+        first, last = levels[0], levels[-1]
+    return np.union1d(np.geomspace(first, last, 61), levels), rate
 
 
 def hazard_points(

@@ -133,16 +133,12 @@ class HazardCurve:
         from scipy.special import log_ndtr, ndtr
 
         y, k = np.log(self.x), self.slope
-        ln_median, beta = (
-            np.asarray(ln_median, dtype=float)[..., None],
-            np.asarray(beta, dtype=float)[..., None],
-        )
+        ln_median = np.asarray(ln_median, dtype=float)[..., None]
+        beta = np.asarray(beta, dtype=float)[..., None]
         u = (y - ln_median) / beta
         low, high = u[..., :-1] + k * beta, u[..., 1:] + k * beta
-        low, high = (
-            np.where(low > 0.0, -high, low),
-            np.where(low > 0.0, -low, high),
-        )  # the same difference of Phi, without cancellation
+        # the same difference of Phi(high) and Phi(low), without cancellation
+        low, high = np.where(low > 0.0, -high, low), np.where(low > 0.0, -low, high)
         with np.errstate(divide="ignore", invalid="ignore"):
             between = log_ndtr(high) + np.log1p(-np.exp(log_ndtr(low) - log_ndtr(high)))
         part = np.exp(

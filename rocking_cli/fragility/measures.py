@@ -22,13 +22,10 @@ from ..motions.recording import Recording
 from ..motions.response_spectra import mean_acceleration, periods_of
 from ..structures.parameters import RockingParameters
 
-Value = Callable[[Intensity, RockingParameters], float]
-SPECTRAL = (
-    "SA(0.5)",
-    "SA(1)",
-    "SA(2)",
-    "AvgSA(1)",
-)  # measures of records that are compared with MEASURES
+# of a motion and a structure
+Evaluate = Callable[[Intensity, RockingParameters], float]
+# measures of records that are compared with MEASURES
+SPECTRAL = ("SA(0.5)", "SA(1)", "SA(2)", "AvgSA(1)")
 
 
 @dataclass(frozen=True)
@@ -38,7 +35,7 @@ class Measure:
     name: str  # as options and tables have it
     unit: str  # SI unit of its values, "" for a plain number
     dimension: str  # a word of `quantities.UNITS`
-    value: Value  # returns it from the intensity of a motion and a structure
+    evaluate: Evaluate  # returns it from the intensity of a motion and a structure
     power: float = 1.0  # of the scale factor [-]
     of_structure: bool = False  # True if it also depends on the structure
     periods: tuple[float, ...] = ()  # of SA and AvgSA [s]
@@ -144,7 +141,7 @@ class MotionMember:
         positive, and for SA or AvgSA of a pulse.
         """
         if not measure.periods:
-            value = measure.value(self.intensity, structure)
+            value = measure.evaluate(self.intensity, structure)
         elif self.recording is None:
             raise UsageError(
                 f"{self.label}: found {measure.name} of a pulse; expected a record, or"

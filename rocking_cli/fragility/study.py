@@ -35,18 +35,17 @@ from .fits import FEWEST, Curve, check_levels, fit_cloud, fit_first, fit_stripes
 from .fitted_curve import (
     FRAGILITY_COLUMNS,
     Fit,
+    drawn_at,
     hazard_points,
     rate_of,
-    with_more,
     word_of,
 )
 from .hazard import HazardCurve, Rate
-from .measures import Measure, measure_of, members_of
+from .measures import Measure, MotionMember, measure_of, members_of
 
 Array = np.ndarray
-Fitted = tuple[
-    Curve, Callable[[Array], Estimate], dict[float, float]
-]  # with the estimate of samples, and the points of the data
+# a curve, the estimate of samples of its records, and the points of the data
+Fitted = tuple[Curve, Callable[[Array], Estimate], dict[float, float]]
 METHODS = ("stripes", "first", "cloud")
 LIMITS: tuple[float | None, ...] = (0.1, 0.5, 1.0, None)
 CELL_KEYS = ("structure", "motion", "pga")
@@ -83,20 +82,13 @@ class Study:
         """The level [SI] of uplift by the equation of the study for PGA without a
         vertical motion, otherwise 0.
         """
-        lifted = any(
-            (
-                m.recording.upwards is not None
-                if m.recording
-                else m.motion.vertical is not None
-            )
-            for m in self.motions.members
-        )
-        s, linear = self.structure, self.motions.method.model == LINEAR.model
-        return (
-            0.0
-            if lifted or self.motions.measure.name != "PGA"
-            else s.gravity * (s.linear_uplift if linear else s.uplift)
-        )
+        if self.motions.measure.name != "PGA" or any(
+            map(_is_lifted, self.motions.members)
+        ):
+            return 0.0
+        s = self.structure
+        linear = self.motions.method.model == LINEAR.model
+        return s.gravity * (s.linear_uplift if linear else s.uplift)
 
     def fit(self, method: str, limit: float | None) -> Fit:
         """Return the fit of a limit state by a method. Raises UsageError if there are
@@ -110,22 +102,29 @@ class Study:
             "cloud": self._cloud,
         }
         curve, estimate, points = of_method[method](limit)
-        levels, hazard, rate = self.motions.levels, self.hazard, None
-        if hazard is None:
-            x, of = with_more(levels, 0.5 * levels[0], 1.5 * levels[-1]), None
-        else:
-            levels, of = np.union1d(levels, hazard.x), hazard.rate_of
-            x = with_more(levels, levels[0], levels[-1])
-        band = bootstrap(count, estimate, self.how, x, of) if self.how.samples else None
-        if hazard is not None:
-            rate = rate_of(curve, band, hazard)
-        names = self.structure.name, self.motions.measure.name, word_of(limit), method
-        free = self.rate_without_fit if limit is None else None
         alone = None
         if self.drawn is not None:  # the motions alone, at the means
             alone = self._stripes(self.exposure, limit)[0].beta
-        found = Fit(*names, curve, band, x, points, hazard, rate, free, self.no_damage)
-        return replace(found, beta_motions=alone)
+        x, rates = drawn_at(self.motions.levels, self.hazard)
+        band = (
+            bootstrap(count, estimate, self.how, x, rates) if self.how.samples else None
+        )
+        rate = None if self.hazard is None else rate_of(curve, band, self.hazard)
+        return Fit(
+            structure=self.structure.name,
+            im=self.motions.measure.name,
+            limit=word_of(limit),
+            method=method,
+            curve=curve,
+            band=band,
+            x=x,
+            points=points,
+            hazard=self.hazard,
+            rate=rate,
+            rate_without_fit=self.rate_without_fit if limit is None else None,
+            no_damage=self.no_damage,
+            beta_motions=alone,
+        )
 
     def _stripes(
         self, exposure: Exposure | DrawnExposure, limit: float | None
@@ -163,11 +162,8 @@ class Study:
                 "limit state overturning: the method cloud needs a rotation"
             )
         assert self.recorded is not None
-        x, theta, w = (
-            self.own(self.motions.measure),
-            self.recorded.theta_ratio[:, 0],
-            self.motions.weight,
-        )
+        x, w = self.own(self.motions.measure), self.motions.weight
+        theta = self.recorded.theta_ratio[:, 0]
         return (
             fit_cloud(x, theta, limit, w),
             lambda i: cloud(x[i], theta[i], limit, w[i]),
@@ -182,29 +178,25 @@ class Study:
         """
         if self.hazard is None or self.intervals is None:
             return None
-        highest, w = min(self.highest, float(self.hazard.x[-1])), self.motions.weight
-        of_each = w * self.hazard.of_intervals(self.intervals, highest)
+        hazard, w = self.hazard, self.motions.weight
+        highest = min(self.highest, float(hazard.x[-1]))
+        of_each = w * hazard.of_intervals(self.intervals, highest)
         low = high = None
         if self.how.samples and w.size >= FEWEST and np.ptp(of_each) > 0.0:
             ends = interval(
                 w.size, lambda i: (of_each[i].sum(-1) / w[i].sum(-1))[None], self.how
             )
             low, high = (float(end[0]) if np.isfinite(end[0]) else None for end in ends)
-        first = float(
-            w
-            @ [
-                any(a < self.hazard.x[0] < b for a, b in found)
-                for found in self.intervals
-            ]
-            / w.sum()
-        )
+        at_first = [
+            any(a < hazard.x[0] < b for a, b in found) for found in self.intervals
+        ]
         return Rate(
-            float(of_each.sum() / w.sum()),
-            low,
-            high,
-            float(self.hazard(highest)),
-            highest,
-            first,
+            annual=float(of_each.sum() / w.sum()),
+            low=low,
+            high=high,
+            beyond=float(hazard(highest)),
+            last=highest,
+            first=float(w @ at_first / w.sum()),
         )
 
     def exact_row(self) -> dict[str, Any]:
@@ -294,6 +286,13 @@ class Study:
                     Outcome(int(outcome)).flag,
                 )
                 yield dict(zip(CELL_COLUMNS, values, strict=True))
+
+
+def _is_lifted(member: MotionMember) -> bool:
+    """True if a motion has a vertical part."""
+    if member.recording:
+        return member.recording.upwards is not None
+    return member.motion.vertical is not None
 
 
 def fragility(

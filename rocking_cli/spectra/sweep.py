@@ -348,7 +348,7 @@ def write_scene(
                     "interrupted before the first chunk was done; nothing is kept"
                 ) from None
             raise Interrupted(
-                f"interrupted; {kept} of {writer.cut.size} chunks are kept in"
+                f"interrupted; {kept} of {writer.chunk_grid.size} chunks are kept in"
                 f" {writer.part}; `resume` goes on"
             ) from None
         judged = validity(scene) if options.sample_validity else None
@@ -446,11 +446,10 @@ def _run(
     began = time.perf_counter()
     todo, resumed = _todo(units, options.shard, found)
     workers = max(1, min(options.processes(scene), len(todo)))
+    chunk, quantities = options.chunk(scene), options.quantities_of(scene)
     check = default_check(scene) if options.check is None else options.check
-    verification = Verification(scene, check, options.chunk(scene), todo)
-    quantities = options.quantities_of(scene)
-    sensitive = tuple(verification.sensitive)
-    job = Job(scene, options.chunk(scene), sensitive, convert, quantities)
+    verification = Verification(scene, check, chunk, todo)
+    job = Job(scene, chunk, tuple(verification.sensitive), convert, quantities)
 
     counts = _Counts(resumed.copy(), np.zeros(len(Difference), dtype=np.int64), Work())
     reports = unit_reports(job, todo, _crew(job, options, workers), verification)
@@ -464,23 +463,31 @@ def _run(
     # cells of other shards
     counts.outcomes[Outcome.NOT_COMPUTED] = scene.cells - counts.outcomes.sum()
 
-    differences = {d.flag: int(counts.differences[d]) for d in Difference}
     return Summary(
         structures=len(scene.structures),
         cells=scene.cells,
         run_time=time.perf_counter() - began,
         workers=workers,
-        outcomes={o.flag: int(counts.outcomes[o]) for o in Outcome},
+        outcomes=_by_flag(counts.outcomes, Outcome),
         work=counts.work,
         shared_cells=counts.shared,
         checked_by=CHECKED_BY,
         model=scene.method.model,
         records=scene.shape[0] if scene.of_records else 0,
         weighed=scene.weighed,
-        differences=differences if "linear" in quantities else {},
+        differences=(
+            _by_flag(counts.differences, Difference) if "linear" in quantities else {}
+        ),
         resumed_cells=int(resumed.sum()),
         **verification.compared(),
     )
+
+
+def _by_flag(
+    counts: np.ndarray, codes: type[Outcome] | type[Difference]
+) -> dict[str, int]:
+    """Return the counts of cells by the names of their codes."""
+    return {code.flag: int(counts[code]) for code in codes}
 
 
 def _todo(

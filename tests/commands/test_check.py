@@ -527,6 +527,14 @@ def test_commands_over_many_motions_follow_each_interface_of_a_stack(rocking, tm
     assert above["median"] < 0.6 * base["median"]
 
 
+def test_a_tie_of_a_body_at_rest_is_said_to_be_not_stretched(rocking):
+    done = rocking(
+        *("check", "configs/wall_tied.yaml", "--a-g", "0.02g", "--f-g", "1"),
+        "--verdict-only",
+    )
+    assert "tie 1 elastic, not stretched, at its prestress of 5000 N" in done.stderr
+
+
 def test_csv_has_the_columns_of_ties_that_the_first_structure_lacks(rocking):
     call = (
         "check",

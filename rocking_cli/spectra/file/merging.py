@@ -107,7 +107,7 @@ def merge(
         writer.finish(_totals(files, outcomes))
         return Merged(
             int(writer.done.sum()),
-            writer.cut.size,
+            writer.chunk_grid.size,
             writer.machine_differences,
             _missing_shards(files),
         )
@@ -133,21 +133,21 @@ def _layout(first: SpectraFile) -> FileLayout:
         for key in ("history", "documents", "motion", "model", "tolerance")
         if key in first.attributes
     }
-    chunk = first.cut.chunk[1:]
+    chunk = first.chunk_grid.chunk[1:]
     return FileLayout(first.frame, chunk, first.names, first.scene, kept)
 
 
 def _copied(files: Sequence[SpectraFile], writer: SpectraWriter) -> np.ndarray:
     """Copy each chunk that a shard holds; return the number of cells by outcome."""
-    cut = files[0].cut
+    grid = files[0].chunk_grid
     outcomes = np.zeros(len(Outcome), dtype=np.int64)
-    for index in range(writer.cut.size):
+    for index in range(writer.chunk_grid.size):
         holders = [file for file in files if file.done[index]]
         if holders:
             holder, packed = _agreed(holders, index)
             outcomes += holder.outcomes(index)
-            writer.write(cut.offset(index), packed)
-    outcomes[Outcome.NOT_COMPUTED] = np.prod(cut.shape) - outcomes.sum()
+            writer.write(grid.offset(index), packed)
+    outcomes[Outcome.NOT_COMPUTED] = np.prod(grid.shape) - outcomes.sum()
     return outcomes
 
 
@@ -177,7 +177,7 @@ def _missing_shards(files: Sequence[SpectraFile]) -> tuple[str, ...]:
         part.isdecimal() and of.isdecimal() for part, of in shards
     ):
         return ()
-    count, chunks = int(shards[0][1]), files[0].cut.size
+    count, chunks = int(shards[0][1]), files[0].chunk_grid.size
     there = dict.fromkeys(range(1, min(count, chunks) + 1), 0)
     for file, (part, _) in zip(files, shards, strict=True):
         there[int(part)] = max(there.get(int(part), 0), int(file.done.sum()))
@@ -198,7 +198,7 @@ def _agreed(holders: Sequence[SpectraFile], index: int) -> tuple[SpectraFile, Pa
     for other in intact[1:]:
         theirs = other.packed(index)
         for name in first.names:
-            kind = (VARIABLES[name].dtype, first.cut.chunk)
+            kind = (VARIABLES[name].dtype, first.chunk_grid.chunk)
             if (
                 packed[name] != theirs[name]
                 and unpack(packed[name], *kind).tobytes()

@@ -61,12 +61,12 @@ class SpectraWriter:
         self.output = followed(path)  # the finished file
         self.overwrite = overwrite  # whether it may replace another one
         self.names = layout.names  # of the variables
-        self.cut = layout.cut  # the grid of the chunks
+        self.chunk_grid = layout.chunk_grid  # the grid of the chunks
         self.whole = layout.attributes.get("shard") == "1/1"
         # counts of outcomes in each chunk of an earlier run
         self.resumed: dict[int, np.ndarray] = {}
         # True for each finished chunk, (chunks,)
-        self.done = np.zeros(self.cut.size, dtype=bool)
+        self.done = np.zeros(self.chunk_grid.size, dtype=bool)
         self.machines = together([machines or [machine()]])
         try:
             self.file, self.created = open_locked(self.part)
@@ -163,7 +163,9 @@ class SpectraWriter:
         """Return the counts of outcomes in the resumed chunks of a unit; None unless
         all chunks of the unit are there.
         """
-        chunks = {self.cut.index((i, unit.row, unit.column)) for i in unit.places}
+        chunks = {
+            self.chunk_grid.index((i, unit.row, unit.column)) for i in unit.places
+        }
         if not chunks <= self.resumed.keys():
             return None
         return np.sum([self.resumed[i] for i in chunks], axis=0)
@@ -172,7 +174,7 @@ class SpectraWriter:
         """Write the packed chunk whose first cell is (place, row, column). Raises
         OutputError.
         """
-        index = self.cut.index(offset)
+        index = self.chunk_grid.index(offset)
         try:
             self.log.append(index, joined(packed))
         except OSError as error:
@@ -236,7 +238,7 @@ class SpectraWriter:
         sums = tables["chunk_checksum"][...]
         for index in map(int, np.flatnonzero(self.done)):
             packed = split(self.log.content(index), self.names)
-            offset = self.cut.offset(index)
+            offset = self.chunk_grid.offset(index)
             for name in self.names:
                 h5[name].id.write_direct_chunk(offset, packed[name], 0)
             sums[index] = checksum(packed)
