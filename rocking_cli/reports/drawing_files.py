@@ -128,7 +128,7 @@ def _cut(
     axes = figure.add_subplot()
     spectrum_lines(axes, found, units)
     name, unit, factor = units.column(found.where)
-    place = f"slice at {name} = {found.value / factor:.6g} {unit}".rstrip()
+    place = f"slice at {name} = {found.coordinate / factor:.6g} {unit}".rstrip()
     return [axes], f"{place}, the nearest of the file"
 
 

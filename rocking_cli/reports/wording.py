@@ -139,10 +139,10 @@ def overview_row(verdicts: Sequence[Verdict]) -> tuple[str | float | None, ...]:
     """Return the cells of OVERVIEW from the verdicts of one structure under all
     motions.
     """
-    v, falls = worst_of(verdicts), sum(one.falls for one in verdicts)
+    v, fallen = worst_of(verdicts), sum(one.falls for one in verdicts)
     said = verdict_plainly(v) + (
-        f" It falls under {falls} of {len(verdicts)} motions."
-        if falls and len(verdicts) > 1
+        f" It falls under {fallen} of {len(verdicts)} motions."
+        if fallen and len(verdicts) > 1
         else ""
     )
     return (

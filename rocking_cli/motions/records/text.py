@@ -15,9 +15,9 @@ from .printed_numbers import (
     NUMBER,
     OF_NUMBERS,
     Array,
+    finite_number,
     parsed,
     shown,
-    value_of,
     words_on_lines,
 )
 from .record import Given, Series
@@ -194,7 +194,7 @@ class RecordText:
 
     def number(self, text: str, line: int | None = None) -> float:
         """Return a number of the header. Raises DocumentError."""
-        value = value_of(text.strip().encode("utf-8", "replace"))
+        value = finite_number(text.strip().encode("utf-8", "replace"))
         if value is None:
             raise self.fault(
                 f"found {text.strip()!r} in the header; expected a number", line
@@ -326,7 +326,7 @@ class RecordText:
         values: list[float] = []
         for row in self._rows(count, layout):
             values += [
-                self._value(token, f", after {len(values) + i} of {count} values")
+                self._finite(token, f", after {len(values) + i} of {count} values")
                 for i, token in enumerate(row)
             ]
         return np.array(values)
@@ -392,15 +392,15 @@ class RecordText:
         values = parsed(block)
         if values is None:
             on = np.repeat(lines, counts)
-            found = [value_of(token) for token in block.split()]
+            found = [finite_number(token) for token in block.split()]
             bad = next((i for i, value in enumerate(found) if value is None), None)
             if bad is not None:
                 raise self.fault(f"found {shown(block.split()[bad])}", int(on[bad]))
             values = np.array(found, dtype=float)
         return values, counts, lines
 
-    def _value(self, token: bytes, after: str = "") -> float:
-        value = value_of(token)
+    def _finite(self, token: bytes, after: str = "") -> float:
+        value = finite_number(token)
         if value is None:
             raise self.fault(f"found {shown(token)}{after}")
         return value

@@ -255,7 +255,7 @@ def heading(rows: Rows, *keys: str) -> str:
     )
 
 
-def values(rows: Rows, name: str, units: Units) -> np.ndarray:
+def column_in(rows: Rows, name: str, units: Units) -> np.ndarray:
     """Return a column of numbers in these units."""
     return column(rows, name) / units.column(name)[2]
 

@@ -39,7 +39,7 @@ class Slice:
     """A line of cells at one place of the other axis."""
 
     where: str  # name of the other axis
-    value: float  # place on the other axis [SI]
+    coordinate: float  # on the other axis [SI]
     along: str  # name of the axis of the line
     x: np.ndarray  # values of the axis of the line [SI], (n,)
     names: tuple[str, ...]  # of the structures or records
@@ -190,7 +190,7 @@ def spectrum_lines(axes: Axes, found: Slice, units: Units) -> None:
 
             peaks = [
                 (
-                    peak_after_impact(a, found.value, found.etas[i])
+                    peak_after_impact(a, found.coordinate, found.etas[i])
                     if a >= 1.0
                     else math.nan
                 )
@@ -216,7 +216,7 @@ def spectrum_lines(axes: Axes, found: Slice, units: Units) -> None:
     where = (
         ""
         if found.where == "record"
-        else f", {valued(found.where, found.value, units)}"
+        else f", {valued(found.where, found.coordinate, units)}"
     )
     lost = any(np.any(o == Outcome.LOST_CONTACT) for o in found.outcome)
     bars_are = f"overturned{' or lost contact' if lost else ''}"

@@ -189,7 +189,7 @@ def body(document: Document) -> RigidBody:
     details = {"tip_height": spire.tip_height, "crack_height": spire.crack_height}
     # Another part of the spire rocks on each edge.
     return symmetric_body(
-        moments, radius, whole=False, details=details, again=refused, **more
+        moments, radius, whole=False, details=details, inset_by=refused, **more
     )
 
 

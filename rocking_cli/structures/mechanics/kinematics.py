@@ -79,8 +79,8 @@ def linearise(mechanism: Mechanism) -> Linearised:
             f"does not stand: its uplift acceleration lambda is {uplift:.4g}"
         )
     alpha = equilibrium(mechanism)
-    falling = -_slope_of_lift(mechanism, alpha)
-    if not falling > 0.0:
+    negative_stiffness = -_slope_of_lift(mechanism, alpha)
+    if not negative_stiffness > 0.0:
         raise StructureError(
             "reaches its unstable equilibrium where the links lock, and has no linear"
             " form there"
@@ -91,9 +91,9 @@ def linearise(mechanism: Mechanism) -> Linearised:
     return Linearised(
         alpha,
         uplift,
-        falling / float(there.inertia),
+        negative_stiffness / float(there.inertia),
         alpha / uplift,
-        float(there.push) / falling,
+        float(there.push) / negative_stiffness,
         eta,
     )
 

@@ -58,9 +58,9 @@ class RigidBody:
 
     # returns (left edge, right edge) for a gravity [m/s2]
     edges: Callable[[float], tuple[EdgeParameters, EdgeParameters]]
-    reach: float  # least horizontal distance from an edge to the mass centre [m]
+    lever: float  # least horizontal distance from an edge to the mass centre [m]
     # returns the body with its pivots inside the edges by a length [m]
-    again: Callable[[float], RigidBody]
+    inset_by: Callable[[float], RigidBody]
     limit: str  # the bodies for which the momentum model holds
     drawing: Sketch  # its geometry
     radius: float | None = None  # R of two equal edges [m]
@@ -182,13 +182,13 @@ class RigidBody:
         default 0), and the body on these pivots. Raises DocumentError.
         """
         where = (
-            f"a length from 0 to below {self.reach:g} m, beyond which the mass centre"
+            f"a length from 0 to below {self.lever:g} m, beyond which the mass centre"
             " is not above the base"
         )
         inset = document.quantity(
-            "inset", "length", least=0.0, below=self.reach, where=where, default=0.0
+            "inset", "length", least=0.0, below=self.lever, where=where, default=0.0
         )
-        return inset, self.again(inset) if inset else self
+        return inset, self.inset_by(inset) if inset else self
 
     def _top_arms(self) -> tuple[float, ...]:
         """The distances from the left and the right edge to the farthest point of the
@@ -241,7 +241,7 @@ def equal_edges(
         )
         return edge, edge
 
-    def again(inset: float) -> RigidBody:
+    def inset_by(inset: float) -> RigidBody:
         moments = Moments(1.0, 0.0, z, (inertia - 1.0) * radius**2 + z * z)
         kept = {
             key: value for key, value in more.items() if key != "backing"
@@ -251,9 +251,9 @@ def equal_edges(
         )
 
     return RigidBody(
-        **{"again": again, **more},
+        **{"inset_by": inset_by, **more},
         edges=edges,
-        reach=half,
+        lever=half,
         drawing=drawing,
         radius=radius,
     )
@@ -327,15 +327,15 @@ def body_on_edges(
             **more,
         )
 
-    def again(inset: float) -> RigidBody:
+    def inset_by(inset: float) -> RigidBody:
         return body_on_edges(
             moments, half - inset, drawing=redrawn(drawing, inset), top=top, **more
         )
 
     return RigidBody(
-        **{"again": again, **more},
+        **{"inset_by": inset_by, **more},
         edges=partial(edges_of, moments, half),
-        reach=half - abs(moments.x / moments.mass),
+        lever=half - abs(moments.x / moments.mass),
         drawing=drawing,
         top=top,
         backing=_against_backing(moments, half, top),

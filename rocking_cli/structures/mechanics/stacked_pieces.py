@@ -147,7 +147,7 @@ def stacked(
         limit=f"a {word} more slender than this one",
         details=details,
         drawing=_drawing(pieces, lowest, interface, inset),
-        again=partial(stacked, document, key, word, pieces),
+        inset_by=partial(stacked, document, key, word, pieces),
     )
 
 

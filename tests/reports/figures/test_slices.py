@@ -114,7 +114,7 @@ def test_any_axis_of_the_request_is_an_axis_of_the_slice(drawn, towers):
             slice_of(file, cut) for cut in ("a_g=0.6g", f"a_g={0.6 * 9.81!r}")
         ]
         ends = [
-            slice_of(file, cut).value
+            slice_of(file, cut).coordinate
             for cut in (
                 "f_g=0.5",
                 "f_g=2",
