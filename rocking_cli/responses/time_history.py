@@ -229,24 +229,20 @@ class TimeHistory:
         last = {} if dimensionless else {"tau": tau}
         for model, found in self.histories.items():
             suffix = f"_{model}" if len(self.histories) > 1 else ""
-            ratio, rate = found.at(tau)
-            own = self._columns(model, tau, (ratio, rate), dimensionless, forces)
+            state = found.at(tau)
+            own = self._columns(model, tau, state, dimensionless, forces)
             columns |= {name + suffix: values for name, values in own.items()}
-            last |= {} if dimensionless else {f"theta_ratio{suffix}": ratio}
+            last |= {} if dimensionless else {f"theta_ratio{suffix}": state[0]}
         shaking = self.amplitude * self.motion.value(tau * self.omega)
         columns |= (
             {"A": shaking}
             if dimensionless
             else {"ground_acceleration": s.ground_acceleration(shaking)}
         )
-        columns |= last
         texts = s.name, self.motion.name, " and ".join(self.histories)
         named = dict(zip(NAMED, texts, strict=True))
-        for row in zip(*columns.values(), strict=True):
-            yield {
-                key: None if math.isnan(x) else float(x)
-                for key, x in zip(columns, row, strict=True)
-            } | named
+        for row in _rows_of(columns | last):
+            yield row | named
 
     def _columns(
         self,
@@ -369,6 +365,15 @@ class TimeHistory:
             if forces:
                 text += "; " + self.forces[model].words()
             yield f"{s.name}, {model}: {text}"
+
+
+def _rows_of(columns: dict[str, np.ndarray]) -> Iterator[dict[str, float | None]]:
+    """Yield the columns row by row, with None for NaN."""
+    for row in zip(*columns.values(), strict=True):
+        yield {
+            key: None if math.isnan(x) else float(x)
+            for key, x in zip(columns, row, strict=True)
+        }
 
 
 def time_history(

@@ -226,26 +226,24 @@ def equal_edges(
     fields of the body.
     """
     half, z = radius * math.sin(alpha), radius * math.cos(alpha)
-    momentum, arm = (
-        1.0 - 2.0 * math.sin(alpha) ** 2 / inertia if eta is None else eta,
-        radius if whole else None,
-    )
+    # Eq. 2.6, where 1 - cos 2 alpha = 2 sin^2 alpha
+    momentum = 1.0 - 2.0 * math.sin(alpha) ** 2 / inertia if eta is None else eta
+    arm = radius if whole else None
 
     def edges(gravity: float) -> tuple[EdgeParameters, EdgeParameters]:
         edge = EdgeParameters(
-            math.sqrt(gravity / (radius * inertia)),
-            alpha,
-            math.tan(alpha),
-            momentum,
-            arm,
+            p=math.sqrt(gravity / (radius * inertia)),  # Eq. 2.3: p^2 = M g R/I_P
+            alpha=alpha,
+            uplift=math.tan(alpha),  # Eq. 2.2
+            eta=momentum,
+            arm=arm,
         )
         return edge, edge
 
     def inset_by(inset: float) -> RigidBody:
         moments = Moments(1.0, 0.0, z, (inertia - 1.0) * radius**2 + z * z)
-        kept = {
-            key: value for key, value in more.items() if key != "backing"
-        }  # which follows from the top
+        # `backing` follows from the top.
+        kept = {key: x for key, x in more.items() if key != "backing"}
         return symmetric_body(
             moments, half - inset, drawing=redrawn(drawing, inset), **kept
         )
@@ -314,9 +312,8 @@ def body_on_edges(
     """Return a body that rocks as a whole on the edges (-half, 0) and (half, 0) [m];
     arguments as for `symmetric_body`.
     """
-    if abs(moments.x) <= 1e-13 * math.sqrt(
-        moments.mass * moments.polar
-    ):  # the offset is rounding
+    # An offset of rounding is none.
+    if abs(moments.x) <= 1e-13 * math.sqrt(moments.mass * moments.polar):
         moments = moments._replace(x=0.0)
         return symmetric_body(
             moments,
@@ -354,9 +351,8 @@ def edges_of(
     [m]; the mass centre must be above the base.
     """
     z = body.z / body.mass
-    shared = spin_about(half, 0.0).product(
-        spin_about(-half, 0.0), body
-    )  # I_G + m (z^2 - l r)
+    # I_G + m (z^2 - l r), the angular momentum about one edge of a turn about the other
+    shared = spin_about(half, 0.0).product(spin_about(-half, 0.0), body)
 
     def on(edge: float) -> EdgeParameters:
         distance = abs(edge - body.x / body.mass)
