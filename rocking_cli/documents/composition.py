@@ -17,9 +17,10 @@ LONGEST = 2 << 20  # characters of a YAML file, or of one JSON object
 MOST_VALUES = 100_000  # values of a document; an alias counts each time
 DEEPEST = 20  # levels of nested lists and mappings
 _BLANKS = re.compile(r"\s*")
+# a quoted text, a comment of YAML, one of JavaScript
 _COMMENT = re.compile(
     r'"(?:[^"\\\n]|\\.)*"|\'[^\'\n]*\'|#[^\n]*|(?<![^\s,{}\[\]:"\'])(//|/\*)'
-)  # a quoted text, a comment of YAML, one of JavaScript
+)
 _UNSPACED = re.compile(r"\s*-?\s*([A-Za-z_]\w*):([^\s:/\\,][^\s,]*)")
 
 

@@ -48,9 +48,8 @@ _MARKS = (
 _UTF8 = re.compile(
     rb"[\xc2-\xdf][\x80-\xbf]|[\xe0-\xef][\x80-\xbf]{2}|[\xf0-\xf4][\x80-\xbf]{3}"
 )
-_BINARY = re.compile(
-    r"[\0-\x08\x0e-\x1a\x1c-\x1f]"
-)  # control characters that no text holds; an escape has its own sentence
+# control characters that no text holds; an escape has its own sentence
+_BINARY = re.compile(r"[\0-\x08\x0e-\x1a\x1c-\x1f]")
 
 
 def text_of(source: str, raw: bytes) -> str:

@@ -31,9 +31,8 @@ _RELATIONS = {  # closed forms of the paper by kind
         "lambda": "least over all admissible mechanisms",
     },
 }
-ParameterRow = tuple[
-    str, str, float, str, str
-]  # symbol, meaning, value, unit, relation
+# symbol, meaning, value, unit, relation
+ParameterRow = tuple[str, str, float, str, str]
 _EQUILIBRIUM = "{:.4g}°: beyond it the structure does not come back on its own"
 _LIFTS = "it lifts at ẍg = λ g"
 _CYCLES = re.compile(r"(.+), ([\d.]+) cycles?")

@@ -157,9 +157,10 @@ class TimeHistory:
             for e in found.events
             if e.event in ("release", "peak")
         ]
+        # at the end, or after it
         if found.theta_ratio > max((ratio for ratio, _ in largest), default=0.0) * (
             1.0 + 1e-9
-        ):  # at the end, or after it
+        ):
             largest.append(
                 (found.theta_ratio, float(found.sides(np.array([found.end]))[0]))
             )

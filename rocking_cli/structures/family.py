@@ -145,9 +145,8 @@ def family(
     """
     from . import on_each_interface
 
-    if each and document.values.get(
-        OTHERS
-    ):  # parameters: each interface has its own keys
+    # parameters: each interface has its own keys
+    if each and document.values.get(OTHERS):
         for one in on_each_interface(document):
             yield from family(one, variations)
         return

@@ -92,9 +92,8 @@ class RecordText:
             raw = raw.replace(b"\r", b"\n" if b"\n" not in raw[:HEAD] else b"")
         if b"\0" in raw:
             raw = raw.replace(b"\0", b" ")
-        if (
-            b"\x1a" in raw[-_DOS_BLOCK:]
-        ):  # where a text of DOS ends, to the end of its block
+        # where a text of DOS ends, to the end of its block
+        if b"\x1a" in raw[-_DOS_BLOCK:]:
             raw = raw.rstrip(b"\x1a\n ")
         self.raw = raw  # the content, with line ends of Unix
         self.encoding = _encoding(raw)  # its name

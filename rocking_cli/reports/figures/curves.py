@@ -406,9 +406,8 @@ def _broken(some: Rows, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             ),
             axis=0,
         )
-        gaps |= (steps > 0.02) & (
-            steps > 4.0 * np.nanmedian(steps)
-        )  # rad; below it is the same hinge
+        # rad; below it is the same hinge
+        gaps |= (steps > 0.02) & (steps > 4.0 * np.nanmedian(steps))
     if x.size > 2:
         widths = np.diff(x)
         gaps |= widths > 1.5 * np.median(widths)

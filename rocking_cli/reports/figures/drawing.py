@@ -194,10 +194,11 @@ def _mass_centre(
     axes.plot(cx, cz, "P", color="k", ms=7, mec="w", mew=0.8, label="_mass centre")
     axes.plot([px, cx], [pz, cz], color=INK, lw=0.9, label="_R")
     axes.plot([px, px], [pz, cz], color=INK, lw=0.9, ls=":", label="_vertical")
+    # alpha is signed: negative towards the left
     radius, alpha = (
         math.hypot(cx - px, cz - pz),
         math.atan2(cx - px, cz - pz),
-    )  # alpha is signed: negative towards the left
+    )
     arc = [alpha * i / 24 for i in range(25)]
     reach = 0.55 * radius
     axes.plot(

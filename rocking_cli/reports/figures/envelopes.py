@@ -24,17 +24,19 @@ from .canvas import (
 )
 
 _MODES = {o.mode: o for o in Outcome}
+# each combination of their values has its panel
 _APART = (
     "structure",
     "record",
     "alpha",
     "sign",
     "model",
-)  # each combination of their values has its panel
+)
+# of bars; the intervals of neighbouring sizes and records are unrelated
 _WIDTHS = {
     "T": 2.5,
     "record": 6.0,
-}  # of bars; the intervals of neighbouring sizes and records are unrelated
+}
 Interval = tuple[float, float, float]  # frequency, lower and upper amplitude
 
 

@@ -94,9 +94,8 @@ def _nearest(file: SpectraFile, cut: str) -> tuple[str, int]:
     try:
         ((name, axis),) = parse_axes(cut, records=file.frame.of_records).items()
         (asked,), values = axis.values, axes[name]
-        if (
-            not values[0] * (1.0 - 1e-5) <= asked <= values[-1] * (1.0 + 1e-5)
-        ):  # the rounding of a printed end
+        # the rounding of a printed end
+        if not values[0] * (1.0 - 1e-5) <= asked <= values[-1] * (1.0 + 1e-5):
             raise ValueError
     except (KeyError, ValueError, UsageError):
         wanted = " or ".join(_accepted(name, values) for name, values in axes.items())
@@ -248,9 +247,8 @@ def record_quantiles(file: SpectraFile) -> np.ndarray:
     """
     theta = file.array("theta_ratio")
     theta[falls(file.array("outcome"))] = np.inf
-    ordered = np.sort(
-        theta, axis=0
-    )  # NaN (failed or not computed) is sorted to the end
+    # NaN (failed or not computed) is sorted to the end
+    ordered = np.sort(theta, axis=0)
     known = (~np.isnan(theta)).sum(axis=0)
     rank = [
         np.clip(np.ceil(share * known).astype(int) - 1, 0, None) for share in SHARES

@@ -33,11 +33,12 @@ MOST_VOUSSOIRS = 200
 DIRECTION = (
     "sways towards +x, away from springing A; the mirror image has the same parameters"
 )
+# distance outwards to the centre line, over the thickness
 MEASURED = {
     "centre-line": 0.0,
     "intrados": 0.5,
     "extrados": -0.5,
-}  # distance outwards to the centre line, over the thickness
+}
 PAIRS = (("radius", "angle"), ("span", "rise"))
 _HINGES = (
     "four angles from springing A, rising, or four of {angle, face} with faces intrados"
@@ -59,13 +60,14 @@ def build(document: Document, name: str) -> RockingParameters:
     eta, source = restitution_of(
         document, found.eta, "an arch whose mechanism does not throw it backwards"
     )
+    # from the centre of the ring
     hinges = [
         {
             "angle": s,
             "face": face,
             "x": float(x),
             "z": float(z),
-        }  # from the centre of the ring
+        }
         for s, face, (x, z) in zip(
             mechanism.hinges, FACES, mechanism.points, strict=True
         )

@@ -76,9 +76,8 @@ def _drawing(half: float, height: float, inset: float, count: int) -> Sketch:
         turned(column, (x + foot, 0.0), alpha)
         for column, x in zip(columns, axes, strict=True)
     ]
-    (corner,) = turned(
-        [(axes[0] - foot, height)], (axes[0] + foot, 0.0), alpha
-    )  # the beam rests on it
+    # the beam rests on it
+    (corner,) = turned([(axes[0] - foot, height)], (axes[0] + foot, 0.0), alpha)
     lifted = tuple(
         (x + corner[0] - axes[0] + foot, z + corner[1] - height) for x, z in beam
     )

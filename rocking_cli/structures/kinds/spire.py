@@ -221,9 +221,8 @@ def _read(document: Document) -> Spire:
     base, height = document.length("base_radius"), document.length("height")
     thickness = 0.0
     if document.has("thickness"):
-        thinnest = (
-            1e-9 * base
-        )  # for a thinner wall the difference of the two cones has no digits left
+        # for a thinner wall the difference of the two cones has no digits left
+        thinnest = 1e-9 * base
         where = (
             f"a positive length below base_radius ({base:g} m) and above {thinnest:g}"
             " m; absent: a thin wall"
