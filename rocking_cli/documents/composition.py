@@ -195,6 +195,7 @@ class _Composer(yaml.SafeLoader):
 
 
 def _compose_yaml(text: str, source: str, first: int = 0) -> list[yaml.Node]:
+    """Return the root node of each YAML document of a text. Raises DocumentError."""
     if len(text) > LONGEST:
         place = place_in(text, LONGEST, source, first)
         raise DocumentError(
@@ -262,5 +263,6 @@ def _compose_json(text: str, source: str) -> list[yaml.Node]:
 
 
 def _after_blanks(text: str, at: int) -> int:
+    """Return the place of the next character that is no blank."""
     blanks = _BLANKS.match(text, at)
     return blanks.end() if blanks else at

@@ -98,6 +98,7 @@ def _set_logarithmic(axes: Sequence[Axes], log: str) -> None:
 
 
 def _paths(source: str | Path | Sequence[str | Path]) -> list[Path]:
+    """Return the files of `draw` as a list."""
     return [Path(x) for x in ([source] if isinstance(source, str | Path) else source)]
 
 
@@ -241,6 +242,7 @@ applies.
 
 
 def _is_response(row: dict[str, str]) -> bool:
+    """True for a row of the CSV of response."""
     return any(key.startswith(("theta_dot", "theta_ratio_rate")) for key in row)
 
 

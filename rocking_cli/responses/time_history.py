@@ -312,11 +312,9 @@ class TimeHistory:
         the least Fz over m g and its time; if the document states a friction, also when
         the base slides (None if it does not).
         """
-        s, when, time = (
-            self.structure,
-            "tau" if dimensionless else "t",
-            1.0 if dimensionless else 1.0 / self.structure.p,
-        )
+        s = self.structure
+        when = "tau" if dimensionless else "t"
+        time = 1.0 if dimensionless else 1.0 / self.structure.p
         for model, found in self.histories.items():
             summary = self.forces[model].summary(when, time) if forces else {}
             if self.amplitude and not dimensionless:

@@ -44,6 +44,7 @@ def _require(label: str, value: float, holds: bool, wanted: str) -> None:
 
 
 def _check_numbers(of: Side | RockingParameters) -> None:
+    """Raise StructureError for numbers that no body or edge has."""
     for label, x in (
         ("p", of.p),
         ("alpha", of.alpha),

@@ -343,11 +343,9 @@ class RecordText:
         """The numbers of each line as printed, `count` in all."""
         done = 0
         while done < count:
-            line, wanted, width = (
-                self._take(1),
-                min(layout.columns, count - done),
-                layout.width,
-            )
+            line = self._take(1)
+            wanted = min(layout.columns, count - done)
+            width = layout.width
             if not line:
                 raise self.fault(f"the file ends after {done} of {count} values")
             row = line.split()

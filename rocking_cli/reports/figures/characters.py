@@ -97,6 +97,7 @@ def _slice_text(found: Slice) -> list[str]:
 
 
 def _bars(values: np.ndarray, height: int) -> list[str]:
+    """Return bars of this height in rows of characters; none for NaN."""
     top = float(np.nanmax(np.append(values, 1e-300)))
     filled = [-1 if np.isnan(v) else round(height * v / top) for v in values]
     marks = [

@@ -365,10 +365,8 @@ def _abscissa(rows: Rows, varied: list[str], over: str | None) -> tuple[str, lis
         )
     headings = [names[key] for key in keys]
     x, *divisor = (column(rows, heading) for heading in headings)
-    text, others = (
-        headings[0].removeprefix(VARIED).replace("_", " "),
-        [heading for heading in varied if heading not in headings],
-    )
+    text = headings[0].removeprefix(VARIED).replace("_", " ")
+    others = [heading for heading in varied if heading not in headings]
     if divisor:
         units = [
             (HEADING.fullmatch(heading) or {"unit": ""})["unit"] for heading in headings
@@ -378,11 +376,9 @@ def _abscissa(rows: Rows, varied: list[str], over: str | None) -> tuple[str, lis
                 f"`over`: {keys[0]} is in {units[0]} and {keys[1]} in {units[1]};"
                 " expected one unit for both"
             )
-        x, text, others = (
-            x / divisor[0],
-            f"{' / '.join(keys).replace('_', ' ')} [-]",
-            [headings[1], *others],
-        )
+        x = x / divisor[0]
+        text = f"{' / '.join(keys).replace('_', ' ')} [-]"
+        others = [headings[1], *others]
     for row, value in zip(rows, x.tolist(), strict=True):
         row[_X] = repr(value)
     return text, others

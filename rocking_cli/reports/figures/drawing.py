@@ -195,10 +195,8 @@ def _mass_centre(
     axes.plot([px, cx], [pz, cz], color=INK, lw=0.9, label="_R")
     axes.plot([px, px], [pz, cz], color=INK, lw=0.9, ls=":", label="_vertical")
     # alpha is signed: negative towards the left
-    radius, alpha = (
-        math.hypot(cx - px, cz - pz),
-        math.atan2(cx - px, cz - pz),
-    )
+    radius = math.hypot(cx - px, cz - pz)
+    alpha = math.atan2(cx - px, cz - pz)
     arc = [alpha * i / 24 for i in range(25)]
     reach = 0.55 * radius
     axes.plot(
@@ -220,6 +218,7 @@ def _mass_centre(
 
 
 def _numbers(built: RockingParameters, units: Units) -> str:
+    """Return the parameters of a structure in two lines."""
     name, radian = (
         units.of("angle") if "angle" in units.chosen else ("deg", math.pi / 180.0)
     )

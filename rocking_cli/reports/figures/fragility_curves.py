@@ -70,6 +70,7 @@ def fragility_curves(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
 
 
 def _limit_in_words(limit: str) -> str:
+    """Return a limit state as the legend names it."""
     return limit if limit == "overturning" else f"θ/α > {limit}"
 
 

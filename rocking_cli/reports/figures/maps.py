@@ -108,6 +108,7 @@ def _differences(
 
 
 def _title(file: SpectraFile, place: int) -> str:
+    """Return the title of the map of one structure or record."""
     model = file.scene["model"]
     if file.frame.of_records:
         return (

@@ -112,6 +112,7 @@ def _names(file: SpectraFile) -> tuple[str, ...]:
 
 
 def _etas(file: SpectraFile) -> tuple[float, ...]:
+    """Return the restitutions if Eq. 2.7 holds for the file, else nothing."""
     from ...motions import sine
 
     known = (
@@ -127,6 +128,7 @@ def _etas(file: SpectraFile) -> tuple[float, ...]:
 
 
 def _accepted(name: str, values: np.ndarray) -> str:
+    """Return the values that a cut along an axis may have, in words."""
     text = f"{name}={values[0]:.6g} to {values[-1]:.6g}"
     if name == "omega_g":
         low, high = values[[0, -1]] / (2.0 * math.pi)
@@ -276,13 +278,11 @@ def record_spectra(figure: Figure, file: SpectraFile, units: Units) -> list[Axes
             **line_style(i),
         )
         if count > 1:  # an infinite upper quantile is drawn at the top
-            low, high = (
-                finite[0, i],
-                np.where(
-                    np.isinf(found[2, i]),
-                    max(1.0, float(np.nanmax(finite, initial=0.0))),
-                    finite[2, i],
-                ),
+            low = finite[0, i]
+            high = np.where(
+                np.isinf(found[2, i]),
+                max(1.0, float(np.nanmax(finite, initial=0.0))),
+                finite[2, i],
             )
             first.fill_between(
                 period, low, high, color=line_style(i)["color"], alpha=0.15, lw=0.0

@@ -155,10 +155,8 @@ def ring_of(document: Document) -> Ring:
         )
     if pairs == [PAIRS[1]]:
         span, rise = document.length("span"), document.length("rise")
-        radius, angle = (
-            0.5 * (0.25 * span * span / rise + rise),
-            4.0 * math.atan2(2.0 * rise, span),
-        )
+        radius = 0.5 * (0.25 * span * span / rise + rise)
+        angle = 4.0 * math.atan2(2.0 * rise, span)
     else:
         radius = document.length("radius")
         angle = document.quantity(
@@ -303,6 +301,7 @@ def sketch(document: Document, built: RockingParameters) -> Sketch:
 
 
 def _sector(ring: Ring, start: float, stop: float) -> Outline:
+    """Return the outline of a part of the ring between two angles [rad]."""
     along = np.linspace(start, stop, max(2, math.ceil((stop - start) / 0.03)) + 1)
     faces = (ring.point(along, INTRADOS), ring.point(along[::-1], EXTRADOS))
     return tuple(

@@ -145,6 +145,7 @@ class Spire(NamedTuple):
         )
 
     def _part(self, cone: Cone, both: bool) -> Moments:
+        """Return the moments of the part of a cone above the crack."""
         if self.crack_height == 0.0:
             return cone.whole()
         windward = self.base_radius * (1.0 - self.crack_height / self.height)
@@ -157,10 +158,8 @@ class Spire(NamedTuple):
         after an impact.
         """
         body = self.rocking()
-        before, after = (
-            spin_about(self.base_radius, 0.0, -1.0),
-            spin_about(-self.base_radius, 0.0, -1.0),
-        )
+        before = spin_about(self.base_radius, 0.0, -1.0)
+        after = spin_about(-self.base_radius, 0.0, -1.0)
         shared: float = before.product(after, self.rocking(both=True))
         return shared / float(after.product(after, body._replace(x=-body.x)))
 
@@ -218,6 +217,7 @@ def _drawing(spire: Spire, centre: Point) -> Sketch:
 
 
 def _read(document: Document) -> Spire:
+    """Return the geometry of the document. Raises DocumentError."""
     base, height = document.length("base_radius"), document.length("height")
     thickness = 0.0
     if document.has("thickness"):

@@ -37,10 +37,8 @@ def search_joints(ring: Ring, joints: np.ndarray) -> tuple[Hinges, float] | None
     arches.
     """
     count = joints.size
-    inner, outer = (
-        np.array(ring.point(joints, FACES[0])),
-        np.array(ring.point(joints, FACES[1])),
-    )
+    inner = np.array(ring.point(joints, FACES[0]))
+    outer = np.array(ring.point(joints, FACES[1]))
     upto = ring.sector(0.0, joints)  # a link is the difference of two of these
     least, best = np.inf, [0]
     for a in range(count):  # for each pair (A, B) all pairs (C, D) at once
@@ -131,6 +129,7 @@ def _uplifts(ring: Ring, s: np.ndarray) -> np.ndarray:
 
 
 def _rates(ring: Ring, s: np.ndarray) -> LinkRates:
+    """Return the rates of the mechanism with these hinge angles, (4, ...)."""
     points = [ring.point(x, face) for x, face in zip(s, FACES, strict=True)]
     return rates(points, [ring.sector(a, b)[:3] for a, b in pairwise(s)])
 

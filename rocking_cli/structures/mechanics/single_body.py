@@ -287,10 +287,8 @@ def symmetric_body(
     """
     right, z = half - moments.x / moments.mass, moments.z / moments.mass
     radius = math.hypot(right, z)
-    inertia, alpha = (
-        moments.about(half, 0.0) / (moments.mass * radius**2),
-        math.atan2(right, z),
-    )
+    inertia = moments.about(half, 0.0) / (moments.mass * radius**2)
+    alpha = math.atan2(right, z)
     return equal_edges(
         radius,
         alpha,
