@@ -17,9 +17,10 @@ LONGEST = 2 << 20  # characters of a YAML file, or of one JSON object
 MOST_VALUES = 100_000  # values of a document; an alias counts each time
 DEEPEST = 20  # levels of nested lists and mappings
 _BLANKS = re.compile(r"\s*")
+# a quoted text, a comment of YAML, one of JavaScript
 _COMMENT = re.compile(
     r'"(?:[^"\\\n]|\\.)*"|\'[^\'\n]*\'|#[^\n]*|(?<![^\s,{}\[\]:"\'])(//|/\*)'
-)  # a quoted text, a comment of YAML, one of JavaScript
+)
 _UNSPACED = re.compile(r"\s*-?\s*([A-Za-z_]\w*):([^\s:/\\,][^\s,]*)")
 
 
@@ -194,6 +195,7 @@ class _Composer(yaml.SafeLoader):
 
 
 def _compose_yaml(text: str, source: str, first: int = 0) -> list[yaml.Node]:
+    """Return the root node of each YAML document of a text. Raises DocumentError."""
     if len(text) > LONGEST:
         place = place_in(text, LONGEST, source, first)
         raise DocumentError(
@@ -261,5 +263,6 @@ def _compose_json(text: str, source: str) -> list[yaml.Node]:
 
 
 def _after_blanks(text: str, at: int) -> int:
+    """Return the place of the next character that is no blank."""
     blanks = _BLANKS.match(text, at)
     return blanks.end() if blanks else at

@@ -639,10 +639,8 @@ class Document:
         self.keys = {key: place for key, place in self.keys.items() if key not in keys}
         self.values[LABELS], self.keys[LABELS] = Value(labels, self.place), self.place
         texts = {name: label.content for name, label in labels.items()}
-        self.cells, self.text = (
-            (),
-            f"{text_of_row(kept)}\n{LABELS}: {json.dumps(texts)}",
-        )
+        self.cells = ()
+        self.text = f"{text_of_row(kept)}\n{LABELS}: {json.dumps(texts)}"
 
     def value_at(self, key: str) -> Value | None:
         """Return the value of a key or at a path.
@@ -703,6 +701,7 @@ class Document:
 
 
 def _range_text(above: float, below: float, least: float, most: float) -> str:
+    """Return the limits of a value in words."""
     low = (
         f"above {above:g}"
         if above > -math.inf

@@ -35,33 +35,27 @@ _SEPARATORS = (";", "\t", ",", BLANKS)
 _HEADING = re.compile(
     r"\s*(?P<key>.*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?\s*", re.DOTALL
 )
-_SEP = re.compile(
-    r"\s*\"?sep=(.)\"?[;,\t]*[ ]*(?:\r\n|\r|\n)", re.IGNORECASE
-)  # the first line of a table of Excel
-_COMMENT = re.compile(
-    r"[ \t]*(?:\"?#[^\r\n]*)?(?:\r\n|\r|\n)"
-)  # a comment or a blank line
+# the first line of a table of Excel
+_SEP = re.compile(r"\s*\"?sep=(.)\"?[;,\t]*[ ]*(?:\r\n|\r|\n)", re.IGNORECASE)
+# a comment or a blank line
+_COMMENT = re.compile(r"[ \t]*(?:\"?#[^\r\n]*)?(?:\r\n|\r|\n)")
 _LINE = re.compile(r"[^\r\n]{0,10000}")
 _TWO_LINES = re.compile(r"([^\r\n]*)(?:\r\n|\r|\n)?([^\r\n]*)")
 _LONGEST_HEADING = 100_000  # characters
-_NO_HEADING = re.compile(
-    r":(?:\s|$)|^\s*[-#\[{&%'|>]|^\s*-?[\d.]"
-)  # what YAML begins with, and a row of numbers
-_ENCLOSED = re.compile(
-    r'"[^"]*"|\s*\([^()]*\)|\s*\[[^][]*\]'
-)  # no separator inside quotes or brackets separates columns
-_IN_BLANKS = re.compile(
-    r"\"[^\"]*\"|[^\s\[(]\S*(?:\s*[\[(][^\])]*[\])])?"
-)  # a heading or a cell between blanks
+# what YAML begins with, and a row of numbers
+_NO_HEADING = re.compile(r":(?:\s|$)|^\s*[-#\[{&%'|>]|^\s*-?[\d.]")
+# no separator inside quotes or brackets separates columns
+_ENCLOSED = re.compile(r'"[^"]*"|\s*\([^()]*\)|\s*\[[^][]*\]')
+# a heading or a cell between blanks
+_IN_BLANKS = re.compile(r"\"[^\"]*\"|[^\s\[(]\S*(?:\s*[\[(][^\])]*[\])])?")
 _BARE = ("", "-", "1")  # no unit
 # a column for an item of a list, such as pieces_1_width
 ITEM = re.compile(r"([a-z_]+)_(\d{1,4})_([a-z_]+)")
 
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?(?:\s*[^\s\d,.].*)?")
 _DECIMAL_POINT = re.compile(r"[+-]?\d*\.\d+(?:[eE][+-]?\d+)?(?:\s*[^\s\d,.].*)?")
-_GROUPED = re.compile(
-    r"[+-]?[1-9]\d{0,2}[.,]\d{3}(?!\d).*"
-)  # 1.234 and 1,234 may also be a thousand and some
+# 1.234 and 1,234 may also be a thousand and some
+_GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}(?!\d).*")
 
 
 class Cell(NamedTuple):

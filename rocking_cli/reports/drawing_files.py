@@ -133,6 +133,7 @@ def _set_logarithmic(axes: Sequence[Axes], log: str) -> None:
 
 
 def _paths(source: str | Path | Sequence[str | Path]) -> list[Path]:
+    """Return the files of `draw` as a list."""
     return [Path(x) for x in ([source] if isinstance(source, str | Path) else source)]
 
 
@@ -163,7 +164,7 @@ def _cut(
     axes = figure.add_subplot()
     spectrum_lines(axes, found, units)
     name, unit, factor = units.column(found.where)
-    place = f"slice at {name} = {found.value / factor:.6g} {unit}".rstrip()
+    place = f"slice at {name} = {found.coordinate / factor:.6g} {unit}".rstrip()
     return [axes], f"{place}, the nearest of the file"
 
 
@@ -276,6 +277,7 @@ applies.
 
 
 def _is_response(row: dict[str, str]) -> bool:
+    """True for a row of the CSV of response."""
     return any(key.startswith(("theta_dot", "theta_ratio_rate")) for key in row)
 
 

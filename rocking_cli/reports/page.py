@@ -119,8 +119,8 @@ def page(
         verdicts=[_row(HEADS, attrgetter(*HEADS.values())(v), v) for v in verdicts],
         capacities=image(lambda figure: capacities(figure, verdicts, True)),
         structures=[
-            section(one, of[one.structure.name], pulse, recordings, workers, draws)
-            for one in subjects
+            section(s, of[s.structure.name], pulse, recordings, workers, draws)
+            for s in subjects
         ],
         command=command,
         made=made,

@@ -334,6 +334,7 @@ def _stripes(
 
 
 def _fitted(fit: Fit) -> dict[str, str]:
+    """Return the numbers of a fragility curve as the page shows them."""
     c, b, g = fit.curve, fit.band, DEFAULT_GRAVITY
     return {
         "limit": fit.limit,

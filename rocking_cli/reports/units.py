@@ -168,9 +168,8 @@ _CHOICES: dict[str, dict[str, tuple[str, float]]] = {
 factor to SI.
 """
 
-_OF_ONE = re.compile(
-    r"(?:left|right|[a-z]+_\d+)_(.+)|(.+)_(?:linear|nonlinear)"
-)  # a column for a side, a list item or an equation
+# a column for a side, a list item or an equation
+_OF_ONE = re.compile(r"(?:left|right|[a-z]+_\d+)_(.+)|(.+)_(?:linear|nonlinear)")
 _FREQUENCY = {"omega_g": "f_g"}  # the name of a column in Hz
 HEADING = re.compile(r"(?P<column>.*?) \[(?P<unit>[^\]]*)\]")
 

@@ -34,9 +34,8 @@ _RELATIONS = {  # closed forms of the paper by kind
         "lambda": "least over all admissible mechanisms",
     },
 }
-ParameterRow = tuple[
-    str, str, float, str, str
-]  # symbol, meaning, value, unit, relation
+# symbol, meaning, value, unit, relation
+ParameterRow = tuple[str, str, float, str, str]
 _EQUILIBRIUM = "{:.4g}°: beyond it the structure does not come back on its own"
 _LIFTS = "it lifts at ẍg = λ g"
 _CYCLES = re.compile(r"(.+), ([\d.]+) cycles?")
@@ -156,10 +155,10 @@ def overview_row(verdicts: Sequence[Verdict]) -> tuple[str | float | None, ...]:
     """Return the cells of OVERVIEW from the verdicts of one structure under all
     motions.
     """
-    v, falls = worst_of(verdicts), sum(one.falls for one in verdicts)
+    v, fallen = worst_of(verdicts), sum(one.falls for one in verdicts)
     said = verdict_plainly(v) + (
-        f" It falls under {falls} of {len(verdicts)} motions."
-        if falls and len(verdicts) > 1
+        f" It falls under {fallen} of {len(verdicts)} motions."
+        if fallen and len(verdicts) > 1
         else ""
     )
     return (

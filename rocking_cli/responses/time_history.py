@@ -196,9 +196,10 @@ class TimeHistory:
             for e in found.events
             if e.event in ("release", "peak")
         ]
+        # at the end, or after it
         if found.theta_ratio > max((ratio for ratio, _ in largest), default=0.0) * (
             1.0 + 1e-9
-        ):  # at the end, or after it
+        ):
             largest.append(
                 (found.theta_ratio, float(found.sides(np.array([found.end]))[0]))
             )
@@ -301,24 +302,20 @@ class TimeHistory:
         last = {} if dimensionless else {"tau": tau}
         for model, found in self.histories.items():
             suffix = f"_{model}" if len(self.histories) > 1 else ""
-            ratio, rate = found.at(tau)
-            own = self._columns(model, tau, (ratio, rate), dimensionless, forces)
+            state = found.at(tau)
+            own = self._columns(model, tau, state, dimensionless, forces)
             columns |= {name + suffix: values for name, values in own.items()}
-            last |= {} if dimensionless else {f"theta_ratio{suffix}": ratio}
+            last |= {} if dimensionless else {f"theta_ratio{suffix}": state[0]}
         shaking = self.amplitude * self.motion.value(tau * self.omega)
         columns |= (
             {"A": shaking}
             if dimensionless
             else {"ground_acceleration": s.ground_acceleration(shaking)}
         )
-        columns |= last
         texts = s.name, self.motion.name, " and ".join(self.histories)
         named = dict(zip(NAMED, texts, strict=True))
-        for row in zip(*columns.values(), strict=True):
-            yield {
-                key: None if math.isnan(x) else float(x)
-                for key, x in zip(columns, row, strict=True)
-            } | named
+        for row in _rows_of(columns | last):
+            yield row | named
 
     def _columns(
         self,
@@ -418,11 +415,9 @@ class TimeHistory:
         UsageError
             for forces that are not known
         """
-        s, when, time = (
-            self.structure,
-            "tau" if dimensionless else "t",
-            1.0 if dimensionless else 1.0 / self.structure.p,
-        )
+        s = self.structure
+        when = "tau" if dimensionless else "t"
+        time = 1.0 if dimensionless else 1.0 / self.structure.p
         for model, found in self.histories.items():
             summary = self.forces[model].summary(when, time) if forces else {}
             if self.amplitude and not dimensionless:
@@ -482,6 +477,15 @@ class TimeHistory:
             if forces:
                 text += "; " + self.forces[model].words()
             yield f"{s.name}, {model}: {text}"
+
+
+def _rows_of(columns: dict[str, np.ndarray]) -> Iterator[dict[str, float | None]]:
+    """Yield the columns row by row, with None for NaN."""
+    for row in zip(*columns.values(), strict=True):
+        yield {
+            key: None if math.isnan(x) else float(x)
+            for key, x in zip(columns, row, strict=True)
+        }
 
 
 def time_history(

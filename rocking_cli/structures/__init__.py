@@ -187,9 +187,8 @@ def on_each_interface(document: Document) -> list[Document]:
     found: list[Document] = []
     for i, one in enumerate(interfaces):
         weakest = one["on"] == built.details["rocks_on"]
-        if (
-            weakest or one["eta"] is not None or document.has("restitution")
-        ):  # else it is too squat to rock there
+        # Without eta the pieces above are too squat to rock there.
+        if weakest or one["eta"] is not None or document.has("restitution"):
             name = built.name if weakest else f"{built.name} on {one['on']}"
             here = document.with_value("name", name, document.source).with_value(
                 "rocks_on", str(i), document.source

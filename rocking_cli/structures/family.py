@@ -77,13 +77,13 @@ class Choice(NamedTuple):
     """One of the varied values of a key."""
 
     key: str  # of the document
-    value: float  # number in `unit`
+    number: float  # in `unit`
     unit: str  # empty: that of the document
 
     @property
     def text(self) -> str:
         """The text that stands in the document."""
-        return f"{float(self.value)!r} {self.unit}".strip()
+        return f"{float(self.number)!r} {self.unit}".strip()
 
 
 def parse_variation(text: str, count: int | None = None) -> Variation:
@@ -200,9 +200,8 @@ def family(
     """
     from . import on_each_interface
 
-    if each and document.values.get(
-        OTHERS
-    ):  # parameters: each interface has its own keys
+    # parameters: each interface has its own keys
+    if each and document.values.get(OTHERS):
         for one in on_each_interface(document):
             yield from family(one, variations)
         return
@@ -239,7 +238,7 @@ def _members(
     dimensions = varied.dimensions
     shown = {
         headed(choice.key, choice.unit or si_unit(dimensions.get(choice.key))): (
-            choice.value
+            choice.number
         )
         for choice in choices
     }
@@ -252,7 +251,7 @@ def _members(
         "varied": si,
         "varied_units": {c.key: si_unit(dimensions[c.key]) for c in choices},
     }
-    suffix = [f"{choice.key}={choice.value:g}{choice.unit}" for choice in choices]
+    suffix = [f"{choice.key}={choice.number:g}{choice.unit}" for choice in choices]
     for structure in structures:
         named = replace(
             structure,

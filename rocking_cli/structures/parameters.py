@@ -17,22 +17,24 @@ if TYPE_CHECKING:
     from ..documents.document import Document
     from .mechanics.kinematics import Mechanism
 
+# details of a member of a family: SI value by key, and SI unit by key
 VARIED = (
     "varied",
     "varied_units",
-)  # details of a member of a family: SI value by key, and SI unit by key
+)
 # the detail of stated parameters of a stack: those on its other interfaces, each a
 # document
 OTHERS = "other_interfaces"
 DIMENSIONLESS = "dimensionless"  # `structure` of an oscillator without units
 MOST_DAMPING = 1.0  # zeta stays below it
+# by the printed name
 _FIELDS = {
     "p": "p",
     "alpha": "alpha",
     "eta": "eta",
     "lambda": "uplift",
     "a_scale": "a_scale",
-}  # by the printed name
+}
 # rad; a fallen body has theta/alpha = 1/alpha, so a smaller alpha costs too many steps
 LEAST_ALPHA = 1e-30
 
@@ -43,6 +45,7 @@ def _require(label: str, value: float, holds: bool, wanted: str) -> None:
 
 
 def _check_numbers(of: Side | RockingParameters) -> None:
+    """Raise StructureError for numbers that no body or edge has."""
     for label, x in (
         ("p", of.p),
         ("alpha", of.alpha),
@@ -294,9 +297,8 @@ class RockingParameters:
             Side(side["side"], arm=side.get("arm"), **fields_in(side))
             for side in row.get("sides", ())
         )
-        kind = (
-            row["structure_kind"] if "structure_kind" in row else row["structure"]
-        )  # files of earlier versions
+        # files of earlier versions
+        kind = row["structure_kind"] if "structure_kind" in row else row["structure"]
         more = {
             key: row[key]
             for key in ("one_sided", "damping", "friction", "arm")

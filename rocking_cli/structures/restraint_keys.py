@@ -121,6 +121,9 @@ def _statics(
 def _ties(
     document: Document, crown: float, level: float, inset: float, width: float
 ) -> tuple[Tie, ...]:
+    """Return the ties that hold the rocking part, their heights and levers from its
+    pivots; the arguments are those of `restrained`. Raises DocumentError.
+    """
     one_sided, ties = document.flag("one_sided"), []
     for part in document.parts("ties", _TIES):
         where = (
@@ -133,10 +136,8 @@ def _ties(
             )
             - level
         )
-        where, least = (
-            f"a length from 0 to {width:g} m, the width of the body",
-            0.0 if width < math.inf else -math.inf,
-        )
+        where = f"a length from 0 to {width:g} m, the width of the body"
+        least = 0.0 if width < math.inf else -math.inf
         behind = part.quantity(
             "behind", "length", least=least, most=width, where=where, default=0.0
         )
@@ -181,6 +182,7 @@ def _ties(
 
 
 def _tendon(document: Document) -> Tendon:
+    """Return the tendon. Raises DocumentError."""
     part = document.part("tendon", document.values["tendon"])
     tendon = Tendon(
         _stiffness(part),
@@ -247,6 +249,7 @@ def _stiffness(part: Document) -> float:
 
 
 def _force(part: Document, key: str, default: float) -> float:
+    """Return a force from 0 [N]."""
     return part.quantity(
         key, "force", least=0.0, where="a force from 0", default=default
     )

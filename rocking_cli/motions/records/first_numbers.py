@@ -3,7 +3,7 @@
 import numpy as np
 
 from .claims import Claims, agree
-from .printed_numbers import value_of
+from .printed_numbers import finite_number
 from .rows import NumberRows, as_printed, rows_above_samples
 from .text import RecordText
 from .titles import Title, numbers_in, unmarked
@@ -34,7 +34,7 @@ def without_first_numbers(
         stated = float(np.median(np.diff(times[: kept.counts.size])))
     said: list[str] = []
     for word, line in words:
-        value = value_of(word.replace(",", ".").encode()) or 0.0
+        value = finite_number(word.replace(",", ".").encode()) or 0.0
         if value in total and value > 1.0:
             claims.count = claims.count or int(value)
             claims.quoted.setdefault("count", word)

@@ -31,6 +31,7 @@ from .units import ACCELERATIONS, WRITTEN_UNITS
 
 NAME = "text"
 _MOST_TITLE_LINES = 120
+# what files of other quantities hold, by the last part of their names
 _OTHER_FILES = {
     **dict.fromkeys(("vel", "velo", "veloc", "velocity", "vt2"), "velocities"),
     **dict.fromkeys(
@@ -40,7 +41,7 @@ _OTHER_FILES = {
         ("sa", "psa", "rsp", "rs", "spc", "spectrum", "spectra"), "a spectrum"
     ),
     **dict.fromkeys(("fft", "fas", "fourier"), "a Fourier spectrum"),
-}  # by the last part of a file's name
+}
 _FEWEST = 10  # numbers in one column, without a word, of a motion
 _FEW = 4  # lines that may rise evenly by chance
 _MANY = 5  # so many columns are no components: a short last line shows values in a row
@@ -50,9 +51,8 @@ def recognise(head: str) -> bool:
     """True if rows of numbers begin after at most 120 lines of other text."""
     lines = [line for line in head.split("\n", _MOST_TITLE_LINES + 3) if line.strip()]
     above = lines[: _MOST_TITLE_LINES + 1]
-    below = [*lines[1:], lines[-1] if lines else ""][
-        : len(above)
-    ]  # none below the last
+    # the last line has itself below
+    below = [*lines[1:], lines[-1] if lines else ""][: len(above)]
     return any(is_row(x) and is_row(y) for x, y in zip(above, below, strict=True))
 
 

@@ -13,7 +13,7 @@ _D_AS_E = bytes.maketrans(b"Dd", b"Ee")  # the letter of an exponent in Fortran
 _NO_LETTER = re.compile(rb"([+-]?\d*\.\d+)([+-]\d{3})")
 
 
-def value_of(token: bytes) -> float | None:
+def finite_number(token: bytes) -> float | None:
     """Return the finite number that a token states, which may have the exponent letter
     D; None if it states none.
     """

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .claims import agree
-from .printed_numbers import Array, value_of
+from .printed_numbers import Array, finite_number
 from .text import RecordText
 
 _ODD_COMMA = re.compile(rb",(?![0-9])|,[0-9]*,")
@@ -50,7 +50,7 @@ class NumberRows(NamedTuple):
 def is_row(line: str) -> bool:
     """True if a line holds numbers alone, of which the first is one."""
     words = [x for x in _BETWEEN.split(line.strip()) if x]
-    numbers = [value_of(x.encode("utf-8", "replace")) is not None for x in words]
+    numbers = [finite_number(x.encode("utf-8", "replace")) is not None for x in words]
     known = all(n or _STAR.fullmatch(x) for n, x in zip(numbers, words, strict=True))
     return bool(words) and known and numbers[0]
 

@@ -15,9 +15,9 @@ from .printed_numbers import (
     NUMBER,
     OF_NUMBERS,
     Array,
+    finite_number,
     parsed,
     shown,
-    value_of,
     words_on_lines,
 )
 from .record import Given, Series
@@ -92,9 +92,8 @@ class RecordText:
             raw = raw.replace(b"\r", b"\n" if b"\n" not in raw[:HEAD] else b"")
         if b"\0" in raw:
             raw = raw.replace(b"\0", b" ")
-        if (
-            b"\x1a" in raw[-_DOS_BLOCK:]
-        ):  # where a text of DOS ends, to the end of its block
+        # where a text of DOS ends, to the end of its block
+        if b"\x1a" in raw[-_DOS_BLOCK:]:
             raw = raw.rstrip(b"\x1a\n ")
         self.raw = raw  # the content, with line ends of Unix
         self.encoding = _encoding(raw)  # its name
@@ -194,7 +193,7 @@ class RecordText:
 
     def number(self, text: str, line: int | None = None) -> float:
         """Return a number of the header. Raises DocumentError."""
-        value = value_of(text.strip().encode("utf-8", "replace"))
+        value = finite_number(text.strip().encode("utf-8", "replace"))
         if value is None:
             raise self.fault(
                 f"found {text.strip()!r} in the header; expected a number", line
@@ -326,7 +325,7 @@ class RecordText:
         values: list[float] = []
         for row in self._rows(count, layout):
             values += [
-                self._value(token, f", after {len(values) + i} of {count} values")
+                self._finite(token, f", after {len(values) + i} of {count} values")
                 for i, token in enumerate(row)
             ]
         return np.array(values)
@@ -344,11 +343,9 @@ class RecordText:
         """The numbers of each line as printed, `count` in all."""
         done = 0
         while done < count:
-            line, wanted, width = (
-                self._take(1),
-                min(layout.columns, count - done),
-                layout.width,
-            )
+            line = self._take(1)
+            wanted = min(layout.columns, count - done)
+            width = layout.width
             if not line:
                 raise self.fault(f"the file ends after {done} of {count} values")
             row = line.split()
@@ -392,15 +389,15 @@ class RecordText:
         values = parsed(block)
         if values is None:
             on = np.repeat(lines, counts)
-            found = [value_of(token) for token in block.split()]
+            found = [finite_number(token) for token in block.split()]
             bad = next((i for i, value in enumerate(found) if value is None), None)
             if bad is not None:
                 raise self.fault(f"found {shown(block.split()[bad])}", int(on[bad]))
             values = np.array(found, dtype=float)
         return values, counts, lines
 
-    def _value(self, token: bytes, after: str = "") -> float:
-        value = value_of(token)
+    def _finite(self, token: bytes, after: str = "") -> float:
+        value = finite_number(token)
         if value is None:
             raise self.fault(f"found {shown(token)}{after}")
         return value

@@ -79,6 +79,7 @@ def checked(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
 
 
 def _verdict(row: dict[str, str]) -> Verdict:
+    """Return the verdict of a row of the CSV of check."""
     from ...responses.check import Verdict
 
     name = row.get("structure") or row["name"]
@@ -253,10 +254,8 @@ def _curve(axes: Axes, check: CodeCheck) -> None:
     """Draw a capacity curve, d [mm] across and a [g] upwards; a cross marks the demand
     at each limit state.
     """
-    d, a = (
-        _MM * check.curve.displacement,
-        check.curve.multiplier * check.factor / DEFAULT_GRAVITY,
-    )
+    d = _MM * check.curve.displacement
+    a = check.curve.multiplier * check.factor / DEFAULT_GRAVITY
     axes.plot(d, a, color="k", lw=1.8, label="capacity")
     asked = [
         (_MM * at.demand, (2.0 * np.pi / at.period) ** 2 * at.demand / DEFAULT_GRAVITY)

@@ -77,7 +77,9 @@ def _slice_text(found: Slice) -> list[str]:
     """Return bars of theta_max/alpha, for as many structures as fit with
     two rows each.
     """
-    where = "" if found.where == "record" else f" at {found.where} = {found.value:.6g}"
+    where = (
+        "" if found.where == "record" else f" at {found.where} = {found.coordinate:.6g}"
+    )
     lines = [
         f"theta_max/alpha{where} over {found.along} {found.x[0]:.4g} to"
         f" {found.x[-1]:.4g}; blank: fell"
@@ -95,6 +97,7 @@ def _slice_text(found: Slice) -> list[str]:
 
 
 def _bars(values: np.ndarray, height: int) -> list[str]:
+    """Return bars of this height in rows of characters; none for NaN."""
     top = float(np.nanmax(np.append(values, 1e-300)))
     filled = [-1 if np.isnan(v) else round(height * v / top) for v in values]
     marks = [

@@ -17,6 +17,7 @@ from .canvas import (
     SOURCE,
     Axes,
     Figure,
+    column_in,
     heading,
     label,
     legend,
@@ -24,7 +25,6 @@ from .canvas import (
     literal,
     series,
     valued,
-    values,
 )
 
 VARIED = "varied_"  # begins the columns of the varied values of check and envelope
@@ -60,7 +60,7 @@ def response(
         times = _times(some, x, units, align)
         _plot_rotations(axes, some, times, y, units, source, colour)
         below.plot(
-            *with_jumps(times, values(some, ground, units)),
+            *with_jumps(times, column_in(some, ground, units)),
             color=colour or "0.3",
             lw=1.0,
         )
@@ -73,13 +73,13 @@ def response(
         ylabel=label("ground_acceleration" if x == "t" else "A_s", units),
     )
     for one in between:
-        _plot_forces(one, rows, values(rows, x, units), forces, units)
+        _plot_forces(one, rows, column_in(rows, x, units), forces, units)
     return [axes, *between, below]
 
 
 def _times(rows: Rows, x: str, units: Units, align: bool) -> np.ndarray:
     """Return the times of a response, with `align` from its largest rotation."""
-    times = values(rows, x, units)
+    times = column_in(rows, x, units)
     if align:
         ratio = column(rows, next(c for c in rows[0] if c.startswith("theta_ratio")))
         times -= times[np.argmax(np.minimum(np.abs(ratio), 1.0))]
@@ -105,7 +105,7 @@ def _plot_rotations(
         style = line_style(i) if colour is None else {"color": colour, "ls": DASHES[i]}
         axes.plot(
             times,
-            values(rows, name, units),
+            column_in(rows, name, units),
             label=", ".join(words) or "response",
             **style,
         )
@@ -119,7 +119,7 @@ def _plot_forces(
     """
     for i, name in enumerate(names):
         axes.plot(
-            *with_jumps(times, values(rows, name, units)),
+            *with_jumps(times, column_in(rows, name, units)),
             label=f"$F_{name[1]}/mg$" if i < 2 else "_",
             color="C2" if name[1] == "x" else "C3",
             ls=DASHES[i // 2],  # an equation has its dash of above
@@ -157,8 +157,8 @@ def comparison(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     for one, (x, y) in zip(axes, shown, strict=True):
         for i, (some, style) in enumerate(series(rows, "structure", "model")):
             one.plot(
-                values(some, x, units),
-                values(some, y, units),
+                column_in(some, x, units),
+                column_in(some, y, units),
                 lw=2.4 - 0.5 * min(i, 3),
                 **style,
             )
@@ -201,8 +201,8 @@ def closed_forms(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     axes = figure.add_subplot()
     for some, style in series(rows, "structure", "curve"):
         axes.plot(
-            values(some, "Omega", units),
-            values(some, "A", units),
+            column_in(some, "Omega", units),
+            column_in(some, "A", units),
             **{**style, "label": style["label"].replace("_", " ")},
         )
     axes.set(
@@ -267,7 +267,7 @@ def _plot_members(
     """Draw one parameter, a line for each combination of the other varied keys."""
     for i, (group, some) in enumerate(groups(rows, *others).items()):
         words = [_valued(k, v) for k, v in zip(others, group, strict=True)]
-        points = _broken(some, values(some, key, units))
+        points = _broken(some, column_in(some, key, units))
         axes.plot(*points, label=", ".join(words) or "_", **line_style(i))
     axes.set_ylabel(label(key, units))
 
@@ -305,12 +305,12 @@ def least_amplitudes(
         ]
         least = [_first(lines, y) for lines in groups(some, _X).values()]
         axes.plot(
-            *_broken(least, values(least, y, units)),
+            *_broken(least, column_in(least, y, units)),
             label=", ".join(words) or "_",
             **line_style(i),
         )
         if "demand_a" in rows[0]:
-            _plot_demand(axes, float(values(some, "demand_a", units)[0]), demands)
+            _plot_demand(axes, float(column_in(some, "demand_a", units)[0]), demands)
     axes.set(
         xlabel=xlabel,
         ylabel=label(y, units),
@@ -365,10 +365,8 @@ def _abscissa(rows: Rows, varied: list[str], over: str | None) -> tuple[str, lis
         )
     headings = [names[key] for key in keys]
     x, *divisor = (column(rows, heading) for heading in headings)
-    text, others = (
-        headings[0].removeprefix(VARIED).replace("_", " "),
-        [heading for heading in varied if heading not in headings],
-    )
+    text = headings[0].removeprefix(VARIED).replace("_", " ")
+    others = [heading for heading in varied if heading not in headings]
     if divisor:
         units = [
             (HEADING.fullmatch(heading) or {"unit": ""})["unit"] for heading in headings
@@ -378,11 +376,9 @@ def _abscissa(rows: Rows, varied: list[str], over: str | None) -> tuple[str, lis
                 f"`over`: {keys[0]} is in {units[0]} and {keys[1]} in {units[1]};"
                 " expected one unit for both"
             )
-        x, text, others = (
-            x / divisor[0],
-            f"{' / '.join(keys).replace('_', ' ')} [-]",
-            [headings[1], *others],
-        )
+        x = x / divisor[0]
+        text = f"{' / '.join(keys).replace('_', ' ')} [-]"
+        others = [headings[1], *others]
     for row, value in zip(rows, x.tolist(), strict=True):
         row[_X] = repr(value)
     return text, others
@@ -406,9 +402,8 @@ def _broken(some: Rows, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             ),
             axis=0,
         )
-        gaps |= (steps > 0.02) & (
-            steps > 4.0 * np.nanmedian(steps)
-        )  # rad; below it is the same hinge
+        # rad; below it is the same hinge
+        gaps |= (steps > 0.02) & (steps > 4.0 * np.nanmedian(steps))
     if x.size > 2:
         widths = np.diff(x)
         gaps |= widths > 1.5 * np.median(widths)

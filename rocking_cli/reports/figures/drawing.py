@@ -216,10 +216,9 @@ def _mass_centre(
     axes.plot(cx, cz, "P", color="k", ms=7, mec="w", mew=0.8, label="_mass centre")
     axes.plot([px, cx], [pz, cz], color=INK, lw=0.9, label="_R")
     axes.plot([px, px], [pz, cz], color=INK, lw=0.9, ls=":", label="_vertical")
-    radius, alpha = (
-        math.hypot(cx - px, cz - pz),
-        math.atan2(cx - px, cz - pz),
-    )  # alpha is signed: negative towards the left
+    # alpha is signed: negative towards the left
+    radius = math.hypot(cx - px, cz - pz)
+    alpha = math.atan2(cx - px, cz - pz)
     arc = [alpha * i / 24 for i in range(25)]
     reach = 0.55 * radius
     axes.plot(
@@ -241,6 +240,7 @@ def _mass_centre(
 
 
 def _numbers(built: RockingParameters, units: Units) -> str:
+    """Return the parameters of a structure in two lines."""
     name, radian = (
         units.of("angle") if "angle" in units.chosen else ("deg", math.pi / 180.0)
     )

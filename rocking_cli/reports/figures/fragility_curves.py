@@ -16,12 +16,12 @@ from .canvas import (
     PLAIN,
     Axes,
     Figure,
+    column_in,
     label,
     legend,
     line_style,
     literal,
     panels,
-    values,
 )
 
 MEASURE_LABELS = {
@@ -70,6 +70,7 @@ def fragility_curves(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
 
 
 def _limit_in_words(limit: str) -> str:
+    """Return a limit state as the legend names it."""
     return limit if limit == "overturning" else f"θ/α > {limit}"
 
 
@@ -148,7 +149,7 @@ def two_measures(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     drawn = panels(figure, len(found))
     for axes, ((name,), some) in zip(drawn, found.items(), strict=True):
         known = [row for row in some if row["outcome"] != Outcome.FAILED.flag]
-        x, y = (values(known, key, units) for key in ("pga", "pgv_pga"))
+        x, y = (column_in(known, key, units) for key in ("pga", "pgv_pga"))
         sign = np.array(
             [1.0 if Outcome[row["outcome"].upper()].falls else -1.0 for row in known]
         )

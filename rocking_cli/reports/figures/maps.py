@@ -14,12 +14,13 @@ from ..units import Units
 from .canvas import DASHES, Axes, label, literal, titled
 from .slices import plane
 
+# place of the name on a curve
 _ALONG = {
     "initiation": 0.7,
     "no_impact": 0.9,
     "after_impact_upper": 0.75,
     "after_impact_lower": 0.5,
-}  # place of the name on a curve
+}
 
 
 def outcome_map(axes: Axes, file: SpectraFile, place: int, units: Units) -> list[Any]:
@@ -60,9 +61,8 @@ def outcome_map(axes: Axes, file: SpectraFile, place: int, units: Units) -> list
     ]
     if "difference" in block:
         entries += _differences(axes, x, y, block["difference"])
-    if (
-        "friction" in block and min(shown.shape) > 1
-    ):  # lines of equal required friction where the body stays upright
+    # lines of equal required friction where the body stays upright
+    if "friction" in block and min(shown.shape) > 1:
         lines = axes.contour(
             x, y, np.ma.masked_invalid(block["friction"]), colors="0.25", linewidths=0.7
         )
@@ -108,6 +108,7 @@ def _differences(
 
 
 def _title(file: SpectraFile, place: int) -> str:
+    """Return the title of the map of one structure or record."""
     model = file.scene["model"]
     if file.frame.of_records:
         return (

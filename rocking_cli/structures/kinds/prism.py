@@ -87,6 +87,9 @@ def _base(
 
 
 def _corners(document: Document) -> list[Corner]:
+    """Return the corners counterclockwise. Raises DocumentError for a section that is
+    not a polygon with an area.
+    """
     wanted = "a list of three or more corners [x, z], lengths in m or with a unit"
     if not document.has("corners"):
         raise document.missing("corners", wanted)

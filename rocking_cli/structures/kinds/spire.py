@@ -145,6 +145,7 @@ class Spire(NamedTuple):
         )
 
     def _part(self, cone: Cone, both: bool) -> Moments:
+        """Return the moments of the part of a cone above the crack."""
         if self.crack_height == 0.0:
             return cone.whole()
         windward = self.base_radius * (1.0 - self.crack_height / self.height)
@@ -157,10 +158,8 @@ class Spire(NamedTuple):
         after an impact.
         """
         body = self.rocking()
-        before, after = (
-            spin_about(self.base_radius, 0.0, -1.0),
-            spin_about(-self.base_radius, 0.0, -1.0),
-        )
+        before = spin_about(self.base_radius, 0.0, -1.0)
+        after = spin_about(-self.base_radius, 0.0, -1.0)
         shared: float = before.product(after, self.rocking(both=True))
         return shared / float(after.product(after, body._replace(x=-body.x)))
 
@@ -189,7 +188,7 @@ def body(document: Document) -> RigidBody:
     details = {"tip_height": spire.tip_height, "crack_height": spire.crack_height}
     # Another part of the spire rocks on each edge.
     return symmetric_body(
-        moments, radius, whole=False, details=details, again=refused, **more
+        moments, radius, whole=False, details=details, inset_by=refused, **more
     )
 
 
@@ -218,12 +217,12 @@ def _drawing(spire: Spire, centre: Point) -> Sketch:
 
 
 def _read(document: Document) -> Spire:
+    """Return the geometry of the document. Raises DocumentError."""
     base, height = document.length("base_radius"), document.length("height")
     thickness = 0.0
     if document.has("thickness"):
-        thinnest = (
-            1e-9 * base
-        )  # for a thinner wall the difference of the two cones has no digits left
+        # for a thinner wall the difference of the two cones has no digits left
+        thinnest = 1e-9 * base
         where = (
             f"a positive length below base_radius ({base:g} m) and above {thinnest:g}"
             " m; absent: a thin wall"

@@ -200,6 +200,7 @@ def _numbers(
 
 
 def _sides(document: Document, gravity: float) -> tuple[Side, Side]:
+    """Return the left and the right side of the key `sides`. Raises DocumentError."""
     wanted = (
         "a list of two, one with side: left and one with side: right, each with p,"
         " alpha, eta, and lambda or a_scale"

@@ -58,9 +58,9 @@ class RigidBody:
 
     # returns (left edge, right edge) for a gravity [m/s2]
     edges: Callable[[float], tuple[EdgeParameters, EdgeParameters]]
-    reach: float  # least horizontal distance from an edge to the mass centre [m]
+    lever: float  # least horizontal distance from an edge to the mass centre [m]
     # returns the body with its pivots inside the edges by a length [m]
-    again: Callable[[float], RigidBody]
+    inset_by: Callable[[float], RigidBody]
     limit: str  # the bodies for which the momentum model holds
     drawing: Sketch  # its geometry
     radius: float | None = None  # R of two equal edges [m]
@@ -182,13 +182,13 @@ class RigidBody:
         default 0), and the body on these pivots. Raises DocumentError.
         """
         where = (
-            f"a length from 0 to below {self.reach:g} m, beyond which the mass centre"
+            f"a length from 0 to below {self.lever:g} m, beyond which the mass centre"
             " is not above the base"
         )
         inset = document.quantity(
-            "inset", "length", least=0.0, below=self.reach, where=where, default=0.0
+            "inset", "length", least=0.0, below=self.lever, where=where, default=0.0
         )
-        return inset, self.again(inset) if inset else self
+        return inset, self.inset_by(inset) if inset else self
 
     def _top_arms(self) -> tuple[float, ...]:
         """The distances from the left and the right edge to the farthest point of the
@@ -226,34 +226,32 @@ def equal_edges(
     fields of the body.
     """
     half, z = radius * math.sin(alpha), radius * math.cos(alpha)
-    momentum, arm = (
-        1.0 - 2.0 * math.sin(alpha) ** 2 / inertia if eta is None else eta,
-        radius if whole else None,
-    )
+    # Eq. 2.6, where 1 - cos 2 alpha = 2 sin^2 alpha
+    momentum = 1.0 - 2.0 * math.sin(alpha) ** 2 / inertia if eta is None else eta
+    arm = radius if whole else None
 
     def edges(gravity: float) -> tuple[EdgeParameters, EdgeParameters]:
         edge = EdgeParameters(
-            math.sqrt(gravity / (radius * inertia)),
-            alpha,
-            math.tan(alpha),
-            momentum,
-            arm,
+            p=math.sqrt(gravity / (radius * inertia)),  # Eq. 2.3: p^2 = M g R/I_P
+            alpha=alpha,
+            uplift=math.tan(alpha),  # Eq. 2.2
+            eta=momentum,
+            arm=arm,
         )
         return edge, edge
 
-    def again(inset: float) -> RigidBody:
+    def inset_by(inset: float) -> RigidBody:
         moments = Moments(1.0, 0.0, z, (inertia - 1.0) * radius**2 + z * z)
-        kept = {
-            key: value for key, value in more.items() if key != "backing"
-        }  # which follows from the top
+        # `backing` follows from the top.
+        kept = {key: x for key, x in more.items() if key != "backing"}
         return symmetric_body(
             moments, half - inset, drawing=redrawn(drawing, inset), **kept
         )
 
     return RigidBody(
-        **{"again": again, **more},
+        **{"inset_by": inset_by, **more},
         edges=edges,
-        reach=half,
+        lever=half,
         drawing=drawing,
         radius=radius,
     )
@@ -289,10 +287,8 @@ def symmetric_body(
     """
     right, z = half - moments.x / moments.mass, moments.z / moments.mass
     radius = math.hypot(right, z)
-    inertia, alpha = (
-        moments.about(half, 0.0) / (moments.mass * radius**2),
-        math.atan2(right, z),
-    )
+    inertia = moments.about(half, 0.0) / (moments.mass * radius**2)
+    alpha = math.atan2(right, z)
     return equal_edges(
         radius,
         alpha,
@@ -314,9 +310,8 @@ def body_on_edges(
     """Return a body that rocks as a whole on the edges (-half, 0) and (half, 0) [m];
     arguments as for `symmetric_body`.
     """
-    if abs(moments.x) <= 1e-13 * math.sqrt(
-        moments.mass * moments.polar
-    ):  # the offset is rounding
+    # An offset of rounding is none.
+    if abs(moments.x) <= 1e-13 * math.sqrt(moments.mass * moments.polar):
         moments = moments._replace(x=0.0)
         return symmetric_body(
             moments,
@@ -327,15 +322,15 @@ def body_on_edges(
             **more,
         )
 
-    def again(inset: float) -> RigidBody:
+    def inset_by(inset: float) -> RigidBody:
         return body_on_edges(
             moments, half - inset, drawing=redrawn(drawing, inset), top=top, **more
         )
 
     return RigidBody(
-        **{"again": again, **more},
+        **{"inset_by": inset_by, **more},
         edges=partial(edges_of, moments, half),
-        reach=half - abs(moments.x / moments.mass),
+        lever=half - abs(moments.x / moments.mass),
         drawing=drawing,
         top=top,
         backing=_against_backing(moments, half, top),
@@ -354,9 +349,8 @@ def edges_of(
     [m]; the mass centre must be above the base.
     """
     z = body.z / body.mass
-    shared = spin_about(half, 0.0).product(
-        spin_about(-half, 0.0), body
-    )  # I_G + m (z^2 - l r)
+    # I_G + m (z^2 - l r), the angular momentum about one edge of a turn about the other
+    shared = spin_about(half, 0.0).product(spin_about(-half, 0.0), body)
 
     def on(edge: float) -> EdgeParameters:
         distance = abs(edge - body.x / body.mass)

@@ -38,9 +38,10 @@ def frustum_moments(low: float, high: float, height: float) -> Moments:
     area = math.pi * height * (a * a + a * b + b * b) / 3.0
     first = math.pi * height**2 * (a * a + 2.0 * a * b + 3.0 * b * b) / 12.0
     second = math.pi * height**3 * (a * a + 3.0 * a * b + 6.0 * b * b) / 30.0
+    # int x^2 = int pi R^4 / 4 dz
     across = (
         math.pi * height * (a**4 + a**3 * b + a * a * b * b + a * b**3 + b**4) / 20.0
-    )  # int x^2 = int pi R^4 / 4 dz
+    )
     return Moments(area, 0.0, first, second + across)
 
 
@@ -147,7 +148,7 @@ def stacked(
         limit=f"a {word} more slender than this one",
         details=details,
         drawing=_drawing(pieces, lowest, interface, inset),
-        again=partial(stacked, document, key, word, pieces),
+        inset_by=partial(stacked, document, key, word, pieces),
     )
 
 
