@@ -115,15 +115,14 @@ def _bracketed_crossing(
     """The phase at which a monotone segment of any shape meets a level: Halley's method
     inside a bracket that only shrinks.
     """
-    low, high = np.zeros_like(length), length.copy()
     start, end = segments.s_start[k], segments.s_end[k]
-    share = np.clip(
-        (level - start) / np.where(end == start, 1.0, end - start), 0.0, 1.0
-    )
-    u = (
-        length * (2.0 / np.pi) * np.arcsin(np.sqrt(share))
-    )  # exact between two extremes of one sinusoid
+    low, high = np.zeros_like(length), length.copy()
+    # The first guess is exact between two extremes of one sinusoid.
+    rise = np.where(end == start, 1.0, end - start)
+    share = np.clip((level - start) / rise, 0.0, 1.0)
+    u = length * (2.0 / np.pi) * np.arcsin(np.sqrt(share))
     np.minimum(u, length, out=u)
+
     lanes = np.flatnonzero((level != start) & (length > 0.0))
     sense = np.where(end > start, 1.0, -1.0)
     for _ in range(80):
@@ -133,27 +132,30 @@ def _bracketed_crossing(
         change, rate, second_derivative = _change_at(segments, k[lanes], there)
         gap = start[lanes] + change - level[lanes]
         before = sense[lanes] * gap < 0.0
-        low[lanes], high[lanes] = (
-            np.where(before, there, low[lanes]),
-            np.where(before, high[lanes], there),
-        )
-        with np.errstate(all="ignore"):
-            step = -gap / (rate - 0.5 * gap * second_derivative / rate)
-            target = there + step
-            short = np.abs(step) <= _SHORT * np.minimum(
-                there, np.abs(rate / second_derivative)
-            )
+        low[lanes] = np.where(before, there, low[lanes])
+        high[lanes] = np.where(before, high[lanes], there)
+
+        # Halley's step, or the middle of the bracket where it leaves the bracket.
+        target, short = _halley(there, gap, rate, second_derivative)
         inside = (target >= low[lanes]) & (target <= high[lanes])
-        following = np.where(
-            gap == 0.0,
-            there,
-            np.where(inside, target, 0.5 * (low[lanes] + high[lanes])),
-        )
+        middle = 0.5 * (low[lanes] + high[lanes])
+        following = np.where(gap == 0.0, there, np.where(inside, target, middle))
         u[lanes] = following
-        lanes = lanes[
-            ~((inside & short) | (np.abs(following - there) <= 2e-16 * length[lanes]))
-        ]
+        still = np.abs(following - there) <= 2e-16 * length[lanes]
+        lanes = lanes[~((inside & short) | still)]
     return u
+
+
+def _halley(
+    u: Array, gap: Array, rate: Array, second_derivative: Array
+) -> tuple[Array, Array]:
+    """(the next u, True where the step to it is short over every scale of the drive) of
+    Halley's method for a root of `gap`.
+    """
+    with np.errstate(all="ignore"):
+        step = -gap / (rate - 0.5 * gap * second_derivative / rate)
+        scale = np.minimum(u, np.abs(rate / second_derivative))
+        return u + step, np.abs(step) <= _SHORT * scale
 
 
 def place(segments: Segments, k: Array, u: Array) -> tuple[Array, Array]:

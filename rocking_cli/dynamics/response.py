@@ -317,19 +317,7 @@ def cells_that_lose_contact(
     that tests a cell by itself, None to march all of them together.
     """
     if system.own:
-        ends = np.cumsum([count for _, count in system.own])
-        found = []
-        for (own, count), end in zip(system.own, ends, strict=True):
-            some = slice(end - count, end)
-            turned = None if theta_ratio is None else theta_ratio[some]
-            found.append(
-                end
-                - count
-                + cells_that_lose_contact(
-                    own, motion, _of(cells, some), doubtful[some], turned
-                )
-            )
-        return np.concatenate(found)
+        return _lost_by_structure(system, motion, cells, doubtful, theta_ratio)
     if system.body is None or not doubtful.any():
         return np.zeros(0, dtype=np.int64)
     if not np.any(doubtful & (cells[0] > system.safe_amplitude(motion))):
@@ -351,6 +339,26 @@ def cells_that_lose_contact(
     again = Run(batch, observers=[ContactLoss(system.body, batch)])
     again.all()
     return at[again.outcome == Outcome.LOST_CONTACT]
+
+
+def _lost_by_structure(
+    system: System,
+    motion: Motion,
+    cells: Cells,
+    doubtful: Array,
+    theta_ratio: Array | None,
+) -> Array:
+    """`cells_that_lose_contact` of several structures, one after the other."""
+    ends = np.cumsum([count for _, count in system.own])
+    found = []
+    for (own, count), end in zip(system.own, ends, strict=True):
+        some = slice(end - count, end)
+        turned = None if theta_ratio is None else theta_ratio[some]
+        lost = cells_that_lose_contact(
+            own, motion, _of(cells, some), doubtful[some], turned
+        )
+        found.append(end - count + lost)
+    return np.concatenate(found)
 
 
 def response_with_speed(

@@ -13,8 +13,9 @@ value at uplift of the free body, positive outward.
     bounces     how strongly a body is held at the ground, and which bounces end in rest
                 (Lemma 7)
     tied_lanes  the data of the march: lanes, ends of steps, results
-    tied_march  from event to event: engagement, yield, unloading, slack, rupture,
-                impact, rest, overturning
+    transitions  restraints from branch to branch: engagement, yield, unloading, slack,
+                rupture
+    tied_march  from event to event: transitions, impact, rest, overturning
 
 While no restraint changes its branch (slack, elastic, yielding, broken), the body
 follows one smooth equation, and its restoring moment has a closed form. A branch ends

@@ -16,6 +16,7 @@ on both sides and breaks on both.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple, Self
@@ -23,13 +24,14 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from ...structures.parameters import RockingParameters
-from ...structures.restraints import SIDES, Tie
+from ...structures.restraints import SIDES, Restraints, Tie
 from ..body import Body
 from ..equations.equation import Equation
 from ..lanes import Array
 
 SLACK, ELASTIC, YIELDING, BROKEN = range(4)
 ROWS = ("right", "left")  # sides as rows of arrays
+TENDON = "tendon"  # the name of the tendon among the devices
 
 
 class Branch(NamedTuple):
@@ -79,48 +81,40 @@ class Devices:
         """Build the devices of a structure with restraints under the equation of its
         free body; None if no restraint ever pulls.
         """
-        restraints, one_sided = structure.restraints, structure.one_sided
+        restraints = structure.restraints
         assert restraints is not None
         stands = dict(zip(SIDES["both"], restraints.stands, strict=True))
-        rows = ROWS[:1] if one_sided else ROWS
-        columns: list[tuple[str, list[tuple[float, ...]]]] = []
-        for i, tie in enumerate(restraints.ties):
-            if tie.stiffness or tie.prestress:
-                columns.append((f"tie {i + 1}", [_of_tie(tie, row) for row in rows]))
-        held = restraints.tendon
-        if held and (held.stiffness or held.prestress):
-            columns.append(
-                ("tendon", [_of_tie(held.at(stands[row].lever), row) for row in rows])
-            )
+        rows = ROWS[:1] if structure.one_sided else ROWS
+        columns = _columns(restraints, rows)
         if not columns:
             return None
-        numbers = np.array([of for _, of in columns]).transpose(2, 1, 0)
-        sides = np.array([1.0, -1.0])
-        unit = np.broadcast_to(
-            equation.on(sides).rotation(np.ones(2)) * structure.alpha_on(sides), 2
-        )[: len(rows), None]
-        moment = unit * np.array([[stands[row].moment] for row in rows])
-        names = tuple(name for name, _ in columns)
-        arm = (structure.sides or (structure,))[0].arm
-        weight = (
-            np.inf if body is None or arm is None else restraints.stands[0].moment / arm
-        )
-        tendon = np.array([name == "tendon" for name in names])
+        numbers = np.array(list(columns.values())).transpose(2, 1, 0)
         stiffness, prestress, force, ultimate, height, behind = numbers
+
+        # The rotation of y = 1, and the moment that gives y'' the unit 1.
+        sides = np.array([1.0, -1.0])
+        rotation = equation.on(sides).rotation(np.ones(2)) * structure.alpha_on(sides)
+        unit = np.broadcast_to(rotation, 2)[: len(rows), None]
+        moment = unit * np.array([[stands[row].moment] for row in rows])
+
+        arm = (structure.sides or (structure,))[0].arm
+        weight = np.inf
+        if body is not None and arm is not None:
+            weight = restraints.stands[0].moment / arm
         return cls(
-            stiffness,
-            prestress,
-            force,
-            ultimate,
-            height,
-            behind,
-            unit,
-            moment,
-            tendon,
-            names,
-            linear,
-            body,
-            weight,
+            stiffness=stiffness,
+            prestress=prestress,
+            force=force,
+            ultimate=ultimate,
+            height=height,
+            behind=behind,
+            unit=unit,
+            moment=moment,
+            tendon=np.array([name == TENDON for name in columns]),
+            names=tuple(columns),
+            linear=linear,
+            body=body,
+            weight=weight,
         )
 
     def row(self, side: Array) -> Array:
@@ -406,6 +400,23 @@ class Devices:
         if self.tendon.any():
             rows += [_added(np.where(tie, 0.0, now.fixed * h)), np.zeros(row.size)]
         return np.asarray(-np.array(rows) / self.moment[row, 0])
+
+
+def _columns(
+    restraints: Restraints, rows: Sequence[str]
+) -> dict[str, list[tuple[float, ...]]]:
+    """The numbers of each restraint that can pull, by its name: a row a side, (sides,
+    6).
+    """
+    stands = dict(zip(SIDES["both"], restraints.stands, strict=True))
+    columns = {}
+    for i, tie in enumerate(restraints.ties):
+        if tie.stiffness or tie.prestress:
+            columns[f"tie {i + 1}"] = [_of_tie(tie, row) for row in rows]
+    held = restraints.tendon
+    if held and (held.stiffness or held.prestress):
+        columns[TENDON] = [_of_tie(held.at(stands[row].lever), row) for row in rows]
+    return columns
 
 
 def _of_tie(tie: Tie, row: str) -> tuple[float, ...]:

@@ -144,45 +144,57 @@ class HeldBody:
         of_cos, of_sin, of_cos2, of_sin2, *of_half = -self.devices.circular_terms(
             self.row, self.now
         )
-        assert isinstance(self.equation, RigidBodyEquation)
-        sin, cos = self.equation.sin, self.equation.cos
+        by_free, by_push = self._of_free_and_push(of_cos, of_sin)
 
-        def of_free_and_push(by_cos: Array, by_sin: Array) -> tuple[Array, Array]:
-            """cos theta = sin^2 l + cos^2 m, sin theta = sin cos (m - l), with sin and
-            cos of alpha.
-            """
-            return sin * (sin * by_cos - cos * by_sin), cos * (
-                cos * by_cos + sin * by_sin
-            )
-
-        by_free, by_push = of_free_and_push(of_cos, of_sin)
-        size, angle = np.hypot(of_cos2, of_sin2), 0.5 * np.arctan2(of_sin2, of_cos2)
-        stretched, turned = bool(size.any()), new()
-        u_by_free, u_by_push = of_free_and_push(np.cos(angle), np.sin(angle))
-        half_cos, half_sin, rate = new(), new(), new()
-        if of_half:
-            half_cos.append(np.cos(0.5 * sin * y[0]))
-            half_sin.append(np.sin(0.5 * sin * y[0]))
+        # The second harmonics, rho (2 u^2 - 1) with u = cos(theta - phi).
+        rho, phi = np.hypot(of_cos2, of_sin2), 0.5 * np.arctan2(of_sin2, of_cos2)
+        stretched, turned = bool(rho.any()), new()
+        u_by_free, u_by_push = self._of_free_and_push(np.cos(phi), np.sin(phi))
+        half = self._half_angle(y, new, *of_half) if of_half else None
 
         def pulled(n: int) -> Array:
             own = by_free * free[n] + by_push * push[n]
             if stretched:
                 turned.append(u_by_free * free[n] + u_by_push * push[n])
-                own = (
-                    own
-                    + 2.0 * size * product_term(turned, turned)
-                    - (0.0 if n else size)
-                )
-            if of_half:
-                if n:
-                    rate.append(0.5 * n * sin * y[n])
-                    by_sin, by_cos = product_terms(rate, half_sin, half_cos)
-                    half_cos.append(by_sin / -n)
-                    half_sin.append(by_cos / n)
-                own = own + of_half[0] * half_cos[n] + of_half[1] * half_sin[n]
+                square = product_term(turned, turned)
+                own = own + 2.0 * rho * square - (0.0 if n else rho)
+            if half is not None:
+                by_cos, by_sin = half(n)
+                own = own + by_cos + by_sin
             return own
 
         return pulled
+
+    def _of_free_and_push(self, by_cos: Array, by_sin: Array) -> tuple[Array, Array]:
+        """Coefficients of l and m in by_cos cos theta + by_sin sin theta: cos theta =
+        sin^2 l + cos^2 m, sin theta = sin cos (m - l), with sin and cos of alpha.
+        """
+        assert isinstance(self.equation, RigidBodyEquation)
+        sin, cos = self.equation.sin, self.equation.cos
+        return sin * (sin * by_cos - cos * by_sin), cos * (cos * by_cos + sin * by_sin)
+
+    def _half_angle(
+        self, y: Series, new: Callable[[], Series], of_cos: Array, of_sin: Array
+    ) -> Callable[[int], tuple[Array, Array]]:
+        """Return a function of n that returns terms n of of_cos cos(theta/2) and of_sin
+        sin(theta/2), called for n = 0, 1 ... in this order.
+        """
+        assert isinstance(self.equation, RigidBodyEquation)
+        sin = self.equation.sin
+        half_cos, half_sin, rate = new(), new(), new()
+        half_cos.append(np.cos(0.5 * sin * y[0]))
+        half_sin.append(np.sin(0.5 * sin * y[0]))
+
+        def terms(n: int) -> tuple[Array, Array]:
+            if n:
+                # The derivatives of cos and sin of theta/2, by its rate.
+                rate.append(0.5 * n * sin * y[n])
+                by_sin, by_cos = product_terms(rate, half_sin, half_cos)
+                half_cos.append(by_sin / -n)
+                half_sin.append(by_cos / n)
+            return of_cos * half_cos[n], of_sin * half_sin[n]
+
+        return terms
 
 
 def one_turn(arc: TaylorSeries, left: Array) -> Step:

@@ -5,7 +5,9 @@ body, and the results.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, Self
+
+import numpy as np
 
 from ..equations.taylor import TaylorSeries
 from ..lanes import Array, Lanes
@@ -28,6 +30,47 @@ class TiedLanes(Lanes):
     turned: Array
     rests: Array  # True where the body comes to rest
     lost: Array  # True if Fz <= 0 has occurred
+
+    @classmethod
+    def at_rest(
+        cls,
+        cell: Array,
+        amplitude: Array,
+        omega: Array,
+        eta: Array,
+        shape: tuple[int, ...],
+    ) -> Self:
+        """Lanes at rest on the right at the start of the motion; shape: (sides,
+        devices, lanes).
+        """
+        numbers = ("phase", "y", "v", "force", "peak")
+        counts = ("segment", "impacts", "steps", "turned")
+        signs = ("exact", "bounced", "rests", "lost")
+        return cls(
+            cell=cell,
+            amplitude=amplitude,
+            omega=omega,
+            eta=eta,
+            side=np.ones(cell.size),
+            branch=np.zeros(shape, dtype=np.int64),
+            plastic=np.zeros(shape),
+            farthest=np.zeros(shape),
+            **{name: np.zeros(cell.size) for name in numbers},
+            **{name: np.zeros(cell.size, dtype=np.int64) for name in counts},
+            **{name: np.zeros(cell.size, dtype=bool) for name in signs},
+        )
+
+
+class CutStep(NamedTuple):
+    """Steps up to the events that end them. Every array is (lanes,)."""
+
+    reach: Array  # time from the start to the end [tau]
+    y: Array  # displacement at the end, in the unit of the side
+    v: Array  # dy/dtau at the end
+    top: Array  # y of the peak, or at the end without a peak on the way
+    up: Array  # True if y comes to the upper end of the branch of the restraints
+    down: Array  # True if y comes to its lower end; the ground is a lower end
+    peaked: Array  # True if y has a peak in the step
 
 
 class StepEnds(NamedTuple):
@@ -64,6 +107,19 @@ class Recorder(Protocol):
         """
 
 
+def note(
+    recorder: Recorder | None,
+    lanes: Lanes,
+    event: str,
+    y: Array,
+    v: Array,
+    device: str = "",
+) -> None:
+    """Record an event of the first lane at y and y', if there is a recorder."""
+    if recorder is not None:
+        recorder.note(lanes, event, float(y[0]), float(v[0]), device)
+
+
 @dataclass(frozen=True)
 class Found:
     """Results of cells."""
@@ -78,6 +134,22 @@ class Found:
     # permanent elongation of each device then [m], (sides, devices, cells)
     plastic: Array
     farthest: Array  # largest elongation of each device [m], (sides, devices, cells)
+
+    @classmethod
+    def empty(cls, shape: tuple[int, ...]) -> Self:
+        """Results of cells that are not computed yet; shape: (sides, devices,
+        cells).
+        """
+        size = shape[-1]
+        return cls(
+            np.zeros(size, dtype=np.uint8),
+            np.full(size, np.nan),
+            np.zeros(size, dtype=np.int32),
+            np.zeros(size, dtype=np.int64),
+            np.zeros(shape, dtype=np.int64),
+            np.zeros(shape),
+            np.zeros(shape),
+        )
 
     @property
     def work(self) -> Work:

@@ -5,6 +5,7 @@ and free fall.
 import numpy as np
 import pytest
 from support.bodies import ALPHA, SYSTEMS
+from support.references import lanes
 from support.synthetic_records import (
     RECORDS,
     allowance,
@@ -157,7 +158,11 @@ def test_lemma_12_a_step_that_is_taken_holds_no_impact_and_no_higher_peak(
     factors = factors_for(unit, degree)
     peak = y * (1.0 + 10.0 ** random.uniform(-3.0, 1.0, count))
     end, _, taken = stepper._step(
-        equation, y, v, peak, ramp, factors, degree * count + np.arange(count)
+        equation,
+        lanes(y=y, v=v, peak=peak),
+        ramp,
+        factors,
+        degree * count + np.arange(count),
     )
     terms = motion_terms(equation, y, v, unit, factors, ramp.terms, ramp.weight)
     path = np.array(
