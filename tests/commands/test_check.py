@@ -5,6 +5,7 @@ from support.record_layouts import at2, of_a_station, wave
 from support.synthetic_records import noise
 
 from rocking_cli import load_structures
+from rocking_cli.envelopes.capacity import Capacity
 
 # which the linear equation governs, which is quicker
 STATED = "parameters:p=2.1,alpha=0.2,eta=0.8,lambda=0.2,name=stated"
@@ -793,6 +794,10 @@ def test_a_search_that_takes_minutes_is_announced(rocking, monkeypatch):
     from rocking_cli.commands import check_demands
 
     monkeypatch.setattr(check_demands, "_LONG", 1500)
+    monkeypatch.setattr(
+        "rocking_cli.envelopes.capacity.CapacitySearch.capacity",
+        lambda *_, **__: Capacity(None, None, 1.0),
+    )
     call = (
         "check",
         STATED,

@@ -179,9 +179,11 @@ def test_an_input_is_never_the_output(refused, tmp_path):
 @pytest.mark.parametrize(
     ("workers", "stop"),
     [
-        ("1", signal.SIGTERM),
         ("2", signal.SIGINT),
-        pytest.param("2", signal.SIGTERM, marks=pytest.mark.soak),
+        *(
+            pytest.param(workers, signal.SIGTERM, marks=pytest.mark.soak)
+            for workers in "12"
+        ),
     ],
 )
 def test_ctrl_c_and_sigterm_keep_what_was_done(tmp_path, workers, stop):
