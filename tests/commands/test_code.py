@@ -18,6 +18,7 @@ def site(tmp_path):
     return "site.csv"
 
 
+@pytest.mark.slow
 def test_the_columns_of_the_code_stand_after_those_of_the_dynamics(rocking):
     plain, done = (
         rocking(*BLOCK, *SHAKING, "--json"),

@@ -116,6 +116,7 @@ TIED = (
 )
 
 
+@pytest.mark.slow
 def test_a_command_that_computes_one_direction_of_unequal_sides_says_so(
     rocking, tmp_path
 ):
@@ -178,6 +179,7 @@ def loaded(arguments: str, folder: Path) -> dict[str, str]:
     return dict(line.split(" ", 1) for line in done.stderr.splitlines() if " " in line)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "unwanted"),
     [
@@ -248,6 +250,7 @@ def code_tokens(file: Path) -> int:
     return counted
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "most"),
     [

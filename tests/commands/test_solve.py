@@ -9,6 +9,7 @@ from rocking_cli import Outcome
 SHAKING = ("--a-g", "0.4g", "--f-g", "1")
 
 
+@pytest.mark.slow
 def test_the_value_found_is_that_from_which_the_check_finds_the_margin(rocking):
     call = (
         "solve",
@@ -176,6 +177,7 @@ def test_both_directions_are_those_of_the_weaker_one(rocking, judged, monkeypatc
     assert "opposite direction" not in rows["both"].stderr
 
 
+@pytest.mark.slow
 def test_the_worst_frequency_of_a_range_counts(rocking):
     """The value has the capacity that check finds at the worst frequency; just below it
     the body does not stand.
@@ -206,6 +208,7 @@ def test_the_worst_frequency_of_a_range_counts(rocking):
     assert (end in done.stderr) == (found[0]["worst_f_g_end"] == "lower")
 
 
+@pytest.mark.slow
 def test_a_stack_stands_if_it_stands_on_each_of_its_interfaces(rocking, tmp_path):
     """The piece on top is what falls: by itself it needs the same width."""
     stack = "kind: stack\npieces: [{width: 3, height: 4}, {width: 0.1, height: 0.38}]"
@@ -219,6 +222,7 @@ def test_a_stack_stands_if_it_stands_on_each_of_its_interfaces(rocking, tmp_path
     assert (of_stack["side"], of_stack["value"]) == ("stands above", alone["value"])
 
 
+@pytest.mark.slow
 def test_csv_states_the_unit_of_the_value(rocking, judged):
     judged(lambda width: width / 0.6)
     call = (

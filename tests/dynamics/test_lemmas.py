@@ -107,6 +107,7 @@ def test_lemma_1_under_a_subcritical_drive_a_fallen_body_stays_below(damping):
     assert not np.any(below & (y > 0.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damping", [0.0, 0.05, 0.8])
 def test_lemma_2_under_a_supercritical_drive_there_is_one_minimum_at_most(damping):
     y, v, _ = watched(damping, 900, 1.0, np.inf, 2)
@@ -118,6 +119,7 @@ def test_lemma_2_under_a_supercritical_drive_there_is_one_minimum_at_most(dampin
     assert np.nanmin(np.where(outwards, y - y[0], np.inf)) > -1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damping", [0.0, 0.05, 0.8])
 def test_lemma_3_a_drive_that_falls_and_then_rises_lets_the_body_turn_back_once(
     damping,

@@ -72,6 +72,7 @@ def test_free_fall_is_an_outcome_of_its_own_at_its_instant():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("model", "line"),
     [("linear", True), ("nonlinear", False)],

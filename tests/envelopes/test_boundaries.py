@@ -142,12 +142,15 @@ def random_search(number):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("motion", "eta", "omegas", "least"),
     [
         (sine(), 0.9, np.array([0.8, 2.3, 5.0, 9.1]), 4),
         *(
-            (motion, 0.9, np.array([2.3, 5.0, 9.1]), 3)
+            pytest.param(
+                motion, 0.9, np.array([2.3, 5.0, 9.1]), 3, marks=pytest.mark.soak
+            )
             for motion in (cosine(1), sine(0.5))
         ),
         *map(random_search, range(30)),
@@ -160,7 +163,10 @@ def test_what_the_scan_leaves_out_changes_nothing(motion, eta, omegas, least):
     assert sum(len(row) - 1 for row in spared) >= least
 
 
-@pytest.mark.parametrize("name", ["unlike edges", "one side"])
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name", [pytest.param("unlike edges", marks=pytest.mark.soak), "one side"]
+)
 def test_what_the_scan_leaves_out_below_changes_nothing(name):
     (system, eta), omegas = BODIES[name], np.array([9.0])
     spared, every = (
@@ -206,6 +212,7 @@ def test_a_narrow_interval_under_several_cycles_is_found():
     assert Outcome(after).safe
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("motion", "eta", "omega", "a_max", "least"),
     [

@@ -53,6 +53,7 @@ def test_traced_intervals_are_those_of_the_reference_tables(structure, model, ro
         assert mine[1].a_to is None
 
 
+@pytest.mark.slow
 def test_every_interval_of_a_fine_raster_is_traced():
     omega, amplitude = 0.4983, np.linspace(1, 1.2, 40_001)
     outcome = linear_response(sine(), amplitude, omega, 0.9).outcome
@@ -124,6 +125,7 @@ UNEQUAL = built("kind: prism\ncorners: [[0, 0], [1.2, 0], [0.9, 5], [0.2, 5]]")
 WALL = built("kind: block\nwidth: 1.2\nheight: 8\none_sided: true")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("structure", [UNEQUAL, WALL], ids=["unequal", "one side"])
 @pytest.mark.parametrize("model", ["linear", "nonlinear"])
 def test_the_worse_sign_lists_what_overturns_under_either(structure, model):

@@ -20,8 +20,13 @@ SCANNED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "motion"), list(zip(NAMES, cycle(SCANNED), strict=False))
+    ("name", "motion"),
+    [
+        pytest.param(name, motion, marks=[pytest.mark.soak] * (i % 4 in (1, 2)))
+        for i, (name, motion) in enumerate(zip(NAMES, cycle(SCANNED), strict=False))
+    ],
 )
 def test_a_scan_falls_as_the_march_but_next_to_boundaries(name, motion):
     (system, eta), motion = SYSTEMS[name], SCANNED[motion]
@@ -41,13 +46,14 @@ def test_a_scan_falls_as_the_march_but_next_to_boundaries(name, motion):
     assert np.count_nonzero((found != falls[1])[settled]) <= 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [
-        "a body on one side",
         "a damped body of unlike edges",
         "the oscillator",
-        "the damped oscillator",
+        pytest.param("a body on one side", marks=pytest.mark.soak),
+        pytest.param("the damped oscillator", marks=pytest.mark.soak),
     ],
 )
 def test_a_scan_ends_where_a_sample_just_reaches_the_uplift(name):
@@ -67,9 +73,15 @@ def test_a_scan_ends_where_a_sample_just_reaches_the_uplift(name):
         assert np.all(scan.outcomes(amplitude) != Outcome.FAILED)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
-    ["a body", "the oscillator", "a damped body of unlike edges", "a body on one side"],
+    [
+        "the oscillator",
+        "a damped body of unlike edges",
+        pytest.param("a body", marks=pytest.mark.soak),
+        pytest.param("a body on one side", marks=pytest.mark.soak),
+    ],
 )
 def test_a_close_scan_has_the_outcomes_of_the_march(name):
     system, eta = SYSTEMS[name]
@@ -82,6 +94,7 @@ def test_a_close_scan_has_the_outcomes_of_the_march(name):
     assert np.count_nonzero(found != expected) <= 1
 
 
+@pytest.mark.slow
 def test_no_fall_depends_on_the_bodies_and_the_motions_that_are_scanned_with_it():
     cases = [
         (SYSTEMS[name][0], SCANNED[motion], 0.4, SYSTEMS[name][1])

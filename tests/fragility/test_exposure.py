@@ -54,6 +54,7 @@ def record(seed):
 RECORDS = members_of([record(n) for n in range(3)])
 
 
+@pytest.mark.slow
 def test_intervals_of_pulses_are_those_of_the_envelope():
     found = traced(BLOCK, MotionSet(PULSES, MEASURES["PGA"], np.array([12.0]), LINEAR))
     for member, intervals in zip(PULSES, found, strict=True):

@@ -223,6 +223,7 @@ def covered(seeds, samples):
     return hits / seeds
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("seeds", "samples", "least", "most"),
     [

@@ -96,6 +96,7 @@ def test_each_link_moves_as_the_forces_at_its_hinges_say(swaying, side):
         )
 
 
+@pytest.mark.slow
 def test_the_largest_force_at_a_hinge_is_an_extreme_of_the_history(swaying):
     forces = swaying.forces["nonlinear"]
     tau = np.linspace(0.0, swaying.end, 400)

@@ -131,6 +131,7 @@ def test_a_floor_compares_with_its_own_peak_and_spectrum():
     assert floor.promises(0.1, 0.1) == []  # its dynamics are those on the ground
 
 
+@pytest.mark.slow
 def test_the_rotation_is_passed_where_check_says():
     motion, grid = motion_and_grid(0.4)
     least = first_beyond(BODY, motion, grid)

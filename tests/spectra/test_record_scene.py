@@ -159,6 +159,7 @@ def test_rocking_spectra_over_alpha_and_size(eta):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [Method(), Method("nonlinear")])
 def test_records_share_a_run_and_are_those_of_each_alone(method):
     """Of other lengths, steps and peaks, one with its samples far apart."""

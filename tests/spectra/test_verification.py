@@ -254,6 +254,7 @@ def test_restitutions_at_the_ends_of_their_range_are_not_left(eta):
     ).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("alpha", "tolerance"), [(0.25, 1e-9), (0.57, 1e-7)])
 def test_errors_of_the_nonlinear_equation_are_the_tolerance_times_the_condition(
     alpha, tolerance

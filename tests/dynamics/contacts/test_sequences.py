@@ -52,6 +52,7 @@ def test_what_a_motion_varies_later_is_counted_with_its_jumps():
     assert step.largest_later == pytest.approx([1.0, 0.0], rel=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("motion", MOTIONS, ids=lambda m: m.name)
 def test_marching_on_finds_the_same_peak(motion, monkeypatch):
     random = np.random.default_rng(11)
@@ -83,6 +84,7 @@ def test_bodies_that_hardly_leave_the_ground_and_would_bounce_for_ever_are_at_re
         )  # the first arc is the highest
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "motion",
     [

@@ -152,6 +152,7 @@ def test_first_arc_is_the_paper_s_equation(oppenheim, motion, times, damping):
     assert -speed * arch.alpha * arch.p == pytest.approx(expected[1], abs=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("n", "damping"),
     [(2, 0.0), (1, 0.1), pytest.param(12, 0.0, marks=pytest.mark.soak)],

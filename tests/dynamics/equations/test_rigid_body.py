@@ -13,6 +13,7 @@ from rocking_cli.dynamics.equations.rigid_body import RigidBodyEquation
 from rocking_cli.motions import Harmonic, Motion, Piece
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [10, pytest.param(200, marks=pytest.mark.soak)])
 @pytest.mark.parametrize(
     ("motion", "most"),

@@ -125,6 +125,7 @@ def test_first_uplift_and_no_uplift():
     assert response.theta_ratio[:3].tolist() == [0.0] * 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "motion", "count"),
     [
@@ -238,6 +239,7 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="another C library")
 @pytest.mark.parametrize(
     "asked",

@@ -210,6 +210,7 @@ def test_a_body_that_an_impact_leaves_no_speed_does_not_bounce():
     )
 
 
+@pytest.mark.slow
 def test_what_a_rotation_proves_to_press_does():
     """Every cell that the bound settles has a positive least force, and it settles
     most.

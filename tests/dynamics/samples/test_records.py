@@ -36,6 +36,7 @@ response_alone = partial(response, how="floats")
 MODELS = {"linear": "the oscillator", "nonlinear": "a body"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("model", "record", "part", "count", "etas"),
     [
@@ -111,6 +112,7 @@ def against_the_march(name, motion, long, count, seed):
     assert set(found.outcome) > ({Outcome.ROCKED} if motion.samples else set())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_the_same_as_the_march_by_long_series(name):
     motion = (

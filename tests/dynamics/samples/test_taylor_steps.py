@@ -35,6 +35,7 @@ from rocking_cli.dynamics.samples.taylor_steps import TaylorStepper
 from rocking_cli.motions.biaxial import with_vertical
 
 
+@pytest.mark.slow
 def test_the_tolerance_is_kept():
     """Against steps at 1e-13: an error of the tolerance at the most, times the
     condition of each cell.

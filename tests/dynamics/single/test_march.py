@@ -51,6 +51,7 @@ def test_a_pair_of_turns_within_a_step():
     assert turns((1.0, 0.13, -0.25, 1.0 / 6.0), 1.0) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "motion",
     [motion_of_samples(noise(60, 0.06, 3), 0.06), sine(2), cosine()],

@@ -337,6 +337,7 @@ def test_a_tie_without_force_is_the_free_body_to_the_bit():
     )
 
 
+@pytest.mark.slow
 def test_a_vanishing_tie_tends_to_the_free_body_which_is_marched_otherwise():
     grid = parse_grid("a_g=0.05g:1g:30,T_g=0.3:2:7")
     for text in (
@@ -542,6 +543,7 @@ def test_the_tendon_of_a_block_breaks_at_its_elongation():
     )  # nothing overturns it before rupture
 
 
+@pytest.mark.slow
 def test_a_body_that_a_tie_holds_beyond_alpha_leans():
     body, found = marched(WALL + YIELDING, OUTWARDS, 1.6, 0.8)
     assert found.outcome[0] == Outcome.LEANING

@@ -94,7 +94,7 @@ def layout():
     )
 
 
-def test_killed_sweeps_go_on_to_the_same_file(tmp_path):
+def test_a_killed_sweep_goes_on_to_the_same_file(tmp_path):
     call = [
         *PROGRAM,
         "spectrum",
@@ -108,13 +108,12 @@ def test_killed_sweeps_go_on_to_the_same_file(tmp_path):
     ]
     subprocess.run([*call, "-o", "whole.h5"], cwd=tmp_path, check=True)
     part = tmp_path / "cut.h5.part"
-    for share in (0.2, 0.4):
-        process = subprocess.Popen([*call, "-o", "cut.h5", "--resume"], cwd=tmp_path)
-        assert grows(part, int(share * (tmp_path / "whole.h5").stat().st_size), process)
-        process.kill()
-        process.wait()
-        with SpectraFile(part) as file:
-            assert file.damaged_chunks() == []
+    process = subprocess.Popen([*call, "-o", "cut.h5", "--resume"], cwd=tmp_path)
+    assert grows(part, int(0.3 * (tmp_path / "whole.h5").stat().st_size), process)
+    process.kill()
+    process.wait()
+    with SpectraFile(part) as file:
+        assert file.damaged_chunks() == []
     subprocess.run([*call, "-o", "cut.h5", "--resume"], cwd=tmp_path, check=True)
     same_file(tmp_path / "cut.h5", tmp_path / "whole.h5")
 
@@ -219,6 +218,7 @@ def test_resume_computes_damaged_chunks_again(rocking, output, whole):
     same_file(output, whole)
 
 
+@pytest.mark.slow
 def test_a_full_disk_keeps_what_was_done(rocking, tmp_path):
     assert rocking("spectrum", *SMALL_SCENE, "-o", "whole.h5").returncode == 0
     half = (tmp_path / "whole.h5").stat().st_size // 2048
