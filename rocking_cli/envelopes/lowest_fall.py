@@ -73,39 +73,26 @@ class FallSearch:
         Omega.
         """
 
-        def falls(amplitude: Array) -> Array:
-            return ~safe(
-                response(
-                    system, motion, amplitude, omega, eta, peaks=False, how="floats"
-                ).outcome
+        def by_march(amplitude: Array, how: str) -> Array:
+            found = response(
+                system, motion, amplitude, omega, eta, peaks=False, how=how
             )
+            return ~safe(found.outcome)
+
+        def falls(amplitude: Array) -> Array:
+            return by_march(amplitude, "floats")
 
         def approximate_falls(amplitude: Array) -> Array:
             if (
                 scan is not None and amplitude.size <= FEW
             ):  # the march is as fast as a scan
                 return falls(amplitude)
-            fallen = (
-                np.zeros(amplitude.size, dtype=bool)
-                if scan is None
-                else ~safe(scan.outcomes(amplitude))
-            )
-            doubtful = np.flatnonzero(
-                ~fallen
-                & (amplitude > (0.0 if scan is None else system.safe_amplitude(motion)))
-            )
-            how = "arrays" if scan is None else cheaper(motion, doubtful.size)
-            fallen[doubtful] = ~safe(
-                response(
-                    system,
-                    motion,
-                    amplitude[doubtful],
-                    omega,
-                    eta,
-                    peaks=False,
-                    how=how,
-                ).outcome
-            )
+            if scan is None:
+                return by_march(amplitude, "arrays")
+            fallen, doubtful = scan.falls(amplitude)
+            if doubtful.any():
+                again = amplitude[doubtful]
+                fallen[doubtful] = by_march(again, cheaper(motion, again.size))
             return fallen
 
         scan = None
@@ -301,9 +288,9 @@ def _below(scan: Scan, begin: float, end: float) -> Array:
     """The amplitudes that `FallSearch.lowest` will search below the lowest fall from
     `begin` to `end` that a scan knows.
     """
-    fall = scan.known[0][
-        ~safe(scan.known[1]) & (begin <= scan.known[0]) & (scan.known[0] <= end)
-    ][:1]
+    known = scan.known
+    inside = (begin <= known.amplitude) & (known.amplitude <= end)
+    fall = known.amplitude[~safe(known.outcome) & inside][:1]
     return (
         _scan_amplitudes(max(begin, _NEAR * _NEAR * fall[0]), fall[0], _FINE)
         if fall.size

@@ -107,4 +107,4 @@ def test_no_fall_depends_on_the_bodies_and_the_motions_that_are_scanned_with_it(
     ]
     follow(together, amplitudes)
     for scan, case, amplitude in zip(together, cases, amplitudes, strict=True):
-        assert scan.known[1].tolist() == Scan(*case).outcomes(amplitude).tolist()
+        assert scan.known.outcome.tolist() == Scan(*case).outcomes(amplitude).tolist()
