@@ -41,7 +41,7 @@ class Accuracy(NamedTuple):
 
 
 # Lines up to `_JOINED` need less: either has boundaries within 1e-6 of the march's.
-_OF_SHORT, _OF_LONG = Accuracy(4, 3), Accuracy(6, 4)
+_OF_SHORT, _OF_LONG = Accuracy(4, 2), Accuracy(6, 4)
 
 
 class Scanned(NamedTuple):
@@ -112,6 +112,15 @@ class Scan:
                 amplitude[doubtful], found.peak[doubtful]
             )
         return falls, lifts
+
+    def first_fall(self, begin: float, end: float) -> float | None:
+        """The lowest computed amplitude between these at which the body seems to
+        fall, None without one.
+        """
+        known = self.known
+        inside = (begin <= known.amplitude) & (known.amplitude <= end)
+        falling = known.amplitude[inside & ~safe(known.outcome)]
+        return float(falling[0]) if falling.size else None
 
     def _at(self, amplitude: Array) -> "Scanned":
         follow([self], [amplitude])

@@ -53,18 +53,17 @@ def test_a_scan_falls_as_the_march_but_next_to_boundaries(name, motion):
 def test_a_scan_ends_where_a_sample_just_reaches_the_uplift(name):
     system, eta = SYSTEMS[name]
     motion = SCANNED["a step a sample"]
-    for fine in (False, True):
-        scan = Scan(system, motion, 0.4, eta, fine=fine)
-        amplitude = np.unique(
-            [
-                x
-                for edge in scan.edges
-                for x in 1.0 / (edge.drive * scan.lines.s[scan.lines.s != 0.0])
-                if 0.0 < x < 20.0
-            ]
-        )
-        assert amplitude.size > 20
-        assert np.all(scan.outcomes(amplitude) != Outcome.FAILED)
+    scan = Scan(system, motion, 0.4, eta)
+    amplitude = np.unique(
+        [
+            x
+            for edge in scan.edges
+            for x in 1.0 / (edge.drive * scan.lines.s[scan.lines.s != 0.0])
+            if 0.0 < x < 20.0
+        ]
+    )
+    assert amplitude.size > 20
+    assert np.all(scan.outcomes(amplitude) != Outcome.FAILED)
 
 
 @pytest.mark.parametrize(
@@ -79,10 +78,7 @@ def test_a_close_scan_has_the_outcomes_of_the_march(name):
     expected[expected == Outcome.NO_UPLIFT] = Outcome.ROCKED
     assert np.unique(expected).size >= 2
     assert (
-        np.mean(
-            Scan(system, motion, 0.4, eta, fine=True).outcomes(amplitude) != expected
-        )
-        < 0.005
+        np.mean(Scan(system, motion, 0.4, eta).outcomes(amplitude) != expected) < 0.005
     )
 
 
