@@ -72,18 +72,27 @@ class Response(NamedTuple):
         )
 
 
-# Up to so many cells of a structure, under a record of more than so many segments, are
-# faster one after the other on floats: a round of the march on arrays costs about as
-# much as a step of thirty bodies on floats.
-FEW, LONG = 20, 200
 WAYS = ("arrays", "floats")
+# Under a motion of more than LONG segments the march on arrays takes as long for a few
+# cells as that on floats for FEW: 40 to 100 by Eqs. 2.3 and 2.4, 15 to 30 by Eq. 3.4,
+# under records of 400, 1,559 and 7,999 samples.
+LONG, _FEW, _FEW_COMPOSED = 200, 60, 20
 
 
-def cheaper(motion: Motion, cells: int) -> str:
+def few(system: System, segments: int) -> int:
+    """Return the number of cells of one system up to which `response` takes less time
+    on floats than on arrays, under a motion of so many segments.
+    """
+    if segments <= LONG:
+        return 0
+    return _FEW_COMPOSED if system.equation.composed else _FEW
+
+
+def cheaper(system: System, motion: Motion, cells: int) -> str:
     """Return how `response` computes so many cells of one structure under this motion
     in the least time.
     """
-    return "floats" if len(motion.segments) > LONG and cells <= FEW else "arrays"
+    return "floats" if cells <= few(system, len(motion.segments)) else "arrays"
 
 
 def response(

@@ -134,8 +134,7 @@ class Search:
             and Scan.supports(self.system, self.motion)
         ):
             scans = [
-                Scan(self.system, self.motion, w, self.eta, fine=True)
-                for w in omegas.tolist()
+                Scan(self.system, self.motion, w, self.eta) for w in omegas.tolist()
             ]
             return self._steps(*self._scanned_first(omegas, scans))
         begins, brackets = self._scan(omegas)

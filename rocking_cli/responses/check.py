@@ -42,8 +42,8 @@ _SHIFTS = np.array(
 _SAME = 0.01  # of theta/alpha: rotations under them that differ by less are one
 _DIGITS = 4  # of a capacity where many narrow intervals overturn
 _LAST = 0.01  # of a verdict, which counts when it has come from its process
-_TOGETHER = 10  # demands that share a scan
-_WORTH = 3  # demands for each process that is started, at least
+_TOGETHER = 12  # demands that share a scan, at most
+_WORTH = 3  # demands under pulses for each process that is started, at least
 CHECK_KEYS = ("structure", "motion")  # the columns that say which row it is
 CHECK_COLUMNS = (
     "structure",
@@ -428,12 +428,16 @@ def verdicts(
     Raises as `check` does, and OutputError when a worker process dies.
     """
     available, done = workers or available_cpus(), progress or _no_progress
-    several = max(1, min(available, len(demands) // (1 if workers else _WORTH)))
     shared = (
         any(len(motion.segments) > LONGEST_FINE for _, motion, _ in demands)
         and a_max is not None
     )
-    size = min(_TOGETHER, -(-len(demands) // several)) if shared else 1
+    worth = 1 if workers or shared else _WORTH
+    several = max(1, min(available, len(demands) // worth))
+    size = 1
+    if shared:  # groups of one size, as many for each process
+        rounds = math.ceil(len(demands) / (several * _TOGETHER))
+        size = math.ceil(len(demands) / (several * rounds))
     groups = [demands[i : i + size] for i in range(0, len(demands), size)]
     if several == 1:
         for i, group in enumerate(groups):

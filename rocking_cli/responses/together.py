@@ -149,7 +149,7 @@ class Together:
         system = self.method.system_of_cells(structures, counts.tolist())
         if self.method.exact:
             system = system._replace(body=None, own=())
-        how = cheaper(self.motion, which.size) if own.size == 1 else "arrays"
+        how = cheaper(system, self.motion, which.size) if own.size == 1 else "arrays"
         cells = (amplitude, self.omega[which], self.eta[which])
         return response(system, self.motion, *cells, peaks=peaks, how=how)
 

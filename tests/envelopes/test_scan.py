@@ -59,18 +59,17 @@ def test_a_scan_falls_as_the_march_but_next_to_boundaries(name, motion):
 def test_a_scan_ends_where_a_sample_just_reaches_the_uplift(name):
     system, eta = SYSTEMS[name]
     motion = SCANNED["a step a sample"]
-    for fine in (False, True):
-        scan = Scan(system, motion, 0.4, eta, fine=fine)
-        amplitude = np.unique(
-            [
-                x
-                for edge in scan.edges
-                for x in 1.0 / (edge.drive * scan.lines.s[scan.lines.s != 0.0])
-                if 0.0 < x < 20.0
-            ]
-        )
-        assert amplitude.size > 20
-        assert np.all(scan.outcomes(amplitude) != Outcome.FAILED)
+    scan = Scan(system, motion, 0.4, eta)
+    amplitude = np.unique(
+        [
+            x
+            for edge in scan.edges
+            for x in 1.0 / (edge.drive * scan.lines.s[scan.lines.s != 0.0])
+            if 0.0 < x < 20.0
+        ]
+    )
+    assert amplitude.size > 20
+    assert np.all(scan.outcomes(amplitude) != Outcome.FAILED)
 
 
 @pytest.mark.slow
@@ -90,7 +89,7 @@ def test_a_close_scan_has_the_outcomes_of_the_march(name):
     expected = response(system, motion, amplitude, 0.4, eta, peaks=False).outcome
     expected[expected == Outcome.NO_UPLIFT] = Outcome.ROCKED
     assert np.unique(expected).size >= 2
-    found = Scan(system, motion, 0.4, eta, fine=True).outcomes(amplitude)
+    found = Scan(system, motion, 0.4, eta).outcomes(amplitude)
     assert np.count_nonzero(found != expected) <= 1
 
 
@@ -116,4 +115,4 @@ def test_no_fall_depends_on_the_bodies_and_the_motions_that_are_scanned_with_it(
     ]
     follow(together, amplitudes)
     for scan, case, amplitude in zip(together, cases, amplitudes, strict=True):
-        assert scan.known[1].tolist() == Scan(*case).outcomes(amplitude).tolist()
+        assert scan.known.outcome.tolist() == Scan(*case).outcomes(amplitude).tolist()
