@@ -69,7 +69,6 @@ from .reports.units import Units as Units
 from .reports.work_precision import accuracy as accuracy
 from .responses.arcs import History as History
 from .responses.check import Progress as Progress
-from .responses.check import Verdict as Verdict
 from .responses.check import check as check
 from .responses.code_check import CodeCheck as CodeCheck
 from .responses.code_check import code_check as code_check
@@ -80,6 +79,7 @@ from .responses.solving import Boundary as Boundary
 from .responses.solving import boundaries as boundaries
 from .responses.time_history import TimeHistory as TimeHistory
 from .responses.time_history import time_history as time_history
+from .responses.verdict import Verdict as Verdict
 from .spectra.file.merging import Merged as Merged
 from .spectra.file.merging import merge as merge
 from .spectra.file.reader import SpectraFile as SpectraFile

@@ -17,7 +17,7 @@ from .progress import ProgressLine
 
 if TYPE_CHECKING:
     from ..envelopes.amplitudes import Limit
-    from ..responses.check import Verdict
+    from ..responses.verdict import Verdict
     from .check_demands import Demands
     from .code_rows import CodeRows
 
@@ -145,7 +145,8 @@ def _printed(
     """Print a row for each demand and return the verdicts: JSON and CSV as soon as each
     is known, a table when all are.
     """
-    from ..responses.check import CHECK_COLUMNS, CHECK_KEYS, verdicts
+    from ..responses.check import verdicts
+    from ..responses.verdict import CHECK_COLUMNS, CHECK_KEYS
     from .check_rows import UNSEEN, row_of
 
     found: Iterable[Verdict] = verdicts(

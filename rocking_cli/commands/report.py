@@ -45,7 +45,7 @@ def report(
     """
     from ..dynamics.outcome import Outcome
     from ..reports.page import WRITTEN_WITH, Subject, write_page
-    from ..responses.check import tally
+    from ..responses.verdict import tally
     from ..structures import build_structure, with_distinct_names
 
     options.check_target(output, overwrite, PAGES, packages=WRITTEN_WITH)

@@ -37,9 +37,10 @@ from ..motions.recording import Recording
 from ..motions.records import Record
 from ..plugins import require
 from ..publishing import check_target, published
-from ..responses.check import Progress, Verdict, outcome_alone, tally, verdicts
+from ..responses.check import Progress, outcome_alone, verdicts
 from ..responses.inset import effects
 from ..responses.tied_history import remarks
+from ..responses.verdict import Verdict, tally
 from ..spectra.file.reader import SpectraFile
 from ..spectra.sweep import SweepOptions, write_spectrum
 from ..structures import (
