@@ -70,7 +70,6 @@ from .reports.units import Units as Units
 from .reports.work_precision import accuracy as accuracy
 from .responses.arcs import History as History
 from .responses.check import Progress as Progress
-from .responses.check import Verdict as Verdict
 from .responses.check import check as check
 from .responses.code_check import CodeCheck as CodeCheck
 from .responses.code_check import code_check as code_check
@@ -84,6 +83,7 @@ from .responses.time_history import TimeHistory as TimeHistory
 from .responses.time_history import time_history as time_history
 from .responses.uncertainty import DrawnVerdict as DrawnVerdict
 from .responses.uncertainty import drawn_verdict as drawn_verdict
+from .responses.verdict import Verdict as Verdict
 from .spectra.file.merging import Merged as Merged
 from .spectra.file.merging import merge as merge
 from .spectra.file.reader import SpectraFile as SpectraFile

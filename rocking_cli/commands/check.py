@@ -19,7 +19,8 @@ from .progress import ProgressLine
 if TYPE_CHECKING:
     from ..dynamics.outcome import Outcome
     from ..envelopes.amplitudes import Limit
-    from ..responses.check import Demand, Verdict
+    from ..responses.check import Demand
+    from ..responses.verdict import Verdict
     from .check_demands import Demands
     from .code_rows import CodeRows
 
@@ -165,7 +166,8 @@ def _judge_and_print(
     """Print a row for each demand and return the verdicts: JSON and CSV as soon as each
     is known, a table when all are.
     """
-    from ..responses.check import CHECK_COLUMNS, CHECK_KEYS, verdicts
+    from ..responses.check import verdicts
+    from ..responses.verdict import CHECK_COLUMNS, CHECK_KEYS
     from .check_rows import UNSEEN, row_of
 
     found: Iterable[tuple[Verdict, Demand]] = zip(

@@ -10,7 +10,7 @@ from .progress import ProgressLine
 if TYPE_CHECKING:
     from ..envelopes.amplitudes import Limit
     from ..envelopes.worst import BeyondTheEnd
-    from ..responses.check import Verdict
+    from ..responses.verdict import Verdict
     from ..structures import RockingParameters
     from .check_demands import Demands
 

@@ -8,7 +8,7 @@ from ..reports.tables import Above
 from .printing import form
 
 if TYPE_CHECKING:
-    from ..responses.check import Verdict
+    from ..responses.verdict import Verdict
     from .check_demands import Demands
 
 
@@ -31,7 +31,7 @@ def row_of(
 def _later_columns(demands: Demands, searched: bool) -> tuple[str, ...]:
     """The columns that a later row may have and the first one lacks."""
     from ..envelopes.capacity import falls_may_be_narrow
-    from ..responses.check import TIED_COLUMNS
+    from ..responses.verdict import TIED_COLUMNS
 
     tied = any(s.restraints for s in demands.structures)
     arches = any(s.structure == "arch" for s in demands.structures)

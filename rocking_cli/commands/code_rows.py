@@ -8,8 +8,9 @@ from ..dynamics.method import governing_method
 from ..errors import UsageError
 from ..motions.design_spectra import parse_floor, read_spectrum
 from ..reports.figures.capacities import draw_capacity_curves
-from ..responses.check import CHECK_KEYS, Demand, Verdict
+from ..responses.check import Demand
 from ..responses.code_check import SLC, SLV, CodeCheck, code_check, first_beyond
+from ..responses.verdict import CHECK_KEYS, Verdict
 from ..structures import RockingParameters
 from ..structures.mechanics.capacity_curve import require_geometry
 from .printing import emit, note

@@ -26,10 +26,10 @@ from ..fragility.study import LIMITS, Study
 from ..motions import Motion
 from ..motions.grid import Axis, Grid, demand_of
 from ..motions.recording import Recording
-from ..responses.check import Verdict
 from ..responses.shares import ShareOfDraws
 from ..responses.tied_history import remarks as device_remarks
 from ..responses.uncertainty import drawn_verdict, share_curve
+from ..responses.verdict import Verdict
 from ..spectra.file.reader import SpectraFile
 from ..spectra.sweep import SweepOptions, write_spectrum
 from ..structures import RockingParameters

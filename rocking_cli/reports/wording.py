@@ -12,7 +12,7 @@ from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Outcome
 from ..motions import Motion
 from ..motions.grid import Grid
-from ..responses.check import Verdict
+from ..responses.verdict import Verdict
 from ..structures import RockingParameters, Side
 
 if TYPE_CHECKING:

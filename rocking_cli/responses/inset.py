@@ -9,7 +9,8 @@ from ..motions import Motion
 from ..motions.grid import Grid
 from ..structures.mechanics.worn_edges import worn
 from ..structures.parameters import RockingParameters
-from .check import Demand, Verdict, first_overturning
+from .check import Demand, first_overturning
+from .verdict import Verdict
 
 INSET = 0.05  # of the width
 
