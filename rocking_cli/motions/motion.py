@@ -224,13 +224,7 @@ class Motion:
         """Return the segments of the pieces; inner: the phases [rad] of the cuts inside
         each piece, among them its extremes.
         """
-        marks = [
-            [piece.start, *within, piece.stop]
-            for piece, within in zip(self.pieces, inner, strict=True)
-        ]
-        index = np.repeat(np.arange(len(marks)), [len(m) - 1 for m in marks])
-        start = np.concatenate([m[:-1] for m in marks])
-        stop = np.concatenate([m[1:] for m in marks])
+        index, start, stop = self._cuts(inner)
         shape = max(len(p.harmonics) for p in self.pieces), start.size
         sin, cos, frequency = np.zeros(shape), np.zeros(shape), np.ones(shape)
         s_start, s_end = np.empty(start.size), np.empty(start.size)
@@ -262,6 +256,20 @@ class Motion:
             # no negative zero
             later_min=0.0 - largest_from(-np.minimum(s_start, s_end)),
         )
+
+    def _cuts(
+        self, inner: Sequence[Sequence[float]]
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """(index of the piece, start [rad], stop [rad]) of each segment; inner: as of
+        `cut`.
+        """
+        marks = [
+            [piece.start, *within, piece.stop]
+            for piece, within in zip(self.pieces, inner, strict=True)
+        ]
+        index = np.repeat(np.arange(len(marks)), [len(m) - 1 for m in marks])
+        start = np.concatenate([m[:-1] for m in marks])
+        return index, start, np.concatenate([m[1:] for m in marks])
 
 
 def extremes(piece: Piece) -> list[float]:

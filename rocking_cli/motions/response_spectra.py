@@ -134,7 +134,7 @@ def _largest(record: Record, finer: int, w: Array, damping: float) -> Array:
     h, s = record.dt / finer, w * complex(-damping, math.sqrt(1.0 - damping**2))
     z = _at_samples(a, h, s)
     most = np.abs(z.imag / s.imag).max(axis=0)
-    _include_turns(most, a, h, (z, s, w), damping)
+    _include_turns(most, a, h, z, s, w, damping)
 
     # The first turn after the record.
     turn = np.mod(-np.angle(z[-1] * s), math.pi) / s.imag
@@ -159,28 +159,23 @@ def _include_turns(
     most: Array,
     a: Array,
     h: float,
-    oscillators: tuple[Array, Array, Array],
+    z: Array,
+    s: Array,
+    w: Array,
     damping: float,
 ) -> None:
-    """Raise `most` to |u| where u' = 0 between two samples; oscillators: their z at the
-    samples, their s and their w.
+    """Raise `most` to |u| of oscillators (s, w) where u' = 0 between two samples; z: at
+    the samples.
     """
-    z, s, w = oscillators
     v = z.real - damping * w * z.imag / s.imag
     k, i = np.nonzero(v[:-1] * v[1:] < 0.0)
-    a0, slope, oscillator, wi = a[k, 0], (a[k + 1, 0] - a[k, 0]) / h, s[i], w[i]
+    a0, slope, s, w = a[k, 0], (a[k + 1, 0] - a[k, 0]) / h, s[i], w[i]
     t = h * v[k, i] / (v[k, i] - v[k + 1, i])
     for _ in range(4):  # Newton's method
-        there = (
-            np.exp(oscillator * t) * z[k, i]
-            - a0 * _gain(oscillator, t)
-            - slope * t * _rise(oscillator, t)
-        )
-        displacement = there.imag / oscillator.imag
-        speed = there.real - damping * wi * there.imag / oscillator.imag
-        acceleration = (
-            -2.0 * damping * wi * speed - wi**2 * displacement - a0 - slope * t
-        )
+        there = np.exp(s * t) * z[k, i] - a0 * _gain(s, t) - slope * t * _rise(s, t)
+        displacement = there.imag / s.imag
+        speed = there.real - damping * w * there.imag / s.imag
+        acceleration = -2.0 * damping * w * speed - w**2 * displacement - a0 - slope * t
         t = np.clip(
             t - speed / np.where(acceleration == 0.0, np.inf, acceleration), 0.0, h
         )
