@@ -69,30 +69,17 @@ def chord_errors(
     4 zeta^2) |u'|, for the nonlinear equation with |sin z| for |z|; the linear one has
     no P |u'|.
     """
-    zeta2, heavy, eighth = 2.0 * body.damping, 1.0 + s.sway, 0.125 * h * h
-    flat, steep, by_turn = (
-        s.push1 + zeta2 * s.push,
-        heavy + zeta2 * zeta2,
-        s.sway1 + zeta2 * heavy,
-    )
-    if body.linear:
-        flat, steep = (
-            flat + by_turn * (edge.alpha + 0.5 * (one.u + other.u)),
-            steep + by_turn * 0.5 * h,
-        )
-    else:
-        flat, steep = flat + by_turn, steep + s.push
-    room = 1.0 - eighth * steep
-    v = (np.maximum(np.abs(one.v), np.abs(other.v)) + eighth * flat) / np.maximum(
-        room, _ROOM
-    )  # the fastest |u'|
-    v = np.where(room > _ROOM, v, np.inf)
-    turn = np.abs(edge.alpha - 0.5 * (one.u + other.u)) + 0.5 * v * h
+    zeta2, heavy = 2.0 * body.damping, 1.0 + s.sway
+    v, turn = _largest_speed(body, edge, s, h, one, other)
     sin = np.sin(np.minimum(turn, 0.5 * np.pi))
     lean = turn if body.linear else sin
+
+    # B and J, bounds of the second and of the third derivative of u.
     b = s.push + heavy * lean + zeta2 * v
     j = s.push1 + (s.push * sin + heavy) * v + s.sway1 * lean + zeta2 * b
     b = np.minimum(b, 0.5 * (np.abs(one.b) + np.abs(other.b) + j * h))
+
+    # T = Q + 6 V^2 B, with Q the bound of the fourth derivative, and S.
     square = v * v
     q = (
         s.push2
@@ -102,7 +89,29 @@ def chord_errors(
     )
     q += s.sway2 * lean + zeta2 * j + 6.0 * square * b
     rest = 4.0 * v * j + 3.0 * b * b + square * square
-    return eighth * (s.sway2 + edge.kappa * (q * sin + rest))
+    return 0.125 * h * h * (s.sway2 + edge.kappa * (q * sin + rest))
+
+
+def _largest_speed(
+    body: Body, edge: Edge, s: ShakingBounds, h: Array, one: Ends, other: Ends
+) -> tuple[Array, Array]:
+    """(V, a bound of |u'| on each stretch, infinite where the stretch is too long; a
+    bound of |z|).
+    """
+    zeta2, heavy, eighth = 2.0 * body.damping, 1.0 + s.sway, 0.125 * h * h
+    flat, steep = s.push1 + zeta2 * s.push, heavy + zeta2 * zeta2
+    by_turn, mean_u = s.sway1 + zeta2 * heavy, 0.5 * (one.u + other.u)
+    # The third derivative of u is at most flat + steep |u'|.
+    if body.linear:
+        flat = flat + by_turn * (edge.alpha + mean_u)
+        steep = steep + by_turn * 0.5 * h
+    else:
+        flat, steep = flat + by_turn, steep + s.push
+    room = 1.0 - eighth * steep
+    at_ends = np.maximum(np.abs(one.v), np.abs(other.v))
+    v = (at_ends + eighth * flat) / np.maximum(room, _ROOM)
+    v = np.where(room > _ROOM, v, np.inf)
+    return v, np.abs(edge.alpha - mean_u) + 0.5 * v * h
 
 
 class ContactLoss(Observer):
