@@ -103,12 +103,12 @@ class FragilityOptions:
     )
     draws: int | None = option(
         "--draws",
-        "Draws of numbers with a spread for each motion, such as 64.",
+        "Draw numbers with a spread, such as width: 0.5 m +- 10 mm, so many times.",
         type=click.IntRange(2, 1 << 20),
     )
     seed: int = option(
         "--seed",
-        "Seed of the bootstrap and of the draws.",
+        "Seed of the random numbers.",
         type=click.IntRange(0),
         default=0,
     )
