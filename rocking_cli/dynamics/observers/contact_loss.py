@@ -1,8 +1,8 @@
 """Lost contact: `ContactLoss` tests whether Fz > 0 all along the march, for cells for
 which `body` does not prove it beforehand.
 
-A cell is marched once more, and then watched, if neither its push (`body.safe_push`)
-nor its largest rotation proves Fz > 0.
+A cell is marched once more, and then watched, if neither its ground acceleration
+(`body.safe_acceleration`) nor its largest rotation proves Fz > 0.
 
 Along a step Fz stays above its chord less the chord error. A stretch for which this
 does not prove Fz > 0 is halved; if Fz <= 0 at an end of a stretch, the body has lost
@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..batch import Batch
-from ..body import Body, Edge, ground_reaction, safe_push
+from ..body import Body, Edge, ground_reaction, safe_acceleration
 from ..contacts.sequences import STILL, sequence_bounds
 from ..lanes import Array, Arrays, Lanes
 from .observer import Arcs, Observer
@@ -144,12 +144,14 @@ class ContactLoss(Observer):
             for r, e in zip(share, body.edges, strict=False)
         )
         safe = np.array(
-            [safe_push(body, i, ratio) for i, ratio in enumerate(self.sway)]
+            [safe_acceleration(body, i, ratio) for i, ratio in enumerate(self.sway)]
         )[:, None]
-        pushes = batch.cells.amplitude * (
+        accelerations = batch.cells.amplitude * (
             np.array([e.uplift for e in body.edges])[:, None] * self.across[0]
         )
-        self.open = np.any(pushes > safe, axis=0)  # True for cells without a proof
+        self.open = np.any(
+            accelerations > safe, axis=0
+        )  # True for cells without a proof
         self._lost = np.zeros(self.open.size, dtype=bool)
 
     def contact_proved(
@@ -162,10 +164,10 @@ class ContactLoss(Observer):
             np.ones(at.size, dtype=bool),
             np.inf if fastest is None or not self.body.alike else _MARGIN * fastest,
         )
-        for pushes, edge, ratio in zip(
+        for accelerations, edge, ratio in zip(
             self.batch.cells.amplitude, self.body.edges, self.sway, strict=True
         ):
-            push = pushes[at] * (edge.uplift * self.across[0])
+            push = accelerations[at] * (edge.uplift * self.across[0])
             kept &= self.body.contact_proved(
                 edge, push, edge.alpha * theta_ratio, ratio * push, speed
             )
