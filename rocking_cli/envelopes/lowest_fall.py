@@ -246,7 +246,7 @@ class FallSearch:
             (first < self.computed[0]) & (self.computed[0] < _ABOVE * first)
         ].tolist()
         single = sum(one != other for one, other in pairwise([True, *falls])) <= 1
-        return 0.0 if single else 0.5 * sum(falls) / len(falls)
+        return 0.0 if single else sum(falls) / len(falls)
 
 
 def _scan_amplitudes(low: float, high: float, ratio: float) -> Array:
