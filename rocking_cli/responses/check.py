@@ -225,23 +225,14 @@ def _dealt(
     progress: Progress | None,
 ) -> Iterator[Judged]:
     """Yield what `judge` says of each demand, in their order; processes share them."""
-    available, done = workers or available_cpus(), progress or _no_progress
-    shared = (
-        any(len(motion.segments) > LONGEST_FINE for _, motion, _ in demands)
-        and a_max is not None
-    )
-    worth = 1 if workers or shared else _WORTH
-    several = max(1, min(available, len(demands) // worth))
-    size = 1
-    if shared:  # groups of one size, as many for each process
-        rounds = math.ceil(len(demands) / (several * _TOGETHER))
-        size = math.ceil(len(demands) / (several * rounds))
-    groups = [demands[i : i + size] for i in range(0, len(demands), size)]
+    done = progress or _no_progress
+    several, groups = _groups(demands, a_max is not None, workers)
     if several == 1:
-        for i, group in enumerate(groups):
-            yield from _each(
-                judge, a_max, group, partial(_after, done, i * size, len(demands))
-            )
+        before = 0
+        for group in groups:
+            told = partial(_after, done, before, len(demands))
+            yield from _each(judge, a_max, group, told)
+            before += len(group)
         return
     known = 0.0  # verdicts, of those under way the parts that are known
 
@@ -258,6 +249,24 @@ def _dealt(
         for i, verdict in enumerate(chain.from_iterable(run(groups)), 1):
             tell(i)
             yield verdict
+
+
+def _groups(
+    demands: Sequence[Demand], searched: bool, workers: int | None
+) -> tuple[int, list[Sequence[Demand]]]:
+    """Return (the number of processes, the demands that each judges at a time): under
+    records the searches of a group share their scans, and all groups have one size.
+    """
+    shared = searched and any(
+        len(motion.segments) > LONGEST_FINE for _, motion, _ in demands
+    )
+    worth = 1 if workers or shared else _WORTH
+    several = max(1, min(workers or available_cpus(), len(demands) // worth))
+    size = 1
+    if shared:
+        rounds = math.ceil(len(demands) / (several * _TOGETHER))
+        size = math.ceil(len(demands) / (several * rounds))
+    return several, [demands[i : i + size] for i in range(0, len(demands), size)]
 
 
 def _no_progress(done: float, total: int) -> None:

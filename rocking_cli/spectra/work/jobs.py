@@ -225,9 +225,12 @@ class Job:
         if "condition" in self.quantities:
             # for several sets of cells in turn
             pairs = self._joined_system(structures * 2, counts * 2)
+            amplitude, omega, eta = cells
             condition = condition_of(
                 partial(response, pairs, motion),
-                *cells,
+                amplitude,
+                omega,
+                eta,
                 method.stated_tolerance or 0.0,
             )
             extra["condition"] = np.where(
