@@ -111,7 +111,10 @@ def envelope(
         emit(rows, CURVE_COLUMNS, keys=CURVE_KEYS, unseen=NAMED, varied=varied)
         return
     methods = model.methods(structures, axis.name == "Omega")
+    from ..responses.sliding import stuck_in_words
+
     lines = model.in_words(methods, structures, axis.name == "Omega")
+    lines += stuck_in_words(structures)
     _of_pulse(structures, motion, axis, methods, wanted, lines, varied)
 
 
@@ -218,6 +221,7 @@ def _of_records(
     from ..dynamics.method import model_in_words
     from ..envelopes.capacity import RATIO
     from ..envelopes.intervals import INTERVAL_KEYS, NAMED, NONE
+    from ..responses.sliding import stuck_in_words
     from ..spectra.record_envelope import Tracing, overturning_spectrum, tracing_rows
     from ..spectra.record_scene import scene_of_words
 
@@ -270,6 +274,7 @@ def _of_records(
             varied=varied,
         )
     lines = [model_in_words(scene.method, *structures, model=model.models[0])]
+    lines += stuck_in_words(structures)
     if modes[NONE]:
         lines.append(f"no overturning up to {tracing.most} in {modes[NONE]} searches")
     lines.append(

@@ -203,7 +203,7 @@ def fragility(
             "--limit",
             wanted.limits,
             _limit,
-            "positive values of |theta|/alpha, or overturning",
+            "positive values of |theta|/alpha, overturning, or slide=LENGTH",
         )
     )
     if wanted.standing is not None and not (wanted.standing > 0.0 and None in states):
@@ -580,9 +580,14 @@ def _levels(text: str | None, measure: "Measure") -> "np.ndarray":
 
 
 def _limit(text: str) -> float | None:
-    """Return the limit state that a text states: a value of |theta|/alpha, or None for
-    overturning. Raises ValueError.
+    """Return the limit state that a text states: a value of |theta|/alpha, None for
+    overturning, or a displacement such as slide=50mm. Raises ValueError.
     """
+    if text.startswith("slide"):
+        from ..fragility.exposure import SlideLimit
+        from ..responses.sliding import parse_slide
+
+        return SlideLimit(parse_slide("--limit", text, "slide=LENGTH"))
     value = None if text == "overturning" else float(text)
     if value is not None and not 0.0 < value < 1e3:
         raise ValueError

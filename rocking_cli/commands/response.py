@@ -1,13 +1,20 @@
 """`rocking response`: the time history of one structure under one motion."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import chain
+from typing import TYPE_CHECKING, Any
 
 from ..errors import UsageError
 from . import equations, ground, options
 from .command import argument, command, flag, group, option, partly, refuse
 from .parameter_types import NUMBER, InputPath, quantity
 from .printing import emit, form, note, printed
+
+if TYPE_CHECKING:
+    from ..responses.sliding import SlideHistory
 
 
 @dataclass(frozen=True)
@@ -61,7 +68,9 @@ def response(
 
     FILE holds one structure. An overturning body is followed to 3 alpha, or until it
     lies on its side or its linkage has collapsed. The speed of an impact in the events
-    is the speed before it. With --json the last row of each model is a summary.
+    is the speed before it. With --json the last row of each model is a summary. A body
+    whose friction is below lambda slides and never rocks: its rows are t, slide [m],
+    slide_velocity [m/s] and ground_acceleration, its events slide and stop.
     """
     from ..responses.time_history import EVENT_KEYS, IMPULSES, KEYS, NAMED, time_history
 
@@ -95,6 +104,19 @@ def response(
     if dt is not None and not dt > 0.0:
         raise UsageError(f"--row-step: found {dt:g} s; expected a positive time")
     bare = shaken.grid is not None and shaken.grid.dimensionless
+    if shaken.grid is not None and not release:
+        from ..responses.sliding import slide_history
+
+        slid = slide_history(structures[0], *shaken.shakes[0])
+        if slid is not None:
+            refuse(
+                f"does not go with {structures[0].name}, which slides", "dimensionless"
+            )
+            more = {"dt": dt, "steps": steps, "duration": duration, "forces": forces}
+            _print_sliding(slid, events, more)
+            ground.note_demand(shaken.shakes)
+            note(f"{structures[0].name}: {slid.words}")
+            return
     methods = model.methods(structures, bare)
     found = time_history(
         structures[0],
@@ -120,4 +142,21 @@ def response(
     if shaken.grid is not None:
         ground.note_demand(shaken.shakes)
     note(*model.in_words(methods, structures, bare), *found.summary(forces=forces))
+    if release:
+        from ..responses.sliding import stuck_in_words
+
+        note(*stuck_in_words(structures))
     partly(found.failed)
+
+
+def _print_sliding(slid: SlideHistory, events: bool, more: Mapping[str, Any]) -> None:
+    """Print the rows or the events of a body that slides; more: the arguments of
+    `SlideHistory.rows`.
+    """
+    from ..responses.time_history import EVENT_KEYS, KEYS, NAMED
+
+    if not events:
+        emit(slid.rows(**more), keys=KEYS, unseen=NAMED)
+        return
+    closing: Iterable[dict[str, Any]] = [slid.summary()] if form() == "json" else ()
+    emit(chain(slid.events(), closing), ("model", "event"), keys=EVENT_KEYS)

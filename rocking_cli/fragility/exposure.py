@@ -13,6 +13,7 @@ import numpy as np
 from ..dynamics.method import Method
 from ..dynamics.outcome import Outcome, falls
 from ..dynamics.response import response
+from ..dynamics.sliding import friction_that_slides
 from ..envelopes.amplitudes import LONGEST_FINE
 from ..envelopes.boundaries import Search
 from ..envelopes.capacity import RATIO, tracing_width
@@ -29,6 +30,13 @@ Interval = tuple[float, float]
 Progress = Callable[[int, int], None]
 
 
+class SlideLimit(float):
+    """A limit state of a body that slides: its displacement over the ground [m]."""
+
+    def __str__(self) -> str:
+        return f"slide={1e3 * self:g}mm"
+
+
 @dataclass(frozen=True, eq=False)
 class Exposure:
     """Responses of one structure to each motion of a set (members), scaled to each
@@ -37,6 +45,9 @@ class Exposure:
 
     theta_ratio: Array  # max |theta|/alpha, NaN where it falls [-], (members, levels)
     outcome: Array  # codes of `Outcome`, (members, levels)
+    # largest displacement of a body that slides [m], (members, levels); None for a body
+    # that rocks
+    slide_max: Array | None = None
 
     def beyond(self, limit: float | None) -> tuple[Array, Array]:
         """Return (beyond, known), both (members, levels). beyond: True if |theta|/alpha
@@ -49,6 +60,13 @@ class Exposure:
         )
         if limit is None:
             return gone, known
+        if isinstance(limit, SlideLimit):
+            if self.slide_max is None:
+                raise UsageError(
+                    f"limit state {limit}: a body that rocks; expected one whose"
+                    " friction is below lambda, which slides and never rocks"
+                )
+            return gone | (np.nan_to_num(self.slide_max) > limit), known
         with np.errstate(invalid="ignore"):
             return gone | (self.theta_ratio > limit), known
 
@@ -153,6 +171,7 @@ def _under_records(
     if path is None:
         found = spectrum_of(scene, options)
         theta, outcome = found.theta_ratio, found.outcome
+        slide_max = found.quantities.get("slide_max")
     else:
         if not (options.resume and path.is_file()):
             write_scene(scene, path, options)
@@ -166,13 +185,20 @@ def _under_records(
                     " `overwrite`"
                 )
             theta, outcome = file.array("theta_ratio"), file.array("outcome")
-    return [Exposure(theta[:, i], outcome[:, i]) for i in range(len(structures))]
+            slide_max = file.array("slide_max") if "slide_max" in file.names else None
+    slides = [friction_that_slides(s) is not None for s in structures]
+    return [
+        Exposure(theta[:, i], outcome[:, i], slide_max[:, i] if slides[i] else None)
+        for i in range(len(structures))
+    ]
 
 
 def _under_each(
     structure: RockingParameters, motions: MotionSet, amplitudes: Sequence[Array]
 ) -> Exposure:
     """Return the exposure of a structure to each motion at its amplitudes A."""
+    if friction_that_slides(structure) is not None:
+        return _sliding_under_each(structure, motions, amplitudes)
     system, pairs = (
         motions.method.system_of(structure),
         zip(motions.members, amplitudes, strict=True),
@@ -184,6 +210,32 @@ def _under_each(
     return Exposure(
         np.array([f.theta_ratio for f in found]), np.array([f.outcome for f in found])
     )
+
+
+def _sliding_under_each(
+    structure: RockingParameters, motions: MotionSet, amplitudes: Sequence[Array]
+) -> Exposure:
+    """Return `_under_each` of a structure that slides and never rocks."""
+    from ..spectra.scene import CellBand
+    from ..spectra.work.sliding_cells import sliding_block
+
+    found = [
+        sliding_block(
+            structure,
+            CellBand(
+                structure,
+                m.motion,
+                (1, a.size),
+                a,
+                np.array([m.omega / structure.p]),
+                (structure,),
+            ),
+            ("slide",),
+        )
+        for m, a in zip(motions.members, amplitudes, strict=True)
+    ]
+    names = "theta_ratio", "outcome", "slide_max"
+    return Exposure(*(np.array([f[name][0] for f in found]) for name in names))
 
 
 def as_recorded(structure: RockingParameters, motions: MotionSet) -> Exposure:
@@ -223,6 +275,8 @@ def traced(
 def _trace(
     structure: RockingParameters, motions: MotionSet, member: MotionMember
 ) -> list[Interval]:
+    if friction_that_slides(structure) is not None:
+        return []  # it never overturns
     unit, method = motions.unit(structure, member), motions.method
     long = len(member.motion.segments) > LONGEST_FINE
     search = Search(

@@ -23,6 +23,7 @@ from .exposure import (
     Interval,
     MotionSet,
     Progress,
+    SlideLimit,
     as_recorded,
     exposures,
     first_of,
@@ -74,6 +75,8 @@ EFFICIENCY_COLUMNS = ("structure", "im", "median", "beta", "efficiency", "n")
 
 def word_of(limit: float | None) -> str:
     """Return the printed text of a limit state."""
+    if isinstance(limit, SlideLimit):
+        return str(limit)
     return "overturning" if limit is None else f"{limit:g}"
 
 
@@ -293,9 +296,9 @@ class Study:
         )
 
     def _cloud(self, limit: float | None) -> Fitted:
-        if limit is None:
+        if limit is None or isinstance(limit, SlideLimit):
             raise UsageError(
-                "limit state overturning: the method cloud needs a rotation"
+                f"limit state {word_of(limit)}: the method cloud needs a rotation"
             )
         assert self.recorded is not None
         x, theta, w = (

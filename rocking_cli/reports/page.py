@@ -319,9 +319,11 @@ def _section(
         "ties": [
             f"{v.motion}: {x}"
             for v in mine
-            for x in remarks(
-                v.devices, v.first_overturning_a, v.first_overturning_a_free
-            )
+            for x in [
+                *remarks(v.devices, v.first_overturning_a, v.first_overturning_a_free),
+                *([v.slide.words] if v.slide else []),
+                *([v.coupling] if v.coupling else []),
+            ]
         ],
         "map": drawn,
         "validity": (

@@ -61,10 +61,16 @@ COLUMNS = {
             "first_overturning_a",
             "safe_to",
             "searched_to",
+            "slide_a",
+            "stuck_first_overturning_a",
         ),
         "acceleration",
     ),
     "first_overturning_a_free": "acceleration",
+    **dict.fromkeys(("slide", "slide_max", "slide_residual"), "length"),
+    **dict.fromkeys(
+        ("slide_velocity", "slide_velocity_max", "slide_speed"), "velocity"
+    ),
     "tie_elongation": "length",
     "permanent": "length",
     **dict.fromkeys(

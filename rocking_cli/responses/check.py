@@ -24,6 +24,7 @@ from ..processes import available_cpus, part_reporter, processes
 from ..structures.mechanics.fourbar import FourBar
 from ..structures.parameters import RockingParameters
 from .force_history import ForceHistory
+from .sliding import SlideVerdict, slide_history, with_sliding
 from .time_history import time_history
 
 if TYPE_CHECKING:
@@ -80,6 +81,8 @@ class Verdict:
     demand_a: the demand [m/s2]
     uplift_a: lowest a_g that lifts the body [m/s2], None if none does
     first_overturning_a: lowest a_g that overturns the body [m/s2], None if none does
+    coupling: what `slides` means for a body that slides while it rocks, in words
+    slide: the sliding of a body that slides and never rocks; None for another one
     safe_to: upper end of the interval around the demand in which the body stands
         [m/s2], None if it falls or no larger a_g overturns it
     outcome_linear: by the linear equation
@@ -126,6 +129,10 @@ class Verdict:
     # within 5 % above the first one [-]
     share_of_falls: float = 0.0
     slides: bool = False  # True if friction_needed exceeds the friction of the document
+    # what `slides` means for a body that slides while it rocks, in words
+    coupling: str = ""
+    # the sliding of a body that slides and never rocks; None for another one
+    slide: SlideVerdict | None = None
     # largest displacement of the top [m], None without a geometry or if the body falls
     top_displacement: float | None = None
     # first_overturning_a of the body without ties and tendon [m/s2]
@@ -141,6 +148,8 @@ class Verdict:
     @property
     def sentence(self) -> str:
         """The outcome in words."""
+        if self.slide is not None and self.outcome == Outcome.SLID:
+            return f"slides {1e3 * self.slide.slide_max:.3g} mm and never rocks"
         return (
             self.outcome.sentence
             + ", on the last digits" * self.unsettled
@@ -185,6 +194,8 @@ class Verdict:
             found["opens"] = self.opens
         if self.share_of_falls:
             found["falls_nearby"] = self.share_of_falls
+        if self.slide is not None:
+            found |= self.slide.row()
         if not self.devices:
             return found
         from .tied_history import columns_of
@@ -228,6 +239,8 @@ def outcome_alone(
     structure: RockingParameters, motion: Motion, shaking: Grid
 ) -> Outcome:
     """Return only the outcome of the verdict of `check`."""
+    if (slide := slide_history(structure, motion, shaking)) is not None:
+        return slide.outcome
     _, _, amplitude, omega, method, _ = _capacity_search(
         structure, motion, shaking, 0.0
     )
@@ -324,7 +337,7 @@ def _judged(
 
     acceleration = partial(_least_acceleration, structure)
     digits = _DIGITS if found.share_of_falls else None
-    return Verdict(
+    verdict = Verdict(
         structure=structure.name,
         motion=motion.name,
         model=method.model,
@@ -348,6 +361,7 @@ def _judged(
         and (asked.get("friction_needed") or 0.0) > structure.friction,
         **asked,
     )
+    return with_sliding(verdict, structure, motion, shaking)
 
 
 def _least_acceleration(
@@ -425,6 +439,9 @@ def tally(verdicts: Sequence[Verdict]) -> str:
     overturn = (
         f"{sum(v.outcome.overturned for v in verdicts)} of {len(verdicts)} overturn"
     )
+    if slid := sum(v.outcome == Outcome.SLID for v in verdicts):
+        overturn += f", {slid} slide{'s' if slid == 1 else ''} and never rock"
+        overturn += "s" * (slid == 1)
     overturn += (
         f", {lost} lose{'s' if lost == 1 else ''} contact with the ground"
         if lost

@@ -101,9 +101,9 @@ class RecordScene(Scene):
     @property
     def quantities(self) -> tuple[str, ...]:
         """The quantities that the scene always has: velocity_ratio for a rocking
-        spectrum over alpha and T.
+        spectrum over alpha and T, slide if a structure slides and never rocks.
         """
-        return ("velocity_ratio",) if self.over_angles else ()
+        return ("velocity_ratio",) if self.over_angles else super().quantities
 
     @property
     def over_angles(self) -> bool:

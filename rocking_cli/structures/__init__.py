@@ -38,10 +38,12 @@ def build_structure(document: Document) -> RockingParameters:
     )
     try:
         built = build(document, name)
+        static, kinetic = friction_of(document)
         built = replace(
             built,
             damping=damping_of(document) + built.damping,
-            friction=friction_of(document),
+            friction=static,
+            kinetic_friction=kinetic,
         )
     except StructureError as error:
         raise DocumentError(

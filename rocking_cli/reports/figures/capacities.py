@@ -135,6 +135,8 @@ def capacities(figure: Figure, verdicts: Sequence[Verdict], in_g: bool) -> Axes:
         ratio, known = "", "; no capacity known"
         if v.capacity_demand is not None:
             ratio, known = f"{v.capacity_demand:.2f}  ", ""
+        elif v.outcome == Outcome.SLID:
+            known = ""
         elif v.capacity_above is not None:
             ratio, known = f"{Above(v.capacity_above).shown(3)}  ", ""
         window = (

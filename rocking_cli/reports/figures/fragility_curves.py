@@ -49,7 +49,7 @@ def fragility_curves(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
             **row,
             "limit_state": (
                 row["limit_state"]
-                if row["limit_state"] == "overturning"
+                if row["limit_state"].startswith(("overturning", "slide"))
                 else f"θ/α > {row['limit_state']}"
             ),
         }

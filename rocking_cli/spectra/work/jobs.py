@@ -26,11 +26,13 @@ from ...dynamics.response import (
     response_under_records,
     response_with_speed,
 )
+from ...dynamics.sliding import friction_that_slides
 from ...motions import Motion
 from ...processes import Run, processes
 from ...structures.parameters import RockingParameters
 from ..scene import CellBand, Scene, Unit
 from ..verification import Answer, Place, Verification, condition_of, reference
+from .sliding_cells import sliding_block
 
 TOGETHER = 1 << 19  # cells of an exact equation that a worker computes in one batch
 
@@ -122,7 +124,13 @@ class Job:
             for u in units
         ]
         batches: dict[Any, list[CellBand]] = {}
+        found: dict[int, list[Block]] = {}
         for band in chain.from_iterable(bands):
+            if friction_that_slides(band.structure) is not None:
+                found[id(band)] = [
+                    sliding_block(s, band, self.quantities) for s in band.sharers
+                ]
+                continue
             shared = self.pooled and chains(
                 scene.method.system_of(band.structure), band.motion
             )
@@ -130,7 +138,6 @@ class Job:
                 (None if shared else id(band.motion), scene.runs_with(band.structure)),
                 [],
             ).append(band)
-        found: dict[int, list[Block]] = {}
         work = Work()
         for key, batch in batches.items():
             cells, shared = (
@@ -143,6 +150,8 @@ class Job:
                 else self.together_of(batch, cells)
             )
             work += own
+            if "slide" in self.quantities:
+                whole["slide_max"] = np.full(cells.shape[1], np.nan)
             last = 0
             for band in batch:
                 first, last = last, last + band.size
