@@ -26,6 +26,7 @@ SI = {
     "gravity": "m/s2",
     "frequency": "Hz",
     "force": "N",
+    "stress": "Pa",
     "stiffness": "N/m",
     "moment": "N m",
     "annual rate": "1/yr",
@@ -123,6 +124,7 @@ COLUMNS = {
     "t_slv": "time",
     "t_slc": "time",
     "force": "force",
+    "base_stress": "stress",
     "tendon_force": "force",
     **dict.fromkeys(
         (

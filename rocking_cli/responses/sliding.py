@@ -160,14 +160,14 @@ class SlideHistory:
         columns = [times, u * self._length, v * self.demand_a / self.omega, ground]
         for t, slide, speed, a, fx, fz in zip(*columns, across, weight, strict=True):
             yield {
-                "structure": self.structure.name,
-                "motion": self.motion.name,
-                "model": "sliding",
                 "t": float(t),
                 "slide": float(slide),
                 "slide_velocity": float(speed),
-                "ground_acceleration": float(a),
                 **({"fx_ratio": float(fx), "fz_ratio": float(fz)} if forces else {}),
+                "ground_acceleration": float(a),
+                "structure": self.structure.name,
+                "motion": self.motion.name,
+                "model": "sliding",
             }
 
     def events(self) -> Iterator[dict[str, Any]]:

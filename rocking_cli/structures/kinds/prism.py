@@ -11,6 +11,7 @@ from itertools import combinations, pairwise
 from ...documents.document import Document
 from ..mechanics.moments import Moments
 from ..mechanics.single_body import RigidBody, body_on_edges
+from ..mechanics.toe import strip_foot
 from ..sketch import rocker
 
 REPORTS = ("direction",)
@@ -37,7 +38,8 @@ def polygon_moments(corners: Sequence[Corner]) -> Moments:
 
 def body(document: Document) -> RigidBody:
     """Return a prism from the key `corners`, [[x, z], ...] in order; its lowest corners
-    are the base. Raises DocumentError.
+    are the base. density and length (across the rocking) give its mass. Raises
+    DocumentError.
     """
     corners = _corners(document)
     tolerance = 1e-9 * max(math.dist(a, b) for a in corners for b in corners)
@@ -65,12 +67,15 @@ def body(document: Document) -> RigidBody:
         (right, lowest),
         (section.x / section.mass, section.z / section.mass),
     )
+    foot, details = strip_foot(document, right - left, moments.mass)
     return body_on_edges(
         moments,
         half,
         top=top,
         limit="a section more slender than this one",
         drawing=drawing,
+        foot=foot,
+        details=details,
     )
 
 

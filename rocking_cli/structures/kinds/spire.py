@@ -17,6 +17,8 @@ import numpy as np
 from ...documents.document import Document
 from ..mechanics.moments import Moments, spin_about
 from ..mechanics.single_body import RigidBody, symmetric_body
+from ..mechanics.toe import Foot, Ring, density_of
+from ..shared_keys import mass_of
 from ..sketch import rocker
 
 REPORTS = ("tip_height", "crack_height")
@@ -169,9 +171,12 @@ def body(document: Document) -> RigidBody:
         else ()
     )
     centre = (moments.x / moments.mass, moments.z / moments.mass)
+    foot, mass = _foot(document, spire, moments.mass)
     more: dict[str, Any] = {
         "limit": "a spire more slender, or cracked lower",
         "eta": spire.restitution(),
+        "foot": foot,
+        "details": mass,
     }
     if not crack:
         drawing = rocker([(left, right, apex)], left, right, centre, hollows=hollows)
@@ -197,10 +202,27 @@ def body(document: Document) -> RigidBody:
         )
 
     more["details"], more["again"] = (
-        {"tip_height": spire.tip_height, "crack_height": crack},
+        {"tip_height": spire.tip_height, "crack_height": crack, **mass},
         refused,
     )
     return symmetric_body(moments, r, whole=False, drawing=drawing, **more)
+
+
+def _foot(
+    document: Document, spire: Spire, volume: float
+) -> tuple[Foot | str, dict[str, float]]:
+    """Return (the foot of a spire, its mass as a detail if a density gives it); volume:
+    of the part that rocks [m3]. Raises DocumentError.
+    """
+    density, mass = density_of(document), mass_of(document)
+    if spire.crack_height:
+        return "a cracked spire, which stands on another part on each edge", {}
+    if not spire.thickness:
+        return "a spire with a thin wall, whose contact area is not known", {}
+    area = Ring(spire.base_radius, spire.base_radius - spire.thickness)
+    if density is None:
+        return Foot(area, mass), {}
+    return Foot(area, density * volume), {"mass": density * volume}
 
 
 def _read(document: Document) -> Spire:

@@ -21,6 +21,7 @@ REPORTS = ()
 DIMENSIONS = {
     "mass": "mass",
     "alpha_geometric": "angle",
+    "base_stress": "stress",
     **dict.fromkeys(("inset", "length", "tip_height", "crack_height"), "length"),
 }
 """The dimension of each detail that has a unit."""
@@ -58,7 +59,9 @@ def _free(document: Document, name: str) -> RockingParameters:
                 "sides, a list, as `rocking params` prints it in JSON",
             )
     inset = (
-        ("inset", "alpha_geometric") if document.has("alpha_geometric") else ()
+        ("inset", "alpha_geometric", "base_stress")
+        if document.has("alpha_geometric")
+        else ()
     )  # the stated alpha is that with the inset
     reported = (*reports_of(structure), "mass", OTHERS, *inset, *VARIED)
     details = {

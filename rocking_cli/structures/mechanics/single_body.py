@@ -33,6 +33,7 @@ from ..shared_keys import (
 )
 from ..sketch import Point, Sketch, rectangle, redrawn, rocker
 from .moments import Moments, spin_about
+from .toe import Foot, toe_of
 
 
 class EdgeParameters(NamedTuple):
@@ -63,6 +64,8 @@ class RigidBody:
     again: Callable[[float], RigidBody]
     limit: str  # the bodies for which the momentum model holds
     drawing: Sketch  # its geometry
+    # its contact area, for `strength`; a text says whose is not known
+    foot: Foot | str = "such a body, whose contact area is not known"
     radius: float | None = None  # R of two equal edges [m]
     # (x, z) of the impact point on a backing, from the middle of the base [m]; None if
     # the geometry does not define it
@@ -87,13 +90,17 @@ class RigidBody:
         details = dict(body.details)
         if mass is not None:
             details["mass"] = mass
-        if document.has("inset"):
+        crushes = document.has("strength")
+        if document.has("inset") or crushes:
             details |= {
                 "inset": inset,
                 "alpha_geometric": (
                     min(self.edges(1.0), key=lambda edge: edge.uplift).alpha
                 ),
             }
+        toe = toe_of(document, self.foot) if crushes else None
+        if toe is not None:
+            details["base_stress"] = toe.stress
         left, right = body.edges(gravity)
         more: dict[str, Any] = {
             "name": name,
@@ -102,6 +109,7 @@ class RigidBody:
             "details": details,
         }
         more["top"] = body._top_arms()
+        more["remarks"] = () if toe is None else toe.remarks
         if document.flag("one_sided"):
             e, source = one_sided_restitution_of(
                 document, (right.eta, left.eta), body.backing
@@ -147,8 +155,18 @@ class RigidBody:
 
     def moved_in(self, document: Document) -> tuple[float, RigidBody]:
         """Return the document's inset (the distance of the pivots inside the edges [m],
-        default 0), and the body on these pivots. Raises DocumentError.
+        default 0, or that of its strength), and the body on these pivots. Raises
+        DocumentError.
         """
+        if document.has("strength"):
+            inset = toe_of(document, self.foot).inset
+            if not inset < self.reach:
+                raise document.fault(
+                    "strength",
+                    f"a strength whose pivots lie {inset:.4g} m inside the edges",
+                    f"a larger one: the mass centre is {self.reach:.4g} m from an edge",
+                )
+            return inset, self.again(inset)
         where = (
             f"a length from 0 to below {self.reach:g} m, beyond which the mass centre"
             " is not above the base"

@@ -9,13 +9,14 @@ import math
 from collections.abc import Sequence
 from functools import partial
 from itertools import accumulate
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ...documents.document import Document
-from ..shared_keys import gravity_of, restraints_in
+from ..shared_keys import gravity_of, mass_of, restraints_in
 from ..sketch import rocker
 from .moments import Moments
 from .single_body import RigidBody, body_on_edges, edges_of, symmetric_body
+from .toe import Foot, Ring, Strip, toe_of
 
 
 class StackPiece(NamedTuple):
@@ -26,6 +27,7 @@ class StackPiece(NamedTuple):
     height: float  # [m]
     axis: float  # x of its axis [m]
     body: Moments  # its moments about the middle of its base
+    depth: float | None = None  # across the rocking [m], None for a round piece
 
 
 def frustum_moments(low: float, high: float, height: float) -> Moments:
@@ -116,16 +118,23 @@ def stacked(
     word: str,
     pieces: Sequence[StackPiece],
     inset: float = 0.0,
+    *,
+    dense: bool = False,
 ) -> RigidBody:
     """Return the body that rocks on the interface of the key `rocks_on`, by default on
     the one with the least margin, on the lowest one of equal margins. pieces: from
     below; key: of their list in the document; word: for one of them; inset: from the
-    edges of every interface [m]. Raises DocumentError if a piece does not stand on the
-    one below it, or the stack does not stand, or if it has restraints and no
-    `rocks_on`: they hold each interface in another way, so that the least margin does
-    not tell which one overturns first.
+    edges of every interface [m], of a body with `strength` that of its toe there;
+    dense: true if the pieces have densities. Raises DocumentError if a piece does not
+    stand on the one below it, or the stack does not stand, or if it has restraints and
+    no `rocks_on`: they hold each interface in another way, so that the least margin
+    does not tell which one overturns first.
     """
-    moments, beds = Moments(0.0, 0.0, 0.0, 0.0), list[Bed]()
+    supports = [
+        "its base",
+        *(f"{word} {i} from below" for i in range(1, len(pieces))),
+    ]
+    moments, whole = Moments(0.0, 0.0, 0.0, 0.0), list[Bed]()
     for i in range(len(pieces) - 1, -1, -1):
         piece = pieces[i]
         moments = piece.body.shifted(x=piece.axis).plus(moments.shifted(z=piece.height))
@@ -136,28 +145,39 @@ def stacked(
                 max(left, below.axis - below.head),
                 min(right, below.axis + below.head),
             )
-        left, right = left + inset, right - inset
         if not right > left:
-            if inset:
-                raise document.fault(
-                    "inset",
-                    f"an inset beyond half the base of {word} {i + 1} from below",
-                    "a shorter one",
-                )
             raise document.fault(
                 key,
                 f"{word} {i + 1} from below apart from the one below it",
                 f"{word}s that stand on each other",
             )
-        beds.insert(0, Bed(left, right, moments))
+        whole.insert(0, Bed(left, right, moments))
+    insets = [inset] * len(pieces)
+    feet = [_foot(document, pieces, i, bed, dense) for i, bed in enumerate(whole)]
+    if document.has("strength"):  # each interface has its own toe
+        insets = [
+            toe_of(document, foot, name).inset
+            for foot, name in zip(feet, supports, strict=True)
+        ]
+    beds = []
+    for i, (bed, inwards) in enumerate(zip(whole, insets, strict=True)):
+        bed = bed._replace(left=bed.left + inwards, right=bed.right - inwards)
+        if not bed.right > bed.left:
+            raise document.fault(
+                "inset",
+                f"an inset beyond half the base of {word} {i + 1} from below",
+                "a shorter one",
+            )
+        beds.append(bed)
     weakest = min(range(len(beds)), key=lambda i: beds[i].margin)
     bed, last = beds[weakest], pieces[-1]
     if not bed.margin > 0.0:
         found = (
             f"{word} {weakest + 1} from below, with the pieces on it, beyond its edge"
         )
-        raise document.fault("inset" if inset else key, found, "a stack that stands")
-    details = {}
+        moved = "strength" if document.has("strength") else "inset" if inset else key
+        raise document.fault(moved, found, "a stack that stands")
+    details: dict[str, Any] = {}
     if len(pieces) > 1:
         if document.has("rocks_on"):
             weakest = document.integer("rocks_on", 0, len(beds) - 1)
@@ -173,18 +193,19 @@ def stacked(
             )
         bed = beds[weakest]
         gravity = gravity_of(document)
-        supports = [
-            "its base",
-            *(f"{word} {i} from below" for i in range(1, len(beds))),
-        ]
         interfaces = [
             {"on": on, **one.numbers(gravity)}
             for on, one in zip(supports, beds, strict=True)
         ]
         details = {"rocks_on": supports[weakest], "interfaces": interfaces}
+    if dense and document.has("strength"):
+        details["mass"] = beds[weakest].body.mass
+    if not inset:  # the geometry itself
+        bed = whole[weakest]
+    inset = insets[weakest] if inset else 0.0
     levels = list(accumulate((piece.height for piece in pieces), initial=0.0))
     outlines = []
-    for (foot, head, _, axis, _), low, high in zip(
+    for (foot, head, _, axis, _, _), low, high in zip(
         pieces, levels, levels[1:], strict=False
     ):
         outlines.append(
@@ -210,7 +231,7 @@ def stacked(
     )
     rock = body_on_edges if bed.centred.x else symmetric_body
     limit = f"a {word} more slender than this one"
-    again = partial(stacked, document, key, word, pieces)
+    again = partial(stacked, document, key, word, pieces, dense=dense)
     return rock(
         bed.centred,
         bed.half,
@@ -219,4 +240,34 @@ def stacked(
         details=details,
         drawing=drawing,
         again=again,
+        foot=feet[weakest],
     )
+
+
+def _foot(
+    document: Document, pieces: Sequence[StackPiece], i: int, bed: Bed, dense: bool
+) -> Foot | str:
+    """Return the foot of an interface: the smaller one of its two faces; a text where
+    it is not known.
+    """
+    faces = [(pieces[i].foot, pieces[i].depth)]
+    faces += [(pieces[i - 1].head, pieces[i - 1].depth)] if i else []
+    offset = i > 0 and pieces[i].axis != pieces[i - 1].axis
+    depths = [depth for _, depth in faces if depth is not None]
+    radii = [half for half, depth in faces if depth is None]
+    area: Strip | Ring = Strip(2.0 * bed.half, min(depths, default=1.0))
+    if radii and offset:
+        return "a stack with a round piece that is offset from the one below it"
+    if radii and not depths:
+        area = Ring(min(radii))
+    elif radii:
+        half = next(half for half, depth in faces if depth is not None)
+        if radii[0] <= min(half, 0.5 * depths[0]):
+            area = Ring(radii[0])
+        elif radii[0] < math.hypot(half, 0.5 * depths[0]):
+            return (
+                "a stack of round and rectangular pieces that cover each other partly"
+            )
+    if dense:
+        return Foot(area, bed.body.mass)
+    return Foot(area, mass_of(document) if len(pieces) == 1 else None)
