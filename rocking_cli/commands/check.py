@@ -108,6 +108,10 @@ def check(
     stated = stated_demands(files, asked, vary, sign)
     most_slide = _slide_limit(fail_on, stated)
     by_code = of_code.rows(verdict_only)
+    if by_code is not None and asked.building:
+        from ..motions.buildings import parse_building
+
+        by_code.stand_on(parse_building(asked.building))
     if output is not None:
         options.check_target(output, overwrite)
     if by_code and of_code.spectrum and not stated.shakes:

@@ -1,7 +1,10 @@
 """`rocking records`: the contents and intensity measures of recorded ground motions."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -57,6 +60,9 @@ def records(
         "Damping ratio of the spectrum (default 0.05 for 5 %).",
         type=NUMBER,
     ),
+    building: tuple[str, ...] = ground.building(),
+    output: Path | None = options.output("Write the one record as PEER AT2."),
+    overwrite: bool = options.overwrite(),
 ) -> None:
     """Show what records hold, a row a component: sampling and intensity measures in s,
     m/s2, m/s and m.
@@ -68,7 +74,10 @@ def records(
     header_difference the relative excess of the peak of the samples over it, unit the
     unit of the file. --export-spectrum: the largest displacement S_d of an oscillator
     of period T, also between samples and after the record, and S_a = (2 pi/T)^2 S_d.
+    --building: the absolute acceleration of a floor in place of the record, with
+    floor_chord, the share of its peak that straight lines between its samples may miss.
     """
+    from ..motions.buildings import floor_record, parse_building
     from ..motions.reading import read_set
     from ..motions.records.record import ALL, chosen
 
@@ -76,11 +85,23 @@ def records(
         raise click.UsageError("no record: give FILE, or - for standard input")
     if not export_spectrum:
         refuse("goes with --export-spectrum", "periods", "damping")
+    if output is not None:
+        options.check_target(output, overwrite, (".at2",))
+    house = parse_building(building)
     notes: list[str] = []
     unread: list[str] = []
+    taken_records: list[Record] = []
+    chords: dict[int, float] = {}
 
-    def rows(found: "list[Record]") -> list[dict[str, Any]]:
+    def rows(found: list[Record]) -> list[dict[str, Any]]:
         records = chosen(found, reading.component or ALL)
+        if house is not None:
+            for record in records:
+                notes.extend(ground.ends_abruptly(record.label, record.acceleration))
+            floors = [floor_record(record, house) for record in records]
+            records = [record for record, _ in floors]
+            chords.update({id(record): chord for record, chord in floors})
+        taken_records.extend(records)
         notes.extend(
             f"{record.source}: {remark}"
             for record in records
@@ -92,7 +113,7 @@ def records(
             for row in (
                 _spectrum(record, periods, damping)
                 if export_spectrum
-                else [_row(record)]
+                else [_row(record, chords.get(id(record)))]
             )
         ]
 
@@ -108,6 +129,8 @@ def records(
                 unread=unread.append,
             )
         )
+    if output is not None:
+        _write(output, taken_records, overwrite)
     if export_spectrum:
         emit(taken, SPECTRUM_COLUMNS, keys=(*KEYS, "T"))
     else:
@@ -118,7 +141,7 @@ def records(
 
 
 def _spectrum(
-    record: "Record", periods: str | None, damping: float | None
+    record: Record, periods: str | None, damping: float | None
 ) -> list[dict[str, Any]]:
     """Return the rows of the response spectrum of a record. Raises UsageError."""
     from ..motions.grid import parse_span
@@ -138,7 +161,20 @@ def _spectrum(
     ]
 
 
-def _row(record: "Record") -> dict[str, Any]:
+def _write(output: Path, records: list[Record], overwrite: bool) -> None:
+    """Write the one record of a call. Raises click.UsageError for several."""
+    from ..motions.records.writing import at2_text
+    from ..publishing import published
+
+    if len(records) != 1:
+        raise click.UsageError(
+            f"-o: found {len(records)} records; expected one (--component chooses it)"
+        )
+    with published(output, overwrite) as file:
+        file.write(at2_text(records[0]).encode("ascii"))
+
+
+def _row(record: Record, chord: float | None = None) -> dict[str, Any]:
     from ..motions.intensity import intensity
 
     measured = intensity(record)
@@ -153,4 +189,5 @@ def _row(record: "Record") -> dict[str, Any]:
         "header_pga": record.header_pga,
         "header_difference": difference,
         "unit": record.unit,
+        **({} if chord is None else {"floor_chord": chord}),
     }

@@ -104,7 +104,7 @@ class MotionSet:
         """
         own = (
             float(structure.dimensionless_amplitude(member.acceleration))
-            / member.motion.largest
+            / member.motion.ground_peak
         )
         return own * self.factor(structure, member)
 
@@ -243,7 +243,9 @@ def as_recorded(structure: RockingParameters, motions: MotionSet) -> Exposure:
     at one level.
     """
     own = [
-        structure.dimensionless_amplitude(np.array([m.acceleration / m.motion.largest]))
+        structure.dimensionless_amplitude(
+            np.array([m.acceleration / m.motion.ground_peak])
+        )
         for m in motions.members
     ]
     return _under_each(structure, motions, own)

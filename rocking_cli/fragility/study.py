@@ -222,11 +222,11 @@ class Study:
     @property
     def no_damage(self) -> float:
         """The level [SI] of uplift by the equation of the study for PGA without a
-        vertical motion, otherwise 0.
+        vertical motion and a building, otherwise 0.
         """
         lifted = any(
             (
-                m.recording.upwards is not None
+                m.recording.upwards is not None or m.recording.building is not None
                 if m.recording
                 else m.motion.vertical is not None
             )

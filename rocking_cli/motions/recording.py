@@ -11,6 +11,7 @@ import numpy as np
 
 from .biaxial import Upwards
 from .blocks import largest
+from .buildings import Building, floor_of
 from .intensity import Intensity, intensity
 from .motion import Motion, checked_scale
 from .records.record import Record, record_motion
@@ -26,12 +27,17 @@ class Recording:
     factor: may be negative [-]
     label: its name in a set
     upwards: vertical motion with it, None without one
+    building: the building on whose floor the motion is; None on the ground. The record,
+        its factor and all measures are those of the ground.
     """
 
     record: Record  # as recorded
     factor: float = 1.0  # may be negative [-]
     label: str = ""  # its name in a set
     upwards: Upwards | None = None  # vertical motion with it, None without one
+    # the building on whose floor the motion is; None on the ground. The record,
+    # its factor and all measures are those of the ground.
+    building: Building | None = None
 
     def __post_init__(self) -> None:
         label = (
@@ -65,6 +71,11 @@ class Recording:
         )
         return replace(self, factor=self.factor * factor, upwards=up)
 
+    def on_floor(self, building: Building) -> Self:
+        """Return the recording on a floor of a building; its label names it."""
+        label = f"{self.label}, {building.name}"
+        return replace(self, building=building, label=label)
+
     @property
     def motion(self) -> Motion:
         """The motion in its own time (omega_g = 1 rad/s). Only the last two motions are
@@ -74,10 +85,14 @@ class Recording:
 
     def identity(self) -> list[Any]:
         """The data on which a result depends: label, hash of the file, component, dt
-        [s], unit in the file, factor, vertical motion.
+        [s], unit in the file, factor, vertical motion, building.
         """
-        r, up = self.record, [] if self.upwards is None else [self.upwards.identity()]
-        return [self.label, r.sha256, r.component, r.dt, r.unit, self.factor, *up]
+        r, more = self.record, list[Any]()
+        if self.upwards is not None:
+            more.append(self.upwards.identity())
+        if self.building is not None:
+            more.append({"building": self.building.identity()})
+        return [self.label, r.sha256, r.component, r.dt, r.unit, self.factor, *more]
 
 
 @lru_cache(maxsize=2)
@@ -87,6 +102,8 @@ def _motion(recording: Recording) -> Motion:
         recording.factor,
         recording.label + ", times -1" * (recording.factor < 0.0),
     )
+    if recording.building is not None:
+        across = floor_of(across, recording.building, name=across.name)
     return across if recording.upwards is None else recording.upwards(across)
 
 

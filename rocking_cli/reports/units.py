@@ -75,7 +75,7 @@ COLUMNS = {
     "tie_elongation": "length",
     "permanent": "length",
     **dict.fromkeys(
-        ("ground_acceleration", "pga", "header_pga", "S_a", "sa", "avgsa"),
+        ("ground_acceleration", "pga", "header_pga", "floor_pga", "S_a", "sa", "avgsa"),
         "acceleration",
     ),
     **dict.fromkeys(

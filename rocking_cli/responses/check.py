@@ -70,6 +70,9 @@ TIED_COLUMNS = (
 )
 
 
+FLOOR_COLUMNS = ("floor_pga", "floor_chord")
+
+
 @dataclass(frozen=True)
 class Verdict:
     """The verdict on a structure under a motion by its governing equation;
@@ -102,6 +105,9 @@ class Verdict:
     opens: True if a further hinge opens in an arch, whose mechanism is then another
         one; None for another structure
     searched_to: largest a_g of the search [m/s2]; None without a search
+    floor_pga: of a body on a floor of a building: largest acceleration of the floor
+        [m/s2]
+    floor_chord: what its straight lines miss at most, over floor_pga [-]
     """
 
     structure: str  # name of the structure
@@ -144,6 +150,10 @@ class Verdict:
     opens: bool | None = None
     # largest a_g of the search [m/s2]; None without a search
     searched_to: float | None = None
+    # of a body on a floor of a building: largest acceleration of the floor [m/s2]
+    floor_pga: float | None = None
+    # what its straight lines miss at most, over floor_pga [-]
+    floor_chord: float | None = None
 
     @property
     def sentence(self) -> str:
@@ -196,6 +206,8 @@ class Verdict:
             found["falls_nearby"] = self.share_of_falls
         if self.slide is not None:
             found |= self.slide.row()
+        if self.floor_chord is not None:
+            found |= {key: getattr(self, key) for key in FLOOR_COLUMNS}
         if not self.devices:
             return found
         from .tied_history import columns_of
@@ -360,8 +372,19 @@ def _judged(
         slides=structure.friction is not None
         and (asked.get("friction_needed") or 0.0) > structure.friction,
         **asked,
+        **_of_floor(motion, float(structure.ground_acceleration(amplitude))),
     )
     return with_sliding(verdict, structure, motion, shaking)
+
+
+def _of_floor(motion: Motion, a_g: float) -> dict[str, float]:
+    """Return FLOOR_COLUMNS of the motion of a floor at an amplitude [m/s2]; empty on
+    the ground.
+    """
+    if motion.floor is None:
+        return {}
+    values = a_g * motion.largest, motion.floor.chord
+    return dict(zip(FLOOR_COLUMNS, values, strict=True))
 
 
 def _least_acceleration(

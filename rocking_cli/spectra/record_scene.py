@@ -121,7 +121,10 @@ class RecordScene(Scene):
 
     @property
     def segments(self) -> int:
-        return max(r.record.npts for r in self.recordings) - 1
+        return max(
+            r.record.npts - 1 if r.building is None else len(r.motion.segments)
+            for r in self.recordings
+        )
 
     @property
     def title(self) -> str:
