@@ -351,11 +351,14 @@ def _absolute(
 
 
 def _chord(building: Building, steps: _Steps, answers: Sequence[_Answer]) -> float:
-    """Return the bound of what straight lines over the steps miss."""
-    bend = (steps.size * steps.rate**2).sum(axis=0)
+    """Return the bound of what straight lines over the steps and the tail miss."""
+    bend, free = (steps.size * steps.rate**2).sum(axis=0), 0.0
     for mode, answer in zip(building.modes, answers, strict=True):
         bend = bend + abs(mode.gamma_psi) * answer.bend
-    return float((steps.length**2 * bend).max()) / 8.0
+        swing = _free(mode, answer.left, np.zeros(1))[1]
+        free += abs(mode.gamma_psi) * (2.0 * math.pi / mode.period) ** 2 * swing
+    most = max(float((steps.length**2 * bend).max()), steps.length[-1] ** 2 * free)
+    return float(most) / 8.0
 
 
 def _free(mode: BuildingMode, z: complex, times: Array) -> tuple[Array, float]:
