@@ -352,7 +352,7 @@ def _absolute(
 
 def _chord(building: Building, steps: _Steps, answers: Sequence[_Answer]) -> float:
     """Return the bound of what straight lines over the steps and the tail miss."""
-    bend, free = (steps.size * steps.rate**2).sum(axis=0), 0.0
+    bend, free = (np.abs(steps.size) * steps.rate**2).sum(axis=0), 0.0
     for mode, answer in zip(building.modes, answers, strict=True):
         bend = bend + abs(mode.gamma_psi) * answer.bend
         swing = _free(mode, answer.left, np.zeros(1))[1]
