@@ -57,10 +57,6 @@ def friction_that_slides(structure: RockingParameters) -> Friction | None:
     friction is below lambda of each edge; None for another structure, and where the
     argument does not hold: of an arch, a frame, a body with several joints or a backing
     or ties, or of stated parameters without an arm.
-
-    >>> (block,) = load_structures('block:0.5x2,friction=0.2')
-    >>> friction_that_slides(block)
-    Friction(static=0.2, kinetic=0.2)
     """
     if structure.friction is None or not covers_sliding(structure):
         return None

@@ -68,7 +68,9 @@ class Building:
 
 def parse_building(texts: Sequence[str]) -> Building | None:
     """Return the building whose modes texts such as `T=0.4,xi=0.05,gamma_psi=1.3`
-    state, None without one; gamma_psi is 1 if it is not stated. Raises UsageError.
+    state (T [s], xi and gamma_psi [-], 1 if it is not stated), None without one. Raises
+    UsageError for other keys, a period that is not positive, a damping ratio outside
+    0 to 1, and two modes of one period.
 
     >>> parse_building(['T=0.4,xi=0.05']).modes
     (BuildingMode(period=0.4, damping=0.05, gamma_psi=1.0),)
@@ -259,13 +261,36 @@ def floor_of(
     a_g: float | None = None,
     omega: float = 1.0,
     name: str = "",
-) -> Polyline:
-    """Return the motion of a floor in its own time, absolute acceleration over the same
-    a_g, as straight lines between exact values. Its `floor` says what the lines miss.
-    ground: a record, or a pulse of the amplitude a_g [m/s2] and the frequency omega
-    [rad/s], with its vertical motion; name: by default that of the ground with the
-    periods. Raises UsageError if it needs more than `MOST` steps.
+) -> Motion:
+    """Return the motion of a floor of a building, in its own time: absolute
+    acceleration over the a_g of the ground, as straight lines between exact values.
 
+    Parameters
+    ----------
+    ground
+        a record, or a pulse of one amplitude and frequency, with its vertical motion,
+        which is not filtered
+    building
+        the modes that move the floor
+    a_g
+        amplitude of the ground [m/s2], None for that of a record
+    omega
+        frequency of the ground [rad/s], 1 of a record
+    name
+        by default that of the ground with the periods
+
+    Returns
+    -------
+    Motion
+        its `floor` says what the straight lines miss at most [-]
+
+    Raises
+    ------
+    UsageError
+        if it needs more than 10 million steps
+
+    Examples
+    --------
     >>> ground = read_motion('configs/motions/synthetic.at2')
     >>> floor = floor_of(ground, parse_building(['T=0.4,xi=0.05,gamma_psi=1.3']))
     >>> round(floor.largest * floor.acceleration, 3), floor.floor.chord < 1e-3
@@ -317,11 +342,6 @@ def floor_record(record: Record, building: Building) -> tuple[Record, float]:
     """Return (the absolute acceleration of a floor under a record, as a record; what
     straight lines between its samples miss at most, over its peak). Raises as
     `floor_of`.
-
-    >>> record = read_record('configs/motions/synthetic.at2')
-    >>> floor, chord = floor_record(record, parse_building(['T=0.4,xi=0.05']))
-    >>> floor.dt, chord < 1e-3
-    (0.005, True)
     """
     found = floor_of(record_motion(record), building)
     samples = found.samples

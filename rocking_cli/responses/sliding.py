@@ -156,13 +156,15 @@ class SlideHistory:
             up = self.demand_a * self.motion.vertical.value(phase)
             weight += up / self.structure.gravity
         kinetic = -np.sign(v) * self.friction.kinetic * weight
-        across = np.where(v == 0.0, ground / self.structure.gravity, kinetic)
+        most = self.friction.static * weight  # also in the instant of a start
+        held = np.clip(ground / self.structure.gravity, -most, most)
+        across = np.where(v == 0.0, held, kinetic)
         columns = [times, u * self._length, v * self.demand_a / self.omega, ground]
         for t, slide, speed, a, fx, fz in zip(*columns, across, weight, strict=True):
             yield {
                 "t": float(t),
                 "slide": float(slide),
-                "slide_velocity": float(speed),
+                "slide_velocity": float(speed) + 0.0,  # no negative zero
                 **({"fx_ratio": float(fx), "fz_ratio": float(fz)} if forces else {}),
                 "ground_acceleration": float(a),
                 "structure": self.structure.name,

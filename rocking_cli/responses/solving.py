@@ -2,6 +2,7 @@
 margin.
 """
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -184,13 +185,14 @@ def boundaries(
             ValueError
         ):  # a value without a structure or a verdict, which is remarked on
             return None
-        for digits in range(
-            _DIGITS, 16
-        ):  # the first that stands: close by there may be another boundary
+        # the first that stands: close by there may be another boundary; where a value
+        # itself does not stand, as at a friction of lambda, a unit away from it
+        for away, digits in itertools.product(
+            (0, 1 if above else -1), range(_DIGITS, 16)
+        ):
             unit = 10.0 ** (math.floor(math.log10(abs(exact) or 1.0)) - digits + 1)
-            value = min(
-                high, max(low, float(f"{outwards(exact / unit) * unit:.{digits}g}"))
-            )
+            rounded = (outwards(exact / unit) + away) * unit
+            value = min(high, max(low, float(f"{rounded:.{digits}g}")))
             if excess(value) >= 0.0:
                 break
         else:

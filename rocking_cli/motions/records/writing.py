@@ -7,12 +7,7 @@ _COLUMNS = 5  # values on a line
 
 
 def at2_text(record: Record) -> str:
-    """Return a record as PEER AT2, in g, with all digits of its samples.
-
-    >>> record = read_record('configs/motions/synthetic.at2')
-    >>> at2_text(record).splitlines()[2:4]
-    ['ACCELERATION TIME SERIES IN UNITS OF G', 'NPTS= 1600, DT= 0.01 SEC']
-    """
+    """Return a record as PEER AT2, in g, with all digits of its samples."""
     name = record.label.encode("ascii", "replace").decode()
     lines = [
         "PEER AT2 FORMAT",
