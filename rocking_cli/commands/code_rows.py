@@ -107,7 +107,7 @@ class CodeRows:
         self.verdicts.setdefault(verdict.structure, []).append(verdict)
         beyond = (
             first_beyond(*demand, most=verdict.first_overturning_a)
-            if searched
+            if searched and verdict.slide is None
             else None
         )
         several = (

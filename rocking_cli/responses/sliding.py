@@ -299,7 +299,9 @@ def with_sliding(
     if found is None:
         return replace(verdict, coupling=coupling_of(structure) * verdict.slides)
     first = verdict.first_overturning_a
-    stuck = verdict.outcome.sentence
+    stuck = f"rocks: it {verdict.outcome.sentence}"
+    if verdict.outcome == Outcome.NO_UPLIFT:
+        stuck = "does not lift under this motion"
     if first is not None:
         stuck += f" (first_overturning_a {first / structure.gravity:.3g} g)"
     own = SlideVerdict(
@@ -309,7 +311,7 @@ def with_sliding(
         found.slide_speed,
         verdict.outcome,
         first,
-        f"{found.words}. With more friction it rocks: it {stuck}",
+        f"{found.words}. With more friction it {stuck}",
     )
     lost = found.lost_at is not None
     return replace(
