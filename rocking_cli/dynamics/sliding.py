@@ -453,14 +453,12 @@ class _Course(NamedTuple):
         drive, level = self.drive, self.level
         last = min(drive.at(end)[0] + 1, len(drive.start))
         some = slice(self.k, last)
-        tops = [np.array([end, drive.end])] + [
+        falls = (drive.q_start[some] > level) & (drive.q_end[some] < level)
+        tops = [
             drive.start[k] + drive.crossing(k, level, self.u if k == self.k else 0.0)
-            for k in np.flatnonzero(
-                (drive.q_start[some] > level) & (drive.q_end[some] < level)
-            )
-            + self.k
+            for k in (np.flatnonzero(falls) + self.k).tolist()
         ]
-        places = np.concatenate([drive.start[some], np.hstack(tops)])
+        places = np.concatenate([drive.start[some], tops, [end, drive.end]])
         places = np.clip(places, self.start, end)
         return float(self.at(places)[1].max())
 

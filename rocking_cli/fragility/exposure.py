@@ -188,7 +188,11 @@ def _under_records(
             slide_max = file.array("slide_max") if "slide_max" in file.names else None
     slides = [friction_that_slides(s) is not None for s in structures]
     return [
-        Exposure(theta[:, i], outcome[:, i], slide_max[:, i] if slides[i] else None)
+        Exposure(
+            theta[:, i],
+            outcome[:, i],
+            None if slide_max is None or not slides[i] else slide_max[:, i],
+        )
         for i in range(len(structures))
     ]
 

@@ -30,6 +30,7 @@ class Polyline(Motion):
     stop: Array  # phase at the end of each interval [rad], (n,)
     constant: Array  # s at the start of each interval [-], (n,)
     slope: Array  # [1/rad], (n,)
+    _floor: Floor | None  # see `floor`
 
     def __init__(
         self,

@@ -97,7 +97,7 @@ class Recording:
 
 @lru_cache(maxsize=2)
 def _motion(recording: Recording) -> Motion:
-    across = record_motion(
+    across: Motion = record_motion(
         recording.record,
         recording.factor,
         recording.label + ", times -1" * (recording.factor < 0.0),

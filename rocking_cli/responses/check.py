@@ -377,7 +377,7 @@ def _judged(
     return with_sliding(verdict, structure, motion, shaking)
 
 
-def _of_floor(motion: Motion, a_g: float) -> dict[str, float]:
+def _of_floor(motion: Motion, a_g: float) -> dict[str, Any]:
     """Return FLOOR_COLUMNS of the motion of a floor at an amplitude [m/s2]; empty on
     the ground.
     """

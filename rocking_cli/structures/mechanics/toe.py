@@ -20,7 +20,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from ..shared_keys import gravity_of, mass_of
 
 if TYPE_CHECKING:
-    from ...documents.document import Document, Value
+    from ...documents.composition import Value
+    from ...documents.document import Document
 
 LARGE = 0.1  # of the half width: a larger inset is remarked on
 
