@@ -166,6 +166,7 @@ class Ground:
         if self.motion is None or self.motion.acceleration is None:
             waits = None if self.motion is None else building
             return replace(self, recordings=recordings, building=waits)
+        note(*ends_abruptly(self.motion.name, self.motion.segments.s_end))
         return replace(self, motion=floor_of(self.motion, building))
 
     def with_grid(self, grid: Grid) -> Ground:
@@ -189,7 +190,9 @@ class Ground:
 
 
 def ends_abruptly(label: str, acceleration: np.ndarray) -> list[str]:
-    """Return a line on a record that ends with a part of its peak; none for another."""
+    """Return a line on a record that ends with a part of its peak; none for another.
+    acceleration: its samples, in any unit.
+    """
     share = abs(float(acceleration[-1])) / float(abs(acceleration).max() or 1.0)
     if share <= 1e-3:
         return []

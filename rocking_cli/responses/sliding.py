@@ -252,10 +252,10 @@ def slide_history(
     >>> round(found.slide_max, 6), round(found.slide_residual, 6)
     (0.125812, 0.006298)
     """
+    moved, grid = demand_of(motion, shaking)
     friction = friction_that_slides(structure)
     if friction is None:
         return None
-    moved, grid = demand_of(motion, shaking)
     amplitude, omega = grid.cell(structure)
     a_g = float(structure.ground_acceleration(amplitude))
     if not a_g > 0.0:
