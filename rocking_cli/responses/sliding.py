@@ -52,7 +52,17 @@ ONE_WAY = (
 
 @dataclass(frozen=True, eq=False)
 class SlideHistory:
-    """The sliding of one structure under one motion."""
+    """The sliding of one structure under one motion.
+
+    Attributes
+    ----------
+    structure: the one that slides
+    motion: the ground motion
+    demand_a: a_g [m/s2]
+    omega: omega_g [rad/s]
+    friction: static and kinetic coefficient of its base [-]
+    sliding: its slides, in phases
+    """
 
     structure: RockingParameters  # the one that slides
     motion: Motion  # the ground motion
@@ -244,9 +254,30 @@ def slide_history(
     shaking: Grid | None = None,
 ) -> SlideHistory | None:
     """Return the sliding of a structure whose friction keeps it from rocking, None for
-    another structure (see `friction_that_slides`); shaking: a grid of one cell, which a
-    record does not need. Raises UsageError.
+    another structure.
 
+    Parameters
+    ----------
+    structure
+        a rigid body on two edges; it slides and never rocks if its static friction is
+        below lambda of each edge, of a stack of each interface
+    motion
+        the motion of the ground, with its vertical one
+    shaking
+        a grid of one cell, which a record does not need
+
+    Returns
+    -------
+    SlideHistory or None
+        displacements [m], speeds [m/s] and the outcome; its rows and events
+
+    Raises
+    ------
+    UsageError
+        without a demand of one cell, and for an amplitude of zero
+
+    Examples
+    --------
     >>> (block,) = load_structures('block:0.5x2,friction=0.2')
     >>> found = slide_history(block, sine(), parse_grid('a_g=0.4g,f_g=1'))
     >>> round(found.slide_max, 6), round(found.slide_residual, 6)
