@@ -149,8 +149,8 @@ def _slide_limit(fail_on: str | None, stated: Demands) -> float | None:
     """
     if fail_on is None or fail_on == "overturning":
         return None
-    from ..dynamics.sliding import covers_sliding
     from ..responses.sliding import parse_slide
+    from ..structures.friction import covers_sliding
 
     most = parse_slide("--fail-on", fail_on, "overturning or slide=LENGTH")
     for one in stated.structures:

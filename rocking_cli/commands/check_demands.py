@@ -92,7 +92,7 @@ def at_worst(demands: Demands, limit: Limit | None, workers: int | None) -> Dema
 
     limit: the largest amplitude of the search, None if only outcomes are wanted.
     """
-    from ..responses.sliding import refuse_range
+    from ..structures.friction import refuse_range
 
     if demands.azimuths is not None and demands.azimuths.size > 1:
         refuse_range(demands.structures, "--azimuth with several directions")

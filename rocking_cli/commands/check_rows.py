@@ -31,8 +31,8 @@ def row_of(
 def _later_columns(demands: Demands, searched: bool) -> tuple[str, ...]:
     """The columns that a later row may have and the first one lacks."""
     from ..envelopes.capacity import falls_may_be_narrow
-    from ..responses.check import TIED_COLUMNS
-    from ..responses.sliding import SLIDE_COLUMNS, sliders
+    from ..responses.check import SLIDE_COLUMNS, TIED_COLUMNS
+    from ..structures.friction import sliders
 
     tied = any(s.restraints for s in demands.structures)
     arches = any(s.structure == "arch" for s in demands.structures)

@@ -32,58 +32,15 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ..motions.biaxial import combined
 from ..motions.motion import Motion
-from ..structures.parameters import RockingParameters
+from ..structures.friction import Friction
 from .outcome import Outcome
 
 Array = np.ndarray
 
 _BLOCK = 64  # segments of a slide that are summed at a time, at first
-
-
-@dataclass(frozen=True)
-class Friction:
-    """The friction of a base. Its static coefficient is the larger one."""
-
-    static: float  # mu_s [-]
-    kinetic: float  # mu_k [-]
-
-
-def friction_that_slides(structure: RockingParameters) -> Friction | None:
-    """Return the friction of a body that slides and never rocks, because its static
-    friction is below lambda of each edge; None for another structure, and where the
-    argument does not hold: of an arch, a frame, a body with several joints or a backing
-    or ties, or of stated parameters without an arm.
-    """
-    if structure.friction is None or not covers_sliding(structure):
-        return None
-    if not structure.friction < least_lambda(structure):
-        return None
-    kinetic = structure.kinetic_friction
-    return Friction(
-        structure.friction, structure.friction if kinetic is None else kinetic
-    )
-
-
-def covers_sliding(structure: RockingParameters) -> bool:
-    """True for a rigid body on its whole base, whose sliding is known."""
-    return (
-        structure.arm is not None
-        and structure.mechanism is None
-        and not structure.one_sided
-        and structure.restraints is None
-    )
-
-
-def least_lambda(structure: RockingParameters) -> float:
-    """Return lambda [-] of the edge that lifts first, of a stack of the interface that
-    lifts first.
-    """
-    interfaces = structure.details.get("interfaces") or ()
-    return min([structure.uplift, *(one["lambda"] for one in interfaces)])
 
 
 @dataclass(frozen=True)
@@ -238,6 +195,8 @@ def _versine(x: Any) -> Any:
 
 
 def _root(function: Any, low: float, high: float) -> float:
+    from scipy.optimize import brentq
+
     return float(brentq(function, low, high, xtol=1e-300, rtol=1e-15))
 
 

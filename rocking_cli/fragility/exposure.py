@@ -13,7 +13,6 @@ import numpy as np
 from ..dynamics.method import Method
 from ..dynamics.outcome import Outcome, falls
 from ..dynamics.response import response
-from ..dynamics.sliding import friction_that_slides
 from ..envelopes.amplitudes import LONGEST_FINE
 from ..envelopes.boundaries import Search
 from ..envelopes.capacity import RATIO, tracing_width
@@ -22,6 +21,7 @@ from ..errors import UsageError
 from ..motions.grid import Axis
 from ..processes import available_cpus
 from ..spectra.sweep import SweepOptions, spectrum_of, write_scene
+from ..structures.friction import friction_that_slides
 from ..structures.parameters import RockingParameters
 from .measures import Measure, MotionMember
 

@@ -20,7 +20,7 @@ motion of the ground is not filtered.
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -29,7 +29,9 @@ from ..errors import UsageError
 from .blocks import largest
 from .motion import Floor, Motion, Piece, upwards
 from .polyline import Polyline
-from .records.record import Record, record_motion
+
+if TYPE_CHECKING:
+    from .records.record import Record
 
 Array = np.ndarray
 
@@ -338,12 +340,12 @@ def floor_of(
     )
 
 
-def floor_record(record: Record, building: Building) -> tuple[Record, float]:
+def floor_record(record: "Record", building: Building) -> "tuple[Record, float]":
     """Return (the absolute acceleration of a floor under a record, as a record; what
     straight lines between its samples miss at most, over its peak). Raises as
     `floor_of`.
     """
-    found = floor_of(record_motion(record), building)
+    found = floor_of(record.motion, building)
     samples = found.samples
     assert samples is not None  # those of the record are equal
     moved = replace(

@@ -5,16 +5,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import count
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
 from .biaxial import Upwards
 from .blocks import largest
-from .buildings import Building, floor_of
 from .intensity import Intensity, intensity
 from .motion import Motion, checked_scale
 from .records.record import Record, record_motion
+
+if TYPE_CHECKING:
+    from .buildings import Building
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +39,7 @@ class Recording:
     upwards: Upwards | None = None  # vertical motion with it, None without one
     # the building on whose floor the motion is; None on the ground. The record,
     # its factor and all measures are those of the ground.
-    building: Building | None = None
+    building: "Building | None" = None
 
     def __post_init__(self) -> None:
         label = (
@@ -71,7 +73,7 @@ class Recording:
         )
         return replace(self, factor=self.factor * factor, upwards=up)
 
-    def on_floor(self, building: Building) -> Self:
+    def on_floor(self, building: "Building") -> Self:
         """Return the recording on a floor of a building; its label names it."""
         label = f"{self.label}, {building.name}"
         return replace(self, building=building, label=label)
@@ -103,6 +105,8 @@ def _motion(recording: Recording) -> Motion:
         recording.label + ", times -1" * (recording.factor < 0.0),
     )
     if recording.building is not None:
+        from .buildings import floor_of
+
         across = floor_of(across, recording.building, name=across.name)
     return across if recording.upwards is None else recording.upwards(across)
 

@@ -21,14 +21,15 @@ from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Grid, HasMotion, demand_of
 from ..processes import available_cpus, part_reporter, processes
+from ..structures.friction import friction_that_slides
 from ..structures.mechanics.fourbar import FourBar
 from ..structures.parameters import RockingParameters
 from .force_history import ForceHistory
-from .sliding import SlideVerdict, slide_history, with_sliding
 from .time_history import time_history
 
 if TYPE_CHECKING:
     from ..envelopes.lowest_fall import FallSearch
+    from .sliding import SlideVerdict
 
 Demand = tuple[RockingParameters, Motion, Grid]
 Progress = Callable[[float, int], None]
@@ -70,6 +71,14 @@ TIED_COLUMNS = (
 )
 
 
+SLIDE_COLUMNS = (
+    "slide_a",
+    "slide_max",
+    "slide_residual",
+    "slide_speed",
+    "stuck_outcome",
+    "stuck_first_overturning_a",
+)
 FLOOR_COLUMNS = ("floor_pga", "floor_chord")
 
 
@@ -138,7 +147,7 @@ class Verdict:
     # what `slides` means for a body that slides while it rocks, in words
     coupling: str = ""
     # the sliding of a body that slides and never rocks; None for another one
-    slide: SlideVerdict | None = None
+    slide: "SlideVerdict | None" = None
     # largest displacement of the top [m], None without a geometry or if the body falls
     top_displacement: float | None = None
     # first_overturning_a of the body without ties and tendon [m/s2]
@@ -251,7 +260,11 @@ def outcome_alone(
     structure: RockingParameters, motion: Motion, shaking: Grid
 ) -> Outcome:
     """Return only the outcome of the verdict of `check`."""
-    if (slide := slide_history(structure, motion, shaking)) is not None:
+    if friction_that_slides(structure) is not None:
+        from .sliding import slide_history
+
+        slide = slide_history(structure, motion, shaking)
+        assert slide is not None  # it slides
         return slide.outcome
     _, _, amplitude, omega, method, _ = _capacity_search(
         structure, motion, shaking, 0.0
@@ -374,6 +387,10 @@ def _judged(
         **asked,
         **_of_floor(motion, float(structure.ground_acceleration(amplitude))),
     )
+    if structure.friction is None:
+        return verdict
+    from .sliding import with_sliding
+
     return with_sliding(verdict, structure, motion, shaking)
 
 

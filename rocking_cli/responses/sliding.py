@@ -8,38 +8,27 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..dynamics.outcome import LOST, Outcome
-from ..dynamics.sliding import (
-    Base,
-    Friction,
-    Slide,
-    Sliding,
-    covers_sliding,
-    friction_that_slides,
-    least_lambda,
-)
+from ..dynamics.sliding import Base, Slide, Sliding
 from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Grid, HasMotion, demand_of
+from ..structures.friction import (
+    Friction,
+    covers_sliding,
+    friction_that_slides,
+    least_lambda,
+    sliders,
+)
 from ..structures.parameters import RockingParameters
-
-if TYPE_CHECKING:
-    from .check import Verdict
+from .check import SLIDE_COLUMNS, Verdict
 
 POINTS = 500  # times of a history over its whole length, unless the user says
 MOST_POINTS = 10_000_000
-SLIDE_COLUMNS = (
-    "slide_a",
-    "slide_max",
-    "slide_residual",
-    "slide_speed",
-    "stuck_outcome",
-    "stuck_first_overturning_a",
-)
 COUPLED = (
     "slides while it rocks: this motion is not followed; the verdict is that of a base"
     " that does not slide"
@@ -393,23 +382,6 @@ def parse_slide(place: str, text: str, wanted: str) -> float:
             " unit, such as slide=50mm"
         )
     return value
-
-
-def refuse_range(structures: Iterable[RockingParameters], what: str) -> None:
-    """Raise UsageError if a structure slides and never rocks, whose worst case in a
-    range of frequencies or directions is not that of rocking.
-    """
-    if names := [s.name for s in sliders(structures)]:
-        raise UsageError(
-            f"{what} does not go with a body that slides and never rocks, because its"
-            f" friction is below lambda: {names[0]}; expected one value (at a lower"
-            " frequency a pulse slides it further, by 1/f2)"
-        )
-
-
-def sliders(structures: Iterable[RockingParameters]) -> list[RockingParameters]:
-    """Return the structures that slide and never rock."""
-    return [s for s in structures if friction_that_slides(s) is not None]
 
 
 def stuck_in_words(structures: Iterable[RockingParameters]) -> list[str]:

@@ -16,10 +16,10 @@ import numpy as np
 
 from ..dynamics.method import LINEAR, Method
 from ..dynamics.outcome import Outcome
-from ..dynamics.sliding import friction_that_slides
 from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Grid
+from ..structures.friction import friction_that_slides
 from ..structures.parameters import RockingParameters
 from .dimensions import Frame, structure_lists, varied_units
 

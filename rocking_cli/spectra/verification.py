@@ -16,7 +16,7 @@ import numpy as np
 from ..dynamics.method import Method
 from ..dynamics.outcome import Difference, Outcome, difference, falls, safe
 from ..dynamics.response import Response, response
-from ..dynamics.sliding import friction_that_slides
+from ..structures.friction import friction_that_slides
 from .scene import PulseScene, Scene, Unit
 
 Array = np.ndarray

@@ -10,10 +10,11 @@ from scipy.optimize import brentq
 
 from rocking_cli import load_records, load_structures
 from rocking_cli.dynamics.outcome import Outcome
-from rocking_cli.dynamics.sliding import Base, Friction, friction_that_slides
+from rocking_cli.dynamics.sliding import Base
 from rocking_cli.motions import pulse
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.motion import Motion
+from rocking_cli.structures.friction import Friction, friction_that_slides
 from tests.oracles.sliding import BlockOnCorners, G, moreau
 
 SYNTHETIC = "configs/motions/synthetic.at2"

@@ -26,13 +26,12 @@ from ...dynamics.response import (
     response_under_records,
     response_with_speed,
 )
-from ...dynamics.sliding import friction_that_slides
 from ...motions import Motion
 from ...processes import Run, processes
+from ...structures.friction import friction_that_slides
 from ...structures.parameters import RockingParameters
 from ..scene import CellBand, Scene, Unit
 from ..verification import Answer, Place, Verification, condition_of, reference
-from .sliding_cells import sliding_block
 
 TOGETHER = 1 << 19  # cells of an exact equation that a worker computes in one batch
 
@@ -127,6 +126,8 @@ class Job:
         found: dict[int, list[Block]] = {}
         for band in chain.from_iterable(bands):
             if friction_that_slides(band.structure) is not None:
+                from .sliding_cells import sliding_block
+
                 found[id(band)] = [
                     sliding_block(s, band, self.quantities) for s in band.sharers
                 ]

@@ -9,7 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...dynamics.outcome import Difference, Outcome
-from ...dynamics.sliding import Base, friction_that_slides
+from ...dynamics.sliding import Base
+from ...structures.friction import friction_that_slides
 from ...structures.parameters import RockingParameters
 from ..dimensions import QUANTITIES
 from ..scene import CellBand
