@@ -10,6 +10,8 @@ TESTS := $(shell find tests -type f -not -path '*/__pycache__/*')
 .DEFAULT_GOAL := help
 # Two processes of tests have two cores: threads of OpenBLAS would wait for each other.
 quick $(STAMPS)/test: export OPENBLAS_NUM_THREADS = 1
+# The tests keep their compiled modules, whose assertions take seconds to rewrite.
+quick $(STAMPS)/test: export PYTHONDONTWRITEBYTECODE =
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  \1\t\2/p' $(MAKEFILE_LIST) | expand -t 14
@@ -21,8 +23,10 @@ lint: $(STAMPS)/lint ## Format, rules and types
 # The rooms whose files differ from the last commit, or ROOMS="tests/structures tests/motions".
 ROOMS ?= $(shell git diff --name-only HEAD -- rocking_cli tests | sed -nE 's,^(rocking_cli|tests)/([a-z]+)/.*,tests/\2,p' | sort -u)
 quick: $(STAMPS)/dev ## What a small change needs: rules, types, and the quick tests of the rooms that it touches
-	.venv/bin/ruff check --quiet . && .venv/bin/mypy
-	.venv/bin/python -m pytest -n 2 -m 'not soak and not slow' $(or $(wildcard $(ROOMS)),tests/documents tests/structures)
+	.venv/bin/ruff check --quiet .
+	.venv/bin/mypy & types=$$!; \
+	  .venv/bin/python -m pytest -n 2 -m 'not soak and not slow' $(or $(wildcard $(ROOMS)),tests/documents tests/structures); \
+	  tests=$$?; wait $$types && exit $$tests
 
 $(STAMPS)/install: pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed: make PYTHON=...")'
@@ -91,6 +95,8 @@ bench: $(STAMPS)/dev ## Speed and error of every scene
 	.venv/bin/python tests/bench/bench.py
 	PYTHONPATH=tests .venv/bin/python tests/support/shown_commands.py
 	.venv/bin/python tests/bench/left_out.py
+	rm -rf out/base && mkdir -p out/base && git archive $(BASE) rocking_cli | tar -x -C out/base
+	PYTHONPATH=tests:$(CURDIR) .venv/bin/python tests/bench/waiting.py --base out/base
 
 # Records at the scale of a database, minutes: 200 x 10^4 cells, the nonlinear equation, first and all intervals of overturning.
 database: $(STAMPS)/dev ## Records at the scale of a database, minutes

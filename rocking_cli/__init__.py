@@ -1,6 +1,16 @@
 """Rocking dynamics of masonry structures: parameters, spectra and overturning
 envelopes.
 
+`load_structures` reads structures; `sine`, `pulse`, `read_motion` and `load_records`
+make motions; `parse_grid` states amplitudes and frequencies. `check` then tells whether
+a structure stands, `time_history` how it moves, and `envelope` which amplitudes
+overturn it. `spectrum` and `write_spectrum` compute whole maps, and `fragility` fits
+probabilities. `rocking help python` lists every name.
+
+>>> (column,) = load_structures("configs/block.yaml")
+>>> f"{check(column, sine(), parse_grid('a_g=0.35g,f_g=1.5')).capacity_demand:.3f}"
+'1.115'
+
 The public names stand in `__init__.pyi`, each with its home. They are imported on first
 use, so that a program pays only for what it calls.
 """

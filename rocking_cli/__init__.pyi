@@ -1,7 +1,8 @@
 # The public names, each with its home: the only list of them. `__init__.py` imports
 # from it what is asked for.
 from .documents.document import Document as Document
-from .documents.document import parse_documents as parse_documents
+from .documents.parsing import parse_documents as parse_documents
+from .documents.spreads import Spread as Spread
 from .dynamics.equations.linear import LinearEquation as LinearEquation
 from .dynamics.equations.mechanism import MechanismEquation as MechanismEquation
 from .dynamics.equations.rigid_body import RigidBodyEquation as RigidBodyEquation
@@ -26,17 +27,17 @@ from .errors import OutputError as OutputError
 from .errors import RockingError as RockingError
 from .errors import StructureError as StructureError
 from .errors import UsageError as UsageError
+from .fragility.bootstrap import Resampling as Resampling
 from .fragility.exports import export_fragility as export_fragility
 from .fragility.fits import Curve as Curve
-from .fragility.fits import Resampling as Resampling
 from .fragility.fits import fit_cloud as fit_cloud
 from .fragility.fits import fit_first as fit_first
 from .fragility.fits import fit_stripes as fit_stripes
+from .fragility.fitted_curve import Fit as Fit
 from .fragility.hazard import HazardCurve as HazardCurve
 from .fragility.hazard import Rate as Rate
 from .fragility.hazard import annual_rate as annual_rate
-from .fragility.hazard import read_hazard as read_hazard
-from .fragility.study import Fit as Fit
+from .fragility.hazard_files import read_hazard as read_hazard
 from .fragility.study import fragility as fragility
 from .motions import Motion as Motion
 from .motions import cosine as cosine
@@ -72,19 +73,22 @@ from .reports.units import Units as Units
 from .reports.work_precision import accuracy as accuracy
 from .responses.arcs import History as History
 from .responses.check import Progress as Progress
-from .responses.check import Verdict as Verdict
 from .responses.check import check as check
 from .responses.code_check import CodeCheck as CodeCheck
 from .responses.code_check import code_check as code_check
 from .responses.code_check import first_beyond as first_beyond
 from .responses.comparison import compare as compare
 from .responses.history import history as history
+from .responses.shares import ShareOfDraws as ShareOfDraws
 from .responses.sliding import SlideHistory as SlideHistory
 from .responses.sliding import slide_history as slide_history
 from .responses.solving import Boundary as Boundary
 from .responses.solving import boundaries as boundaries
 from .responses.time_history import TimeHistory as TimeHistory
 from .responses.time_history import time_history as time_history
+from .responses.uncertainty import DrawnVerdict as DrawnVerdict
+from .responses.uncertainty import drawn_verdict as drawn_verdict
+from .responses.verdict import Verdict as Verdict
 from .spectra.file.merging import Merged as Merged
 from .spectra.file.merging import merge as merge
 from .spectra.file.reader import SpectraFile as SpectraFile
@@ -98,6 +102,8 @@ from .structures import build_structure as build_structure
 from .structures import load_structures as load_structures
 from .structures import on_each_interface as on_each_interface
 from .structures import read_documents as read_documents
+from .structures.draws import Draw as Draw
+from .structures.draws import draws as draws
 from .structures.family import Member as Member
 from .structures.family import Variation as Variation
 from .structures.family import family as family

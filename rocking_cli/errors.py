@@ -4,25 +4,71 @@ from collections.abc import Iterable, Mapping
 
 
 class RockingError(Exception):
-    """Base of every error that is told to the user in one sentence."""
+    """Base of every error that rocking tells in one sentence.
+
+    Catch it to catch all of them. Its subclasses say what is wrong: `UsageError` (the
+    call), `DocumentError` (a file), `OutputError` (an output), `Interrupted` (Ctrl-C).
+
+    Attributes
+    ----------
+    exit_code: what a command returns to the shell for this error
+
+    Examples
+    --------
+    >>> try:
+    ...     parse_grid("A=2")
+    ... except RockingError as error:
+    ...     print(error.exit_code, str(error)[:25])
+    2 `grid`: found A; expected
+    """
 
     exit_code = 1
 
 
 class UsageError(RockingError):
-    """The call itself is wrong: an axis that cannot be read, a grid too large."""
+    """The call itself is wrong: an axis that cannot be read, a grid too large.
+
+    Exit code 2. `ArgumentError` and `MotionError` are special cases.
+
+    Examples
+    --------
+    >>> Method("quadratic")
+    Traceback (most recent call last):
+        ...
+    rocking_cli.errors.UsageError: unknown model 'quadratic'; expected linear, nonlinear
+    """
 
     exit_code = 2
 
 
 class ArgumentError(UsageError, TypeError, ValueError):
-    """An argument of a public function of another type or value than the function
-    takes.
+    """An argument of another type or value than a public function takes.
+
+    Every function that `import rocking_cli` offers raises it, also for an argument too
+    many or too few. It is a `UsageError`, and a TypeError and ValueError of Python.
+    Exit code 2.
+
+    Examples
+    --------
+    >>> parse_grid(3)
+    Traceback (most recent call last):
+        ...
+    rocking_cli.errors.ArgumentError: parse_grid: `text`: found the number 3; expected a
+    text
     """
 
 
 class MotionError(UsageError):
-    """A motion that cannot be built."""
+    """A motion that cannot be built. It is a `UsageError`; exit code 2.
+
+    Examples
+    --------
+    >>> sine(cycles=0.3)
+    Traceback (most recent call last):
+        ...
+    rocking_cli.errors.MotionError: sine pulse: cycles is 0.3; expected a positive
+    multiple of 0.5 up to 100000
+    """
 
 
 class NoComponent(UsageError):
@@ -32,8 +78,19 @@ class NoComponent(UsageError):
 
 
 class DocumentError(RockingError):
-    """A structure document that cannot be read, or a structure that the theory does not
-    cover.
+    """A document or a data file that cannot be read, or a structure that the theory
+    does not cover.
+
+    The message names file, line, column and key, what was found and what is accepted.
+    Exit code 3.
+
+    Examples
+    --------
+    >>> build_structure(parse_documents("{kind: block, width: 0.5, hight: 2}")[0])
+    Traceback (most recent call last):
+        ...
+    rocking_cli.errors.DocumentError: <text>:1:27: unknown key 'hight' (did you mean
+    'height'?)
     """
 
     exit_code = 3
@@ -46,19 +103,48 @@ class NoAcceleration(DocumentError):
 
 
 class StructureError(RockingError, ValueError):
-    """Numbers that do not make a rocking structure; from a document this becomes a
-    DocumentError, which names the place too.
+    """Numbers that do not make a rocking structure. It is a ValueError of Python too.
+
+    From a document it becomes a `DocumentError`, which names the place too. Exit code
+    3.
+
+    Examples
+    --------
+    >>> dimensionless_oscillator(1.2)
+    Traceback (most recent call last):
+        ...
+    rocking_cli.errors.StructureError: eta is 1.2; expected a number from 0 to 1
     """
 
     exit_code = 3
 
 
 class OutputError(RockingError):
-    """A file that cannot be written or read."""
+    """A file that is damaged or cannot be written, or a worker process that died.
+
+    Exit code 1. A file that is not there is a `UsageError`.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> _ = Path("d.h5").write_text("no spectrum")
+    >>> SpectraFile("d.h5")
+    Traceback (most recent call last):
+        ...
+    rocking_cli.errors.OutputError: d.h5: is not an HDF5 file, or is damaged
+    """
 
 
 class Interrupted(RockingError):
-    """Stopped by the user; finished work is kept."""
+    """The user stopped a sweep (Ctrl-C); finished work is kept. Exit code 130.
+
+    `write_spectrum(..., resume=True)` goes on with the partial file.
+
+    Examples
+    --------
+    >>> Interrupted("interrupted; 3 of 8 chunks are kept").exit_code
+    130
+    """
 
     exit_code = 130
 

@@ -25,9 +25,10 @@ settings.register_profile(
 settings.load_profile("the same everywhere")
 
 ROOT = Path(__file__).resolve().parent.parent
-os.environ.pop(
-    "PYTHONDONTWRITEBYTECODE", None
-)  # what the tests start keeps its compiled modules, as it does for a user
+# What the tests start keeps its compiled modules, as it does for a user; and so do the
+# tests, whose assertions are rewritten once and not at each run.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 
 class Done(subprocess.CompletedProcess[str]):

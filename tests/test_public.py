@@ -17,6 +17,7 @@ import xarray
 
 import rocking_cli
 from rocking_cli import (
+    RockingError,
     UsageError,
     build_structure,
     dimensionless_oscillator,
@@ -45,6 +46,7 @@ ELSEWHERE = {
     "progress",
 }
 FUNCTIONS = sorted(name for name, thing in PUBLIC.items() if inspect.isfunction(thing))
+CLASSES = sorted(name for name, thing in PUBLIC.items() if inspect.isclass(thing))
 
 
 def test_every_name_is_there_and_no_other():
@@ -158,12 +160,66 @@ def test_a_record_needs_no_grid():
         rocking_cli.envelope(block, recording, "f_g=1")
 
 
+def sections(thing):
+    """Return the sections of a docstring by title: the names that each lists, which
+    begin its lines without indentation.
+    """
+    lines = inspect.getdoc(thing).splitlines()
+    titles = [i for i, line in enumerate(lines) if line and not line.strip("-")]
+    found = {}
+    for start, stop in zip(titles, [*titles[1:], len(lines) + 1], strict=True):
+        listed = [x for x in lines[start + 1 : stop - 1] if x and x[0] != " "]
+        found[lines[start - 1]] = [
+            name for line in listed for name in line.partition(":")[0].split(", ")
+        ]
+    return found
+
+
+def documented(function):
+    """Return the sections of a function after a look at its parameters and result."""
+    found, signature = sections(function), inspect.signature(function)
+    parameters = [name for name in signature.parameters if name not in ("self", "cls")]
+    assert found.get("Parameters", []) == parameters
+    if signature.return_annotation not in (None, "None"):
+        assert found.keys() & {"Returns", "Yields"}
+    return found
+
+
 @pytest.mark.parametrize("name", FUNCTIONS)
-def test_the_examples_of_a_function_run(name, tmp_path, monkeypatch, pytestconfig):
+def test_a_docstring_names_parameters_result_and_errors(name):
+    found = documented(PUBLIC[name])
+    errors = [PUBLIC.get(error) for error in found["Raises"]]
+    assert any(issubclass(error, RockingError) for error in errors)
+    assert "Examples" in found
+
+
+@pytest.mark.parametrize("name", CLASSES)
+def test_a_docstring_names_fields_and_arguments_of_methods(name):
+    kind = PUBLIC[name]
+    found = sections(kind)
+    assert "Examples" in found
+    there = {*names_of(kind), *inspect.get_annotations(kind)}
+    for method in filter(inspect.isfunction, vars(kind).values()):
+        there |= {*method.__code__.co_names}  # a method may set further attributes
+    assert set(found.get("Attributes", [])) <= there
+    if "Parameters" in found:
+        assert found["Parameters"] == list(inspect.signature(kind).parameters)
+    for method, given in vars(kind).items():
+        function = getattr(given, "__func__", given)
+        inherited = any(hasattr(base, method) for base in kind.__bases__)
+        if not (method[0] == "_" or inherited) and inspect.isfunction(function):
+            assert function.__doc__, method
+            if function.__code__.co_argcount + function.__code__.co_kwonlyargcount > 1:
+                documented(function)
+
+
+@pytest.mark.parametrize("name", ["rocking_cli", *FUNCTIONS, *CLASSES])
+def test_the_examples_of_a_docstring_run(name, tmp_path, monkeypatch, pytestconfig):
     (tmp_path / "configs").symlink_to(pytestconfig.rootpath / "configs")
     monkeypatch.chdir(tmp_path)
+    thing = PUBLIC.get(name, rocking_cli)
     examples = doctest.DocTestFinder(recurse=False).find(
-        PUBLIC[name], name, globs=dict(PUBLIC)
+        thing, name, globs=dict(PUBLIC)
     )
     assert examples[0].examples, "has none"
     said: list[str] = []
@@ -277,7 +333,7 @@ RENAMED = [
     ("Work", "chatters_closed", "sequences_closed"),
 ]
 HOMES = {
-    "Band": "fragility.fits",
+    "Band": "fragility.bootstrap",
     "Work": "dynamics.outcome",
 }  # of those that are not public
 

@@ -1,12 +1,39 @@
 """`rocking accuracy`: error against run time for a scene."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import click
 
 from . import equations, ground, options
 from .command import command, group, option
-from .printing import emit, note, printed
+from .printing import computed, emit, note, printed
+
+
+@dataclass(frozen=True)
+class AccuracyOptions:
+    """The cells to compare with the reference."""
+
+    axes: str = option(
+        "--grid",
+        "The grid of the scene, as in rocking spectrum.",
+        required=True,
+        metavar="AXES",
+    )
+    sample: int = option(
+        "--sample",
+        "Cells compared with the reference.",
+        type=click.IntRange(1, 10_000),
+        default=40,
+    )
+    scipy: int = option(
+        "--scipy",
+        "Cells of the sample for each SciPy solver.",
+        type=click.IntRange(0, 10_000),
+        default=10,
+    )
+    seed: int = option(
+        "--seed", "Seed of the sample.", type=click.IntRange(0), default=0
+    )
 
 
 @command(
@@ -15,27 +42,7 @@ from .printing import emit, note, printed
 )
 def accuracy(
     files: tuple[str, ...] = options.files(),
-    axes: str = option(
-        "--grid",
-        "The grid of the scene, as in rocking spectrum.",
-        required=True,
-        metavar="AXES",
-    ),
-    sample: int = option(
-        "--sample",
-        "Cells compared with the reference.",
-        type=click.IntRange(1, 10_000),
-        default=40,
-    ),
-    scipy: int = option(
-        "--scipy",
-        "Cells of the sample for each SciPy solver.",
-        type=click.IntRange(0, 10_000),
-        default=10,
-    ),
-    seed: int = option(
-        "--seed", "Seed of the sample.", type=click.IntRange(0), default=0
-    ),
+    wanted: AccuracyOptions = group(AccuracyOptions),
     sizeless: equations.Oscillators = group(equations.Oscillators),
     motions: ground.Motions = group(ground.Motions),
     model: equations.Model = group(equations.Model),
@@ -54,7 +61,7 @@ def accuracy(
 
     motion = motions.one().motion
     assert motion is not None
-    grid = parse_grid(axes, own_time=motion.acceleration is not None)
+    grid = parse_grid(wanted.axes, own_time=motion.acceleration is not None)
     structures, _ = options.structures_of(files, sizeless.etas)
     if len(structures) > 1:
         raise click.UsageError(f"found {len(structures)} structures; expected one")
@@ -63,11 +70,11 @@ def accuracy(
     methods = model.methods(structures, grid.dimensionless)
     note(*model.in_words(methods, structures, grid.dimensionless))
     note(
-        f"{structures[0].name}, {motion.name}; {sample} cells, seed {seed}; times in s"
-        " a cell"
+        f"{structures[0].name}, {motion.name}; {wanted.sample} cells, seed"
+        f" {wanted.seed}; times in s a cell"
     )
     scene = PulseScene(tuple(structures), grid, motion, methods[0])
-    emit(
-        work_precision(scene, sample=sample, scipy=scipy, seed=seed),
-        keys=("method", "tolerance"),
+    rows = work_precision(
+        scene, sample=wanted.sample, scipy=wanted.scipy, seed=wanted.seed
     )
+    emit(computed(rows), keys=("method", "tolerance"))

@@ -9,15 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from . import ground, options
+from . import demand, options
 from .command import command, flag, group, option, partly, refuse
+from .draws import DrawnRows, Draws, require_spreads
 from .parameter_types import NUMBER, InputPath
-from .printing import emit, form, is_quiet, note, printed, units_of
+from .printing import computed, emit, form, is_quiet, note, printed, units_of
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
+    from ..dynamics.outcome import Outcome
     from ..envelopes.amplitudes import Limit
-    from ..responses.check import Verdict
+    from ..responses.check import Demand
+    from ..responses.verdict import Verdict
     from .check_demands import Demands
     from .code_rows import CodeRows
 
@@ -61,6 +64,34 @@ class CodeOptions:
         return None
 
 
+@dataclass(frozen=True)
+class CheckOptions:
+    """What to find of each structure, and what to print and draw."""
+
+    a_max: Limit = options.a_max()
+    sign: str = demand.sign()
+    verdict_only: bool = flag(
+        "--verdict-only", "Skip the search; first_overturning_a and safe_to stay empty."
+    )
+    inset_effect: bool = options.inset_effect()
+    vary: tuple[str, ...] = options.vary()
+    sort: str | None = options.sort()
+    fail_on: str | None = option(
+        "--fail-on",
+        "Exit code 5 if a structure falls or loses contact, in either direction; or"
+        " slides further than a length, such as slide=50mm.",
+        metavar="overturning|slide=LENGTH",
+    )
+    output: Path | None = options.output("Draw the capacities: .png, .svg or .pdf.")
+    overwrite: bool = options.overwrite()
+    workers: int | None = options.workers()
+
+    @property
+    def limit(self) -> Limit | None:
+        """The largest amplitude of the search, None without a search."""
+        return None if self.verdict_only else self.a_max
+
+
 @command(
     "rocking check configs/block.yaml configs/arch.yaml --a-g 0.35g --f-g 1.5 --sort"
     " capacity",
@@ -68,25 +99,10 @@ class CodeOptions:
 )
 def check(
     files: tuple[str, ...] = options.files(),
-    asked: ground.Directed = group(ground.Directed),
+    asked: demand.Directed = group(demand.Directed),
     of_code: CodeOptions = group(CodeOptions),
-    a_max: Limit = options.a_max(),
-    sign: str = ground.sign(),
-    verdict_only: bool = flag(
-        "--verdict-only", "Skip the search; first_overturning_a and safe_to stay empty."
-    ),
-    inset_effect: bool = options.inset_effect(),
-    vary: tuple[str, ...] = options.vary(),
-    sort: str | None = options.sort(),
-    fail_on: str | None = option(
-        "--fail-on",
-        "Exit code 5 if a structure falls or loses contact, in either direction; or"
-        " slides further than a length, such as slide=50mm.",
-        metavar="overturning|slide=LENGTH",
-    ),
-    output: Path | None = options.output("Draw the capacities: .png, .svg or .pdf."),
-    overwrite: bool = options.overwrite(),
-    workers: int | None = options.workers(),
+    wanted: CheckOptions = group(CheckOptions),
+    drawn: Draws = group(Draws),
 ) -> int:
     """Check which structures stand under a motion, and find the lowest amplitude that
     overturns each.
@@ -99,21 +115,26 @@ def check(
     overturn the body; capacity_demand, first_overturning_a over demand_a, in a table as
     `> 13` if no amplitude up to 13 times the demand overturns; safe_to, the end of the
     safe interval around the demand; outcome_linear; friction_needed and fz_min of a
-    rigid body; opens, if a further hinge of an arch opens. Accelerations are in m/s2
+    rigid body; opens, if a further hinge of an arch opens. With --draws: share_falls,
+    the share of the draws that falls, with its 95 % interval; quantiles of
+    first_overturning_a; key_1, the key that explains most of it, and its index of first
+    order. Accelerations are in m/s2
     (JSON, CSV) or in the unit of the request (table), unless --units says otherwise.
     """
     from ..dynamics.outcome import Outcome
     from .check_demands import at_worst, opposite_outcomes, stated_demands
 
-    stated = stated_demands(files, asked, vary, sign)
-    most_slide = _slide_limit(fail_on, stated)
-    by_code = of_code.rows(verdict_only)
+    stated = stated_demands(files, asked, wanted.vary, wanted.sign)
+    if drawn.draws is not None:
+        require_spreads(stated.structures)
+    most_slide = _slide_limit(wanted.fail_on, stated)
+    by_code = of_code.rows(wanted.verdict_only)
     if by_code is not None and asked.building:
         from ..motions.buildings import parse_building
 
         by_code.stand_on(parse_building(asked.building))
-    if output is not None:
-        options.check_target(output, overwrite)
+    if wanted.output is not None:
+        options.check_target(wanted.output, wanted.overwrite)
     if by_code and of_code.spectrum and not stated.shakes:
         refuse(
             "needs a motion: under --spectrum alone nothing is shaken",
@@ -121,24 +142,24 @@ def check(
             "sort",
             "inset_effect",
         )
-        by_code.alone(stated.structures, stated.varied, output, overwrite)
+        by_code.alone(stated.structures, stated.varied, wanted.output, wanted.overwrite)
         return 0
-    limit = None if verdict_only else a_max
-    demands = at_worst(stated.needed(by_code is not None), limit, workers)
+
+    demanded = stated.needed(by_code is not None)
+    demands = at_worst(demanded, wanted.limit, wanted.workers)
     if by_code:
         demands.rows = by_code.dynamic(demands.rows)
+    of_draws = DrawnRows(drawn, wanted.limit)
+    judged = _judge_and_print(demands, wanted, by_code, of_draws)
+    _draw(judged, wanted, by_code, _in_g(asked))
 
-    judged = _printed(demands, limit, workers, by_code, sort is not None)
-    in_g = _in_g(asked)
-    _draw(judged, output, by_code, in_g, overwrite)
-
-    opposite = opposite_outcomes(demands, limit, workers)
-    ground.note_demand(demands.shakes)
-    ground.note_governing(demands.structures, demands.shakes[0][1].dimensionless)
-    note(*_lines(judged, demands, by_code, opposite, limit, inset_effect, in_g))
+    opposite = opposite_outcomes(demands, wanted.limit, wanted.workers)
+    demand.note_demand(demands.shakes)
+    demand.note_governing(demands.structures, demands.shakes[0][1].dimensionless)
+    note(*of_draws.said, *_lines(judged, demands, wanted, by_code, opposite))
     outcomes = [*(v.outcome for v in judged), *(outcome for _, outcome in opposite)]
     partly(Outcome.FAILED in outcomes)
-    if fail_on and any(outcome.falls for outcome in outcomes):
+    if wanted.fail_on and any(outcome.falls for outcome in outcomes):
         return 5
     return 5 if _slid_too_far(judged, most_slide) else 0
 
@@ -176,44 +197,49 @@ def _slid_too_far(judged: list[Verdict], most: float | None) -> bool:
     return bool(unknown) or any(far)
 
 
-def _printed(
+def _judge_and_print(
     demands: Demands,
-    limit: Limit | None,
-    workers: int | None,
+    wanted: CheckOptions,
     by_code: CodeRows | None,
-    by_capacity: bool,
+    of_draws: DrawnRows,
 ) -> list[Verdict]:
     """Print a row for each demand and return the verdicts: JSON and CSV as soon as each
     is known, a table when all are.
     """
-    from ..responses.check import CHECK_COLUMNS, CHECK_KEYS, verdicts
+    from ..responses.check import verdicts
+    from ..responses.verdict import CHECK_COLUMNS, CHECK_KEYS
     from .check_rows import UNSEEN, row_of
 
-    found: Iterable[Verdict] = verdicts(
+    found: Iterable[tuple[Verdict, Demand]] = zip(
+        verdicts(
+            demands.rows,
+            a_max=wanted.limit,
+            workers=wanted.workers,
+            progress=ProgressLine("check", "checks"),
+        ),
         demands.rows,
-        a_max=limit,
-        workers=workers,
-        progress=ProgressLine("check", "checks"),
+        strict=True,
     )
-    if by_capacity or form() is None:
+    if wanted.sort is not None or form() is None:
         found = list(found)
-    if by_capacity:
+    if wanted.sort is not None:
         from ..reports.wording import capacity_left
 
-        found = sorted(found, key=capacity_left)
+        found = sorted(found, key=lambda one: capacity_left(one[0]))
     judged: list[Verdict] = []
+    searched = wanted.limit is not None
 
     def rows() -> Iterator[dict[str, Any]]:
-        for verdict in found:
+        for verdict, demanded in found:
             judged.append(verdict)
-            by = by_code.columns(verdict, limit is not None) if by_code else {}
-            yield row_of(verdict, demands, by, limit is not None)
+            columns = by_code.columns(verdict, searched) if by_code else {}
+            columns |= of_draws.columns(demanded)
+            yield row_of(verdict, demands, columns, searched)
         yield from by_code.others() if by_code else ()
 
-    every: Iterable[dict[str, Any]] = list(rows()) if form() is None else rows()
     units = "g,mm,deg" if _in_g(demands.asked) else "mm,deg"
     emit(
-        every,
+        computed(rows()),
         CHECK_COLUMNS,
         keys=CHECK_KEYS,
         table_units=units,
@@ -224,33 +250,29 @@ def _printed(
 
 
 def _draw(
-    judged: list[Verdict],
-    output: Path | None,
-    by_code: CodeRows | None,
-    in_g: bool,
-    overwrite: bool,
+    judged: list[Verdict], wanted: CheckOptions, by_code: CodeRows | None, in_g: bool
 ) -> None:
     """Draw the capacities, or the capacity curves of the code, if the call has an
     output.
     """
-    if output is None:
+    if wanted.output is None:
         return
     if by_code:
-        by_code.draw(output, overwrite)
+        by_code.draw(wanted.output, wanted.overwrite)
         return
     from ..reports.figures.capacities import draw_capacities
 
-    draw_capacities(judged, output, in_g=in_g, overwrite=overwrite, tell=note)
+    draw_capacities(
+        judged, wanted.output, in_g=in_g, overwrite=wanted.overwrite, tell=note
+    )
 
 
 def _lines(
     judged: list[Verdict],
     demands: Demands,
+    wanted: CheckOptions,
     by_code: CodeRows | None,
-    opposite: list[tuple[str, Any]],
-    limit: Limit | None,
-    inset_effect: bool,
-    in_g: bool,
+    opposite: list[tuple[str, Outcome]],
 ) -> Iterator[str]:
     """Yield the lines below the rows, none with --quiet."""
     if is_quiet():
@@ -260,15 +282,16 @@ def _lines(
     from .check_remarks import inset_effects, remarks, worst_at_an_end
 
     yield from remarks(judged)
-    yield from worst_at_an_end(demands, judged, in_g)
+    yield from worst_at_an_end(demands, judged, _in_g(demands.asked))
     yield from by_code.said() if by_code else ()
     if opposite:
         from ..reports.wording import opposite_in_words
 
         yield opposite_in_words(opposite)
+    limit = wanted.limit
     if limit is None:
         return
-    if inset_effect:
+    if wanted.inset_effect:
         yield from inset_effects(judged, demands, limit)
     elif may_be_worn(judged, demands.rows):
         yield (
@@ -281,7 +304,7 @@ def _lines(
     )
 
 
-def _in_g(asked: ground.Directed) -> bool:
+def _in_g(asked: demand.Directed) -> bool:
     """True if --units, or the text of the amplitude, states g."""
     units = units_of()
     if units is not None and "acceleration" in units.chosen:

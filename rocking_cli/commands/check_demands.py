@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import options
-from .ground import Directed, Ground, no_shaking
+from .demand import Directed
+from .ground import Ground, no_shaking
 from .printing import note
 from .progress import ProgressLine
 

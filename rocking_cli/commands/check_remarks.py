@@ -10,7 +10,7 @@ from .progress import ProgressLine
 if TYPE_CHECKING:
     from ..envelopes.amplitudes import Limit
     from ..envelopes.worst import BeyondTheEnd
-    from ..responses.check import Verdict
+    from ..responses.verdict import Verdict
     from ..structures import RockingParameters
     from .check_demands import Demands
 
@@ -19,9 +19,7 @@ _SENTENCES = 8  # bodies that slide with a line each, at most
 
 
 def remarks(verdicts: list[Verdict]) -> list[str]:
-    """Return the lines on which structures fall, and what is to note on the others."""
-    from ..dynamics.outcome import Outcome
-
+    """Return the lines on which structures overturn, and what to note on the others."""
     several = len({v.motion for v in verdicts}) > 1
 
     def named(found: Iterable[Verdict]) -> list[str]:
@@ -29,12 +27,37 @@ def remarks(verdicts: list[Verdict]) -> list[str]:
             f"{v.structure} under {v.motion}" if several else v.structure for v in found
         ]
 
-    falls = named(v for v in verdicts if v.outcome.overturned)
-    lines = [
-        f"{len(falls)} of {len(verdicts)}"
-        f" overturn{': ' if falls else ''}{', '.join(falls)}"
-    ] * bool(verdicts)
-    conditions: list[tuple[str, Callable[[Verdict], Any]]] = [
+    lines = []
+    if verdicts:
+        overturned = named(v for v in verdicts if v.outcome.overturned)
+        names = f": {', '.join(overturned)}" if overturned else ""
+        lines.append(f"{len(overturned)} of {len(verdicts)} overturn{names}")
+    for words, holds in _conditions():
+        if names_of := named(filter(holds, verdicts)):
+            lines.append(f"{words}: {', '.join(names_of)}")
+    lines += sliding_remarks(verdicts, named)
+    for v in verdicts:
+        if v.devices:
+            from ..responses.tied_history import remarks as of_ties
+
+            of_devices = of_ties(
+                v.devices, v.first_overturning_a, v.first_overturning_a_free
+            )
+            lines += [f"{named([v])[0]}: {line}" for line in of_devices]
+    if any(v.share_of_falls for v in verdicts):
+        lines.append(
+            "falls_nearby: this share of the amplitudes up to 5 % above"
+            " first_overturning_a overturns, in many narrow intervals; narrower ones"
+            " may begin below it"
+        )
+    return lines
+
+
+def _conditions() -> list[tuple[str, Callable[[Verdict], Any]]]:
+    """Return (words, condition): what is said of the verdicts for which it holds."""
+    from ..dynamics.outcome import Outcome
+
+    return [
         (
             "lose contact with the ground, and their later motion is not known",
             lambda v: v.outcome == Outcome.LOST_CONTACT,
@@ -81,25 +104,6 @@ def remarks(verdicts: list[Verdict]) -> list[str]:
             lambda v: v.falls and v.outcome_linear.safe,
         ),
     ]
-    for words, holds in conditions:
-        if names := named(filter(holds, verdicts)):
-            lines.append(f"{words}: {', '.join(names)}")
-    lines += sliding_remarks(verdicts, named)
-    for v in verdicts:
-        if v.devices:
-            from ..responses.tied_history import remarks as of_ties
-
-            of_devices = of_ties(
-                v.devices, v.first_overturning_a, v.first_overturning_a_free
-            )
-            lines += [f"{named([v])[0]}: {line}" for line in of_devices]
-    if any(v.share_of_falls for v in verdicts):
-        lines.append(
-            "falls_nearby: this share of the amplitudes up to 5 % above"
-            " first_overturning_a overturns, in many narrow intervals; narrower ones"
-            " may begin below it"
-        )
-    return lines
 
 
 def sliding_remarks(

@@ -8,7 +8,7 @@ from ..reports.tables import Above
 from .printing import form
 
 if TYPE_CHECKING:
-    from ..responses.check import Verdict
+    from ..responses.verdict import Verdict
     from .check_demands import Demands
 
 
@@ -16,11 +16,11 @@ UNSEEN = ("searched_to",)  # columns that a table shows only if --columns names 
 
 
 def row_of(
-    verdict: Verdict, demands: Demands, by_code: dict[str, Any], searched: bool
+    verdict: Verdict, demands: Demands, more: dict[str, Any], searched: bool
 ) -> dict[str, Any]:
-    """Return the row of a verdict; by_code: the columns of --code."""
+    """Return the row of a verdict; more: the columns of --code and --draws."""
     head = {"structure": verdict.structure, "motion": verdict.motion}
-    row = head | demands.columns.get(verdict.structure, {}) | verdict.row() | by_code
+    row = head | demands.columns.get(verdict.structure, {}) | verdict.row() | more
     if form() is None and (limit := verdict.capacity_above) is not None:
         row["capacity_demand"] = Above(limit)
     if form() == "csv":  # its header is that of the first row
@@ -31,7 +31,7 @@ def row_of(
 def _later_columns(demands: Demands, searched: bool) -> tuple[str, ...]:
     """The columns that a later row may have and the first one lacks."""
     from ..envelopes.capacity import falls_may_be_narrow
-    from ..responses.check import SLIDE_COLUMNS, TIED_COLUMNS
+    from ..responses.verdict import SLIDE_COLUMNS, TIED_COLUMNS
     from ..structures.friction import sliders
 
     tied = any(s.restraints for s in demands.structures)

@@ -9,8 +9,9 @@ from ..errors import UsageError
 from ..motions.buildings import Building
 from ..motions.design_spectra import parse_floor, read_spectrum
 from ..reports.figures.capacities import draw_capacity_curves
-from ..responses.check import CHECK_KEYS, Demand, Verdict
+from ..responses.check import Demand
 from ..responses.code_check import SLC, SLV, CodeCheck, code_check, first_beyond
+from ..responses.verdict import CHECK_KEYS, Verdict
 from ..structures import RockingParameters
 from ..structures.mechanics.capacity_curve import require_geometry
 from .printing import emit, note
@@ -144,7 +145,7 @@ class CodeRows:
                 or structure.sides
             ):
                 continue
-            falls = sum(
+            fallen = sum(
                 v.falls or v.theta_ratio is None or v.theta_ratio >= 1.0
                 for v in verdicts
             )
@@ -152,11 +153,11 @@ class CodeRows:
             met = [
                 key
                 for key, state in (("SLV", SLV), ("SLC", SLC))
-                if not falls and mean <= state.share
+                if not fallen and mean <= state.share
             ]
             result = (
-                f"{falls} pass alpha"
-                if falls
+                f"{fallen} pass alpha"
+                if fallen
                 else f"none passes alpha, the mean of theta_ratio is {mean:.3g}"
             )
             states = " and ".join(met) or "neither SLV nor SLC"

@@ -4,7 +4,7 @@ equation.
 
 import click
 
-from . import equations, ground, options
+from . import demand, equations, ground, options
 from .command import command, flag, group, option, partly
 from .printing import emit, note, printed
 
@@ -17,7 +17,7 @@ from .printing import emit, note, printed
 def compare(
     files: tuple[str, ...] = options.files(),
     motions: ground.Motions = group(ground.Motions),
-    shaking: ground.Shaking = group(ground.Shaking),
+    shaking: demand.Shaking = group(demand.Shaking),
     model: equations.Models = group(equations.Models),
     eta: float | None = option(
         "--eta",

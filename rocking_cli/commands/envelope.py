@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -12,7 +12,7 @@ import click
 from ..errors import counted
 from . import equations, ground, options
 from .command import command, flag, group, option, partly, refuse
-from .printing import emit, note, printed
+from .printing import computed, emit, note, printed
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ SIGNS = ("worse", "+", "-", "both")
 
 
 @dataclass(frozen=True)
-class Envelope:
+class EnvelopeOptions:
     """The options of `rocking envelope`."""
 
     axes: str | None = option(
@@ -63,7 +63,7 @@ class Envelope:
 @command("rocking envelope --eta 0.9 --grid Omega=2:6:5", printed)
 def envelope(
     files: tuple[str, ...] = options.files(),
-    wanted: Envelope = group(Envelope),
+    wanted: EnvelopeOptions = group(EnvelopeOptions),
     sizeless: equations.Sizeless = group(equations.Sizeless),
     motions: ground.BothWays = group(ground.BothWays),
     model: equations.Equations = group(equations.Equations),
@@ -84,7 +84,10 @@ def envelope(
     from ..envelopes.intervals import (
         CURVE_COLUMNS,
         CURVE_KEYS,
+        INTERVAL_COLUMNS,
+        INTERVAL_KEYS,
         NAMED,
+        NARROWEST,
         check_curves,
         frequency_axis,
         structure_curves,
@@ -108,93 +111,114 @@ def envelope(
             for structure in structures
             for row in structure_curves(structure, motion, axis)
         )
-        emit(rows, CURVE_COLUMNS, keys=CURVE_KEYS, unseen=NAMED, varied=varied)
+        emit(
+            computed(rows),
+            CURVE_COLUMNS,
+            keys=CURVE_KEYS,
+            unseen=NAMED,
+            varied=varied,
+        )
         return
     methods = model.methods(structures, axis.name == "Omega")
+    tracings = _tracings(structures, motion, axis, methods, wanted)
+    emit(
+        computed(row for tracing in tracings for row in tracing.trace(wanted)),
+        INTERVAL_COLUMNS,
+        keys=INTERVAL_KEYS,
+        unseen=NAMED[: 1 if len(methods) > 1 else 2],
+        varied=varied,
+    )
     from ..responses.sliding import stuck_in_words
 
     lines = model.in_words(methods, structures, axis.name == "Omega")
     lines += stuck_in_words(structures)
-    _of_pulse(structures, motion, axis, methods, wanted, lines, varied)
+    lines += _remarks(tracings, len(methods), wanted)
+    failed = sum(tracing.count("failed") for tracing in tracings)
+    _closing(lines, f"{NARROWEST:g} in A", failed)
 
 
-def _of_pulse(
+@dataclass
+class _Tracing:
+    """The intervals of one structure by one equation under a pulse."""
+
+    structure: RockingParameters
+    motion: Motion
+    axis: Axis  # frequencies
+    method: Method  # the equation
+    most: float  # the largest A of the search [-]
+    rows: list[dict[str, Any]] = field(default_factory=list)  # those found
+
+    def trace(self, wanted: EnvelopeOptions) -> Iterator[dict[str, Any]]:
+        """Yield the rows as they are found."""
+        from ..envelopes.intervals import structure_intervals
+
+        for row in structure_intervals(
+            self.structure,
+            self.motion,
+            self.axis,
+            method=self.method,
+            a_max=self.most,
+            sign=wanted.sign,
+            lowest=wanted.lowest,
+            workers=wanted.workers,
+            progress=ProgressLine(self.structure.name, "frequencies"),
+        ):
+            self.rows.append(row)
+            yield row
+
+    def count(self, mode: str) -> int:
+        """Return the number of rows of a mode."""
+        return sum(row["mode"] == mode for row in self.rows)
+
+
+def _tracings(
     structures: Sequence[RockingParameters],
     motion: Motion,
     axis: Axis,
     methods: Sequence[Method],
-    wanted: Envelope,
-    lines: list[str],
-    varied: dict[str, dict[str, float]],
-) -> None:
-    """Print the intervals of each structure by each equation under a pulse; lines: the
-    lines to print after them.
+    wanted: EnvelopeOptions,
+) -> list[_Tracing]:
+    """Return the searches of a call, by structure and equation. Raises UsageError for
+    one that cannot be done, before the first row is printed.
     """
     from ..envelopes.amplitudes import limit_of
-    from ..envelopes.intervals import (
-        INTERVAL_COLUMNS,
-        INTERVAL_KEYS,
-        NAMED,
-        NARROWEST,
-        NONE,
-        check_intervals,
-        misjudged,
-        structure_intervals,
-    )
+    from ..envelopes.intervals import check_intervals
 
-    for structure in structures:  # all of them, before the first row is printed
+    found = []
+    for structure in structures:
+        most = limit_of(wanted.a_max, structure)
         for method in methods:
             check_intervals(
-                structure,
-                motion,
-                axis,
-                method=method,
-                a_max=limit_of(wanted.a_max, structure),
-                sign=wanted.sign,
+                structure, motion, axis, method=method, a_max=most, sign=wanted.sign
             )
-    both = len(methods) > 1
-    failed = 0
+            found.append(_Tracing(structure, motion, axis, method, most))
+    return found
 
-    def rows() -> Iterator[dict[str, Any]]:
-        nonlocal failed
-        for structure in structures:
-            compared, most = [], limit_of(wanted.a_max, structure)
-            for method in methods:
-                found, none = [], set()
-                for row in structure_intervals(
-                    structure,
-                    motion,
-                    axis,
-                    method=method,
-                    a_max=most,
-                    sign=wanted.sign,
-                    lowest=wanted.lowest,
-                    workers=wanted.workers,
-                    progress=ProgressLine(structure.name, "frequencies"),
-                ):
-                    failed += row["mode"] == "failed"
-                    found.append(row)
-                    if row["mode"] == NONE:
-                        none.add(row["Omega"])
-                    yield row
-                if none:
-                    by = f", {method.model}" if both else ""
-                    lines.append(
-                        f"{structure.name}{by}: no overturning up to A = {most:g} at"
-                        f" {len(none)} of {axis.values.size} frequencies"
-                    )
-                compared.append(found)
-            if both and not wanted.lowest:
-                lines.append(f"{structure.name}: {misjudged(*compared, a_max=most)}")
 
-    emit(
-        rows(),
-        INTERVAL_COLUMNS,
-        keys=INTERVAL_KEYS,
-        unseen=NAMED[: 1 if both else 2],
-        varied=varied,
-    )
-    _closing(lines, f"{NARROWEST:g} in A", failed)
+def _remarks(
+    tracings: Sequence[_Tracing], equations: int, wanted: EnvelopeOptions
+) -> Iterator[str]:
+    """Yield lines on frequencies without overturning, and with both equations on what
+    the linear one misjudges; equations: the number for each structure.
+    """
+    from ..envelopes.intervals import NONE, misjudged
+
+    for first in range(0, len(tracings), equations):
+        of_structure = tracings[first : first + equations]
+        for tracing in of_structure:
+            # with --sign both a frequency may have two such rows
+            none = {row["Omega"] for row in tracing.rows if row["mode"] == NONE}
+            by = f", {tracing.method.model}" if equations > 1 else ""
+            if none:
+                yield (
+                    f"{tracing.structure.name}{by}: no overturning up to A ="
+                    f" {tracing.most:g} at {len(none)} of {tracing.axis.values.size}"
+                    " frequencies"
+                )
+        if equations > 1 and not wanted.lowest:
+            rows = (tracing.rows for tracing in of_structure)
+            most = of_structure[0].most
+            yield f"{of_structure[0].structure.name}: {misjudged(*rows, a_max=most)}"
 
 
 def _closing(lines: list[str], narrowest: str, failed: int) -> None:
@@ -210,7 +234,7 @@ def _closing(lines: list[str], narrowest: str, failed: int) -> None:
 
 def _of_records(
     files: tuple[str, ...],
-    wanted: Envelope,
+    wanted: EnvelopeOptions,
     sizeless: equations.Sizeless,
     shaken: ground.Ground,
     model: equations.Equations,
@@ -225,27 +249,21 @@ def _of_records(
     from ..spectra.record_envelope import Tracing, overturning_spectrum, tracing_rows
     from ..spectra.record_scene import scene_of_words
 
-    refuse("does not go with records", "closed_form")
-    if wanted.median and wanted.sign == "both":
-        raise click.UsageError("--median does not go with --sign both")
-    if len(model.models) > 1:
-        raise click.UsageError(
-            "--model both goes with a pulse; records use the nonlinear equation"
-        )
+    _refuse_of_records(wanted, model)
     structures, varied = (
         options.members_of(files, wanted.vary, sizeless.etas, each=True)
         if files
         else ([], {})
     )
     structures = model.lifting(structures)
-    equation: dict[str, Any] = {"model": model.models[0], "tolerance": model.tolerance}
     scene = scene_of_words(
         structures,
         shaken.recordings,
         axes=wanted.axes,
         alphas=sizeless.alphas,
         etas=sizeless.etas,
-        **equation,
+        model=model.models[0],
+        tolerance=model.tolerance,
     )
     tracing = Tracing(scene, wanted.a_max, wanted.lowest or wanted.median)
     modes: Counter[str] = Counter()
@@ -261,14 +279,14 @@ def _of_records(
             yield row
 
     if wanted.median:
-        emit(overturning_spectrum(scene, rows()), keys=INTERVAL_KEYS)
+        emit(computed(overturning_spectrum(scene, rows())), keys=INTERVAL_KEYS)
     else:
-        places = (
-            ("record", "alpha", "T") if scene.over_angles else ("record", "structure")
-        )
+        angles = scene.over_angles
+        places = ("record", "alpha", "T") if angles else ("record", "structure")
+        ends = ("A_from",) if tracing.first else ("A_from", "A_to")
         emit(
-            rows(),
-            (*places, "A_from", *([] if tracing.first else ["A_to"]), "mode", "model"),
+            computed(rows()),
+            (*places, *ends, "mode", "model"),
             keys=INTERVAL_KEYS,
             unseen=NAMED,
             varied=varied,
@@ -282,3 +300,14 @@ def _of_records(
         " rocking check searches it in finer steps"
     )
     _closing(lines, f"{100.0 * RATIO:g} % of the amplitude", modes["failed"])
+
+
+def _refuse_of_records(wanted: EnvelopeOptions, model: equations.Equations) -> None:
+    """Raise click.UsageError for options that do not go with records."""
+    refuse("does not go with records", "closed_form")
+    if wanted.median and wanted.sign == "both":
+        raise click.UsageError("--median does not go with --sign both")
+    if len(model.models) > 1:
+        raise click.UsageError(
+            "--model both goes with a pulse; records use the nonlinear equation"
+        )

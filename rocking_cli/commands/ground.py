@@ -1,21 +1,18 @@
-"""The options of the ground motion: pulses, records, the vertical motion, and the
-demand of one amplitude and frequency.
-"""
+"""The options of the ground motion: pulses, records and the vertical motion."""
 
 from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import click
 
-from ..errors import RockingError, UsageError
+from ..errors import RockingError
 from .command import option, partly, refuse
-from .options import remark_on
 from .parameter_types import NUMBER, PULSE, STATION, InputPath, PulseOrPath, quantity
 from .printing import note, warn
 
@@ -27,9 +24,7 @@ if TYPE_CHECKING:
     from ..motions.buildings import Building
     from ..motions.grid import Grid
     from ..motions.recording import Recording
-    from ..structures import RockingParameters
 
-_PULSE = ("pulse", "cycles", "gamma", "phase")
 _OF_A_FILE = ("vertical_component", "vertical_unit", "vertical_dt")
 _MOTION = (
     "A record or a motion document instead of a pulse; for a set: records, a directory"
@@ -232,9 +227,16 @@ class Source:
     )
 
 
+# The name and the parameters of a pulse.
+_PULSE = tuple(of.name for of in fields(Source) if of.name != "motion")
+
+
 @dataclass(frozen=True)
 class Motions(Reading, Source):
     """The ground motion: a pulse, a motion document, a record or a set of them."""
+
+    # True if an amplitude and a frequency are stated beside it
+    takes_demand: ClassVar[bool] = False
 
     scale: float | None = option(
         "--scale",
@@ -268,7 +270,7 @@ class Motions(Reading, Source):
         """Return the motion that the options describe. Raises UsageError for a set of
         records.
         """
-        waits = isinstance(self, Shaking)
+        waits = self.takes_demand
         from ..motions.reading import read_motion
 
         if len(self.motion) > 1 or any(map(os.path.isdir, self.motion)):
@@ -295,7 +297,7 @@ class Motions(Reading, Source):
         --motion works. Raises UsageError.
         """
         upwards, station = self.upwards()
-        waits = isinstance(self, Shaking)
+        waits = self.takes_demand
         if not self.motion:
             pulse = Ground(self._pulse(station)).with_upwards(upwards)
             return files, self.floor(pulse, waits)
@@ -402,16 +404,15 @@ class BothWays(Motions):
             refuse("goes with a record: give one to --vertical", *_OF_A_FILE)
             motion = pulse(self.vertical)
         else:
-            component, unit, dt = (
-                self.vertical_component,
-                self.vertical_unit,
-                self.vertical_dt,
-            )
             with named(
                 component="vertical_component", unit="vertical_unit", dt="vertical_dt"
             ):
                 motion = read_motion(
-                    self.vertical, component=component, unit=unit, dt=dt, tell=note
+                    self.vertical,
+                    component=self.vertical_component,
+                    unit=self.vertical_unit,
+                    dt=self.vertical_dt,
+                    tell=note,
                 )
         return Upwards(motion, factor), None
 
@@ -431,195 +432,3 @@ def no_shaking(*instead: str) -> click.UsageError:
             ("no shaking: give --a-g and --omega-g (or --f-g, --T-g)", *instead)
         )
     )
-
-
-@dataclass(frozen=True)
-class Shaking:
-    """One amplitude and one frequency, with units or dimensionless."""
-
-    a_g: str | None = option(
-        "--a-g",
-        "Amplitude of the motion, m/s2 or with g; a negative one reverses it.",
-        metavar="VALUE",
-    )
-    omega_g: str | None = option(
-        "--omega-g", "Angular frequency of the motion, rad/s.", metavar="VALUE"
-    )
-    f_g: str | None = option("--f-g", "Frequency of the motion in Hz.", metavar="VALUE")
-    T_g: str | None = option(
-        "--T-g",
-        "Period of the motion in s; for a rectangular pulse its duration t_p.",
-        metavar="VALUE",
-    )
-    A: str | None = option(
-        "--A", "Dimensionless amplitude a_scale a_g/(alpha g).", metavar="VALUE"
-    )
-    Omega: str | None = option(
-        "--Omega", "Dimensionless frequency omega_g/p.", metavar="VALUE"
-    )
-
-    def of(self, ground: Ground) -> Ground:
-        """Return the motion and its demand, a grid of one cell, None if the options
-        state no value. Raises UsageError.
-        """
-        from ..motions.grid import parse_grid
-
-        given = {
-            one.name: value
-            for one in fields(Shaking)
-            if (value := getattr(self, one.name)) is not None
-        }
-        if given:
-            refuse(
-                "does not go with an amplitude: expected one of them for the PGA of the"
-                " record",
-                "scale_to",
-            )
-        own = None if ground.motion is None else ground.motion.acceleration
-        if given.get("a_g", "").startswith("-"):
-            given["a_g"] = given["a_g"][1:]
-            ground = ground.reversed
-        if own is not None and not given:
-            given = {"a_g": f"{own!r} m/s2"}
-        if not given:
-            return ground
-        from ..documents.quantities import with_a_point
-
-        for key, value in given.items():
-            if "," in value or ":" in value:
-                also = (
-                    ""
-                    if key in ("a_g", "A")
-                    else " (rocking check and solve take FROM:TO)"
-                )
-                raise click.UsageError(
-                    f"--{key.replace('_', '-')}: found {value!r}; expected one"
-                    f" value{also}{with_a_point(value)}"
-                )
-        axes = ",".join(f"{key}={value}" for key, value in given.items())
-        try:
-            grid = parse_grid(axes, own_time=own is not None or bool(ground.recordings))
-        except UsageError as error:
-            text = str(error).replace(
-                "`grid`: ", ""
-            )  # the axes are options of their own here
-            raise UsageError(re.sub(r"`grid` (\w+):", r"`\1`:", text)) from None
-        remark_on(grid=grid)
-        return ground.with_grid(grid)
-
-
-@dataclass(frozen=True)
-class Demand(Shaking, BothWays):
-    """The ground motion, a vertical one, and the demand."""
-
-    def ends(self) -> list[Demand]:
-        """Return the demands at both ends of a range of frequencies FROM:TO, if there
-        is one. Raises click.UsageError.
-        """
-        given = {key: getattr(self, key) for key in ("omega_g", "f_g", "T_g", "Omega")}
-        if (self.a_g or self.A) and not self.motion and not any(given.values()):
-            ways = (
-                "a range of frequencies such as --f-g 0.5:5, records by --motion FILE"
-                " --scale-to PGA=0.3g"
-            )
-            raise click.UsageError(
-                f"--a-g alone is no motion: give {ways}, or see the static lambda of"
-                " rocking params"
-            )
-        of = {
-            key: text.split(":")
-            for key, text in given.items()
-            if text and text.count(":") == 1
-        }
-        if of and self.building:
-            raise click.UsageError(
-                "--building does not go with a range of frequencies: give one"
-            )
-        return [replace(self, **{key: end}) for key, ends in of.items() for end in ends]
-
-
-@dataclass(frozen=True)
-class Directed(Demand):
-    """The demand, or two horizontal components in a direction."""
-
-    azimuth: str | None = option(
-        "--azimuth",
-        "Direction in deg, from the first component to the second; of a span the worst"
-        " (check).",
-        metavar="ANGLE|START:STOP:N",
-    )
-
-    def azimuths(self) -> np.ndarray | None:
-        """Return the directions that --azimuth states [rad]. Raises UsageError."""
-        if self.azimuth is None:
-            return None
-        import numpy as np
-
-        from ..motions.grid import parse_span
-
-        refuse(
-            "does not go with --azimuth: --scale FACTOR scales both components",
-            "scale_to",
-            *(one.name for one in fields(Shaking)),
-        )
-        if not self.motion:
-            raise click.UsageError("--azimuth goes with a record: give --motion")
-        return np.radians(
-            parse_span("--azimuth", self.azimuth.replace("deg", ""), "number")
-        )
-
-
-def sign() -> Any:
-    """The option for the direction of the motion."""
-    return option(
-        "--sign",
-        "Direction of the motion; both matters to bodies whose sides differ.",
-        type=click.Choice(["+", "-", "both"]),
-        default="+",
-    )
-
-
-def note_demand(shakes: Sequence[tuple[Motion, Grid]]) -> None:
-    """Print the amplitude and frequency of the demand."""
-    from ..motions.grid import demand_in_words
-    from ..reports.plausibility import bare_remarks
-
-    asked = click.get_current_context().params
-    note(
-        f"demand: {demand_in_words(shakes)}{_floor_in_words(shakes)}",
-        *bare_remarks(
-            f"a_g={asked['a_g']}" if asked["a_g"] else asked.get("scale_to") or ""
-        ),
-    )
-
-
-def _floor_in_words(shakes: Sequence[tuple[Motion, Grid]]) -> str:
-    """Return what a floor makes of the demand in words; empty on the ground."""
-    from ..documents.quantities import DEFAULT_GRAVITY
-
-    peaks = [
-        float(grid.amplitude.values[0]) * motion.largest / DEFAULT_GRAVITY
-        for motion, grid in shakes
-        if motion.floor is not None
-    ]
-    if not peaks:
-        return ""
-    span = " to ".join(dict.fromkeys(f"{x:.4g}" for x in (min(peaks), max(peaks))))
-    return f", of the ground; {span} g on the floor of the building"
-
-
-def note_governing(
-    structures: Iterable[RockingParameters], dimensionless: bool
-) -> None:
-    """Print the governing equation of each structure."""
-    from ..dynamics.method import governing_method, model_in_words
-
-    lines = (
-        model_in_words(
-            governing_method(one, dimensionless=dimensionless),
-            one,
-            dimensionless=dimensionless,
-        )
-        for one in structures
-    )
-    note(*dict.fromkeys(lines))

@@ -3,6 +3,7 @@ that makes it again.
 """
 
 import shlex
+from collections.abc import Mapping
 from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
@@ -55,7 +56,6 @@ def info(
     The exit code is 1 if a file is damaged, or with --verify if a chunk is damaged.
     """
     from ..spectra.file.reader import SpectraFile
-    from ..spectra.work.machine import described
 
     damaged: list[str] = []
     rows: list[dict[str, Any]] = []
@@ -64,65 +64,82 @@ def info(
             if documents:
                 emit(_documents(file), form="json")
                 continue
-            attributes, dimensions = file.attributes, file.frame.dimensions
-            names = {
-                f"{name}s": _names(values)
-                for name, values in dimensions.items()
-                if isinstance(values, list)
-            }
-            axes = {
-                k: f"{v[0]:g} to {v[-1]:g}, {len(v)}"
-                for k, v in dimensions.items()
-                if not isinstance(v, list)
-            }
-            row = {
-                "file": path,
-                **names,
-                "model": file.scene["model"],
-                "motion": attributes["motion"],
-                **axes,
-            }
-            row |= {
-                "chunks": f"{int(file.done.sum())} of {file.done.size}",
-                "complete": "yes" if file.complete else "no",
-            }
-            row |= {
-                key: attributes.get(key)
-                for key in ("run_time", "estimated_error", "checked_cells", "source")
-            }
-            row |= {} if row["checked_cells"] else {"estimated_error": None}
-            row |= {"sealed": "yes" if file.digest else "no", "digest": file.digest}
-            row["computed_on"] = "; ".join(described(m) for m in file.machines) or None
+            row = _contents(path, file)
             if verify:
-                bad = file.damaged_chunks()
-                row["damaged_chunks"] = len(bad)
-                damaged += [f"{path}: chunk {i} is damaged" for i in bad]
+                numbers = file.damaged_chunks()
+                row["damaged_chunks"] = len(numbers)
+                damaged += [f"{path}: chunk {i} is damaged" for i in numbers]
             if again:
-                counts = {
-                    key.removeprefix("cells_"): int(n)
-                    for key, n in attributes.items()
-                    if key.startswith("cells_")
-                }
-                etas = [f"{one['eta']:.6g}" for one in file.scene.get("structures", ())]
-                row |= {
-                    "eta": _names(etas) or None,
-                    "tolerance": attributes.get("tolerance"),
-                }
-                row |= {
-                    "cells": ", ".join(
-                        f"{n} {name}" for name, n in counts.items() if n
-                    ),
-                    "command": _command(path, file),
-                }
+                row |= _origin(path, file)
             rows.append(row)
     if documents:
         return 0
-    emit(
-        [{**row, "command": None} for row in rows] if form() is None else rows,
-        keys=("file",),
-    )
+
+    hidden = {"command": None} if form() is None else {}  # it stands below a table
+    emit([{**row, **hidden} for row in rows], keys=("file",))
     commands = [row["command"] for row in rows] if again else []
-    for line in filter(None, commands if form() is None else []):
+    if form() is None:
+        _put_commands(commands)
+    if not all(commands):
+        note("written by a function of Python: the file holds no command")
+    for line in damaged:
+        streams.say(f"rocking: {line}")
+    return 1 if damaged else 0
+
+
+def _contents(path: str, file: "SpectraFile") -> dict[str, Any]:
+    """Return the row of a file: its scene, completeness, run time, estimated error."""
+    from ..spectra.work.machine import described
+
+    attributes, dimensions = file.attributes, file.frame.dimensions
+    names = {
+        f"{name}s": _names(values)
+        for name, values in dimensions.items()
+        if isinstance(values, list)
+    }
+    axes = {
+        name: f"{values[0]:g} to {values[-1]:g}, {len(values)}"
+        for name, values in dimensions.items()
+        if not isinstance(values, list)
+    }
+    checked = attributes.get("checked_cells")
+    return {
+        "file": path,
+        **names,
+        "model": file.scene["model"],
+        "motion": attributes["motion"],
+        **axes,
+        "chunks": f"{int(file.done.sum())} of {file.done.size}",
+        "complete": "yes" if file.complete else "no",
+        "run_time": attributes.get("run_time"),
+        "estimated_error": attributes.get("estimated_error") if checked else None,
+        "checked_cells": checked,
+        "source": attributes.get("source"),
+        "sealed": "yes" if file.digest else "no",
+        "digest": file.digest,
+        "computed_on": "; ".join(map(described, file.machines)) or None,
+    }
+
+
+def _origin(path: str, file: "SpectraFile") -> dict[str, Any]:
+    """Return the columns of --command."""
+    counts = {
+        key.removeprefix("cells_"): int(n)
+        for key, n in file.attributes.items()
+        if key.startswith("cells_")
+    }
+    etas = [f"{one['eta']:.6g}" for one in file.scene.get("structures", ())]
+    return {
+        "eta": _names(etas) or None,
+        "tolerance": file.attributes.get("tolerance"),
+        "cells": ", ".join(f"{n} {name}" for name, n in counts.items() if n),
+        "command": _command(path, file),
+    }
+
+
+def _put_commands(commands: list[str | None]) -> None:
+    """Print commands on standard output, broken where the shell goes on."""
+    for line in filter(None, commands):
         parts = wrap(
             line,
             96,
@@ -131,42 +148,33 @@ def info(
             break_on_hyphens=False,
         )
         streams.put(*(f"{part} \\" for part in parts[:-1]), parts[-1])
-    if not all(commands):
-        note("written by a function of Python: the file holds no command")
-    for line in damaged:
-        streams.say(f"rocking: {line}")
-    return 1 if damaged else 0
 
 
 def _names(values: list[str]) -> str:
     """Return the names as a text; if there are many, only the first, the last and their
     number.
     """
-    return (
-        ", ".join(values)
-        if len(values) <= _MOST_NAMES
-        else f"{len(values)}, {values[0]} to {values[-1]}"
-    )
+    if len(values) <= _MOST_NAMES:
+        return ", ".join(values)
+    return f"{len(values)}, {values[0]} to {values[-1]}"
 
 
 def _documents(file: "SpectraFile") -> list[dict[str, Any]]:
     """Return the documents of a spectra file, each with the name of its structure in
     the file.
     """
-    from ..documents.document import parse_documents
+    from ..documents.parsing import parse_documents
 
-    text, names = (
-        str(file.attributes.get("documents", "")),
-        file.frame.dimensions.get("structure", []),
-    )
+    text = str(file.attributes.get("documents", ""))
     found = [
-        one
+        document
         for part in text.split("\n---\n")
         if part
-        for one in parse_documents(part, file.path.name)
+        for document in parse_documents(part, file.path.name)
     ]
+    names = file.frame.dimensions.get("structure", [])
     return [
-        {**{k: v.plain() for k, v in one.values.items()}, "name": name}
+        {**{key: value.plain() for key, value in one.values.items()}, "name": name}
         for one, name in zip(found, names, strict=False)
     ]
 
@@ -177,9 +185,9 @@ def _command(path: str, file: "SpectraFile") -> str | None:
     """
     from ..motions.reading import holds_records
 
-    name, *arguments = shlex.split(
-        str(file.attributes.get("history", "")).partition("rocking ")[2]
-    ) or [""]
+    history = str(file.attributes.get("history", ""))
+    call = shlex.split(history.partition("rocking ")[2]) or [""]
+    name, *arguments = call
     root = click.get_current_context().find_root()
     assert isinstance(root.command, click.Group)
     made = root.command.get_command(root, name)
@@ -187,31 +195,27 @@ def _command(path: str, file: "SpectraFile") -> str | None:
         return None
     given, _, _ = made.make_parser(click.Context(made)).parse_args(arguments)
     files = given.get("files")
-    records = (
-        [one for one in files if holds_records(one)]
-        if isinstance(files, list | tuple)
-        else []
-    )
-    words = [
-        "rocking",
-        name,
-        *(["-"] if (stated := _documents(file)) else []),
-        *records,
-    ]
+    stated = files if isinstance(files, list | tuple) else []
+    records = [one for one in stated if holds_records(one)]
+    words = [*records, *_stated_options(made, given)]
+    source = ""
+    if _documents(file):
+        source = f"{shlex.join(['rocking', 'info', path, '--documents'])} | "
+        words = ["-", *words]
+    words = ["rocking", name, *words, "-o", f"{Path(path).stem}-again.h5"]
+    return f"{source}{shlex.join(words)}"
+
+
+def _stated_options(made: click.Command, given: Mapping[str, Any]) -> list[str]:
+    """Return the options of a call that determine its cells, as words."""
+    words: list[str] = []
     for parameter in made.params:
         if (
             isinstance(parameter, click.Option)
             and parameter.name in given
             and parameter.name not in _OF_THE_RUN
         ):
-            value = given[parameter.name]
+            flag, value = parameter.opts[-1], given[parameter.name]
             for one in value if parameter.multiple else [value]:
-                words += (
-                    [parameter.opts[-1]]
-                    if parameter.is_flag
-                    else [parameter.opts[-1], str(one)]
-                )
-    source = (
-        f"{shlex.join(['rocking', 'info', path, '--documents'])} | " if stated else ""
-    )
-    return f"{source}{shlex.join([*words, '-o', f'{Path(path).stem}-again.h5'])}"
+                words += [flag] if parameter.is_flag else [flag, str(one)]
+    return words

@@ -196,10 +196,8 @@ def members_of(
     from ..structures.parameters import VARIED
 
     refuse("does not go with --vary", "etas")
-    documents, variations = (
-        documents_of(files),
-        [parse_variation(text) for text in vary],
-    )
+    documents = documents_of(files)
+    variations = [parse_variation(text) for text in vary]
     members(variations)
     every = [
         member
@@ -277,6 +275,7 @@ def introduce(structures: Sequence[RockingParameters]) -> None:
     """
     keep_labels(structures)
     remark_on(structures)
+    note_spreads(structures)
     names = list(
         dict.fromkeys(name for structure in structures for name in structure.labels)
     )
@@ -290,6 +289,18 @@ def introduce(structures: Sequence[RockingParameters]) -> None:
             "labels, not used:"
             f" {shown}{' (--columns shows them)' if has_columns else ''}"
         )
+
+
+def note_spreads(structures: Iterable[RockingParameters]) -> None:
+    """Print which keys have a spread, if the call takes their means."""
+    keys = dict.fromkeys(
+        key for s in structures if s.drawn_from for key in s.drawn_from.uncertain
+    )
+    parameters = click.get_current_context().params
+    if not keys or parameters.get("draws"):
+        return
+    more = "; --draws draws them" if "draws" in parameters else ""
+    below(f"means are taken of numbers with a spread: {', '.join(keys)}{more}")
 
 
 def note_interfaces(structures: Iterable[RockingParameters]) -> None:

@@ -1,18 +1,23 @@
 """`rocking params`: rocking parameters of structure documents."""
 
+from __future__ import annotations
+
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from . import equations, options
-from .command import command
-from .printing import emit, form, keep_labels, note, printed
+from .command import command, group, refuse
+from .draws import Draws, require_spreads
+from .printing import computed, emit, form, keep_labels, note, printed
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
+    from ..documents.document import Document
     from ..structures import RockingParameters
+    from ..structures.family import Variation
 
 KEYS = ("name",)  # the column that says which row it is
 SHARED = {
@@ -28,78 +33,36 @@ def params(
     files: tuple[str, ...] = options.files(),
     vary: tuple[str, ...] = options.vary(),
     linear_uplift: str = equations.linear_uplift(),
+    drawn: Draws = group(Draws),
 ) -> None:
     """Derive p, alpha, eta, lambda and a_scale of each structure.
 
     FILE is a YAML or JSON structure document, - for standard input. Bounds of --vary
-    without a unit have the unit of that key in the document. A body with unequal sides
+    without a unit have the unit of that key in the document. With --draws a row for
+    each quantity: its mean, standard deviation and quantiles. A body with unequal sides
     has the parameters of the edge that lifts first, and those of each edge. A stack has
     those of each interface: as rows below it, with --json and --csv as
     `other_interfaces`. Members of a family without a solution are reported and left out
     (exit code 4).
     """
-    from ..reports.tables import flat
-    from ..structures import build_structure, on_each_interface, with_distinct_names
-    from ..structures.family import family, members, parse_variation
-    from ..structures.parameters import OTHERS
+    from ..structures.family import parse_variation
 
+    if drawn.draws:
+        refuse("does not go with --draws", "vary", "linear_uplift")
+        structures, _ = options.structures_of(files)
+        require_spreads(structures)
+        emit(list(drawn.rows(structures)), keys=("name", "quantity"))
+        return
     documents = options.documents_of(files)
     variations = [parse_variation(text) for text in vary]
-    total = members(variations)
-    shown = form()
     early: list[RockingParameters] = []
-
-    def printed() -> Iterator[dict[str, Any]]:
-        if not variations:
-            built = equations.lifting(
-                with_distinct_names(
-                    [build_structure(document) for document in documents]
-                ),
-                linear_uplift,
-            )
-            options.introduce(built)
-            early.extend(
-                s
-                for s in built
-                if shown is None
-                and s.restraints is None
-                and s.uplift > 1.01 * s.linear_uplift
-            )
-            for document, structure in zip(documents, built, strict=True):
-                others = (
-                    [build_structure(one) for one in on_each_interface(document)[1:]]
-                    if shown is not None
-                    else []
-                )
-                more = (
-                    {
-                        OTHERS: [
-                            other.row()
-                            for other in equations.lifting(others, linear_uplift)
-                        ]
-                    }
-                    if others
-                    else {}
-                )
-                yield from _rows({**structure.row(), **more}, shown)
-            return
-        progress = ProgressLine("params", "structures")
-        for i, document in enumerate(documents):
-            for j, member in enumerate(family(document, variations), 1):
-                progress(i * total + j, len(documents) * total)
-                if member.parameters is None:
-                    options.note_no_solution(member)
-                else:
-                    (structure,) = equations.lifting([member.parameters], linear_uplift)
-                    keep_labels([structure])
-                    yield from _rows(structure.row(), shown, member.shown)
-
-    if shown == "csv":  # a later row may have more columns than the first
-        rows = [flat(row) for row in printed()]
-        every = dict.fromkeys(chain.from_iterable(rows))
-        emit([every | row for row in rows], keys=KEYS)
+    if variations:
+        rows = _family_rows(documents, variations, linear_uplift)
     else:
-        emit(printed(), keys=KEYS)
+        structures = _built(documents, linear_uplift)
+        rows = _structure_rows(documents, structures, linear_uplift)
+        early = _lifted_early(structures) if form() is None else []
+    _print(rows)
     for s in early:
         lifts = (
             f"lifts it at alpha/a_scale = {s.linear_uplift:.4g} g, the body at lambda ="
@@ -108,64 +71,143 @@ def params(
         note(f"{s.name}: the linear equation {lifts}")
 
 
+def _built(documents: Sequence[Document], uplift: str) -> list[RockingParameters]:
+    """Return the structures of documents; uplift: see --linear-uplift."""
+    from ..structures import build_structure, with_distinct_names
+
+    built = with_distinct_names([build_structure(document) for document in documents])
+    built = equations.lifting(built, uplift)
+    options.introduce(built)
+    return built
+
+
+def _lifted_early(structures: Sequence[RockingParameters]) -> list[RockingParameters]:
+    """Return those that the linear equation lifts more than 1 % below lambda g."""
+    return [
+        structure
+        for structure in structures
+        if structure.restraints is None
+        and structure.uplift > 1.01 * structure.linear_uplift
+    ]
+
+
+def _structure_rows(
+    documents: Sequence[Document], structures: Sequence[RockingParameters], uplift: str
+) -> Iterator[dict[str, Any]]:
+    """Yield the rows of structures; those of JSON and CSV hold the other interfaces of
+    a stack.
+    """
+    from ..structures import build_structure, on_each_interface
+    from ..structures.parameters import OTHERS
+
+    for document, structure in zip(documents, structures, strict=True):
+        row = structure.row()
+        if form() is not None:
+            interfaces = on_each_interface(document)[1:]
+            others = [build_structure(interface) for interface in interfaces]
+            if others:
+                lifted = equations.lifting(others, uplift)
+                row[OTHERS] = [other.row() for other in lifted]
+        yield from _rows(row, form())
+
+
+def _family_rows(
+    documents: Sequence[Document], variations: Sequence[Variation], uplift: str
+) -> Iterator[dict[str, Any]]:
+    """Yield the rows of the members of families; those without a solution are
+    reported.
+    """
+    from ..structures.family import family, members
+
+    total = members(variations)
+    progress = ProgressLine("params", "structures")
+    for i, document in enumerate(documents):
+        for j, member in enumerate(family(document, variations), 1):
+            progress(i * total + j, len(documents) * total)
+            if member.parameters is None:
+                options.note_no_solution(member)
+            else:
+                (structure,) = equations.lifting([member.parameters], uplift)
+                keep_labels([structure])
+                yield from _rows(structure.row(), form(), member.shown)
+
+
+def _print(rows: Iterable[dict[str, Any]]) -> None:
+    """Print rows; the header of a CSV has the columns of all of them."""
+    from ..reports.tables import flat
+
+    if form() != "csv":
+        emit(computed(rows), keys=KEYS)
+        return
+    flattened = [flat(row) for row in rows]
+    columns = dict.fromkeys(chain.from_iterable(flattened))
+    emit([columns | row for row in flattened], keys=KEYS)
+
+
 def _rows(
     row: dict[str, Any], form: str | None, varied: dict[str, float] | None = None
 ) -> Iterator[dict[str, Any]]:
-    """Yield the rows of a structure: for CSV one with the columns of its sides, for a
-    table one for each side or interface.
+    """Yield the rows of a structure: for JSON and CSV one, for a table more, of each
+    side or interface. varied: the values of the varied keys by heading.
     """
-    from ..structures.parameters import OTHERS, VARIED
+    from ..structures.parameters import VARIED
 
     if form == "json":
         yield row
         return
-    row = {key: value for key, value in row.items() if key != "labels"}  # emit has them
+    hidden = {"labels"}  # emit has them
     if varied is not None:
-        row = {key: value for key, value in row.items() if key not in VARIED}
+        hidden |= set(VARIED)
+    row = {key: value for key, value in row.items() if key not in hidden}
     sides = row.pop("sides", [])
+    below: list[dict[str, Any]] = []
     if form == "csv":
-        columns = {
-            f"{side['side']}_{key}": value
-            for side in sides
-            for key, value in side.items()
-            if key != "side"
-        }
-        columns |= {OTHERS: json.dumps(row[OTHERS])} if OTHERS in row else {}
-        row = {
-            **row,
-            **(
-                {key: row.get(key, absent) for key, absent in SHARED.items()}
-                if varied
-                else {}
-            ),
-            **columns,
-        }
-    below = [{"name": f"  {side.pop('side')} edge", **side} for side in sides]
-    if form is None:
-        below += [
-            {"name": f"  on {one.pop('on')}", **one}
-            for one in row.pop("interfaces", [])
-        ]
-        below += [
-            {"name": f"  restrained, {one['side']}", **one}
-            for one in row.pop("restrained", [])
-        ]
-        row = {
-            key: value
-            for key, value in row.items()
-            if key not in ("ties", "tendon", "stands", OTHERS)
-        }
-        if "hinges" in row:
-            row["hinges [deg]"] = ", ".join(
-                f"{math.degrees(hinge['angle']):.6g}" for hinge in row.pop("hinges")
-            )
+        row = _csv_row(row, sides, bool(varied))
+    else:
+        row, below = _table_rows(row, sides)
     # alpha of a block is both a varied key and a parameter
-    yield {
-        **{_apart(heading, row): value for heading, value in (varied or {}).items()},
-        **row,
-    }
-    if form is None:
-        yield from below
+    values = {_apart(heading, row): value for heading, value in (varied or {}).items()}
+    yield {**values, **row}
+    yield from below
+
+
+def _csv_row(
+    row: dict[str, Any], sides: Sequence[dict[str, Any]], of_a_family: bool
+) -> dict[str, Any]:
+    """Return the row with the columns of its sides, such as left_p."""
+    from ..structures.parameters import OTHERS
+
+    columns: dict[str, Any] = {}
+    if of_a_family:
+        columns = {key: row.get(key, absent) for key, absent in SHARED.items()}
+    for side in sides:
+        name = side["side"]
+        columns |= {f"{name}_{key}": x for key, x in side.items() if key != "side"}
+    if OTHERS in row:
+        columns[OTHERS] = json.dumps(row[OTHERS])
+    return {**row, **columns}
+
+
+def _table_rows(
+    row: dict[str, Any], sides: Sequence[dict[str, Any]]
+) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+    """Return (the row of a structure in a table, the rows below it)."""
+    from ..structures.parameters import OTHERS
+
+    below = [{"name": f"  {side.pop('side')} edge", **side} for side in sides]
+    below += [
+        {"name": f"  on {one.pop('on')}", **one} for one in row.pop("interfaces", [])
+    ]
+    below += [
+        {"name": f"  restrained, {one['side']}", **one}
+        for one in row.pop("restrained", [])
+    ]
+    hidden = ("ties", "tendon", "stands", OTHERS)
+    row = {key: value for key, value in row.items() if key not in hidden}
+    if "hinges" in row:
+        angles = [math.degrees(hinge["angle"]) for hinge in row.pop("hinges")]
+        row["hinges [deg]"] = ", ".join(f"{angle:.6g}" for angle in angles)
+    return row, below
 
 
 def _apart(heading: str, row: dict[str, Any]) -> str:

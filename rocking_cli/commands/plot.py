@@ -1,7 +1,10 @@
 """`rocking plot`: figures of spectra files and of the CSV that the commands print."""
 
+from __future__ import annotations
+
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -9,6 +12,60 @@ from . import options, streams
 from .command import argument, command, flag, group, option, refuse, refuse_together
 from .parameter_types import InputPath, OutputPath
 from .printing import note, quiet, units, units_of
+
+if TYPE_CHECKING:
+    from ..documents.document import Document
+    from ..reports.figures.canvas import Look
+
+
+@dataclass(frozen=True)
+class PlotOptions:
+    """What to draw of the files, and where."""
+
+    output: Path | None = options.output("The figure: .png, .svg or .pdf.")
+    structure: str | None = option(
+        "--structure",
+        "Structure (or record) of the map (default: the first).",
+        metavar="NAME",
+    )
+    every: bool = flag(
+        "--all", "Draw a panel for every structure (or record) of a spectra file."
+    )
+    cut: str | None = option(
+        "--slice",
+        "Draw a slice at this value, such as f_g=1.5, instead of a map.",
+        metavar="AXIS=VALUE",
+    )
+    over: str | None = option(
+        "--over",
+        "The axis of a family (default: the first key varied).",
+        metavar="KEY[/KEY]",
+    )
+    log: str | None = option(
+        "--log", "Logarithmic axes.", type=click.Choice(["x", "y", "xy"])
+    )
+    phase: bool = flag(
+        "--phase-portrait",
+        "Draw the phase portrait of a response, with the separatrix.",
+    )
+    align: bool = flag(
+        "--align", "Count the time of each response from its largest rotation."
+    )
+    animate: Path | None = option(
+        "--animate",
+        "Animate the body of a response in real time.",
+        type=OutputPath(),
+        metavar="OUT.gif",
+    )
+    body: str | None = option(
+        "--body",
+        "Structure of --animate and --phase-portrait (default: the block of its p,"
+        " alpha).",
+        type=InputPath(),
+    )
+    text: bool = flag(
+        "--text", "Draw a spectra file as text in the terminal, without matplotlib."
+    )
 
 
 @command(
@@ -21,50 +78,7 @@ def plot(
     files: tuple[Path, ...] = argument(
         nargs=-1, required=True, type=click.Path(path_type=Path), metavar="FILE..."
     ),
-    output: Path | None = options.output("The figure: .png, .svg or .pdf."),
-    structure: str | None = option(
-        "--structure",
-        "Structure (or record) of the map (default: the first).",
-        metavar="NAME",
-    ),
-    every: bool = flag(
-        "--all", "Draw a panel for every structure (or record) of a spectra file."
-    ),
-    cut: str | None = option(
-        "--slice",
-        "Draw a slice at this value, such as f_g=1.5, instead of a map.",
-        metavar="AXIS=VALUE",
-    ),
-    over: str | None = option(
-        "--over",
-        "The axis of a family (default: the first key varied).",
-        metavar="KEY[/KEY]",
-    ),
-    log: str | None = option(
-        "--log", "Logarithmic axes.", type=click.Choice(["x", "y", "xy"])
-    ),
-    phase: bool = flag(
-        "--phase-portrait",
-        "Draw the phase portrait of a response, with the separatrix.",
-    ),
-    align: bool = flag(
-        "--align", "Count the time of each response from its largest rotation."
-    ),
-    animate: Path | None = option(
-        "--animate",
-        "Animate the body of a response in real time.",
-        type=OutputPath(),
-        metavar="OUT.gif",
-    ),
-    body: str | None = option(
-        "--body",
-        "Structure of --animate and --phase-portrait (default: the block of its p,"
-        " alpha).",
-        type=InputPath(),
-    ),
-    text: bool = flag(
-        "--text", "Draw a spectra file as text in the terminal, without matplotlib."
-    ),
+    wanted: PlotOptions = group(PlotOptions),
     looks: options.Looks = group(options.Looks),
     overwrite: bool = options.overwrite(),
 ) -> None:
@@ -78,11 +92,37 @@ def plot(
     carry units: g and Hz unless --units says otherwise. Figures need matplotlib: pip
     install matplotlib.
     """
-    from ..reports.drawing_files import draw, is_spectra_file
-    from ..spectra.file.reader import SpectraFile
+    _refuse_contradictions(files, wanted)
+    if wanted.text:
+        _put_map(files[0], wanted)
+        return
+    look = looks.look()
+    document = (
+        None
+        if wanted.body is None
+        else options.documents_of((wanted.body,), 1, "a response")[0]
+    )
+    _check_targets(files[0], wanted, overwrite)
+    if wanted.animate is not None:
+        from ..reports.figures.animation import animate
+        from ..reports.rows import rows_of
+
+        rows = rows_of(str(files[0]))
+        animate(
+            rows, wanted.animate, document, look=look, overwrite=overwrite, tell=note
+        )
+    if wanted.output is not None:
+        remark = _draw(files, wanted.output, wanted, document, look, overwrite)
+        if isinstance(remark, str):
+            note(remark)
+
+
+def _refuse_contradictions(files: tuple[Path, ...], wanted: PlotOptions) -> None:
+    """Raise click.UsageError for options that have no effect on these files."""
+    from ..reports.drawing_files import is_spectra_file
 
     file, *others = files
-    if text:
+    if wanted.text:
         if others:
             raise click.UsageError(f"--text: found {len(files)} files; expected one")
         refuse("does not go with --text", "output")
@@ -97,61 +137,66 @@ def plot(
         refuse_together("structure", "every", "cut")
     else:
         refuse("goes with a spectra file (.h5)", "structure", "every", "cut")
-    if animate is None and not phase:
+    if wanted.animate is None and not wanted.phase:
         refuse("goes with --animate and --phase-portrait", "body")
-    if text:
-        from ..reports.figures.characters import text_map
 
-        with SpectraFile(file) as spectrum:
-            streams.put(*text_map(spectrum, structure, cut))
-        return
-    look = looks.look()
-    document = (
-        None if body is None else options.documents_of((body,), 1, "a response")[0]
-    )
-    if output is None and animate is None:
+
+def _put_map(file: Path, wanted: PlotOptions) -> None:
+    """Print the map or slice of a spectra file as text."""
+    from ..reports.figures.characters import text_map
+    from ..spectra.file.reader import SpectraFile
+
+    with SpectraFile(file) as spectrum:
+        streams.put(*text_map(spectrum, wanted.structure, wanted.cut))
+
+
+def _check_targets(file: Path, wanted: PlotOptions, overwrite: bool) -> None:
+    """Raise UsageError for figures that cannot or must not be written."""
+    if wanted.output is None and wanted.animate is None:
         raise click.UsageError(
             "no output: give -o FIGURE.png (or .svg, .pdf), or --text"
         )
-    if output is not None:
-        instead = "; `text` needs nothing" if is_spectra_file(file) else ""
-        options.check_target(output, overwrite, instead=instead)
-    if animate is not None:
-        from ..reports.figures.animation import FORMATS
-        from ..reports.figures.animation import animate as moving
-        from ..reports.rows import rows_of
+    if wanted.output is not None:
+        from ..reports.drawing_files import is_spectra_file
 
-        options.check_target(animate, overwrite, FORMATS)
-        moving(
-            rows_of(str(file)),
-            animate,
-            document,
-            look=look,
-            overwrite=overwrite,
-            tell=note,
-        )
-    if output is None:
-        return
-    drawn: dict[str, Any] = {
-        "structure": structure,
-        "cut": cut,
-        "every": every,
-    }  # of a spectra file
-    drawn |= {
-        "over": over,
-        "portrait": phase,
+        instead = "; `text` needs nothing" if is_spectra_file(file) else ""
+        options.check_target(wanted.output, overwrite, instead=instead)
+    if wanted.animate is not None:
+        from ..reports.figures.animation import FORMATS
+
+        options.check_target(wanted.animate, overwrite, FORMATS)
+
+
+def _draw(
+    files: tuple[Path, ...],
+    output: Path,
+    wanted: PlotOptions,
+    document: Document | None,
+    look: Look,
+    overwrite: bool,
+) -> Any:
+    """Draw the figure and return what `draw` says of it; document: of the body."""
+    from ..reports.drawing_files import draw
+
+    of_spectra: dict[str, Any] = {
+        "structure": wanted.structure,
+        "cut": wanted.cut,
+        "every": wanted.every,
+    }
+    of_rows: dict[str, Any] = {
+        "over": wanted.over,
+        "portrait": wanted.phase,
         "body": document,
-        "align": align,
-    }  # of rows
-    remark = draw(
+        "align": wanted.align,
+    }
+    return draw(
         files,
         output,
-        log=log or "",
+        log=wanted.log or "",
         units=units_of(),
         look=look,
         overwrite=overwrite,
         tell=note,
-        **drawn,
+        **of_spectra,
+        **of_rows,
     )
-    if isinstance(remark, str):
-        note(remark)

@@ -3,7 +3,7 @@ spectrum.
 """
 
 from ..errors import counted
-from . import ground, options
+from . import demand, ground, options
 from .command import argument, command, flag, group, partly
 from .parameter_types import InputPath
 from .printing import emit, note, printed
@@ -21,7 +21,7 @@ _SPECTRUM = (
 def predict(
     spectrum: str = argument(type=InputPath()),
     files: tuple[str, ...] = options.files(),
-    shaking: ground.Shaking = group(ground.Shaking),
+    shaking: demand.Shaking = group(demand.Shaking),
     exact: bool = flag(
         "--beyond-range",
         "Also compute structures beyond the range and restitutions of the spectrum;"

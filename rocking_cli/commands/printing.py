@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
@@ -19,6 +19,8 @@ from .command import F
 if TYPE_CHECKING:
     from ..reports.units import Units
     from ..structures import RockingParameters
+
+Row = TypeVar("Row", bound=Mapping[str, Any])
 
 
 def _keep(context: click.Context, parameter: click.Parameter, value: Any) -> None:
@@ -175,33 +177,47 @@ def emit(
     without a unit; unseen: columns that only JSON and CSV have; varied: for each
     structure the columns of its varied values, which come first.
     """
-    from shutil import get_terminal_size
-
-    from ..reports.tables import WIDTH, lines
+    from ..reports.tables import lines
 
     units, form = units_shown(table_units), _kept("form") or form
-    asked = (_kept("columns") or "").split(",")
-    chosen = [name.strip() for name in asked if name.strip()]
+    if dimensions:
+        units = replace(units, dimensions=dimensions)
+    stated = (_kept("columns") or "").split(",")
+    chosen = [name.strip() for name in stated if name.strip()]
     if varied:
         rows = ({**varied.get(str(row.get("structure")), {}), **row} for row in rows)
     if unseen and form is None:
         hidden = set(unseen) - set(chosen)
         rows = ({k: x for k, x in row.items() if k not in hidden} for row in rows)
-    rows = _labelled(rows, form, chosen)
-    if dimensions:
-        units = replace(units, dimensions=dimensions)
-
-    table: dict[str, Any] = {}
+    layout: dict[str, Any] = {}
     if form is None:
-        terminal = sys.stdout.isatty()
-        width = get_terminal_size((WIDTH, 0)).columns if terminal else WIDTH
         digits = _kept("digits") or 4
-        table = {"digits": digits, "width": width, "chosen": chosen, "keys": keys}
-    encoding = sys.stdout.encoding
+        layout = {"digits": digits, "width": _width(), "chosen": chosen, "keys": keys}
     for line in lines(
-        rows, form or "table", columns, encoding=encoding, units=units, **table
+        _labelled(rows, form, chosen),
+        form or "table",
+        columns,
+        encoding=sys.stdout.encoding,
+        units=units,
+        **layout,
     ):
         streams.put(line)
+
+
+def _width() -> int:
+    """Return the width of a table in characters: that of the terminal, if it is one."""
+    from shutil import get_terminal_size
+
+    from ..reports.tables import WIDTH
+
+    return get_terminal_size((WIDTH, 0)).columns if sys.stdout.isatty() else WIDTH
+
+
+def computed(rows: Iterable[Row]) -> Iterable[Row]:
+    """Return rows for `emit`: those of a table are computed here, before it is printed;
+    those of JSON and CSV are printed one by one as they come.
+    """
+    return list(rows) if form() is None else rows
 
 
 def in_options(text: str, command: click.Command) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,10 +17,8 @@ from .printing import emit, note, printed
 if TYPE_CHECKING:
     from ..motions.records import Record
 
-KEYS = (
-    "name",
-    "component",
-)  # the columns that say which row it is, of a spectrum with T
+# the columns that say which row it is, of a spectrum with T
+KEYS = ("name", "component")
 SPECTRUM_COLUMNS = ("name", "component", "damping", "T", "S_a", "S_d")
 COLUMNS = (
     "name",
@@ -43,26 +41,33 @@ COLUMNS = (
 )
 
 
-@command("rocking records configs/motions/synthetic.at2", printed)
-def records(
-    files: tuple[str, ...] = options.files(),
-    reading: ground.Reading = group(ground.Reading),
+@dataclass(frozen=True)
+class RecordsOptions:
+    """What to print of the records."""
+
     export_spectrum: bool = flag(
         "--export-spectrum", "Print the elastic response spectrum instead."
-    ),
+    )
     periods: str | None = option(
         "--periods",
         "Periods of the spectrum (default 0.02:5:100:log s).",
         metavar="START:STOP:N[:log]",
-    ),
+    )
     damping: float | None = option(
         "--damping",
         "Damping ratio of the spectrum (default 0.05 for 5 %).",
         type=NUMBER,
-    ),
-    building: tuple[str, ...] = ground.building(),
-    output: Path | None = options.output("Write the one record as PEER AT2."),
-    overwrite: bool = options.overwrite(),
+    )
+    building: tuple[str, ...] = ground.building()
+    output: Path | None = options.output("Write the one record as PEER AT2.")
+    overwrite: bool = options.overwrite()
+
+
+@command("rocking records configs/motions/synthetic.at2", printed)
+def records(
+    files: tuple[str, ...] = options.files(),
+    reading: ground.Reading = group(ground.Reading),
+    wanted: RecordsOptions = group(RecordsOptions),
 ) -> None:
     """Show what records hold, a row a component: sampling and intensity measures in s,
     m/s2, m/s and m.
@@ -83,11 +88,11 @@ def records(
 
     if not files:
         raise click.UsageError("no record: give FILE, or - for standard input")
-    if not export_spectrum:
+    if not wanted.export_spectrum:
         refuse("goes with --export-spectrum", "periods", "damping")
-    if output is not None:
-        options.check_target(output, overwrite, (".at2",))
-    house = parse_building(building)
+    if wanted.output is not None:
+        options.check_target(wanted.output, wanted.overwrite, (".at2",))
+    house = parse_building(wanted.building)
     notes: list[str] = []
     unread: list[str] = []
     taken_records: list[Record] = []
@@ -102,20 +107,11 @@ def records(
             records = [record for record, _ in floors]
             chords.update({id(record): chord for record, chord in floors})
         taken_records.extend(records)
-        notes.extend(
-            f"{record.source}: {remark}"
-            for record in records
-            for remark in record.remarks
-        )
-        return [
-            row
-            for record in records
-            for row in (
-                _spectrum(record, periods, damping)
-                if export_spectrum
-                else [_row(record, chords.get(id(record)))]
-            )
-        ]
+        for record in records:
+            notes.extend(f"{record.source}: {remark}" for remark in record.remarks)
+        if wanted.export_spectrum:
+            return [row for record in records for row in _spectrum(record, wanted)]
+        return [_row(record, chords.get(id(record))) for record in records]
 
     with ground.named(dt="motion_dt"):
         taken = list(
@@ -129,9 +125,9 @@ def records(
                 unread=unread.append,
             )
         )
-    if output is not None:
-        _write(output, taken_records, overwrite)
-    if export_spectrum:
+    if wanted.output is not None:
+        _write(wanted.output, taken_records, wanted.overwrite)
+    if wanted.export_spectrum:
         emit(taken, SPECTRUM_COLUMNS, keys=(*KEYS, "T"))
     else:
         emit(taken, COLUMNS, keys=KEYS)
@@ -140,24 +136,18 @@ def records(
         ground.leave_out(line)
 
 
-def _spectrum(
-    record: Record, periods: str | None, damping: float | None
-) -> list[dict[str, Any]]:
+def _spectrum(record: Record, wanted: RecordsOptions) -> list[dict[str, Any]]:
     """Return the rows of the response spectrum of a record. Raises UsageError."""
     from ..motions.grid import parse_span
     from ..motions.response_spectra import DAMPING, displacement_spectrum
 
-    at, ratio = (
-        parse_span("--periods", periods or "0.02:5:100:log", "time"),
-        DAMPING if damping is None else damping,
-    )
-    names = {"name": record.name, "component": record.component, "damping": ratio}
-    found = zip(
-        at.tolist(), displacement_spectrum(record, at, ratio).tolist(), strict=True
-    )
+    periods = parse_span("--periods", wanted.periods or "0.02:5:100:log", "time")
+    damping = DAMPING if wanted.damping is None else wanted.damping
+    displacement = displacement_spectrum(record, periods, damping)
+    names = {"name": record.name, "component": record.component, "damping": damping}
     return [
-        names | {"T": t, "S_a": (2.0 * math.pi / t) ** 2 * d, "S_d": d}
-        for t, d in found
+        names | {"T": T, "S_a": (2.0 * math.pi / T) ** 2 * S_d, "S_d": S_d}
+        for T, S_d in zip(periods.tolist(), displacement.tolist(), strict=True)
     ]
 
 

@@ -1,16 +1,46 @@
 """`rocking solve`: the values of a key from which a structure stands."""
 
-from typing import Any
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from . import ground, options
+from . import demand, options
 from .command import command, group, option, partly
 from .printing import emit, form, note, printed
 from .progress import ProgressLine
 
+if TYPE_CHECKING:
+    from ..responses.solving import Boundary
+
 COLUMNS = ("structure", "key", "value", "side", "capacity_demand")
 _SCAN = 17  # values of a range that states no number
+
+
+@dataclass(frozen=True)
+class SolveOptions:
+    """The key to vary, and what a structure must withstand."""
+
+    vary: str = option(
+        "--vary",
+        "The key and its range, scanned at N values (default 17).",
+        required=True,
+        metavar="KEY=START:STOP[:N]",
+    )
+    margin: float = option(
+        "--margin",
+        "Required capacity over demand.",
+        type=click.FloatRange(0.0, 100.0, min_open=True),
+        default=1.0,
+    )
+    share: float = option(
+        "--share",
+        "Share of motions to stand under.",
+        type=click.FloatRange(0.0, 1.0, min_open=True),
+        default=1.0,
+    )
 
 
 @command(
@@ -19,26 +49,9 @@ _SCAN = 17  # values of a range that states no number
 )
 def solve(
     files: tuple[str, ...] = options.files(),
-    vary: str = option(
-        "--vary",
-        "The key and its range, scanned at N values (default 17).",
-        required=True,
-        metavar="KEY=START:STOP[:N]",
-    ),
-    margin: float = option(
-        "--margin",
-        "Required capacity over demand.",
-        type=click.FloatRange(0.0, 100.0, min_open=True),
-        default=1.0,
-    ),
-    share: float = option(
-        "--share",
-        "Share of motions to stand under.",
-        type=click.FloatRange(0.0, 1.0, min_open=True),
-        default=1.0,
-    ),
-    asked: ground.Demand = group(ground.Demand),
-    sign: str = ground.sign(),
+    wanted: SolveOptions = group(SolveOptions),
+    asked: demand.Demand = group(demand.Demand),
+    sign: str = demand.sign(),
     workers: int | None = options.workers(),
 ) -> None:
     """Find the values of a key from which each structure stands under a motion with a
@@ -51,7 +64,6 @@ def solve(
     0.5:2) the worst one counts. Two boundaries between neighbouring values of the scan
     may be missed. The equation is the governing one, as in rocking check.
     """
-    from ..documents.quantities import headed
     from ..responses.solving import boundaries
     from ..structures.family import parse_variation
 
@@ -61,46 +73,47 @@ def solve(
     documents = options.documents_of(files)
     options.introduce(list(options.built_if_whole(documents)))
     shakes = (shaken.reversed if sign == "-" else shaken).needed()
-    given: dict[str, Any] = {
-        "margin": margin,
-        "share": share,
-        "opposite": shaken.reversed.shakes if sign == "both" else [],
-    }
-    given |= {
-        "up_to": ends[1].shakes[0][1] if ends else None,
-        "workers": workers,
-        "progress": ProgressLine("solve", "values"),
-    }
-    varied = parse_variation(vary, _SCAN)
+    varied = parse_variation(wanted.vary, _SCAN)
+
     rows: list[dict[str, Any]] = []
     remarks: list[str] = []
     for document in documents:
-        found, lines = boundaries(document, varied, shakes, **given)
-        for one in found:
-            row = one.row()
-            name, key, value = (
-                row.pop(column) for column in ("structure", "key", "value")
-            )
-            if form() is None:
-                at = {
-                    heading: None if x is None else f"{x:.6g}"
-                    for heading, x in one.shown.items()
-                }
-            else:
-                at = {
-                    "key": key,
-                    headed("value", one.unit if form() == "csv" else ""): value,
-                }
-            rows.append({"structure": name, **at, **row})
-        remarks += [
-            f"{document.source}: {line}" if len(documents) > 1 else line
-            for line in lines
-        ]
+        found, lines = boundaries(
+            document,
+            varied,
+            shakes,
+            margin=wanted.margin,
+            share=wanted.share,
+            opposite=shaken.reversed.shakes if sign == "both" else [],
+            up_to=ends[1].shakes[0][1] if ends else None,
+            workers=workers,
+            progress=ProgressLine("solve", "values"),
+        )
+        rows += map(_row, found)
+        source = f"{document.source}: " if len(documents) > 1 else ""
+        remarks += [f"{source}{line}" for line in lines]
         partly(any(line.startswith("no ") for line in lines))
+
     emit(rows, COLUMNS, keys=("structure", varied.key))
-    ground.note_demand([*shakes, *(ends[1].shakes if ends else [])])
+    demand.note_demand([*shakes, *(ends[1].shakes if ends else [])])
     note(
         *remarks,
         f"the scan has {len(varied.values)} values; two boundaries between neighbours"
         " of them may be missed",
     )
+
+
+def _row(boundary: Boundary) -> dict[str, Any]:
+    """Return a boundary as a row; a table has the value in the unit of the range."""
+    from ..documents.quantities import headed
+
+    row = boundary.row()
+    name, key, value = (row.pop(column) for column in ("structure", "key", "value"))
+    if form() is None:
+        shown = {
+            heading: None if x is None else f"{x:.6g}"
+            for heading, x in boundary.shown.items()
+        }
+        return {"structure": name, **shown, **row}
+    heading = headed("value", boundary.unit if form() == "csv" else "")
+    return {"structure": name, "key": key, heading: value, **row}

@@ -2,9 +2,11 @@
 file.
 """
 
-from dataclasses import replace
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -12,6 +14,55 @@ from . import equations, ground, options
 from .command import command, flag, group, option, partly, refuse
 from .printing import emit, is_quiet, note, quiet
 from .progress import ProgressLine
+
+if TYPE_CHECKING:
+    from ..motions.grid import Grid
+    from ..spectra.scene import Scene
+    from ..structures import RockingParameters
+
+
+@dataclass(frozen=True)
+class SpectrumOptions:
+    """The cells to compute, what the file stores of them, and how they are verified."""
+
+    axes: str | None = option(
+        "--grid",
+        "a_g=START:STOP:N[:log],omega_g=… (or f_g, T_g), or A=…,Omega=…; see above.",
+        metavar="AXES",
+    )
+    output: Path = options.output("The HDF5 file to write.", required=True)
+    impacts: bool = flag(
+        "--impacts",
+        "Store the impacts during the shaking, without those of a last sequence of"
+        " impacts below the peak.",
+    )
+    quantity: str | None = option(
+        "--quantity",
+        "Also store: condition (sensitivity to the input), linear, velocity_ratio.",
+        metavar="NAME,…",
+    )
+    no_validity: bool = flag(
+        "--no-validity",
+        "Do not compare cells of a linear sweep with the nonlinear equation.",
+    )
+    chunk_cells: int | None = option(
+        "--chunk", "Cells in one unit of work.", type=click.IntRange(1), metavar="CELLS"
+    )
+    check: int | None = option(
+        "--verify-cells",
+        "Cells to verify by an independent solver.",
+        type=click.IntRange(0, 10_000),
+        metavar="N",
+    )
+    strict: bool = options.strict()
+    json_: bool = flag(
+        "--json", "The closing summary as a JSON record on standard output."
+    )
+
+    def quantities(self, model: equations.Equations) -> list[str]:
+        """Return the names of the further quantities to store."""
+        stated = self.quantity.split(",") if self.quantity is not None else []
+        return [name.strip() for name in stated] + ["linear"] * (len(model.models) > 1)
 
 
 @command(
@@ -21,39 +72,7 @@ from .progress import ProgressLine
 )
 def spectrum(
     files: tuple[str, ...] = options.files(),
-    axes: str | None = option(
-        "--grid",
-        "a_g=START:STOP:N[:log],omega_g=… (or f_g, T_g), or A=…,Omega=…; see above.",
-        metavar="AXES",
-    ),
-    output: Path = options.output("The HDF5 file to write.", required=True),
-    impacts: bool = flag(
-        "--impacts",
-        "Store the impacts during the shaking, without those of a last sequence of"
-        " impacts below the peak.",
-    ),
-    quantity: str | None = option(
-        "--quantity",
-        "Also store: condition (sensitivity to the input), linear, velocity_ratio.",
-        metavar="NAME,…",
-    ),
-    no_validity: bool = flag(
-        "--no-validity",
-        "Do not compare cells of a linear sweep with the nonlinear equation.",
-    ),
-    chunk_cells: int | None = option(
-        "--chunk", "Cells in one unit of work.", type=click.IntRange(1), metavar="CELLS"
-    ),
-    check: int | None = option(
-        "--verify-cells",
-        "Cells to verify by an independent solver.",
-        type=click.IntRange(0, 10_000),
-        metavar="N",
-    ),
-    strict: bool = options.strict(),
-    json_: bool = flag(
-        "--json", "The closing summary as a JSON record on standard output."
-    ),
+    wanted: SpectrumOptions = group(SpectrumOptions),
     sizeless: equations.Sizeless = group(equations.Sizeless),
     motions: ground.BothWays = group(ground.BothWays),
     model: equations.Equations = group(equations.Equations),
@@ -72,74 +91,90 @@ def spectrum(
     KEY=START:STOP:N --json.
     """
     from ..dynamics.method import direction_in_words
-    from ..motions.grid import parse_grid
     from ..reports.summary import summary_lines
-    from ..spectra.file.writer import check_output
-    from ..spectra.scene import PulseScene, Scene
+    from ..spectra.file.partial_file import check_output
     from ..spectra.sweep import CHUNK_CELLS, SweepOptions, write_scene
 
     files, shaken = motions.several(files, one_upwards=True)
-    quantities = (
-        [name.strip() for name in quantity.split(",")] if quantity is not None else []
+    grid = _grid(wanted, shaken)
+    check_output(wanted.output, sweep.overwrite, sweep.resume)
+    options.refuse_own_input(wanted.output, shaken.recordings)
+    # with --model both the file holds the nonlinear equation and what differs from it
+    quantities = wanted.quantities(model)
+    model = replace(model, model=model.models[-1])
+    structures, texts = (
+        options.structures_of(files, sizeless.etas, each=True)
+        if files or grid is not None
+        else ([], "")
     )
-    if len(model.models) > 1:
-        quantities.append("linear")
-    if shaken.motion is not None and axes is None:
+    structures = model.lifting(structures)
+    scene = _scene(structures, shaken, grid, wanted, sizeless, model)
+    options.remark_on(grid=grid, spans=wanted.axes or "")
+
+    settings = SweepOptions(
+        chunk_cells=wanted.chunk_cells or CHUNK_CELLS,
+        check=wanted.check,
+        impacts=wanted.impacts,
+        quantities=quantities,
+        strict=wanted.strict,
+        history=f"{options.now()}: {options.command_line()}",
+        sample_validity=not (wanted.no_validity or is_quiet()),
+        progress=ProgressLine("spectrum", "chunks"),
+        **sweep.writing(texts),
+    )
+    summary = write_scene(scene, wanted.output, settings)
+    dimensionless = grid is not None and grid.dimensionless
+    note(
+        *model.in_words([scene.method], structures, dimensionless),
+        *direction_in_words(*structures),
+        *summary_lines(summary, str(wanted.output)),
+    )
+    if wanted.json_:
+        emit([{"output": str(wanted.output), **summary.row()}], form="json")
+    partly(summary.failed)
+
+
+def _grid(wanted: SpectrumOptions, shaken: ground.Ground) -> Grid | None:
+    """Return the grid of a pulse or motion document, None for records, whose axes have
+    other names. Raises UsageError.
+    """
+    from ..motions.grid import parse_grid
+
+    if shaken.motion is None:
+        return None
+    if wanted.axes is None:
         raise click.UsageError(
             "no --grid: give two axes, such as a_g=0.1g:1g:50,f_g=0.5:5:40, or records"
             " as --motion"
         )
-    if shaken.motion is not None:
-        refuse("goes with records: give --motion", "alphas")
-    grid = None if shaken.motion is None else parse_grid(axes or "")
-    check_output(output, sweep.overwrite, sweep.resume)
-    options.refuse_own_input(output, shaken.recordings)
-    scene: Scene
-    model = replace(model, model=model.models[-1])
-    if grid is not None and shaken.motion is not None:
-        structures, texts = options.structures_of(files, sizeless.etas, each=True)
-        structures = model.lifting(structures)
-        scene = PulseScene(
-            tuple(structures),
-            grid,
-            shaken.motion,
-            model.methods(structures, grid.dimensionless)[0],
-        )
-    else:
-        from ..spectra.record_scene import scene_of_words
+    refuse("goes with records: give --motion", "alphas")
+    return parse_grid(wanted.axes)
 
-        structures, texts = (
-            options.structures_of(files, sizeless.etas, each=True)
-            if files
-            else ([], "")
-        )
-        structures = model.lifting(structures)
-        equation: dict[str, Any] = {"model": model.model, "tolerance": model.tolerance}
-        scene = scene_of_words(
-            structures,
-            shaken.recordings,
-            axes=axes,
-            alphas=sizeless.alphas,
-            etas=sizeless.etas,
-            **equation,
-        )
-    options.remark_on(grid=grid, spans=axes or "")
-    settings = SweepOptions(
-        chunk_cells=chunk_cells or CHUNK_CELLS,
-        check=check,
-        impacts=impacts,
-        quantities=quantities,
-        strict=strict,
-        history=f"{options.now()}: {options.command_line()}",
-        sample_validity=not (no_validity or is_quiet()),
-        progress=ProgressLine("spectrum", "chunks"),
-        **sweep.writing(texts),
+
+def _scene(
+    structures: list[RockingParameters],
+    shaken: ground.Ground,
+    grid: Grid | None,
+    wanted: SpectrumOptions,
+    sizeless: equations.Sizeless,
+    model: equations.Equations,
+) -> Scene:
+    """Return the cells of structures over a grid, or under records. Raises
+    UsageError.
+    """
+    if grid is not None and shaken.motion is not None:
+        from ..spectra.scene import PulseScene
+
+        (method,) = model.methods(structures, grid.dimensionless)
+        return PulseScene(tuple(structures), grid, shaken.motion, method)
+    from ..spectra.record_scene import scene_of_words
+
+    return scene_of_words(
+        structures,
+        shaken.recordings,
+        axes=wanted.axes,
+        alphas=sizeless.alphas,
+        etas=sizeless.etas,
+        model=model.model,
+        tolerance=model.tolerance,
     )
-    summary = write_scene(scene, output, settings)
-    lines = model.in_words(
-        [scene.method], structures, grid is not None and grid.dimensionless
-    )
-    note(*lines, *direction_in_words(*structures), *summary_lines(summary, str(output)))
-    if json_:
-        emit([{"output": str(output), **summary.row()}], form="json")
-    partly(summary.failed)

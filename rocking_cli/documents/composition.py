@@ -4,7 +4,8 @@ time and memory.
 
 import json
 import re
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import yaml
@@ -16,9 +17,10 @@ LONGEST = 2 << 20  # characters of a YAML file, or of one JSON object
 MOST_VALUES = 100_000  # values of a document; an alias counts each time
 DEEPEST = 20  # levels of nested lists and mappings
 _BLANKS = re.compile(r"\s*")
+# a quoted text, a comment of YAML, one of JavaScript
 _COMMENT = re.compile(
     r'"(?:[^"\\\n]|\\.)*"|\'[^\'\n]*\'|#[^\n]*|(?<![^\s,{}\[\]:"\'])(//|/\*)'
-)  # a quoted text, a comment of YAML, one of JavaScript
+)
 _UNSPACED = re.compile(r"\s*-?\s*([A-Za-z_]\w*):([^\s:/\\,][^\s,]*)")
 
 
@@ -64,6 +66,39 @@ class Value:
             self.content.casefold()
             if isinstance(self.content, str) and not self.quoted
             else None
+        )
+
+    def inner(self, name: str) -> "Value | None":
+        """Return the value of a key of this mapping, or of an index of this list; None
+        without it.
+        """
+        if isinstance(self.content, dict):
+            return self.content.get(name)
+        if isinstance(self.content, list) and name.isdigit():
+            return self.content[int(name)] if int(name) < len(self.content) else None
+        return None
+
+    def with_inner(self, path: Sequence[str], new: "Value") -> "Value":
+        """Return a copy with the value at a path replaced, or added to a mapping.
+
+        Raises DocumentError for a path that leads nowhere.
+        """
+        name, *rest = path
+        content = self.content
+        if isinstance(content, dict) and (not rest or name in content):
+            changed = content[name].with_inner(rest, new) if rest else new
+            return replace(self, content={**content, name: changed})
+        if isinstance(content, list) and rest and (old := self.inner(name)):
+            items = [x.with_inner(rest, new) if x is old else x for x in content]
+            return replace(self, content=items)
+        wanted = (
+            f"a number from 0 to {len(content) - 1} and a key"
+            if isinstance(content, list)
+            else "a key of a mapping"
+        )
+        raise DocumentError(
+            f"{new.place}: found {name!r} in {self} of line {self.place.line}; expected"
+            f" {wanted}"
         )
 
     def plain(self) -> Any:
@@ -160,6 +195,7 @@ class _Composer(yaml.SafeLoader):
 
 
 def _compose_yaml(text: str, source: str, first: int = 0) -> list[yaml.Node]:
+    """Return the root node of each YAML document of a text. Raises DocumentError."""
     if len(text) > LONGEST:
         place = place_in(text, LONGEST, source, first)
         raise DocumentError(
@@ -227,5 +263,6 @@ def _compose_json(text: str, source: str) -> list[yaml.Node]:
 
 
 def _after_blanks(text: str, at: int) -> int:
+    """Return the place of the next character that is no blank."""
     blanks = _BLANKS.match(text, at)
     return blanks.end() if blanks else at

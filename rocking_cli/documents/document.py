@@ -12,23 +12,18 @@ import math
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
-
-import yaml
 
 from ..errors import DocumentError, did_you_mean
-from .composition import DEEPEST, MOST_VALUES, Place, Value, compose, unspaced
-from .files import read_bytes
+from .composition import Place, Value
 from .quantities import (
     FACTORS,
     SMALLEST_LENGTH,
     accepted,
     is_bare,
     parse_quantity,
-    with_a_point,
 )
-from .table import Cell, rows_of_structures, split_heading
-from .texts import text_of
+from .spreads import MOST_CUT, Spread, is_spread, parse_spread
+from .table import ITEM, Cell, split_heading, text_of_row
 
 MEANT = {
     "eta": "restitution",
@@ -41,15 +36,36 @@ MEANT = {
     "weight": "mass",
 }
 LABELS = "labels"  # the key of texts that the computation does not use
-_ITEM = re.compile(
-    r"([a-z_]+)_(\d{1,4})_([a-z_]+)"
-)  # a CSV column for an item of a list, such as pieces_1_width
+
+
+@dataclass(frozen=True)
+class Uncertain:
+    """A key whose value has a spread, and the range of the key."""
+
+    path: str  # of the key in the document, such as `ties.0.height`
+    spread: Spread  # [SI]
+    dimension: str  # of the key
+    low: float  # least value of the key [SI]
+    high: float  # largest value of the key [SI]
 
 
 @dataclass
 class Document:
-    """One document: its values by key. Each reading method marks its key as asked for;
-    `finish` refuses the other keys.
+    """One document: its values by key, each with its place in the file.
+
+    `read_documents` and `parse_documents` make documents; `build_structure` and
+    `family` take them. A kind of structure reads a document with `quantity`, `length`,
+    `choice`, `flag`, `integer`, `word`, `pair` and `parts`. Each of these methods marks
+    its key as asked for, and `finish` refuses the other keys.
+
+    Examples
+    --------
+    >>> (document,) = parse_documents("{kind: block, width: 500 mm, height: 2}")
+    >>> document.length("width"), document.has("restitution")
+    (0.5, False)
+    >>> taller = document.with_value("height", "3 m", "a study")
+    >>> f"{build_structure(taller).alpha:.4f}"
+    '0.1651'
     """
 
     source: str  # the file
@@ -65,12 +81,24 @@ class Document:
     dimensions: dict[str, str] = field(default_factory=dict)
     # lengths [m] that state no unit, by their path
     bare: dict[str, tuple[float, Place]] = field(default_factory=dict)
+    # the keys with a spread, by their path
+    uncertain: dict[str, Uncertain] = field(default_factory=dict)
     # the document around this one, and the path there
     within: tuple[Document, str] | None = None
     cells: tuple[Cell, ...] = ()  # of a row of a table, whose other columns are labels
 
     def has(self, key: str) -> bool:
-        """True if the key has a value that is not null."""
+        """True if the key has a value that is not null.
+
+        Parameters
+        ----------
+        key
+            key of the document; it counts as asked for
+
+        Returns
+        -------
+        bool
+        """
         self.asked.add(key)
         value = self.values.get(key)
         return value is not None and (
@@ -78,7 +106,22 @@ class Document:
         )
 
     def fault(self, key: str | None, found: str, wanted: str) -> DocumentError:
-        """Return the error for the value of a key (None: for the document)."""
+        """Return the error for the value of a key.
+
+        Parameters
+        ----------
+        key
+            key of the document, None for the document itself
+        found
+            what was found, in words
+        wanted
+            what is accepted, in words
+
+        Returns
+        -------
+        DocumentError
+            with file, line and column of the value
+        """
         place = (
             self.place
             if key is None
@@ -93,7 +136,20 @@ class Document:
         )
 
     def missing(self, key: str, wanted: str) -> DocumentError:
-        """Return the error for a required key that is absent or misspelt."""
+        """Return the error for a required key that is absent or misspelt.
+
+        Parameters
+        ----------
+        key
+            key of the document
+        wanted
+            what is accepted, in words
+
+        Returns
+        -------
+        DocumentError
+            with the place of a key of similar spelling, else of the document
+        """
         from difflib import get_close_matches
 
         left = [other for other in self.keys if other not in self.asked]
@@ -118,8 +174,32 @@ class Document:
         where: str = "",
         default: float | None = None,
     ) -> float:
-        """Return the SI value of a key, `default` if it is absent; where: the range in
-        words. Raises DocumentError.
+        """Return the SI value of a key.
+
+        Parameters
+        ----------
+        key
+            key of the document
+        dimension
+            "length", "angle", "acceleration", "number" or another key of `UNITS`
+        above, below
+            limits that the value itself must not reach [SI]
+        least, most
+            limits that the value may reach [SI]
+        where
+            the range in words, for the message; by default made of the limits
+        default
+            the value of an absent key [SI], None if the key is required
+
+        Returns
+        -------
+        float
+            the value [SI]
+
+        Raises
+        ------
+        DocumentError
+            for an absent required key, another unit, or a value out of range
         """
         self.dimensions[key] = dimension
         if self.within:
@@ -131,13 +211,17 @@ class Document:
         value = self.values[key]
         if not isinstance(value.content, str):
             raise self.fault(key, str(value), accepted(dimension))
+        spread = None
         try:
-            number = parse_quantity(value.content, dimension)
+            if is_spread(value.content):
+                spread = parse_spread(value.content, dimension)
+            number = spread.mean if spread else parse_quantity(value.content, dimension)
         except ValueError as error:
             raise self.fault(key, str(value), str(error)) from None
         if dimension == "length" and is_bare(value.content):
             self.note_bare(key, number, value.place)
-        if not (above < number < below and least <= number <= most):
+        ends = (spread.first, spread.second) if spread and spread.bounded else (number,)
+        if not all(above < x < below and least <= x <= most for x in ends):
             hint = (
                 " (a bare number is in rad)"
                 if dimension == "angle" and is_bare(value.content)
@@ -148,17 +232,67 @@ class Document:
                 str(value),
                 (where or _range_text(above, below, least, most)) + hint,
             )
+        if spread and not spread.certain:
+            self._note_uncertain(
+                key, spread, dimension, max(above, least), min(below, most)
+            )
         return number
 
+    def _note_uncertain(
+        self, path: str, spread: Spread, dimension: str, low: float, high: float
+    ) -> None:
+        """Note a key with a spread in the outermost document. Raises DocumentError if
+        the range of the key cuts too much off.
+        """
+        if self.within is not None:
+            outer, own = self.within
+            outer._note_uncertain(f"{own}.{path}", spread, dimension, low, high)
+            return
+        if (cut := spread.cut(low, high)) > MOST_CUT:
+            value = self.value_at(path)
+            place = self.place if value is None else value.place
+            inside = _range_text(-math.inf, math.inf, low, high)
+            raise DocumentError(
+                f"{place}: {path}: found {value}, of which {100.0 * cut:.3g} % are not"
+                f" {inside}; expected a smaller standard deviation, or LOW .. HIGH"
+            )
+        self.uncertain[path] = Uncertain(path, spread, dimension, low, high)
+
     def note_bare(self, path: str, number: float, place: Place) -> None:
-        """Note a length [m] without a unit in the outermost document."""
+        """Note a length without a unit in the outermost document.
+
+        Parameters
+        ----------
+        path
+            path of the value, such as `pieces.0.width`
+        number
+            the length [m]
+        place
+            its place in the file
+        """
         if self.within is None:
             self.bare[path] = (number, place)
         else:
             self.within[0].note_bare(f"{self.within[1]}.{path}", number, place)
 
     def length(self, key: str) -> float:
-        """Return the value of a key that must be a positive length [m]."""
+        """Return the value of a key that must be a positive length.
+
+        Parameters
+        ----------
+        key
+            key of the document
+
+        Returns
+        -------
+        float
+            the length [m]
+
+        Raises
+        ------
+        DocumentError
+            for an absent key, another unit, or a length that is not positive
+        """
         return self.quantity(
             key,
             "length",
@@ -169,7 +303,26 @@ class Document:
     def choice(
         self, key: str, options: Sequence[str], default: str | None = None
     ) -> str:
-        """Return the value of a key, one of the words `options`."""
+        """Return the value of a key that must be one of some words.
+
+        Parameters
+        ----------
+        key
+            key of the document
+        options
+            the accepted words
+        default
+            the word of an absent key, None if the key is required
+
+        Returns
+        -------
+        str
+
+        Raises
+        ------
+        DocumentError
+            for an absent required key and for another word
+        """
         if not self.has(key):
             if default is None:
                 raise self.missing(key, f"one of {', '.join(options)}")
@@ -185,7 +338,23 @@ class Document:
         return str(value.content)
 
     def flag(self, key: str) -> bool:
-        """Return the value of a key that is true or false; False if it is absent."""
+        """Return the value of a key that must be true or false.
+
+        Parameters
+        ----------
+        key
+            key of the document
+
+        Returns
+        -------
+        bool
+            False if the key is absent
+
+        Raises
+        ------
+        DocumentError
+            for another value
+        """
         if not self.has(key):
             return False
         value = self.values[key]
@@ -194,16 +363,52 @@ class Document:
         return value.word() == "true"
 
     def integer(self, key: str, least: int, most: int) -> int:
-        """Return the value of a key, a whole number from `least` to `most`."""
+        """Return the value of a key that must be a whole number.
+
+        Parameters
+        ----------
+        key
+            key of the document
+        least, most
+            limits that the number may reach
+
+        Returns
+        -------
+        int
+
+        Raises
+        ------
+        DocumentError
+            for an absent key, a fraction, or a number out of range
+        """
         wanted = f"a whole number from {least} to {most}"
+        if self.has(key) and is_spread(str(self.values[key].content)):
+            raise self.fault(
+                key, str(self.values[key]), f"{wanted}; it takes no spread"
+            )
         number = self.quantity(key, "number", least=least, most=most, where=wanted)
         if number != int(number):
             raise self.fault(key, str(self.values[key]), wanted)
         return int(number)
 
     def word(self, key: str, default: str) -> str:
-        """Return the value of a key, a text of printable characters that
-        is not empty.
+        """Return the value of a key that must be a text of printable characters.
+
+        Parameters
+        ----------
+        key
+            key of the document
+        default
+            the text of an absent key
+
+        Returns
+        -------
+        str
+
+        Raises
+        ------
+        DocumentError
+            for an empty text and for a value that is no text
         """
         if not self.has(key):
             return default
@@ -221,8 +426,30 @@ class Document:
     def pair(
         self, key: str, value: Value, dimension: str, name: str, wanted: str
     ) -> tuple[float, float]:
-        """Return the SI values of a list of two quantities inside the value of `key`;
-        name: the name of the pair.
+        """Return a list of two quantities that stands inside the value of a key.
+
+        Parameters
+        ----------
+        key
+            key of the document
+        value
+            the list, a part of the value of `key`
+        dimension
+            dimension of both quantities, as in `quantity`
+        name
+            what the pair is, for the message, such as "point"
+        wanted
+            what is accepted, in words
+
+        Returns
+        -------
+        tuple of two floats
+            the quantities [SI]
+
+        Raises
+        ------
+        DocumentError
+            if the value is no such list
         """
         if isinstance(value.content, list) and len(value.content) == 2:
             try:
@@ -251,7 +478,26 @@ class Document:
         )
 
     def part(self, key: str, value: Value, path: str = "") -> Document:
-        """Return a mapping inside the value of `key` as a document."""
+        """Return a mapping that stands inside the value of a key as a document.
+
+        Parameters
+        ----------
+        key
+            key of the document
+        value
+            the mapping
+        path
+            its path in this document, such as `ties.0`; by default the key
+
+        Returns
+        -------
+        Document
+
+        Raises
+        ------
+        DocumentError
+            if the value is no mapping
+        """
         if not isinstance(value.content, dict):
             raise DocumentError(
                 f"{value.place}: {key}: found {value}; expected a mapping of keys to"
@@ -266,8 +512,26 @@ class Document:
         )
 
     def parts(self, key: str, wanted: str) -> list[Document]:
-        """Return each mapping of a non-empty list as a document; `finish` of this
-        document finishes them too.
+        """Return each mapping of a list as a document.
+
+        `finish` of this document finishes them too.
+
+        Parameters
+        ----------
+        key
+            key of the document, whose value is the list
+        wanted
+            what is accepted, in words
+
+        Returns
+        -------
+        list of Document
+            one or more
+
+        Raises
+        ------
+        DocumentError
+            for an absent key, an empty list, and an item that is no mapping
         """
         value = self.values[key] if self.has(key) else None
         if value is None:
@@ -281,9 +545,20 @@ class Document:
         return found
 
     def finish(self, elsewhere: Collection[str] = ()) -> None:
-        """Raise DocumentError if the document holds a key that no method asked for. In
-        a row of a table such a column is a label, unless its name is like a key of this
-        document, or is a key of others; elsewhere: those keys.
+        """Refuse the keys that no method asked for.
+
+        In a row of a table such a column is a label, unless its name is like a key of
+        this document or is in `elsewhere`.
+
+        Parameters
+        ----------
+        elsewhere
+            keys of other documents, which are no labels
+
+        Raises
+        ------
+        DocumentError
+            for an unknown key, with the known ones
         """
         for part in self.inner:
             part.finish()
@@ -353,7 +628,7 @@ class Document:
         kept, labels = [], {}
         for cell in self.cells:
             if cell.key in keys or (
-                (item := _ITEM.fullmatch(cell.key)) and item[1] in keys
+                (item := ITEM.fullmatch(cell.key)) and item[1] in keys
             ):
                 labels[cell.key] = Value(cell.written, cell.place, quoted=True)
             else:
@@ -364,32 +639,53 @@ class Document:
         self.keys = {key: place for key, place in self.keys.items() if key not in keys}
         self.values[LABELS], self.keys[LABELS] = Value(labels, self.place), self.place
         texts = {name: label.content for name, label in labels.items()}
-        self.cells, self.text = (
-            (),
-            f"{_text_of_row(kept)}\n{LABELS}: {json.dumps(texts)}",
-        )
+        self.cells = ()
+        self.text = f"{text_of_row(kept)}\n{LABELS}: {json.dumps(texts)}"
 
     def value_at(self, key: str) -> Value | None:
-        """Return the value of a key, or at a path such as `ties.0.yield`; None without
-        it.
+        """Return the value of a key or at a path.
+
+        Parameters
+        ----------
+        key
+            key of the document, or a path such as `ties.0.yield`
+
+        Returns
+        -------
+        Value or None
+            None if there is no value
         """
         head, *path = [key] if key in self.values else key.split(".")
         found = self.values.get(head)
         for name in path:
-            content = found.content if found else ""
-            found = (
-                content.get(name) if isinstance(content, dict) else _item(content, name)
-            )
+            found = found.inner(name) if found else None
         return found
 
     def with_value(self, key: str, text: str, source: str) -> Document:
-        """Return a copy with the value of a key, or at a path such as `ties.0.yield`,
-        replaced or added; source: its place in errors.
+        """Return a copy with one value replaced or added.
+
+        Parameters
+        ----------
+        key
+            key of the document, or a path such as `ties.0.yield`
+        text
+            the new value, as a document would state it
+        source
+            the place of the value in messages
+
+        Returns
+        -------
+        Document
+
+        Raises
+        ------
+        DocumentError
+            for a path that does not exist
         """
         head, *path = key.split(".")
         new, keys = Value(text, Place(source, 0, 0)), self.keys
         if path and head in self.values:
-            key, new = head, _with_inner(self.values[head], path, new)
+            key, new = head, self.values[head].with_inner(path, new)
         else:
             keys = {**keys, key: new.place}
         return replace(
@@ -400,46 +696,12 @@ class Document:
             inner=[],
             dimensions={},
             bare={},
+            uncertain={},
         )
-
-
-def _item(content: object, name: str) -> Value | None:
-    return (
-        content[int(name)]
-        if isinstance(content, list) and name.isdigit() and int(name) < len(content)
-        else None
-    )
-
-
-def _with_inner(value: Value, path: Sequence[str], new: Value) -> Value:
-    name, *rest = path
-    if isinstance(value.content, dict) and (not rest or name in value.content):
-        return replace(
-            value,
-            content={
-                **value.content,
-                name: _with_inner(value.content[name], rest, new) if rest else new,
-            },
-        )
-    if isinstance(value.content, list) and rest and (old := _item(value.content, name)):
-        return replace(
-            value,
-            content=[
-                _with_inner(x, rest, new) if x is old else x for x in value.content
-            ],
-        )
-    wanted = (
-        f"a number from 0 to {len(value.content) - 1} and a key"
-        if isinstance(value.content, list)
-        else "a key of a mapping"
-    )
-    raise DocumentError(
-        f"{new.place}: found {name!r} in {value} of line {value.place.line}; expected"
-        f" {wanted}"
-    )
 
 
 def _range_text(above: float, below: float, least: float, most: float) -> str:
+    """Return the limits of a value in words."""
     low = (
         f"above {above:g}"
         if above > -math.inf
@@ -455,181 +717,3 @@ def _range_text(above: float, below: float, least: float, most: float) -> str:
         else ""
     )
     return "a value " + " and ".join(x for x in (low, high) if x)
-
-
-def read_documents(path: str | Path) -> list[Document]:
-    """Read all documents of a YAML, JSON or CSV file; `-` is standard input. Raises
-    UsageError (no such file) or DocumentError.
-    """
-    return documents_of(*read_bytes(path))
-
-
-def documents_of(source: str, raw: bytes) -> list[Document]:
-    """Return all documents in the bytes of a file. Raises DocumentError."""
-    return parse_documents(text_of(source, raw), source)
-
-
-def parse_documents(text: str, source: str = "<text>") -> list[Document]:
-    """Return all documents of a text: YAML documents, JSON objects one after the other,
-    or rows of a CSV table. Raises DocumentError.
-
-    >>> documents = parse_documents('{"kind": "block"} {"kind": "arch"}')
-    >>> [document.values['kind'].content for document in documents]
-    ['block', 'arch']
-    """
-    rows = rows_of_structures(text, source)
-    if rows is None:
-        documents = [
-            _document(node, source, i) for i, node in enumerate(compose(text, source))
-        ]
-    else:
-        documents = [
-            replace(document_of(cells, source, i), cells=tuple(cells))
-            for i, cells in enumerate(rows)
-        ]
-    if not documents:
-        raise DocumentError(
-            f"{Place(source, 1, 1)}: empty; expected a structure document, such as"
-            " `kind: block` with width and height"
-        )
-    return documents
-
-
-def document_of(cells: Sequence[Cell], source: str, index: int = 0) -> Document:
-    """Return the document with these keys, texts and places, such as the cells of a CSV
-    row. Raises DocumentError.
-    """
-    values: dict[str, Value] = {}
-    keys: dict[str, Place] = {}
-    for key, text, place, _ in cells:
-        value = Value(text, place)
-        if text.startswith(("[", "{")) and (node := _only_node(text, place)):
-            value = replace(_value(node, 1, [0]), place=place)
-        if item := _ITEM.fullmatch(key):
-            name, number, part = item.groups()
-            whole = values.setdefault(name, Value([], place))
-            keys.setdefault(name, place)
-            items = whole.content
-            if not isinstance(items, list) or not 1 <= int(number) <= len(items) + 1:
-                raise DocumentError(
-                    f"{place}: {key}: found item {number}; expected items in order,"
-                    f" from {name}_1"
-                )
-            if int(number) > len(items):
-                items.append(Value({}, place))
-            content = items[int(number) - 1].content
-            if not isinstance(content, dict):
-                raise DocumentError(
-                    f"{place}: {key}: found together with {name}, which states the same"
-                    " item; expected one of them"
-                )
-            content[part] = value
-        else:
-            values[key], keys[key] = value, place
-    return Document(source, cells[0].place, values, keys, index, _text_of_row(cells))
-
-
-def _text_of_row(cells: Sequence[Cell]) -> str:
-    return "\n".join(
-        f"{cell.key}: {json.dumps(cell.text) if cell.key == 'name' else cell.text}"
-        for cell in cells
-    )
-
-
-def _only_node(text: str, place: Place) -> yaml.Node | None:
-    """Return the YAML list or mapping of a cell, None for a text that only begins like
-    one.
-    """
-    try:
-        (node,) = compose(text, place.source, place.line - 1)
-    except (DocumentError, ValueError):
-        return None
-    return node
-
-
-def _document(node: yaml.Node, source: str, index: int) -> Document:
-    value = _value(node, 0, [0])
-    if not isinstance(value.content, dict):
-        hint = unspaced(value.content) if isinstance(value.content, str) else ""
-        expected = "a mapping of keys to values, such as `kind: block`"
-        raise DocumentError(
-            f"{value.place}: {hint or f'found {value}; expected {expected}'}"
-        )
-    keys = {str(key.value): _place(key) for key, _ in node.value}
-    mark = node.start_mark
-    text = mark.buffer[mark.pointer : node.end_mark.pointer] if mark.buffer else ""
-    return Document(
-        source, value.place, value.content, keys, index, text.rstrip("\0").strip()
-    )
-
-
-def _place(node: yaml.Node) -> Place:
-    return Place(
-        node.start_mark.name, node.start_mark.line + 1, node.start_mark.column + 1
-    )
-
-
-def _value(node: yaml.Node, depth: int, count: list[int]) -> Value:
-    place = _place(node)
-    count[0] += 1
-    if depth > DEEPEST or count[0] > MOST_VALUES:
-        raise DocumentError(
-            f"{place}: {'nested too deeply' if depth > DEEPEST else 'too many values'}"
-            " to be a structure document"
-        )
-    if isinstance(node, yaml.ScalarNode):
-        return Value(
-            _whole_characters(node.value, place), place, quoted=node.style is not None
-        )
-    if isinstance(node, yaml.SequenceNode):
-        return Value([_value(child, depth + 1, count) for child in node.value], place)
-    content: dict[str, Value] = {}
-    before: tuple[str, str] = (
-        "",
-        "",
-    )  # the key and the text of the value before, which a decimal comma would end
-    for key, child in node.value:
-        where = _place(key)
-        if (
-            child.value == ""
-            and re.fullmatch(r"\d+( \S+)?", str(key.value))
-            and before[1].lstrip("+-").isdigit()
-        ):
-            number = f"{before[1]},{key.value}"
-            raise DocumentError(
-                f"{where}: {before[0]}: found {number}; expected a"
-                f" number{with_a_point(number)}"
-            )
-        before = (str(key.value), str(child.value))
-        if (
-            isinstance(key, yaml.ScalarNode)
-            and key.style is None
-            and (fault := unspaced(key.value))
-            and child.value == ""
-        ):
-            raise DocumentError(f"{where}: {fault}")
-        if not isinstance(key, yaml.ScalarNode):
-            raise DocumentError(f"{where}: a key must be a word")
-        if key.value in content:
-            raise DocumentError(
-                f"{where}: duplicate key {key.value!r}, first given at line"
-                f" {content[key.value].place.line}"
-            )
-        if key.value == "<<":
-            raise DocumentError(
-                f"{where}: merge keys (<<) are not part of structure documents"
-            )
-        content[_whole_characters(key.value, where)] = _value(child, depth + 1, count)
-    return Value(content, place)
-
-
-def _whole_characters(text: str, place: Place) -> str:
-    """Return the text with each pair of surrogates joined to one character."""
-    if text.isascii() or not any("\ud800" <= c <= "\udfff" for c in text):
-        return text
-    try:
-        return text.encode("utf-16", "surrogatepass").decode("utf-16")
-    except UnicodeDecodeError:
-        raise DocumentError(
-            f"{place}: holds half a character (a lone surrogate)"
-        ) from None

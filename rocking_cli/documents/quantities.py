@@ -10,10 +10,9 @@ from ..errors import RockingError, UsageError
 # m/s^2: the unit `g`, and the default gravity of a structure. The paper uses it, not
 # standard gravity (9.80665).
 DEFAULT_GRAVITY = 9.81
-SMALLEST_LENGTH, LARGEST_LENGTH = (
-    1e-9,
-    1e9,
-)  # m; moments of inertia hold fifth powers, which must stay within double precision
+# [m]; moments of inertia hold fifth powers, which must stay within double precision
+SMALLEST_LENGTH = 1e-9
+LARGEST_LENGTH = 1e9
 
 UNITS: dict[str, dict[str, float]] = {
     "length": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "in": 0.0254, "ft": 0.3048},
@@ -53,9 +52,8 @@ UNITS: dict[str, dict[str, float]] = {
     "stress": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9},
     "number": {},
 }
-FACTORS = {
-    unit: factor for units in UNITS.values() for unit, factor in units.items()
-}  # to SI
+# from each unit to SI
+FACTORS = {unit: factor for units in UNITS.values() for unit, factor in units.items()}
 
 _NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _DECIMAL_COMMA = re.compile(r"(?<![\d,.])([+-]?\d*),(\d+)(?![\d,.])([^,:x]{0,20})")

@@ -12,6 +12,7 @@ that begins with a bracket is a YAML list, an empty cell means no key.
 
 import csv
 import io
+import json
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -23,6 +24,7 @@ from ..errors import DocumentError
 from .composition import LONGEST, Place
 from .files import read_bytes
 from .quantities import FACTORS, split_quantity
+from .spreads import has_no_unit, in_unit, is_spread
 from .texts import refuse_binary, text_of
 
 KIND = "kind"  # only a table of structures has this column
@@ -33,31 +35,27 @@ _SEPARATORS = (";", "\t", ",", BLANKS)
 _HEADING = re.compile(
     r"\s*(?P<key>.*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?\s*", re.DOTALL
 )
-_SEP = re.compile(
-    r"\s*\"?sep=(.)\"?[;,\t]*[ ]*(?:\r\n|\r|\n)", re.IGNORECASE
-)  # the first line of a table of Excel
-_COMMENT = re.compile(
-    r"[ \t]*(?:\"?#[^\r\n]*)?(?:\r\n|\r|\n)"
-)  # a comment or a blank line
+# the first line of a table of Excel
+_SEP = re.compile(r"\s*\"?sep=(.)\"?[;,\t]*[ ]*(?:\r\n|\r|\n)", re.IGNORECASE)
+# a comment or a blank line
+_COMMENT = re.compile(r"[ \t]*(?:\"?#[^\r\n]*)?(?:\r\n|\r|\n)")
 _LINE = re.compile(r"[^\r\n]{0,10000}")
 _TWO_LINES = re.compile(r"([^\r\n]*)(?:\r\n|\r|\n)?([^\r\n]*)")
 _LONGEST_HEADING = 100_000  # characters
-_NO_HEADING = re.compile(
-    r":(?:\s|$)|^\s*[-#\[{&%'|>]|^\s*-?[\d.]"
-)  # what YAML begins with, and a row of numbers
-_ENCLOSED = re.compile(
-    r'"[^"]*"|\s*\([^()]*\)|\s*\[[^][]*\]'
-)  # no separator inside quotes or brackets separates columns
-_IN_BLANKS = re.compile(
-    r"\"[^\"]*\"|[^\s\[(]\S*(?:\s*[\[(][^\])]*[\])])?"
-)  # a heading or a cell between blanks
+# what YAML begins with, and a row of numbers
+_NO_HEADING = re.compile(r":(?:\s|$)|^\s*[-#\[{&%'|>]|^\s*-?[\d.]")
+# no separator inside quotes or brackets separates columns
+_ENCLOSED = re.compile(r'"[^"]*"|\s*\([^()]*\)|\s*\[[^][]*\]')
+# a heading or a cell between blanks
+_IN_BLANKS = re.compile(r"\"[^\"]*\"|[^\s\[(]\S*(?:\s*[\[(][^\])]*[\])])?")
 _BARE = ("", "-", "1")  # no unit
+# a column for an item of a list, such as pieces_1_width
+ITEM = re.compile(r"([a-z_]+)_(\d{1,4})_([a-z_]+)")
 
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?(?:\s*[^\s\d,.].*)?")
 _DECIMAL_POINT = re.compile(r"[+-]?\d*\.\d+(?:[eE][+-]?\d+)?(?:\s*[^\s\d,.].*)?")
-_GROUPED = re.compile(
-    r"[+-]?[1-9]\d{0,2}[.,]\d{3}(?!\d).*"
-)  # 1.234 and 1,234 may also be a thousand and some
+# 1.234 and 1,234 may also be a thousand and some
+_GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}(?!\d).*")
 
 
 class Cell(NamedTuple):
@@ -292,12 +290,12 @@ def with_unit(cell: str, unit: str) -> str:
     """Return the text of a cell with the unit of its heading, unless the cell states
     its own.
     """
+    if unit in _BARE:
+        return cell
+    if is_spread(cell):
+        return in_unit(cell, unit) if has_no_unit(cell) else cell
     parts = split_quantity(cell)
-    return (
-        f"{cell} {unit}"
-        if parts is not None and not parts[1] and unit not in _BARE
-        else cell
-    )
+    return f"{cell} {unit}" if parts is not None and not parts[1] else cell
 
 
 def named_rows(path: str | Path) -> tuple[list[str], list[tuple[int, dict[str, str]]]]:
@@ -350,6 +348,14 @@ def rows_of_structures(text: str, source: str) -> Iterator[list[Cell]] | None:
             f" {wanted}"
         )
     return None
+
+
+def text_of_row(cells: Sequence[Cell]) -> str:
+    """Return a row of a table of structures as the text of a document."""
+    return "\n".join(
+        f"{cell.key}: {json.dumps(cell.text) if cell.key == 'name' else cell.text}"
+        for cell in cells
+    )
 
 
 def _fields(line: str, separator: str) -> list[str]:

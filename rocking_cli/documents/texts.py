@@ -48,9 +48,8 @@ _MARKS = (
 _UTF8 = re.compile(
     rb"[\xc2-\xdf][\x80-\xbf]|[\xe0-\xef][\x80-\xbf]{2}|[\xf0-\xf4][\x80-\xbf]{3}"
 )
-_BINARY = re.compile(
-    r"[\0-\x08\x0e-\x1a\x1c-\x1f]"
-)  # control characters that no text holds; an escape has its own sentence
+# control characters that no text holds; an escape has its own sentence
+_BINARY = re.compile(r"[\0-\x08\x0e-\x1a\x1c-\x1f]")
 
 
 def text_of(source: str, raw: bytes) -> str:
@@ -71,10 +70,8 @@ def text_of(source: str, raw: bytes) -> str:
         text = "" if mark or _UTF8.search(raw) else raw.decode("cp1252", "replace")
         if not text or "\ufffd" in text or _BINARY.search(text):
             good = raw[: error.start].decode(encoding, "ignore").removeprefix("\ufeff")
-            place, at = (
-                place_in(good, len(good), source),
-                error.start - (len(mark) if encoding == "utf-8" else 0),
-            )
+            place = place_in(good, len(good), source)
+            at = error.start - (len(mark) if encoding == "utf-8" else 0)
             raise DocumentError(f"{place}: not a UTF-8 text (byte {at})") from None
     return text
 

@@ -28,7 +28,12 @@ class FreeFall:
     def __init__(self, segments: Segments, first: Uplift, occurs: Array) -> None:
         # k, u: segment and phase [rad] of this instant, (cells,)
         # occurs: True if there is such an instant, (cells,)
-        self.segments, self.k, self.u, self.occurs = segments, first.k, first.u, occurs
+        self.segments, self.segment, self.phase, self.occurs = (
+            segments,
+            first.segment,
+            first.phase,
+            occurs,
+        )
 
     @classmethod
     def of(cls, segments: Segments, cells: Cells, shaken: int) -> Self | None:
@@ -41,21 +46,21 @@ class FreeFall:
         sway = weighed.sway(np.ones(cells.omega.shape[1]), cells.amplitude[0])
         zero = np.zeros(sway.size)
         first = first_uplift(weighed.vertical, zero.astype(np.int64), zero, sway, zero)
-        occurs = first.k < shaken
+        occurs = first.segment < shaken
         return cls(segments, first, occurs) if occurs.any() else None
 
     def time_left(self, lanes: Lanes) -> Array:
         """Return the time [tau] left until the ground falls away; 0 after this instant,
         infinite if it never comes.
         """
-        k, start = self.k[lanes.cell], self.segments.start
+        k, start = self.segment[lanes.cell], self.segments.start
         last = len(self.segments) - 1
         ahead = (
-            start[np.minimum(k, last)] - start[np.minimum(lanes.k, last)]
+            start[np.minimum(k, last)] - start[np.minimum(lanes.segment, last)]
         )  # its rounding is far below `_INSTANT`
-        until = (ahead + (self.u[lanes.cell] - lanes.u)) / lanes.omega
+        until = (ahead + (self.phase[lanes.cell] - lanes.phase)) / lanes.omega
         return np.where(
-            self.occurs[lanes.cell], np.where(lanes.k > k, 0.0, until), np.inf
+            self.occurs[lanes.cell], np.where(lanes.segment > k, 0.0, until), np.inf
         )
 
     def has_begun(self, lanes: Lanes) -> Array:

@@ -29,7 +29,9 @@ from .lanes import Array
 # parts of the path from the ground to the peak; on each part the bound takes the worst
 # value of every term
 _PARTS = 32
-_PUSHES = np.geomspace(1e-2, 1e2, 256)  # pushes [g] for which the proof is tried
+_ACCELERATIONS = np.geomspace(
+    1e-2, 1e2, 256
+)  # ground accelerations [g] for which the proof is tried
 _LOWEST = -0.5 * np.pi  # least z for which the bound is computed
 
 
@@ -166,52 +168,76 @@ class Body(NamedTuple):
         of either sign, every |theta| up to `turn` [rad], every |dtheta/dtau| up to
         `fastest` [rad], and every weight over m g from 1 - sway to 1 + sway.
         """
-        light, heavy, alpha = 1.0 - sway, 1.0 + sway, edge.alpha
-        lowest = alpha - turn
-        kept = (light > 0.0) & (lowest >= _LOWEST)
+        lowest = edge.alpha - turn
+        kept = (1.0 - sway > 0.0) & (lowest >= _LOWEST)
+        slowed = 2.0 * self.damping * turn
         for n in range(_PARTS):
-            low, high = (lowest + (alpha - lowest) * (n + i) / _PARTS for i in (0, 1))
+            # z on a part of the path, and the worst value of each of its functions.
+            low, high = (
+                lowest + (edge.alpha - lowest) * (n + i) / _PARTS for i in (0, 1)
+            )
             cos = np.where(
                 (low < 0.0) & (high > 0.0), 1.0, np.maximum(np.cos(low), np.cos(high))
             )
             steepest = np.maximum(np.abs(low), np.abs(high))
             sin = np.sin(np.minimum(steepest, 0.5 * np.pi))
-            down, bottom = np.maximum(high, 0.0), np.maximum(lowest, 0.0)
-            if self.linear:
-                square = heavy * (down**2 - bottom**2) + 2.0 * push * (high - lowest)
-                still = light - edge.kappa * (heavy * steepest * sin + push * sin)
-            else:
-                square = 2.0 * (
-                    heavy * (np.cos(bottom) - np.cos(down))
-                    + push * (np.sin(high) - np.sin(lowest))
-                )
-                still = (
-                    light * (1.0 - edge.kappa * sin * sin)
-                    - edge.kappa * push * sin * cos
-                )
-            slowed = 2.0 * self.damping * turn
+
+            # The speed by the work of weight and push, then Fz at this speed.
+            square = self._largest_square(lowest, high, push, 1.0 + sway)
             speed = np.minimum(
                 slowed + np.sqrt(slowed**2 + np.maximum(square, 0.0)), fastest
             )
-            kept &= (
-                still
-                - edge.kappa * (speed * speed * cos + 2.0 * self.damping * speed * sin)
-                > 0.0
-            )
+            still = self._fz_without_speed(edge, push, sway, steepest, sin, cos)
+            downwards = speed * speed * cos + 2.0 * self.damping * speed * sin
+            kept &= still - edge.kappa * downwards > 0.0
         return kept
 
+    def _largest_square(
+        self, lowest: Array, high: Array, push: Array, heavy: Array | float
+    ) -> Array:
+        """The largest u'^2 at z up to `high`, undamped: the work of the largest push
+        and weight on the way to the peak, at z = `lowest`.
+        """
+        down, bottom = np.maximum(high, 0.0), np.maximum(lowest, 0.0)
+        if self.linear:
+            return heavy * (down**2 - bottom**2) + 2.0 * push * (high - lowest)
+        return np.asarray(
+            2.0
+            * (
+                heavy * (np.cos(bottom) - np.cos(down))
+                + push * (np.sin(high) - np.sin(lowest))
+            )
+        )
 
-@lru_cache(maxsize=256)
-def safe_push(body: Body, edge: int, ratio: float) -> float:
-    """Return the largest push [g], of either sign, under which a body that does not
-    overturn is proved to keep contact (Fz > 0). edge: 0 right, 1 left; ratio: the
-    largest |w - 1| over the largest push, w the weight over m g.
+    def _fz_without_speed(
+        self,
+        edge: Edge,
+        push: Array,
+        sway: Array | float,
+        steepest: Array,
+        sin: Array,
+        cos: Array,
+    ) -> Array:
+        """A bound of Fz/(m g) of a body without speed, where |z|, |sin z| and cos z are
+        at most steepest, sin and cos.
+        """
+        light, heavy = 1.0 - sway, 1.0 + sway
+        if self.linear:
+            return light - edge.kappa * (heavy * steepest * sin + push * sin)
+        return light * (1.0 - edge.kappa * sin * sin) - edge.kappa * push * sin * cos
+
+
+@lru_cache(maxsize=4096)
+def safe_acceleration(body: Body, edge: int, ratio: float) -> float:
+    """Return the largest ground acceleration [g], times a_scale, of either sign, under
+    which a body that does not overturn is proved to keep contact (Fz > 0). edge: 0
+    right, 1 left; ratio: the largest |w - 1| over this acceleration, w the weight over
+    m g.
     """
-    sway = ratio * _PUSHES
+    sway = ratio * _ACCELERATIONS
     with np.errstate(all="ignore"):
-        slope = np.where(
-            sway < 1.0, _PUSHES / (1.0 - sway), np.inf
-        )  # without overturning u stays below the equilibrium
+        # Without overturning u stays below the equilibrium.
+        slope = np.where(sway < 1.0, _ACCELERATIONS / (1.0 - sway), np.inf)
         turn = body.alpha[edge] + (slope if body.linear else np.arctan(slope))
-        kept = body.contact_proved(body.edges[edge], _PUSHES, turn, sway)
-    return float(np.append(0.0, _PUSHES)[int(np.argmin(np.append(kept, False)))])
+        kept = body.contact_proved(body.edges[edge], _ACCELERATIONS, turn, sway)
+    return float(np.append(0.0, _ACCELERATIONS)[int(np.argmin(np.append(kept, False)))])

@@ -115,45 +115,49 @@ def _bracketed_crossing(
     """The phase at which a monotone segment of any shape meets a level: Halley's method
     inside a bracket that only shrinks.
     """
-    low, high = np.zeros_like(length), length.copy()
     start, end = segments.s_start[k], segments.s_end[k]
-    share = np.clip(
-        (level - start) / np.where(end == start, 1.0, end - start), 0.0, 1.0
-    )
-    u = (
-        length * (2.0 / np.pi) * np.arcsin(np.sqrt(share))
-    )  # exact between two extremes of one sinusoid
-    np.minimum(u, length, out=u)
+    low, high = np.zeros_like(length), length.copy()
+    u = _between_extremes(start, end, level, length)
     lanes = np.flatnonzero((level != start) & (length > 0.0))
-    sense = np.where(end > start, 1.0, -1.0)
     for _ in range(80):
         if not lanes.size:
             break
         there = u[lanes]
-        change, rate, second_derivative = _change_at(segments, k[lanes], there)
+        change, *derivatives = _change_at(segments, k[lanes], there)
         gap = start[lanes] + change - level[lanes]
-        before = sense[lanes] * gap < 0.0
-        low[lanes], high[lanes] = (
-            np.where(before, there, low[lanes]),
-            np.where(before, high[lanes], there),
-        )
-        with np.errstate(all="ignore"):
-            step = -gap / (rate - 0.5 * gap * second_derivative / rate)
-            target = there + step
-            short = np.abs(step) <= _SHORT * np.minimum(
-                there, np.abs(rate / second_derivative)
-            )
+        before = np.where(end[lanes] > start[lanes], gap, -gap) < 0.0
+        low[lanes] = np.where(before, there, low[lanes])
+        high[lanes] = np.where(before, high[lanes], there)
+
+        target, close = _halley(there, gap, *derivatives)
         inside = (target >= low[lanes]) & (target <= high[lanes])
-        following = np.where(
-            gap == 0.0,
-            there,
-            np.where(inside, target, 0.5 * (low[lanes] + high[lanes])),
-        )
-        u[lanes] = following
-        lanes = lanes[
-            ~((inside & short) | (np.abs(following - there) <= 2e-16 * length[lanes]))
-        ]
+        target = np.where(inside, target, 0.5 * (low[lanes] + high[lanes]))
+        u[lanes] = np.where(gap == 0.0, there, target)
+        still = np.abs(u[lanes] - there) <= 2e-16 * length[lanes]
+        lanes = lanes[~((inside & close) | still)]
     return u
+
+
+def _between_extremes(start: Array, end: Array, level: Array, length: Array) -> Array:
+    """The phase at which a segment meets a level if it runs from start to end between
+    two extremes of one sinusoid: a first guess for the others.
+    """
+    rise = np.where(end == start, 1.0, end - start)
+    share = np.clip((level - start) / rise, 0.0, 1.0)
+    u = length * (2.0 / np.pi) * np.arcsin(np.sqrt(share))
+    return np.minimum(u, length, out=u)
+
+
+def _halley(
+    u: Array, gap: Array, rate: Array, second_derivative: Array
+) -> tuple[Array, Array]:
+    """(the next u, True where the step to it is short over every scale of the drive) of
+    Halley's method for a root of `gap`.
+    """
+    with np.errstate(all="ignore"):
+        step = -gap / (rate - 0.5 * gap * second_derivative / rate)
+        scale = np.minimum(u, np.abs(rate / second_derivative))
+        return u + step, np.abs(step) <= _SHORT * scale
 
 
 def place(segments: Segments, k: Array, u: Array) -> tuple[Array, Array]:
@@ -244,7 +248,7 @@ class RemainingImpulse(NamedTuple):
         int |s| dphi/Omega < 1 (Lemma 9).
         """
         return (
-            lanes.amplitude * self.after(lanes.k, lanes.u)
+            lanes.amplitude * self.after(lanes.segment, lanes.phase)
             < _SAFE_SHARE * (1.0 - np.abs(lanes.v)) * lanes.omega
         )
 

@@ -97,12 +97,12 @@ class Lanes(Arrays):
     amplitude: Array  # A of the present side, as in `Cells` [-]
     omega: Array  # Omega of the present side, as in `Cells` [-]
     eta: Array  # restitution of the present side, as in `Cells` [-]
-    k: Array  # segment of the motion
-    u: Array  # phase since the start of the segment [rad]
+    segment: Array  # index of the segment of the motion
+    phase: Array  # phase since the start of the segment [rad]
     side: Array  # +1 on the right edge (theta > 0), -1 on the left
     y: Array  # displacement, in the unit of the side
     v: Array  # dy/dtau, tau = p t with the p of the side
-    b: Array  # force y'' + 2 zeta y'
+    force: Array  # y'' + 2 zeta y'
     peak: Array  # largest y at a turning point so far, in the unit of the present side
     impacts: Array  # number of impacts so far
     steps: Array  # number of steps so far

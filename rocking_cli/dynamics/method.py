@@ -97,8 +97,28 @@ MODELS = tuple(dict.fromkeys(kind.model for kind in EQUATIONS))
 
 @dataclass(frozen=True)
 class Method:
-    """The model and the tolerance of a computation. Raises UsageError for an unknown
-    model or a tolerance out of range.
+    """The equation of motion and the tolerance of a computation.
+
+    "linear" is Eqs. 2.4 and 3.6, exact for undamped bodies; "nonlinear" is Eq. 2.3 of a
+    rigid body or Eq. 3.4 of a mechanism. Functions that take a method choose one
+    themselves if it is None. `system_of` makes the `System` for `response` and
+    `history`; `serves` tells whether the model has an equation for a structure. Raises
+    UsageError for an unknown model or a tolerance out of range.
+
+    Attributes
+    ----------
+    model: "linear" or "nonlinear"
+    tolerance: of theta/alpha [-], from 1e-13 to 1e-2; an exact model ignores it
+
+    Examples
+    --------
+    >>> (column,) = load_structures("configs/block.yaml")
+    >>> system = Method("nonlinear", tolerance=1e-10).system_of(column)
+    >>> found = response(system, sine(), 1.5, 6.0, column.eta)
+    >>> f"{float(found.theta_ratio):.6f}"
+    '0.156450'
+    >>> Method().exact, Method("nonlinear").serves(dimensionless_oscillator(0.9))
+    (True, False)
     """
 
     model: str = MODELS[0]  # one of `MODELS`
@@ -126,8 +146,21 @@ class Method:
         return None if self.exact else self.tolerance
 
     def kind_of(self, structure: RockingParameters) -> EquationKind:
-        """The equation of this model for a structure. Raises UsageError if the model
-        has none.
+        """Return the equation of this model for a structure.
+
+        Parameters
+        ----------
+        structure
+            the structure
+
+        Returns
+        -------
+        EquationKind
+
+        Raises
+        ------
+        UsageError
+            if the model has none for this structure
         """
         for kind in EQUATIONS:
             if kind.model == self.model and kind.serves(structure):
@@ -144,14 +177,37 @@ class Method:
         )
 
     def serves(self, structure: RockingParameters) -> bool:
-        """True if the model has an equation for a structure."""
+        """True if the model has an equation for a structure.
+
+        Parameters
+        ----------
+        structure
+            the structure
+
+        Returns
+        -------
+        bool
+        """
         return any(
             kind.model == self.model and kind.serves(structure) for kind in EQUATIONS
         )
 
     def system_of(self, structure: RockingParameters) -> System:
-        """Builds the system (equation and contact) of a structure for the march. Raises
-        UsageError when the model does not hold for it.
+        """Return the system of a structure: its equation of motion on its contact.
+
+        Parameters
+        ----------
+        structure
+            the structure
+
+        Returns
+        -------
+        System
+
+        Raises
+        ------
+        UsageError
+            if the model does not hold for the structure
         """
         build = self.kind_of(structure).build
         try:
@@ -183,8 +239,23 @@ class Method:
     def system_of_cells(
         self, structures: Sequence[RockingParameters], counts: Sequence[int]
     ) -> System:
-        """One system for `counts` cells of each structure, whose `shares` are equal or
-        which all mix. Raises UsageError as `system_of`.
+        """Return one system for the cells of several structures.
+
+        Parameters
+        ----------
+        structures
+            whose `shares` are equal, or which all can be mixed
+        counts
+            number of cells of each structure, (structures,)
+
+        Returns
+        -------
+        System
+
+        Raises
+        ------
+        UsageError
+            if the model does not hold for a structure
         """
         one, of_cells = (
             self.system_of(structures[0]),
@@ -206,8 +277,17 @@ class Method:
         return one._replace(equation=equation, body=None, own=own)
 
     def body_of(self, structure: RockingParameters) -> Body | None:
-        """The `Body` that gives a structure's forces on the ground; None if its mass
-        centre is not known.
+        """Return what gives the forces of a structure on the ground.
+
+        Parameters
+        ----------
+        structure
+            the structure
+
+        Returns
+        -------
+        Body or None
+            None if the mass centre of the structure is not known
         """
         edges: list[Side | RockingParameters] = [*reversed(structure.sides)] or [
             structure
@@ -228,8 +308,24 @@ class Method:
         )
 
     def shares(self, structure: RockingParameters) -> tuple[Any, ...]:
-        """Structures with equal keys have one system; with equal restitutions too, one
-        dimensionless computation (sections 3.3, 4).
+        """Return a key: structures of equal keys have one system.
+
+        With equal restitutions too they have one dimensionless computation (sections
+        3.3 and 4 of the paper).
+
+        Parameters
+        ----------
+        structure
+            the structure
+
+        Returns
+        -------
+        tuple
+
+        Raises
+        ------
+        UsageError
+            if the model has no equation for this structure
         """
         return (
             structure.one_sided,
@@ -240,15 +336,44 @@ class Method:
         )
 
     def reference_of(self, structure: RockingParameters) -> Reference:
-        """A function (motion, A, Omega, eta) that gives (outcome, theta_ratio) by a
-        slower solver, which shares no code with the march.
+        """Return a slower solver of a structure, which shares no code with the march.
+
+        Parameters
+        ----------
+        structure
+            the structure
+
+        Returns
+        -------
+        function
+            of (motion, A, Omega, eta), which returns (outcome, theta_ratio)
+
+        Raises
+        ------
+        UsageError
+            if the model does not hold for the structure
         """
         from .references.general_solver import solve_cell
 
         return partial(solve_cell, problem=self.problem_of(structure))
 
     def problem_of(self, structure: RockingParameters) -> "Problem":
-        """Builds the problem of a structure for the reference solver."""
+        """Return the problem of a structure for the reference solver.
+
+        Parameters
+        ----------
+        structure
+            the structure
+
+        Returns
+        -------
+        Problem
+
+        Raises
+        ------
+        UsageError
+            if the model does not hold for the structure
+        """
         from .references import problems
 
         return problems.problem_of(

@@ -42,9 +42,18 @@ class _Code(IntEnum):
 
 
 class Outcome(_Code):
-    """Outcome codes of the spectra file; their names in lower case are its flag
-    meanings. The colours are those of Okabe and Ito, which colour-blind people can tell
-    apart.
+    """What became of a body: the outcome codes of `Response` and of spectra files.
+
+    `flag` is the word that files and tables use, `sentence` says it in words;
+    `overturned`, `falls` and `safe` sort the outcomes. The functions `overturned` and
+    `safe` do so for arrays. The colours are those of Okabe and Ito, which colour-blind
+    people can tell apart.
+
+    Examples
+    --------
+    >>> found = Outcome(4)
+    >>> found.flag, found.sentence, found.overturned
+    ('overturned_after_impact', 'overturns after an impact', True)
     """
 
     NOT_COMPUTED = 0, "not computed", "#DDDDDD", "?"
@@ -116,11 +125,31 @@ def difference(nonlinear: Any, linear: Any) -> Any:
 
 
 def overturned(codes: Any) -> Any:
-    """True for codes of `Outcome`, of any shape, that are `overturned`; a cell that
-    failed or lost contact is neither overturned nor safe.
+    """True for outcomes of bodies that overturned.
 
-    >>> overturned(linear_response(sine(), [1.5, 12.0], 6.0, 0.9).outcome)
-    array([False,  True])
+    Parameters
+    ----------
+    codes
+        codes of `Outcome`, whole numbers from 0 to 7, of any shape
+
+    Returns
+    -------
+    bool or array of bool
+        in the shape of `codes`
+
+    Raises
+    ------
+    UsageError
+        for codes that are none of `Outcome`
+
+    Notes
+    -----
+    A cell that failed or lost contact is neither overturned nor safe.
+
+    Examples
+    --------
+    >>> overturned(linear_response(sine(), [1.5, 12.0], 6.0, 0.9).outcome).tolist()
+    [False, True]
     """
     return _found_in(_OVERTURNED, codes)
 
@@ -135,10 +164,31 @@ def falls(codes: Any) -> Any:
 
 
 def safe(codes: Any) -> Any:
-    """True for codes of `Outcome`, of any shape, that are `safe`.
+    """True for outcomes of bodies that are known to have stayed upright.
 
-    >>> safe(linear_response(sine(), [1.5, 12.0], 6.0, 0.9).outcome)
-    array([ True, False])
+    Parameters
+    ----------
+    codes
+        codes of `Outcome`, whole numbers from 0 to 7, of any shape
+
+    Returns
+    -------
+    bool or array of bool
+        in the shape of `codes`
+
+    Raises
+    ------
+    UsageError
+        for codes that are none of `Outcome`
+
+    Notes
+    -----
+    A cell that failed or lost contact is neither overturned nor safe.
+
+    Examples
+    --------
+    >>> safe(linear_response(sine(), [1.5, 12.0], 6.0, 0.9).outcome).tolist()
+    [True, False]
     """
     return _found_in(_SAFE, codes)
 

@@ -22,7 +22,7 @@ Cells = tuple[Array, Array, Array]  # A, Omega and eta, of one shape
 
 
 class Response(NamedTuple):
-    """Result for each cell, in the shape of the input.
+    """The result of `response` for each cell, in the shape of the input.
 
     Attributes
     ----------
@@ -36,6 +36,14 @@ class Response(NamedTuple):
         are closed in one step
     work
         counters of the computation
+
+    Examples
+    --------
+    >>> found = linear_response(sine(), [0.9, 1.5, 12.0], 6.0, 0.9)
+    >>> [Outcome(int(code)).flag for code in found.outcome]
+    ['no_uplift', 'rocked', 'overturned_no_impact']
+    >>> f"{found.theta_ratio[1]:.6f}"
+    '0.167098'
     """
 
     theta_ratio: Array  # [-], (cells,)
@@ -45,7 +53,17 @@ class Response(NamedTuple):
 
     @classmethod
     def joined(cls, parts: Sequence["Response"]) -> "Response":
-        """Return the cells of all parts, one after the other."""
+        """Return the cells of all parts, one after the other.
+
+        Parameters
+        ----------
+        parts
+            results of one dimension
+
+        Returns
+        -------
+        Response
+        """
         theta_ratio, outcome, impacts = (
             np.concatenate(x) for x in list(zip(*parts, strict=True))[:3]
         )
@@ -54,18 +72,27 @@ class Response(NamedTuple):
         )
 
 
-# Up to so many cells of a structure, under a record of more than so many segments, are
-# faster one after the other on floats: a round of the march on arrays costs about as
-# much as a step of thirty bodies on floats.
-FEW, LONG = 20, 200
 WAYS = ("arrays", "floats")
+# Under a motion of more than LONG segments the march on arrays takes as long for a few
+# cells as that on floats for FEW: 40 to 100 by Eqs. 2.3 and 2.4, 15 to 30 by Eq. 3.4,
+# under records of 400, 1,559 and 7,999 samples.
+LONG, _FEW, _FEW_COMPOSED = 200, 60, 20
 
 
-def cheaper(motion: Motion, cells: int) -> str:
+def few(system: System, segments: int) -> int:
+    """Return the number of cells of one system up to which `response` takes less time
+    on floats than on arrays, under a motion of so many segments.
+    """
+    if segments <= LONG:
+        return 0
+    return _FEW_COMPOSED if system.equation.composed else _FEW
+
+
+def cheaper(system: System, motion: Motion, cells: int) -> str:
     """Return how `response` computes so many cells of one structure under this motion
     in the least time.
     """
-    return "floats" if len(motion.segments) > LONG and cells <= FEW else "arrays"
+    return "floats" if cells <= few(system, len(motion.segments)) else "arrays"
 
 
 def response(
@@ -88,7 +115,7 @@ def response(
     Parameters
     ----------
     system
-        the equation of motion on its contact
+        the equation of motion on its contact, such as `Method().system_of(structure)`
     motion
         the motion of the ground
     amplitude
@@ -107,15 +134,25 @@ def response(
     pool
         number of lanes advanced together, None for the default
 
+    Returns
+    -------
+    Response
+        theta_ratio [-], outcome and impacts, in the shape of the input
+
     Raises
     ------
-    ValueError
-        for a number out of range
+    ArgumentError
+        for a number out of range (ValueError inside the package)
+
+    Notes
+    -----
+    The outcome also counts the motion after the shaking, by Eq. 2.7 or its like for the
+    nonlinear equation.
 
     Examples
     --------
-    >>> (column,) = load_structures('configs/block.yaml')
-    >>> system = Method('nonlinear').system_of(column)
+    >>> (column,) = load_structures("configs/block.yaml")
+    >>> system = Method("nonlinear").system_of(column)
     >>> found = response(system, sine(), 1.5, 6.0, column.eta)
     >>> Outcome(int(found.outcome)).flag, round(float(found.theta_ratio), 6)
     ('rocked', 0.15645)
@@ -289,22 +326,10 @@ def cells_that_lose_contact(
     that tests a cell by itself, None to march all of them together.
     """
     if system.own:
-        ends = np.cumsum([count for _, count in system.own])
-        found = []
-        for (own, count), end in zip(system.own, ends, strict=True):
-            some = slice(end - count, end)
-            turned = None if theta_ratio is None else theta_ratio[some]
-            found.append(
-                end
-                - count
-                + cells_that_lose_contact(
-                    own, motion, _of(cells, some), doubtful[some], turned
-                )
-            )
-        return np.concatenate(found)
-    if system.body is None or not np.any(
-        doubtful & (cells[0] > system.safe_amplitude(motion))
-    ):
+        return _lost_by_structure(system, motion, cells, doubtful, theta_ratio)
+    if system.body is None or not doubtful.any():
+        return np.zeros(0, dtype=np.int64)
+    if not np.any(doubtful & (cells[0] > system.safe_amplitude(motion))):
         return np.zeros(0, dtype=np.int64)
     from .observers.contact_loss import ContactLoss
 
@@ -323,6 +348,26 @@ def cells_that_lose_contact(
     again = Run(batch, observers=[ContactLoss(system.body, batch)])
     again.all()
     return at[again.outcome == Outcome.LOST_CONTACT]
+
+
+def _lost_by_structure(
+    system: System,
+    motion: Motion,
+    cells: Cells,
+    doubtful: Array,
+    theta_ratio: Array | None,
+) -> Array:
+    """`cells_that_lose_contact` of several structures, one after the other."""
+    ends = np.cumsum([count for _, count in system.own])
+    found = []
+    for (own, count), end in zip(system.own, ends, strict=True):
+        some = slice(end - count, end)
+        turned = None if theta_ratio is None else theta_ratio[some]
+        lost = cells_that_lose_contact(
+            own, motion, _of(cells, some), doubtful[some], turned
+        )
+        found.append(end - count + lost)
+    return np.concatenate(found)
 
 
 def response_with_speed(
@@ -396,10 +441,46 @@ def linear_response(
     peaks: bool = True,
     pool: int | None = None,
 ) -> Response:
-    """`response` of symmetric linear oscillators (Eqs. 2.4, 2.6, 3.6), exact.
+    """Largest rotation and outcome of linear oscillators (Eqs. 2.4, 2.6, 3.6), exact.
 
-    >>> linear_response(sine(), [1.0, 1.5, 4.0], 6.0, 0.9).theta_ratio.round(6)
-    array([0.      , 0.167098, 0.669456])
+    As `response` with two equal edges and no damping. `amplitude`, `omega` and `eta`
+    are broadcast against each other.
+
+    Parameters
+    ----------
+    motion
+        the motion of the ground
+    amplitude
+        A = a_scale a_g / (alpha g) [-], finite, not negative
+    omega
+        Omega = omega_g / p [-], finite, positive
+    eta
+        restitution [-], from 0 to 1
+    peaks
+        False computes the outcome only; theta_ratio is then NaN
+    pool
+        number of lanes advanced together, None for the default
+
+    Returns
+    -------
+    Response
+        theta_ratio [-] and outcome, in the shape of the input
+
+    Raises
+    ------
+    ArgumentError
+        for a number out of range
+
+    Notes
+    -----
+    The flow is exact between events. The linear equation holds for slender structures,
+    and it is not safe: of a block that falls by Eq. 2.3 it may say that it stands.
+
+    Examples
+    --------
+    >>> found = linear_response(sine(), [1.0, 1.5, 4.0], 6.0, 0.9)
+    >>> found.theta_ratio.round(6).tolist()
+    [0.0, 0.167098, 0.669456]
     """
     from .equations.linear import LinearEquation
 
@@ -418,12 +499,45 @@ def nonlinear_response(
     tolerance: float = 1e-9,
     peaks: bool = True,
 ) -> Response:
-    """`response` of symmetric rigid bodies of one critical angle alpha [rad] (Eqs. 2.3,
-    2.6); tolerance: of theta/alpha.
+    """Largest rotation and outcome of rigid bodies of one critical angle (Eqs. 2.3,
+    2.6).
 
+    As `response` with two equal edges and no damping. `amplitude`, `omega` and `eta`
+    are broadcast against each other.
+
+    Parameters
+    ----------
+    motion
+        the motion of the ground
+    amplitude
+        A = a_g / (alpha g) [-], finite, not negative; the body lifts at
+        A = tan(alpha)/alpha
+    omega
+        Omega = omega_g / p [-], finite, positive
+    eta
+        restitution [-], from 0 to 1
+    alpha
+        critical angle [rad], between 1e-30 and pi/2
+    tolerance
+        error of theta/alpha that the integration aims at [-], from 1e-13 to 1e-2
+    peaks
+        False computes the outcome only; theta_ratio is then NaN
+
+    Returns
+    -------
+    Response
+        theta_ratio [-] and outcome, in the shape of the input
+
+    Raises
+    ------
+    ArgumentError
+        for a number out of range
+
+    Examples
+    --------
     >>> found = nonlinear_response(sine(), [1.5, 4.0], 6.0, 0.9, alpha=0.25)
-    >>> found.theta_ratio.round(6)
-    array([0.153431, 0.673775])
+    >>> found.theta_ratio.round(6).tolist()
+    [0.153431, 0.673775]
     """
     from .equations.rigid_body import RigidBodyEquation
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..motions.motion import Motion
 from ..motions.segments import Segments
-from .body import Body, safe_push
+from .body import Body, safe_acceleration
 from .contacts.contact import Contact, Symmetric
 from .equations.equation import Equation
 
@@ -16,7 +16,10 @@ if TYPE_CHECKING:
 
 
 class System(NamedTuple):
-    """An equation of motion on a contact.
+    """An equation of motion on a contact, the first argument of `response`.
+
+    `Method.system_of` makes the system of a structure. `least_uplift` is the amplitude
+    at which it lifts off.
 
     Attributes
     ----------
@@ -33,6 +36,13 @@ class System(NamedTuple):
         there are several structures
     devices
         ties and a tendon, None without them
+
+    Examples
+    --------
+    >>> system = System(LinearEquation())
+    >>> found = response(system, sine(), 1.5, 6.0, 0.9)
+    >>> f"{float(found.theta_ratio):.6f}", round(system.least_uplift(sine()), 6)
+    ('0.167098', 1.0)
     """
 
     equation: Equation  # equation of motion
@@ -57,8 +67,22 @@ class System(NamedTuple):
         return self.equation.bounded and self.devices is None
 
     def segments(self, motion: Motion) -> Segments:
-        """The segments of a motion, `WeighedSegments` if it has a vertical part. Raises
-        ValueError for such a motion without a scale.
+        """Return the segments of a motion, on each of which it is monotone.
+
+        Parameters
+        ----------
+        motion
+            the motion of the ground
+
+        Returns
+        -------
+        Segments
+            with the weight if the motion has a vertical part
+
+        Raises
+        ------
+        ValueError
+            for a motion with a vertical part if `scale` is None
         """
         if motion.vertical is None:
             return motion.segments
@@ -78,8 +102,18 @@ class System(NamedTuple):
         return weighed(motion, float(share[0]), float(share[-1]))
 
     def safe_amplitude(self, motion: Motion) -> float:
-        """The amplitude A [-] up to which Fz > 0 is proved for a body that does not
-        overturn; infinite if its forces are not known.
+        """Return the amplitude up to which contact with the ground is proved.
+
+        Parameters
+        ----------
+        motion
+            the motion of the ground
+
+        Returns
+        -------
+        float
+            A [-] up to which Fz > 0 for a body that does not overturn; infinite if its
+            forces are not known
         """
         if self.own:
             return min(system.safe_amplitude(motion) for system, _ in self.own)
@@ -89,16 +123,27 @@ class System(NamedTuple):
             0.0 if motion.vertical is None else motion.vertical.largest / motion.largest
         )
         scales = self.body.a_scale or (1.0,) * len(self.body.alpha)
-        pushes = [
-            safe_push(self.body, i, sway / scale) for i, scale in enumerate(scales)
+        accelerations = [
+            safe_acceleration(self.body, i, sway / scale)
+            for i, scale in enumerate(scales)
         ]
-        return min(push / scale for push, scale in zip(pushes, scales, strict=True)) / (
-            self.scale * motion.largest
-        )
+        return min(
+            a / scale for a, scale in zip(accelerations, scales, strict=True)
+        ) / (self.scale * motion.largest)
 
     def least_uplift(self, motion: Motion) -> float:
-        """The least amplitude A [-] at which the body lifts off or the ground falls
-        away; infinite if there is none.
+        """Return the least amplitude that lifts the body (Eqs. 2.2, 3.8).
+
+        Parameters
+        ----------
+        motion
+            the motion of the ground
+
+        Returns
+        -------
+        float
+            A [-] at which the body lifts off or the ground falls away; infinite if
+            there is none
         """
         one, segments = (
             self.contact.cells(self.equation, np.ones(1), np.ones(1), np.zeros(1)),

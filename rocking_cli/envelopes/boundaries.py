@@ -134,8 +134,7 @@ class Search:
             and Scan.supports(self.system, self.motion)
         ):
             scans = [
-                Scan(self.system, self.motion, w, self.eta, fine=True)
-                for w in omegas.tolist()
+                Scan(self.system, self.motion, w, self.eta) for w in omegas.tolist()
             ]
             return self._steps(*self._scanned_first(omegas, scans))
         begins, brackets = self._scan(omegas)
@@ -399,7 +398,7 @@ class Search:
                 0 * cell,
                 np.zeros(omegas.size),
             )
-            holds = amplitude * remaining.after(lift.k, lift.u) <= most
+            holds = amplitude * remaining.after(lift.segment, lift.phase) <= most
             low, high = np.where(holds, middle, low), np.where(holds, high, middle)
         return low
 

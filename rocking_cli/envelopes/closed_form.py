@@ -21,7 +21,20 @@ _SCAN = 600
 
 
 class CurvePoint(NamedTuple):
-    """One point of a curve."""
+    """One point of a curve of Fig. 2 (left), as `closed_form_curves` returns it.
+
+    Attributes
+    ----------
+    curve: name of the curve
+    omega: Omega [-]
+    amplitude: A [-]
+
+    Examples
+    --------
+    >>> point = closed_form_curves([3.0], 0.9)[1]
+    >>> point.curve, f"{float(point.amplitude):.5f}"
+    ('no_impact', '3.63115')
+    """
 
     curve: str  # name of the curve
     omega: float  # Omega [-]
@@ -251,30 +264,43 @@ def after_impact_amplitudes(omega: float, eta: float) -> list[float]:
 def closed_form_curves(
     omegas: np.ndarray, eta: float, pulse: str = "sine"
 ) -> list[CurvePoint]:
-    """The curves of Fig. 2 (left); only the sine has more than the first two.
+    """Return the curves of Fig. 2 (left), from closed forms (Eq. 2.7).
+
+    They are the amplitude of uplift, and those that bound overturning without and after
+    an impact. Only the sine has more than the first two curves.
 
     Parameters
     ----------
     omegas
         Omega of the points [-], (points,)
     eta
-        restitution [-]
+        restitution [-], from 0 to 1
     pulse
-        one of `PULSES`
+        "sine" (one cycle), "half-sine", or "rectangular" (constant for 2 pi/omega_g)
+
+    Returns
+    -------
+    list of CurvePoint
+        sorted by curve; a curve has no point where it has no root
 
     Raises
     ------
-    ValueError
-        when there is no closed form for this pulse
+    ArgumentError
+        when there is no closed form for this pulse, or an omega is not positive
+
+    Notes
+    -----
+    Undamped linear oscillators with two equal edges (Eq. 2.4). `trace_envelope` finds
+    the same boundaries for every structure and motion.
 
     Examples
     --------
     >>> for point in closed_form_curves([3.0], 0.9):
-    ...     print(point.curve, round(float(point.amplitude), 6))
-    initiation 1.0
+    ...     print(point.curve, f"{float(point.amplitude):.5f}")
+    initiation 1.00000
     no_impact 3.63115
-    after_impact_lower 1.403565
-    after_impact_upper 3.484663
+    after_impact_lower 1.40357
+    after_impact_upper 3.48466
     """
     frequencies = [float(omega) for omega in np.atleast_1d(omegas)]
     if not all(0.0 < omega < math.inf for omega in frequencies):

@@ -60,7 +60,23 @@ _SHARE = 8_000_000
 
 
 class Interval(NamedTuple):
-    """An interval of amplitudes that overturns at one Omega."""
+    """An interval of amplitudes that overturns a structure at one Omega.
+
+    `trace_envelope` returns a list of them.
+
+    Attributes
+    ----------
+    omega: Omega [-]
+    a_from: lowest A of the interval [-]
+    a_to: largest A [-], None beyond the limit of the search
+    mode: "no_impact" or "after_impact", or another word of `Outcome.mode`
+
+    Examples
+    --------
+    >>> first = trace_envelope(dimensionless_oscillator(0.9), sine(), [3.0])[0]
+    >>> f"{first.a_from:.4f} to {first.a_to:.4f}", first.mode
+    ('1.4036 to 3.4847', 'after_impact')
+    """
 
     omega: float  # Omega [-]
     a_from: float  # lowest A of the interval [-]
@@ -79,11 +95,11 @@ def trace_envelope(
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Interval]:
-    """Return every interval of amplitudes A up to `a_max` that overturns a structure,
-    wider than 1e-3, for each Omega.
+    """Return every interval of amplitudes that overturns a structure, for each Omega.
 
-    Boundaries are traced to the last digits of the model's outcome. Intervals that
-    touch but differ in mode are listed apart.
+    For one sine cycle and the linear equation it is Fig. 2 (left) of the paper.
+    Intervals wider than 1e-3 are found. Boundaries are traced to the last digits of the
+    model's outcome. Intervals that touch but differ in mode are listed apart.
 
     Parameters
     ----------
@@ -107,6 +123,11 @@ def trace_envelope(
     progress
         called now and then with two counts: how much is done, and how much in all
 
+    Returns
+    -------
+    list of Interval
+        in the order of `omegas`, then of the amplitude
+
     Raises
     ------
     UsageError
@@ -119,8 +140,8 @@ def trace_envelope(
     --------
     >>> oscillator = dimensionless_oscillator(0.9)
     >>> for interval in trace_envelope(oscillator, sine(), [3.0]):
-    ...     print(round(interval.a_from, 6), interval.a_to and round(interval.a_to, 6))
-    1.403565 3.484663
+    ...     print(round(interval.a_from, 5), interval.a_to and round(interval.a_to, 5))
+    1.40357 3.48466
     3.63115 None
     """
     motion, omegas = (

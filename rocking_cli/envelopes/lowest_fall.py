@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from ..dynamics.outcome import safe
-from ..dynamics.response import FEW, cheaper, response
+from ..dynamics.response import cheaper, response
 from ..dynamics.system import System
 from ..motions import Motion
 from .amplitudes import COARSE, LONGEST_FINE
@@ -40,6 +40,8 @@ _NEIGHBOURS = 5
 # number of amplitudes that the march computes, below a fall and around an approximate
 # one
 _CHECKED = 5
+# amplitudes of one body for which the march on floats takes as long as a scan
+_FEW = 30
 # amplitudes of the first stretch of a search by the march: fewer take as long, and
 # those above a fall end soon
 _STRETCH = 1000
@@ -73,39 +75,24 @@ class FallSearch:
         Omega.
         """
 
-        def falls(amplitude: Array) -> Array:
-            return ~safe(
-                response(
-                    system, motion, amplitude, omega, eta, peaks=False, how="floats"
-                ).outcome
+        def by_march(amplitude: Array, how: str) -> Array:
+            found = response(
+                system, motion, amplitude, omega, eta, peaks=False, how=how
             )
+            return ~safe(found.outcome)
+
+        def falls(amplitude: Array) -> Array:
+            return by_march(amplitude, "floats")
 
         def approximate_falls(amplitude: Array) -> Array:
-            if (
-                scan is not None and amplitude.size <= FEW
-            ):  # the march is as fast as a scan
+            if scan is None:
+                return by_march(amplitude, "arrays")
+            if amplitude.size <= _FEW:
                 return falls(amplitude)
-            fallen = (
-                np.zeros(amplitude.size, dtype=bool)
-                if scan is None
-                else ~safe(scan.outcomes(amplitude))
-            )
-            doubtful = np.flatnonzero(
-                ~fallen
-                & (amplitude > (0.0 if scan is None else system.safe_amplitude(motion)))
-            )
-            how = "arrays" if scan is None else cheaper(motion, doubtful.size)
-            fallen[doubtful] = ~safe(
-                response(
-                    system,
-                    motion,
-                    amplitude[doubtful],
-                    omega,
-                    eta,
-                    peaks=False,
-                    how=how,
-                ).outcome
-            )
+            fallen, doubtful = scan.falls(amplitude)
+            if doubtful.any():
+                again = amplitude[doubtful]
+                fallen[doubtful] = by_march(again, cheaper(system, motion, again.size))
             return fallen
 
         scan = None
@@ -125,7 +112,7 @@ class FallSearch:
         """
         low, stretch, found = begin, _STRETCH, None
         while found is None and low < end:
-            high = end if self.scan else min(end, low * (1.0 + COARSE) ** stretch)
+            high = self._stretch_end(low, end, stretch)
             amplitude, falling = self._coarse(low, high)
             found = next(
                 filter(
@@ -141,6 +128,19 @@ class FallSearch:
                 break
             found = self.lowest(begin, float(missed[0]))
         return found
+
+    def _stretch_end(self, low: float, end: float, stretch: int) -> float:
+        """The end of a stretch of amplitudes that is searched at once: of so many
+        amplitudes, or up to 5 % above the first fall that the scan knows.
+        """
+        if self.scan is None:
+            return min(end, low * (1.0 + COARSE) ** stretch)
+        fall = self.scan.first_fall(low, end)
+        if fall is None:
+            return end
+        known = self.scan.known.amplitude
+        after = known[(low < known) & (known <= min(end, _ABOVE * fall))]
+        return float(after[-1]) if after.size else end
 
     def _coarse(self, low: float, high: float) -> tuple[Array, Array]:
         """(amplitudes `COARSE` apart between these, True where the body seems to fall);
@@ -216,7 +216,6 @@ class FallSearch:
         wide.
         """
         first = self.lowest(begin, found) or found
-        self._coarse(first, _ABOVE * first)
         share_of_falls = self.share_of_falls(first)
         return (
             self.lowest(begin, first, _FINEST, _NEAREST) or first
@@ -243,6 +242,7 @@ class FallSearch:
         """The share of overturning amplitudes, 0 to 1, from the first to 5 % above it,
         by a scan in steps of `COARSE`; 0 if they are one interval.
         """
+        self._coarse(first, _ABOVE * first)
         falls = self.computed[1][
             (first < self.computed[0]) & (self.computed[0] < _ABOVE * first)
         ].tolist()
@@ -301,11 +301,7 @@ def _below(scan: Scan, begin: float, end: float) -> Array:
     """The amplitudes that `FallSearch.lowest` will search below the lowest fall from
     `begin` to `end` that a scan knows.
     """
-    fall = scan.known[0][
-        ~safe(scan.known[1]) & (begin <= scan.known[0]) & (scan.known[0] <= end)
-    ][:1]
-    return (
-        _scan_amplitudes(max(begin, _NEAR * _NEAR * fall[0]), fall[0], _FINE)
-        if fall.size
-        else fall
-    )
+    fall = scan.first_fall(begin, end)
+    if fall is None:
+        return np.zeros(0)
+    return _scan_amplitudes(max(begin, _NEAR * _NEAR * fall), fall, _FINE)

@@ -10,11 +10,11 @@ import numpy as np
 from ..documents.quantities import DEFAULT_GRAVITY, is_bare, unit_of
 from ..documents.table import named_rows
 from ..errors import DocumentError, UsageError
-from . import fits
-from .fits import Resampling
+from .bootstrap import Resampling, bootstrap_counts
+from .fits import fit_stripes
+from .fitted_curve import Fit, drawn_at, rate_of
 from .hazard import HazardCurve
 from .measures import Measure, cell, measure_of
-from .study import Fit, rate_of, with_more
 
 Array = np.ndarray
 Row = tuple[int, dict[str, str]]  # line and cells by column
@@ -109,29 +109,22 @@ def fit_counts(
     """
     x, n, z = counts.x, counts.n, counts.z
     try:
-        curve = fits.fit_stripes(x, n, z)
+        curve = fit_stripes(x, n, z)
     except UsageError as error:
         raise UsageError(f"{counts.source}: {error}") from None
-    if hazard is None:
-        at, of = with_more(x, 0.5 * x[0], 1.5 * x[-1]), None
-    else:
-        levels, of = np.union1d(x, hazard.x), hazard.rate_of
-        at = with_more(levels, levels[0], levels[-1])
-    band = fits.bootstrap_counts(x, n, z, how, at, of) if how.samples else None
-    rate = None if hazard is None else rate_of(curve, band, hazard)
-    points = dict(zip(x.tolist(), (z / n).tolist(), strict=True))
-    name = _LEVEL if counts.measure is None else counts.measure.name
+    at, rates = drawn_at(x, hazard)
+    band = bootstrap_counts(x, n, z, how, at, rates) if how.samples else None
     return Fit(
-        Path(counts.source).stem,
-        name,
-        limit,
-        "stripes",
-        curve,
-        band,
-        at,
-        points,
-        hazard,
-        rate,
+        structure=Path(counts.source).stem,
+        im=_LEVEL if counts.measure is None else counts.measure.name,
+        limit=limit,
+        method="stripes",
+        curve=curve,
+        band=band,
+        x=at,
+        points=dict(zip(x.tolist(), (z / n).tolist(), strict=True)),
+        hazard=hazard,
+        rate=None if hazard is None else rate_of(curve, band, hazard),
     )
 
 

@@ -24,9 +24,11 @@ import numpy as np
 from ..errors import UsageError
 from ..publishing import check_target, published
 from .exposure import share_overturned
-from .hazard import openquake_unit
+from .fits import Curve
+from .fitted_curve import Fit
+from .hazard_files import openquake_unit
 from .measures import Measure, measure_of
-from .study import Fit, Study
+from .study import Study
 
 Array = np.ndarray
 FORMS = {"openquake": ".xml", "pelicun": ".csv"}  # and the suffix of each
@@ -35,6 +37,8 @@ _DEMANDS = {
     "PGA": ("Peak Ground Acceleration", "g"),
     "PGV": ("Peak Ground Velocity", "cmps"),
 }
+# columns of the CSV of pelicun for each limit state
+_PELICUN_COLUMNS = ("Family", "Theta_0", "Theta_1", "DamageStateWeights")
 _NEAR = 1e-3  # the share rises from 0 within this part below its first level
 _SHARE = "running maximum of the exact share of overturning motions"
 
@@ -65,9 +69,8 @@ def share_of(study: Study) -> Share:
             f"{study.structure.name}: no motion overturns it at these levels; found"
             " nothing to export"
         )
-    far = rises[
-        np.append(x[rises[1:]] > x[rises[:-1]] * (1.0 + 1e-6), True)
-    ]  # the last of equal levels
+    # the last of equal levels
+    far = rises[np.append(x[rises[1:]] > x[rises[:-1]] * (1.0 + 1e-6), True)]
     first = (1.0 - _NEAR) * x[rises[0]]
     return Share(
         study.structure.name,
@@ -85,19 +88,42 @@ def export_fragility(
     im: str = "PGA",
     overwrite: bool = False,
 ) -> list[str]:
-    """Write fragility curves for another program, and return a sentence on each
-    difference between the file and the curves.
+    """Write fragility curves for another program.
 
-    curves: one for each structure and limit state, with levels in SI; limit states that
-    a structure lacks are left out; form: `openquake` (NRML 0.5) or `pelicun` (CSV, and
-    JSON of the same name). Raises UsageError for a measure that the program does not
-    know, and OutputError.
+    Parameters
+    ----------
+    curves
+        one for each structure and limit state, with levels in SI; limit states that a
+        structure lacks are left out
+    target
+        the file
+    form
+        "openquake" (NRML 0.5) or "pelicun" (CSV, and JSON of the same name)
+    im
+        the intensity measure of the levels
+    overwrite
+        True: replace an existing file
 
-    >>> export_fragility([], 'f.xml')
-    Traceback (most recent call last):
-        ...
-    rocking_cli.errors.ArgumentError: export_fragility: `curves`: found an empty list;
-    expected a list of Fit (see fragility)
+    Returns
+    -------
+    list of str
+        a sentence on each difference between the file and the curves
+
+    Raises
+    ------
+    UsageError
+        for a measure that the program does not know, two curves of one limit state, or
+        a file that exists
+    OutputError
+        when the file cannot be written
+
+    Examples
+    --------
+    >>> curve = fit_stripes([1.0, 1.5, 2.0], [54, 54, 54], [2, 25, 43])
+    >>> import numpy as np
+    >>> fit = Fit("Column", "PGA", "overturning", "stripes", curve, None, np.ones(1))
+    >>> export_fragility([fit], "column.xml")
+    []
     """
     measure = measure_of(im)
     check_export(Path(target), form, measure, overwrite)
@@ -162,10 +188,8 @@ def check_export(target: Path, form: str, measure: Measure, overwrite: bool) -> 
     if form not in FORMS:
         raise UsageError(f"`export`: found {form!r}; expected {' or '.join(FORMS)}")
     if form == "pelicun":
-        known, expected = (
-            measure.name in _DEMANDS or measure.name.startswith("SA("),
-            "PGA, PGV or SA(T)",
-        )
+        known = measure.name in _DEMANDS or measure.name.startswith("SA(")
+        expected = "PGA, PGV or SA(T)"
     else:
         known = not measure.of_structure and (
             len(measure.periods) < 2 or "," not in measure.name
@@ -218,19 +242,12 @@ def _number(x: float) -> str:
 
 
 def _nrml(structures: Sequence[Sequence[State]], measure: Measure) -> str:
-    scale, states = openquake_unit(measure)[1], structures[0]
+    """Return the text of an NRML file: a function for each structure."""
+    first = structures[0]
+    counts_or_fall = ("overturning", "counted")
     limits = _names(
-        (
-            state.limit
-            if state.limit in ("overturning", "counted")
-            else f"theta_{state.limit}"
-        )
-        for state in states
-    )
-    imt = re.sub(
-        r"\((.*)\)",
-        lambda found: f"({float(found[1])})",
-        "IA" if measure.name == "Arias" else measure.name,
+        state.limit if state.limit in counts_or_fall else f"theta_{state.limit}"
+        for state in first
     )
     root = ET.Element("nrml", xmlns=_NRML)
     model = ET.SubElement(
@@ -242,49 +259,17 @@ def _nrml(structures: Sequence[Sequence[State]], measure: Measure) -> str:
     )
     description = "; ".join(
         f"{name}: {_of_limit(state.limit)}"
-        for name, state in zip(limits, states, strict=True)
+        for name, state in zip(limits, first, strict=True)
     )
-    share = f" ({_SHARE})" if isinstance(states[0], Share) else ""
-    ET.SubElement(
-        model, "description"
-    ).text = f"Rocking structures{share}. {description}"
+    share = f" ({_SHARE})" if isinstance(first[0], Share) else ""
+    text = f"Rocking structures{share}. {description}"
+    ET.SubElement(model, "description").text = text
     ET.SubElement(model, "limitStates").text = " ".join(limits)
-    for name, states in zip(
-        _names(some[0].structure for some in structures), structures, strict=True
-    ):
+
+    names = _names(states[0].structure for states in structures)
+    for name, states in zip(names, structures, strict=True):
         function = ET.SubElement(model, "fragilityFunction", id=name)
-        imls = ET.SubElement(function, "imls", imt=imt)
-        no_damage = min(state.no_damage for state in states) / scale
-        if no_damage > 0.0:
-            imls.set("noDamageLimit", _number(no_damage))
-        curves = []
-        for limit, state in zip(limits, states, strict=True):
-            if isinstance(state, Share):
-                function.set("format", "discrete")
-                imls.text = " ".join(map(_number, state.x / scale))
-                ET.SubElement(function, "poes", ls=limit).text = " ".join(
-                    map(_number, state.p)
-                )
-            else:
-                curves.append(c := state.curve)
-                mean = c.median / scale * math.exp(0.5 * c.beta**2)
-                ET.SubElement(
-                    function,
-                    "params",
-                    ls=limit,
-                    mean=_number(mean),
-                    stddev=_number(mean * math.sqrt(math.expm1(c.beta**2))),
-                )
-        if curves:
-            function.set("format", "continuous")
-            function.set("shape", "logncdf")
-            least = (
-                no_damage
-                or min(c.median * math.exp(-4.0 * c.beta) for c in curves) / scale
-            )
-            most = max(c.median * math.exp(3.0 * c.beta) for c in curves) / scale
-            imls.set("minIML", _number(least))
-            imls.set("maxIML", _number(max(most, 2.0 * least)))
+        _fill(function, dict(zip(limits, states, strict=True)), measure)
     ET.indent(root)
     return (
         "<?xml version='1.0'"
@@ -292,61 +277,64 @@ def _nrml(structures: Sequence[Sequence[State]], measure: Measure) -> str:
     )
 
 
+def _fill(function: ET.Element, states: dict[str, State], measure: Measure) -> None:
+    """Write the limit states of one structure, by their names in the file, into its
+    function.
+    """
+    scale = openquake_unit(measure)[1]
+    name = "IA" if measure.name == "Arias" else measure.name
+    # SA(1) is written as SA(1.0)
+    imt = re.sub(r"\((.*)\)", lambda found: f"({float(found[1])})", name)
+    imls = ET.SubElement(function, "imls", imt=imt)
+    no_damage = min(state.no_damage for state in states.values()) / scale
+    if no_damage > 0.0:
+        imls.set("noDamageLimit", _number(no_damage))
+
+    curves = []
+    for limit, state in states.items():
+        if isinstance(state, Share):
+            function.set("format", "discrete")
+            imls.text = " ".join(map(_number, state.x / scale))
+            poes = ET.SubElement(function, "poes", ls=limit)
+            poes.text = " ".join(map(_number, state.p))
+        else:
+            curves.append(state.curve)
+            _add_lognormal(function, limit, state.curve, scale)
+    if curves:
+        function.set("format", "continuous")
+        function.set("shape", "logncdf")
+        lowest = min(c.median * math.exp(-4.0 * c.beta) for c in curves)
+        least = no_damage or lowest / scale
+        most = max(c.median * math.exp(3.0 * c.beta) for c in curves) / scale
+        imls.set("minIML", _number(least))
+        imls.set("maxIML", _number(max(most, 2.0 * least)))
+
+
+def _add_lognormal(
+    function: ET.Element, limit: str, curve: Curve, scale: float
+) -> None:
+    """Write a lognormal curve by the mean and the standard deviation of the level;
+    scale: the unit of the levels [SI].
+    """
+    mean = curve.median / scale * math.exp(0.5 * curve.beta**2)
+    deviation = mean * math.sqrt(math.expm1(curve.beta**2))
+    ET.SubElement(
+        function, "params", ls=limit, mean=_number(mean), stddev=_number(deviation)
+    )
+
+
 def _pelicun(
     structures: Sequence[Sequence[State]], measure: Measure
 ) -> tuple[str, str]:
     """Return the texts of (the CSV, the JSON)."""
-    period = "" if measure.name in _DEMANDS else f"|{measure.periods[0]:.2f}"
-    demand, unit = _DEMANDS.get(measure.name, (f"Spectral Acceleration{period}", "g"))
-    scale, table = openquake_unit(measure)[1], io.StringIO()
+    names = _names(states[0].structure for states in structures)
     model: dict[str, object] = {
         "_GeneralInformation": {
             "ShortName": "Rocking structures",
             "Description": "Fragility curves of rocking structures",
         }
     }
-    head = [
-        "ID",
-        "Incomplete",
-        "Demand-Type",
-        "Demand-Unit",
-        "Demand-Offset",
-        "Demand-Directional",
-    ]
-    columns = ("Family", "Theta_0", "Theta_1", "DamageStateWeights")
-    writer = csv.writer(table, lineterminator="\n")
-    writer.writerow(
-        head
-        + [
-            f"LS{i}-{column}"
-            for i in range(1, len(structures[0]) + 1)
-            for column in columns
-        ]
-    )
-    for name, states in zip(
-        _names(some[0].structure for some in structures), structures, strict=True
-    ):
-        row = [name, "0", demand, unit, "0", "0"]
-        for state in states:
-            if isinstance(state, Share):
-                x, p = state.x, state.p
-                if p[-1] <= 1.0 - 1e-9:
-                    x, p = np.append(x, (1.0 + _NEAR) * x[-1]), np.append(p, 1.0)
-                ends = x / scale, np.append(p[:-1], 1.0)
-                row += [
-                    "multilinear_CDF",
-                    "|".join(",".join(map(_number, end)) for end in ends),
-                    "",
-                    "",
-                ]
-            else:
-                row += [
-                    "lognormal",
-                    _number(state.curve.median / scale),
-                    _number(state.curve.beta),
-                    "",
-                ]
-        writer.writerow(row)
+    for name, states in zip(names, structures, strict=True):
         share = f", the {_SHARE}" if isinstance(states[0], Share) else ""
         model[name] = {
             "Description": f"{states[0].structure}{share}",
@@ -357,4 +345,49 @@ def _pelicun(
                 for i, state in enumerate(states, 1)
             },
         }
-    return table.getvalue(), json.dumps(model, indent=2) + "\n"
+    table = _pelicun_table(names, structures, measure)
+    return table, json.dumps(model, indent=2) + "\n"
+
+
+def _pelicun_table(
+    names: Sequence[str], structures: Sequence[Sequence[State]], measure: Measure
+) -> str:
+    """Return the text of the CSV: a row for each structure."""
+    period = "" if measure.name in _DEMANDS else f"|{measure.periods[0]:.2f}"
+    demand, unit = _DEMANDS.get(measure.name, (f"Spectral Acceleration{period}", "g"))
+    scale = openquake_unit(measure)[1]
+    heading = [
+        "ID",
+        "Incomplete",
+        "Demand-Type",
+        "Demand-Unit",
+        "Demand-Offset",
+        "Demand-Directional",
+    ]
+    for i in range(1, len(structures[0]) + 1):
+        heading += [f"LS{i}-{column}" for column in _PELICUN_COLUMNS]
+
+    table = io.StringIO()
+    writer = csv.writer(table, lineterminator="\n")
+    writer.writerow(heading)
+    for name, states in zip(names, structures, strict=True):
+        row = [name, "0", demand, unit, "0", "0"]
+        for state in states:
+            row += _pelicun_cells(state, scale)
+        writer.writerow(row)
+    return table.getvalue()
+
+
+def _pelicun_cells(state: State, scale: float) -> list[str]:
+    """Return the cells _PELICUN_COLUMNS of a limit state; scale: the unit of the levels
+    [SI].
+    """
+    if not isinstance(state, Share):
+        curve = state.curve
+        return ["lognormal", _number(curve.median / scale), _number(curve.beta), ""]
+    x, p = state.x, state.p
+    if p[-1] <= 1.0 - 1e-9:
+        x, p = np.append(x, (1.0 + _NEAR) * x[-1]), np.append(p, 1.0)
+    ends = x / scale, np.append(p[:-1], 1.0)
+    points = "|".join(",".join(map(_number, end)) for end in ends)
+    return ["multilinear_CDF", points, "", ""]

@@ -23,18 +23,12 @@ from ..processes import available_cpus
 from ..spectra.sweep import SweepOptions, spectrum_of, write_scene
 from ..structures.friction import friction_that_slides
 from ..structures.parameters import RockingParameters
+from .fitted_curve import SlideLimit
 from .measures import Measure, MotionMember
 
 Array = np.ndarray
 Interval = tuple[float, float]
 Progress = Callable[[int, int], None]
-
-
-class SlideLimit(float):
-    """A limit state of a body that slides: its displacement over the ground [m]."""
-
-    def __str__(self) -> str:
-        return f"slide={1e3 * self:g}mm"
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,21 +48,25 @@ class Exposure:
         exceeds `limit` (None: if the body falls), or if contact is lost; known: True if
         the cell has an outcome.
         """
-        gone, known = (
-            falls(self.outcome),
-            (self.outcome != Outcome.FAILED) & (self.outcome != Outcome.NOT_COMPUTED),
-        )
+        fallen = falls(self.outcome)
+        failed = self.outcome == Outcome.FAILED
+        known = ~failed & (self.outcome != Outcome.NOT_COMPUTED)
         if limit is None:
-            return gone, known
+            return fallen, known
         if isinstance(limit, SlideLimit):
             if self.slide_max is None:
                 raise UsageError(
                     f"limit state {limit}: a body that rocks; expected one whose"
                     " friction is below lambda, which slides and never rocks"
                 )
-            return gone | (np.nan_to_num(self.slide_max) > limit), known
+            return fallen | (np.nan_to_num(self.slide_max) > limit), known
         with np.errstate(invalid="ignore"):
-            return gone | (self.theta_ratio > limit), known
+            return fallen | (self.theta_ratio > limit), known
+
+    def counts(self, limit: float | None) -> tuple[Array, Array]:
+        """Return (known, beyond & known) of `beyond` as numbers, (members, levels)."""
+        beyond, known = self.beyond(limit)
+        return known.astype(float), (beyond & known).astype(float)
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,10 +201,8 @@ def _under_each(
     """Return the exposure of a structure to each motion at its amplitudes A."""
     if friction_that_slides(structure) is not None:
         return _sliding_under_each(structure, motions, amplitudes)
-    system, pairs = (
-        motions.method.system_of(structure),
-        zip(motions.members, amplitudes, strict=True),
-    )
+    system = motions.method.system_of(structure)
+    pairs = zip(motions.members, amplitudes, strict=True)
     found = [
         response(system, m.motion, a, np.array([m.omega / structure.p]), structure.eta)
         for m, a in pairs

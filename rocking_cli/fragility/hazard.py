@@ -13,20 +13,14 @@ Nothing is counted outside the points; H(x_last) bounds the part beyond the last
 """
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
-from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
 from ..arguments import check_fields
-from ..documents.quantities import DEFAULT_GRAVITY, is_bare, parse_quantity, quantity_at
-from ..documents.table import Table, read_table, split_heading, with_unit
-from ..errors import DocumentError, UsageError, counted
-from .measures import Measure, measure_of
+from ..errors import UsageError
+from .measures import measure_of
 
 Array = np.ndarray
 RATE_COLUMNS = (
@@ -39,51 +33,28 @@ RATE_COLUMNS = (
     "rate_without_fit",
     "rejected",
 )
-_OPENQUAKE = {
-    "PGV": ("cm/s", 0.01),
-    "PGD": ("cm", 0.01),
-    "Arias": ("m/s", 1.0),
-    "CAV": ("g s", DEFAULT_GRAVITY),
-}
-_LEVEL = "poe-"  # what the columns of OpenQuake begin with
-_IMT = re.compile(
-    r"""\bimt\s*=\s*["']*([A-Za-z]\w*(?:\([^)]*\))?)"""
-)  # quoted in several ways, by version
-_TIME = re.compile(r"""\binvestigation_time\s*=\s*["']*([\d.eE+-]+)""")
-_TABLE = "a measure with its unit, and annual_rate or p_50_years: PGA [g],annual_rate"
-
-
-class HazardPoint(NamedTuple):
-    """A row of a file."""
-
-    place: str  # file, line and column, for messages
-    text: str  # the level as the file has it
-    level: float  # [SI]
-    rate_text: str  # the rate as the file has it
-    rate: float  # [1/year]
-
-
-def openquake_unit(measure: Measure) -> tuple[str, float]:
-    """Return the unit in which OpenQuake gives a measure, and its factor to SI."""
-    return _OPENQUAKE.get(measure.name, ("g", DEFAULT_GRAVITY))
 
 
 @dataclass(frozen=True, eq=False)
 class HazardCurve:
     """The annual rates at which levels of an intensity measure are exceeded.
 
+    `read_hazard` reads one of a file; `annual_rate` and `fragility` take it. Between
+    the levels ln rate is linear in ln level; a call returns the rate at any level.
     Raises UsageError unless there are two levels or more, positive and rising, with
     positive rates that do not rise.
-
-    >>> hazard = HazardCurve([1.0, 2.0, 4.0], [1e-2, 1e-3, 1e-4])
-    >>> round(float(hazard(2.0)), 6)
-    0.001
 
     Attributes
     ----------
     x: levels [SI], (n,)
     rate: annual rates of exceedance [1/year], (n,)
     im: name of the intensity measure
+
+    Examples
+    --------
+    >>> hazard = HazardCurve([1.0, 2.0, 4.0], [1e-2, 1e-3, 1e-4])
+    >>> round(float(hazard(2.0)), 6)
+    0.001
     """
 
     x: Array  # levels [SI], (n,)
@@ -126,8 +97,17 @@ class HazardCurve:
         return -np.diff(np.log(self.rate)) / np.diff(np.log(self.x))
 
     def density(self, x: Array) -> Array:
-        """Return -dH/d(ln x) [1/year] at levels x [SI], of the line to the right of a
-        point; 0 outside the points.
+        """Return -dH/d(ln x) at some levels.
+
+        Parameters
+        ----------
+        x
+            levels [SI], of any shape
+
+        Returns
+        -------
+        array
+            [1/year], of the line to the right of a point; 0 outside the points
         """
         line = np.searchsorted(self.x, x, side="right") - 1
         inside = (line >= 0) & (line < self.slope.size)
@@ -136,22 +116,29 @@ class HazardCurve:
         )
 
     def rate_of(self, ln_median: Array, beta: Array) -> Array:
-        """Return the annual rate [1/year] of lognormal fragilities, in the shape of ln
-        median and beta.
+        """Return the annual rate of lognormal fragilities.
+
+        Parameters
+        ----------
+        ln_median
+            ln of the median [SI], of any shape
+        beta
+            dispersion [-], of the same shape
+
+        Returns
+        -------
+        array
+            [1/year], in the same shape
         """
         from scipy.special import log_ndtr, ndtr
 
         y, k = np.log(self.x), self.slope
-        ln_median, beta = (
-            np.asarray(ln_median, dtype=float)[..., None],
-            np.asarray(beta, dtype=float)[..., None],
-        )
+        ln_median = np.asarray(ln_median, dtype=float)[..., None]
+        beta = np.asarray(beta, dtype=float)[..., None]
         u = (y - ln_median) / beta
         low, high = u[..., :-1] + k * beta, u[..., 1:] + k * beta
-        low, high = (
-            np.where(low > 0.0, -high, low),
-            np.where(low > 0.0, -low, high),
-        )  # the same difference of Phi, without cancellation
+        # the same difference of Phi(high) and Phi(low), without cancellation
+        low, high = np.where(low > 0.0, -high, low), np.where(low > 0.0, -low, high)
         with np.errstate(divide="ignore", invalid="ignore"):
             between = log_ndtr(high) + np.log1p(-np.exp(log_ndtr(low) - log_ndtr(high)))
         part = np.exp(
@@ -174,8 +161,19 @@ class HazardCurve:
         intervals: Sequence[Sequence[tuple[float, float]]],
         highest: float = math.inf,
     ) -> Array:
-        """Return the annual rate [1/year] of each motion, (members,): sum of H(x_from)
-        - H(x_to) over its intervals up to `highest`.
+        """Return the annual rate of overturning of each motion from its intervals.
+
+        Parameters
+        ----------
+        intervals
+            of each motion, pairs (from, to) of levels [SI], (members,)
+        highest
+            level above which nothing is counted [SI]
+
+        Returns
+        -------
+        array
+            the sum of H(from) - H(to) [1/year], (members,)
         """
         return np.array(
             [
@@ -189,7 +187,9 @@ class HazardCurve:
 
 @dataclass(frozen=True)
 class Rate:
-    """An annual rate of passing a limit state.
+    """An annual rate of passing a limit state, part of a `Fit`.
+
+    `probability` turns it into a probability within some years.
 
     Attributes
     ----------
@@ -199,6 +199,12 @@ class Rate:
     beyond: the most that motions beyond the last level add [1/year]
     last: the last level [SI]
     first: probability of the limit state at the first level of the hazard curve [-]
+
+    Examples
+    --------
+    >>> rate = Rate(annual=1e-3, low=None, high=None, beyond=0.0, last=9.81, first=0.0)
+    >>> f"{rate.probability(50.0):.5f}"
+    '0.04877'
     """
 
     annual: float  # [1/year]
@@ -210,8 +216,17 @@ class Rate:
     first: float
 
     def probability(self, years: float) -> float:
-        """Return the probability of passing the limit state within this number of
-        years.
+        """Return the probability of passing the limit state within some years.
+
+        Parameters
+        ----------
+        years
+            their number
+
+        Returns
+        -------
+        float
+            1 - exp(-annual years) [-]
         """
         return -math.expm1(-self.annual * years)
 
@@ -229,8 +244,17 @@ class Rate:
         return dict(zip(RATE_COLUMNS, values, strict=False))
 
     def remarks(self, hazard: HazardCurve) -> list[str]:
-        """Return a sentence for each end of the levels beyond which more than a tenth
-        of the rate, or P > 0.01, is not counted.
+        """Return a sentence for each end of the hazard curve that matters.
+
+        Parameters
+        ----------
+        hazard
+            the hazard curve of the rate
+
+        Returns
+        -------
+        list of str
+            if more than a tenth of the rate, or P > 0.01, is not counted
         """
         in_words, found = measure_of(hazard.im).in_words, []
         if self.beyond > 0.1 * self.annual:
@@ -248,9 +272,34 @@ class Rate:
 
 
 def annual_rate(median: float, beta: float, hazard: HazardCurve) -> float:
-    """Return the annual rate [1/year] of a limit state: the integral of
-    Phi(ln(x/median)/beta) over |dH(x)|; median in SI.
+    """Return the annual rate of a limit state whose capacity is lognormal.
 
+    Parameters
+    ----------
+    median
+        of the capacity, in the SI unit of the hazard curve, positive
+    beta
+        dispersion [-], positive
+    hazard
+        the hazard curve of the site
+
+    Returns
+    -------
+    float
+        the integral of Phi(ln(x/median)/beta) over |dH(x)| [1/year]
+
+    Raises
+    ------
+    UsageError
+        for a median or beta that is not positive
+
+    Notes
+    -----
+    Motions below the first and above the last level of the hazard curve are not
+    counted.
+
+    Examples
+    --------
     >>> hazard = HazardCurve([1e-4, 1.0, 1e4], [5e5, 5e-5, 5e-15])
     >>> round(annual_rate(0.43, 0.35, hazard), 8)
     0.00060472
@@ -262,205 +311,3 @@ def annual_rate(median: float, beta: float, hazard: HazardCurve) -> float:
             f"found median = {median:g} and beta = {beta:g}; expected positive numbers"
         )
     return float(hazard.rate_of(np.array(math.log(median)), np.array(beta)))
-
-
-def read_hazard(
-    path: str | Path, im: str = "PGA", site: str | None = None
-) -> HazardCurve:
-    """Return the hazard curve of a file: a CSV as OpenQuake writes it, or two columns,
-    levels and annual rates or probabilities.
-
-    im: the measure that the levels must have; site: `LON,LAT` of a row of OpenQuake's
-    file, None if it has one row. A probability p in t years is the rate -ln(1 - p)/t.
-    First levels whose probability is 1, and last levels whose rate is 0, are left out.
-    Raises UsageError for an unreadable file or another measure, DocumentError with
-    file, line and column for its faults.
-
-    >>> read_hazard('configs/hazard.csv').rate[:3].tolist()
-    [0.1, 0.03, 0.008]
-    """
-    table, measure = read_table(path), measure_of(im)
-    if not table.headings:
-        raise DocumentError(
-            f"{table.source}: found an empty file; expected a hazard curve"
-        )
-    if _IMT.search(table.comments) or any(
-        name.startswith(_LEVEL) for name in table.headings
-    ):
-        points = _openquake(table, measure, site)
-    elif site is not None:
-        raise UsageError(
-            f"{table.source}: `site` goes with a file of OpenQuake; found two columns"
-        )
-    else:
-        points = _two_columns(table, measure)
-    for before, now in pairwise([HazardPoint("", "", 0.0, "", math.inf), *points]):
-        if not now.level > before.level:
-            found = f"{now.text}{f' after {before.text}' if before.text else ''}"
-            raise DocumentError(
-                f"{now.place}: found the level {found}; expected positive, rising"
-                " levels"
-            )
-        if now.rate > before.rate:
-            found = f"{now.rate_text} above {before.rate_text} of the level before"
-            raise DocumentError(
-                f"{now.place}: found {found}; expected a hazard curve that does not"
-                " rise"
-            )
-    kept = [
-        (point.level, point.rate) for point in points if 0.0 < point.rate < math.inf
-    ]
-    if len(kept) < 2:
-        raise DocumentError(
-            f"{table.source}: found {counted(len(kept), 'level')} with a positive,"
-            " finite rate; expected two or more"
-        )
-    x, rates = np.array(kept).T
-    return HazardCurve(x, rates, measure.name)
-
-
-def _require_measure(place: str, found: str, wanted: Measure) -> None:
-    try:
-        name = measure_of("Arias" if found == "IA" else found).name
-    except UsageError:
-        name = ""
-    if (
-        found == "AvgSA" or name != wanted.name
-    ):  # that of OpenQuake has periods that the file does not state
-        raise UsageError(
-            f"{place}: found levels of {found}; expected levels of {wanted.name}, the"
-            " measure `im`"
-        )
-
-
-def _number(place: str, text: str, dimension: str = "number") -> float:
-    return quantity_at(place, text, dimension, DocumentError)
-
-
-def _rate(place: str, text: str, years: float | None) -> float:
-    """Return the annual rate that a cell states; years: the time of a probability, None
-    for a rate.
-    """
-    value = _number(place, text)
-    if value < 0.0 or (years is not None and value > 1.0):
-        raise DocumentError(
-            f"{place}: found {text!r}; expected"
-            f" {'a rate from 0' if years is None else 'a probability from 0 to 1'}"
-        )
-    if years is None:
-        return value
-    return -math.log1p(-value) / years if value < 1.0 else math.inf
-
-
-def _openquake(table: Table, measure: Measure, site: str | None) -> list[HazardPoint]:
-    """Return the points of a table of OpenQuake: the line above its heading has the
-    measure, quoted or not, and the time of the poe.
-    """
-    first, names = f"{table.source}, line 1", table.headings
-    imt, time = _IMT.search(table.comments), _TIME.search(table.comments)
-    if (
-        imt is None
-        or time is None
-        or not any(name.startswith(_LEVEL) for name in names)
-    ):
-        raise DocumentError(
-            f"{first}: found no hazard curve of OpenQuake; expected imt=,"
-            " investigation_time= and columns poe-"
-        )
-    _require_measure(first, imt[1], measure)
-    years = _number(first, time[1])
-    if not years > 0.0:
-        raise DocumentError(
-            f"{first}: found investigation_time={time[1]}; expected a positive number"
-            " of years"
-        )
-    sites = list(table.full_rows())
-    if site is not None:
-        sites = [
-            (at, row)
-            for at, row in sites
-            if _is_at(
-                f"{table.source}, line {at}", site, dict(zip(names, row, strict=True))
-            )
-        ]
-    if len(sites) != 1:
-        wanted = (
-            "one, named by `site` as LON,LAT"
-            if len(table.rows) > 1
-            else "a row of longitude, latitude, depth and probabilities"
-        )
-        raise UsageError(
-            f"{table.source}: found {len(sites)} sites{f' at {site}' if site else ''};"
-            f" expected {wanted}"
-        )
-    ((at, row),) = sites
-    unit, factor = openquake_unit(measure)
-    found = []
-    for i, (name, cell) in enumerate(zip(names, row, strict=True), 1):
-        if name.startswith(_LEVEL):
-            text = name.removeprefix(_LEVEL)
-            level = (
-                _number(f"{table.source}, line {table.line}, column {i}", text) * factor
-            )
-            place = f"{table.source}, line {at}, column {i}"
-            found.append(
-                HazardPoint(
-                    place, f"{text} {unit}", level, cell, _rate(place, cell, years)
-                )
-            )
-    return found
-
-
-def _is_at(place: str, site: str, row: dict[str, str]) -> bool:
-    """True if a row of a hazard table belongs to the site `LON,LAT` [deg]. Raises
-    UsageError for a site of another form.
-    """
-    try:
-        lon, lat = (parse_quantity(part, "number") for part in site.split(","))
-    except ValueError:
-        raise UsageError(
-            f"`site`: found {site!r}; expected LON,LAT in degrees, such as 9.15,45.15"
-        ) from None
-    return all(
-        abs(_number(place, row.get(key, "")) - value) < 1e-4
-        for key, value in (("lon", lon), ("lat", lat))
-    )
-
-
-def _two_columns(table: Table, measure: Measure) -> list[HazardPoint]:
-    names, first = table.headings, f"{table.source}, line {table.line}"
-    (im, unit), (kind, _) = (
-        (split_heading(name) for name in names)
-        if len(names) == 2
-        else (("", ""), ("", ""))
-    )
-    years = re.fullmatch(r"p_([\d.]+)_years?", kind)
-    if kind != "annual_rate" and years is None:
-        raise DocumentError(
-            f"{first}: found the columns {', '.join(names)}; expected {_TABLE}"
-        )
-    _require_measure(first, im, measure)
-    time = None if years is None else _number(first, years[1])
-    if time == 0.0:
-        raise DocumentError(
-            f"{first}: found {kind}; expected a positive number of years"
-        )
-    found = []
-    for at, (cell, rate) in table.full_rows():
-        place, text = f"{table.source}, line {at}", with_unit(cell, unit)
-        if (
-            text == cell and is_bare(cell) and measure.unit
-        ):  # m/s2 would be the rule, g is what everybody means
-            raise DocumentError(
-                f"{place}: found the level {cell} without a unit; expected {_TABLE}"
-            )
-        found.append(
-            HazardPoint(
-                place,
-                text,
-                _number(place, text, measure.dimension),
-                rate,
-                _rate(place, rate, time),
-            )
-        )
-    return found

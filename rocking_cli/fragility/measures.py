@@ -22,13 +22,10 @@ from ..motions.recording import Recording
 from ..motions.response_spectra import mean_acceleration, periods_of
 from ..structures.parameters import RockingParameters
 
-Value = Callable[[Intensity, RockingParameters], float]
-SPECTRAL = (
-    "SA(0.5)",
-    "SA(1)",
-    "SA(2)",
-    "AvgSA(1)",
-)  # measures of records that are compared with MEASURES
+# of a motion and a structure
+Evaluate = Callable[[Intensity, RockingParameters], float]
+# measures of records that are compared with MEASURES
+SPECTRAL = ("SA(0.5)", "SA(1)", "SA(2)", "AvgSA(1)")
 
 
 @dataclass(frozen=True)
@@ -38,7 +35,7 @@ class Measure:
     name: str  # as options and tables have it
     unit: str  # SI unit of its values, "" for a plain number
     dimension: str  # a word of `quantities.UNITS`
-    value: Value  # returns it from the intensity of a motion and a structure
+    evaluate: Evaluate  # returns it from the intensity of a motion and a structure
     power: float = 1.0  # of the scale factor [-]
     of_structure: bool = False  # True if it also depends on the structure
     periods: tuple[float, ...] = ()  # of SA and AvgSA [s]
@@ -144,7 +141,7 @@ class MotionMember:
         positive, and for SA or AvgSA of a pulse.
         """
         if not measure.periods:
-            value = measure.value(self.intensity, structure)
+            value = measure.evaluate(self.intensity, structure)
         elif self.recording is None:
             raise UsageError(
                 f"{self.label}: found {measure.name} of a pulse; expected a record, or"
@@ -292,23 +289,26 @@ def pulse_intensity(motion: Motion, a_g: float, omega: float) -> Intensity:
     """
     from scipy.integrate import cumulative_trapezoid
 
-    phases = [
-        np.linspace(piece.start, piece.stop, 4097) for piece in motion.pieces
-    ]  # for measures to 1e-6
+    # 4096 steps a piece: measures to 1e-6
+    phases = [np.linspace(piece.start, piece.stop, 4097) for piece in motion.pieces]
+    pairs = zip(motion.pieces, phases, strict=True)
     t = np.concatenate(phases) / omega
-    a = a_g * np.concatenate(
-        [piece.value(phase) for piece, phase in zip(motion.pieces, phases, strict=True)]
-    )
+    a = a_g * np.concatenate([piece.value(phase) for piece, phase in pairs])
     v, energy, cav = (
         cumulative_trapezoid(y, t, initial=0.0) for y in (a, a * a, np.abs(a))
     )
     d = cumulative_trapezoid(v, t, initial=0.0)
-    at = int(np.abs(a).argmax())
     pga, pgv, pgd = (float(np.abs(y).max()) for y in (a, v, d))
     at_5, at_75, at_95 = np.interp(
         energy[-1] * np.array([0.05, 0.75, 0.95]), energy, t
     ).tolist()
-    arias = math.pi / (2.0 * DEFAULT_GRAVITY) * float(energy[-1])
     return Intensity(
-        pga, float(t[at]), pgv, pgd, arias, float(cav[-1]), at_75 - at_5, at_95 - at_5
+        pga=pga,
+        pga_time=float(t[int(np.abs(a).argmax())]),
+        pgv=pgv,
+        pgd=pgd,
+        arias=math.pi / (2.0 * DEFAULT_GRAVITY) * float(energy[-1]),
+        cav=float(cav[-1]),
+        d5_75=at_75 - at_5,
+        d5_95=at_95 - at_5,
     )

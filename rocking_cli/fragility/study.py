@@ -3,8 +3,8 @@ the printed rows.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -17,183 +17,40 @@ from ..errors import UsageError, did_you_mean
 from ..motions.recording import Recording
 from ..spectra.sweep import SweepOptions
 from ..structures.parameters import RockingParameters
-from . import fits
+from .bootstrap import Resampling, bootstrap, interval
+from .drawn import DrawnExposure, drawn_exposure
+from .estimates import Estimate, cloud, first_overturning, stripes
 from .exposure import (
     Exposure,
     Interval,
     MotionSet,
     Progress,
-    SlideLimit,
     as_recorded,
     exposures,
     first_of,
     share_overturned,
     traced,
 )
-from .fits import Band, Curve, Resampling, check_levels
+from .fits import FEWEST, Curve, check_levels, fit_cloud, fit_first, fit_stripes
+from .fitted_curve import (
+    FRAGILITY_COLUMNS,
+    Fit,
+    SlideLimit,
+    drawn_at,
+    hazard_points,
+    rate_of,
+    word_of,
+)
 from .hazard import HazardCurve, Rate
-from .measures import Measure, compared, measure_of, members_of
+from .measures import Measure, MotionMember, measure_of, members_of
 
 Array = np.ndarray
-Fitted = tuple[
-    Curve, Callable[[Array], fits.Estimate], dict[float, float]
-]  # with the estimate of samples, and the points of the data
+# a curve, the estimate of samples of its records, and the points of the data
+Fitted = tuple[Curve, Callable[[Array], Estimate], dict[float, float]]
 METHODS = ("stripes", "first", "cloud")
 LIMITS: tuple[float | None, ...] = (0.1, 0.5, 1.0, None)
-FRAGILITY_COLUMNS = (
-    "structure",
-    "im",
-    "limit_state",
-    "method",
-    "median",
-    "beta",
-    "median_low",
-    "median_high",
-    "beta_low",
-    "beta_high",
-    "n",
-)
-FRAGILITY_KEYS = ("structure", "limit_state", "method")  # they say which row it is
-CURVE_KEYS = (*FRAGILITY_KEYS, "x")
 CELL_KEYS = ("structure", "motion", "pga")
-EFFICIENCY_KEYS = ("structure", "im")
-HAZARD_COLUMNS = ("hazard", "deaggregation", "annual_rate")  # of the points of a curve
-CURVE_COLUMNS = (
-    "structure",
-    "im",
-    "limit_state",
-    "method",
-    "x",
-    "probability",
-    "low",
-    "high",
-    "fraction",
-)
 CELL_COLUMNS = ("structure", "motion", "pga", "pgv_pga", "theta_ratio", "outcome")
-EFFICIENCY_COLUMNS = ("structure", "im", "median", "beta", "efficiency", "n")
-
-
-def word_of(limit: float | None) -> str:
-    """Return the printed text of a limit state."""
-    if isinstance(limit, SlideLimit):
-        return str(limit)
-    return "overturning" if limit is None else f"{limit:g}"
-
-
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """A fitted curve with its band, and with a hazard curve its annual rate.
-
-    Attributes
-    ----------
-    structure: its name
-    im: name of the intensity measure
-    limit: the limit state, a number of |theta|/alpha or "overturning"
-    method: "stripes", "first" or "cloud"
-    curve: median and dispersion
-    band: at x, None without a bootstrap
-    x: intensities [SI] of the band, (k,)
-    points: fraction beyond the limit state by level [SI]
-    hazard: the hazard curve of the site
-    rate: annual rate of the limit state by this curve
-    rate_without_fit: annual rate of overturning from traced intervals
-    no_damage: level [SI] up to which the structure stays at rest, 0 if unknown
-    """
-
-    structure: str  # its name
-    im: str  # name of the intensity measure
-    limit: str  # the limit state, a number of |theta|/alpha or "overturning"
-    method: str  # "stripes", "first" or "cloud"
-    curve: Curve  # median and dispersion
-    band: Band | None  # at x, None without a bootstrap
-    x: Array  # intensities [SI] of the band, (k,)
-    # fraction beyond the limit state by level [SI]
-    points: dict[float, float] = field(default_factory=dict)
-    hazard: HazardCurve | None = None  # the hazard curve of the site
-    rate: Rate | None = None  # annual rate of the limit state by this curve
-    # annual rate of overturning from traced intervals
-    rate_without_fit: Rate | None = None
-    # level [SI] up to which the structure stays at rest, 0 if unknown
-    no_damage: float = 0.0
-
-    def row(self) -> dict[str, Any]:
-        """Return the fit as one row."""
-        c, b = self.curve, self.band
-        low, high, *beta = (
-            (None,) * 4
-            if b is None
-            else (b.median_low, b.median_high, b.beta_low, b.beta_high)
-        )
-        values = (
-            *self._names().values(),
-            c.median,
-            c.beta,
-            low,
-            high,
-            *beta,
-            round(c.n),
-        )
-        row: dict[str, Any] = dict(zip(FRAGILITY_COLUMNS, values, strict=True))
-        if self.rate is not None:
-            row |= {
-                **self.rate.row(),
-                "rate_without_fit": (
-                    self.rate_without_fit and self.rate_without_fit.annual
-                ),
-            }
-        return row
-
-    def points_of_curve(self) -> Iterator[dict[str, Any]]:
-        """Yield the curve as rows."""
-        probability = self.curve(self.x)
-        hazard = hazard_points(self.hazard, self.x, probability, self.rate)
-        for i, (x, more) in enumerate(zip(self.x.tolist(), hazard, strict=True)):
-            low, high = (
-                (None, None)
-                if self.band is None
-                else (float(self.band.low[i]), float(self.band.high[i]))
-            )
-            row = {
-                **self._names(),
-                "x": x,
-                "probability": float(probability[i]),
-                "low": low,
-                "high": high,
-            }
-            yield {**row, "fraction": self.points.get(x), **more}
-
-    def _names(self) -> dict[str, Any]:
-        return {
-            "structure": self.structure,
-            "im": self.im,
-            "limit_state": self.limit,
-            "method": self.method,
-        }
-
-
-def with_more(levels: Array, first: float, last: float) -> Array:
-    """Return levels with 61 more from `first` to `last`, at which a curve is drawn."""
-    return np.union1d(np.geomspace(first, last, 61), levels)
-
-
-def hazard_points(
-    hazard: HazardCurve | None, x: Array, probability: Array, rate: Rate | None
-) -> list[dict[str, Any]]:
-    """Return the columns HAZARD_COLUMNS at points of a curve: H, dlambda/d(ln x) with
-    the annual rate lambda, and lambda [1/year].
-    """
-    if hazard is None or rate is None:
-        return [{} for _ in x]
-    inside = (x >= hazard.x[0]) & (x <= hazard.x[-1])
-    columns = (
-        np.where(inside, hazard(x), np.nan),
-        probability * hazard.density(x),
-        np.full(x.shape, rate.annual),
-    )
-    return [
-        dict(zip(HAZARD_COLUMNS, map(float, values), strict=True))
-        for values in zip(*columns, strict=True)
-    ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,6 +65,8 @@ class Study:
     intervals: Sequence[Sequence[Interval]] | None = None
     recorded: Exposure | None = None  # responses to the unscaled motions
     hazard: HazardCurve | None = None  # the hazard curve of the site
+    # responses of the draws of a structure whose numbers have spreads
+    drawn: DrawnExposure | None = None
 
     @property
     def highest(self) -> float:
@@ -224,57 +83,60 @@ class Study:
         """The level [SI] of uplift by the equation of the study for PGA without a
         vertical motion and a building, otherwise 0.
         """
-        lifted = any(
-            (
-                m.recording.upwards is not None or m.recording.building is not None
-                if m.recording
-                else m.motion.vertical is not None
-            )
-            for m in self.motions.members
-        )
-        s, linear = self.structure, self.motions.method.model == LINEAR.model
-        return (
-            0.0
-            if lifted or self.motions.measure.name != "PGA"
-            else s.gravity * (s.linear_uplift if linear else s.uplift)
-        )
+        if self.motions.measure.name != "PGA" or any(
+            map(_is_lifted, self.motions.members)
+        ):
+            return 0.0
+        s = self.structure
+        linear = self.motions.method.model == LINEAR.model
+        return s.gravity * (s.linear_uplift if linear else s.uplift)
 
     def fit(self, method: str, limit: float | None) -> Fit:
         """Return the fit of a limit state by a method. Raises UsageError if there are
         too few data.
         """
-        if (count := len(self.motions.members)) < fits.FEWEST:
-            raise UsageError(f"{count} records; a fit needs at least {fits.FEWEST}")
-        curve, estimate, points = {
-            "stripes": self._stripes,
+        if (count := len(self.motions.members)) < FEWEST:
+            raise UsageError(f"{count} records; a fit needs at least {FEWEST}")
+        of_method: dict[str, Callable[[float | None], Fitted]] = {
+            "stripes": partial(self._stripes, self.drawn or self.exposure),
             "first": self._first,
             "cloud": self._cloud,
-        }[method](limit)
-        levels, hazard, rate = self.motions.levels, self.hazard, None
-        if hazard is None:
-            x, of = with_more(levels, 0.5 * levels[0], 1.5 * levels[-1]), None
-        else:
-            levels, of = np.union1d(levels, hazard.x), hazard.rate_of
-            x = with_more(levels, levels[0], levels[-1])
+        }
+        curve, estimate, points = of_method[method](limit)
+        alone = None
+        if self.drawn is not None:  # the motions alone, at the means
+            alone = self._stripes(self.exposure, limit)[0].beta
+        x, rates = drawn_at(self.motions.levels, self.hazard)
         band = (
-            fits.bootstrap(count, estimate, self.how, x, of)
-            if self.how.samples
-            else None
+            bootstrap(count, estimate, self.how, x, rates) if self.how.samples else None
         )
-        if hazard is not None:
-            rate = rate_of(curve, band, hazard)
-        names = self.structure.name, self.motions.measure.name, word_of(limit), method
-        free = self.rate_without_fit if limit is None else None
-        return Fit(*names, curve, band, x, points, hazard, rate, free, self.no_damage)
+        rate = None if self.hazard is None else rate_of(curve, band, self.hazard)
+        return Fit(
+            structure=self.structure.name,
+            im=self.motions.measure.name,
+            limit=word_of(limit),
+            method=method,
+            curve=curve,
+            band=band,
+            x=x,
+            points=points,
+            hazard=self.hazard,
+            rate=rate,
+            rate_without_fit=self.rate_without_fit if limit is None else None,
+            no_damage=self.no_damage,
+            beta_motions=alone,
+        )
 
-    def _stripes(self, limit: float | None) -> Fitted:
-        beyond, known = self.exposure.beyond(limit)
+    def _stripes(
+        self, exposure: Exposure | DrawnExposure, limit: float | None
+    ) -> Fitted:
+        known, beyond = exposure.counts(limit)
         levels, w = self.motions.levels, self.motions.weight[:, None]
-        n, z = w * known, w * (beyond & known)
+        n, z = w * known, w * beyond
         points = dict(zip(levels.tolist(), (z.sum(0) / n.sum(0)).tolist(), strict=True))
         return (
-            fits.fit_stripes(levels, n.sum(0), z.sum(0)),
-            lambda i: fits.stripes(levels, n[i].sum(-2), z[i].sum(-2)),
+            fit_stripes(levels, n.sum(0), z.sum(0)),
+            lambda i: stripes(levels, n[i].sum(-2), z[i].sum(-2)),
             points,
         )
 
@@ -290,8 +152,8 @@ class Study:
             float(x): float(w[r <= x].sum() / w.sum()) for x in self.motions.levels
         }
         return (
-            fits.fit_first(r, highest, w),
-            lambda i: fits.first_overturning(r[i], highest, w[i]),
+            fit_first(r, highest, w),
+            lambda i: first_overturning(r[i], highest, w[i]),
             share,
         )
 
@@ -301,14 +163,11 @@ class Study:
                 f"limit state {word_of(limit)}: the method cloud needs a rotation"
             )
         assert self.recorded is not None
-        x, theta, w = (
-            self.own(self.motions.measure),
-            self.recorded.theta_ratio[:, 0],
-            self.motions.weight,
-        )
+        x, w = self.own(self.motions.measure), self.motions.weight
+        theta = self.recorded.theta_ratio[:, 0]
         return (
-            fits.fit_cloud(x, theta, limit, w),
-            lambda i: fits.cloud(x[i], theta[i], limit, w[i]),
+            fit_cloud(x, theta, limit, w),
+            lambda i: cloud(x[i], theta[i], limit, w[i]),
             {},
         )
 
@@ -320,29 +179,25 @@ class Study:
         """
         if self.hazard is None or self.intervals is None:
             return None
-        highest, w = min(self.highest, float(self.hazard.x[-1])), self.motions.weight
-        of_each = w * self.hazard.of_intervals(self.intervals, highest)
+        hazard, w = self.hazard, self.motions.weight
+        highest = min(self.highest, float(hazard.x[-1]))
+        of_each = w * hazard.of_intervals(self.intervals, highest)
         low = high = None
-        if self.how.samples and w.size >= fits.FEWEST and np.ptp(of_each) > 0.0:
-            ends = fits.interval(
+        if self.how.samples and w.size >= FEWEST and np.ptp(of_each) > 0.0:
+            ends = interval(
                 w.size, lambda i: (of_each[i].sum(-1) / w[i].sum(-1))[None], self.how
             )
             low, high = (float(end[0]) if np.isfinite(end[0]) else None for end in ends)
-        first = float(
-            w
-            @ [
-                any(a < self.hazard.x[0] < b for a, b in found)
-                for found in self.intervals
-            ]
-            / w.sum()
-        )
+        at_first = [
+            any(a < hazard.x[0] < b for a, b in found) for found in self.intervals
+        ]
         return Rate(
-            float(of_each.sum() / w.sum()),
-            low,
-            high,
-            float(self.hazard(highest)),
-            highest,
-            first,
+            annual=float(of_each.sum() / w.sum()),
+            low=low,
+            high=high,
+            beyond=float(hazard(highest)),
+            last=highest,
+            first=float(w @ at_first / w.sum()),
         )
 
     def exact_row(self) -> dict[str, Any]:
@@ -396,7 +251,7 @@ class Study:
         }
 
     @property
-    def resurrections(self) -> int:
+    def standing_again(self) -> int:
         """The number of motions that overturn the structure at one level and not at a
         higher one.
         """
@@ -407,48 +262,6 @@ class Study:
             bool(found) and (len(found) > 1 or bool(np.isfinite(found[-1][1])))
             for found in self.intervals
         )
-
-    def efficiency(self) -> list[dict[str, Any]]:
-        """Return rows with the dispersion for each measure, the smallest first;
-        efficiency: the smallest dispersion over that of the row.
-
-        The dispersion is that of the first overturnings, if traced, otherwise of the
-        cells at the levels. Raises UsageError for too few overturnings.
-        """
-        found: list[tuple[str, Curve]] = []
-        (gone, known), motions, weight = (
-            self.exposure.beyond(None),
-            self.motions,
-            self.motions.weight,
-        )
-        here = self.own(motions.measure)
-        for measure in compared(motions.members, motions.measure):
-            own, power = self.own(measure), measure.power / motions.measure.power
-            if self.intervals is not None:
-                first, most = first_of(self.intervals) / here, self.highest / here
-                curve = fits.fit_first(own * first**power, own * most**power, weight)
-            else:
-                x, n = (
-                    own[:, None] * (motions.levels / here[:, None]) ** power,
-                    weight[:, None] * known,
-                )
-                if not 0.0 < (n * gone).sum() < n.sum():
-                    raise UsageError(
-                        f"{self.structure.name}: all cells overturn, or none; expected"
-                        " levels at which some do"
-                    )
-                curve = replace(
-                    fits.fit_cells(x.ravel(), n.ravel(), (n * gone).ravel()),
-                    n=float(weight.size),
-                )
-            found.append((measure.name, curve))
-        found.sort(key=lambda pair: pair[1].beta)
-        least = found[0][1].beta
-        rows = (
-            (self.structure.name, im, c.median, c.beta, least / c.beta, round(c.n))
-            for im, c in found
-        )
-        return [dict(zip(EFFICIENCY_COLUMNS, row, strict=True)) for row in rows]
 
     def cells(self) -> Iterator[dict[str, Any]]:
         """Yield the cells as rows over PGA [m/s2] and PGV/PGA [s]; a factor of the
@@ -476,6 +289,14 @@ class Study:
                 yield dict(zip(CELL_COLUMNS, values, strict=True))
 
 
+def _is_lifted(member: MotionMember) -> bool:
+    """True if a motion has a vertical part, or is that of a floor."""
+    if member.recording:
+        record = member.recording
+        return record.upwards is not None or record.building is not None
+    return member.motion.vertical is not None
+
+
 def fragility(
     structures: Sequence[RockingParameters],
     records: Sequence[Recording],
@@ -490,16 +311,46 @@ def fragility(
     hazard: HazardCurve | None = None,
 ) -> list[Fit]:
     """Return the fragility curves of structures under records, as `rocking fragility`
-    fits them.
+    does.
 
-    levels: of the measure im, in SI; limits: values of |theta|/alpha, None for
-    overturning; methods: some of `METHODS`; method: the equation of motion, None for
-    `governing_method`; hazard: a curve of the same measure, for annual rates. A limit
-    state with too few data is left out. Raises UsageError for bad levels or another
-    measure, and if no fit is left.
+    Parameters
+    ----------
+    structures
+        one or more
+    records
+        the records, each scaled to every level; see `load_records`
+    levels
+        levels of the measure [SI], positive and rising, (k,)
+    im
+        the intensity measure: "PGA", "PGV", "SA(1.0)" and others of
+        `rocking help fragility`
+    limits
+        limit states: values of |theta|/alpha [-], None for overturning
+    methods
+        some of "stripes", "first" and "cloud"
+    method
+        the equation of motion; None for the nonlinear one if all geometries are known
+    how
+        options of the bootstrap, None for 1000 samples
+    workers
+        number of processes, None for all cores
+    hazard
+        a hazard curve of the same measure, for annual rates
 
-    >>> columns = load_structures('configs/block.yaml')
-    >>> fragility(columns, load_records('configs/motions/synthetic.at2'), [1.0, 2.0])
+    Returns
+    -------
+    list of Fit
+        a limit state with too few data is left out
+
+    Raises
+    ------
+    UsageError
+        for bad levels or another measure, and if no fit is left
+
+    Examples
+    --------
+    >>> columns = load_structures("configs/block.yaml")
+    >>> fragility(columns, load_records("configs/motions/synthetic.at2"), [1.0, 2.0])
     Traceback (most recent call last):
         ...
     rocking_cli.errors.UsageError: Column, 0.1, stripes: 1 records; a fit needs at least
@@ -541,7 +392,7 @@ def fragility(
 def studies(
     structures: Sequence[RockingParameters],
     motions: MotionSet,
-    fits: Iterable[str],
+    methods: Iterable[str],
     how: Resampling,
     *,
     sweep: SweepOptions,
@@ -549,10 +400,12 @@ def studies(
     exact: bool = False,
     hazard: HazardCurve | None = None,
     line: Callable[[str, str], Progress | None] = lambda name, unit: None,
+    draws: tuple[int, int] | None = None,
 ) -> Iterator[Study]:
     """Yield each structure under a set of motions; sweep, path: as of `exposures`;
     exact: trace every overturning interval; line: the progress of work by its name and
-    unit.
+    unit; draws: their number for each motion and their seed, of structures whose
+    numbers have spreads.
     """
     found = exposures(
         structures, motions, path, replace(sweep, progress=line("fragility", "chunks"))
@@ -565,11 +418,14 @@ def studies(
         )
         intervals = (
             traced(s, motions, sweep.workers, line(label, "motions"))
-            if exact or "first" in fits
+            if exact or "first" in methods
             else None
         )
-        recorded = as_recorded(s, motions) if "cloud" in fits else None
-        yield Study(s, motions, how, exposure, intervals, recorded, hazard)
+        recorded = as_recorded(s, motions) if "cloud" in methods else None
+        drawn = None
+        if draws is not None and s.drawn_from is not None:
+            drawn = drawn_exposure(s, motions, *draws, line(label, "motions"))
+        yield Study(s, motions, how, exposure, intervals, recorded, hazard, drawn)
 
 
 def fitted(
@@ -587,17 +443,3 @@ def fitted(
                 f"{study.structure.name}, {word_of(limit)}, {method}: {error}"
             )
     return found, refused
-
-
-def rate_of(curve: Curve, band: Band | None, hazard: HazardCurve) -> Rate:
-    """Return the annual rate of a fitted curve, with the band of its samples."""
-    low, high = (None, None) if band is None or band.rate is None else band.rate
-    annual = float(hazard.rate_of(np.log(curve.median), np.array(curve.beta)))
-    return Rate(
-        annual,
-        low,
-        high,
-        float(hazard.rate[-1]),
-        float(hazard.x[-1]),
-        float(curve(hazard.x[0])),
-    )

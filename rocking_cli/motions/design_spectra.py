@@ -95,15 +95,25 @@ class MotionSpectrum:
 
 @dataclass(frozen=True, eq=False)
 class SpectrumFile:
-    """S_a at 5 % damping as a file states it, straight lines between its points. For
-    another damping S_a is multiplied by sqrt(10/(5 + xi)) from the largest S_a on, and
-    stays as it is before, which is safe.
+    """A design spectrum: S_a at 5 % damping, straight lines between its points.
+
+    `read_spectrum` makes one of a CSV file, `code_check` takes it. For another damping
+    S_a is multiplied by sqrt(10/(5 + xi)) from the largest S_a on, and stays as it is
+    before, which is safe.
 
     Attributes
     ----------
     name: of the file
     periods: T of the points [s], rising, (n,)
     values: S_a at the points [m/s2], (n,)
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> periods, values = np.array([0.0, 0.5, 4.0]), np.array([2.0, 5.0, 1.0])
+    >>> site = SpectrumFile("site", periods, values)
+    >>> site.pga, f"{float(site.acceleration(np.array(0.25), 0.05)):.3f}"
+    (2.0, '3.500')
     """
 
     name: str  # of the file
@@ -116,8 +126,24 @@ class SpectrumFile:
         return float(self.values[0])
 
     def acceleration(self, periods: Array, damping: float) -> Array:
-        """Return S_a at these periods. Raises UsageError for periods beyond the last
-        one of the file.
+        """Return S_a at some periods.
+
+        Parameters
+        ----------
+        periods
+            T [s], of any shape
+        damping
+            ratio of critical damping [-]
+
+        Returns
+        -------
+        array
+            S_a [m/s2], in the shape of `periods`
+
+        Raises
+        ------
+        UsageError
+            for periods beyond the last one of the file
         """
         periods = np.asarray(periods)
         if np.max(periods) > self.periods[-1]:
@@ -134,8 +160,25 @@ class SpectrumFile:
         return np.asarray(np.interp(periods, self.periods, self.values) * factor)
 
     def demand(self, period: float, damping: float) -> float:
-        """Return the largest S_d [m] up to the period: at points of the file, or at its
-        top on a line between them.
+        """Return the largest displacement up to a period.
+
+        Parameters
+        ----------
+        period
+            T [s]
+        damping
+            ratio of critical damping [-]
+
+        Returns
+        -------
+        float
+            S_d [m], the largest at points of the file, at its top on a line between
+            them, or at the period
+
+        Raises
+        ------
+        UsageError
+            for a period beyond the last one of the file
         """
         slope = np.diff(self.values) / np.diff(self.periods)
         tops = self.periods[:-1] - self.values[:-1] / np.where(
@@ -152,13 +195,18 @@ class SpectrumFile:
 
 @dataclass(frozen=True)
 class FloorMode:
-    """A mode of a building.
+    """A mode of the building that carries a structure, for `code_check`.
 
     Attributes
     ----------
     period: [s]
     damping: ratio of critical damping [-]
     gamma_psi: its participation times its shape at the floor [-]
+
+    Examples
+    --------
+    >>> FloorMode(period=0.4, damping=0.05, gamma_psi=1.2).period
+    0.4
     """
 
     period: float  # [s]
@@ -223,13 +271,31 @@ def damping_factor(damping: float) -> float:
 
 
 def read_spectrum(path: str | Path) -> SpectrumFile:
-    """Read a CSV file with columns T [s] and S_a (or Sa, Se), whose heading or cells
-    state a unit; other columns are ignored. Raises UsageError if the file cannot be
-    read, DocumentError with file, line and column for its faults.
+    """Return the design spectrum of a CSV file.
 
+    Parameters
+    ----------
+    path
+        the file, with columns T [s] and S_a (or Sa, Se), whose heading or cells state a
+        unit; other columns are ignored
+
+    Returns
+    -------
+    SpectrumFile
+
+    Raises
+    ------
+    UsageError
+        if the file cannot be read
+    DocumentError
+        for its faults, with file, line and column
+
+    Examples
+    --------
     >>> from pathlib import Path
-    >>> _ = Path('site.csv').write_text('T,S_a [g]\\n0,0.2\\n0.5,0.5\\n4,0.1')
-    >>> round(read_spectrum('site.csv').pga, 3)
+    >>> rows = ["T,S_a [g]", "0,0.2", "0.5,0.5", "4,0.1"]
+    >>> _ = Path("site.csv").write_text(chr(10).join(rows))
+    >>> round(read_spectrum("site.csv").pga, 3)
     1.962
     """
     source, raw = read_bytes(path)

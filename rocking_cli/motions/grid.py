@@ -73,12 +73,21 @@ _PAIRS = (
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """An axis of a grid. Raises UsageError for values that are not valid.
+    """An axis of a grid.
+
+    `parse_grid` makes the axes of a text. Raises UsageError for values that are not
+    valid.
 
     Attributes
     ----------
     name: its name in the file, one of AXES
     values: rising, in SI units, (n,)
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> Axis("Omega", np.array([2.0, 4.0, 8.0])).stated()[:3]
+    [2.0, 8.0, 3]
     """
 
     name: str  # its name in the file, one of AXES
@@ -115,13 +124,23 @@ class Axis:
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """The axes A and Omega, or a_g and omega_g; for a record also A and omega_g. Raises
-    UsageError for other pairs.
+    """The cells of a sweep: the axes A and Omega, or a_g and omega_g.
+
+    For a record also A and omega_g. `parse_grid` makes one of a text; a grid of one
+    cell is the demand of `check` and `time_history`. `scaled` and `cell` give A and
+    Omega of a structure. Raises UsageError for other pairs of axes.
 
     Attributes
     ----------
     amplitude: A [-] or a_g [m/s2]
     frequency: Omega [-] or omega_g [rad/s]
+
+    Examples
+    --------
+    >>> (column,) = load_structures("configs/block.yaml")
+    >>> a, omega = parse_grid("a_g=0.35g,f_g=1.5").cell(column)
+    >>> f"A = {a:.4f}, Omega = {omega:.4f}"
+    'A = 1.4287, Omega = 3.5277'
     """
 
     amplitude: Axis  # A [-] or a_g [m/s2]
@@ -147,17 +166,45 @@ class Grid:
         return self.frequency.values.size, self.amplitude.values.size
 
     def scaled(self, structure: RockingParameters) -> tuple[np.ndarray, np.ndarray]:
-        """Return the values (A, Omega) of the axes for one structure. Raises UsageError
-        beyond `MOST_OMEGA`.
+        """Return the values of the axes for one structure.
+
+        Parameters
+        ----------
+        structure
+            the structure
+
+        Returns
+        -------
+        tuple of two arrays
+            A = a_scale a_g/(alpha g) [-], (amplitudes,), and Omega = omega_g/p [-],
+            (frequencies,)
+
+        Raises
+        ------
+        UsageError
+            for an Omega above 1e10
         """
         a = self.amplitude.values
         a = a if self.amplitude.name == "A" else structure.dimensionless_amplitude(a)
         return a, scaled_frequency(self.frequency, structure)
 
     def cell(self, structure: RockingParameters) -> tuple[float, float]:
-        """Return (A, Omega) of a grid of one cell for one structure.
+        """Return A and Omega of a grid of one cell for one structure.
 
-        Raises UsageError for a grid of several cells, and beyond `MOST_OMEGA`.
+        Parameters
+        ----------
+        structure
+            the structure
+
+        Returns
+        -------
+        tuple of two floats
+            A [-] and Omega [-]
+
+        Raises
+        ------
+        UsageError
+            for a grid of several cells, and for an Omega above 1e10
         """
         self.require_one_cell()
         amplitude, omega = self.scaled(structure)
@@ -218,9 +265,13 @@ def parse_axes(text: str, *, records: bool = False) -> dict[str, Axis]:
         name, dimension = known[key]
         values = parse_span(f"`grid` {key}", span, dimension)
         if values[0] < 0.0 or (values[0] == 0.0 and key not in _FROM_ZERO):
+            how = (
+                " or zero; `scale` -1 gives the motion the other direction"
+                if key in _FROM_ZERO
+                else ""
+            )
             raise UsageError(
-                f"`grid` {key}: found {span!r}; expected positive"
-                f" values{' or zero' if key in _FROM_ZERO else ''}"
+                f"`grid` {key}: found {span!r}; expected positive values{how}"
             )
         if key == "f_g":
             values = 2.0 * math.pi * values
@@ -250,7 +301,17 @@ def as_recorded(acceleration: float) -> Grid:
 
 
 class HasMotion(Protocol):
-    """A record or a recording: something with a motion of its own."""
+    """Something with a motion of its own: a `Record` or a `Recording`.
+
+    Functions that take a `Motion` take one of these too; it then needs no grid.
+
+    Examples
+    --------
+    >>> (recording,) = load_records("configs/motions/synthetic.at2")
+    >>> (column,) = load_structures("configs/block.yaml")
+    >>> check(column, recording, a_max=None).motion
+    'synthetic'
+    """
 
     @property
     def motion(self) -> Motion:
@@ -314,11 +375,35 @@ def demand_in_words(shakes: Sequence[tuple[Motion, Grid]]) -> str:
 
 
 def parse_grid(text: str, *, own_time: bool = False) -> Grid:
-    """Return the grid of two axes that a text states; own_time: of a record, which has
-    one axis, A or a_g. Raises UsageError.
+    """Return the grid that a text states.
 
-    >>> parse_grid('a_g=0.1g:1g:50,f_g=0.5:5:40').shape  # frequencies, amplitudes
+    Parameters
+    ----------
+    text
+        two axes with a comma between them, each NAME=START:STOP:N,
+        NAME=START:STOP:N:log or NAME=VALUE: A and Omega, or a_g and one of omega_g,
+        f_g, T_g; a bound may have a unit, such as 0.3g
+    own_time
+        True: the grid of a record, which has one axis, A or a_g
+
+    Returns
+    -------
+    Grid
+        a_g in m/s2, omega_g in rad/s
+
+    Raises
+    ------
+    UsageError
+        for a text of another form, an unknown axis, a value that is not positive, or
+        more than 1e10 cells
+
+    Examples
+    --------
+    >>> grid = parse_grid("a_g=0.1g:1g:50,f_g=0.5:5:40")
+    >>> grid.shape  # frequencies, amplitudes
     (40, 50)
+    >>> f"{grid.amplitude.values[-1]:.2f} m/s2, {grid.frequency.values[-1]:.3f} rad/s"
+    '9.81 m/s2, 31.416 rad/s'
     """
     axes = parse_axes(text)
     if own_time:

@@ -16,7 +16,7 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Intensity:
-    """The intensity measures of a motion.
+    """The intensity measures of a record, as `intensity` returns them.
 
     Attributes
     ----------
@@ -28,6 +28,12 @@ class Intensity:
     cav: cumulative absolute velocity [m/s]
     d5_75: duration from 5 to 75 % of the Arias intensity [s]
     d5_95: duration from 5 to 95 % of the Arias intensity [s]
+
+    Examples
+    --------
+    >>> measured = intensity(read_record("configs/motions/synthetic.at2"))
+    >>> round(measured.arias, 3), round(measured.d5_95, 2)
+    (2.825, 5.1)
     """
 
     pga: float  # peak acceleration [m/s2]
@@ -44,7 +50,24 @@ def intensity(record: Record) -> Intensity:
     """Return the intensity measures of a record; velocity and displacement start at
     zero.
 
-    >>> measured = intensity(read_record('configs/motions/synthetic.at2'))
+    Parameters
+    ----------
+    record
+        as recorded; a factor of a `Recording` does not count
+
+    Returns
+    -------
+    Intensity
+        PGA, PGV, PGD, Arias intensity, CAV and significant durations, in SI
+
+    Raises
+    ------
+    ArgumentError
+        for an argument that is no record
+
+    Examples
+    --------
+    >>> measured = intensity(read_record("configs/motions/synthetic.at2"))
     >>> round(measured.pga, 3), round(measured.pgv, 3)
     (3.924, 0.67)
     """

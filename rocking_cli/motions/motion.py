@@ -87,8 +87,12 @@ def plus(a: Piece, b: Piece) -> Piece:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Contiguous pieces from phase 0; the ground acceleration is a_g s(phi).
+    """A ground motion as exact pieces; the ground acceleration is a_g s(phi), phi =
+    omega_g t.
 
+    `sine`, `cosine`, `pulse` and `read_motion` make one; a record has one in its own
+    time (`Record.motion`). `value` evaluates s, `largest` is max |s|, `duration` the
+    phase at which the shaking ends, and `scaled` returns the motion times a factor.
     Raises MotionError if there is no piece, if pieces overlap or leave a gap, or if a
     number is not finite.
 
@@ -97,6 +101,14 @@ class Motion:
     pieces: contiguous, the first one from phase 0
     vertical: vertical motion on the same pieces, over the same a_g, positive upwards
     acceleration: a_g of a record [m/s2], which has omega_g = 1 rad/s; else None
+
+    Examples
+    --------
+    >>> motion = sine()
+    >>> motion.value([0.5, 2.0]).round(6).tolist()
+    [0.479426, 0.909297]
+    >>> round(motion.duration, 6), motion.largest
+    (6.283185, 1.0)
     """
 
     name: str  # as messages and files call the motion
@@ -152,7 +164,17 @@ class Motion:
         return self.pieces[-1].stop
 
     def still_until(self, phase: float) -> Motion:
-        """Return the motion followed by the ground at rest up to a phase [rad]."""
+        """Return the motion followed by the ground at rest.
+
+        Parameters
+        ----------
+        phase
+            phase at which the rest ends [rad]
+
+        Returns
+        -------
+        Motion
+        """
         up = None if self.vertical is None else self.vertical.still_until(phase)
         return self.on(np.append(self.marks, phase), up)
 
@@ -164,8 +186,20 @@ class Motion:
         return np.array([0.0, *(p.stop for p in self.pieces)])
 
     def on(self, marks: np.ndarray, vertical: Motion | None = None) -> Motion:
-        """Return the motion with a piece between each two phases [rad], which include
-        its own marks, at rest after its end; vertical: on the same.
+        """Return the motion on finer pieces, at rest after its end.
+
+        Parameters
+        ----------
+        marks
+            the ends of all pieces [rad], (n + 1,), which include the marks of the
+            motion
+        vertical
+            a vertical motion on the same pieces, None without one
+
+        Returns
+        -------
+        Motion
+            with n pieces
         """
         pieces = []
         for start, stop in pairwise(marks.tolist()):
@@ -189,8 +223,23 @@ class Motion:
         )
 
     def scaled(self, factor: float, name: str | None = None) -> Motion:
-        """Return the motion times a factor, and its vertical one times |factor|; name:
-        by default with the factor. Raises MotionError.
+        """Return the motion times a factor, and its vertical motion times |factor|.
+
+        Parameters
+        ----------
+        factor
+            [-], may be negative, not zero
+        name
+            of the new motion; by default with the factor
+
+        Returns
+        -------
+        Motion
+
+        Raises
+        ------
+        MotionError
+            for a factor of zero, or one that is not finite or above 1e100
         """
         scaled_name, up = self._scaled_name(factor)
         return Motion(
@@ -227,8 +276,18 @@ class Motion:
         return self.largest
 
     def value(self, phase: np.ndarray | float) -> np.ndarray:
-        """Return s [-] at phases [rad] of any shape; at a jump the value after it,
-        outside the motion zero.
+        """Return s at some phases; at a jump the value after it, outside the motion
+        zero.
+
+        Parameters
+        ----------
+        phase
+            phi = omega_g t [rad], of any shape
+
+        Returns
+        -------
+        array
+            s [-], in the shape of `phase`
         """
         phase = np.asarray(phase, dtype=float)
         result = np.zeros_like(phase)
@@ -243,45 +302,37 @@ class Motion:
         return self.cut([extremes(piece) for piece in self.pieces])
 
     def cut(self, inner: Sequence[Sequence[float]]) -> Segments:
-        """Return the segments of the pieces; inner: the phases [rad] of the cuts inside
-        each piece, among them its extremes.
+        """Return the segments of the pieces.
+
+        Parameters
+        ----------
+        inner
+            the phases of the cuts inside each piece [rad], among them its extremes,
+            (pieces,) lists
+
+        Returns
+        -------
+        Segments
+            on each of which s is monotone
         """
-        marks = [
-            [piece.start, *within, piece.stop]
-            for piece, within in zip(self.pieces, inner, strict=True)
-        ]
-        index = np.repeat(np.arange(len(marks)), [len(m) - 1 for m in marks])
-        start, stop = (
-            np.concatenate([m[:-1] for m in marks]),
-            np.concatenate([m[1:] for m in marks]),
-        )
+        index, start, stop = self._cuts(inner)
         shape = max(len(p.harmonics) for p in self.pieces), start.size
-        sin, cos, frequency, s_start, s_end = (
-            np.zeros(shape),
-            np.zeros(shape),
-            np.ones(shape),
-            np.empty(start.size),
-            np.empty(start.size),
-        )
+        sin, cos, frequency = np.zeros(shape), np.zeros(shape), np.ones(shape)
+        s_start, s_end = np.empty(start.size), np.empty(start.size)
         length = stop - start
         for i, piece in enumerate(self.pieces):
             mine = np.flatnonzero(index == i)
-            s_start[mine], s_end[mine] = (
-                _exact_value(piece, start[mine]),
-                _exact_value(piece, stop[mine]),
-            )
+            s_start[mine] = _exact_value(piece, start[mine])
+            s_end[mine] = _exact_value(piece, stop[mine])
             for j, h in enumerate(piece.harmonics):
                 sin[j, mine], cos[j, mine] = _sin_cos(h, start[mine])
                 frequency[j, mine] = h.frequency
-            # exact between quarter turns, as the sines: the rounding of phases adds up
-            # over many cycles
+            # Exact between quarter turns, as the sines: the rounding of phases adds up
+            # over many cycles.
             if len(piece.harmonics) == 1:
-                (first, rest), (last, left) = (
-                    _quarters(h, start[mine]),
-                    _quarters(h, stop[mine]),
-                )
-                exact = (rest == 0.0) & (left == 0.0) & (last > first)
-                length[mine[exact]] = (last - first)[exact] * (np.pi / 2) / h.frequency
+                h = piece.harmonics[0]
+                quarters, exact = _whole_quarters(h, start[mine], stop[mine])
+                length[mine[exact]] = quarters[exact] * (np.pi / 2) / h.frequency
         return Segments(
             start=start,
             length=length,
@@ -293,9 +344,23 @@ class Motion:
             slope=np.array([p.slope for p in self.pieces])[index],
             joins=np.append(index[1:] == index[:-1], False),
             later_max=largest_from(np.maximum(s_start, s_end)),
-            later_min=0.0
-            - largest_from(-np.minimum(s_start, s_end)),  # no negative zero
+            # no negative zero
+            later_min=0.0 - largest_from(-np.minimum(s_start, s_end)),
         )
+
+    def _cuts(
+        self, inner: Sequence[Sequence[float]]
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """(index of the piece, start [rad], stop [rad]) of each segment; inner: as of
+        `cut`.
+        """
+        marks = [
+            [piece.start, *within, piece.stop]
+            for piece, within in zip(self.pieces, inner, strict=True)
+        ]
+        index = np.repeat(np.arange(len(marks)), [len(m) - 1 for m in marks])
+        start = np.concatenate([m[:-1] for m in marks])
+        return index, start, np.concatenate([m[1:] for m in marks])
 
 
 def extremes(piece: Piece) -> list[float]:
@@ -345,6 +410,16 @@ def _quarters(h: Harmonic, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return quarter, np.where(
         np.abs(rest) < 4e-16 * np.maximum(1.0, np.abs(argument)), 0.0, rest
     )
+
+
+def _whole_quarters(
+    h: Harmonic, start: np.ndarray, stop: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """(quarter turns of a sinusoid between two phases, True where both phases are at
+    quarter turns).
+    """
+    (first, rest), (last, left) = _quarters(h, start), _quarters(h, stop)
+    return last - first, (rest == 0.0) & (left == 0.0) & (last > first)
 
 
 def _sin_cos(h: Harmonic, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -19,21 +19,53 @@ _TAIL = 8.5
 
 
 def sine(cycles: float = 1.0) -> Motion:
-    """sin(phi) for `cycles` cycles, a multiple of 0.5 (section 2 of the paper). Raises
-    MotionError for other values.
+    """Return the pulse sin(phi) (section 2 of the paper).
 
-    >>> sine(cycles=1.5).name
-    'sine, 1.5 cycles'
+    Parameters
+    ----------
+    cycles
+        number of cycles, a positive multiple of 0.5 up to 100000
+
+    Returns
+    -------
+    Motion
+
+    Raises
+    ------
+    MotionError
+        for another number of cycles
+
+    Examples
+    --------
+    >>> motion = sine(cycles=1.5)
+    >>> motion.name, round(motion.duration, 6)
+    ('sine, 1.5 cycles', 9.424778)
     """
     return _trigonometric("sine", cycles, 0.0)
 
 
 def cosine(cycles: float = 1.0) -> Motion:
-    """cos(phi) for `cycles` cycles, a multiple of 0.5; it begins with a jump. Raises
-    MotionError for other values.
+    """Return the pulse cos(phi), which begins with a jump (section 2 of the paper).
 
-    >>> cosine().name
-    'cosine, 1 cycle'
+    Parameters
+    ----------
+    cycles
+        number of cycles, a positive multiple of 0.5 up to 100000
+
+    Returns
+    -------
+    Motion
+
+    Raises
+    ------
+    MotionError
+        for another number of cycles
+
+    Examples
+    --------
+    >>> motion = cosine()
+    >>> motion.name, motion.value([0.0, 3.0]).round(6).tolist()
+    ('cosine, 1 cycle', [1.0, -0.989992])
     """
     return _trigonometric("cosine", cycles, np.pi / 2)
 
@@ -125,11 +157,32 @@ PULSES: dict[str, Callable[..., Motion]] = {
 
 
 def pulse(name: str, **parameters: float) -> Motion:
-    """Return the pulse of a name with its parameters (`cycles`, or `gamma` and
-    `phase`). Raises MotionError for other names or parameters.
+    """Return the pulse of a name.
 
-    >>> pulse('mavroeidis-papageorgiou', gamma=2.0, phase=0.5).name
+    Parameters
+    ----------
+    name
+        "sine", "cosine", "half-sine", "rectangular", "rectangular-impulse",
+        "ricker-symmetric", "ricker-antisymmetric" or "mavroeidis-papageorgiou"
+    parameters
+        `cycles` of a sine or cosine; `gamma` (duration over period, from 1) and `phase`
+        [rad] of the pulse of Mavroeidis and Papageorgiou
+
+    Returns
+    -------
+    Motion
+
+    Raises
+    ------
+    MotionError
+        for another name or parameter, or a parameter out of range
+
+    Examples
+    --------
+    >>> pulse("mavroeidis-papageorgiou", gamma=2.0, phase=0.5).name
     'Mavroeidis-Papageorgiou, gamma 2, phase 0.5'
+    >>> pulse("half-sine").value([1.0, 4.0]).round(6).tolist()
+    [0.841471, 0.0]
     """
     try:
         make = PULSES[name]

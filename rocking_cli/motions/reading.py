@@ -10,8 +10,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import BinaryIO, TypedDict, TypeVar, Unpack
 
-from ..documents.document import documents_of
 from ..documents.files import STDIN, read_bytes
+from ..documents.parsing import documents_of
 from ..documents.quantities import quantity_at
 from ..errors import DocumentError, NoAcceleration, NoComponent, UsageError
 from .biaxial import Upwards
@@ -49,8 +49,27 @@ MEASURES = {
 
 
 class MotionChoices(TypedDict, total=False):
-    """Choices for the motion of a file; all but `scale` and `tell` apply to records
-    only.
+    """Choices for the motion of a file, the keywords of `read_motion` and
+    `load_records`.
+
+    All but `scale` and `tell` apply to records only.
+
+    Attributes
+    ----------
+    component: by name or number from 1
+    unit: of plain numbers, such as "cm/s2"
+    dt: time step of plain numbers [s]
+    column: of plain numbers, from 1; "all" where each line goes on from the last
+    scale: factor, which may be negative [-]
+    scale_to: instead of `scale`, such as "PGA=0.35g"
+    vertical: factor of the vertical component of the file, which is added [-]
+    tell: called with each remark
+
+    Examples
+    --------
+    >>> halved = MotionChoices(scale=0.5)
+    >>> round(read_motion("configs/motions/synthetic.at2", **halved).acceleration, 4)
+    1.962
     """
 
     component: str | None  # by name or number from 1
@@ -66,13 +85,35 @@ class MotionChoices(TypedDict, total=False):
 
 
 def read_motion(path: str | Path, **given: Unpack[MotionChoices]) -> Motion:
-    """Return the motion of a motion document or a record; path `-` is standard input.
-    Raises UsageError if the file cannot be read or a choice does not apply, and
-    DocumentError.
+    """Return the motion of a motion document or of a record.
 
-    >>> read_motion('configs/motions/two_pulses.yaml').name
+    Parameters
+    ----------
+    path
+        the file, "-" for standard input
+    given
+        component, unit, dt [s], column, scale [-], scale_to, vertical [-] and tell, as
+        `MotionChoices` describes them
+
+    Returns
+    -------
+    Motion
+        of a record in its own time, omega_g = 1 rad/s
+
+    Raises
+    ------
+    UsageError
+        if the file cannot be read or a choice does not apply
+    DocumentError
+        for faults of the file, with line and column
+    MotionError
+        for a scale of zero, or a record that is zero throughout
+
+    Examples
+    --------
+    >>> read_motion("configs/motions/two_pulses.yaml").name
     'Two pulses'
-    >>> motion = read_motion('configs/motions/synthetic.at2', scale_to='PGA=0.35g')
+    >>> motion = read_motion("configs/motions/synthetic.at2", scale_to="PGA=0.35g")
     >>> round(motion.acceleration, 6)  # the peak in m/s2
     3.4335
     """
@@ -121,10 +162,36 @@ def load_records(
     unread: Callable[[str], None] | None = None,
     **given: Unpack[MotionChoices],
 ) -> tuple[Recording, ...]:
-    """Return the records of a folder, of files, or of lists of files, as
-    `read_motions`. Raises UsageError for a document.
+    """Return the records of a folder, of files, or of lists of files.
 
-    >>> (record,) = load_records('configs/motions/synthetic.at2', scale=0.5)
+    Parameters
+    ----------
+    paths
+        a path, or several: record files, folders, or text files that list records
+    unread
+        called with a sentence on each file of a folder that cannot be read; None: such
+        a file is an error
+    given
+        component, unit, dt [s], column, scale [-], scale_to, vertical [-] and tell, as
+        `MotionChoices` describes them; component may also be "horizontal", "all", or
+        None for each horizontal one of each file
+
+    Returns
+    -------
+    tuple of Recording
+        with distinct labels
+
+    Raises
+    ------
+    UsageError
+        if a file cannot be read, a choice does not apply, there is no record, or for a
+        motion document
+    DocumentError
+        for faults of a file, with line and column
+
+    Examples
+    --------
+    >>> (record,) = load_records("configs/motions/synthetic.at2", scale=0.5)
     >>> record.label, round(record.acceleration, 3)
     ('synthetic', 1.962)
     """

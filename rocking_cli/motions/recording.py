@@ -21,7 +21,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """A record times a factor. Raises MotionError for a zero record or a bad factor.
+    """A record times a factor, in its own time.
+
+    `load_records` makes them. `motion` is its motion, `acceleration` its peak,
+    `intensity` its measures without the factor, `times` scales it. Raises MotionError
+    for a zero record or a bad factor.
 
     Attributes
     ----------
@@ -31,6 +35,13 @@ class Recording:
     upwards: vertical motion with it, None without one
     building: the building on whose floor the motion is; None on the ground. The record,
         its factor and all measures are those of the ground.
+
+    Examples
+    --------
+    >>> record = read_record("configs/motions/synthetic.at2")
+    >>> stronger = Recording(record, factor=1.5).times(2.0)
+    >>> stronger.factor, round(stronger.acceleration, 3)
+    (3.0, 11.772)
     """
 
     record: Record  # as recorded
@@ -63,8 +74,16 @@ class Recording:
         return intensity(self.record)
 
     def times(self, factor: float) -> Self:
-        """Return the recording times a positive factor, which also scales its vertical
-        motion.
+        """Return the recording times a factor, which also scales its vertical motion.
+
+        Parameters
+        ----------
+        factor
+            positive [-]
+
+        Returns
+        -------
+        Recording
         """
         up = (
             None

@@ -5,7 +5,7 @@ TABLES.
 """
 
 from collections.abc import Callable, Sequence
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -57,73 +57,127 @@ def draw(
     overwrite: bool = True,
     tell: Callable[[str], None] | None = None,
 ) -> str | Axes | None:
-    """Draw a file into a PNG, SVG or PDF; for a slice, return a sentence that states
-    its value. Or into Axes, which are returned.
+    """Draw a file of results into a PNG, SVG or PDF file, or into Axes.
 
-    source: a spectra file, or CSV (`-`: standard input), or the CSV of several
-    responses; structure: name of the structure or record of a map, None for the first;
-    cut: a slice of a spectra file, such as `Omega=5` or `f_g=1.5`; every: a panel for
-    each structure; over: the abscissa of a family, `KEY` or `KEY/KEY`; log: x, y or xy;
-    units: None for g and Hz; portrait: the phase portrait of a response; body: the
-    structure of its separatrix, None for the block with its p and alpha; align: the
-    time of each response counts from its largest rotation; tell: called with the
-    characters that the font lacks. Raises UsageError for another file or nothing to
-    draw, and OutputError.
+    Parameters
+    ----------
+    source
+        a spectra file, a CSV file of a command ("-": standard input), or the CSV files
+        of several responses
+    target
+        the file to write, or Axes of matplotlib
+    structure
+        name of the structure or record of a map, None for the first
+    cut
+        a slice of a spectra file, such as "Omega=5" or "f_g=1.5"
+    every
+        True: a panel for each structure
+    over
+        the abscissa of a family, "KEY" or "KEY/KEY"
+    log
+        logarithmic axes: "x", "y" or "xy"
+    units
+        of the axes, None for g and Hz
+    look
+        size, title and style, None for the figure's own
+    portrait
+        True: the phase portrait of a response
+    body
+        the structure of its separatrix, None for the block with its p and alpha
+    align
+        True: the time of each response counts from its largest rotation
+    overwrite
+        False: an existing file is an error
+    tell
+        called with the characters that the font lacks
 
-    >>> grid = parse_grid('A=1:8:50,Omega=4:5:2')
+    Returns
+    -------
+    str, Axes or None
+        the Axes if the target is one; of a slice a sentence that states its value
+
+    Raises
+    ------
+    UsageError
+        for another file, nothing to draw, or Axes for several panels
+    OutputError
+        when a file is damaged or cannot be written, or matplotlib is not installed
+
+    Examples
+    --------
+    >>> grid = parse_grid("A=1:8:50,Omega=4:5:2")
     >>> structures = [dimensionless_oscillator(0.9)]
-    >>> _ = write_spectrum(structures, sine(), grid, 'd.h5', workers=1)
-    >>> draw('d.h5', 'slice.svg', cut='Omega=5')
+    >>> _ = write_spectrum(structures, sine(), grid, "d.h5", workers=1)
+    >>> draw("d.h5", "slice.svg", cut="Omega=5")
     'slice at Omega = 5, the nearest of the file'
     """
-    sources = [
-        Path(x) for x in ([source] if isinstance(source, str | Path) else source)
-    ]
-    source, shown, remark = (
-        sources[0],
-        Units({**FIGURE_UNITS.chosen, **(units.chosen if units else {})}),
-        None,
-    )
-    instead = "; `text` needs nothing" if is_spectra_file(source) else ""
-    place: Any
-    if isinstance(target, str | Path):
-        place = canvas(target, overwrite, look=look, tell=tell, instead=instead)
-    else:
-        place = nullcontext(OneAxes(target))
-    with place as figure:
-        if is_spectra_file(source):
-            with SpectraFile(source) as file:
-                if cut is not None:
-                    found = slice_of(file, cut)
-                    axes = [figure.add_subplot()]
-                    spectrum_lines(axes[0], found, shown)
-                    name, unit, factor = shown.column(found.where)
-                    remark = (
-                        f"slice at {name} = {found.value / factor:.6g} {unit}".rstrip()
-                        + ", the nearest of the file"
-                    )
-                else:
-                    axes = _places(figure, file, structure, every, shown)
+    sources = _paths(source)
+    shown = Units({**FIGURE_UNITS.chosen, **(units.chosen if units else {})})
+    remark = None
+    with _place(target, sources[0], overwrite, look, tell) as figure:
+        if not is_spectra_file(sources[0]):
+            lines = partial(phase, body=body) if portrait else None
+            axes = _table(figure, sources, shown, over, lines, align)
+        elif cut is not None:
+            axes, remark = _cut(figure, sources[0], cut, shown)
         else:
-            axes = _table(
-                figure,
-                str(source),
-                _rows(sources),
-                shown,
-                over,
-                partial(phase, body=body) if portrait else None,
-                align,
-            )
-        lines = [
-            np.asarray(line.get_xydata()) for one in axes for line in one.get_lines()
-        ]
-        if not any(one.collections or one.patches for one in axes) and not any(
-            np.isfinite(x).all(axis=1).any() for x in lines
-        ):
-            raise UsageError(f"{source}: holds nothing to draw")
-        for one in axes:
-            one.set(**{f"{axis}scale": "log" for axis in log})
+            axes = _places(figure, sources[0], structure, every, shown)
+        _require_marks(axes, sources[0])
+        _set_logarithmic(axes, log)
     return remark if isinstance(target, str | Path) else target
+
+
+def _set_logarithmic(axes: Sequence[Axes], log: str) -> None:
+    """Make these scales logarithmic; log: x, y or xy."""
+    for one in axes:
+        one.set(**{f"{axis}scale": "log" for axis in log})
+
+
+def _paths(source: str | Path | Sequence[str | Path]) -> list[Path]:
+    """Return the files of `draw` as a list."""
+    return [Path(x) for x in ([source] if isinstance(source, str | Path) else source)]
+
+
+def _place(
+    target: str | Path | Axes,
+    source: Path,
+    overwrite: bool,
+    look: Look | None,
+    tell: Callable[[str], None] | None,
+) -> AbstractContextManager[Any]:
+    """Return the context of the figure: one that is written, or the Axes of the
+    caller.
+    """
+    if not isinstance(target, str | Path):
+        return nullcontext(OneAxes(target))
+    instead = "; `text` needs nothing" if is_spectra_file(source) else ""
+    return canvas(target, overwrite, look=look, tell=tell, instead=instead)
+
+
+def _cut(
+    figure: Figure, source: Path, cut: str, units: Units
+) -> tuple[list[Axes], str]:
+    """Draw a slice of a spectra file; return its axes and a sentence that states its
+    place.
+    """
+    with SpectraFile(source) as file:
+        found = slice_of(file, cut)
+    axes = figure.add_subplot()
+    spectrum_lines(axes, found, units)
+    name, unit, factor = units.column(found.where)
+    place = f"slice at {name} = {found.coordinate / factor:.6g} {unit}".rstrip()
+    return [axes], f"{place}, the nearest of the file"
+
+
+def _require_marks(axes: Sequence[Axes], source: Path) -> None:
+    """Raise UsageError if no axes hold a mark or a point of a line."""
+    if any(one.collections or one.patches for one in axes):
+        return
+    for one in axes:
+        for line in one.get_lines():
+            if np.isfinite(np.asarray(line.get_xydata())).all(axis=1).any():
+                return
+    raise UsageError(f"{source}: holds nothing to draw")
 
 
 class OneAxes:
@@ -179,26 +233,26 @@ def is_spectra_file(source: Path) -> bool:
 
 
 def _places(
-    figure: Figure, file: SpectraFile, name: str | None, every: bool, units: Units
+    figure: Figure, source: Path, name: str | None, every: bool, units: Units
 ) -> list[Axes]:
     """Draw the map of one structure or record, or of all with `every`; records over
     structures as lines, over alpha and T as quantiles.
     """
-    names, *both = file.frame.dimensions.values()
-    if "alpha" in file.frame.dimensions and name is None and not every:
-        return record_spectra(figure, file, units)
-    chosen = list(range(len(names))) if every else [place_of(file, name)]
-    axes = panels(figure, len(chosen))
-    of_structures = any(isinstance(values, list) for values in both)
-    entries: dict[str, Any] = {}
-    for one, place in zip(axes, chosen, strict=True):
-        if of_structures:
-            spectrum_lines(one, of_record(file, place), units)
-        else:
-            entries |= {
-                entry.get_label(): entry
-                for entry in outcome_map(one, file, place, units)
-            }
+    with SpectraFile(source) as file:
+        names, *both = file.frame.dimensions.values()
+        if "alpha" in file.frame.dimensions and name is None and not every:
+            return record_spectra(figure, file, units)
+        chosen = list(range(len(names))) if every else [place_of(file, name)]
+        axes = panels(figure, len(chosen))
+        if any(isinstance(values, list) for values in both):  # of structures
+            for one, place in zip(axes, chosen, strict=True):
+                spectrum_lines(one, of_record(file, place), units)
+            return axes
+        entries = {
+            entry.get_label(): entry
+            for one, place in zip(axes, chosen, strict=True)
+            for entry in outcome_map(one, file, place, units)
+        }
     if entries:
         figure.legend(
             handles=list(entries.values()),
@@ -225,18 +279,22 @@ applies.
 
 
 def _is_response(row: dict[str, str]) -> bool:
+    """True for a row of the CSV of response."""
     return any(key.startswith(("theta_dot", "theta_ratio_rate")) for key in row)
 
 
 def _table(
     figure: Figure,
-    source: str,
-    rows: Rows,
+    sources: Sequence[Path],
     units: Units,
     over: str | None,
     portrait: Callable[..., list[Axes]] | None,
     align: bool,
 ) -> list[Axes]:
+    """Draw CSV by its columns; portrait: draws the phase portrait, None without it. The
+    other arguments are those of `draw`. Raises UsageError.
+    """
+    source, rows = sources[0], _rows(sources)
     there = set(rows[0])
     if "event" in there:
         raise UsageError(

@@ -5,55 +5,38 @@ The template escapes every text of the user. jinja2 and matplotlib are imported 
 writes a page.
 """
 
-import base64
 import hashlib
 import platform
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
 from datetime import date
 from importlib.metadata import version
 from importlib.resources import files
 from operator import attrgetter
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from .. import __version__
 from ..documents.document import Document
 from ..documents.quantities import DEFAULT_GRAVITY
-from ..dynamics.method import LINEAR, governing_method, has_direction
-from ..dynamics.outcome import Difference, difference
+from ..dynamics.method import has_direction
 from ..envelopes.intervals import A_MAX
-from ..errors import DocumentError, UsageError
-from ..fragility.exposure import MotionSet, exposures
-from ..fragility.fits import FEWEST, Resampling
-from ..fragility.measures import MEASURES, members_of
-from ..fragility.study import LIMITS, Fit, Study, word_of
 from ..motions import Motion
-from ..motions.grid import Axis, Grid, HasMotion, demand_in_words, demand_of
+from ..motions.grid import Grid, HasMotion, demand_in_words, demand_of
 from ..motions.recording import Recording
 from ..motions.records import Record
 from ..plugins import require
 from ..publishing import check_target, published
-from ..responses.check import Progress, Verdict, outcome_alone, tally, verdicts
+from ..responses.check import Progress, outcome_alone, verdicts
 from ..responses.inset import effects
-from ..responses.tied_history import remarks
-from ..spectra.file.reader import SpectraFile
-from ..spectra.sweep import SweepOptions, write_spectrum
+from ..responses.verdict import Verdict, tally
 from ..structures import (
     RockingParameters,
     build_structure,
     on_each_interface,
     with_distinct_names,
 )
-from ..structures.kinds import sketch_of
-from .figures.canvas import FIGURE_UNITS, Figure, Look, drawn_as, literal, styled
 from .figures.capacities import capacities
-from .figures.drawing import structure_axes
-from .figures.fragility_curves import fragility_curves
-from .figures.maps import outcome_map
+from .page_sections import Subject, image, section
 from .tables import Above
 from .wording import (
     OVERVIEW,
@@ -61,11 +44,12 @@ from .wording import (
     demand_plainly,
     opposite_in_words,
     overview_row,
-    parameter_rows,
     worst_of,
 )
 
-SIDE = 80  # values on each axis of a map
+if TYPE_CHECKING:
+    from jinja2 import Template
+
 HEADS = {
     "structure": "structure",
     "motion": "motion",
@@ -87,14 +71,6 @@ HEADS = {
 WRITTEN_WITH = ("a report needs", "jinja2", "matplotlib")  # the arguments of `require`
 
 
-@dataclass(frozen=True)
-class Subject:
-    """A structure and its document."""
-
-    document: Document  # from which the structure was built
-    structure: RockingParameters  # its parameters
-
-
 def page(
     subjects: Sequence[Subject],
     verdicts: Sequence[Verdict],
@@ -111,6 +87,7 @@ def page(
     by_capacity: bool = False,
     opposite: str = "",
     insets: Sequence[str] = (),
+    draws: tuple[int, int] | None = None,
 ) -> str:
     """Return the page as HTML.
 
@@ -119,52 +96,68 @@ def page(
     strength of the shaking in words; title: None for the names of the structures;
     summary: begin with a sentence on each structure and a list of contents;
     by_capacity: the least capacity first; opposite: a remark on that direction; insets:
-    lines on what worn edges would take of the capacities.
+    lines on what worn edges would take of the capacities; draws: their number and seed,
+    of structures whose numbers have spreads.
     """
-    from jinja2 import Environment, StrictUndefined
-
-    template = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True
-    ).from_string((files(__package__) / "page.html").read_text(encoding="utf-8"))
     motions = ", ".join(dict.fromkeys(v.motion for v in verdicts))
     if by_capacity:
-        verdicts = sorted(verdicts, key=capacity_left)
-        order = [v.structure for v in verdicts]
-        subjects = sorted(subjects, key=lambda s: order.index(s.structure.name))
-    packages = ("numpy", "scipy", "h5py", "matplotlib", "jinja2")
+        subjects, verdicts = _by_capacity(subjects, verdicts)
     of = {
         s.structure.name: [v for v in verdicts if v.structure == s.structure.name]
         for s in subjects
     }
-    return template.render(
+    shaking = f"under {demand}" if summary else f"under {motions}: {demand}"
+    return _template().render(
         title=title or f"Rocking of {', '.join(of)}",
         opposite=opposite,
         insets=insets,
-        lead=(
-            f"{tally(verdicts)}, under {demand}."
-            if summary
-            else f"{tally(verdicts)}, under {motions}: {demand}."
-        ),
+        lead=f"{tally(verdicts)}, {shaking}.",
         overview=(
             [_row(OVERVIEW, overview_row(mine), worst_of(mine)) for mine in of.values()]
             if summary
             else []
         ),
         verdicts=[_row(HEADS, attrgetter(*HEADS.values())(v), v) for v in verdicts],
-        capacities=_image(lambda figure: capacities(figure, verdicts, True)),
+        capacities=image(lambda figure: capacities(figure, verdicts, True)),
         structures=[
-            _section(one, of[one.structure.name], pulse, recordings, workers)
-            for one in subjects
+            section(s, of[s.structure.name], pulse, recordings, workers, draws)
+            for s in subjects
         ],
         command=command,
         made=made,
-        versions=[
-            ("rocking", __version__),
-            ("Python", platform.python_version()),
-            *((p, version(p)) for p in packages),
-        ],
+        versions=_versions(),
         hashes=_hashes(subjects, recordings, vertical),
     )
+
+
+def _by_capacity(
+    subjects: Sequence[Subject], verdicts: Sequence[Verdict]
+) -> tuple[list[Subject], list[Verdict]]:
+    """Return the structures and the verdicts, the least capacity first."""
+    ordered = sorted(verdicts, key=capacity_left)
+    names = [v.structure for v in ordered]
+    return sorted(subjects, key=lambda s: names.index(s.structure.name)), ordered
+
+
+def _template() -> "Template":
+    """Return the page without its values; it escapes every text."""
+    from jinja2 import Environment, StrictUndefined
+
+    text = (files(__package__) / "page.html").read_text(encoding="utf-8")
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True
+    )
+    return environment.from_string(text)
+
+
+def _versions() -> list[tuple[str, str]]:
+    """Return (name, version) of this program and of those that it computes with."""
+    packages = ("numpy", "scipy", "h5py", "matplotlib", "jinja2")
+    return [
+        ("rocking", __version__),
+        ("Python", platform.python_version()),
+        *((package, version(package)) for package in packages),
+    ]
 
 
 def report(
@@ -179,15 +172,48 @@ def report(
     overwrite: bool = True,
     workers: int | None = None,
 ) -> list[Verdict]:
-    """Write the page of `rocking report` about the structures of documents under a
-    motion or records; return its verdicts.
+    """Write an HTML page on structures under a motion or records.
 
-    shaking: a grid of one cell, which records do not need; the other arguments as of
-    `page`. Raises UsageError, and OutputError for a file that cannot be written.
+    Parameters
+    ----------
+    documents
+        of the structures
+    motion
+        the motion of the ground, or several records
+    target
+        the HTML file to write
+    shaking
+        amplitude and frequency, a grid of one cell, which records do not need
+    title
+        of the page, None for the names of the structures
+    summary
+        True: the page begins with a sentence on each structure
+    by_capacity
+        True: the structure with the least capacity comes first
+    overwrite
+        False: an existing file is an error
+    workers
+        number of processes, None for all cores
 
-    >>> documents = read_documents('configs/parameters.yaml')
-    >>> shaking = parse_grid('a_g=0.2g,f_g=2')
-    >>> verdicts = report(documents, sine(), 'r.html', shaking=shaking)
+    Returns
+    -------
+    list of Verdict
+        a verdict for each structure under each motion
+
+    Raises
+    ------
+    UsageError
+        for a demand of zero, or a target that cannot or must not be written
+    DocumentError
+        if a document is not valid
+    OutputError
+        when the file cannot be written, or a package for it is not installed
+
+    Examples
+    --------
+    >>> documents = read_documents("configs/parameters.yaml")
+    >>> shaking = parse_grid("a_g=0.2g,f_g=2")
+    >>> verdicts = report(documents, sine(), "r.html", shaking=shaking)
     >>> [verdict.outcome.flag for verdict in verdicts]
     ['no_uplift']
     """
@@ -241,28 +267,36 @@ def write_page(
     require(*WRITTEN_WITH)
     demands = [(one.structure, *shake) for shake in shakes for one in subjects]
     found = list(verdicts(demands, workers=workers, progress=progress))
-    sided = [
-        (s.name, outcome_alone(s, motion.scaled(-1.0), grid))
-        for s, motion, grid in demands
-        if has_direction(s)
-    ]
-    demand = demand_plainly(shakes, vertical) if summary else demand_in_words(shakes)
     text = page(
         subjects,
         found,
         pulse=None if shakes[0][0].acceleration is not None else shakes[0],
         recordings=recordings,
         vertical=vertical,
-        demand=demand,
+        demand=(
+            demand_plainly(shakes, vertical) if summary else demand_in_words(shakes)
+        ),
         workers=workers,
         summary=summary,
-        opposite=opposite_in_words(sided) if sided else "",
+        opposite=_opposite(demands),
         insets=list(effects(found, demands, A_MAX)) if inset_effect else [],
         **given,
     )
     with published(Path(target), overwrite) as file:
         file.write(text.encode())
     return found
+
+
+def _opposite(demands: Sequence[tuple[RockingParameters, Motion, Grid]]) -> str:
+    """Return a remark on the motions in the opposite direction, empty if no structure
+    has a direction.
+    """
+    outcomes = [
+        (structure.name, outcome_alone(structure, motion.scaled(-1.0), grid))
+        for structure, motion, grid in demands
+        if has_direction(structure)
+    ]
+    return opposite_in_words(outcomes) if outcomes else ""
 
 
 def _hashes(
@@ -290,52 +324,6 @@ def _hashes(
     )
 
 
-def _section(
-    subject: Subject,
-    mine: Sequence[Verdict],
-    pulse: tuple[Motion, Grid] | None,
-    recordings: Sequence[Recording],
-    workers: int | None,
-) -> dict[str, Any]:
-    """Return the template's values for one structure and its verdicts."""
-    structure = subject.structure
-    linear = all(v.model == LINEAR.model for v in mine)
-    outcomes = np.array(
-        [(v.outcome, v.outcome_linear) for v in mine], dtype=np.uint8
-    ).reshape(-1, 2)
-    drawn, codes = None, difference(outcomes[:, 0], outcomes[:, 1])
-    if pulse is not None:
-        drawn, codes = _map(structure, *pulse, mine, workers)
-    cases = "motions" if pulse is None else "cells of the map"
-    return {
-        "name": structure.name,
-        "kind": (
-            f"kind {structure.structure}, restitution {structure.eta_source}"
-            if structure.eta_source
-            else structure.structure
-        ),
-        "drawing": _drawing(subject),
-        "parameters": parameter_rows(structure),
-        "ties": [
-            f"{v.motion}: {x}"
-            for v in mine
-            for x in [
-                *remarks(v.devices, v.first_overturning_a, v.first_overturning_a_free),
-                *([v.slide.words] if v.slide else []),
-                *([v.coupling] if v.coupling else []),
-            ]
-        ],
-        "map": drawn,
-        "validity": (
-            "The linear equation alone answers here."
-            if linear
-            else _agreement(codes, cases)
-        ),
-        "fragility": _fragility(structure, recordings, workers) if recordings else None,
-        "text": subject.document.text.strip(),
-    }
-
-
 def _row(
     heads: Iterable[str], values: Iterable[str | float | None], v: Verdict
 ) -> dict[str, Any]:
@@ -359,179 +347,3 @@ def _row(
             text = Above(v.capacity_above).shown(4)
         cells.append({"head": head, "text": text, "number": not isinstance(x, str)})
     return {"falls": v.falls, "cells": cells}
-
-
-def _image(plan: Callable[[Figure], object]) -> str:
-    """Return a figure as a data URL."""
-    look = Look()
-    with styled(look) as figure:
-        plan(figure)
-        drawn, _ = drawn_as(figure, Path("figure.svg"), look)
-    return f"data:image/svg+xml;base64,{base64.b64encode(drawn).decode()}"
-
-
-def _drawing(subject: Subject) -> str | None:
-    """Return a drawing of the structure as a data URL, None without geometry."""
-    try:
-        sketch = sketch_of(subject.document, subject.structure)
-    except DocumentError:
-        return None
-    return _image(
-        lambda figure: structure_axes(
-            figure.add_subplot(), subject.structure, sketch, FIGURE_UNITS
-        )
-    )
-
-
-def _map(
-    structure: RockingParameters,
-    motion: Motion,
-    demand: Grid,
-    mine: Sequence[Verdict],
-    workers: int | None,
-) -> tuple[str, np.ndarray]:
-    """Return (the map around the demand as a data URL, the `Difference` of each cell,
-    empty for the linear equation).
-    """
-    (omega,) = demand.frequency.values / (
-        1.0 if demand.frequency.name == "omega_g" else 1.0 / structure.p
-    )
-    amplitude = mine[0].demand_a
-    most = 2.0 * max(
-        [
-            amplitude,
-            *(v.first_overturning_a for v in mine if v.first_overturning_a is not None),
-        ]
-    )
-    most = min(most, 8.0 * amplitude)
-    grid = Grid(
-        Axis("a_g", most * np.arange(1, SIDE + 1) / SIDE),
-        Axis("omega_g", omega * np.geomspace(0.25, 4.0, SIDE)),
-    )
-    method = governing_method(structure, dimensionless=demand.dimensionless)
-    quantities = () if method.exact else ("linear",)
-
-    def plan(figure: Figure) -> None:
-        figure.set_size_inches(8.4, 4.0)  # with the legend beside the map
-        axes = figure.add_subplot()
-        entries = outcome_map(axes, file, 0, FIGURE_UNITS)
-        x, y = (
-            omega / FIGURE_UNITS.column("omega_g")[2],
-            amplitude / FIGURE_UNITS.column("a_g")[2],
-        )
-        entries += axes.plot(
-            x, y, ls="", marker="*", ms=13, mfc="#F0E442", mec="k", label="demand"
-        )
-        axes.set_xscale("log")
-        ticks = [x * 2.0**i for i in range(-2, 3)]
-        axes.set_xticks(ticks, [f"{tick:.3g}" for tick in ticks])
-        axes.set_xticks([], minor=True)
-        axes.set_title(literal(structure.name))
-        figure.legend(handles=entries, loc="outside right upper")
-
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "map.h5"
-        write_spectrum(
-            [structure],
-            motion,
-            grid,
-            path,
-            method=method,
-            quantities=quantities,
-            check=0,
-            workers=workers,
-            overwrite=True,
-        )
-        with SpectraFile(path) as file:
-            return _image(plan), (
-                np.zeros(0)
-                if method == LINEAR
-                else file.block(0, slice(None))["difference"]
-            )
-
-
-def _agreement(codes: np.ndarray, cases: str) -> str:
-    """Return a sentence that compares the outcomes of both equations; codes:
-    `Difference` of each of the cases.
-    """
-    judged = codes[codes != Difference.NOT_COMPUTED]
-    wrong, unsafe = (
-        int(np.count_nonzero(x))
-        for x in (judged > Difference.AGREES, judged == Difference.LINEAR_UNSAFE)
-    )
-    missing = codes.size - judged.size
-    verb = "is" if missing == 1 else "are"
-    more = (
-        f" {missing} more {verb} not compared: by one equation or both the structure"
-        " has no outcome."
-        if missing
-        else ""
-    )
-    return (
-        f"In {wrong} of {judged.size} {cases} the linear equation ends otherwise than"
-        f" the nonlinear one; in {unsafe} of them it says that the structure stands,"
-        f" and the structure falls or leaves the ground.{more}"
-    )
-
-
-def _fragility(
-    structure: RockingParameters, recordings: Sequence[Recording], workers: int | None
-) -> dict[str, Any]:
-    """Return the template's values for fragility curves over PGA by stripes."""
-    if len(recordings) < FEWEST:
-        return {
-            "figure": None,
-            "fits": [],
-            "remarks": [f"{len(recordings)} records; a fit needs at least {FEWEST}."],
-        }
-    measure, members = MEASURES["PGA"], members_of(recordings)
-    levels = np.median(
-        [m.measured(measure, structure) for m in members]
-    ) * np.geomspace(0.25, 4.0, 16)
-    motions = MotionSet(members, measure, levels, governing_method(structure))
-    (exposure,) = exposures([structure], motions, sweep=SweepOptions(workers=workers))
-    study = Study(structure, motions, Resampling(200, 0), exposure)
-    upwards = recordings[0].upwards is not None
-    fits, remarks = (
-        [],
-        (
-            [
-                "The vertical motion is scaled with each record; PGA is that of the"
-                " horizontal one."
-            ]
-            if upwards
-            else []
-        ),
-    )
-    for limit in LIMITS:
-        try:
-            fits.append(study.fit("stripes", limit))
-        except UsageError as error:
-            remarks.append(f"limit state {word_of(limit)}: {error}")
-    rows = [
-        {key: "" if value is None else str(value) for key, value in row.items()}
-        for fit in fits
-        for row in fit.points_of_curve()
-    ]
-    return {
-        "figure": (
-            _image(lambda figure: fragility_curves(figure, rows, FIGURE_UNITS))
-            if fits
-            else None
-        ),
-        "fits": [_fitted(fit) for fit in fits],
-        "remarks": remarks,
-    }
-
-
-def _fitted(fit: Fit) -> dict[str, str]:
-    c, b, g = fit.curve, fit.band, DEFAULT_GRAVITY
-    return {
-        "limit": fit.limit,
-        "median": f"{c.median / g:.4g}",
-        "median_band": (
-            f"{b.median_low / g:.3g} to {b.median_high / g:.3g}" if b else "–"
-        ),
-        "beta": f"{c.beta:.3g}",
-        "beta_band": f"{b.beta_low:.3g} to {b.beta_high:.3g}" if b else "–",
-    }

@@ -15,9 +15,8 @@ if TYPE_CHECKING:
 LARGEST, SMALLEST = 100.0, 0.02  # m; half diagonals of blocks that were built or tested
 _SPAN = re.compile(r"([^,=:]+):([^,=:]+):")
 _ACCELERATION = re.compile(r"\b(a_g|PGA)\s*=\s*([^,]+)", re.IGNORECASE)
-MOST_ACCELERATION = (
-    10.0 * DEFAULT_GRAVITY
-)  # several times the largest recorded acceleration
+# several times the largest recorded acceleration
+MOST_ACCELERATION = 10.0 * DEFAULT_GRAVITY
 
 
 def structure_remarks(structure: "RockingParameters") -> Iterator[str]:

@@ -34,58 +34,8 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
             f"computed on machines that differ: {s.machine_differences}; the last"
             " digits of cells may differ from those of one machine"
         )
-    if s.checked_cells:
-        agree = (
-            "every outcome equal"
-            if not s.misjudged
-            else f"{s.misjudged} OUTCOMES DIFFER"
-        )
-        sensitive = (
-            f" ({s.sensitive_cells} for their sensitivity)" if s.sensitive_cells else ""
-        )
-        many = (
-            f"{counted(s.checked_cells, 'cell')}{sensitive} computed again by"
-            f" {s.checked_by}"
-        )
-        yield (
-            f"estimated error: {s.estimated_error:.1e} in theta/alpha at {many},"
-            f" {agree}"
-        )
-        if s.misjudged or s.beyond_tolerance:
-            cells = f"{s.misjudged + s.beyond_tolerance} of these cells"
-            yield (
-                "warning: the two paths differ by more than the tolerance times the"
-                f" condition at {cells}; do not rely on single cells"
-            )
-    else:
-        yield "estimated error: not checked"
-    if s.compared:
-        yield (
-            f"{s.differing} of {s.compared} checked cells have another outcome by the"
-            " nonlinear equation"
-        )
-    if s.validity is not None:
-        of = (
-            f"{s.validity.differ} of {s.validity.sampled} sampled cells differ,"
-            f" {s.validity.unsafe} unsafe"
-        )
-        yield (
-            "nonlinear:"
-            f" {of}{'; `model` both compares every cell' if s.validity.differ else ''}"
-        )
-    if s.differences:
-        unsafe, alarms = (
-            s.differences[d.flag]
-            for d in (Difference.LINEAR_UNSAFE, Difference.LINEAR_FALSE_ALARM)
-        )
-        fell = (
-            f"{sum(n for flag, n in s.outcomes.items() if Outcome[flag.upper()].falls)}"
-            " cells that overturn or lose contact"
-        )
-        yield (
-            f"the linear equation is unsafe in {unsafe} of the {fell}, and falls in"
-            f" {alarms} that stand"
-        )
+    yield from _error_lines(s)
+    yield from _equation_lines(s)
     yield "outcomes: " + ", ".join(f"{n} {flag}" for flag, n in s.outcomes.items() if n)
     if s.weighed or s.outcomes[Outcome.LOST_CONTACT.flag]:
         yield (
@@ -98,3 +48,53 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
         f" rests, the last part of {w.sequences_closed} sequences of impacts,"
         f" {s.shared_cells} cells shared between structures"
     )
+
+
+def _error_lines(s: Summary) -> Iterator[str]:
+    """Yield the sentences on the cells that were computed again."""
+    if not s.checked_cells:
+        yield "estimated error: not checked"
+        return
+    agree = (
+        "every outcome equal" if not s.misjudged else f"{s.misjudged} OUTCOMES DIFFER"
+    )
+    sensitive = (
+        f" ({s.sensitive_cells} for their sensitivity)" if s.sensitive_cells else ""
+    )
+    many = (
+        f"{counted(s.checked_cells, 'cell')}{sensitive} computed again by"
+        f" {s.checked_by}"
+    )
+    yield f"estimated error: {s.estimated_error:.1e} in theta/alpha at {many}, {agree}"
+    if s.misjudged or s.beyond_tolerance:
+        cells = f"{s.misjudged + s.beyond_tolerance} of these cells"
+        yield (
+            "warning: the two paths differ by more than the tolerance times the"
+            f" condition at {cells}; do not rely on single cells"
+        )
+
+
+def _equation_lines(s: Summary) -> Iterator[str]:
+    """Yield the sentences that compare the linear equation with the nonlinear one."""
+    if s.compared:
+        yield (
+            f"{s.differing} of {s.compared} checked cells have another outcome by the"
+            " nonlinear equation"
+        )
+    if s.validity is not None:
+        sampled = (
+            f"{s.validity.differ} of {s.validity.sampled} sampled cells differ,"
+            f" {s.validity.unsafe} unsafe"
+        )
+        more = "; `model` both compares every cell" if s.validity.differ else ""
+        yield f"nonlinear: {sampled}{more}"
+    if s.differences:
+        unsafe, alarms = (
+            s.differences[d.flag]
+            for d in (Difference.LINEAR_UNSAFE, Difference.LINEAR_FALSE_ALARM)
+        )
+        fell = sum(n for flag, n in s.outcomes.items() if Outcome[flag.upper()].falls)
+        yield (
+            f"the linear equation is unsafe in {unsafe} of the {fell} cells that"
+            f" overturn or lose contact, and falls in {alarms} that stand"
+        )

@@ -334,6 +334,7 @@ def lines(
 
 
 def _plain(value: Any) -> Any:
+    """Return a value as JSON has it, with None for a number that is not finite."""
     if isinstance(value, float) and not math.isfinite(value):
         return None
     if isinstance(value, Mapping):
@@ -344,12 +345,16 @@ def _plain(value: Any) -> Any:
 
 
 def _csv_row(cells: list[Any]) -> str:
+    """Return cells as a line of CSV without its end."""
     out = io.StringIO()
     csv.writer(out, lineterminator="").writerow(cells)
     return out.getvalue()
 
 
 def _csv_cell(value: Any) -> Any:
+    """Return a value as a cell; a text that a spreadsheet would take for a formula is
+    quoted.
+    """
     value = _plain(value)
     if isinstance(value, str) and normalize("NFKC", value).lstrip().startswith(
         _FORMULA
@@ -359,6 +364,7 @@ def _csv_cell(value: Any) -> Any:
 
 
 def _text(value: Any, digits: int) -> str:
+    """Return a value as a text with so many significant digits."""
     if value is None:
         return "-"
     if isinstance(value, Above):

@@ -60,6 +60,7 @@ COLUMNS = {
             "demand_a",
             "uplift_a",
             "first_overturning_a",
+            *(f"first_overturning_a_q{share}" for share in ("05", "50", "95")),
             "safe_to",
             "searched_to",
             "slide_a",
@@ -175,16 +176,32 @@ _CHOICES: dict[str, dict[str, tuple[str, float]]] = {
 factor to SI.
 """
 
-_OF_ONE = re.compile(
-    r"(?:left|right|[a-z]+_\d+)_(.+)|(.+)_(?:linear|nonlinear)"
-)  # a column for a side, a list item or an equation
+# a column for a side, a list item or an equation
+_OF_ONE = re.compile(r"(?:left|right|[a-z]+_\d+)_(.+)|(.+)_(?:linear|nonlinear)")
 _FREQUENCY = {"omega_g": "f_g"}  # the name of a column in Hz
 HEADING = re.compile(r"(?P<column>.*?) \[(?P<unit>[^\]]*)\]")
 
 
 @dataclass(frozen=True)
 class Units:
-    """The units of a table."""
+    """The units of tables and figures; a dimension that is not chosen is shown in SI.
+
+    `heading` and `shown` turn columns and rows of SI values into these units.
+
+    Attributes
+    ----------
+    chosen: (unit, factor to SI) by dimension
+    dimensions: dimension of columns that have another one here; None: no unit
+
+    Examples
+    --------
+    >>> units = Units({"acceleration": ("g", 9.80665)})
+    >>> units.column("a_g")
+    ('a_g', 'g', 9.80665)
+    >>> [(name, round(value, 3)) for row in units.shown([{"a_g": 3.0}])
+    ...  for name, value in row.items()]
+    [('a_g [g]', 0.306)]
+    """
 
     # (unit, factor to SI) by dimension; any other dimension is shown in SI
     chosen: Mapping[str, tuple[str, float]] = field(default_factory=dict)
@@ -193,12 +210,33 @@ class Units:
     dimensions: Mapping[str, str | None] = field(default_factory=dict)
 
     def of(self, dimension: str) -> tuple[str, float]:
-        """Return (unit, factor to SI) of a dimension."""
+        """Return the unit of a dimension.
+
+        Parameters
+        ----------
+        dimension
+            such as "acceleration" or "length"
+
+        Returns
+        -------
+        tuple of (str, float)
+            the unit and its factor to SI
+        """
         return self.chosen.get(dimension, (SI[dimension], 1.0))
 
     def column(self, name: str) -> tuple[str, str, float]:
-        """Return (name, unit, factor to SI) of a column; without a dimension
-        "" and 1.
+        """Return the unit of a column.
+
+        Parameters
+        ----------
+        name
+            of the column, such as "a_g"
+
+        Returns
+        -------
+        tuple of (str, str, float)
+            the name in this unit (f_g for omega_g in Hz), the unit and its factor to
+            SI; "" and 1 for a column without a dimension
         """
         own = name in self.dimensions
         dimension = self.dimensions[name] if own else dimension_of(name)
@@ -208,12 +246,34 @@ class Units:
         return (_FREQUENCY.get(name, name) if unit == "Hz" else name), unit, factor
 
     def heading(self, name: str) -> tuple[str, float]:
-        """Return (heading with unit, factor to SI) of a column."""
+        """Return the heading of a column.
+
+        Parameters
+        ----------
+        name
+            of the column, such as "a_g"
+
+        Returns
+        -------
+        tuple of (str, float)
+            the heading with the unit, and its factor to SI
+        """
         column, unit, factor = self.column(name)
         return headed(column, unit), factor
 
     def shown(self, records: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
-        """Yield the rows in these units, which the headings state."""
+        """Yield rows in these units, which the headings state.
+
+        Parameters
+        ----------
+        records
+            rows of SI values by column
+
+        Yields
+        ------
+        dict
+            values by heading
+        """
         heading = cache(self.heading)
         for record in records:
             out = {}

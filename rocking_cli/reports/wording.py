@@ -4,15 +4,19 @@ structure with their relations.
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Outcome
 from ..motions import Motion
 from ..motions.grid import Grid
-from ..responses.check import Verdict
+from ..responses.verdict import Verdict
 from ..structures import RockingParameters, Side
+
+if TYPE_CHECKING:
+    from ..responses.uncertainty import DrawnVerdict
 
 OVERVIEW = (
     "structure",
@@ -30,7 +34,25 @@ _RELATIONS = {  # closed forms of the paper by kind
         "lambda": "least over all admissible mechanisms",
     },
 }
+# symbol, meaning, value, unit, relation
+ParameterRow = tuple[str, str, float, str, str]
+_EQUILIBRIUM = "{:.4g}°: beyond it the structure does not come back on its own"
+_LIFTS = "it lifts at ẍg = λ g"
 _CYCLES = re.compile(r"(.+), ([\d.]+) cycles?")
+
+
+def draws_in_words(name: str, found: "DrawnVerdict") -> str:
+    """Return the line on the draws of a structure."""
+    share = found.share
+    line = (
+        f"{name}: of {share.draws:,} draws {100.0 * share.share:.3g} % fall"
+        f" ({100.0 * share.low:.3g} to {100.0 * share.high:.3g} %)"
+    )
+    if found.key is None:
+        return line
+    what = "the first overturning" if found.quantiles else "the outcome"
+    explained = 100.0 * found.indices[found.key]
+    return f"{line}; {found.key} explains {explained:.0f} % of {what}"
 
 
 def demand_plainly(
@@ -137,10 +159,10 @@ def overview_row(verdicts: Sequence[Verdict]) -> tuple[str | float | None, ...]:
     """Return the cells of OVERVIEW from the verdicts of one structure under all
     motions.
     """
-    v, falls = worst_of(verdicts), sum(one.falls for one in verdicts)
+    v, fallen = worst_of(verdicts), sum(one.falls for one in verdicts)
     said = verdict_plainly(v) + (
-        f" It falls under {falls} of {len(verdicts)} motions."
-        if falls and len(verdicts) > 1
+        f" It falls under {fallen} of {len(verdicts)} motions."
+        if fallen and len(verdicts) > 1
         else ""
     )
     return (
@@ -182,83 +204,10 @@ def parameter_rows(s: RockingParameters) -> list[dict[str, str]]:
     """Return the rows for p, alpha, eta, lambda and a_scale, of each edge if they
     differ, and for restraints and damping.
     """
-    known = dict(_RELATIONS.get(s.structure, {}))
-    if s.eta_source != "momentum" or s.one_sided:
-        known.pop("eta", None)
-    impact = "θ̇ after = η θ̇ before " + (
-        "the impact that leaves this edge" if s.sides else "an impact"
-    )
-    free = ", of the free body" * bool(s.restraints)
-    equilibrium, lifts = (
-        "{:.4g}°: beyond it the structure does not come back on its own",
-        "it lifts at ẍg = λ g",
-    )
-    rows = [
-        (
-            symbol,
-            f"{meaning}, {of.side} edge" if isinstance(of, Side) else meaning,
-            value,
-            unit,
-            known.get(key, relation),
-        )
-        for of in s.sides or (s,)
-        for key, symbol, meaning, value, unit, relation in (
-            (
-                "p",
-                "p",
-                "frequency parameter",
-                of.p,
-                "rad/s",
-                "θ̈ = p² (θ − α sgn θ − a_scale ẍg/g)",
-            ),
-            (
-                "alpha",
-                "α",
-                "critical angle",
-                of.alpha,
-                "rad",
-                equilibrium.format(math.degrees(of.alpha)) + free,
-            ),
-            ("eta", "η", "coefficient of restitution", of.eta, "-", impact),
-            (
-                "lambda",
-                "λ",
-                "static uplift acceleration over g",
-                of.uplift,
-                "-",
-                lifts + free,
-            ),
-            (
-                "a_scale",
-                "a_scale",
-                "scale of the ground acceleration",
-                of.a_scale,
-                "-",
-                "α/λ; 1 for a single body",
-            ),
-        )
-    ]
-    for row in s.details.get("restrained", ()) if s.restraints else ():
-        held = f"with its ties and tendon (side: {row['side']})"
-        rows.append(
-            (
-                "λ",
-                f"static uplift acceleration over g {held}",
-                row["lambda"],
-                "-",
-                lifts,
-            )
-        )
-        if row["equilibrium"] != "none":
-            rows.append(
-                (
-                    "θ",
-                    f"first equilibrium {held}",
-                    row["equilibrium"],
-                    "rad",
-                    equilibrium.format(math.degrees(row["equilibrium"])),
-                )
-            )
+    rows = [row for of in s.sides or (s,) for row in _rows_of(s, of)]
+    if s.restraints:
+        for held in s.details.get("restrained", ()):
+            rows += _restrained_rows(held)
     if s.damping:
         rows.append(("ζ", "viscous damping", s.damping, "-", "θ̈ is less by 2 ζ p θ̇"))
     return [
@@ -271,3 +220,54 @@ def parameter_rows(s: RockingParameters) -> list[dict[str, str]]:
         }
         for symbol, meaning, value, unit, relation in rows
     ]
+
+
+def _rows_of(s: RockingParameters, of: RockingParameters | Side) -> list[ParameterRow]:
+    """Return the rows of a structure, or of one of its edges."""
+    known = dict(_RELATIONS.get(s.structure, {}))
+    if s.eta_source != "momentum" or s.one_sided:
+        known.pop("eta", None)
+    edge = f", {of.side} edge" if isinstance(of, Side) else ""
+    free = ", of the free body" * bool(s.restraints)
+    which = "the impact that leaves this edge" if s.sides else "an impact"
+    relations = {
+        "p": "θ̈ = p² (θ − α sgn θ − a_scale ẍg/g)",
+        "alpha": _EQUILIBRIUM.format(math.degrees(of.alpha)) + free,
+        "eta": f"θ̇ after = η θ̇ before {which}",
+        "lambda": _LIFTS + free,
+        "a_scale": "α/λ; 1 for a single body",
+        **known,
+    }
+    return [
+        ("p", f"frequency parameter{edge}", of.p, "rad/s", relations["p"]),
+        ("α", f"critical angle{edge}", of.alpha, "rad", relations["alpha"]),
+        ("η", f"coefficient of restitution{edge}", of.eta, "-", relations["eta"]),
+        (
+            "λ",
+            f"static uplift acceleration over g{edge}",
+            of.uplift,
+            "-",
+            relations["lambda"],
+        ),
+        (
+            "a_scale",
+            f"scale of the ground acceleration{edge}",
+            of.a_scale,
+            "-",
+            relations["a_scale"],
+        ),
+    ]
+
+
+def _restrained_rows(row: Mapping[str, Any]) -> list[ParameterRow]:
+    """Return the rows of a body with its ties and tendon on one edge; row: of the
+    details.
+    """
+    held = f"with its ties and tendon (side: {row['side']})"
+    meaning = f"static uplift acceleration over g {held}"
+    rows: list[ParameterRow] = [("λ", meaning, row["lambda"], "-", _LIFTS)]
+    if row["equilibrium"] != "none":
+        relation = _EQUILIBRIUM.format(math.degrees(row["equilibrium"]))
+        meaning = f"first equilibrium {held}"
+        rows.append(("θ", meaning, row["equilibrium"], "rad", relation))
+    return rows

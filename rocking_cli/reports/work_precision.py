@@ -4,8 +4,9 @@ against an independent reference.
 
 import math
 import time
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterator, Sequence
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -39,59 +40,94 @@ def work_precision(
     """
     structure = scene.structures[0]
     one = PulseScene((structure,), scene.grid, scene.motion, scene.method)
-    amplitude, omega = one.grid.scaled(structure)
-    at = sampled_cells(one, sample, seed)
-    if not at.size:
+    chosen = sampled_cells(one, sample, seed)
+    if not chosen.size:
         raise UsageError(
             "no cell of this grid leaves the ground; expected a grid that goes above"
             " uplift"
         )
-    cells = [(float(amplitude[c]), float(omega[r])) for _, r, c in at]
-    reference = one.method.reference_of(structure)
-    truth = [reference(one.motion, a, w, structure.eta) for a, w in cells]
-    known = [i for i, (outcome, _) in enumerate(truth) if outcome != Outcome.FAILED]
-    cells, truth = [cells[i] for i in known], [truth[i] for i in known]
-
-    thin = max(
-        1, math.ceil(math.sqrt(amplitude.size * omega.size / 50_000))
-    )  # so many cells at once are timed
-    a, w = (x.ravel() for x in np.meshgrid(amplitude[::thin], omega[::thin]))
+    known = _known_cells(one, chosen)
     for tolerance in (None,) if one.method.exact else TOLERANCES:
-        system = (
-            one.method if tolerance is None else Method(one.method.model, tolerance)
-        ).system_of(structure)
-        began = time.perf_counter()
-        response(system, one.motion, a, w, structure.eta)
-        cost = (time.perf_counter() - began) / a.size
-        found = response(
-            system,
-            one.motion,
-            np.array([x for x, _ in cells]),
-            np.array([y for _, y in cells]),
-            structure.eta,
-        )
-        answers = [
-            (Outcome(int(o)), float(x))
-            for o, x in zip(found.outcome, found.theta_ratio, strict=True)
-        ]
-        yield _compare(
-            "rocking, exact" if tolerance is None else "rocking, in steps",
-            tolerance,
-            answers,
-            truth,
-            cost,
-        )
-
-    problem = one.method.problem_of(structure)
+        yield _of_engine(one, tolerance, known)
     for method in SCIPY_METHODS if scipy else ():
         for tolerance in SCIPY_TOLERANCES:
-            began, solver = time.perf_counter(), Script(method, tolerance)
-            answers = [
-                solve_cell(one.motion, a, w, structure.eta, problem, solver)
-                for a, w in cells[:scipy]
-            ]
-            cost = (time.perf_counter() - began) / max(1, len(answers))
-            yield _compare(f"SciPy {method}", tolerance, answers, truth[:scipy], cost)
+            yield _of_scipy(one, Script(method, tolerance), known[:scipy])
+
+
+class KnownCell(NamedTuple):
+    """A cell with the answer of the reference."""
+
+    amplitude: float  # A [-]
+    omega: float  # Omega [-]
+    outcome: Outcome  # of the reference
+    theta_ratio: float  # theta_max/alpha of the reference [-]
+
+
+def _known_cells(scene: PulseScene, chosen: np.ndarray) -> list[KnownCell]:
+    """Return these cells without those that the reference does not solve; chosen:
+    (structure, row, column) of each.
+    """
+    (structure,) = scene.structures
+    amplitude, omega = scene.grid.scaled(structure)
+    reference = scene.method.reference_of(structure)
+    found = []
+    for _, row, col in chosen:
+        a, w = float(amplitude[col]), float(omega[row])
+        found.append(KnownCell(a, w, *reference(scene.motion, a, w, structure.eta)))
+    return [cell for cell in found if cell.outcome != Outcome.FAILED]
+
+
+def _of_engine(
+    scene: PulseScene, tolerance: float | None, known: Sequence[KnownCell]
+) -> dict[str, Any]:
+    """Return the row of the engine; the time of a cell is that in a run of many."""
+    (structure,) = scene.structures
+    method = (
+        scene.method if tolerance is None else Method(scene.method.model, tolerance)
+    )
+    system = method.system_of(structure)
+    solve = partial(response, system, scene.motion, eta=structure.eta)
+
+    amplitude, omega = _timed_cells(scene)
+    began = time.perf_counter()
+    solve(amplitude, omega)
+    cost = (time.perf_counter() - began) / amplitude.size
+
+    found = solve(
+        np.array([cell.amplitude for cell in known]),
+        np.array([cell.omega for cell in known]),
+    )
+    answers = [
+        (Outcome(int(code)), float(ratio))
+        for code, ratio in zip(found.outcome, found.theta_ratio, strict=True)
+    ]
+    name = "rocking, exact" if tolerance is None else "rocking, in steps"
+    return _compare(name, tolerance, answers, known, cost)
+
+
+def _timed_cells(scene: PulseScene) -> tuple[np.ndarray, np.ndarray]:
+    """Return (A, Omega) of up to about 50,000 cells of the grid."""
+    amplitude, omega = scene.grid.scaled(scene.structures[0])
+    thin = max(1, math.ceil(math.sqrt(amplitude.size * omega.size / 50_000)))
+    a, w = np.meshgrid(amplitude[::thin], omega[::thin])
+    return a.ravel(), w.ravel()
+
+
+def _of_scipy(
+    scene: PulseScene, solver: Script, known: Sequence[KnownCell]
+) -> dict[str, Any]:
+    """Return the row of one solver of SciPy, which solves cell by cell."""
+    (structure,) = scene.structures
+    problem = scene.method.problem_of(structure)
+    began = time.perf_counter()
+    answers = [
+        solve_cell(
+            scene.motion, cell.amplitude, cell.omega, structure.eta, problem, solver
+        )
+        for cell in known
+    ]
+    cost = (time.perf_counter() - began) / max(1, len(answers))
+    return _compare(f"SciPy {solver.method}", solver.tolerance, answers, known, cost)
 
 
 def accuracy(
@@ -104,14 +140,44 @@ def accuracy(
     scipy: int = 10,
     seed: int = 0,
 ) -> list[dict[str, Any]]:
-    """Return the rows of `work_precision` for a structure over a grid; method: None for
-    `governing_method`. Raises UsageError.
+    """Return error and run time of the methods over a grid, beside SciPy's solvers.
 
-    >>> grid = parse_grid('A=1:8:20,Omega=1:8:20')
+    Parameters
+    ----------
+    structure
+        the structure
+    motion
+        the motion of the ground
+    grid
+        from whose cells some are drawn
+    method
+        the equation of motion; None for the nonlinear one if the geometry is known and
+        the axes have units, else the linear one
+    sample
+        number of cells that are compared, from 1
+    scipy
+        number of cells that SciPy's solvers compute, 0 for none
+    seed
+        of the random choice of cells
+
+    Returns
+    -------
+    list of dict
+        rows of `rocking accuracy`: method, tolerance, cells, time_per_cell [s],
+        error_max and error_99 of theta/alpha [-], misjudged
+
+    Raises
+    ------
+    UsageError
+        for a number out of range, or an equation that does not hold for the structure
+
+    Examples
+    --------
+    >>> grid = parse_grid("A=1:8:20,Omega=1:8:20")
     >>> rows = accuracy(
     ...     dimensionless_oscillator(0.9), sine(), grid, sample=5, scipy=0
     ... )
-    >>> rows[0]['method'], rows[0]['misjudged']
+    >>> rows[0]["method"], rows[0]["misjudged"]
     ('rocking, exact', 0)
     """
     for name, value, least in (
@@ -137,23 +203,23 @@ def accuracy(
 def _compare(
     method: str,
     tolerance: float | None,
-    answers: list[tuple[Outcome, float]],
-    truth: list[tuple[Outcome, float]],
+    answers: Sequence[tuple[Outcome, float]],
+    known: Sequence[KnownCell],
     cost: float,
 ) -> dict[str, Any]:
-    right = [(x, y) for (o, x), (p, y) in zip(answers, truth, strict=True) if o == p]
-    gaps = np.array([abs(x - y) for x, y in right if math.isfinite(y)])
-    worst, most = (
-        (float(gaps.max()), float(np.quantile(gaps, 0.99)))
-        if gaps.size
-        else (math.nan, math.nan)
-    )
+    """Return the row of a method: its errors where its outcome is right."""
+    right = [
+        (ratio, cell.theta_ratio)
+        for (outcome, ratio), cell in zip(answers, known, strict=True)
+        if outcome == cell.outcome
+    ]
+    errors = np.array([abs(x - y) for x, y in right if math.isfinite(y)])
     return {
         "method": method,
         "tolerance": tolerance,
         "cells": len(answers),
         "time_per_cell": cost,
-        "error_max": worst,
-        "error_99": most,
+        "error_max": float(errors.max()) if errors.size else math.nan,
+        "error_99": float(np.quantile(errors, 0.99)) if errors.size else math.nan,
         "misjudged": len(answers) - len(right),
     }

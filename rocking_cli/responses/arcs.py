@@ -96,7 +96,11 @@ class DeviceForces(NamedTuple):
 
 @dataclass(frozen=True)
 class History:
-    """A response in time.
+    """A response in time, as `history` returns it.
+
+    `at` evaluates rotation and speed at any time, `events` lists uplifts, impacts,
+    peaks and overturning, `peak` is the largest of them. `TimeHistory` holds one for
+    each equation and gives rows in SI units.
 
     Attributes
     ----------
@@ -107,6 +111,15 @@ class History:
     highest: largest |theta|/alpha of the whole motion, NaN if the body overturned [-]
     devices: a row for each tie and tendon
     device_forces: forces of the ties and the tendon over time
+
+    Examples
+    --------
+    >>> (column,) = load_structures("configs/block.yaml")
+    >>> system = Method("nonlinear").system_of(column)
+    >>> found = history(system, sine(), 2.0, 6.0, column.eta, duration=10.0)
+    >>> ratio, rate = found.at(found.peak.tau)
+    >>> f"{float(ratio):.5f}", f"{float(found.theta_ratio):.5f}", found.outcome.flag
+    ('0.30973', '0.30973', 'rocked')
     """
 
     equation: Equation  # the equation of motion
@@ -121,8 +134,18 @@ class History:
     device_forces: DeviceForces | None = None
 
     def at(self, tau: Array) -> tuple[Array, Array]:
-        """Return theta/alpha [-] and its derivative by tau [-] at times tau, in the
-        shape of tau; zero at rest, NaN after the end.
+        """Return the rotation and its rate at some times.
+
+        Parameters
+        ----------
+        tau
+            times p t [-], of any shape
+
+        Returns
+        -------
+        tuple of two arrays
+            theta/alpha [-] and its derivative by tau [-], in the shape of `tau`; zero
+            at rest, NaN after the end
         """
         tau = np.asarray(tau, dtype=float)
         ratio, rate = np.zeros(tau.size), np.zeros(tau.size)
@@ -144,7 +167,19 @@ class History:
         )  # no -0
 
     def sides(self, tau: Array) -> Array:
-        """Return the side, +1 or -1, on which the body is at times tau; +1 at rest."""
+        """Return the side on which the body is at some times.
+
+        Parameters
+        ----------
+        tau
+            times p t [-], of any shape
+
+        Returns
+        -------
+        array
+            +1 on the right edge (theta > 0) and at rest, -1 on the left, in the shape
+            of `tau`
+        """
         side: Array = np.ones(np.size(tau))
         inside, arc = self.arcs.at(np.ravel(tau))
         side[inside] = self.arcs.side[arc]

@@ -15,7 +15,8 @@ from ..errors import UsageError, counted
 from ..motions.grid import as_recorded
 from ..motions.recording import Recording
 from ..structures.parameters import RockingParameters
-from .check import Demand, Progress, Verdict, verdicts
+from .check import Demand, Progress, verdicts
+from .verdict import Verdict
 
 
 def at_azimuth(pair: Sequence[Recording], azimuth: float) -> Recording:

@@ -65,9 +65,12 @@ class Reached(NamedTuple):
 
 @dataclass(frozen=True)
 class CodeCheck:
-    """A structure checked by the code; amplitudes are of the motion, or the peak of a
-    spectrum file. Of several directions these are the least amplitudes, and the curve
-    with the least code_slv.
+    """A structure checked by the Italian code, as `code_check` returns it.
+
+    Amplitudes are those of the motion, or the peak of a spectrum file. Of several
+    directions these are the least amplitudes, and the curve with the least code_slv.
+    `accepted` gives the amplitude that each method accepts, `row` the columns that
+    `rocking check --code` adds.
 
     Attributes
     ----------
@@ -81,6 +84,13 @@ class CodeCheck:
     curve: of the mechanism
     spectrum: of the demand
     on_floor: True for the spectrum of a floor, if the dynamics are on the ground
+
+    Examples
+    --------
+    >>> (column,) = load_structures("configs/block.yaml")
+    >>> found = code_check(column, sine(), parse_grid("a_g=0.3g,T_g=0.4"))
+    >>> {key: round(a, 3) for key, a in found.accepted().items()}
+    {'code_linear': 4.905, 'code_slv': 5.264, 'code_slc': 7.502}
     """
 
     structure: str  # its name
@@ -96,8 +106,17 @@ class CodeCheck:
     on_floor: bool
 
     def row(self, beyond: float | None = None) -> dict[str, Any]:
-        """Return the columns that `rocking check --code` adds; beyond: the amplitude
-        [m/s2] of `first_beyond`.
+        """Return the columns that `rocking check --code` adds.
+
+        Parameters
+        ----------
+        beyond
+            the amplitude that `first_beyond` found [m/s2], None without one
+
+        Returns
+        -------
+        dict
+            values [SI] by column
         """
         found: dict[str, Any] = {}
         for key, a in {**self.accepted(), "theta_04_a": beyond}.items():
@@ -124,10 +143,19 @@ class CodeCheck:
         }
 
     def promises(self, fall: float | None, beyond: float | None) -> list[str]:
-        """Return a sentence on each method that accepts more than `fall`, the amplitude
-        that overturns the body, and on SLV if it accepts more than `beyond`, that of
-        `first_beyond` [m/s2]; no sentence on a floor spectrum, since the dynamics are
-        those on the ground.
+        """Return a sentence on each method that accepts more than the dynamics do.
+
+        Parameters
+        ----------
+        fall
+            the lowest amplitude that overturns the body [m/s2], None without one
+        beyond
+            the amplitude that `first_beyond` found [m/s2], None without one
+
+        Returns
+        -------
+        list of str
+            none on a floor spectrum, since the dynamics are those on the ground
         """
         lines = []
         for key, a in {} if self.on_floor else self.accepted().items():
@@ -153,19 +181,49 @@ def code_check(
     floor: Sequence[FloorMode] = (),
     confidence: float = 1.0,
 ) -> CodeCheck:
-    """Check a structure by the code "ntc2018" under the spectrum of a motion, or of the
-    site; shaking: as for `check`.
+    """Check a structure by the Italian code "ntc2018", with its capacity curve.
 
-    site: the spectrum of a file; floor: the modes of the building that carries the
-    body, on a ground with this spectrum; confidence: FC. Raises UsageError for a
-    structure without geometry, without a motion and a spectrum, for an amplitude of
-    zero, or periods beyond those of the spectrum.
+    It is the check of local mechanisms of Circolare 21 gennaio 2019 n. 7, C8.7.1.2.1.
 
-    >>> (column,) = load_structures('configs/block.yaml')
-    >>> found = code_check(column, sine(), parse_grid('a_g=0.3g,T_g=0.4'))
+    Parameters
+    ----------
+    structure
+        the structure, with a geometry
+    motion
+        the motion whose spectrum is the demand, None with `site`
+    shaking
+        amplitude and frequency of the motion, a grid of one cell; a record does not
+        need it
+    site
+        the design spectrum of a file, in place of the motion's
+    floor
+        the modes of the building that carries the body, on a ground with this spectrum
+    confidence
+        confidence factor FC of the code [-], from 1
+
+    Returns
+    -------
+    CodeCheck
+        amplitudes [m/s2] that the linear check (q = 2), SLV and SLC accept
+
+    Raises
+    ------
+    UsageError
+        for a structure without geometry, without a motion and a spectrum, for an
+        amplitude of zero, or periods beyond those of the spectrum
+
+    Notes
+    -----
+    The code compares displacements of an equivalent oscillator; `check` integrates the
+    motion. `CodeCheck.promises` says where the code accepts more.
+
+    Examples
+    --------
+    >>> (column,) = load_structures("configs/block.yaml")
+    >>> found = code_check(column, sine(), parse_grid("a_g=0.3g,T_g=0.4"))
     >>> accelerations = found.linear, found.slv.amplitude, found.slc.amplitude
-    >>> tuple(round(acceleration / 9.81, 3) for acceleration in accelerations)
-    (0.5, 0.537, 0.765)
+    >>> [round(acceleration / 9.81, 3) for acceleration in accelerations]
+    [0.5, 0.537, 0.765]
     """
     if not 1.0 <= confidence < math.inf:
         raise UsageError(
@@ -251,13 +309,39 @@ def first_beyond(
     *,
     most: float | None = None,
 ) -> float | None:
-    """Return the lowest amplitude a_g [m/s2] under which |theta| exceeds `share` alpha
-    or the body falls, by the governing equation; None without one up to `most` [m/s2]
-    (default: ten times the demand). Tries amplitudes 0.5 % apart. Raises UsageError as
-    `check` does.
+    """Return the lowest amplitude under which a body turns beyond a share of alpha, or
+    falls.
 
-    >>> (column,) = load_structures('configs/block.yaml')
-    >>> round(first_beyond(column, sine(), parse_grid('a_g=0.3g,T_g=0.4')) / 9.81, 3)
+    The governing equation decides, as for `check`. Amplitudes 0.5 % apart are tried: a
+    narrower interval may be missed.
+
+    Parameters
+    ----------
+    structure
+        the structure
+    motion
+        the motion of the ground
+    shaking
+        the demand, a grid of one cell
+    share
+        |theta|/alpha that counts as beyond [-]; 0.4 is that of SLV
+    most
+        upper end of the search, an a_g [m/s2]; None for ten times the demand
+
+    Returns
+    -------
+    float or None
+        a_g [m/s2]; None if there is no such amplitude up to `most`
+
+    Raises
+    ------
+    UsageError
+        for a grid of several cells, or an equation that does not hold for the structure
+
+    Examples
+    --------
+    >>> (column,) = load_structures("configs/block.yaml")
+    >>> round(first_beyond(column, sine(), parse_grid("a_g=0.3g,T_g=0.4")) / 9.81, 3)
     0.571
     """
     demand, omega = shaking.cell(structure)

@@ -44,15 +44,39 @@ def compare(
     shaking: Grid | None = None,
     methods: Sequence[Method] = (),
 ) -> list[TimeHistory]:
-    """Return the response of each structure to the motion, scaled so that all have
-    equal A and Omega.
+    """Return the response of each structure to one motion, at equal A and Omega.
 
-    shaking: a grid of one cell for the first structure; a record does not need it;
-    methods: the equations of motion, empty for `governing_method`. Raises UsageError.
+    Structures of equal restitution then have one linear response theta/alpha over p t
+    (section 4 of the paper).
 
-    >>> structures = load_structures(['configs/block.yaml', 'configs/arch.yaml'])
-    >>> found = compare(structures, sine(), parse_grid('A=2,Omega=5'))
-    >>> [history.outcome('linear').flag for history in found]
+    Parameters
+    ----------
+    structures
+        one or more
+    motion
+        the motion of the ground
+    shaking
+        amplitude and frequency for the first structure, a grid of one cell; a record
+        does not need it
+    methods
+        the equations of motion, empty for the nonlinear one if all geometries are known
+        and the motion has units, else the linear one
+
+    Returns
+    -------
+    list of TimeHistory
+        in the order of `structures`
+
+    Raises
+    ------
+    UsageError
+        for a demand of zero, or an equation that does not hold for a structure
+
+    Examples
+    --------
+    >>> structures = load_structures(["configs/block.yaml", "configs/arch.yaml"])
+    >>> found = compare(structures, sine(), parse_grid("A=2,Omega=5"))
+    >>> [history.outcome("linear").flag for history in found]
     ['rocked', 'rocked']
     """
     motion, shaking = demand_of(motion, shaking)

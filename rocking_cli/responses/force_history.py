@@ -1,40 +1,27 @@
 """Forces between a rigid body and the ground along a history, their extremes in time,
-and the impulses of impacts.
-
-With s = sgn theta, phi = alpha - |theta|, R from the edge to the mass centre and kappa
-= R p^2/g = m R^2/I,
-
-    Fx/(m g) = xg''/g + kappa (s u'' cos phi + s u'^2 sin phi)
-    Fz/(m g) = 1 + zg''/g + kappa (u'' sin phi - u'^2 cos phi),
-    u = |theta| [rad], ' = d/d(p t)
-
-for any equation of motion, since they are the forces that move the mass centre as in
-the response. At rest they are xg''/g and 1 + zg''/g. The base needs a coefficient of
-friction of max |Fx|/Fz, and Fz > 0 at all times. The impulses of the ground in an
-impact are
-
-    Jx = s m R cos(alpha) w (1 - eta),   Jz = m w (R sin(alpha) + eta R' sin(alpha')),
-    w = |theta'| before
-
-where R' and alpha' belong to the other edge. Jx/Jz is the friction that the impact
-needs.
+and the impulses of impacts, by the formulas of `ground_forces`.
 """
 
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from ..dynamics.body import ground_reaction
 from ..dynamics.outcome import Outcome
-from ..errors import UsageError
 from ..motions.blocks import blocks
 from ..structures.parameters import RockingParameters
 from .arcs import LATE, Event, History
 from .chebyshev import Extent, extent, first_below
+from .ground_forces import (
+    ForceEdge,
+    Forces,
+    GroundForceExtremes,
+    RequiredFriction,
+    body_forces,
+)
 from .ground_history import GroundMotion
 
 Array = np.ndarray
@@ -43,129 +30,6 @@ _INSTANTS = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, 17)))  # of an arc
 _TOGETHER = 4096  # arcs
 # rotation [rad] beyond which no forces are computed: the body has left the ground
 _FAR = 100.0
-
-
-class Forces(NamedTuple):
-    """The force of the ground on the body over its weight m g; or its impulse in an
-    impact over m g, times p, which is in s when divided by p.
-    """
-
-    fx: Any  # horizontal, towards +x [-]
-    fz: Any  # vertical [-]
-
-    @property
-    def friction(self) -> float:
-        """|Fx|/Fz of one instant, or of an impact: the friction with which the base
-        does not slide; infinite where Fz <= 0.
-        """
-        return abs(self.fx) / self.fz if self.fz > 0.0 else math.inf
-
-
-class RequiredFriction(NamedTuple):
-    """A required coefficient of friction [-] and its time [tau]."""
-
-    friction: float  # required coefficient [-], infinite if Fz <= 0
-    tau: float  # its time [-]
-
-
-@dataclass(frozen=True)
-class GroundForceExtremes:
-    """The friction and the vertical force that a response needs from the ground. A
-    friction is None if the response has no such time, and infinite if Fz <= 0.
-    """
-
-    resting: RequiredFriction | None  # the largest while the body is at rest
-    # just after the first uplift (Shenton's boundary, if the ground acceleration jumps
-    # there)
-    lifting: RequiredFriction | None
-    rocking: RequiredFriction | None  # the largest while the body rocks
-    impact: RequiredFriction | None  # the largest of the impulses
-    fz_min: float  # least Fz over m g [-]
-    fz_min_tau: float  # time of fz_min [tau]
-
-    @property
-    def friction(self) -> RequiredFriction:
-        """The largest friction that the forces need, impulses apart."""
-        return max(
-            (d for d in (self.resting, self.rocking) if d is not None),
-            key=lambda d: d.friction,
-            default=RequiredFriction(0.0, 0.0),
-        )
-
-    def slides(self, friction: float) -> str | None:
-        """Return when a base with this coefficient of friction slides first: "before
-        rocking" (at rest, or at the first uplift), "rocking" or "impact"; None if it
-        never slides.
-        """
-        for word, required in (
-            ("before rocking", self.resting),
-            ("before rocking", self.lifting),
-            ("rocking", self.rocking),
-        ):
-            if required is not None and required.friction > friction:
-                return word
-        return (
-            "impact"
-            if self.impact is not None and self.impact.friction > friction
-            else None
-        )
-
-
-def body_forces(
-    edge: Any,
-    side: Any,
-    u: Array,
-    rate: Array,
-    acceleration: Array,
-    ground: Array,
-    vertical: Array,
-) -> Forces:
-    """Return the forces over m g on one side, +1 or -1, whose edge has these numbers: u
-    = |theta| [rad], its first and second derivative by tau = p t of the side, and the
-    ground acceleration xg''/g and zg''/g [-], arrays of one shape.
-    """
-    outward, up = ground_reaction(
-        edge, u, rate, acceleration, -side * ground, 1.0 + vertical
-    )
-    return Forces(side * outward, up)
-
-
-class ForceEdge(NamedTuple):
-    """An edge and the body that stands on it."""
-
-    alpha: Any  # critical angle [rad]
-    kappa: Any  # R p^2/g = m R^2/I [-]
-    arm: float  # R [m]
-    p: float  # frequency parameter [rad/s]
-    eta: float  # restitution on leaving the edge [-]
-
-
-def edges_of(structure: RockingParameters) -> tuple[ForceEdge, ForceEdge]:
-    """Return the right and the left edge. Raises UsageError if the structure is no
-    rigid body, or if its mass centre is not known.
-    """
-    if structure.arm is None:
-        raise UsageError(
-            f"{structure.name}: forces need a single rigid body, and `arm`, the"
-            " distance from its mass centre to its edges"
-        )
-    edges = []
-    for side in (*reversed(structure.sides),) or (structure, structure):
-        if side.arm is None:
-            raise UsageError(
-                f"{structure.name}: forces need arm, the distance of the mass centre,"
-                " of both edges"
-            )
-        edges.append(
-            ForceEdge(
-                side.alpha,
-                side.arm * side.p * side.p / structure.gravity,
-                side.arm,
-                side.p,
-                side.eta,
-            )
-        )
-    return edges[0], edges[1]
 
 
 @dataclass(frozen=True)
@@ -344,63 +208,92 @@ class ForceHistory:
         """The extremes of the response; those at rest leave out the forces between a
         one-sided body and its backing.
         """
-        resting: list[RequiredFriction] = []
-        rocking: list[RequiredFriction] = []
-        least = (1.0, 0.0)  # Fz/(m g), tau
-        for bounces, rests, lifts in self.rests():
+        resting, weights = self._at_rest()
+        bounces = [
+            bounce
+            for low, high, _ in self.rests()
+            for bounce in self._low_bounces(low, high)
+        ]
+        rocking = [RequiredFriction(forces.friction, tau) for tau, forces in bounces]
+        weights += [(1.0, 0.0), *((forces.fz, tau) for tau, forces in bounces)]
+        least, without_weight = self._least_on_arcs(min(weights))
+        rocking += without_weight
+        rocking += self._frictions_on_arcs(max(rocking, default=None))
+        lifting = [
+            self._after(event) for event in self.found.events if event.event == "uplift"
+        ][:1]
+        if self.found.outcome == Outcome.LOST_CONTACT:
+            # From a jump on there may be no weight; no instant before it shows that.
+            least = min(least, (0.0, self.found.end))
+            (rocking if lifting else resting).append(
+                RequiredFriction(math.inf, self.found.end)
+            )
+        impacts = [
+            RequiredFriction(impulses.friction, event.tau)
+            for event in self.found.events
+            if event.event == "impact" and (impulses := self.impulses(event))
+        ]
+        worst = [
+            max(group, default=None) for group in (resting, lifting, rocking, impacts)
+        ]
+        return GroundForceExtremes(worst[0], worst[1], worst[2], worst[3], *least)
+
+    def _at_rest(self) -> tuple[list[RequiredFriction], list[tuple[float, float]]]:
+        """Return (the frictions that the body needs at rest, its least weights as (Fz
+        over m g, tau)) of the pieces of the motion.
+        """
+        frictions: list[RequiredFriction] = []
+        weights: list[tuple[float, float]] = []
+        for _, rests, lifts in self.rests():
             for weight, ratio in (
                 self.ground.extents(rests, lifts) if lifts > rests else ()
             ):
-                least = min(least, (weight.least, weight.at_least))
-                resting += (
+                weights.append((weight.least, weight.at_least))
+                frictions += (
                     self._required_at_rest(ratio)
                     if weight.least > 0.0
                     else [RequiredFriction(math.inf, weight.at_least)]
                 )
-            for tau, forces in self._low_bounces(bounces, rests):
-                least = min(least, (forces.fz, tau))
-                rocking.append(RequiredFriction(forces.friction, tau))
-        arcs, lows, highs = self._bounds
+        return frictions, weights
+
+    def _least_on_arcs(
+        self, least: tuple[float, float]
+    ) -> tuple[tuple[float, float], list[RequiredFriction]]:
+        """Return (the least (Fz, tau) of `least` and the arcs, the infinite frictions
+        of the arcs without weight). Arcs go by their lower bound, until it is larger
+        than the least Fz that is known.
+        """
+        arcs, lows, _ = self._bounds
+        without_weight: list[RequiredFriction] = []
         for i in np.argsort(lows, kind="stable").tolist():
             if lows[i] > max(least[0], 0.0):
                 break
-            low, at_low, *_ = extent(*self._on(int(arcs[i]), lambda forces: forces.fz))
-            least = min(least, (low, at_low))
-            if low <= 0.0:
-                rocking.append(RequiredFriction(math.inf, at_low))
-        most = max((required.friction for required in rocking), default=0.0)
+            fz, tau, *_ = extent(*self._on(int(arcs[i]), lambda forces: forces.fz))
+            least = min(least, (fz, tau))
+            if fz <= 0.0:
+                without_weight.append(RequiredFriction(math.inf, tau))
+        return least, without_weight
+
+    def _frictions_on_arcs(
+        self, known: RequiredFriction | None
+    ) -> Iterator[RequiredFriction]:
+        """Yield the largest friction of each arc that may need more than `known`. Arcs
+        go by their upper bound, until it is below the largest friction found.
+        """
+        arcs, _, highs = self._bounds
+        most = 0.0 if known is None else known.friction
         for i in np.argsort(-highs, kind="stable").tolist():
             if highs[i] < most or math.isinf(most):
                 break
             ratio = extent(
                 *self._on(int(arcs[i]), lambda forces: forces.fx / forces.fz)
             )
-            rocking.append(
-                max(
-                    RequiredFriction(-ratio.least, ratio.at_least),
-                    RequiredFriction(ratio.largest, ratio.at_largest),
-                )
+            required = max(
+                RequiredFriction(-ratio.least, ratio.at_least),
+                RequiredFriction(ratio.largest, ratio.at_largest),
             )
-            most = max(most, rocking[-1].friction)
-        lifting = [
-            self._after(event) for event in self.found.events if event.event == "uplift"
-        ][:1]
-        if (
-            self.found.outcome == Outcome.LOST_CONTACT
-        ):  # from a jump on there may be no weight, and none before it shows that
-            least = min(least, (0.0, self.found.end))
-            (rocking if lifting else resting).append(
-                RequiredFriction(math.inf, self.found.end)
-            )
-        impacts = [
-            RequiredFriction(j.friction, e.tau)
-            for e in self.found.events
-            if e.event == "impact" and (j := self.impulses(e))
-        ]
-        worst = [
-            max(group, default=None) for group in (resting, lifting, rocking, impacts)
-        ]
-        return GroundForceExtremes(worst[0], worst[1], worst[2], worst[3], *least)
+            most = max(most, required.friction)
+            yield required
 
     @cached_property
     def lost(self) -> float | None:
@@ -416,9 +309,8 @@ class ForceHistory:
             ]
         arcs, lows, _ = self._bounds
         for arc in arcs[lows <= 0.0].tolist():
-            raised, low, high = self._on(
-                arc, lambda forces: 1.0 + forces.fz
-            )  # around 1 its series ends where Fz has a root
+            # Around 1 the series of `raised` ends where Fz has a root.
+            raised, low, high = self._on(arc, lambda forces: 1.0 + forces.fz)
             if (
                 low < min(found)
                 and (first := first_below(raised, low, high, 1.0)) is not None

@@ -39,16 +39,46 @@ def history(
     release: float = 0.0,
     duration: float,
 ) -> History:
-    """Return the response of a body that begins at rest, or at theta/alpha = release,
-    up to tau = duration or the end of the shaking.
+    """Return the response in time of one body, in dimensionless form (Eqs. 2.3, 2.4,
+    3.4).
 
-    Parameters as in `response`; amplitude 0 is free rocking. A body is released to its
-    right side. Raises ValueError when a number is out of range.
+    The body begins at rest, or released at theta/alpha = release to its right side. The
+    history goes up to tau = p t = duration or to the end of the shaking, whichever is
+    later. `time_history` does the same for a structure in SI units.
 
-    >>> (column,) = load_structures('configs/block.yaml')
+    Parameters
+    ----------
+    system
+        the equation of motion on its contact, such as `Method().system_of(structure)`
+    motion
+        the motion of the ground
+    amplitude
+        A = a_scale a_g / (alpha g) [-], finite, not negative; 0 is free rocking
+    omega
+        Omega = omega_g / p [-], finite, positive
+    eta
+        restitution [-]
+    release
+        theta/alpha at the start [-], from 0 to below 1
+    duration
+        tau = p t up to which the history goes [-], positive
+
+    Returns
+    -------
+    History
+        arcs and events, and the outcome of the whole motion
+
+    Raises
+    ------
+    ArgumentError
+        for a number out of range
+
+    Examples
+    --------
+    >>> (column,) = load_structures("configs/block.yaml")
     >>> system = Method().system_of(column)
     >>> found = history(system, sine(), 2.0, 6.0, column.eta, duration=40.0)
-    >>> [e.event for e in found.events][:3]
+    >>> [event.event for event in found.events][:3]
     ['uplift', 'peak', 'impact']
     """
     numbers = {
@@ -199,14 +229,17 @@ class _MarchWriter(Writer):
 
     def _rest(self, before: Lanes, after: Lanes) -> None:
         """Note the rest at the end of the bounces, and the uplift after it."""
-        rest, lifts = self._end_of_bounces(before), after.k[0] < len(self.segments)
+        rest, lifts = (
+            self._end_of_bounces(before),
+            after.segment[0] < len(self.segments),
+        )
         if not lifts or self._tau(after) > rest:
             self._note(rest, "rest", 1.0, 0.0, 0.0)
         if lifts:
             self._note(self._tau(after), "uplift", float(after.side[0]), 0.0, 0.0)
 
     def _tau(self, lanes: Lanes) -> float:
-        return self.lane.tau(int(lanes.k[0]), float(lanes.u[0]))
+        return self.lane.tau(int(lanes.segment[0]), float(lanes.phase[0]))
 
     def _end_of_bounces(self, lanes: Lanes) -> float:
         """Return the tau at which bounces too low to be seen come to rest: each bounce
@@ -217,22 +250,27 @@ class _MarchWriter(Writer):
         for _ in range(_UNSEEN):
             if lanes.v <= least:
                 break
-            h, change = -2.0 * lanes.v / lanes.b, np.zeros(1)
+            h, change = -2.0 * lanes.v / lanes.force, np.zeros(1)
             for _ in range(3):
-                change = self._force_at_ground(lanes, h) - lanes.b
-                h = -2.0 * lanes.v / (lanes.b + change / 3.0)
-            fall, force = lanes.v + h * (lanes.b + 0.5 * change), lanes.b + change
-            lanes.u += lanes.omega * h
-            contact.strike(self.cells, lanes, fall, force)
-            lanes.b = self._force_at_ground(lanes, np.zeros(1))
-        weight = self.segments.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u)
+                change = self._force_at_ground(lanes, h) - lanes.force
+                h = -2.0 * lanes.v / (lanes.force + change / 3.0)
+            fall, force = (
+                lanes.v + h * (lanes.force + 0.5 * change),
+                lanes.force + change,
+            )
+            lanes.phase += lanes.omega * h
+            contact.impact(self.cells, lanes, fall, force)
+            lanes.force = self._force_at_ground(lanes, np.zeros(1))
+        weight = self.segments.weight(
+            lanes.side, lanes.amplitude, lanes.segment, lanes.phase
+        )
         rest = contact.sequence_time(lanes, weight) * lanes.omega / self.omega
         return self._tau(lanes) + float(rest[0])
 
     def _force_at_ground(self, lanes: Lanes, h: Array) -> Array:
         """Return the force on a body at theta = 0 after a time h [tau of its side]."""
-        seg, u = self.segments, lanes.u + lanes.omega * h
-        k = np.minimum(lanes.k, len(seg) - 1)  # the ground is still at the end
+        seg, u = self.segments, lanes.phase + lanes.omega * h
+        k = np.minimum(lanes.segment, len(seg) - 1)  # the ground is still at the end
         b = (
             -lanes.side * lanes.amplitude * (seg.s_start[k] + drive_change(seg, k, u))
             - 1.0

@@ -8,9 +8,10 @@ from collections.abc import Callable, Iterator, Sequence
 from ..envelopes.amplitudes import Limit, limit_of
 from ..motions import Motion
 from ..motions.grid import Grid
-from ..structures.mechanics.single_body import worn
+from ..structures.mechanics.worn_edges import worn
 from ..structures.parameters import RockingParameters
-from .check import Demand, Verdict, first_overturning
+from .check import Demand, first_overturning
+from .verdict import Verdict
 
 INSET = 0.05  # of the width
 

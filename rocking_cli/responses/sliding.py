@@ -25,7 +25,7 @@ from ..structures.friction import (
     sliders,
 )
 from ..structures.parameters import RockingParameters
-from .check import SLIDE_COLUMNS, Verdict
+from .verdict import SLIDE_COLUMNS, Verdict
 
 POINTS = 500  # times of a history over its whole length, unless the user says
 MOST_POINTS = 10_000_000

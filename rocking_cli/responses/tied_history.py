@@ -11,7 +11,7 @@ from ..dynamics.equations.taylor import TaylorSeries
 from ..dynamics.lanes import Lanes
 from ..dynamics.outcome import Outcome
 from ..dynamics.system import System
-from ..dynamics.tied.devices import BROKEN, YIELDING, Phase
+from ..dynamics.tied.devices import BROKEN, YIELDING, Branch
 from ..dynamics.tied.tied_lanes import TiedLanes
 from ..dynamics.tied.tied_march import March
 from ..motions.motion import Motion
@@ -45,11 +45,11 @@ class _Recorder(Writer):
         """Return the time of the first lane, as tau of the history."""
         segments, k = (
             self.march.segments,
-            min(int(lanes.k[0]), len(self.march.segments) - 1),
+            min(int(lanes.segment[0]), len(self.march.segments) - 1),
         )
-        return (float(segments.start[k]) + float(lanes.u[0])) / self.omega
+        return (float(segments.start[k]) + float(lanes.phase[0])) / self.omega
 
-    def keep(self, lanes: Lanes, arc: TaylorSeries, reach: float, now: Phase) -> None:
+    def keep(self, lanes: Lanes, arc: TaylorSeries, reach: float, now: Branch) -> None:
         """Keep an arc of the first lane that begins now and lasts `reach` [tau of the
         side], and the force law of the devices on it.
         """
@@ -101,14 +101,14 @@ class _Recorder(Writer):
         rows = range(len(self.devices.stiffness))
         held = [
             self.devices.force_at_ground(
-                np.array([row]), before.phase[row], before.plastic[row]
+                np.array([row]), before.branch[row], before.plastic[row]
             )[:, 0]
             for row in rows
         ]
         self.laws.append(
             (self.tau(before) + lasts, 0, np.max(held, axis=0), 0.0 * held[0])
         )
-        lifts = after.k[0] < len(self.march.segments)
+        lifts = after.segment[0] < len(self.march.segments)
         if not lifts or self.tau(after) > self.tau(before) + lasts:
             self.note(before, "rest", 0.0, 0.0, later=lasts)
         if lifts:
@@ -191,7 +191,7 @@ def device_rows(system: System, march: March) -> list[dict[str, Any]]:
             "permanent": float(max(found.plastic[row, i, 0] for row in on)),
             "state": STATES[
                 max(
-                    _rank(int(found.phase[row, i, 0]), float(found.plastic[row, i, 0]))
+                    _rank(int(found.branch[row, i, 0]), float(found.plastic[row, i, 0]))
                     for row in on
                 )
             ],
@@ -200,11 +200,11 @@ def device_rows(system: System, march: March) -> list[dict[str, Any]]:
     return table
 
 
-def _rank(phase: int, plastic: float) -> int:
-    """Return the index in STATES of a device in this phase with this permanent
+def _rank(branch: int, plastic: float) -> int:
+    """Return the index in STATES of a device on this branch with this permanent
     elongation [m].
     """
-    return 2 if phase == BROKEN else int(phase == YIELDING or plastic > 0.0)
+    return 2 if branch == BROKEN else int(branch == YIELDING or plastic > 0.0)
 
 
 def columns_of(devices: tuple[dict[str, Any], ...]) -> dict[str, Any]:
@@ -229,6 +229,13 @@ def _in_words(device: dict[str, Any], limit: str) -> str:
         if device["tie_force"] is None
         else f" ({device['tie_force']:.4g} of its {limit})"
     )
+    if not device["tie_elongation"]:
+        prestress = (
+            f", at its prestress of {device['force']:.6g} N{share}"
+            if device["force"]
+            else ""
+        )
+        return f"{device['device']} {device['state']}, not stretched{prestress}"
     left = (
         f", {1e3 * device['permanent']:.4g} mm of them permanent"
         if device["permanent"]

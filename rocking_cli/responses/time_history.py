@@ -17,7 +17,8 @@ from ..motions import Motion, Piece
 from ..motions.grid import Grid, HasMotion, demand_of
 from ..structures.parameters import RockingParameters
 from .arcs import Event, History
-from .force_history import ForceHistory, edges_of
+from .force_history import ForceHistory
+from .ground_forces import edges_of
 from .ground_history import GroundMotion
 from .history import history
 
@@ -38,7 +39,11 @@ STILL = Motion("free rocking", (Piece(0.0, 1.0),))
 
 @dataclass(frozen=True, eq=False)
 class TimeHistory:
-    """The response of one structure to one motion.
+    """The response of one structure to one motion, by one or two equations.
+
+    `time_history` and `compare` return it. `rows` and `events` yield what `rocking
+    response` prints, `summaries` and `outcome` the outcome, `forces` the forces on the
+    ground, `histories` each response itself.
 
     Attributes
     ----------
@@ -48,6 +53,16 @@ class TimeHistory:
     omega: Omega [-]
     histories: by equation of motion, at least to the end of the shaking
     shown: time up to which rows, events and figures go [tau]
+
+    Examples
+    --------
+    >>> (column,) = load_structures("configs/block.yaml")
+    >>> found = time_history(column, sine(), parse_grid("a_g=0.35g,f_g=1.5"))
+    >>> found.outcome("nonlinear").flag
+    'rocked'
+    >>> first = next(found.events())
+    >>> first["event"], f"{first['t']:.5f} s"
+    ('uplift', '0.08442 s')
     """
 
     structure: RockingParameters  # the one that rocks
@@ -69,9 +84,25 @@ class TimeHistory:
         return any(h.outcome == Outcome.FAILED for h in self.histories.values())
 
     def times(self, dt: float | None, steps: bool) -> np.ndarray:
-        """Return the times of the rows [tau]: every dt [tau]; with `steps` those of
-        `History.steps`; without dt the samples of a record, its impacts and peaks, or
-        the ends of POINTS equal intervals for a pulse. Raises UsageError.
+        """Return the times of the rows.
+
+        Parameters
+        ----------
+        dt
+            step [tau]; None: the samples of a record with its impacts and peaks, or the
+            ends of equal intervals for a pulse
+        steps
+            True: the times of `History.steps`
+
+        Returns
+        -------
+        array
+            [tau], (rows,)
+
+        Raises
+        ------
+        UsageError
+            for a step that is not positive or gives too many rows
         """
         if steps:
             marks = [h.steps() for h in self.histories.values()]
@@ -145,8 +176,17 @@ class TimeHistory:
         }
 
     def top_displacement(self, model: str) -> float | None:
-        """Return the largest displacement of the top from its rest position [m]; None
-        without a geometry, and if the body falls.
+        """Return the largest displacement of the top from its rest position.
+
+        Parameters
+        ----------
+        model
+            the equation, "linear" or "nonlinear"
+
+        Returns
+        -------
+        float or None
+            [m]; None without a geometry, and if the body falls
         """
         s, found = self.structure, self.histories[model]
         if not s.top or found.theta_ratio is None or self.outcome(model).falls:
@@ -156,9 +196,10 @@ class TimeHistory:
             for e in found.events
             if e.event in ("release", "peak")
         ]
+        # at the end, or after it
         if found.theta_ratio > max((ratio for ratio, _ in largest), default=0.0) * (
             1.0 + 1e-9
-        ):  # at the end, or after it
+        ):
             largest.append(
                 (found.theta_ratio, float(found.sides(np.array([found.end]))[0]))
             )
@@ -171,8 +212,19 @@ class TimeHistory:
         )
 
     def outcome(self, model: str) -> Outcome:
-        """Return the outcome by one equation. A body that rocks has lost contact if its
-        forces are known and Fz <= 0 at some time.
+        """Return the outcome by one equation.
+
+        A body that rocks has lost contact if its forces are known and Fz <= 0 at some
+        time.
+
+        Parameters
+        ----------
+        model
+            the equation, "linear" or "nonlinear"
+
+        Returns
+        -------
+        Outcome
         """
         return (
             self.histories[model].outcome
@@ -216,61 +268,101 @@ class TimeHistory:
         dimensionless: bool = False,
         forces: bool = False,
     ) -> Iterator[dict[str, Any]]:
-        """Yield a row for each time; dt in s, or in tau with `dimensionless`; forces:
-        add the forces over m g. Columns have the name of the model if there are two.
+        """Yield the response, a row for each time.
+
         Columns with units come first, among them the force of each tie and tendon [N],
-        then tau and theta/alpha, last those of `NAMED`.
+        then tau and theta/alpha, last those of `NAMED`. Columns have the name of the
+        model if there are two.
+
+        Parameters
+        ----------
+        dt
+            step [s], in tau with `dimensionless`; None as in `times`
+        steps
+            True: a row at each end of an arc and each event
+        dimensionless
+            True: tau, theta/alpha and A, without the columns that have units
+        forces
+            True: with the forces over m g
+
+        Yields
+        ------
+        dict
+            values by column
+
+        Raises
+        ------
+        UsageError
+            for a bad step, or forces that are not known
         """
         s = self.structure
         time = 1.0 if dimensionless else 1.0 / s.p
         tau = self.times(None if dt is None else dt / time, steps)
-        names = (
-            ("tau", "theta_ratio", "theta_ratio_rate", "A")
-            if dimensionless
-            else ("t", "theta", "theta_dot", "ground_acceleration")
-        )
-        ground = self.amplitude * self.motion.value(tau * self.omega)
-        columns: dict[str, np.ndarray] = {names[0]: tau * time}
+        columns = {"tau" if dimensionless else "t": tau * time}
         last = {} if dimensionless else {"tau": tau}
         for model, found in self.histories.items():
             suffix = f"_{model}" if len(self.histories) > 1 else ""
-            ratio, rate = found.at(tau)
-            angle = 1.0 if dimensionless else s.alpha_on(found.sides(tau))
-            columns[names[1] + suffix], columns[names[2] + suffix] = (
-                ratio * angle,
-                rate * angle / time,
-            )
-            last |= {} if dimensionless else {f"theta_ratio{suffix}": ratio}
-            more = self.forces[model].columns(tau) if forces else {}
-            if found.device_forces and not dimensionless:
-                more = found.device_forces.columns(tau, columns[names[1] + suffix])
-            columns |= {name + suffix: values for name, values in more.items()}
-        columns |= {
-            names[3]: ground if dimensionless else s.ground_acceleration(ground),
-            **last,
-        }
-        named = dict(
-            zip(
-                NAMED,
-                (s.name, self.motion.name, " and ".join(self.histories)),
-                strict=True,
-            )
+            state = found.at(tau)
+            own = self._columns(model, tau, state, dimensionless, forces)
+            columns |= {name + suffix: values for name, values in own.items()}
+            last |= {} if dimensionless else {f"theta_ratio{suffix}": state[0]}
+        shaking = self.amplitude * self.motion.value(tau * self.omega)
+        columns |= (
+            {"A": shaking}
+            if dimensionless
+            else {"ground_acceleration": s.ground_acceleration(shaking)}
         )
-        keys = list(columns)
-        for row in zip(*columns.values(), strict=True):
-            yield {
-                k: None if math.isnan(x) else float(x)
-                for k, x in zip(keys, row, strict=True)
-            } | named
+        texts = s.name, self.motion.name, " and ".join(self.histories)
+        named = dict(zip(NAMED, texts, strict=True))
+        for row in _rows_of(columns | last):
+            yield row | named
+
+    def _columns(
+        self,
+        model: str,
+        tau: np.ndarray,
+        state: tuple[np.ndarray, np.ndarray],
+        dimensionless: bool,
+        forces: bool,
+    ) -> dict[str, np.ndarray]:
+        """Return the rotation, its speed, and the forces by one equation; state: theta
+        over alpha and its derivative by tau.
+        """
+        s, found = self.structure, self.histories[model]
+        more = self.forces[model].columns(tau) if forces else {}
+        ratio, rate = state
+        if dimensionless:
+            return {"theta_ratio": ratio, "theta_ratio_rate": rate, **more}
+        alpha = s.alpha_on(found.sides(tau))
+        theta = ratio * alpha
+        if found.device_forces:
+            more = found.device_forces.columns(tau, theta)
+        return {"theta": theta, "theta_dot": rate * alpha / (1.0 / s.p), **more}
 
     def events(
         self, *, dimensionless: bool = False, forces: bool = False
     ) -> Iterator[dict[str, Any]]:
-        """Yield a row for each event; a loss of contact is the last one. The rate at an
-        impact is the rate before it.
+        """Yield a row for each event; a loss of contact is the last one.
 
-        forces: add the forces over m g before and after the event, and the impulses of
-        an impact over m g [s].
+        The rate at an impact is the rate before it.
+
+        Parameters
+        ----------
+        dimensionless
+            True: without the columns that have units
+        forces
+            True: with the forces over m g before and after the event, and the impulses
+            of an impact over m g [s]
+
+        Yields
+        ------
+        dict
+            values by column
+
+        Raises
+        ------
+        UsageError
+            for forces that are not known
         """
         s = self.structure
         for model, found in self.histories.items():
@@ -301,18 +393,31 @@ class TimeHistory:
     def summaries(
         self, *, dimensionless: bool = False, forces: bool = False
     ) -> Iterator[dict[str, Any]]:
-        """Yield a row for each model with theta_ratio (None if the structure overturned
-        or lost contact) and outcome.
+        """Yield a row for each model with its largest rotation and outcome.
 
-        forces: add the required friction and its time, the friction that impacts need,
-        the least Fz over m g and its time; if the document states a friction, also when
-        the base slides (None if it does not).
+        Parameters
+        ----------
+        dimensionless
+            True: without the columns that have units
+        forces
+            True: with the required friction and its time, the friction that impacts
+            need, the least Fz over m g and its time; if the document states a friction,
+            also when the base slides (None if it does not)
+
+        Yields
+        ------
+        dict
+            values by column; theta_ratio is None if the structure overturned or lost
+            contact
+
+        Raises
+        ------
+        UsageError
+            for forces that are not known
         """
-        s, when, time = (
-            self.structure,
-            "tau" if dimensionless else "t",
-            1.0 if dimensionless else 1.0 / self.structure.p,
-        )
+        s = self.structure
+        when = "tau" if dimensionless else "t"
+        time = 1.0 if dimensionless else 1.0 / self.structure.p
         for model, found in self.histories.items():
             summary = self.forces[model].summary(when, time) if forces else {}
             if self.amplitude and not dimensionless:
@@ -337,7 +442,17 @@ class TimeHistory:
             }
 
     def summary(self, *, forces: bool = False) -> Iterator[str]:
-        """Yield a sentence on the outcome for each model."""
+        """Yield a sentence on the outcome for each model.
+
+        Parameters
+        ----------
+        forces
+            True: with what is known of the forces
+
+        Yields
+        ------
+        str
+        """
         s = self.structure
         for model, found in self.histories.items():
             peak, ratio = found.peak, found.theta_ratio or 0.0
@@ -364,6 +479,15 @@ class TimeHistory:
             yield f"{s.name}, {model}: {text}"
 
 
+def _rows_of(columns: dict[str, np.ndarray]) -> Iterator[dict[str, float | None]]:
+    """Yield the columns row by row, with None for NaN."""
+    for row in zip(*columns.values(), strict=True):
+        yield {
+            key: None if math.isnan(x) else float(x)
+            for key, x in zip(columns, row, strict=True)
+        }
+
+
 def time_history(
     structure: RockingParameters,
     motion: Motion | HasMotion | None,
@@ -373,16 +497,40 @@ def time_history(
     release: float = 0.0,
     duration: float | None = None,
 ) -> TimeHistory:
-    """Return the response of one structure; motion: None for free rocking from
-    theta/alpha = release; shaking: a grid of one cell; a record does not need it;
-    methods: the equations of motion, empty for `governing_method`.
+    """Return the response of one structure in time (Eqs. 2.3, 2.4, 3.4).
 
-    duration [s]: the time that is shown, None for the shaking and 30/p after it; the
-    outcome holds for the whole motion. Raises UsageError.
+    Parameters
+    ----------
+    structure
+        the structure
+    motion
+        the motion of the ground; None for free rocking from theta/alpha = release
+    shaking
+        amplitude and frequency, a grid of one cell; a record does not need it
+    methods
+        the equations of motion, empty for the nonlinear one if the geometry is known
+        and the motion has units, else the linear one
+    release
+        theta/alpha at the start [-], from 0 to below 1
+    duration
+        the time that is shown [s], None for the shaking and 30/p after it; the outcome
+        holds for the whole motion
 
-    >>> (column,) = load_structures('configs/block.yaml')
-    >>> found = time_history(column, sine(), parse_grid('a_g=0.35g,f_g=1.5'))
-    >>> [event.event for event in found.histories['nonlinear'].events][:3]
+    Returns
+    -------
+    TimeHistory
+
+    Raises
+    ------
+    UsageError
+        for a demand of zero, a number out of range, or an equation that does not hold
+        for the structure
+
+    Examples
+    --------
+    >>> (column,) = load_structures("configs/block.yaml")
+    >>> found = time_history(column, sine(), parse_grid("a_g=0.35g,f_g=1.5"))
+    >>> [event.event for event in found.histories["nonlinear"].events][:3]
     ['uplift', 'peak', 'impact']
     """
     moved, shaking = (STILL, None) if motion is None else demand_of(motion, shaking)

@@ -23,18 +23,49 @@ ETA_TOLERANCE = 1e-6  # restitutions closer than this count as equal
 def predict(
     structure: RockingParameters, spectrum: SpectraFile | str | Path, shaking: Grid
 ) -> dict[str, Any]:
-    """Return the row of `predict_exactly` under the motion of a linear dimensionless
-    spectrum, with the value interpolated in it. theta_ratio_interpolated is linear
-    between the spectrum's cells around (A, Omega), None unless all of them are safe;
-    interpolation_error is its distance from the computed theta_ratio. Raises UsageError
-    when the spectrum has other axes, model or restitutions, or does not reach (A,
-    Omega).
+    """Return what a dimensionless spectrum says of a structure (section 4 of the
+    paper).
 
+    The row also has the response that is computed for the structure itself, so that the
+    error of the reading is known.
+
+    Parameters
+    ----------
+    structure
+        the structure
+    spectrum
+        a linear spectrum over A and Omega that holds the restitution of the structure
+        to 1e-6: an open file or its path
+    shaking
+        amplitude and frequency, a grid of one cell
+
+    Returns
+    -------
+    dict
+        theta_max [rad], theta_ratio [-], outcome, A, Omega, capacity_demand, margin and
+        margin_side; theta_ratio_interpolated is linear between the cells around (A,
+        Omega), None unless all of them are safe; interpolation_error is its distance
+        from theta_ratio
+
+    Raises
+    ------
+    UsageError
+        when the spectrum has other axes, model or restitutions, or does not reach
+        (A, Omega)
+    OutputError
+        for a file that is no spectra file or is damaged
+
+    Notes
+    -----
+    The linear equation (Eqs. 2.4, 3.6) decides.
+
+    Examples
+    --------
     >>> oscillator = dimensionless_oscillator(0.9)
-    >>> grid = parse_grid('A=1:4:50,Omega=1:8:50')
-    >>> _ = write_spectrum([oscillator], sine(), grid, 'p.h5', workers=1)
-    >>> found = predict(oscillator, 'p.h5', parse_grid('A=1.5,Omega=6'))
-    >>> found['outcome'], round(found['theta_ratio'], 6)
+    >>> grid = parse_grid("A=1:4:50,Omega=1:8:50")
+    >>> _ = write_spectrum([oscillator], sine(), grid, "p.h5", workers=1)
+    >>> found = predict(oscillator, "p.h5", parse_grid("A=1.5,Omega=6"))
+    >>> found["outcome"], round(found["theta_ratio"], 6)
     ('rocked', 0.167098)
     """
     if not isinstance(spectrum, SpectraFile):

@@ -180,14 +180,50 @@ def envelope(
     sign: str = "worse",
     workers: int | None = None,
 ) -> list[dict[str, Any]]:
-    """Return every overturning interval of a structure, as the rows of `rocking
-    envelope`. axis: of frequencies, such as 'f_g=0.5:5:10'; None for a `Recording`,
-    whose scale is varied; method: None for `governing_method`; the other arguments as
-    of `trace_envelope`. Raises UsageError as that does.
+    """Return every interval of amplitudes that overturns a structure, as rows with
+    units.
 
-    >>> (structure,) = load_structures('configs/parameters.yaml')
-    >>> rows = envelope(structure, sine(), 'f_g=1.5')
-    >>> [(round(row['a_from'], 3), row['mode']) for row in rows]
+    For one sine cycle and the linear equation it is Fig. 2 (left) of the paper.
+    `trace_envelope` returns the same intervals over A and Omega.
+
+    Parameters
+    ----------
+    structure
+        the structure
+    motion
+        a pulse, or a record, whose scale is varied
+    axis
+        of frequencies, or its text such as "f_g=0.5:5:10"; None for a record
+    method
+        model and tolerance; None for the nonlinear model if the geometry is known and
+        the axis has units, else the linear one
+    a_max
+        largest A of the search [-]
+    sign
+        sign of the ground acceleration, for a body with unequal sides: "+", "-", or
+        "worse", which lists the intervals of either sign
+    workers
+        number of processes, None for all cores if that saves time
+
+    Returns
+    -------
+    list of dict
+        rows of `rocking envelope`: structure, A_from, A_to [-], mode, a_from, a_to
+        [m/s2] and, of a pulse, Omega [-] and omega_g [rad/s]
+
+    Raises
+    ------
+    UsageError
+        for a pulse without an axis and a record with one, when a_max is not above the
+        amplitude of the first uplift, or the model does not hold for the structure
+    OutputError
+        when a worker process dies
+
+    Examples
+    --------
+    >>> (structure,) = load_structures("configs/parameters.yaml")
+    >>> rows = envelope(structure, sine(), "f_g=1.5")
+    >>> [(round(row["a_from"], 3), row["mode"]) for row in rows]
     [(11.734, 'after_impact'), (26.953, 'no_impact')]
     """
     axis = frequency_axis(axis) if isinstance(axis, str) else axis

@@ -34,8 +34,11 @@ _RECORDED = (
 
 @dataclass(frozen=True)
 class Summary:
-    """Counts, times and checks of a sweep; for a resumed sweep the times, checks and
-    counters of the last run only.
+    """Counts, times and checks of a sweep, as `write_spectrum` returns it.
+
+    Of a resumed sweep the times, checks and counters are those of the last run only.
+    `estimated_error` and `misjudged` say how far to trust the results, `row` is what
+    `rocking spectrum --json` prints.
 
     Attributes
     ----------
@@ -60,6 +63,13 @@ class Summary:
     weighed: True if the ground also moved vertically
     beyond_tolerance: checked cells where theta/alpha differs by more than the tolerance
         times the condition
+
+    Examples
+    --------
+    >>> grid = parse_grid("A=1:3:3,Omega=2:4:2")
+    >>> found = spectrum([dimensionless_oscillator(0.9)], sine(), grid, workers=1)
+    >>> found.summary.cells, found.summary.misjudged
+    (6, 0)
     """
 
     structures: int  # their number
@@ -143,8 +153,11 @@ class Summary:
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """A spectrum in memory. All arrays have the dimensions of the scene, such as
-    (structure, frequency, amplitude) or (record, structure, scale).
+    """A rocking spectrum in memory, as `spectrum` returns it.
+
+    All arrays have the dimensions of the scene, such as (structure, frequency,
+    amplitude) or (record, structure, scale). `to_xarray` returns an xarray Dataset with
+    labelled axes; the axes themselves are in `scene.grid`.
 
     Attributes
     ----------
@@ -154,6 +167,15 @@ class Spectrum:
     impacts: number of impacts
     summary: counts, times and checks of the sweep
     quantities: the requested variables of `QUANTITIES` by name
+
+    Examples
+    --------
+    >>> grid = parse_grid("A=1:3:3,Omega=2:4:2")
+    >>> found = spectrum([dimensionless_oscillator(0.9)], sine(), grid, workers=1)
+    >>> [Outcome(int(code)).flag for code in found.outcome[0, 1]]
+    ['no_uplift', 'overturned_after_impact', 'overturned_after_impact']
+    >>> found.scene.grid.amplitude.values.tolist()
+    [1.0, 2.0, 3.0]
     """
 
     scene: Scene  # structures, motions and grid

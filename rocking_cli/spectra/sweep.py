@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,7 +25,10 @@ from .dimensions import QUANTITIES, VARIABLES
 from .results import Spectrum, Summary
 from .scene import PulseScene, Scene, Unit, cut_into_units
 from .verification import Verification, default_check, validity
-from .work.jobs import Block, Job, local_crew, unit_reports
+from .work.jobs import Block, Crew, Job, Report, local_crew, unit_reports
+
+if TYPE_CHECKING:
+    from .file.layout import FileLayout
 
 _MOST_UNITS = 1_000_000
 CHUNK_CELLS = 131072
@@ -163,12 +166,43 @@ def spectrum(
     method: Method | None = None,
     **options: Any,
 ) -> Spectrum:
-    """Return the rocking spectrum of structures over a grid, in memory. A record needs
-    no grid; parse_grid(..., own_time=True) scales it. method: the equation of motion,
-    None for `governing_method`; options: workers, check and quantities of
-    `SweepOptions`. Raises UsageError.
+    """Return the rocking spectrum of structures over a grid, in memory (section 2 of
+    the paper).
 
-    >>> grid = parse_grid('A=1:8:50,Omega=1:8:40')
+    Parameters
+    ----------
+    structures
+        one or more; of those of equal restitution a linear spectrum over A and Omega is
+        computed once
+    motion
+        the motion of the ground
+    grid
+        the cells: A and Omega, or a_g and a frequency; a record needs none, and
+        parse_grid(..., own_time=True) scales it
+    method
+        the equation of motion; None for the nonlinear one if all geometries are known
+        and the axes have units, else the linear one
+    options
+        `workers`: number of processes, None for all cores; `check`: number of cells
+        that the reference computes again; `quantities`: more variables, such as
+        "condition"
+
+    Returns
+    -------
+    Spectrum
+        with arrays of the shape (structures, frequencies, amplitudes)
+
+    Raises
+    ------
+    UsageError
+        for an equation that does not hold for a structure, an option out of range, or a
+        pulse without a grid
+    OutputError
+        when a worker process dies
+
+    Examples
+    --------
+    >>> grid = parse_grid("A=1:8:50,Omega=1:8:40")
     >>> found = spectrum([dimensionless_oscillator(0.9)], sine(), grid, workers=1)
     >>> found.theta_ratio.shape, int(overturned(found.outcome).sum())
     ((1, 40, 50), 1163)
@@ -229,13 +263,49 @@ def write_spectrum(
     **options: Any,
 ) -> Summary:
     """Compute a spectrum of structures under a pulse and stream it into an HDF5 file.
-    method: as in `spectrum`; options: those of `SweepOptions`: workers, scheduler,
-    chunk_cells, check, quantities, impacts, overwrite, resume, strict, shard,
-    documents, history, progress and tell. Raises what `write_scene` raises.
 
-    >>> grid = parse_grid('A=1:8:50,Omega=1:8:40')
+    The file opens in xarray and other netCDF readers; `SpectraFile` reads it, `draw`
+    draws it. While it is computed it has the name PATH.part.
+
+    Parameters
+    ----------
+    structures
+        one or more, with distinct names
+    motion
+        the pulse
+    grid
+        the cells: A and Omega, or a_g and a frequency
+    path
+        the HDF5 file
+    method
+        the equation of motion, None as in `spectrum`
+    options
+        `workers`, `check` and `quantities` as in `spectrum`; `scheduler` (address of a
+        dask cluster), `chunk_cells`, `impacts` (True stores their number), `overwrite`,
+        `resume`, `strict`, `shard` ((i, n): the i-th of n parts, for `merge`),
+        `sample_validity`, `documents` and `history` (texts to store), `progress` and
+        `tell` (functions)
+
+    Returns
+    -------
+    Summary
+        counts, times and checks of the sweep
+
+    Raises
+    ------
+    UsageError
+        for a refused scene, option or output; a file that exists is not replaced
+        without `overwrite`
+    OutputError
+        when the file cannot be written or a worker process dies
+    Interrupted
+        on Ctrl-C; `resume` goes on with the finished chunks
+
+    Examples
+    --------
+    >>> grid = parse_grid("A=1:8:50,Omega=1:8:40")
     >>> structures = [dimensionless_oscillator(0.9)]
-    >>> write_spectrum(structures, sine(), grid, 'shared.h5', workers=1).cells
+    >>> write_spectrum(structures, sine(), grid, "shared.h5", workers=1).cells
     2000
     """
     check_choices("write_spectrum", SweepOptions, options)
@@ -251,33 +321,11 @@ def write_scene(
     `rocking help files`). Raises UsageError for a refused scene or output, OutputError
     when the file cannot be written or a worker process dies, Interrupted on Ctrl-C.
     """
-    from .file.layout import FileLayout
     from .file.writer import SpectraWriter
 
     options = options or SweepOptions()
-    units, chunk, names, method = (
-        _units_of(scene, options),
-        options.chunk(scene),
-        options.variables_of(scene),
-        scene.method,
-    )
-    attributes: dict[str, Any] = {
-        "history": options.history,
-        "documents": options.documents,
-        "motion": scene.title,
-        "model": method.model,
-    }
-    if method.stated_tolerance is not None:
-        attributes["tolerance"] = method.stated_tolerance
-    attributes["shard"] = "{}/{}".format(*options.shard or (1, 1))
-    stored = {
-        "impacts": options.impacts,
-        "quantities": list(options.quantities_of(scene)),
-        "chunk": list(chunk),
-    }
-    layout = FileLayout(
-        scene.frame(), chunk, names, {**scene.identity(), **stored}, attributes
-    )
+    units, chunk = _units_of(scene, options), options.chunk(scene)
+    layout = _layout(scene, options)
     with SpectraWriter(
         Path(path),
         layout,
@@ -290,15 +338,9 @@ def write_scene(
             for i, own in zip(unit.places, data, strict=True):
                 writer.write((i, unit.row, unit.column), own)
 
+        pack = partial(_packed, layout.names, chunk)
         try:
-            summary = _run(
-                scene,
-                options,
-                units,
-                keep,
-                partial(_packed, names, chunk),
-                writer.found,
-            )
+            summary = _run(scene, options, units, keep, pack, writer.found)
         except KeyboardInterrupt:
             kept = int(writer.done.sum())
             if not kept:
@@ -306,7 +348,7 @@ def write_scene(
                     "interrupted before the first chunk was done; nothing is kept"
                 ) from None
             raise Interrupted(
-                f"interrupted; {kept} of {writer.cut.size} chunks are kept in"
+                f"interrupted; {kept} of {writer.chunk_grid.size} chunks are kept in"
                 f" {writer.part}; `resume` goes on"
             ) from None
         judged = validity(scene) if options.sample_validity else None
@@ -315,6 +357,30 @@ def write_scene(
         )
         writer.finish(summary.row())
     return summary
+
+
+def _layout(scene: Scene, options: SweepOptions) -> "FileLayout":
+    """Return the layout of the file of a scene. Raises UsageError."""
+    from .file.layout import FileLayout
+
+    chunk, method = options.chunk(scene), scene.method
+    names = options.variables_of(scene)
+    attributes: dict[str, Any] = {
+        "history": options.history,
+        "documents": options.documents,
+        "motion": scene.title,
+        "model": method.model,
+    }
+    if method.stated_tolerance is not None:
+        attributes["tolerance"] = method.stated_tolerance
+    attributes["shard"] = "{}/{}".format(*options.shard or (1, 1))
+    identity = {
+        **scene.identity(),
+        "impacts": options.impacts,
+        "quantities": list(options.quantities_of(scene)),
+        "chunk": list(chunk),
+    }
+    return FileLayout(scene.frame(), chunk, names, identity, attributes)
 
 
 def _packed(
@@ -336,7 +402,8 @@ def _units_of(scene: Scene, options: SweepOptions) -> list[Unit]:
     rows, columns = (
         -(-n // size) for n, size in zip(scene.shape[1:], chunk, strict=True)
     )
-    count, cells = rows * columns * len(scene.sharing()), chunk[0] * chunk[1]
+    count = rows * columns * len(scene.sharing())
+    cells = chunk[0] * chunk[1]
     if count > _MOST_UNITS:
         raise UsageError(
             f"found {count} units of work of {cells} cells; expected up to"
@@ -344,6 +411,24 @@ def _units_of(scene: Scene, options: SweepOptions) -> list[Unit]:
         )
     refuse_endless(count * cells, 1 if scene.of_records else scene.segments)
     return list(cut_into_units(scene, chunk))
+
+
+@dataclass
+class _Counts:
+    """What the units of a shard add up to."""
+
+    outcomes: np.ndarray  # number of cells of each `Outcome`
+    differences: np.ndarray  # number of cells of each `Difference`
+    work: Work  # of the computed cells
+    shared: int = 0  # cells that took the result of another structure
+
+    def add(self, unit: Unit, report: Report) -> None:
+        """Add the counts of a computed unit."""
+        self.work += report.work
+        self.outcomes += report.outcomes
+        self.differences += report.differences
+        places = len(unit.places)
+        self.shared += int(report.outcomes.sum()) // places * (places - 1)
 
 
 def _run(
@@ -358,69 +443,75 @@ def _run(
     data, in order. found: returns the counts of outcomes of a unit that a resumed file
     already has, None for a unit to compute.
     """
-    began, (part, parts) = time.perf_counter(), options.shard or (1, 1)
-    there = {unit: found(unit) for unit in units[part - 1 :: parts]}
-    todo = [unit for unit, counts in there.items() if counts is None]
-    before = sum(
-        (counts for counts in there.values() if counts is not None),
-        np.zeros(len(Outcome), dtype=np.int64),
-    )
-    workers, chunk = (
-        max(1, min(options.processes(scene), len(todo))),
-        options.chunk(scene),
-    )
+    began = time.perf_counter()
+    todo, resumed = _todo(units, options.shard, found)
+    workers = max(1, min(options.processes(scene), len(todo)))
+    chunk, quantities = options.chunk(scene), options.quantities_of(scene)
     check = default_check(scene) if options.check is None else options.check
-    verification, quantities = (
-        Verification(scene, check, chunk, todo),
-        options.quantities_of(scene),
-    )
+    verification = Verification(scene, check, chunk, todo)
     job = Job(scene, chunk, tuple(verification.sensitive), convert, quantities)
-    if options.scheduler is None:
-        crew = local_crew(job, workers)
-    else:
-        from .work.cluster import cluster
 
-        crew = cluster(job, options.scheduler, options.tell)
-    total, shared, differences, outcomes = (
-        Work(),
-        0,
-        np.zeros(len(Difference), dtype=np.int64),
-        before.copy(),
-    )
-    for done, (unit, report) in enumerate(
-        unit_reports(job, todo, crew, verification), 1 + len(units) - len(todo)
-    ):
+    counts = _Counts(resumed.copy(), np.zeros(len(Difference), dtype=np.int64), Work())
+    reports = unit_reports(job, todo, _crew(job, options, workers), verification)
+    for done, (unit, report) in enumerate(reports, 1 + len(units) - len(todo)):
         with deferred():
             keep(unit, report.data)
-        total += report.work
-        outcomes += report.outcomes
-        differences += report.differences
-        shared += (
-            int(report.outcomes.sum()) // len(unit.places) * (len(unit.places) - 1)
-        )
+        counts.add(unit, report)
         if options.progress:
             options.progress(done, len(units))
     check_for_a_stop()
-    outcomes[Outcome.NOT_COMPUTED] = (
-        scene.cells - outcomes.sum()
-    )  # those of other shards
+    # cells of other shards
+    counts.outcomes[Outcome.NOT_COMPUTED] = scene.cells - counts.outcomes.sum()
+
     return Summary(
         structures=len(scene.structures),
         cells=scene.cells,
         run_time=time.perf_counter() - began,
         workers=workers,
-        outcomes={o.flag: int(outcomes[o]) for o in Outcome},
-        work=total,
-        shared_cells=shared,
+        outcomes=_by_flag(counts.outcomes, Outcome),
+        work=counts.work,
+        shared_cells=counts.shared,
         checked_by=CHECKED_BY,
         model=scene.method.model,
         records=scene.shape[0] if scene.of_records else 0,
         weighed=scene.weighed,
         differences=(
-            {d.flag: int(differences[d]) for d in Difference}
-            if "linear" in quantities
-            else {}
+            _by_flag(counts.differences, Difference) if "linear" in quantities else {}
         ),
-        resumed_cells=int(before.sum()),
+        resumed_cells=int(resumed.sum()),
         **verification.compared(),
     )
+
+
+def _by_flag(
+    counts: np.ndarray, codes: type[Outcome] | type[Difference]
+) -> dict[str, int]:
+    """Return the counts of cells by the names of their codes."""
+    return {code.flag: int(counts[code]) for code in codes}
+
+
+def _todo(
+    units: Sequence[Unit],
+    shard: tuple[int, int] | None,
+    found: Callable[[Unit], np.ndarray | None],
+) -> tuple[list[Unit], np.ndarray]:
+    """Return (the units of a shard to compute, the counts of outcomes of the others);
+    found: as in `_run`.
+    """
+    part, parts = shard or (1, 1)
+    there = {unit: found(unit) for unit in units[part - 1 :: parts]}
+    todo = [unit for unit, counts in there.items() if counts is None]
+    resumed = np.zeros(len(Outcome), dtype=np.int64)
+    for counts in there.values():
+        if counts is not None:
+            resumed = resumed + counts
+    return todo, resumed
+
+
+def _crew(job: Job, options: SweepOptions, workers: int) -> Crew:
+    """Return the processes that compute a job: those of this machine, or a cluster."""
+    if options.scheduler is None:
+        return local_crew(job, workers)
+    from .work.cluster import cluster
+
+    return cluster(job, options.scheduler, options.tell)

@@ -17,6 +17,7 @@ from ..dynamics.method import Method
 from ..dynamics.outcome import Difference, Outcome, difference, falls, safe
 from ..dynamics.response import Response, response
 from ..structures.friction import friction_that_slides
+from ..structures.parameters import RockingParameters
 from .scene import PulseScene, Scene, Unit
 
 Array = np.ndarray
@@ -61,7 +62,8 @@ def condition_of(
     cells = np.broadcast_arrays(
         *(np.asarray(x, dtype=float) for x in (amplitude, omega, eta))
     )
-    step, total = max(STEP, _TOLERANCES * tolerance), np.zeros(cells[0].shape)
+    step = max(STEP, _TOLERANCES * tolerance)
+    total = np.zeros(cells[0].shape)
     for i, values in enumerate(cells):
         ends = np.stack([values * (1.0 - step), values * (1.0 + step)])
         if i == _ETA:
@@ -91,13 +93,10 @@ def checked_cells(scene: Scene, check: int) -> Array:
     check: half drawn, half the most sensitive of 128.
     """
     too_long = scene.segments > (_LONGEST_RECORD if scene.of_records else _LONGEST)
-    chosen, drawn = (
-        sensitive_cells(scene, 0 if too_long else check // 2),
-        sampled_cells(scene, check),
-    )
-    drawn = drawn[~(drawn[:, None] == chosen[None]).all(axis=2).any(axis=1)][
-        : check - len(chosen)
-    ]
+    chosen = sensitive_cells(scene, 0 if too_long else check // 2)
+    drawn = sampled_cells(scene, check)
+    twice = (drawn[:, None] == chosen[None]).all(axis=2).any(axis=1)
+    drawn = drawn[~twice][: check - len(chosen)]
     flag = np.repeat([0, 1], [len(drawn), len(chosen)])
     return np.column_stack([np.concatenate([drawn, chosen]), flag])
 
@@ -108,31 +107,31 @@ def sampled_cells(scene: Scene, check: int, seed: int = _SEED) -> Array:
     """
     _, rows, columns = scene.shape
     owners = [group[0] for group in scene.sharing()]
-    lifts: dict[int, float] = {}  # the uplift of each structure
+    uplift: dict[int, float] = {}  # amplitude of uplift of each structure
 
-    def uplifts(at: tuple[int, int, int]) -> bool:
+    def uplifts(at: Place) -> bool:
         cell = scene.cell(*at)
         if friction_that_slides(cell.structure) is not None:
             return False
-        if id(cell.structure) not in lifts:
-            system = scene.method.system_of(cell.structure)
-            held = (
-                1.0
-                if system.devices is None
-                else float(np.min(system.devices.held_at_first()))
-            )
-            lifts[id(cell.structure)] = held * float(
-                np.min(system.equation.uplift_amplitude)
-            )
-        return cell.amplitude * cell.motion.largest > lifts[id(cell.structure)]
+        key = id(cell.structure)
+        if key not in uplift:
+            uplift[key] = _uplift_amplitude(scene, cell.structure)
+        return cell.amplitude * cell.motion.largest > uplift[key]
 
     drawn = _drawn(seed, 20 * check, (len(owners), rows, columns)).tolist()
-    once = dict.fromkeys(
-        (owners[i], row, column) for i, row, column in drawn
-    )  # a small grid is drawn several times
-    return np.array(list(islice(filter(uplifts, once), check)), dtype=np.int64).reshape(
-        -1, 3
-    )
+    # a small grid is drawn several times
+    once = dict.fromkeys((owners[i], row, column) for i, row, column in drawn)
+    found = list(islice(filter(uplifts, once), check))
+    return np.array(found, dtype=np.int64).reshape(-1, 3)
+
+
+def _uplift_amplitude(scene: Scene, structure: RockingParameters) -> float:
+    """Return the least amplitude that lifts a structure, in the unit of the cells."""
+    system = scene.method.system_of(structure)
+    held = 1.0
+    if system.devices is not None:
+        held = float(np.min(system.devices.held_at_first()))
+    return held * float(np.min(system.equation.uplift_amplitude))
 
 
 def _drawn(seed: int, count: int, below: tuple[int, ...]) -> Array:
@@ -154,9 +153,8 @@ def sensitive_cells(scene: Scene, count: int) -> Array:
     cells = [scene.cell(*at) for at in drawn.tolist()]
     structure, motion = cells[0].structure, cells[0].motion
     step = max(STEP, _TOLERANCES * (scene.method.stated_tolerance or 0.0))
-    shifted = np.array([cell.amplitude for cell in cells]) * np.array(
-        [[1.0 - step], [1.0 + step]]
-    )
+    ends = np.array([[1.0 - step], [1.0 + step]])
+    shifted = np.array([cell.amplitude for cell in cells]) * ends
     found = response(
         scene.method.system_of(structure),
         motion,
@@ -175,16 +173,16 @@ def _candidates(scene: Scene) -> Array:
     chance, or one row of cells of one record.
     """
     if isinstance(scene, PulseScene):
-        liveliest = max(
+        least_damped = max(
             (group[0] for group in scene.sharing()),
             key=lambda i: abs(scene.structures[i].eta),
         )
         drawn = sampled_cells(
-            replace(scene, structures=(scene.structures[liveliest],)),
+            replace(scene, structures=(scene.structures[least_damped],)),
             _CANDIDATES,
             _SEED + 1,
         )
-        drawn[:, 0] = liveliest
+        drawn[:, 0] = least_damped
         return drawn
     one = sampled_cells(scene, 1, _SEED + 1)
     if not len(one):
@@ -234,10 +232,8 @@ class Verification:
     def __init__(
         self, scene: Scene, check: int, chunk: tuple[int, int], units: Sequence[Unit]
     ) -> None:
-        (rows, columns), there = (
-            chunk,
-            {(unit.places[0], unit.row, unit.column) for unit in units},
-        )
+        rows, columns = chunk
+        there = {(unit.places[0], unit.row, unit.column) for unit in units}
         found = checked_cells(scene, check).tolist() if units else []
         self.scene = scene
         # the places of these cells: True if one was chosen for its sensitivity, False
@@ -323,17 +319,11 @@ def validity(scene: Scene, tolerance: float = 1e-6) -> Validity | None:
         for s in scene.structures
         if nonlinear.serves(s) and friction_that_slides(s) is None
     ]
-    some = [
-        known[i]
-        for i in np.linspace(0, len(known) - 1, min(_STRUCTURES, len(known))).astype(
-            int
-        )
-    ]
+    count = min(_STRUCTURES, len(known))
+    some = [known[i] for i in np.linspace(0, len(known) - 1, count).astype(int)]
     judged = [
-        _differences(
-            replace(scene, structures=(structure,)), nonlinear, _CELLS // len(some)
-        )
-        for structure in some
+        _differences(replace(scene, structures=(one,)), nonlinear, _CELLS // count)
+        for one in some
     ]
     codes = np.concatenate([np.zeros(0, np.uint8), *judged])
     codes = codes[codes != Difference.NOT_COMPUTED]
@@ -350,10 +340,8 @@ def _differences(scene: PulseScene, nonlinear: Method, count: int) -> Array:
     """Return the `Difference` of up to `count` cells of one structure: half drawn, half
     with another outcome at the next amplitude.
     """
-    (structure,), drawn = (
-        scene.structures,
-        sampled_cells(scene, _DRAWN, _SEED_OF_VALIDITY)[:, 1:],
-    )
+    (structure,) = scene.structures
+    drawn = sampled_cells(scene, _DRAWN, _SEED_OF_VALIDITY)[:, 1:]
     amplitude, omega = scene.grid.scaled(structure)
     neighbours = np.stack(
         [drawn[:, 1], np.minimum(drawn[:, 1] + 1, amplitude.size - 1)]

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..documents.spreads import NOTED_CUT
 from ..errors import DocumentError, StructureError
 from .kinds import KEYS, KINDS, build, reports_of
 from .parameters import OTHERS, RockingParameters, Side
@@ -20,12 +21,37 @@ if TYPE_CHECKING:
 
 
 def build_structure(document: Document) -> RockingParameters:
-    """Return the rocking parameters of one document. Raises DocumentError, which names
-    file, line, key and the values accepted.
+    """Return the rocking parameters of one document.
 
-    >>> (document,) = parse_documents('{kind: block, width: 0.5, height: 2}')
-    >>> round(build_structure(document).p, 6)
-    2.671671
+    Parameters
+    ----------
+    document
+        of any kind of structure, see `read_documents` and `parse_documents`
+
+    Returns
+    -------
+    RockingParameters
+        p, alpha, eta, lambda and a_scale; of a block p = sqrt(3 g/(4 R)) and eta = 1 -
+        1.5 sin^2(alpha) (Eqs. 2.3, 2.6), of a spire Eqs. 3.1 to 3.3, of an arch Eqs.
+        3.5 to 3.9
+
+    Raises
+    ------
+    DocumentError
+        if the document is not valid or the theory does not cover the structure, with
+        file, line, key and the values accepted
+
+    Notes
+    -----
+    A block of alpha above 54.7 degrees and a point mass of alpha above 45 degrees would
+    have a negative eta; they are refused unless the document states `restitution`.
+
+    Examples
+    --------
+    >>> (document,) = parse_documents("{kind: block, width: 0.5, height: 2}")
+    >>> column = build_structure(document)
+    >>> f"{column.p:.6f} {column.alpha:.6f} {column.eta:.6f}"
+    '2.671671 0.244979 0.911765'
     """
     # Names stand in lists with commas between them, so a name holds none.
     stem = (
@@ -51,19 +77,58 @@ def build_structure(document: Document) -> RockingParameters:
         ) from None
     document.has("labels")  # a key of every kind, also of those of installed packages
     document.finish(KEYS)
-    remarks = (*built.remarks, *size_remarks(document, built))
-    return replace(built, labels=labels_of(document), remarks=remarks)
+    sized = (*size_remarks(document, built), *cut_remarks(document))
+    return replace(
+        built,
+        labels=labels_of(document),
+        remarks=(*built.remarks, *sized),
+        drawn_from=document if document.uncertain else None,
+    )
+
+
+def cut_remarks(document: Document) -> list[str]:
+    """Return a remark on each normal number of which the range of its key cuts off more
+    than a thousandth.
+    """
+    found = []
+    for path, key in document.uncertain.items():
+        if (cut := key.spread.cut(key.low, key.high)) > NOTED_CUT:
+            value = document.value_at(path)
+            place = document.place if value is None else value.place
+            found.append(
+                f"{place}: {path}: {100.0 * cut:.2g} % of {value} are out of its range"
+                " and are not drawn"
+            )
+    return found
 
 
 def read_documents(path: str | Path) -> list[Document]:
-    """All documents of a YAML, JSON or CSV file (`-` is standard input), or the
-    document that a text like `block:0.5x2` states. Raises UsageError if the file cannot
-    be read, and DocumentError if it holds no valid document.
+    """Return the documents of a file.
 
-    >>> [document.source for document in read_documents('configs/arch.yaml')]
+    Parameters
+    ----------
+    path
+        a YAML, JSON or CSV file, "-" for standard input, or a text such as
+        "block:0.5x2", which is a document itself
+
+    Returns
+    -------
+    list of Document
+        in the order of the file
+
+    Raises
+    ------
+    UsageError
+        if the file cannot be read
+    DocumentError
+        if it holds no valid document, with file, line and column
+
+    Examples
+    --------
+    >>> [document.source for document in read_documents("configs/arch.yaml")]
     ['configs/arch.yaml']
     """
-    from ..documents.document import read_documents as of_file
+    from ..documents.parsing import read_documents as of_file
 
     stated = None
     if ":" in str(path):
@@ -74,11 +139,26 @@ def read_documents(path: str | Path) -> list[Document]:
 
 
 def on_each_interface(document: Document) -> list[Document]:
-    """Return a document for each interface on which a stack can rock, the weakest one
-    first under the name of the stack; also of its parameters as `rocking params --json`
-    prints them. A stack that states `rocks_on`, and any other structure, has one
-    document. Raises DocumentError.
+    """Return a document for each interface on which a stack can rock.
 
+    Parameters
+    ----------
+    document
+        of a stack, or its parameters as `rocking params --json` prints them; any other
+        structure, and a stack that states `rocks_on`, has one document
+
+    Returns
+    -------
+    list of Document
+        the weakest interface first, under the name of the stack
+
+    Raises
+    ------
+    DocumentError
+        if the document is not valid
+
+    Examples
+    --------
     >>> (statue,) = parse_documents('''
     ... {name: Statue, kind: stack,
     ...  pieces: [{width: 1, height: 4}, {width: 0.1, height: 0.38}]}''')
@@ -110,9 +190,8 @@ def on_each_interface(document: Document) -> list[Document]:
     found: list[Document] = []
     for i, one in enumerate(interfaces):
         weakest = one["on"] == built.details["rocks_on"]
-        if (
-            weakest or one["eta"] is not None or document.has("restitution")
-        ):  # else it is too squat to rock there
+        # Without eta the pieces above are too squat to rock there.
+        if weakest or one["eta"] is not None or document.has("restitution"):
             name = built.name if weakest else f"{built.name} on {one['on']}"
             here = document.with_value("name", name, document.source).with_value(
                 "rocks_on", str(i), document.source
@@ -135,15 +214,36 @@ def _alone(document: Document, index: int) -> Document:
 def load_structures(
     paths: str | Path | Iterable[str | Path],
 ) -> list[RockingParameters]:
-    """Return the rocking parameters of every document of these paths, in order, of a
-    stack on each of its interfaces (see `on_each_interface`). `read_documents` lists
-    the accepted forms of a path. Raises UsageError if a file cannot be read, and
-    DocumentError if a document is not valid. Warns (UserWarning) of lengths without a
-    unit that make a body higher than 30 m.
+    """Return the rocking parameters of every document of some files.
 
-    >>> structures = load_structures(['configs/block.yaml', 'configs/arch.yaml'])
-    >>> [structure.name for structure in structures]
-    ['Column', 'Oppenheim']
+    Parameters
+    ----------
+    paths
+        a path, or several, each in a form that `read_documents` accepts
+
+    Returns
+    -------
+    list of RockingParameters
+        in the order of the files, with distinct names; a stack has one for each
+        interface on which it can rock, see `on_each_interface`
+
+    Raises
+    ------
+    UsageError
+        if a file cannot be read
+    DocumentError
+        if a document is not valid
+
+    Warns
+    -----
+    UserWarning
+        if lengths without a unit make a body higher than 30 m
+
+    Examples
+    --------
+    >>> structures = load_structures(["configs/block.yaml", "configs/arch.yaml"])
+    >>> [(structure.name, f"{structure.p:.4f}") for structure in structures]
+    [('Column', '2.6717'), ('Oppenheim', '1.8421')]
     """
     paths = [paths] if isinstance(paths, str | Path) else paths
     documents = [

@@ -17,6 +17,7 @@ from ..documents.quantities import (
     split_quantity,
     with_a_point,
 )
+from ..documents.spreads import is_spread
 from ..errors import DocumentError, UsageError
 from .parameters import OTHERS, RockingParameters
 
@@ -24,13 +25,22 @@ MAX_MEMBERS = 1_000_000
 
 
 class Variation(NamedTuple):
-    """A key and its varied values.
+    """A key of a document and the values that it takes in turn.
+
+    `parse_variation` makes one of a text; `family` and `boundaries` take it.
 
     Attributes
     ----------
     key: of the document
     values: numbers in `unit`
     unit: None: that of the document
+
+    Examples
+    --------
+    >>> (document,) = read_documents("configs/block.yaml")
+    >>> widths = Variation("width", (0.5, 1.0), "m")
+    >>> [f"{member.parameters.alpha:.4f}" for member in family(document, [widths])]
+    ['0.2450', '0.4636']
     """
 
     key: str  # of the document
@@ -39,7 +49,7 @@ class Variation(NamedTuple):
 
 
 class Member(NamedTuple):
-    """One member of a family.
+    """One structure of a `family`.
 
     Attributes
     ----------
@@ -47,6 +57,13 @@ class Member(NamedTuple):
     shown: the same values in the units of the option, by heading with unit
     parameters: None if the document has no solution
     fault: the reason why the document has no solution
+
+    Examples
+    --------
+    >>> (document,) = read_documents("configs/block.yaml")
+    >>> member = next(family(document, ["height=2:4:3"]))
+    >>> member.varied, member.fault
+    ({'height': 2.0}, None)
     """
 
     varied: dict[str, float]  # SI values by key, empty without parameters
@@ -56,11 +73,41 @@ class Member(NamedTuple):
     fault: str | None  # the reason why the document has no solution
 
 
-def parse_variation(text: str, count: int | None = None) -> Variation:
-    """Return the variation that `KEY=START:STOP:N` states. Bounds without a unit take
-    the unit of the document; count: the N of a text without N. Raises UsageError.
+class Choice(NamedTuple):
+    """One of the varied values of a key."""
 
-    >>> parse_variation('angle=150deg:160deg:3')
+    key: str  # of the document
+    number: float  # in `unit`
+    unit: str  # empty: that of the document
+
+    @property
+    def text(self) -> str:
+        """The text that stands in the document."""
+        return f"{float(self.number)!r} {self.unit}".strip()
+
+
+def parse_variation(text: str, count: int | None = None) -> Variation:
+    """Return the variation that a text states.
+
+    Parameters
+    ----------
+    text
+        KEY=START:STOP:N; bounds without a unit take the unit of the document
+    count
+        the N of a text without N
+
+    Returns
+    -------
+    Variation
+
+    Raises
+    ------
+    UsageError
+        for a text of another form
+
+    Examples
+    --------
+    >>> parse_variation("angle=150deg:160deg:3")
     Variation(key='angle', values=(150.0, 155.0, 160.0), unit='deg')
     """
     key, equals, span = text.partition("=")
@@ -121,89 +168,120 @@ def members(variations: Sequence[Variation]) -> int:
 def family(
     document: Document, variations: Sequence[Variation | str], each: bool = False
 ) -> Iterator[Member]:
-    """Yield a member for each combination of the varied values; the last key varies
-    fastest. A variation may be a text, see `parse_variation`; each: a stack has a
-    member for each interface, see `on_each_interface`. Raises DocumentError if a key is
-    unknown, and UsageError if a key takes a text.
+    """Yield a structure for each combination of varied values.
 
-    >>> (document,) = read_documents('configs/block.yaml')
-    >>> [round(member.parameters.p, 4) for member in family(document, ['height=2:4:3'])]
+    Parameters
+    ----------
+    document
+        the structure
+    variations
+        the keys and their values, or texts as `parse_variation` reads them; the last
+        key varies fastest
+    each
+        True: a stack has a member for each interface, see `on_each_interface`
+
+    Yields
+    ------
+    Member
+        its `fault` says why a combination has no solution
+
+    Raises
+    ------
+    DocumentError
+        if a key is unknown
+    UsageError
+        if a key takes a text, or a text states no variation
+
+    Examples
+    --------
+    >>> (document,) = read_documents("configs/block.yaml")
+    >>> [round(member.parameters.p, 4) for member in family(document, ["height=2:4:3"])]
     [2.6717, 2.1996, 1.9106]
     """
-    from . import build_structure, on_each_interface
+    from . import on_each_interface
 
-    if each and document.values.get(
-        OTHERS
-    ):  # parameters: each interface has its own keys
+    # parameters: each interface has its own keys
+    if each and document.values.get(OTHERS):
         for one in on_each_interface(document):
             yield from family(one, variations)
         return
     parsed = [parse_variation(v) if isinstance(v, str) else v for v in variations]
-    keys = [v.key for v in parsed]
+    for key in [v.key for v in parsed]:
+        value = document.value_at(key)
+        if value is not None and is_spread(str(value.content)):
+            raise UsageError(
+                f"`vary` {key}: found {value}, which has a spread; expected a key"
+                " without one"
+            )
     units = [
         v.unit if v.unit is not None else _own_unit(document, v.key) for v in parsed
     ]
     for values in itertools.product(*(v.values for v in parsed)):
-        varied, texts = (
-            document,
-            {
-                key: f"{float(value)!r} {unit}".strip()
-                for key, value, unit in zip(keys, values, units, strict=True)
-            },
+        choices = [
+            Choice(v.key, value, unit)
+            for v, value, unit in zip(parsed, values, units, strict=True)
+        ]
+        yield from _members(document, choices, each)
+
+
+def _members(
+    document: Document, choices: Sequence[Choice], each: bool
+) -> Iterator[Member]:
+    """Yield the member with these values, or that of each interface; the reason if the
+    document has no solution.
+    """
+    varied = document
+    for choice in choices:
+        source = f"{document.source} with {choice.key}={choice.text}"
+        varied = varied.with_value(choice.key, choice.text, source)
+    structures, fault = _built(varied, [choice.key for choice in choices], each)
+    dimensions = varied.dimensions
+    shown = {
+        headed(choice.key, choice.unit or si_unit(dimensions.get(choice.key))): (
+            choice.number
         )
-        for key, text in texts.items():
-            varied = varied.with_value(
-                key, text, f"{document.source} with {key}={text}"
-            )
-        try:
-            found = [
-                build_structure(one)
-                for one in (on_each_interface(varied) if each else [varied])
-            ]
-            fault = None
-        except DocumentError as error:
-            if any(
-                key not in varied.asked and key not in varied.dimensions for key in keys
-            ):
-                raise
-            found, fault = [], str(error)
-        dimensions = varied.dimensions
-        if found and (words := [key for key in keys if key not in dimensions]):
-            raise UsageError(
-                f"`vary` {words[0]}: found a key that takes a text; expected a key that"
-                " takes a number"
-            )
-        shown = {
-            headed(key, unit or si_unit(dimensions.get(key))): value
-            for key, unit, value in zip(keys, units, values, strict=True)
-        }
-        si = (
-            {key: parse_quantity(text, dimensions[key]) for key, text in texts.items()}
-            if found
-            else {}
+        for choice in choices
+    }
+    if fault is not None:
+        yield Member({}, shown, None, fault)
+        return
+
+    si = {c.key: parse_quantity(c.text, dimensions[c.key]) for c in choices}
+    details = {
+        "varied": si,
+        "varied_units": {c.key: si_unit(dimensions[c.key]) for c in choices},
+    }
+    suffix = [f"{choice.key}={choice.number:g}{choice.unit}" for choice in choices]
+    for structure in structures:
+        named = replace(
+            structure,
+            name=" ".join([structure.name, *suffix]),
+            details={**structure.details, **details},
         )
-        for built in found:
-            name = " ".join(
-                [
-                    built.name,
-                    *(
-                        f"{key}={value:g}{unit}"
-                        for key, value, unit in zip(keys, values, units, strict=True)
-                    ),
-                ]
-            )
-            more = {
-                "varied": si,
-                "varied_units": {key: si_unit(dimensions[key]) for key in keys},
-            }
-            yield Member(
-                si,
-                shown,
-                replace(built, name=name, details={**built.details, **more}),
-                None,
-            )
-        if fault is not None:
-            yield Member(si, shown, None, fault)
+        yield Member(si, shown, named, None)
+
+
+def _built(
+    varied: Document, keys: Sequence[str], each: bool
+) -> tuple[list[RockingParameters], str | None]:
+    """Return (structures, None), or ([], the reason) if these values have no solution.
+    Raises DocumentError if no kind asks for a key, and UsageError if it takes a text.
+    """
+    from . import build_structure, on_each_interface
+
+    try:
+        documents = on_each_interface(varied) if each else [varied]
+        structures = [build_structure(one) for one in documents]
+    except DocumentError as error:
+        if any(key not in varied.asked | varied.dimensions.keys() for key in keys):
+            raise
+        return [], str(error)
+    if words := [key for key in keys if key not in varied.dimensions]:
+        raise UsageError(
+            f"`vary` {words[0]}: found a key that takes a text; expected a key that"
+            " takes a number"
+        )
+    return structures, None
 
 
 def _own_unit(document: Document, key: str) -> str:

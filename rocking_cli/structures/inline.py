@@ -25,7 +25,7 @@ def inline_document(text: str) -> "Document | None":
     if match is None or os.path.exists(text):
         return None
     from ..documents.composition import Place
-    from ..documents.document import document_of
+    from ..documents.parsing import document_of
     from ..documents.quantities import with_a_point
     from ..documents.table import Cell
 
@@ -83,16 +83,14 @@ def _in_one_unit(sizes: list[str]) -> list[str]:
     """Return the sizes; the unit of length of the last size holds for the sizes that
     have none, so 45x180cm is 45 cm by 180 cm.
     """
-    from ..documents.quantities import UNITS, split_quantity
+    from ..documents.quantities import UNITS
+    from ..documents.spreads import unit_of_last
+    from ..documents.table import with_unit
 
-    parts = [split_quantity(size) for size in sizes]
-    unit = parts[-1][1] if parts[-1] else ""
-    if unit not in UNITS["length"]:
-        return sizes
-    return [
-        f"{size} {unit}" if part and not part[1] else size
-        for size, part in zip(sizes, parts, strict=True)
-    ]
+    unit = unit_of_last(sizes[-1])
+    return (
+        [with_unit(size, unit) for size in sizes] if unit in UNITS["length"] else sizes
+    )
 
 
 def _parts(text: str) -> list[str]:

@@ -14,24 +14,27 @@ from ..errors import StructureError
 from .restraints import Restraints
 
 if TYPE_CHECKING:
+    from ..documents.document import Document
     from .mechanics.kinematics import Mechanism
 
+# details of a member of a family: SI value by key, and SI unit by key
 VARIED = (
     "varied",
     "varied_units",
-)  # details of a member of a family: SI value by key, and SI unit by key
+)
 # the detail of stated parameters of a stack: those on its other interfaces, each a
 # document
 OTHERS = "other_interfaces"
 DIMENSIONLESS = "dimensionless"  # `structure` of an oscillator without units
 MOST_DAMPING = 1.0  # zeta stays below it
+# by the printed name
 _FIELDS = {
     "p": "p",
     "alpha": "alpha",
     "eta": "eta",
     "lambda": "uplift",
     "a_scale": "a_scale",
-}  # by the printed name
+}
 # rad; a fallen body has theta/alpha = 1/alpha, so a smaller alpha costs too many steps
 LEAST_ALPHA = 1e-30
 
@@ -42,6 +45,7 @@ def _require(label: str, value: float, holds: bool, wanted: str) -> None:
 
 
 def _check_numbers(of: Side | RockingParameters) -> None:
+    """Raise StructureError for numbers that no body or edge has."""
     for label, x in (
         ("p", of.p),
         ("alpha", of.alpha),
@@ -100,11 +104,15 @@ def fields_in(row: Mapping[str, Any]) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class RockingParameters:
-    """The parameters of a rocking structure (section 4 of the paper). If the edges
-    differ, the numbers are those of the edge with the smaller lambda.
+    """The parameters of a rocking structure (sections 2 to 4 of the paper).
 
-    Raises StructureError if a number is not finite or out of range, or if the sides do
-    not agree with the rest.
+    `load_structures` and `build_structure` make one of a document, and
+    `dimensionless_oscillator` one of a restitution alone. If the edges differ, the
+    numbers are those of the edge with the smaller lambda. `row` and `from_row` write
+    and read it; `dimensionless_amplitude` and `ground_acceleration` turn a_g into A and
+    back; `with_restitution` returns the same body with another eta. Raises
+    StructureError if a number is not finite or out of range, or if the sides do not
+    agree with the rest.
 
     Attributes
     ----------
@@ -133,6 +141,17 @@ class RockingParameters:
         other numbers are those of the free body
     labels: texts by name that a document or a table has beside its numbers
     remarks: sentences on numbers that are probably wrong
+
+    Examples
+    --------
+    >>> column = RockingParameters(
+    ...     name="Column", structure="parameters", p=2.67, alpha=0.245, eta=0.91,
+    ...     uplift=0.25, a_scale=1.0,
+    ... )
+    >>> round(column.dimensionless_amplitude(0.35 * 9.81), 4)
+    1.4286
+    >>> column.row()["lambda"]
+    0.25
     """
 
     name: str  # of the structure, as tables and files call it
@@ -170,6 +189,8 @@ class RockingParameters:
     remarks: tuple[str, ...] = field(default=(), repr=False, compare=False)
     # coefficient of a base that slides [-], at most the static one, None for the same
     kinetic_friction: float | None = None
+    # the document, if it holds numbers with a spread, at whose means all numbers hold
+    drawn_from: Document | None = field(default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         _check_numbers(self)
@@ -223,8 +244,29 @@ class RockingParameters:
     def of_sides(
         cls, name: str, structure: str, left: Side, right: Side, **more: Any
     ) -> RockingParameters:
-        """Return a body on two edges; without `sides` if their parameters are equal.
-        `more`: the other fields.
+        """Return a body on two edges.
+
+        Parameters
+        ----------
+        name
+            of the structure
+        structure
+            its kind
+        left, right
+            parameters of the body on each edge; if they are equal, `sides` is empty
+        more
+            the other fields
+
+        Returns
+        -------
+        RockingParameters
+            whose p, alpha, eta, lambda and a_scale are those of the edge with the
+            smaller lambda
+
+        Raises
+        ------
+        StructureError
+            if a number is out of range
         """
         sides = () if numbers_of(left) == numbers_of(right) else (left, right)
         weaker = weaker_side((left, right))
@@ -246,16 +288,29 @@ class RockingParameters:
 
     @classmethod
     def from_row(cls, row: Mapping[str, Any]) -> RockingParameters:
-        """Return the parameters from the dictionary of `row()`. Raises KeyError,
-        TypeError or ValueError if it is not valid.
+        """Return the parameters that `row()` wrote.
+
+        Parameters
+        ----------
+        row
+            a dictionary, as `rocking params --json` prints it
+
+        Returns
+        -------
+        RockingParameters
+            without the mechanism of an arch, which a row does not hold
+
+        Raises
+        ------
+        KeyError, TypeError, ValueError
+            if the dictionary is not valid
         """
         sides = tuple(
             Side(side["side"], arm=side.get("arm"), **fields_in(side))
             for side in row.get("sides", ())
         )
-        kind = (
-            row["structure_kind"] if "structure_kind" in row else row["structure"]
-        )  # files of earlier versions
+        # files of earlier versions
+        kind = row["structure_kind"] if "structure_kind" in row else row["structure"]
         more = {
             key: row[key]
             for key in ("one_sided", "damping", "friction", "arm")
@@ -293,8 +348,22 @@ class RockingParameters:
         return replace(self, a_scale=self.alpha / self.uplift, sides=sides)
 
     def with_restitution(self, eta: float) -> RockingParameters:
-        """Return the same body with another restitution on every edge. Raises
-        StructureError if it is out of range.
+        """Return the same body with another restitution on every edge.
+
+        Parameters
+        ----------
+        eta
+            coefficient of restitution [-] (Eq. 2.6)
+
+        Returns
+        -------
+        RockingParameters
+            with eta_source "given"
+
+        Raises
+        ------
+        StructureError
+            if eta is out of range
         """
         return replace(
             self,
@@ -339,8 +408,17 @@ class RockingParameters:
         }
 
     def alpha_on(self, side: Any) -> Any:
-        """Return alpha [rad] on the right edge (side = +1) or the left edge (side =
-        -1), in the shape of `side`.
+        """Return the critical angle on each side.
+
+        Parameters
+        ----------
+        side
+            +1 for the right edge (theta > 0), -1 for the left, of any shape
+
+        Returns
+        -------
+        float or array
+            alpha [rad], in the shape of `side`
         """
         if not self.sides:
             return self.alpha + 0.0 * side
@@ -348,11 +426,33 @@ class RockingParameters:
         return left.alpha + (right.alpha - left.alpha) * (side > 0.0)
 
     def dimensionless_amplitude(self, a_g: Any) -> Any:
-        """Return A = a_scale a_g / (alpha g) for a ground acceleration a_g [m/s2]."""
+        """Return A = a_scale a_g / (alpha g).
+
+        Parameters
+        ----------
+        a_g
+            amplitude of the ground acceleration [m/s2], of any shape
+
+        Returns
+        -------
+        float or array
+            A [-]
+        """
         return self.a_scale * a_g / (self.alpha * self.gravity)
 
     def ground_acceleration(self, amplitude: Any) -> Any:
-        """Return the ground acceleration a_g [m/s2] of a dimensionless amplitude A."""
+        """Return a_g = A alpha g / a_scale.
+
+        Parameters
+        ----------
+        amplitude
+            A [-], of any shape
+
+        Returns
+        -------
+        float or array
+            amplitude of the ground acceleration [m/s2]
+        """
         return amplitude * (self.alpha * self.gravity) / self.a_scale
 
 
@@ -362,12 +462,31 @@ def weaker_side(sides: Sequence[Side]) -> Side:
 
 
 def dimensionless_oscillator(eta: float) -> RockingParameters:
-    """Return the oscillator of a dimensionless spectrum. Its p, alpha, lambda, a_scale
-    and gravity are 1, so a_g = A and omega_g = Omega. Raises StructureError if eta is
-    not in [0, 1].
+    """Return the oscillator of a dimensionless spectrum.
 
-    >>> dimensionless_oscillator(0.9).eta
-    0.9
+    Its p, alpha, lambda, a_scale and gravity are 1, so a_g = A and omega_g = Omega. One
+    spectrum of it serves every structure of the same restitution (section 4 of the
+    paper).
+
+    Parameters
+    ----------
+    eta
+        coefficient of restitution [-], from 0 to 1 (Eq. 2.6)
+
+    Returns
+    -------
+    RockingParameters
+
+    Raises
+    ------
+    StructureError
+        if eta is not in [0, 1]
+
+    Examples
+    --------
+    >>> oscillator = dimensionless_oscillator(0.9)
+    >>> oscillator.p, oscillator.alpha, oscillator.eta
+    (1.0, 1.0, 0.9)
     """
     return RockingParameters(
         f"eta={eta:g}", DIMENSIONLESS, 1.0, 1.0, eta, 1.0, 1.0, "given", 1.0

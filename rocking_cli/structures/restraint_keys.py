@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .parameters import MOST_DAMPING, RockingParameters, Side
 from .restraints import SIDES, Restraints, Stand, Tendon, Tie
@@ -39,69 +40,90 @@ def restrained(
     mass, given = mass_of(document) or body.details.get("mass"), restraints_in(document)
     if mass is None:
         raise document.missing("mass", f"the mass [kg], which {given[0]} need")
+    stands = _stands(document, body, mass, radius, share)
+    _require_alike(document, body)
+    if "dampers" in given:
+        levers = (width - inset) ** 2 + inset**2
+        zeta = _damping(document, body.p, stands[0].moment, levers)
+        body = replace(body, damping=zeta)
+    held = Restraints(
+        _ties(document, crown, level, inset, width) if "ties" in given else (),
+        _tendon(document) if "tendon" in given else None,
+        tuple(stands),
+    )
+    if not (held.ties or held.tendon):
+        return body
+    rows = _statics(document, held, stands[1:] if body.one_sided else stands)
+    return replace(body, restraints=held, details={**body.details, "restrained": rows})
+
+
+def _stands(
+    document: Document,
+    body: RockingParameters,
+    mass: float,
+    radius: float | None,
+    share: float,
+) -> list[Stand]:
+    """Return the body on each of its edges; the other arguments as of `restrained`.
+    Raises DocumentError if the arm R is not known.
+    """
     both: tuple[Side | RockingParameters, ...] = body.sides or (body, body)
-    stands = []
-    for side, of in zip(SIDES["both"], both, strict=True):
-        if (arm := of.arm or radius) is None:
+    found = []
+    for name, side in zip(SIDES["both"], both, strict=True):
+        if (arm := side.arm or radius) is None:
+            first = restraints_in(document)[0]
             raise document.fault(
-                given[0], f"{given[0]} of a body whose arm is not known", "arm as well"
+                first, f"{first} of a body whose arm is not known", "arm as well"
             )
-        stands.append(
-            Stand(
-                side,
-                of.alpha,
-                mass * body.gravity * arm * share,
-                arm * math.sin(of.alpha),
-            )
-        )
+        moment = mass * body.gravity * arm * share
+        found.append(Stand(name, side.alpha, moment, arm * math.sin(side.alpha)))
+    return found
+
+
+def _require_alike(document: Document, body: RockingParameters) -> None:
+    """Raise DocumentError for a tendon or dampers of a body whose edges differ."""
     for key in ("tendon", "dampers"):
-        if key in given and (body.sides or body.arm is None):
+        if key in restraints_in(document) and (body.sides or body.arm is None):
             found = "two unequal sides" if body.sides else "other parts on each edge"
             raise document.fault(
                 key,
                 f"{key} of a body with {found}",
                 "a body that rocks alike and as a whole on both edges",
             )
-    if "dampers" in given:
-        body = replace(
-            body,
-            damping=_damping(
-                document, body.p, stands[0].moment, (width - inset) ** 2 + inset**2
-            ),
-        )
-    ties = _ties(document, crown, level, inset, width) if "ties" in given else ()
-    held = Restraints(
-        ties, _tendon(document) if "tendon" in given else None, tuple(stands)
-    )
-    if not (held.ties or held.tendon):
-        return body
+
+
+def _statics(
+    document: Document, held: Restraints, stands: Sequence[Stand]
+) -> list[dict[str, Any]]:
+    """Return the statics on each edge as rows, one row for equal edges. Raises
+    DocumentError for restraints that are too stiff, and for a friction: the ground
+    forces of a tied body are not computed.
+    """
+    first = restraints_in(document)[0]
     if document.has("friction"):
         raise document.fault(
             "friction",
-            f"friction of a body with {given[0]}, whose ground forces are not computed",
+            f"friction of a body with {first}, whose ground forces are not computed",
             "no friction",
         )
-    rows = [
-        {"side": stand.side, **held.statics(stand)}
-        for stand in (stands[1:] if body.one_sided else stands)
-    ]
+    rows = [{"side": stand.side, **held.statics(stand)} for stand in stands]
     if not (stiffest := max(row["stiffness"] for row in rows)) < _STIFFEST:
-        found = (
-            f"{given[0]} that add {stiffest:.3g} m g R to the stiffness after uplift"
-        )
         raise document.fault(
-            given[0],
-            found,
+            first,
+            f"{first} that add {stiffest:.3g} m g R to the stiffness after uplift",
             f"up to {_STIFFEST:g} m g R: the march of a stiffer body takes minutes",
         )
     if len(rows) == 2 and rows[0] == {**rows[1], "side": "left"}:
-        rows = [{**rows[0], "side": "both"}]
-    return replace(body, restraints=held, details={**body.details, "restrained": rows})
+        return [{**rows[0], "side": "both"}]
+    return rows
 
 
 def _ties(
     document: Document, crown: float, level: float, inset: float, width: float
 ) -> tuple[Tie, ...]:
+    """Return the ties that hold the rocking part, their heights and levers from its
+    pivots; the arguments are those of `restrained`. Raises DocumentError.
+    """
     one_sided, ties = document.flag("one_sided"), []
     for part in document.parts("ties", _TIES):
         where = (
@@ -114,10 +136,8 @@ def _ties(
             )
             - level
         )
-        where, least = (
-            f"a length from 0 to {width:g} m, the width of the body",
-            0.0 if width < math.inf else -math.inf,
-        )
+        where = f"a length from 0 to {width:g} m, the width of the body"
+        least = 0.0 if width < math.inf else -math.inf
         behind = part.quantity(
             "behind", "length", least=least, most=width, where=where, default=0.0
         )
@@ -162,6 +182,7 @@ def _ties(
 
 
 def _tendon(document: Document) -> Tendon:
+    """Return the tendon. Raises DocumentError."""
     part = document.part("tendon", document.values["tendon"])
     tendon = Tendon(
         _stiffness(part),
@@ -228,6 +249,7 @@ def _stiffness(part: Document) -> float:
 
 
 def _force(part: Document, key: str, default: float) -> float:
+    """Return a force from 0 [N]."""
     return part.quantity(
         key, "force", least=0.0, where="a force from 0", default=default
     )

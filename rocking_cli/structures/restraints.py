@@ -49,10 +49,8 @@ class Tie:
         """Return the rotation [rad] of u_ult, or infinity: u = R_t (sin a - sin(a -
         theta)), a being the angle of the anchor.
         """
-        reach, start = (
-            math.hypot(self.behind, self.height),
-            math.atan2(self.behind, self.height),
-        )
+        reach = math.hypot(self.behind, self.height)
+        start = math.atan2(self.behind, self.height)
         sine = math.sin(start) - self.ultimate / reach
         return start - math.asin(sine) if sine >= -1.0 else math.inf
 
@@ -162,10 +160,8 @@ class Restraints:
         a right angle, from which the body does not return; "none" without one.
         """
         ties = self.on(stand.side, stand.lever)
-        pull, stiff = (
-            sum(tie.prestress * tie.height for tie in ties),
-            sum(tie.stiffness * tie.height**2 for tie in ties),
-        )
+        pull = sum(tie.prestress * tie.height for tie in ties)
+        stiff = sum(tie.stiffness * tie.height**2 for tie in ties)
 
         def returns(theta: float) -> bool:
             return (

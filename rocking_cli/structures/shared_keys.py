@@ -8,6 +8,7 @@ import math
 from typing import TYPE_CHECKING
 
 from ..documents.quantities import DEFAULT_GRAVITY
+from ..documents.spreads import is_spread
 from ..errors import DocumentError
 from .parameters import MOST_DAMPING
 
@@ -56,8 +57,12 @@ def restitution_of(
             "given",
         )
     if momentum < 0.0:
-        found = _swapped(document) or f"a restitution of {momentum:.4g} from momentum"
-        raise document.fault(None, found, f"{limit}; or give restitution")
+        found = _swapped(document) or (
+            "a shape for which conservation of angular momentum at an impact gives the"
+            f" restitution {momentum:.4g}, below 0"
+        )
+        expected = f"{limit}; or give restitution, a number from 0 to 1"
+        raise document.fault(None, found, expected)
     return momentum, "momentum"
 
 
@@ -136,6 +141,8 @@ def _stated(
             "restitution", "number", above=above, least=least, most=most
         )
     except DocumentError:  # its sentence lacks `auto`
+        if is_spread(str(document.values["restitution"].content)):
+            raise
         raise document.fault(
             "restitution", str(document.values["restitution"]), wanted
         ) from None

@@ -9,10 +9,26 @@ from ..errors import UsageError
 
 
 def template(kind: str) -> str:
-    """Return the text of the example document of a kind. Raises UsageError if there is
-    none.
+    """Return the text of the commented example document of a kind.
 
-    >>> build_structure(parse_documents(template('block'))[0]).structure
+    Parameters
+    ----------
+    kind
+        such as "block", "arch" or "stack"
+
+    Returns
+    -------
+    str
+        a YAML document
+
+    Raises
+    ------
+    UsageError
+        if there is none of this kind
+
+    Examples
+    --------
+    >>> build_structure(parse_documents(template("block"))[0]).structure
     'block'
     """
     if place := shipped(f"{kind}.yaml"):

@@ -116,6 +116,7 @@ TIED = (
 )
 
 
+@pytest.mark.slow
 def test_a_command_that_computes_one_direction_of_unequal_sides_says_so(
     rocking, tmp_path
 ):
@@ -178,6 +179,7 @@ def loaded(arguments: str, folder: Path) -> dict[str, str]:
     return dict(line.split(" ", 1) for line in done.stderr.splitlines() if " " in line)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "unwanted"),
     [
@@ -248,10 +250,11 @@ def code_tokens(file: Path) -> int:
     return counted
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "most"),
     [
-        ("check configs/block.yaml --a-g 0.35g --f-g 1.5", 118_000),
+        ("check configs/block.yaml --a-g 0.35g --f-g 1.5", 123_000),
         ("spectrum --eta 0.9 --grid A=1:2:2,Omega=1:2:2 -q -o OUT", 88_000),
     ],
     ids=["check", "spectrum"],

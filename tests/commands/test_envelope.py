@@ -85,6 +85,7 @@ def test_the_lowest_interval_is_a_row_a_frequency_also_where_there_is_none(rocki
     assert len(every) > 4
 
 
+@pytest.mark.slow
 def test_the_limit_may_be_an_acceleration(rocking):
     call = (
         "envelope",
@@ -107,6 +108,7 @@ def test_the_limit_may_be_an_acceleration(rocking):
     ]
 
 
+@pytest.mark.slow
 def test_both_equations_are_traced_and_their_difference_told(rocking):
     call = (
         "envelope",

@@ -152,6 +152,7 @@ def test_limit_states_and_methods_are_rows(rocking):
     )
 
 
+@pytest.mark.slow
 def test_a_vertical_motion_moves_the_curves(rocking, tmp_path):
     (tmp_path / "few.csv").write_text(
         "a_g,T_g\n"
@@ -278,6 +279,7 @@ def test_a_table_has_the_unit_of_the_levels_if_nothing_else_is_asked_for(
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", [(), ("--exact",)], ids=["cells", "exact"])
 def test_the_measure_that_explains_most_comes_first(rocking, how):
     rows = rocking("fragility", STATED, *SITE, "--efficiency", *how, "--json").records
@@ -332,6 +334,7 @@ def test_cells_are_every_motion_at_every_level_over_two_measures(rocking):
 HAZARD = ("--hazard", "configs/hazard.csv")
 
 
+@pytest.mark.slow
 def test_a_hazard_curve_gives_annual_rates(rocking):
     fitted, exact = rocking(
         "fragility",

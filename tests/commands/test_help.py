@@ -3,6 +3,7 @@ runs.
 """
 
 import re
+import shlex
 
 import click
 import pytest
@@ -45,28 +46,63 @@ def example(rocking, command):
     return text.partition("Example: ")[2].partition(" | jq")[0].split(" && ")
 
 
+SHORTER = [
+    (r"(:[\d.]+g?:)([4-9]|\d\d+)\b", r"\g<1>3"),  # three values of a grid
+    (r"--duration 2 ", "--duration 0.2 "),
+    (r"--f-g 0\.5:5", "--f-g 0.5:0.6"),
+    (r"rocking fragility", "rocking fragility --bootstrap 20"),
+    (
+        r"(rocking (check|envelope) (?!.*--(a-max|verdict-only|closed-form)).*)",
+        r"\1 --a-max 2",
+    ),
+]
+
+
+def shortened(line):
+    """The same command with less to compute."""
+    for found, put in SHORTER:
+        line = " | ".join(re.sub(found, put, stage) for stage in line.split(" | "))
+    return line
+
+
+# Pages whose commands take seconds, and how many of them run outside the soak.
+FIRST = {"report": 1, "fragility": 2, "plot": 6, "check": 2, "solve": 1}
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", dict.fromkeys((*COMMANDS, *PAGES)))
-def test_examples_and_pages_run_in_order_anywhere(rocking, tmp_path, name):
+@pytest.mark.parametrize(
+    ("name", "count"),
+    [
+        *((name, FIRST.get(name)) for name in dict.fromkeys((*COMMANDS, *PAGES))),
+        *(pytest.param(name, None, marks=pytest.mark.soak) for name in FIRST),
+    ],
+)
+def test_examples_and_pages_run_in_order_anywhere(
+    rocking, tmp_path, monkeypatch, name, count
+):
     """In an empty folder, where `configs` is found in the package, and shortened; no
     line of a table is wider than 100 columns.
     """
+    monkeypatch.setattr("rocking_cli.reports.page_sections.SIDE", 8)
     (tmp_path / "configs").unlink()
     shown = example(rocking, name) if name in COMMANDS else []
-    for line in dict.fromkeys(
-        [*shown, *re.findall(r"^    (rocking .*)$", page(name), re.MULTILINE)]
-    ):
-        shorter = re.sub(
-            r"(:[\d.]+g?:)([4-9]|\d\d+)\b",
-            r"\g<1>3",
-            line.replace("--duration 2 ", "--duration 0.2 "),
-        )
-        shorter = shorter.replace("--f-g 0.5:5", "--f-g 0.5:1").replace(
-            "rocking fragility", "rocking fragility --bootstrap 20"
-        )
-        printed = shell(rocking, shorter, tmp_path)
+    shown += re.findall(r"^    (rocking .*)$", page(name), re.MULTILINE)
+    for line in list(dict.fromkeys(shown))[:count]:
+        printed = shell(rocking, shortened(line), tmp_path)
         if not re.search(r"--(json|csv|documents)|convert", line):
             assert max(map(len, printed.splitlines()), default=0) <= 100
+
+
+@pytest.mark.parametrize("name", FIRST)
+def test_every_option_that_a_page_shows_is_there(name):
+    """Of the commands that run in the soak alone."""
+    for line in re.findall(r"^    (rocking .*)$", page(name), re.MULTILINE):
+        for stage in line.partition(" > ")[0].split(" | "):
+            program, command, *arguments = shlex.split(stage)
+            assert program == "rocking"
+            found = cli.get_command(click.Context(cli), command)
+            assert found is not None
+            found.make_context(command, arguments)
 
 
 @pytest.mark.parametrize("name", PAGES)

@@ -9,6 +9,7 @@ from support.shown_commands import shell
 from rocking_cli import dimensionless_oscillator, parse_grid, sine, write_spectrum
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "call",
     [

@@ -34,6 +34,7 @@ def said(done) -> list[str]:
     return [line for line in done.stderr.splitlines() if line.startswith("model:")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", COMMANDS)
 def test_the_axes_and_the_geometry_decide(rocking, command):
     units, bare = COMMANDS[command]

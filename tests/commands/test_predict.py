@@ -5,6 +5,7 @@ import pytest
 TWO = ("block:0.5x2,name=One,restitution=0.9", "spire:1.5x12,name=Two,restitution=0.9")
 
 
+@pytest.mark.slow
 def test_prediction_is_the_computed_response_and_states_how_far_the_spectrum_is_off(
     rocking, spectrum_file
 ):
@@ -75,6 +76,7 @@ def test_without_shaking_nothing_moves(rocking, spectrum_file):
     ] * 3
 
 
+@pytest.mark.slow
 def test_a_negative_amplitude_reverses_the_motion_of_the_spectrum(rocking, tmp_path):
     """The linear rotation is that of DOP853 with events at the impacts and at theta' =
     0, rtol 1e-12.

@@ -516,6 +516,11 @@ REFUSED = {
         (2, "--eta 0.9 -o s.h5 --grid A=1:2", "START:STOP:N"),
         (
             2,
+            f"{COLUMN} -o s.h5 --grid a_g=-1g:1g:5,f_g=1",
+            "positive values or zero; --scale -1 gives the motion the other direction",
+        ),
+        (
+            2,
             "--eta 0.9 -o s.h5 --grid A=1:20:100000,Omega=1:20:100000 --cycles 1e5",
             "which would take years; expected up to 5e+08 cells",
         ),

@@ -30,7 +30,8 @@ from rocking_cli.fragility.exposure import Exposure
 from rocking_cli.fragility.measures import members_of, shaken_upwards
 from rocking_cli.motions.biaxial import Upwards
 from rocking_cli.motions.reading import read_motions
-from rocking_cli.reports.page import Subject, page
+from rocking_cli.reports.page import page
+from rocking_cli.reports.page_sections import Subject
 from rocking_cli.reports.wording import (
     OVERVIEW,
     demand_plainly,
@@ -96,7 +97,7 @@ def subject(text: str) -> Subject:
 @pytest.fixture(scope="module", autouse=True)
 def coarse_maps():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("rocking_cli.reports.page.SIDE", 20)
+        patch.setattr("rocking_cli.reports.page_sections.SIDE", 10)
         yield
 
 
@@ -120,6 +121,7 @@ def text(verdict) -> str:
     )
 
 
+@pytest.mark.slow
 def test_the_page_holds_the_verdict_and_trusts_no_name(text, verdict):
     found = Page(text)
     assert not {"script", "link", "iframe", "object", "form"} & set(found.tags)
@@ -269,7 +271,7 @@ def test_a_vertical_motion_is_in_every_verdict_and_in_the_curves(
         ]
 
     monkeypatch.setattr("rocking_cli.reports.page.verdicts", noted)
-    monkeypatch.setattr("rocking_cli.reports.page.exposures", half_of_them)
+    monkeypatch.setattr("rocking_cli.reports.page_sections.exposures", half_of_them)
     call = (
         "report",
         "configs/parameters.yaml",
@@ -307,6 +309,7 @@ def test_a_vertical_motion_is_in_every_verdict_and_in_the_curves(
     assert rows.count(["3.txt", records[3].record.sha256]) == 1
 
 
+@pytest.mark.slow
 def test_a_first_page_in_words_comes_before_the_details(rocking, tmp_path):
     """And an input has one hash."""
     text = "---\n".join(DAMPED.format(i, alpha) for i, alpha in enumerate((0.4, 0.2)))
@@ -342,8 +345,10 @@ def test_a_first_page_in_words_comes_before_the_details(rocking, tmp_path):
     )
 
 
+@pytest.mark.slow
 def test_the_page_says_what_check_says_of_the_opposite_direction(rocking, tmp_path):
-    call = ("block:0.5x2,one_sided=true", "block:0.5x2", "--a-g=-0.6g", "--f-g", "1")
+    other = "parameters:p=2,alpha=0.2,eta=0.9,lambda=0.2"
+    call = ("block:0.5x2,one_sided=true", other, "--a-g=-0.6g", "--f-g", "1")
     assert rocking("report", *call, "-o", "r.html", "--summary").returncode == 0
     said = (
         "opposite direction (--scale -1), which may differ for unequal sides: overturns"
@@ -353,6 +358,7 @@ def test_the_page_says_what_check_says_of_the_opposite_direction(rocking, tmp_pa
     assert f"the {said}\n" in rocking("check", *call, "--verdict-only").stderr
 
 
+@pytest.mark.slow
 def test_the_page_of_a_tied_body_has_its_uplift_and_what_check_says_of_its_ties(
     rocking, tmp_path
 ):

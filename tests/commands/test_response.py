@@ -108,6 +108,7 @@ def test_free_rocking_by_release(rocking):
     assert first["nonlinear"] / first["linear"] == pytest.approx(1.0622, abs=2e-4)
 
 
+@pytest.mark.slow
 def test_own_motion_in_every_command(rocking, tmp_path):
     own = ("--motion", "configs/motions/two_pulses.yaml")
     assert (
@@ -209,6 +210,7 @@ def test_forces_of_an_arch(rocking):
     assert "where a further hinge opens" in done.stderr
 
 
+@pytest.mark.slow
 def test_a_vertical_motion_in_the_response_the_spectrum_and_the_envelope(rocking):
     up = ("--vertical", "cosine", "--vertical-scale", "3")
     done = rocking(

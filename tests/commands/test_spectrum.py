@@ -103,13 +103,14 @@ def test_pipeline_from_params(rocking, tmp_path):
     same_file(tmp_path / "a.h5", tmp_path / "b.h5")
 
 
+@pytest.mark.slow
 def test_arches_and_spires_sweep_like_any_other_structure(rocking, tmp_path):
     """A cell of the spectrum overturns just where it lies inside an interval of the
     envelope.
     """
     files, periods = (
         [f"configs/{name}.yaml" for name in ("arch", "spire_cracked", "prism")],
-        "T_g=0.6:1.6:2",
+        "T_g=1.6",
     )
     assert (
         rocking(
@@ -118,7 +119,15 @@ def test_arches_and_spires_sweep_like_any_other_structure(rocking, tmp_path):
         == 0
     )
     envelope = rocking(
-        "envelope", *files, "--grid", periods, "--a-max", "20", "--sign", "+", "--json"
+        "envelope",
+        *files,
+        "--grid",
+        periods,
+        "--a-max",
+        "2.1g",
+        "--sign",
+        "+",
+        "--json",
     )
     rows = envelope.records
     with h5py.File(tmp_path / "s.h5") as f:
@@ -166,12 +175,15 @@ def test_an_input_is_never_the_output(refused, tmp_path):
         )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("workers", "stop"),
     [
-        ("1", signal.SIGTERM),
         ("2", signal.SIGINT),
-        pytest.param("2", signal.SIGTERM, marks=pytest.mark.soak),
+        *(
+            pytest.param(workers, signal.SIGTERM, marks=pytest.mark.soak)
+            for workers in "12"
+        ),
     ],
 )
 def test_ctrl_c_and_sigterm_keep_what_was_done(tmp_path, workers, stop):

@@ -79,6 +79,7 @@ MORE = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("call", ["--help", "convert s.h5", *MORE])
 def test_every_output_ends_alike(call, tmp_path, spectrum_file):
     (tmp_path / "b.yaml").write_text("kind: block\nwidth: 1\nheight: 5\n")

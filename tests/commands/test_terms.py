@@ -40,6 +40,7 @@ def test_arguments_become_the_options_of_the_command(command, text, said):
     assert in_options(text, found) == said
 
 
+@pytest.mark.slow
 def test_no_sentence_of_the_library_names_an_option():
     for path in PACKAGE.rglob("*.py"):
         tree = ast.parse(path.read_text(encoding="utf-8"))

@@ -10,7 +10,7 @@ from support.refusals import refuses
 
 from rocking_cli import DocumentError, build_structure, parse_documents
 from rocking_cli.documents import composition, files
-from rocking_cli.documents.document import read_documents
+from rocking_cli.documents.parsing import read_documents
 from rocking_cli.motions.motion_document import build_motion
 
 BLOCK = "kind: block\nwidth: 1\nheight: 5\n"

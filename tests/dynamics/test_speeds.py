@@ -173,8 +173,8 @@ def test_a_vertical_record_shakes_those_whose_speed_is_kept_too(model):
     amplitude, omega = np.array([1.2, 1.6, 2.4]), np.array([1.0 / BLOCK.p])
     got, speed = response_with_speed(system, motion, amplitude, omega, BLOCK.eta)
     plain, still = (
-        response(system, shaken, amplitude, omega, BLOCK.eta)
-        for shaken in (motion, MOTION)
+        response(system, ground, amplitude, omega, BLOCK.eta)
+        for ground in (motion, MOTION)
     )
     assert got.outcome.tolist() == plain.outcome.tolist()
     np.testing.assert_allclose(got.theta_ratio, plain.theta_ratio, rtol=0.0, atol=1e-10)

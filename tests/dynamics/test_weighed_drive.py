@@ -72,8 +72,12 @@ def test_free_fall_is_an_outcome_of_its_own_at_its_instant():
     )
 
 
-@pytest.mark.parametrize("line", [False, True], ids=["at once", "on a line"])
-@pytest.mark.parametrize("model", ["linear", "nonlinear"])
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("model", "line"),
+    [("linear", True), ("nonlinear", False)],
+    ids=["linear, on a line", "nonlinear, at once"],
+)
 def test_the_rotation_when_the_ground_falls_away_tells_whether_the_body_has_overturned(
     model, line
 ):

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from support.synthetic_records import noise, shaken
+from support.synthetic_records import motion_of_samples, noise
 
 from rocking_cli import (
     LinearEquation,
@@ -185,7 +185,10 @@ def test_the_share_of_falls_is_0_in_one_wide_interval():
 
 
 def test_the_lowest_fall_under_a_record_is_cut_to_its_last_digits():
-    motion, system = shaken(noise(100, 0.05, 1)[30:60], 0.05), System(LinearEquation())
+    motion, system = (
+        motion_of_samples(noise(100, 0.05, 1)[30:60], 0.05),
+        System(LinearEquation()),
+    )
     found = FallSearch.of(system, motion, 0.4, 0.9, 1e-9)
     first = found.first(1.02, 8.0)
     assert found.falls(first * (1.0 - 3e-9 * np.arange(2.0))).tolist() == [True, False]
@@ -193,6 +196,7 @@ def test_the_lowest_fall_under_a_record_is_cut_to_its_last_digits():
     assert safe(response(system, motion, below, 0.4, 0.9, peaks=False).outcome).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("dt", "seed"),
     [
@@ -205,7 +209,7 @@ def test_the_lowest_fall_under_a_record_is_cut_to_its_last_digits():
 )
 def test_a_scan_leads_to_the_fall_that_the_march_finds(dt, seed):
     motion, oscillator = (
-        shaken(noise(int(15.0 / dt), dt, seed), dt),
+        motion_of_samples(noise(int(15.0 / dt), dt, seed), dt),
         dimensionless_oscillator(0.9),
     )
     system = LINEAR.system_of(oscillator)

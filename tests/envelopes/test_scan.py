@@ -7,7 +7,7 @@ from itertools import cycle
 import numpy as np
 import pytest
 from support.bodies import SYSTEMS
-from support.synthetic_records import noise, shaken
+from support.synthetic_records import motion_of_samples, noise
 
 from rocking_cli import Outcome, RigidBodyEquation, System, response
 from rocking_cli.dynamics.outcome import safe
@@ -15,17 +15,22 @@ from rocking_cli.envelopes.scan import Scan, follow
 
 NAMES = [name for name in SYSTEMS if name != "an arch"]
 SCANNED = {
-    "a step a sample": shaken(noise(100, 0.06, 4), 0.06),
-    "five samples a step": shaken(noise(600, 0.01, 9), 0.01),
+    "a step a sample": motion_of_samples(noise(100, 0.06, 4), 0.06),
+    "five samples a step": motion_of_samples(noise(600, 0.01, 9), 0.01),
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "motion"), list(zip(NAMES, cycle(SCANNED), strict=False))
+    ("name", "motion"),
+    [
+        pytest.param(name, motion, marks=[pytest.mark.soak] * (i % 4 in (1, 2)))
+        for i, (name, motion) in enumerate(zip(NAMES, cycle(SCANNED), strict=False))
+    ],
 )
 def test_a_scan_falls_as_the_march_but_next_to_boundaries(name, motion):
     (system, eta), motion = SYSTEMS[name], SCANNED[motion]
-    amplitude = np.geomspace(1.01, 4.0, 150) * system.least_uplift(motion)
+    amplitude = np.geomspace(1.01, 4.0, 60) * system.least_uplift(motion)
     near = response(
         system,
         motion,
@@ -37,59 +42,62 @@ def test_a_scan_falls_as_the_march_but_next_to_boundaries(name, motion):
     falls = ~safe(near.outcome)
     settled = falls.all(axis=0) | ~falls.any(axis=0)
     found = ~safe(Scan(system, motion, 0.4, eta).outcomes(amplitude))
-    assert 3 < falls[1].sum() < 50
-    assert np.mean((found != falls[1])[settled]) < 0.015
+    assert 1 < falls[1].sum() < 30
+    assert np.count_nonzero((found != falls[1])[settled]) <= 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [
-        "a body on one side",
         "a damped body of unlike edges",
         "the oscillator",
-        "the damped oscillator",
+        pytest.param("a body on one side", marks=pytest.mark.soak),
+        pytest.param("the damped oscillator", marks=pytest.mark.soak),
     ],
 )
 def test_a_scan_ends_where_a_sample_just_reaches_the_uplift(name):
     system, eta = SYSTEMS[name]
     motion = SCANNED["a step a sample"]
-    for fine in (False, True):
-        scan = Scan(system, motion, 0.4, eta, fine=fine)
-        amplitude = np.unique(
-            [
-                x
-                for edge in scan.edges
-                for x in 1.0 / (edge.drive * scan.lines.s[scan.lines.s != 0.0])
-                if 0.0 < x < 20.0
-            ]
-        )
-        assert amplitude.size > 20
-        assert np.all(scan.outcomes(amplitude) != Outcome.FAILED)
+    scan = Scan(system, motion, 0.4, eta)
+    amplitude = np.unique(
+        [
+            x
+            for edge in scan.edges
+            for x in 1.0 / (edge.drive * scan.lines.s[scan.lines.s != 0.0])
+            if 0.0 < x < 20.0
+        ]
+    )
+    assert amplitude.size > 20
+    assert np.all(scan.outcomes(amplitude) != Outcome.FAILED)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
-    ["a body", "the oscillator", "a damped body of unlike edges", "a body on one side"],
+    [
+        "the oscillator",
+        "a damped body of unlike edges",
+        pytest.param("a body", marks=pytest.mark.soak),
+        pytest.param("a body on one side", marks=pytest.mark.soak),
+    ],
 )
 def test_a_close_scan_has_the_outcomes_of_the_march(name):
     system, eta = SYSTEMS[name]
     motion = SCANNED["a step a sample"]
-    amplitude = np.geomspace(1.01, 4.0, 400) * system.least_uplift(motion)
+    amplitude = np.geomspace(1.01, 4.0, 150) * system.least_uplift(motion)
     expected = response(system, motion, amplitude, 0.4, eta, peaks=False).outcome
     expected[expected == Outcome.NO_UPLIFT] = Outcome.ROCKED
     assert np.unique(expected).size >= 2
-    assert (
-        np.mean(
-            Scan(system, motion, 0.4, eta, fine=True).outcomes(amplitude) != expected
-        )
-        < 0.005
-    )
+    found = Scan(system, motion, 0.4, eta).outcomes(amplitude)
+    assert np.count_nonzero(found != expected) <= 1
 
 
+@pytest.mark.slow
 def test_no_fall_depends_on_the_bodies_and_the_motions_that_are_scanned_with_it():
     cases = [
         (SYSTEMS[name][0], SCANNED[motion], 0.4, SYSTEMS[name][1])
-        for name, motion in zip(NAMES, cycle(SCANNED), strict=False)
+        for name, motion in zip(NAMES[::2], cycle(SCANNED), strict=False)
     ]
     cases += [
         (
@@ -102,9 +110,9 @@ def test_no_fall_depends_on_the_bodies_and_the_motions_that_are_scanned_with_it(
     ]
     together = [Scan(*case) for case in cases]
     amplitudes = [
-        np.geomspace(1.01, 4.0, 12 + i) * case[0].least_uplift(case[1])
+        np.geomspace(1.01, 4.0, 6 + i) * case[0].least_uplift(case[1])
         for i, case in enumerate(cases)
     ]
     follow(together, amplitudes)
     for scan, case, amplitude in zip(together, cases, amplitudes, strict=True):
-        assert scan.known[1].tolist() == Scan(*case).outcomes(amplitude).tolist()
+        assert scan.known.outcome.tolist() == Scan(*case).outcomes(amplitude).tolist()

@@ -138,6 +138,7 @@ EXACT += [
 ]
 
 
+@pytest.mark.slow
 def test_exact_shares_are_points_that_do_not_fall(rocking, tmp_path):
     done = rocking(*EXACT, "--curve", "--csv", "--export", "openquake", "-o", "e.xml")
     assert "e.xml: holds the running maximum of the exact share" in done.stderr

@@ -54,6 +54,7 @@ def record(seed):
 RECORDS = members_of([record(n) for n in range(3)])
 
 
+@pytest.mark.slow
 def test_intervals_of_pulses_are_those_of_the_envelope():
     found = traced(BLOCK, MotionSet(PULSES, MEASURES["PGA"], np.array([12.0]), LINEAR))
     for member, intervals in zip(PULSES, found, strict=True):
@@ -122,8 +123,8 @@ def test_cells_are_single_responses_to_the_scaled_motions(up):
     """
     method, levels = Method("nonlinear"), np.array([2.6, 4.0])
     members = PULSES[:2] if up is UPWARDS["pulses"] else RECORDS[:2]
-    shaken = members if up is None else shaken_upwards(members, up)
-    motions = MotionSet(shaken, MEASURES["PGA"], levels, method)
+    moved = members if up is None else shaken_upwards(members, up)
+    motions = MotionSet(moved, MEASURES["PGA"], levels, method)
     (found,), recorded = exposures([BLOCK], motions), as_recorded(BLOCK, motions)
     for i, member in enumerate(members):
         motion = (
@@ -204,7 +205,7 @@ def test_what_leaves_the_ground_passes_every_limit():
     assert 1.0 < first[0] / body.ground_acceleration(1.0) < 1.6
 
 
-def test_resurrections_are_motions_that_stand_again_at_a_larger_level():
+def test_motions_that_stand_again_at_a_larger_level_are_counted():
     beyond = np.array([[0, 1, 1, 1], [0, 1, 0, 1], [1, 0, 1, 0], [0, 0, 0, 0]])
     exposure = Exposure(
         np.zeros(beyond.shape),
@@ -216,7 +217,7 @@ def test_resurrections_are_motions_that_stand_again_at_a_larger_level():
             MotionSet(RECORDS, MEASURES["PGA"], np.arange(1.0, 5.0), LINEAR),
             Resampling(),
             exposure,
-        ).resurrections
+        ).standing_again
         == 2
     )
 

@@ -11,18 +11,9 @@ from scipy.stats import binom, norm
 from support.refusals import refuses
 
 from rocking_cli import UsageError
-from rocking_cli.fragility.fits import (
-    LEAST,
-    Resampling,
-    bootstrap,
-    bootstrap_counts,
-    cloud,
-    first_overturning,
-    fit_cloud,
-    fit_first,
-    fit_stripes,
-    stripes,
-)
+from rocking_cli.fragility.bootstrap import Resampling, bootstrap, bootstrap_counts
+from rocking_cli.fragility.estimates import LEAST, cloud, first_overturning, stripes
+from rocking_cli.fragility.fits import fit_cloud, fit_first, fit_stripes
 
 LEVELS = np.array([0.2, 0.3, 0.4, 0.6, 0.7, 0.8, 0.9, 1.0])
 COUNTS = np.array([0, 0, 0, 4, 6, 13, 12, 16])
@@ -232,6 +223,7 @@ def covered(seeds, samples):
     return hits / seeds
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("seeds", "samples", "least", "most"),
     [

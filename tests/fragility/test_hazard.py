@@ -128,6 +128,7 @@ def study(samples=200):
     )
 
 
+@pytest.mark.slow
 def test_the_rate_without_a_fit_is_the_integral_of_the_exact_share():
     some = study()
     found = some.rate_without_fit

@@ -94,6 +94,7 @@ def test_the_displacement_under_a_pulse_by_another_integrator(name):
     assert a / w**2 == pytest.approx(np.abs(found.y[0]).max(), rel=1e-3)
 
 
+@pytest.mark.slow
 def test_the_demand_of_a_motion_is_the_largest_up_to_the_period(pytestconfig):
     record = read_record(pytestconfig.rootpath / "configs/motions/synthetic.at2")
     spectrum = MotionSpectrum.of(record.motion, 0.5 * record.motion.acceleration, 1.0)

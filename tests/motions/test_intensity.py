@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from support.record_layouts import plain_record as record
 from support.record_layouts import wave
+from support.synthetic_records import at2_file, far_shock, near_shock
 
 from rocking_cli.motions.intensity import intensity
+from rocking_cli.motions.records import read_record
 
 
 def test_a_triangle_exactly():
@@ -99,3 +101,22 @@ def test_scaled_mirrored_and_refined_records():
 def test_a_record_that_is_zero_throughout_measures_nothing():
     found = intensity(record(np.zeros(10), 0.01))
     assert found == type(found)(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("made", "peak", "strong", "highest"),
+    [(far_shock, 4.0, (9.0, 10.0), 19.6), (near_shock, 3.4, (20.0, 21.0), 5.2)],
+)
+def test_the_synthetic_records_keep_their_character(
+    tmp_path, made, peak, strong, highest
+):
+    """Peak, duration of the strong phase, and the frequency [Hz] below which 95 % of
+    the energy lies: what is measured with these records stays comparable.
+    """
+    samples, dt = made()
+    found = intensity(read_record(at2_file(tmp_path / "record.at2", samples, dt)))
+    energy = np.cumsum(np.abs(np.fft.rfft(samples)) ** 2)
+    f95 = np.fft.rfftfreq(samples.size, dt)[np.searchsorted(energy, 0.95 * energy[-1])]
+    assert found.pga == pytest.approx(peak, rel=1e-6)
+    assert strong[0] < found.d5_95 < strong[1]
+    assert f95 == pytest.approx(highest, abs=0.1)

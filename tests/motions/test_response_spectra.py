@@ -70,17 +70,17 @@ def test_a_step_without_damping_and_its_limits():
     assert displacement_spectrum(step, periods, 0.0) == pytest.approx(
         2.0 * 1.5 * (periods / (2.0 * math.pi)) ** 2, rel=1e-10
     )
-    shaken = record(wave(400, 3.0), 0.02)
-    assert acceleration_spectrum(shaken, np.array([0.01])) == pytest.approx(
+    measured = record(wave(400, 3.0), 0.02)
+    assert acceleration_spectrum(measured, np.array([0.01])) == pytest.approx(
         [3.0], rel=5e-3
     )
 
 
 def test_periods_go_together_and_alone_with_the_same_digits():
-    shaken, periods = record(SAMPLES, 0.02), np.array([3.0, 0.2, 1.0, 0.05])
-    together = displacement_spectrum(shaken, periods)
+    measured, periods = record(SAMPLES, 0.02), np.array([3.0, 0.2, 1.0, 0.05])
+    together = displacement_spectrum(measured, periods)
     assert together == pytest.approx(
-        [displacement_spectrum(shaken, periods[i : i + 1])[0] for i in range(4)],
+        [displacement_spectrum(measured, periods[i : i + 1])[0] for i in range(4)],
         rel=1e-6,
     )
     assert displacement_spectrum(
@@ -98,9 +98,9 @@ def test_measures_have_names_and_periods():
     ):
         measure, found = periods_of(text)
         assert (measure, found.tolist()) == (name, pytest.approx(periods))
-    shaken, periods = record(SAMPLES, 0.02), np.array([0.5, 1.0, 2.0])
-    assert mean_acceleration(shaken, periods) == pytest.approx(
-        np.prod(acceleration_spectrum(shaken, periods)) ** (1 / 3), rel=1e-12
+    measured, periods = record(SAMPLES, 0.02), np.array([0.5, 1.0, 2.0])
+    assert mean_acceleration(measured, periods) == pytest.approx(
+        np.prod(acceleration_spectrum(measured, periods)) ** (1 / 3), rel=1e-12
     )
 
 

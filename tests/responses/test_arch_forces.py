@@ -86,7 +86,7 @@ def test_the_springings_give_the_links_their_momentum():
 
     def first_moments(t):
         phi = state.phi + state.rate * t + 0.5 * acceleration * t * t
-        angles = (phi, *m._angles(phi))
+        angles = (phi, *m.rotations(phi))
         start, total = np.tile(m.points[0], (phi.size, 1)), np.zeros((phi.size, 2))
         for i, (angle, body) in enumerate(zip(angles, m.links, strict=True)):
             turn = np.array(

@@ -28,7 +28,7 @@ def masses(structure):
     return [(m.mass, m.x, m.z, m.about(0.0, 0.0)) for m in structure.mechanism.links]
 
 
-def shaken(motion, amplitude=1.6, omega=5.0):
+def history_of_arch(motion, amplitude=1.6, omega=5.0):
     return time_history(
         ARCH,
         motion,
@@ -40,7 +40,7 @@ def shaken(motion, amplitude=1.6, omega=5.0):
 
 @pytest.fixture(scope="module")
 def swaying():
-    return shaken(with_vertical(sine(2), cosine(3), 0.4))
+    return history_of_arch(with_vertical(sine(2), cosine(3), 0.4))
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
@@ -96,6 +96,7 @@ def test_each_link_moves_as_the_forces_at_its_hinges_say(swaying, side):
         )
 
 
+@pytest.mark.slow
 def test_the_largest_force_at_a_hinge_is_an_extreme_of_the_history(swaying):
     forces = swaying.forces["nonlinear"]
     tau = np.linspace(0.0, swaying.end, 400)
@@ -124,7 +125,7 @@ def test_the_largest_force_at_a_hinge_is_an_extreme_of_the_history(swaying):
 
 def test_the_mirrored_motion_has_the_mirrored_forces():
     one, other = (
-        shaken(motion).forces["nonlinear"].columns(np.linspace(0.0, 3.0, 40))
+        history_of_arch(motion).forces["nonlinear"].columns(np.linspace(0.0, 3.0, 40))
         for motion in (sine(1), sine(1).scaled(-1))
     )
     for n in (1, 2, 3, 4):

@@ -74,6 +74,7 @@ def test_a_motion_in_one_direction_is_worst_there(degrees):
     assert motion.name == f"r {degrees} deg"
 
 
+@pytest.mark.slow
 def test_the_worst_is_that_of_every_direction_checked_by_itself():
     second = (
         2.6 * np.sin(0.7 * np.arange(120.0)) * np.sin(np.pi * np.arange(120.0) / 119.0)

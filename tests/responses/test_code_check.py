@@ -34,7 +34,7 @@ TABLE = [
 ]
 
 
-def shaken(period):
+def motion_and_grid(period):
     """(motion, grid): the shipped record, or a cycle of a sine."""
     if period is not None:
         return sine(), parse_grid(f"a_g=0.3g,T_g={period}")
@@ -48,7 +48,7 @@ def test_the_amplitudes_of_the_reference(
 ):
     monkeypatch.chdir(pytestconfig.rootpath)
     (body,) = load_structures(f"block:{size}")
-    found = code_check(body, *shaken(period)).accepted()
+    found = code_check(body, *motion_and_grid(period)).accepted()
     assert [a / G for a in found.values()] == pytest.approx(
         [linear, slv, slc], abs=0.0006
     )
@@ -79,7 +79,7 @@ def test_the_secant_periods_of_a_slender_block_depend_on_its_height_alone(
 
 
 def test_the_confidence_factor_divides_the_acceleration():
-    motion = shaken(0.4)
+    motion = motion_and_grid(0.4)
     one, other = code_check(BODY, *motion), code_check(BODY, *motion, confidence=1.35)
     assert other.linear == pytest.approx(one.linear / 1.35)
     assert other.slv.period == pytest.approx(one.slv.period * 1.35**0.5)
@@ -115,7 +115,7 @@ def test_the_demand_scales_the_amplitude():
 
 
 def test_a_floor_compares_with_its_own_peak_and_spectrum():
-    motion = shaken(0.4)
+    motion = motion_and_grid(0.4)
     ground, floor = (
         code_check(BODY, *motion),
         code_check(BODY, *motion, floor=[FloorMode(0.3, 0.05, 1.4)]),
@@ -131,8 +131,9 @@ def test_a_floor_compares_with_its_own_peak_and_spectrum():
     assert floor.promises(0.1, 0.1) == []  # its dynamics are those on the ground
 
 
+@pytest.mark.slow
 def test_the_rotation_is_passed_where_check_says():
-    motion, grid = shaken(0.4)
+    motion, grid = motion_and_grid(0.4)
     least = first_beyond(BODY, motion, grid)
     below, above = (
         check(
@@ -146,7 +147,7 @@ def test_the_rotation_is_passed_where_check_says():
 
 
 def test_a_sentence_where_the_code_promises_more():
-    found = code_check(BODY, *shaken(0.4))  # 0.500, 0.537, 0.765 g
+    found = code_check(BODY, *motion_and_grid(0.4))  # 0.500, 0.537, 0.765 g
     assert found.promises(1.084 * G, 0.571 * G) == []
     assert found.promises(None, None) == []
     assert (

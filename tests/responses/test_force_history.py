@@ -11,10 +11,9 @@ import pytest
 from oracles.ground_forces import asked, shenton
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
-from support.bodies import KINDS, drawn, forces_of, shaking_of
-from support.bodies import shaken as shaken_at_random
+from support.bodies import KINDS, forces_of, random_body, random_shaking, shaking_of
 from support.documents import built
-from support.synthetic_records import shaken
+from support.synthetic_records import motion_of_samples
 
 from rocking_cli import (
     Method,
@@ -165,8 +164,8 @@ def test_the_impulse_of_the_ground_is_the_change_of_momentum(text, grid, model):
     total += np.sum([(j.fx, j.fz) for j in impacts], axis=0)
     moved = np.array(velocity(history, forces, history.end))
     a_g, omega = ground.amplitude, ground.omega
-    shaken = min(history.end, 2 * math.pi / omega)
-    moved[0] += a_g * (1 - math.cos(omega * shaken)) / omega
+    end = min(history.end, 2 * math.pi / omega)
+    moved[0] += a_g * (1 - math.cos(omega * end)) / omega
     assert total == pytest.approx(moved, abs=1e-9)
 
 
@@ -265,7 +264,9 @@ def test_what_is_not_one_rigid_body_has_no_forces(text):
 def test_what_lines_ask_of_a_body_at_rest_is_what_each_of_them_asks(scale):
     record = read_record("configs/motions/synthetic.at2")
     peak = int(np.abs(record.acceleration).argmax())
-    lines = shaken(scale * record.acceleration[peak - 100 : peak + 200], record.dt)
+    lines = motion_of_samples(
+        scale * record.acceleration[peak - 100 : peak + 200], record.dt
+    )
     shaking, pieces = as_recorded(lines.acceleration), Motion(lines.name, lines.pieces)
     histories = [
         time_history(built(BLOCK), motion, shaking, [Method("linear")])
@@ -376,10 +377,8 @@ def test_forces_are_those_of_an_integration_by_another_hand_which_loses_the_same
 ):
     random, seen = np.random.default_rng(5), Counter()
     while seen.total() < count:
-        body, solved, arm = drawn(kind, random, angles, (0.4, 0.85), 0.3)
-        motion, *cell = shaken_at_random(
-            random, body, (vertical,), (0.9, 4.0), recorded
-        )
+        body, solved, arm = random_body(kind, random, angles, (0.4, 0.85), 0.3)
+        motion, *cell = random_shaking(random, body, (vertical,), (0.9, 4.0), recorded)
         method, where = (
             Method("nonlinear" if solved.nonlinear else "linear", 1e-11),
             (kind, motion.name, *cell),

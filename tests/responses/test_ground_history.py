@@ -7,18 +7,22 @@ from functools import reduce
 import numpy as np
 import pytest
 from support.record_layouts import wave
-from support.synthetic_records import shaken
+from support.synthetic_records import motion_of_samples
 
 from rocking_cli import Motion
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.responses.chebyshev import Extent
 from rocking_cli.responses.ground_history import GroundMotion
 
-ACROSS = shaken(wave(301, 4.0), 0.01)
+ACROSS = motion_of_samples(wave(301, 4.0), 0.01)
 MOTIONS = {
     "alone": ACROSS,
-    "with a vertical motion": with_vertical(ACROSS, shaken(wave(401, 3.0)[::-1], 0.01)),
-    "with one of another step": with_vertical(ACROSS, shaken(wave(301, 3.0), 0.007)),
+    "with a vertical motion": with_vertical(
+        ACROSS, motion_of_samples(wave(401, 3.0)[::-1], 0.01)
+    ),
+    "with one of another step": with_vertical(
+        ACROSS, motion_of_samples(wave(301, 3.0), 0.007)
+    ),
 }
 
 

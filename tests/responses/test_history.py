@@ -35,12 +35,7 @@ EQUATIONS = {
 }
 MODELS = {name: System(equation) for name, equation in EQUATIONS.items()}
 every_model = pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
-ACROSS = [
-    sine(),
-    cosine(1.5),
-    pulse("rectangular-impulse"),
-    pulse("mavroeidis-papageorgiou"),
-]
+ACROSS = [sine(), pulse("mavroeidis-papageorgiou")]
 
 
 def test_linear_history_is_the_equation_in_si_units():
@@ -106,9 +101,10 @@ def test_linear_history_is_the_equation_in_si_units():
     )
 
 
-@every_model
 @pytest.mark.parametrize("motion", ACROSS, ids=lambda m: m.name)
-def test_history_comes_to_what_the_engine_says(model, motion):
+def test_the_history_of_an_arch_comes_to_what_the_engine_says(motion):
+    """Of other systems in `test_conformance.py`."""
+    model = MODELS["arch"]
     random = np.random.default_rng(4)
     rocked = 0
     for _ in range(20):

@@ -43,6 +43,7 @@ def three_cycles(tmp_path_factory):
         yield file
 
 
+@pytest.mark.slow
 def test_a_narrow_tongue_between_the_rows_of_the_spectrum_bounds_the_margin(
     three_cycles,
 ):
@@ -64,6 +65,7 @@ def test_a_demand_beyond_the_scan_is_refused_by_its_own_name():
         predict_exactly(dimensionless_oscillator(0.8), sine(1), cell(6e4, 2.0))
 
 
+@pytest.mark.slow
 def test_the_fate_is_one_within_the_margin_and_another_beyond(three_cycles):
     random = np.random.default_rng(7)
     sides = set()
@@ -125,21 +127,22 @@ def test_two_ways_to_fall_that_meet_are_no_boundary():
     assert not fate(pulse("rectangular"), edge * (1 - 1e-9), 2.0, 1.0)
 
 
+@pytest.mark.slow
 def test_a_cell_that_the_spectrum_knows_is_interpolated_exactly(three_cycles):
     found = predict(dimensionless_oscillator(0.8), three_cycles, cell(2.0, 7.0))
     assert found["interpolation_error"] == 0.0
 
 
+@pytest.mark.slow
 def test_a_body_of_unequal_edges_is_judged_under_the_motion_as_it_is():
     """Its capacity is that of the sign it is shaken with, which the outcome is of too,
     not of the worse one.
     """
     body = built("kind: prism\ncorners: [[0, 0], [1.2, 0], [0.9, 5], [0.2, 5]]")
-    for motion in (sine(), sine().scaled(-1.0)):
+    for motion, amplitude in ((sine(), 1.3), (sine().scaled(-1.0), 2.6)):
         traced = trace_envelope(body, motion, [3.0], sign="+", workers=1)
-        for amplitude in (1.3, 2.6):
-            found = predict_exactly(body, motion, parse_grid(f"A={amplitude},Omega=3"))
-            falls = [i for i in traced if i.a_from < amplitude < (i.a_to or np.inf)]
-            assert (found["outcome"] == "rocked") == (not falls)
-            assert found["capacity_demand"] == traced[0].a_from / amplitude
-            assert found["theta_max"] is None
+        found = predict_exactly(body, motion, parse_grid(f"A={amplitude},Omega=3"))
+        falls = [i for i in traced if i.a_from < amplitude < (i.a_to or np.inf)]
+        assert (found["outcome"] == "rocked") == (not falls)
+        assert found["capacity_demand"] == traced[0].a_from / amplitude
+        assert found["theta_max"] is None

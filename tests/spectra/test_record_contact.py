@@ -117,6 +117,7 @@ def swept(method: Method, *quantities: str, check: int = 0) -> Spectrum:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", ["linear", "nonlinear"])
 def test_what_is_said_of_an_angle_is_said_of_blocks_of_that_angle(model):
     """A condition beside changes no outcome, and the slower path agrees."""

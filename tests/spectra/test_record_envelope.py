@@ -11,7 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 from support.documents import built
 from support.record_layouts import rows, wave
-from support.synthetic_records import noise, recorded, shaken
+from support.synthetic_records import motion_of_samples, noise, recorded
 
 from rocking_cli import Axis, LinearEquation, Recording, System, Units, UsageError
 from rocking_cli.dynamics.references.general_solver import solve_cell
@@ -32,6 +32,7 @@ TWO = [recorded(wave(24, 3.0), 0.1, "a"), recorded(-0.5 * wave(24)[::-1], 0.1, "
 A_MAX = 3.0
 
 
+@pytest.mark.slow
 def test_ends_of_intervals_by_another_method():
     """On both sides of the first ends a Runge-Kutta method says what the row says; the
     rows are in all units the same.
@@ -59,8 +60,9 @@ def test_ends_of_intervals_by_another_method():
             )
 
 
+@pytest.mark.slow
 def test_a_scan_that_leads_the_march_changes_no_interval(monkeypatch):
-    motion = shaken(noise(100, 0.06, 4), 0.06)
+    motion = motion_of_samples(noise(100, 0.06, 4), 0.06)
     omegas = np.array([0.3, 0.5])
     search = Search(
         System(LinearEquation()), motion, 0.9, 4.0, ratio=RATIO, digits=1e-6, parts=128
@@ -71,6 +73,7 @@ def test_a_scan_that_leads_the_march_changes_no_interval(monkeypatch):
     assert sum(map(len, led)) > 9
 
 
+@pytest.mark.slow
 def test_the_first_is_the_first_of_all():
     scene = angles_scene(
         Axis("alpha", np.radians([8.0])), Axis("T", np.array([0.9, 40.0])), TWO[:1], 0.9
@@ -94,6 +97,7 @@ def test_the_first_is_the_first_of_all():
     assert {row["mode"] for row in first} >= {NONE, "after_impact"}
 
 
+@pytest.mark.slow
 def test_signs_of_unequal_sides():
     body = built(
         "kind: rigid\nleft: 0.06 m\nright: 0.04 m\nheight: 0.2 m\ngyration: 0.12 m"
@@ -127,6 +131,7 @@ def test_a_limit_that_is_none_is_refused():
         Tracing(structures_scene([BLOCK], TWO, Axis("A", np.array([1.0, 2.0]))))
 
 
+@pytest.mark.slow
 def test_the_command(rocking, refused, tmp_path):
     (tmp_path / "b.yaml").write_text("kind: block\nwidth: 0.12 m\nheight: 0.5 m\n")
     for name in ("a.txt", "b.txt"):

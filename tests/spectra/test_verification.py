@@ -254,17 +254,18 @@ def test_restitutions_at_the_ends_of_their_range_are_not_left(eta):
     ).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("alpha", "tolerance"), [(0.25, 1e-9), (0.57, 1e-7)])
 def test_errors_of_the_nonlinear_equation_are_the_tolerance_times_the_condition(
     alpha, tolerance
 ):
     random = np.random.default_rng(5)
     amplitude, omega = (
-        random.uniform(1, 6, 160) * math.tan(alpha) / alpha,
-        np.exp(random.uniform(math.log(0.3), math.log(12), 160)),
+        random.uniform(1, 6, 60) * math.tan(alpha) / alpha,
+        np.exp(random.uniform(math.log(0.3), math.log(12), 60)),
     )
-    eta = random.uniform(0.3, 1, 160)
-    respond = partial(nonlinear_response, sine(4), alpha=alpha)
+    eta = random.uniform(0.3, 1, 60)
+    respond = partial(nonlinear_response, sine(2), alpha=alpha)
     found, exact = (
         respond(amplitude, omega, eta, tolerance=t) for t in (tolerance, 1e-13)
     )
@@ -272,7 +273,7 @@ def test_errors_of_the_nonlinear_equation_are_the_tolerance_times_the_condition(
         partial(respond, tolerance=tolerance), amplitude, omega, eta, tolerance
     )
     known = np.isfinite(condition) & (exact.outcome == Outcome.ROCKED)
-    assert known.sum() > 30
+    assert known.sum() > 10
     assert np.array_equal(found.outcome[known], exact.outcome[known])
     error = np.abs(found.theta_ratio - exact.theta_ratio)[known]
     assert (error <= tolerance * np.maximum(1.0, condition[known])).all()

@@ -10,7 +10,7 @@ from support.documents import built
 from rocking_cli import build_structure
 from rocking_cli.structures import KINDS, read_documents
 from rocking_cli.structures.kinds import sketch_of
-from rocking_cli.structures.mechanics.single_body import worn
+from rocking_cli.structures.mechanics.worn_edges import worn
 
 RIGID = [kind for kind in KINDS if kind not in ("arch", "parameters")]
 

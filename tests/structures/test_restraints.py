@@ -265,6 +265,7 @@ def test_a_tie_below_the_interface_that_rocks_does_not_hold_the_pieces_above():
     )
 
 
+@pytest.mark.slow
 def test_a_force_without_a_yield_is_told_over_that_at_rupture():
     held = "kind: block\nwidth: 1\nheight: 5\nmass: 5 t\n"
     for text, rupture in (

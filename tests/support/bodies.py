@@ -28,7 +28,7 @@ from rocking_cli.dynamics.contacts.contact import OneSided, Unequal
 from rocking_cli.motions import Harmonic, Piece
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.polyline import Polyline
-from rocking_cli.responses.force_history import GroundForceExtremes
+from rocking_cli.responses.ground_forces import GroundForceExtremes
 from rocking_cli.structures.parameters import Side
 
 ACROSS = [
@@ -85,7 +85,7 @@ SYSTEMS = {  # with restitutions
 }
 
 
-def drawn(
+def random_body(
     kind: str,
     random: np.random.Generator,
     alphas: Range,
@@ -171,7 +171,7 @@ def forces_of(
     return found.forces[method.model].extremes
 
 
-def shaken(
+def random_shaking(
     random: np.random.Generator,
     body: RockingParameters,
     shares: Sequence[float],

@@ -108,7 +108,7 @@ def lanes(**given: Any) -> Lanes:
         | {"cell": np.arange(size[0])}
         | given
     )
-    whole = ("cell", "k", "impacts", "steps")
+    whole = ("cell", "segment", "impacts", "steps")
     return Lanes(
         *(
             np.array(

@@ -19,10 +19,10 @@ from .sequences import OtherSide, sequence_ends, sequence_time
 class Uplift(NamedTuple):
     """The next uplift of bodies at rest. Every array is (lanes,)."""
 
-    k: Array  # segment; the number of segments if nothing lifts the body
-    u: Array  # phase in the segment [rad]
+    segment: Array  # its index; the number of segments if nothing lifts the body
+    phase: Array  # phase in the segment [rad]
     side: Array  # +1 right, -1 left
-    b: Array  # force y'' + 2 zeta y' at uplift, in the unit of the side
+    force: Array  # y'' + 2 zeta y' at uplift, in the unit of the side
 
 
 class FreeMotion(NamedTuple):
@@ -50,7 +50,7 @@ class Contact(ABC):
         """
 
     @abstractmethod
-    def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
+    def impact(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
         """Apply an impact with velocity v <= 0 and force b under the weight m g: set
         side, velocity, force of the lanes (Eq. 2.6).
         """
@@ -146,47 +146,64 @@ def first_uplift(
     if (weighed := segments.weighed) is not None:
         one = first_uplift(weighed.right, k, u, right, np.zeros_like(right))
         other = first_uplift(weighed.left, k, u, np.zeros_like(left), left)
-        before = (one.k < other.k) | ((one.k == other.k) & (one.u <= other.u))
+        before = (one.segment < other.segment) | (
+            (one.segment == other.segment) & (one.phase <= other.phase)
+        )
         return Uplift(
             *(np.where(before, a, b) for a, b in zip(one, other, strict=True))
         )
-    k, u = k.copy(), u.copy()
-    side, b = np.ones(k.shape), np.zeros(k.shape)
-    last = len(segments)
-    waiting = np.arange(k.size)
+    size, last = k.size, len(segments)
+    found = Uplift(k.copy(), u.copy(), np.ones(size), np.zeros(size))
+    waiting = np.arange(size)
     while waiting.size:
-        here = np.minimum(k[waiting], last - 1)
+        # Bodies that no drive to come lifts go to the end of the motion.
+        here = np.minimum(found.segment[waiting], last - 1)
         strongest = np.maximum(
             left[waiting] * segments.later_max[here],
             right[waiting] * -segments.later_min[here],
         )
-        over = (k[waiting] >= last) | (strongest <= 1.0)
-        k[waiting[over]] = last
+        over = (found.segment[waiting] >= last) | (strongest <= 1.0)
+        found.segment[waiting[over]] = last
         waiting = waiting[~over]
-        kk, uu = k[waiting], u[waiting]
-        s_now = segments.s_start[kk]
-        inside = np.flatnonzero(uu > 0.0)
-        s_now[inside] += drive_change(segments, kk[inside], uu[inside])
-        s_end = segments.s_end[kk]
-        push_now = np.where(s_now > 0.0, left[waiting], right[waiting]) * np.abs(s_now)
-        a_end = np.where(s_end > 0.0, left[waiting], right[waiting])
-        now = push_now > 1.0
-        later = ~now & (a_end * np.abs(s_end) > 1.0)
-        hit = np.flatnonzero(now)
-        side[waiting[hit]] = -np.sign(s_now[hit])
-        b[waiting[hit]] = push_now[hit] - 1.0
-        hit = np.flatnonzero(later)
-        side[waiting[hit]] = -np.sign(s_end[hit])
-        u[waiting[hit]] = np.maximum(
-            uu[hit], crossing(segments, kk[hit], np.sign(s_end[hit]) / a_end[hit])
-        )
-        waiting = waiting[~(now | later)]
+
+        # The others are lifted in this segment, or go on to the next one whose drive
+        # exceeds 1.
+        lifted = _lift(segments, found, waiting, right[waiting], left[waiting])
+        waiting = waiting[~lifted]
         with np.errstate(divide="ignore"):
-            k[waiting] = segments.next_beyond(
-                k[waiting] + 1, 1.0 / left[waiting], 1.0 / right[waiting]
+            found.segment[waiting] = segments.next_beyond(
+                found.segment[waiting] + 1, 1.0 / left[waiting], 1.0 / right[waiting]
             )
-        u[waiting] = 0.0
-    return Uplift(k, u, side, b)
+        found.phase[waiting] = 0.0
+    return found
+
+
+def _lift(
+    segments: Segments, found: Uplift, at: Array, right: Array, left: Array
+) -> Array:
+    """Lift those of the bodies `at` that the rest of their segment lifts: set their
+    `found`, and return True for them. right, left: amplitudes of these bodies.
+    """
+    k, u = found.segment[at], found.phase[at]
+    s_now, s_end = segments.s_start[k], segments.s_end[k]
+    inside = np.flatnonzero(u > 0.0)
+    s_now[inside] += drive_change(segments, k[inside], u[inside])
+
+    # The drive lifts the body now: it has jumped, and the force is not zero.
+    drive_now = np.where(s_now > 0.0, left, right) * np.abs(s_now)
+    now = drive_now > 1.0
+    hit = np.flatnonzero(now)
+    found.side[at[hit]] = -np.sign(s_now[hit])
+    found.force[at[hit]] = drive_now[hit] - 1.0
+
+    # s is monotone: the drive lifts the body later if it does so at the segment's end.
+    amplitude = np.where(s_end > 0.0, left, right)
+    later = ~now & (amplitude * np.abs(s_end) > 1.0)
+    hit = np.flatnonzero(later)
+    found.side[at[hit]] = -np.sign(s_end[hit])
+    level = np.sign(s_end[hit]) / amplitude[hit]
+    found.phase[at[hit]] = np.maximum(u[hit], crossing(segments, k[hit], level))
+    return now | later
 
 
 class Symmetric(Contact):
@@ -206,11 +223,11 @@ class Symmetric(Contact):
             (amplitude / equation.uplift_amplitude)[None], omega[None], eta[None]
         )
 
-    def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
+    def impact(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
         """Reverse the side, and with it the sign of the drive."""
         lanes.side = -lanes.side
         lanes.v = -lanes.eta * v
-        lanes.b = -2.0 - b  # b = -1 + a at y = 0, and a changes its sign
+        lanes.force = -2.0 - b  # b = -1 + a at y = 0, and a changes its sign
 
     def other_side(self, lanes: Lanes) -> OtherSide:
         """Return the other side, whose numbers equal those of this one."""
@@ -238,10 +255,10 @@ class OneSided(Contact):
             np.abs(eta)[None],
         )
 
-    def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
+    def impact(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
         """Return the body on the same side; the force stays the same."""
         lanes.v = -lanes.eta * v
-        lanes.b = b.copy()
+        lanes.force = b.copy()
 
     def other_side(self, lanes: Lanes) -> None:
         """Return None: every arc is on the same side."""
@@ -320,12 +337,12 @@ class Unequal(Contact):
     def speed(self, side: Array, rate: Array) -> Array:
         return rate * self._of(self.pace, side)
 
-    def strike(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
+    def impact(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
         """Put lanes on the other edge, with its drive, time and unit."""
         lanes.v = -lanes.eta * v
         # b = -1 + a at y = 0; a changes its sign, and its unit becomes the uplift of
         # the other edge
-        lanes.b = -1.0 - (1.0 + b) * (
+        lanes.force = -1.0 - (1.0 + b) * (
             self._of(self.drive, -lanes.side) / self._of(self.drive, lanes.side)
         )
         self.turn(cells, lanes, np.arange(lanes.side.size), -lanes.side)

@@ -25,9 +25,8 @@ from ..drive import turn
 from ..lanes import Array, Arrays
 from .equation import Point
 
-SMALL = (
-    0.5  # where max(1, w) h is below this, series replace the differences in F3 and F4
-)
+# where max(1, w) h is below this, series replace the differences in F3 and F4
+SMALL = 0.5
 # terms of those series: the first one left out is below 1e-17 of the sum at SMALL
 _TERMS = 7
 # Of 6 (sinh x - x)/x^3 and 24 (cosh x - 1 - x^2/2)/x^4 in powers of x^2.
@@ -76,27 +75,11 @@ class LinearFlow(Arrays):
         y = self.v * sinh + self.y + self.b * cosh1
         v = self.v * cosh1 + self.v + self.b * sinh
         drive, drive_rate = np.zeros(h.shape), np.zeros(h.shape)
+        moved = Point(y, v, drive, drive_rate)
         for s, c, w in zip(self.sin, self.cos, self.w, strict=True):
-            wh = w * h
-            sinw, cosm = turn(wh)
-            w2 = w * w
-            over = 1.0 / (w2 + 1.0)
-            f2 = (cosm + cosh1) * w * over
-            f3, f4 = (w * sinh - sinw) * over, (w2 * cosh1 - cosm) * over
-            (small,) = (np.maximum(h, wh) < SMALL).nonzero()
-            f3[small], f4[small] = _series(w[small], h[small])
-            y += s * f3
-            y -= c * f4
-            v += s * f2
-            v -= c * (f3 * w)
-            drive += s * sinw
-            drive -= c * cosm
-            drive_rate += ((1.0 - cosm) * s - c * sinw) * w
+            _add_sinusoid(moved, (s, c, w), h, sinh, cosh1)
         if self.ramp is not None:
-            tiny, sinh_h = h < SMALL, sinh - h
-            x, x2 = h[tiny], h[tiny] * h[tiny]
-            sinh_h[tiny] = x * x2 * np.polyval(_ODD[::-1], x2) * (1.0 / 6.0)
-            y = y + self.ramp * sinh_h
+            y = y + self.ramp * _sinh_less_h(h, sinh)
             v = v + self.ramp * cosh1
             drive = drive + self.ramp * h
             drive_rate = drive_rate + self.ramp
@@ -113,6 +96,43 @@ class LinearFlow(Arrays):
             t = np.tan(0.5 * (w * h))
             total = total + 2.0 * t * (s - c * t) / (1.0 + t * t)
         return total
+
+
+def _add_sinusoid(
+    moved: Point,
+    sinusoid: tuple[Array, Array, Array],
+    h: Array,
+    sinh: Array,
+    cosh1: Array,
+) -> None:
+    """Add the part of a sinusoid (S_j, C_j, w_j) of the drive to y, y', the change of
+    the drive and its rate, which stand in `moved`, in this order; sinh, cosh1: sinh h
+    and cosh h - 1.
+    """
+    y, v, drive, drive_rate = moved
+    s, c, w = sinusoid
+    wh = w * h
+    sinw, cosm = turn(wh)
+    w2 = w * w
+    over = 1.0 / (w2 + 1.0)
+    f3, f4 = (w * sinh - sinw) * over, (w2 * cosh1 - cosm) * over
+    (small,) = (np.maximum(h, wh) < SMALL).nonzero()
+    f3[small], f4[small] = _series(w[small], h[small])
+    y += s * f3
+    y -= c * f4
+    v += s * ((cosm + cosh1) * w * over)  # derivative of F3
+    v -= c * (f3 * w)
+    drive += s * sinw
+    drive -= c * cosm
+    drive_rate += ((1.0 - cosm) * s - c * sinw) * w
+
+
+def _sinh_less_h(h: Array, sinh: Array) -> Array:
+    """sinh h - h, by its series where h is small."""
+    tiny, rest = h < SMALL, sinh - h
+    x, x2 = h[tiny], h[tiny] * h[tiny]
+    rest[tiny] = x * x2 * np.polyval(_ODD[::-1], x2) * (1.0 / 6.0)
+    return rest
 
 
 def _series(w: Array, h: Array) -> tuple[Array, Array]:

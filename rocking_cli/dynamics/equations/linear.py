@@ -21,6 +21,9 @@ SERIES = 1e-12  # tolerance of the series with damping or under a varying weight
 class LinearEquation(Equation):
     """The linear oscillator, y'' = y - 1 + a - 2 zeta y' (Eq. 2.4).
 
+    y = theta/alpha, a = the outward drive over its value at uplift, both over tau = p
+    t. `System(LinearEquation())` is the oscillator of the paper.
+
     Parameters
     ----------
     damping
@@ -30,6 +33,18 @@ class LinearEquation(Equation):
     ------
     ValueError
         when the damping is negative or not finite
+
+    Notes
+    -----
+    Without damping and vertical motion the flow is exact. The equation holds for
+    slender structures: angles for which sin(alpha) is close to alpha.
+
+    Examples
+    --------
+    >>> damped = System(LinearEquation(damping=0.05))
+    >>> found = response(damped, sine(), 2.0, 6.0, 0.9)
+    >>> Outcome(int(found.outcome)).flag, f"{float(found.theta_ratio):.6f}"
+    ('rocked', '0.291292')
     """
 
     gain = 1.0
@@ -60,14 +75,16 @@ class LinearEquation(Equation):
                 SERIES,
                 self.damping,
             )
-        _, sin, cos = segment_value(segments, lanes.k, lanes.u)
+        _, sin, cos = segment_value(segments, lanes.segment, lanes.phase)
         outward = -lanes.side * lanes.amplitude
         ramp = (
-            outward * segments.slope[lanes.k] * lanes.omega if segments.sloped else None
+            outward * segments.slope[lanes.segment] * lanes.omega
+            if segments.sloped
+            else None
         )
-        w = segments.frequency.take(lanes.k, axis=1) * lanes.omega
+        w = segments.frequency.take(lanes.segment, axis=1) * lanes.omega
         return LinearFlow(
-            lanes.y, lanes.v, lanes.b, outward * cos, outward * sin, w, ramp
+            lanes.y, lanes.v, lanes.force, outward * cos, outward * sin, w, ramp
         )
 
     def along(

@@ -51,12 +51,15 @@ _FACTORIALS = np.array([[float(math.factorial(k))] for k in range(DEGREE + 1)])
 
 
 class MechanismEquation(Equation):
-    """Eq. 3.4 for one mechanism.
+    """The equation of a mechanism of one degree of freedom (Eq. 3.4).
+
+    It is integrated in q = int sqrt(M) d(phi), which has no velocity term.
+    `Method("nonlinear").system_of(arch)` makes the system of an arch with it.
 
     Parameters
     ----------
     mechanism
-        the mechanism
+        the mechanism, such as that of `RockingParameters.mechanism`
     tolerance
         error of phi/alpha that the integration aims at [-]
     damping
@@ -68,6 +71,14 @@ class MechanismEquation(Equation):
         when the mechanism does not stand, when it never becomes unstable, when its
         lambda(phi) does not fall until then, or when the tolerance is not between
         1e-13 and 1e-2
+
+    Examples
+    --------
+    >>> (arch,) = load_structures("configs/arch.yaml")
+    >>> system = System(MechanismEquation(arch.mechanism))
+    >>> found = response(system, sine(), 1.5, 6.0, arch.eta)
+    >>> f"{float(found.theta_ratio):.6f}"
+    '0.101799'
     """
 
     composed = 12

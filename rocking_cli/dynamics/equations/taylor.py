@@ -149,29 +149,35 @@ def drive_series(
 
     rate: fastest change of the body on still ground [1/tau].
     """
-    weighed, here = segments.weighed, segment_value(segments, lanes.k, lanes.u)
+    weighed, here = (
+        segments.weighed,
+        segment_value(segments, lanes.segment, lanes.phase),
+    )
     w, *up = (
-        part.frequency.take(lanes.k, axis=1) * lanes.omega
+        part.frequency.take(lanes.segment, axis=1) * lanes.omega
         for part in (segments, *((weighed.vertical,) if weighed else ()))
     )
     fastest = rate + np.maximum.reduce([x.max(axis=0, initial=0.0) for x in (w, *up)])
     unit = 1.0 / fastest
-    terms, outward = np.empty((order + 1, lanes.u.size)), -lanes.side * lanes.amplitude
-    terms[0] = outward * (segments.s_start[lanes.k] + here[0])
+    terms, outward = (
+        np.empty((order + 1, lanes.phase.size)),
+        -lanes.side * lanes.amplitude,
+    )
+    terms[0] = outward * (segments.s_start[lanes.segment] + here[0])
     _fill(terms, segments, lanes, here, outward, w, unit)
     if weighed is None:
         return Drive(Rows.from_array(terms), unit), fastest
     rows, vertical = np.empty(terms.shape), weighed.vertical
     sway, rise = (
         weighed.sway(lanes.side, lanes.amplitude),
-        segment_value(vertical, lanes.k, lanes.u),
+        segment_value(vertical, lanes.segment, lanes.phase),
     )
     change = (
         rise[0]
         if vertical.table is None
-        else vertical.table.change_at(lanes.k, lanes.u)[0]
+        else vertical.table.change_at(lanes.segment, lanes.phase)[0]
     )
-    rows[0] = 1.0 + sway * (vertical.s_start[lanes.k] + change)
+    rows[0] = 1.0 + sway * (vertical.s_start[lanes.segment] + change)
     _fill(rows, vertical, lanes, rise, sway, up[0], unit)
     return Drive(Rows.from_array(terms), unit, Rows.from_array(rows)), fastest
 
@@ -204,7 +210,7 @@ def _fill(
         if i:
             terms[1:] += mine[1:]
     if segments.sloped:
-        terms[1] += outward * segments.slope[lanes.k] * lanes.omega * unit
+        terms[1] += outward * segments.slope[lanes.segment] * lanes.omega * unit
 
 
 def series_flow(
@@ -226,7 +232,14 @@ def series_flow(
         square = drive.unit * drive.unit
         factors = [square * (1.0 / ((n + 1) * (n + 2))) for n in range(order - 1)]
         y[:, block] = motion_terms(
-            own, some.y, some.v, drive.unit, factors, drive.terms, drive.weight, some.b
+            own,
+            some.y,
+            some.v,
+            drive.unit,
+            factors,
+            drive.terms,
+            drive.weight,
+            some.force,
         )
     return y, fastest
 
@@ -314,23 +327,26 @@ def line_flow(equation: Equation, segments: Segments, lanes: Lanes) -> TaylorSer
     for `LONGEST`.
     """
     outward = -lanes.side * lanes.amplitude
-    slope = outward * segments.slope[lanes.k]
-    start = outward * segments.s_start[lanes.k] + slope * lanes.u
-    unit = np.clip((segments.length[lanes.k] - lanes.u) / lanes.omega, _LEAST, LONGEST)
+    slope = outward * segments.slope[lanes.segment]
+    start = outward * segments.s_start[lanes.segment] + slope * lanes.phase
+    unit = np.clip(
+        (segments.length[lanes.segment] - lanes.phase) / lanes.omega, _LEAST, LONGEST
+    )
     drive = Drive(Rows.of(start, slope * lanes.omega * unit), unit)
     if (weighed := segments.weighed) is not None:
         heavier = (
             weighed.sway(lanes.side, lanes.amplitude)
-            * weighed.vertical.slope[lanes.k]
+            * weighed.vertical.slope[lanes.segment]
             * lanes.omega
             * unit
         )
         drive = drive._replace(
             weight=Rows.of(
-                weighed.weight(lanes.side, lanes.amplitude, lanes.k, lanes.u), heavier
+                weighed.weight(lanes.side, lanes.amplitude, lanes.segment, lanes.phase),
+                heavier,
             )
         )
-    return line_series(equation, lanes.y, lanes.v, drive, lanes.b)
+    return line_series(equation, lanes.y, lanes.v, drive, lanes.force)
 
 
 def line_series(

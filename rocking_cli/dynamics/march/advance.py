@@ -6,7 +6,7 @@ window with a < 1 ends at any inner maximum of a, so that a falls and then rises
 along it (Lemma 3). Boundaries are the crossings of a = 1 and the ends of pieces.
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -17,9 +17,11 @@ from ..equations.taylor import TaylorSeries
 from ..lanes import Array, Lanes
 from .roots import falls_through_zero, hidden_turn, impact_root, sense, turning_point
 
-_SAFE_SHARE = (
-    1.0 - 1e-9
-)  # a bound counts if it holds with this much room, which is more than rounding needs
+if TYPE_CHECKING:
+    from ..weighed_drive import WeighedSegments
+
+# a bound counts if it holds with this much room, which is more than rounding needs
+_SAFE_SHARE = 1.0 - 1e-9
 
 
 class Windows(NamedTuple):
@@ -27,14 +29,16 @@ class Windows(NamedTuple):
     drive stays subcritical, or stays supercritical. Every array is (lanes,).
     """
 
-    k: Array  # segment of the end
-    u: Array  # phase of the end in its segment [rad]
+    segment: Array  # segment of the end
+    phase: Array  # phase of the end in its segment [rad]
     supercritical: Array  # True if the drive is supercritical
-    over: Array  # phase of the whole segments between the present one and k [rad]
+    over: (
+        Array  # phase of the whole segments between the present one and `segment` [rad]
+    )
 
-    def phase(self, u: Array) -> Array:
+    def phase_from(self, u: Array) -> Array:
         """The phase from u in the present segment to the end of the window."""
-        return self.u - u + self.over
+        return self.phase - u + self.over
 
 
 def window_end(
@@ -45,47 +49,63 @@ def window_end(
     drive on the body's side.
     """
     if (weighed := segments.weighed) is not None:
-        offset = weighed.offset(side)
-        there = _beyond_cuts(
-            weighed.edges,
-            window_end(weighed.edges, k + offset, u, side, amplitude),
-            side,
-            amplitude,
-        )
-        return there._replace(k=there.k - offset)
-    inverse = 1.0 / amplitude
+        return _weighed_window_end(weighed, k, u, side, amplitude)
+    # a at both ends of the segment, over the amplitude; above the level a > 1.
+    level, length = 1.0 / amplitude, segments.length[k]
+    from_a, to_a = -side * segments.s_start[k], -side * segments.s_end[k]
+    start, end = from_a > level, to_a > level
+    crosses = start != end
 
-    def cut_at(lanes: Array, k: Array) -> Array:
-        return crossing(segments, k, -side[lanes] * inverse[lanes])
-
-    from_s, to_s = segments.s_start[k], segments.s_end[k]  # outwards
-    from_s *= -side
-    to_s *= -side
-    start, end = from_s > inverse, to_s > inverse
-    length = segments.length[k]
+    # The window ends at the crossing of a = 1, if the lane is before it.
     cut = length.copy()
-    cuts = np.flatnonzero(start != end)
-    cut[cuts] = cut_at(cuts, k[cuts])  # where a = 1
-    here = u < cut
-    supercritical = np.where(here, start, end)
-    here &= start != end
-    # Past the crossing (or without one) the window runs to the segment's end. It
-    # continues into the next segment if that segment has the same closed form and
-    # brings the drive back towards a = 1.
-    falling = to_s < from_s
-    to_k, to_u, over = k, np.where(here, cut, length), np.zeros(length.shape)
-    lanes = np.flatnonzero(~here & segments.joins[k] & (supercritical != falling))
-    if lanes.size:
-        to_k = k.copy()
-        to_k[lanes] = nk = k[lanes] + 1
-        n_cut = segments.length[nk]
-        n_cuts = np.flatnonzero(
-            supercritical[lanes] != (-side[lanes] * segments.s_end[nk] > inverse[lanes])
-        )
-        n_cut[n_cuts] = cut_at(lanes[n_cuts], nk[n_cuts])
-        to_u[lanes] = n_cut
-        over[lanes] = length[lanes]
-    return Windows(to_k, to_u, supercritical, over)
+    at = np.flatnonzero(crosses)
+    cut[at] = crossing(segments, k[at], -side[at] * level[at])
+    before = u < cut
+    supercritical = np.where(before, start, end)
+    before &= crosses
+    window = Windows(
+        k, np.where(before, cut, length), supercritical, np.zeros(length.shape)
+    )
+
+    # Past the crossing (or without one) it runs to the segment's end. It continues into
+    # the next segment if that segment has the same closed form and brings the drive
+    # back towards a = 1.
+    on = np.flatnonzero(
+        ~before & segments.joins[k] & (supercritical != (to_a < from_a))
+    )
+    return _into_next(segments, window, on, side, level) if on.size else window
+
+
+def _weighed_window_end(
+    weighed: "WeighedSegments", k: Array, u: Array, side: Array, amplitude: Array
+) -> Windows:
+    """As `window_end`, of the net drive."""
+    offset = weighed.offset(side)
+    there = _beyond_cuts(
+        weighed.edges,
+        window_end(weighed.edges, k + offset, u, side, amplitude),
+        side,
+        amplitude,
+    )
+    return there._replace(segment=there.segment - offset)
+
+
+def _into_next(
+    segments: Segments, window: Windows, on: Array, side: Array, level: Array
+) -> Windows:
+    """The same windows, of which those of the lanes `on` go on into the next segment,
+    up to the crossing of a = 1 or its end.
+    """
+    segment, phase, over = window.segment.copy(), window.phase, window.over
+    over[on] = segments.length[segment[on]]
+    segment[on] = following = segment[on] + 1
+    cut = segments.length[following]
+    ends = -side[on] * segments.s_end[following] > level[on]
+    crosses = np.flatnonzero(window.supercritical[on] != ends)
+    at = on[crosses]
+    cut[crosses] = crossing(segments, following[crosses], -side[at] * level[at])
+    phase[on] = cut
+    return Windows(segment, phase, window.supercritical, over)
 
 
 def _beyond_cuts(
@@ -112,7 +132,7 @@ def _beyond_cuts(
         lanes = ends[same]
         k, u, over = k.copy(), u.copy(), over.copy()
         over[lanes] += segments.length[k[lanes]] + following.over[same]
-        k[lanes], u[lanes] = following.k[same], following.u[same]
+        k[lanes], u[lanes] = following.segment[same], following.phase[same]
 
 
 class LaneStep(NamedTuple):
@@ -121,8 +141,8 @@ class LaneStep(NamedTuple):
     window after it. Every array is (lanes,).
     """
 
-    k: Array  # segment in which the step ends
-    u: Array  # phase of the end in its segment [rad]
+    segment: Array  # segment in which the step ends
+    phase: Array  # phase of the end in its segment [rad]
     h: Array  # length of the step [tau]
     supercritical: Array  # True if the drive is supercritical throughout
     # time in the step at which its subcritical window begins [tau], 0 if the step has
@@ -139,7 +159,7 @@ class StepResult(NamedTuple):
     reach: Array  # time from the start to the impact, or to the end of the step [tau]
     hit: Array  # True where the lane hit the ground
     impact_v: Array  # velocity y' just before the impact
-    impact_b: Array  # force y'' + 2 zeta y' at the impact
+    impact_force: Array  # force y'' + 2 zeta y' at the impact
     # chord errors of `TaylorSeries.at_with_chord_errors`, where the weight varies
     chord_errors: Array | None = None
 
@@ -157,9 +177,11 @@ def next_step(segments: Segments, lanes: Lanes, longest: Array) -> LaneStep:
     """The longest step of each lane that one sign test covers and that the flow can
     make (`longest` [tau]).
     """
-    window = window_end(segments, lanes.k, lanes.u, lanes.side, lanes.amplitude)
-    k, u = window.k.copy(), window.u.copy()
-    h = window.phase(lanes.u) / lanes.omega
+    window = window_end(
+        segments, lanes.segment, lanes.phase, lanes.side, lanes.amplitude
+    )
+    k, u = window.segment.copy(), window.phase.copy()
+    h = window.phase_from(lanes.phase) / lanes.omega
     supercritical, subcritical = window.supercritical.copy(), np.zeros(h.size)
     # A supercritical window entered outwards holds no event: go on to the end of the
     # subcritical window after it.
@@ -172,13 +194,15 @@ def next_step(segments: Segments, lanes: Lanes, longest: Array) -> LaneStep:
     if on.size:
         beyond = window_end(segments, k[on], u[on], lanes.side[on], lanes.amplitude[on])
         subcritical[on] = h[on]
-        h[on] += beyond.phase(u[on]) / lanes.omega[on]
-        k[on], u[on], supercritical[on] = beyond.k, beyond.u, False
+        h[on] += beyond.phase_from(u[on]) / lanes.omega[on]
+        k[on], u[on], supercritical[on] = beyond.segment, beyond.phase, False
     long = np.flatnonzero(h > longest)
     if long.size:
         h[long] = longest[long]
         k[long], u[long] = place(
-            segments, lanes.k[long], lanes.u[long] + longest[long] * lanes.omega[long]
+            segments,
+            lanes.segment[long],
+            lanes.phase[long] + longest[long] * lanes.omega[long],
         )
     return LaneStep(k, u, h, supercritical, subcritical)
 
@@ -208,7 +232,7 @@ def advance(
         touched = ~(y_min > 0.0)
         hit[dips[touched]] = True
         reach[dips[touched]] = h_min[touched]
-    impact_v, impact_b = np.zeros_like(reach), np.zeros_like(reach)
+    impact_v, impact_force = np.zeros_like(reach), np.zeros_like(reach)
     at = np.flatnonzero(hit)
     if at.size:
         guess = _impact_guess(arc, step, end, reach, at)
@@ -216,8 +240,8 @@ def advance(
         reach[at], impact_v[at] = impact_root(
             falling, step.subcritical[at], reach[at], guess
         )
-        impact_b[at] = falling.at_ground(reach[at])
-    return StepResult(step, arc, end, reach, hit, impact_v, impact_b, chord_errors)
+        impact_force[at] = falling.at_ground(reach[at])
+    return StepResult(step, arc, end, reach, hit, impact_v, impact_force, chord_errors)
 
 
 def _impact_guess(
@@ -244,67 +268,93 @@ def turning_points(
     and 4). A body whose weight varies has as many as its series, in the order of lanes
     and times.
     """
-    step, end, damping = result.step, result.end, result.arc.damping
-    wanted = wanted & ~step.supercritical
+    wanted = wanted & ~result.step.supercritical
     if segments.weighed is not None:
-        assert isinstance(result.arc, TaylorSeries)
-        assert result.chord_errors is not None
-        v, (kept, monotone) = (
-            np.where(result.hit, result.impact_v, end.v),
-            sense(result.arc, step.h, end, result.chord_errors),
-        )
-        at = wanted & ~kept
-        once = at & monotone & (lanes.v > 0.0) & (v <= 0.0)
-        at, low, high = falls_through_zero(
-            result.arc,
-            result.reach,
-            *(np.flatnonzero(x) for x in (at & ~monotone, once)),
-        )
-        if not at.size:
-            return at, low, high
-        chord = high * (
-            lanes.v[at] / (lanes.v[at] - np.minimum(v[at], 0.0))
-        )  # if this is the only turn of the step
-        guess = np.where(high - low == result.reach[at], chord, 0.5 * (low + high))
-        return at, *turning_point(result.arc.take(at), low, high, guess, 1.0)
-    rises = wanted & ((step.subcritical > 0.0) | (lanes.v > 0.0))
-    low, high = step.subcritical.copy(), result.reach.copy()
-    # Entered inwards, y' may rise through zero while the drive still falls: as a
-    # concave function, not above its tangent.
-    slope = _slope(lanes.b, lanes.v, -damping)  # lanes carry the force
-    turning = np.flatnonzero(wanted & ~rises & (slope > 0.0))
-    if turning.size:
-        bottom = np.minimum(_bottom(segments, lanes, result, turning), high[turning])
-        turning, bottom = (
-            x[lanes.v[turning] + slope[turning] * bottom > 0.0]
-            for x in (turning, bottom)
-        )
-        outwards = hidden_turn(
-            result.arc.take(turning), np.zeros(turning.size), bottom, -1.0
-        )
-        found = np.isfinite(outwards)
-        rises[turning[found]], low[turning[found]] = True, outwards[found]
-    sure = rises & (result.hit | (end.v <= 0.0))
-    # y' > 0 at both ends: a peak and a trough may hide where the drive rises again, and
-    # then b > 0 at the end. There y' is convex (see `hidden_turn`): its tangent at the
-    # end may prove at once that it never falls below zero.
-    slope = _slope(end.b, end.v, damping)
-    doubtful = np.flatnonzero(
-        rises
-        & ~sure
-        & (slope > 0.0)
-        & (slope * (step.h - step.subcritical) > _SAFE_SHARE * end.v)
-    )
-    if doubtful.size:
-        falls = _falling_again(segments, lanes, result, doubtful)
-        found = np.isfinite(falls)
-        sure[doubtful[found]] = True
-        high[doubtful[found]] = falls[found]
-    at = np.flatnonzero(sure)
+        return _turns_of_series(lanes, result, wanted)
+    low, high = result.step.subcritical.copy(), result.reach.copy()
+
+    # The body moves outwards where the subcritical window begins ...
+    outwards = wanted & ((result.step.subcritical > 0.0) | (lanes.v > 0.0))
+    # ... or turns outwards inside it, while the drive still falls (Lemma 4).
+    at, turned = _turns_outwards(segments, lanes, result, wanted & ~outwards)
+    outwards[at], low[at] = True, turned
+
+    # Lemma 3: exactly one peak if it moves inwards at the end, or hits the ground.
+    certain = outwards & (result.hit | (result.end.v <= 0.0))
+    # Lemma 4: y' > 0 at both ends, and a peak and a trough between them.
+    at, falls = _falls_again(segments, lanes, result, outwards & ~certain)
+    certain[at], high[at] = True, falls
+
+    at = np.flatnonzero(certain)
     low, high = low[at], high[at]
     if not at.size:
         return at, low, low
     return at, *turning_point(result.arc.take(at), low, high, 0.5 * (low + high), 1.0)
+
+
+def _turns_of_series(
+    lanes: Lanes, result: StepResult, wanted: Array
+) -> tuple[Array, Array, Array]:
+    """As `turning_points`, of bodies whose weight varies: all turns of their series."""
+    arc = result.arc
+    assert isinstance(arc, TaylorSeries)
+    assert result.chord_errors is not None
+    v = np.where(result.hit, result.impact_v, result.end.v)
+
+    # No turn where y' keeps its sign, one at most where it is monotone; otherwise the
+    # Bernstein coefficients of y' isolate the turns.
+    kept, monotone = sense(arc, result.step.h, result.end, result.chord_errors)
+    open_ = wanted & ~kept
+    once = open_ & monotone & (lanes.v > 0.0) & (v <= 0.0)
+    several = np.flatnonzero(open_ & ~monotone)
+    at, low, high = falls_through_zero(arc, result.reach, several, np.flatnonzero(once))
+    if not at.size:
+        return at, low, high
+
+    # The first guess is the root of the chord of y' if this is the only turn.
+    chord = high * (lanes.v[at] / (lanes.v[at] - np.minimum(v[at], 0.0)))
+    guess = np.where(high - low == result.reach[at], chord, 0.5 * (low + high))
+    return at, *turning_point(arc.take(at), low, high, guess, 1.0)
+
+
+def _turns_outwards(
+    segments: Segments, lanes: Lanes, result: StepResult, inwards: Array
+) -> tuple[Array, Array]:
+    """(those of the lanes that enter `inwards` and turn outwards while the drive still
+    falls, a time at which they move outwards). There y' is concave, so it is not above
+    its tangent.
+    """
+    slope = _slope(lanes.force, lanes.v, -result.arc.damping)  # lanes carry the force
+    at = np.flatnonzero(inwards & (slope > 0.0))
+    if not at.size:
+        return at, np.zeros(0)
+    bottom = np.minimum(_bottom(segments, lanes, result, at), result.reach[at])
+    above = lanes.v[at] + slope[at] * bottom > 0.0
+    at, bottom = at[above], bottom[above]
+    turned = hidden_turn(result.arc.take(at), np.zeros(at.size), bottom, -1.0)
+    found = np.isfinite(turned)
+    return at[found], turned[found]
+
+
+def _falls_again(
+    segments: Segments, lanes: Lanes, result: StepResult, outwards: Array
+) -> tuple[Array, Array]:
+    """(those of the lanes with y' > 0 at both ends that fall in between, a time at
+    which they do).
+
+    A peak and a trough may hide where the drive rises again, and then b > 0 at the end.
+    There y' is convex: its tangent at the end may prove at once that it never falls
+    below zero.
+    """
+    step, end = result.step, result.end
+    slope = _slope(end.b, end.v, result.arc.damping)
+    tangent = slope * (step.h - step.subcritical)
+    at = np.flatnonzero(outwards & (slope > 0.0) & (tangent > _SAFE_SHARE * end.v))
+    if not at.size:
+        return at, np.zeros(0)
+    falls = _falling_again(segments, lanes, result, at)
+    found = np.isfinite(falls)
+    return at[found], falls[found]
 
 
 def _slope(b: Array, v: Array, damping: float) -> Array:
@@ -318,8 +368,8 @@ def _bottom(segments: Segments, lanes: Lanes, result: StepResult, at: Array) -> 
     """The time [tau] for which the drive falls in these steps: until their last segment
     begins; 0 where the drive only rises.
     """
-    k, u = lanes.k[at], lanes.u[at]
-    to_k, to_u = result.step.k[at], result.step.u[at]
+    k, u = lanes.segment[at], lanes.phase[at]
+    to_k, to_u = result.step.segment[at], result.step.phase[at]
     to_k = np.where(to_u > 0.0, to_k, to_k - 1)
     inside = (
         -lanes.side[at] * (segments.s_end[k] - segments.s_start[k]) < 0.0

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..batch import Batch
-from ..contacts.sequences import (
+from ..contacts.lasting_bounces import (
     NEARLY_ELASTIC,
     bounces_to_end,
     stays_below_peak,
@@ -47,7 +47,7 @@ def free_motion(batch: Batch, lanes: Lanes) -> Closed:
     """Close undamped lanes for which the shaking is over, by the outcome of their free
     motion (Lemma 8).
     """
-    at = np.flatnonzero(lanes.k >= len(batch.segments))
+    at = np.flatnonzero(lanes.segment >= len(batch.segments))
     if not at.size:
         return Closed(at, at, lanes.peak[at])
     free = batch.contact.free_motion(
@@ -73,7 +73,7 @@ def damped_settling(batch: Batch, lanes: Lanes) -> Closed:
     would neither pass the barrier nor rise above their peak. It also raises the stored
     peak of lanes on still ground to their next peak where this is known.
     """
-    at = np.flatnonzero(lanes.k >= batch.shaken)
+    at = np.flatnonzero(lanes.segment >= batch.shaken)
     y, v = lanes.y[at], lanes.v[at]
     top = batch.equation.damped_peak(y, v)
     known = np.flatnonzero(np.isfinite(top))
@@ -99,7 +99,7 @@ def _rocked(lanes: Lanes, proved: Array) -> Closed:
 FREE_MOTION = Closing(free_motion, "free_phase", still=True)
 UNSETTLED = Closing(
     lambda batch, lanes: Closed(
-        np.flatnonzero(lanes.k >= len(batch.segments)), Outcome.FAILED, np.nan
+        np.flatnonzero(lanes.segment >= len(batch.segments)), Outcome.FAILED, np.nan
     )
 )
 DAMPED = [

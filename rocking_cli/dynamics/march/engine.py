@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import cache
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -56,6 +56,18 @@ def by_windows(run: "Run", waiting: Array) -> None:
             lanes = run.round(lanes)
 
 
+class RoundEnds(NamedTuple):
+    """What the steps of a round end with. Every array is (lanes,); a lane has one of
+    the three ends at most.
+    """
+
+    segment: Array  # segment of the end of the step; their number after the motion
+    phase: Array  # phase of the end in its segment [rad]
+    failed: Array  # True if the march of the lane fails
+    shaken: Array  # True if an undamped lane is in the air when the shaking ends
+    over: Array  # True if the lane has overturned, or will for certain (Lemma 6)
+
+
 class Run:
     """The march of a batch: the lanes in the pool, and the results so far."""
 
@@ -96,103 +108,129 @@ class Run:
         march(self, waiting)
 
     def start(self, cell: Array) -> Lanes:
-        """Return lanes for these cells, at their first uplift from rest; k is the
-        number of segments if there is no uplift.
+        """Return lanes for these cells, at their first uplift from rest; the segment is
+        the number of segments if there is no uplift.
         """
-        zero, count, begin = (
-            np.zeros(cell.size),
-            np.zeros(cell.size, dtype=np.int32),
-            self.batch.first[cell],
+        batch, size = self.batch, cell.size
+        first = batch.contact.uplift(
+            batch.cells, batch.segments, cell, batch.first[cell], np.zeros(size)
         )
-        first = self.batch.contact.uplift(
-            self.batch.cells, self.batch.segments, cell, begin, zero
-        )
-        peak = np.full(
-            cell.size, 0.0 if self.batch.peaks else np.inf
-        )  # infinite: no later peak exceeds it
-        row = self.batch.cells.row(first.side)
-        amplitude, omega, eta = (values[row, cell] for values in self.batch.cells)
-        place_and_state = (first.k, first.u, first.side, zero, zero.copy(), first.b)
+        row = batch.cells.row(first.side)
+        amplitude, omega, eta = (values[row, cell] for values in batch.cells)
         return Lanes(
-            cell, amplitude, omega, eta, *place_and_state, peak, count, count.copy()
+            cell=cell,
+            amplitude=amplitude,
+            omega=omega,
+            eta=eta,
+            segment=first.segment,
+            phase=first.phase,
+            side=first.side,
+            y=np.zeros(size),
+            v=np.zeros(size),
+            force=first.force,
+            peak=np.full(size, 0.0 if batch.peaks else np.inf),  # none exceeds infinity
+            impacts=np.zeros(size, dtype=np.int32),
+            steps=np.zeros(size, dtype=np.int32),
         )
 
     def round(self, lanes: AnyLanes) -> AnyLanes:
         """Take one step of every lane; returns the lanes that are not finished."""
-        batch, seg = self.batch, self.batch.segments
+        batch = self.batch
         lanes.steps += 1
+        until = np.inf if batch.free_fall is None else batch.free_fall.time_left(lanes)
         equation = batch.equation.on(lanes.side, lanes.cell)
-        result = advance(
-            seg,
-            lanes,
-            equation,
-            np.inf if batch.free_fall is None else batch.free_fall.time_left(lanes),
-        )
-        end, hit = result.end, result.hit
-        k, u = place(seg, result.step.k, result.step.u)
-        bad = ~(np.isfinite(end.y) & np.isfinite(result.reach)) | (
-            lanes.steps > batch.most_steps
-        )
-        shaken = ~hit & ~bad & (k >= len(seg))
-        if batch.equation.damping:
-            bad, shaken = (
-                bad | shaken,
-                np.zeros(hit.shape, dtype=bool),
-            )  # a damped lane should have settled before
-        cannot_return = batch.cannot_return(
-            lanes, slice(None), np.minimum(k, len(seg) - 1), end.y, end.v
-        )
-        over = ~hit & ~bad & ~shaken & cannot_return
-        last = self._in_the_air(lanes, result, k, u, np.flatnonzero(shaken))
-        free = free_motion(batch, last)
-        wanted = ~(bad | over)
-        wanted[np.flatnonzero(shaken)[free.outcome != Outcome.ROCKED]] = False
-        if batch.peaks:
-            at, _, y = turning_points(seg, lanes, result, wanted)
-            np.maximum.at(lanes.peak, at, y)  # a lane may have several turning points
-            fallen = at[
-                y >= np.broadcast_to(equation.limit, hit.shape)[at]
-            ]  # it lay on its side, even if y ends lower
-            over[fallen] = ~bad[fallen]
-        if self.observers:
-            y, v = np.where(hit, 0.0, end.y), np.where(hit, result.impact_v, end.v)
-            b = np.where(hit, result.impact_b, result.force)
-            arcs = Arcs(
-                lanes, result.arc, result.reach, y, v, b, np.flatnonzero(~(bad | over))
-            )
-            for observer in self.observers:
-                observer.arcs(arcs)
-        self.work.impacts += int(hit.sum())
-        self.work.steps += hit.size
-        self.finish(lanes, np.flatnonzero(bad), Outcome.FAILED, np.nan)
-        last.peak = lanes.peak[shaken]
-        self._end(
-            FREE_MOTION, last, free._replace(peak=np.maximum(last.peak, free.peak))
-        )
-        self.overturn(lanes, np.flatnonzero(over))
+        result = advance(batch.segments, lanes, equation, until)
+        self.work.impacts += int(result.hit.sum())
+        self.work.steps += result.hit.size
 
-        going = ~(bad | over | shaken)
-        struck = np.flatnonzero(going & hit)
-        in_air = self._in_the_air(lanes, result, k, u, np.flatnonzero(going & ~hit))
-        for closing in self.closings if batch.equation.damping else ():
+        ends = self._ends(lanes, result)
+        last = self._in_the_air(lanes, result, ends, np.flatnonzero(ends.shaken))
+        free = free_motion(batch, last)
+        if batch.peaks:
+            self._raise_peaks(lanes, result, ends, free.outcome)
+        if self.observers:
+            self._show(lanes, result, np.flatnonzero(~(ends.failed | ends.over)))
+
+        self.finish(lanes, np.flatnonzero(ends.failed), Outcome.FAILED, np.nan)
+        last.peak = lanes.peak[ends.shaken]
+        peak = np.maximum(last.peak, free.peak)
+        self._end(FREE_MOTION, last, free._replace(peak=peak))
+        self.overturn(lanes, np.flatnonzero(ends.over))
+        return self._go_on(lanes, result, ends)
+
+    def _ends(self, lanes: Lanes, result: StepResult) -> RoundEnds:
+        """Return what the steps end with. The order decides: a lane that fails has no
+        other end, an impact comes before the end of the shaking, and that before
+        overturning.
+        """
+        batch, seg = self.batch, self.batch.segments
+        end, hit = result.end, result.hit
+        k, u = place(seg, result.step.segment, result.step.phase)
+
+        failed = ~(np.isfinite(end.y) & np.isfinite(result.reach))
+        failed |= lanes.steps > batch.most_steps
+
+        shaken = ~hit & ~failed & (k >= len(seg))
+        if batch.equation.damping:  # a damped lane should have settled before
+            failed, shaken = failed | shaken, np.zeros(hit.shape, dtype=bool)
+
+        here = np.minimum(k, len(seg) - 1)
+        cannot_return = batch.cannot_return(lanes, slice(None), here, end.y, end.v)
+        over = ~hit & ~failed & ~shaken & cannot_return
+        return RoundEnds(k, u, failed, shaken, over)
+
+    def _raise_peaks(
+        self, lanes: Lanes, result: StepResult, ends: RoundEnds, free: Array | Outcome
+    ) -> None:
+        """Take the turning points of the steps into the peaks of the lanes. A body that
+        has lain on its side on the way has overturned, even if it ends lower. free:
+        outcomes of the free motion of shaken lanes.
+        """
+        wanted = ~(ends.failed | ends.over)
+        wanted[np.flatnonzero(ends.shaken)[free != Outcome.ROCKED]] = False
+        at, _, y = turning_points(self.batch.segments, lanes, result, wanted)
+        np.maximum.at(lanes.peak, at, y)  # a lane may have several turning points
+        limit = self.batch.equation.on(lanes.side, lanes.cell).limit
+        fallen = at[y >= np.broadcast_to(limit, wanted.shape)[at]]
+        ends.over[fallen] = ~ends.failed[fallen]
+
+    def _show(self, lanes: Lanes, result: StepResult, wanted: Array) -> None:
+        """Show the steps to the observers; wanted: indices of lanes that are still
+        open.
+        """
+        end, hit = result.end, result.hit
+        y, v = np.where(hit, 0.0, end.y), np.where(hit, result.impact_v, end.v)
+        force = np.where(hit, result.impact_force, result.force)
+        arcs = Arcs(lanes, result.arc, result.reach, y, v, force, wanted)
+        for observer in self.observers:
+            observer.arcs(arcs)
+
+    def _go_on(self, lanes: AnyLanes, result: StepResult, ends: RoundEnds) -> AnyLanes:
+        """Return the lanes after their steps that are not finished."""
+        going = ~(ends.failed | ends.over | ends.shaken)
+        flying = np.flatnonzero(going & ~result.hit)
+        in_air = self._in_the_air(lanes, result, ends, flying)
+        for closing in self.closings if self.batch.equation.damping else ():
             in_air = self._close(closing, in_air) if closing.still else in_air
-        struck_lanes = self._after_impact(
-            lanes.take(struck),
-            result.reach[struck],
-            result.impact_v[struck],
-            result.impact_b[struck],
+        landed = np.flatnonzero(going & result.hit)
+        after_impact = self._after_impact(
+            lanes.take(landed),
+            result.reach[landed],
+            result.impact_v[landed],
+            result.impact_force[landed],
         )
-        return self.end_free_fall(in_air.join(struck_lanes))
+        return self.end_free_fall(in_air.join(after_impact))
 
     def _in_the_air(
-        self, lanes: AnyLanes, result: StepResult, k: Array, u: Array, at: Array
+        self, lanes: AnyLanes, result: StepResult, ends: RoundEnds, at: Array
     ) -> AnyLanes:
         """Return the lanes `at`, which reached the end of their step in the air, with
         their new state.
         """
         lanes = lanes.take(at)
-        lanes.k, lanes.u = k[at], u[at]
-        lanes.y, lanes.v, lanes.b = result.end.y[at], result.end.v[at], result.force[at]
+        lanes.segment, lanes.phase = ends.segment[at], ends.phase[at]
+        lanes.y, lanes.v = result.end.y[at], result.end.v[at]
+        lanes.force = result.force[at]
         self._renew_forces(lanes)
         return lanes
 
@@ -201,16 +239,18 @@ class Run:
         force b, without those that the impact finishes.
         """
         batch, seg = self.batch, self.batch.segments
-        lanes.k, lanes.u = place(seg, lanes.k, lanes.u + lanes.omega * h)
-        lanes.y = np.zeros(h.size)
-        batch.contact.strike(batch.cells, lanes, v, b)
-        lanes.b = seg.force_at_impact(
-            lanes.side, lanes.amplitude, lanes.k, lanes.u, lanes.b
+        lanes.segment, lanes.phase = place(
+            seg, lanes.segment, lanes.phase + lanes.omega * h
         )
-        lanes.impacts += lanes.k < batch.shaken if batch.equation.damping else 1
+        lanes.y = np.zeros(h.size)
+        batch.contact.impact(batch.cells, lanes, v, b)
+        lanes.force = seg.force_at_impact(
+            lanes.side, lanes.amplitude, lanes.segment, lanes.phase, lanes.force
+        )
+        lanes.impacts += lanes.segment < batch.shaken if batch.equation.damping else 1
         self._renew_forces(lanes)
         if batch.equation.damping:
-            self.bounced[lanes.cell[lanes.k >= batch.shaken]] = True
+            self.bounced[lanes.cell[lanes.segment >= batch.shaken]] = True
         for closing in self.closings:
             lanes = self._close(closing, lanes)
         lanes = self._rest(lanes)
@@ -233,17 +273,17 @@ class Run:
             batch.cells,
             batch.segments,
             lanes.cell[resting],
-            lanes.k[resting],
-            lanes.u[resting],
+            lanes.segment[resting],
+            lanes.phase[resting],
         )
-        lanes.k[resting], lanes.u[resting] = again.k, again.u
-        lanes.y[resting], lanes.v[resting], lanes.b[resting] = 0.0, 0.0, again.b
+        lanes.segment[resting], lanes.phase[resting] = again.segment, again.phase
+        lanes.y[resting], lanes.v[resting], lanes.force[resting] = 0.0, 0.0, again.force
         batch.contact.turn(batch.cells, lanes, resting, again.side)
         self.work.sequences_closed += int(ends[resting].sum())
         self.work.rests_skipped += resting.size
-        settled = resting[again.k >= len(batch.segments)]
+        settled = resting[again.segment >= len(batch.segments)]
         self.finish(lanes, settled, Outcome.ROCKED, lanes.peak[settled])
-        return lanes.take(np.flatnonzero(lanes.k < len(batch.segments)))
+        return lanes.take(np.flatnonzero(lanes.segment < len(batch.segments)))
 
     def end_free_fall(self, lanes: AnyLanes) -> AnyLanes:
         """Finish bodies from which the ground has fallen away: overturned if the
@@ -268,7 +308,7 @@ class Run:
         closed = closing.closes(self.batch, lanes)
         if closed.at.size:
             ended = self._end(closing, lanes, closed)
-            lanes = lanes.take(np.delete(np.arange(lanes.k.size), ended))
+            lanes = lanes.take(np.delete(np.arange(lanes.segment.size), ended))
         return lanes
 
     def _end(self, closing: Closing, lanes: Lanes, closed: Closed) -> Array:
@@ -332,8 +372,10 @@ class Run:
         form: the drive may jump there.
         """
         seg = self.batch.segments
-        at = np.flatnonzero((lanes.u == 0.0) & (lanes.k > 0) & (lanes.k < len(seg)))
-        self.renew_force(lanes, at[~seg.joins[lanes.k[at] - 1]])
+        at = np.flatnonzero(
+            (lanes.phase == 0.0) & (lanes.segment > 0) & (lanes.segment < len(seg))
+        )
+        self.renew_force(lanes, at[~seg.joins[lanes.segment[at] - 1]])
 
     def renew_force(self, lanes: Lanes, at: Array) -> None:
         """Recompute the force on the lanes `at`, which are at the start
@@ -343,10 +385,10 @@ class Run:
             self.batch.segments,
             lanes.side[at],
             lanes.amplitude[at],
-            lanes.k[at],
+            lanes.segment[at],
         )
-        weight = seg.weight(side, amplitude, k, lanes.u[at])
+        weight = seg.weight(side, amplitude, k, lanes.phase[at])
         drive = -side * amplitude * seg.s_start[k]
-        lanes.b[at] = self.batch.equation.on(side, lanes.cell[at]).force(
+        lanes.force[at] = self.batch.equation.on(side, lanes.cell[at]).force(
             lanes.y[at], drive, weight
         )

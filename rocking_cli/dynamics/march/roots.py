@@ -40,33 +40,28 @@ def impact_root(
     h_out, v_out = np.empty_like(low), np.empty_like(low)
     lanes = np.arange(low.size)
     low, high, h = low.copy(), high.copy(), guess.copy()
-    fastest = arc.fastest
     for _ in range(_ROUNDS if lanes.size else 0):
         f = arc.at(h)
-        with np.errstate(all="ignore"):
-            r, e = f.y / f.v, f.b / f.v
-            step = -r * (1.0 - 0.5 * r * e) / (1.0 - r * e + r * r * f.j / (6.0 * f.v))
-        after = f.y <= 0.0
+        step = _householder_step(f)
         target = h + step
-        inside = (
-            (f.v < 0.0) & (target > low) & (target <= high) & ((target <= h) == after)
-        )  # on the side of h where the root is
-        size = np.abs(step)
-        exact = size <= 4e-16 * h
-        settled = (
-            inside
-            & (size <= _CLOSE * h)
-            & (size * fastest <= _CLOSE)
-            & (size * np.abs(f.b) <= _CLOSE * np.abs(f.v))
-        )
+        after = f.y <= 0.0
+        # The step stays in the bracket, on the side of h where the root is.
+        inside = (f.v < 0.0) & (target > low) & (target <= high)
+        inside &= (target <= h) == after
+        exact = np.abs(step) <= 4e-16 * h
+        settled = inside & _is_close(f, h, step, arc.fastest)
         settled |= exact & (f.v < 0.0)
-        keep = np.flatnonzero(~settled)  # few lanes: only their brackets are narrowed
-        after, low, high, here = after[keep], low[keep], high[keep], h[keep]
-        low, high = np.where(after, low, here), np.where(after, here, high)
+
+        # Few lanes go on: only their brackets are narrowed.
+        keep = np.flatnonzero(~settled)
+        low, high = _narrowed(low[keep], high[keep], h[keep], after[keep])
         closed = high - low <= 4e-16 * high
         if closed.any():
             settled[keep[closed]] = True
             keep, low, high = keep[~closed], low[~closed], high[~closed]
+
+        # Lanes that are done take their last step, and the velocity after it by the
+        # series about h.
         if keep.size < settled.size:
             done = np.flatnonzero(settled)
             d = np.where(inside[done] | exact[done], step[done], 0.0)
@@ -76,11 +71,37 @@ def impact_root(
             )
             if not keep.size:
                 break
-            arc, lanes, fastest = arc.take(keep), lanes[keep], fastest[keep]
+            arc, lanes = arc.take(keep), lanes[keep]
         h = np.where(inside[keep], target[keep], 0.5 * (low + high))
     else:
         h_out[lanes] = np.nan
     return h_out, v_out
+
+
+def _householder_step(f: Point) -> Array:
+    """The step of fourth order to the root of y, from y and its derivatives."""
+    with np.errstate(all="ignore"):
+        r, e = f.y / f.v, f.b / f.v
+        return -r * (1.0 - 0.5 * r * e) / (1.0 - r * e + r * r * f.j / (6.0 * f.v))
+
+
+def _is_close(f: Point, h: Array, step: Array, fastest: Array) -> Array:
+    """True where a step is short over every scale of the arc: over the time, over the
+    time of its fastest change, and over that in which its velocity changes.
+    """
+    size = np.abs(step)
+    return (
+        (size <= _CLOSE * h)
+        & (size * fastest <= _CLOSE)
+        & (size * np.abs(f.b) <= _CLOSE * np.abs(f.v))
+    )
+
+
+def _narrowed(low: Array, high: Array, h: Array, after: Array) -> tuple[Array, Array]:
+    """The brackets (low, high) cut at h; after: True where h is at the root or after
+    it.
+    """
+    return np.where(after, low, h), np.where(after, h, high)
 
 
 def turning_point(
@@ -98,8 +119,7 @@ def turning_point(
         f = arc.at(h)
         with np.errstate(all="ignore"):
             step = -f.v / (f.b - 0.5 * f.v * f.j / f.b)
-        after = sense * f.v <= 0.0
-        low, high = np.where(after, low, h), np.where(after, h, high)
+        low, high = _narrowed(low, high, h, sense * f.v <= 0.0)
         target = h + step
         inside = (sense * f.b < 0.0) & (target >= low) & (target <= high)
         settled = (
@@ -185,35 +205,45 @@ def falls_through_zero(
     found: list[tuple[Array, Array, Array]] = [
         (once, np.zeros(once.size), np.ones(once.size))
     ]
-    parts = [
-        _speed(arc.take(lanes[part]), reach[lanes[part]])
-        for part in blocks(lanes.size, CACHED)
-    ]
-    speed = np.concatenate([np.zeros((len(arc.terms) - 1, 0)), *parts], axis=1)
-    own = lanes
-    bernstein = bernstein_form(speed)
-    low, high = np.zeros(own.size), np.ones(own.size)
+    own, low, high = lanes, np.zeros(lanes.size), np.ones(lanes.size)
+    bernstein = bernstein_form(_speeds(arc, reach, lanes))
     for _ in range(_HALVINGS):
-        falls = (bernstein[:-1] > 0.0) & (bernstein[1:] <= 0.0)
-        rises = (bernstein[:-1] <= 0.0) & (bernstein[1:] > 0.0)
-        changes = falls.sum(axis=0) + rises.sum(axis=0)
-        one = np.flatnonzero((changes == 1) & falls.any(axis=0))
+        # One sign change, from + to -: the interval holds one peak and no other turn.
+        changes, falls = _sign_changes(bernstein)
+        one = np.flatnonzero((changes == 1) & falls)
         found.append((own[one], low[one], high[one]))
+
+        # Several: both halves are looked at.
         more = np.flatnonzero(changes > 1)
         if not more.size:
             break
         middle = 0.5 * (low[more] + high[more])
-        left, right = _halves(bernstein[:, more])
-        bernstein = np.concatenate([left, right], axis=1)
+        bernstein = np.concatenate(_halves(bernstein[:, more]), axis=1)
         own = np.concatenate([own[more], own[more]])
-        low, high = (
-            np.concatenate([low[more], middle]),
-            np.concatenate([middle, high[more]]),
-        )
+        low = np.concatenate([low[more], middle])
+        high = np.concatenate([middle, high[more]])
     which, low, high = (np.concatenate(parts) for parts in zip(*found, strict=True))
     order = np.lexsort((low, which))
     which, low, high = which[order], low[order], high[order]
     return which, low * reach[which], high * reach[which]
+
+
+def _sign_changes(bernstein: Array) -> tuple[Array, Array]:
+    """(number of sign changes of the coefficients of each lane, True where they fall
+    through zero somewhere).
+    """
+    falls = (bernstein[:-1] > 0.0) & (bernstein[1:] <= 0.0)
+    rises = (bernstein[:-1] <= 0.0) & (bernstein[1:] > 0.0)
+    return falls.sum(axis=0) + rises.sum(axis=0), np.asarray(falls.any(axis=0))
+
+
+def _speeds(arc: TaylorSeries, reach: Array, lanes: Array) -> Array:
+    """`_speed` of these lanes over their reach, block by block."""
+    parts = [
+        _speed(arc.take(lanes[part]), reach[lanes[part]])
+        for part in blocks(lanes.size, CACHED)
+    ]
+    return np.concatenate([np.zeros((len(arc.terms) - 1, 0)), *parts], axis=1)
 
 
 def _speed(arc: TaylorSeries, span: Array) -> Array:

@@ -19,7 +19,7 @@ class Arcs(NamedTuple):
     stop: Array  # end of the motion after the present state [tau], (lanes,)
     y: Array  # displacement at `stop`, in the unit of the side, (lanes,)
     v: Array  # velocity y' at `stop`, by tau, (lanes,)
-    b: Array  # force y'' + 2 zeta y' at `stop`, (lanes,)
+    force: Array  # y'' + 2 zeta y' at `stop`, (lanes,)
     wanted: Array  # indices of the lanes whose outcome is still open, (wanted,)
 
 

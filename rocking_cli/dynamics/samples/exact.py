@@ -142,6 +142,26 @@ class ExactLanes(PooledLanes):
     level: Array  # level of the stretch to try next
 
 
+class Course(NamedTuple):
+    """What stays the same while lanes are propagated. Every array is (lanes,)."""
+
+    first: Array  # index of the first sample of the motion
+    last: Array  # index of its last sample
+    face: Array  # index at which the `Stretches` of the motion and the side begin
+    per_step: Array  # 1 over the phase between two samples [1/rad]
+    top: Array  # largest level of `Stretches` over which the lane is propagated
+
+
+class AtSample(NamedTuple):
+    """The state of lanes at a sample. Every array is (lanes,)."""
+
+    segment: Array  # index of the sample
+    y: Array  # displacement, in the unit of the side
+    v: Array  # dy/dtau
+    up: Array  # coefficient of exp(tau) in y, tau from this sample
+    down: Array  # coefficient of exp(-tau) in y
+
+
 class ExactStepper(SampleStepper[ExactLanes]):
     """Advances the cells of a `Run` of the undamped linear oscillator over many samples
     of a record at once.
@@ -186,7 +206,7 @@ class ExactStepper(SampleStepper[ExactLanes]):
 
     def prepare(self, lanes: PooledLanes) -> ExactLanes:
         found = lanes.extended(
-            ExactLanes, up=lanes.y, down=lanes.y, row=lanes.k, level=lanes.k
+            ExactLanes, up=lanes.y, down=lanes.y, row=lanes.segment, level=lanes.segment
         )
         self._renew_modes(found)
         return found
@@ -197,13 +217,13 @@ class ExactStepper(SampleStepper[ExactLanes]):
 
     def _renew_modes(self, lanes: ExactLanes) -> None:
         """Compute the modes of lanes at the next sample."""
-        inside = lanes.u > 0.0
+        inside = lanes.phase > 0.0
         lanes.row = self.rows[self.cells.row(lanes.side), lanes.cell]
         there = self.equation.flow(self.segments, lanes).at(
-            (lanes.pace - lanes.u / lanes.omega) * inside
+            (lanes.pace - lanes.phase / lanes.omega) * inside
         )
         bounded = self.bounded.take(
-            lanes.row + np.minimum(lanes.k + inside, self.last.take(lanes.cell))
+            lanes.row + np.minimum(lanes.segment + inside, self.last.take(lanes.cell))
         )
         y, v = (
             there.y - 1.0 - lanes.outward * bounded.real,
@@ -211,8 +231,8 @@ class ExactStepper(SampleStepper[ExactLanes]):
         )
         lanes.up, lanes.down = 0.5 * (y + v), 0.5 * (y - v)
         fall = (
-            lanes.v + np.sqrt(lanes.v * lanes.v - 2.0 * lanes.b * lanes.y)
-        ) / -lanes.b
+            lanes.v + np.sqrt(lanes.v * lanes.v - 2.0 * lanes.force * lanes.y)
+        ) / -lanes.force
         level = np.frexp(np.where(fall > 0.0, 0.5 * fall / lanes.pace, 8.0))[1]
         lanes.level = np.clip(level, 0, self._top(lanes.pace)).astype(np.int64)
 
@@ -225,73 +245,96 @@ class ExactStepper(SampleStepper[ExactLanes]):
         ).astype(np.int64)
 
     def can_propagate(self, lanes: ExactLanes) -> Array:
-        ahead = self.step.take(lanes.cell) - lanes.u
-        return (lanes.k < self.last.take(lanes.cell)) & (
-            (lanes.y > 0.0) | (2.0 * lanes.v * lanes.omega >= -lanes.b * ahead)
+        ahead = self.step.take(lanes.cell) - lanes.phase
+        return (lanes.segment < self.last.take(lanes.cell)) & (
+            (lanes.y > 0.0) | (2.0 * lanes.v * lanes.omega >= -lanes.force * ahead)
         )
 
     def propagate(self, lanes: ExactLanes, at: Array) -> Array:
-        """Propagate lanes several times. A lane stops when a propagation
-        is not proved.
+        """Propagate lanes several times. A lane stops when a propagation is not
+        proved.
         """
         own, go = lanes.take(at), np.ones(at.size, dtype=bool)
-        drive, pace, top = own.outward, own.pace, self._top(own.pace)
-        first, last, face, per_step = (
-            x.take(own.cell)
-            for x in (self.first, self.last, self.face, 1.0 / self.step)
-        )
-        face += (drive > 0.0) * self.stretches.face
+        course = self._course(own)
         for _ in range(_ROUNDS):
-            least = np.abs(drive) * self.stretches.at(
-                face, own.level, own.k - first
-            )  # outward drive
-            time, fall = horizon(own.y, own.v, least)
-            past = own.u * per_step  # samples since the start of the interval
-            ahead = np.fmin(
-                past + time * (_SAFE_SHARE / pace),
-                np.minimum(np.left_shift(1, own.level), last - own.k),
-            )
+            # Lemma 11: whole samples that lie before the first possible impact.
+            ahead, past, fall = self._ahead(own, course)
             go &= ahead >= 1.0
             count = np.where(go, ahead, 1.0).astype(np.int64)
-            to = np.minimum(own.k + count, last)
-            grown = np.exp(
-                (count - (own.u > 0.0)) * pace
-            )  # where u is 0 the modes belong to this sample, else to the next
-            up, down, bounded = (
-                own.up * grown,
-                own.down / grown,
-                self.bounded.take(own.row + to),
-            )
-            y, v = (
-                drive * bounded.real + (up + down) + 1.0,
-                drive * bounded.imag + (up - down),
-            )
-            go &= y >= _LEAST * (1.0 + np.abs(drive))
-            peak = np.maximum(own.peak, y)
-            held = self._doubtful(
-                own, Propagation(y, v, peak, fall, (count - past) * pace), go
-            )
+
+            # The state there; one too close to the ground is not exact enough.
+            there = self._there(own, course, count)
+            go &= there.y >= _LEAST * (1.0 + np.abs(own.outward))
+
+            # Lanes in which a peak or a speed may hide go half as far, or stop.
+            peak = np.maximum(own.peak, there.y)
+            time = (count - past) * own.pace
+            step = Propagation(there.y, there.v, peak, fall, time)
+            held = self._doubtful(own, step, go)
             moved = go.copy()
             moved[held] = False
             go[held[count[held] == 1]] = False
-            level = np.minimum(np.frexp(ahead)[1], top)
+            level = np.minimum(np.frexp(ahead)[1], course.top)
             level[held] = np.frexp(count[held] // 2)[1] - 1
-            for name, value in {
-                "k": to,
-                "u": 0.0,
-                "y": y,
-                "v": v,
-                "peak": peak,
-                "up": up,
-                "down": down,
-            }.items():
-                setattr(own, name, np.where(moved, value, getattr(own, name)))
+
+            self._move(own, there, peak, moved)
             own.level = np.where(go, level, own.level)
-            go &= own.k < last
+            go &= own.segment < course.last
             if np.count_nonzero(go) * _FEW < at.size:
                 break
         lanes.put(at, own)
         return go
+
+    def _course(self, own: ExactLanes) -> Course:
+        """Return what stays the same while these lanes are propagated."""
+        first, last, face, per_step = (
+            x.take(own.cell)
+            for x in (self.first, self.last, self.face, 1.0 / self.step)
+        )
+        face += (own.outward > 0.0) * self.stretches.face
+        return Course(first, last, face, per_step, self._top(own.pace))
+
+    def _ahead(self, own: ExactLanes, course: Course) -> tuple[Array, Array, Array]:
+        """(samples that lanes may go ahead without an impact (Lemma 11), samples since
+        the start of their interval, largest 1 - a on the way).
+        """
+        stretch = self.stretches.at(course.face, own.level, own.segment - course.first)
+        time, fall = horizon(own.y, own.v, np.abs(own.outward) * stretch)
+        past = own.phase * course.per_step
+        ahead = np.fmin(
+            past + time * (_SAFE_SHARE / own.pace),
+            np.minimum(np.left_shift(1, own.level), course.last - own.segment),
+        )
+        return ahead, past, fall
+
+    def _there(self, own: ExactLanes, course: Course, count: Array) -> AtSample:
+        """Return the state of lanes `count` samples ahead, by their two modes and the
+        bounded solution.
+        """
+        to = np.minimum(own.segment + count, course.last)
+        # Where the phase is 0 the modes belong to this sample, else to the next.
+        grown = np.exp((count - (own.phase > 0.0)) * own.pace)
+        up, down = own.up * grown, own.down / grown
+        bounded = self.bounded.take(own.row + to)
+        return AtSample(
+            to,
+            own.outward * bounded.real + (up + down) + 1.0,
+            own.outward * bounded.imag + (up - down),
+            up,
+            down,
+        )
+
+    def _move(
+        self, own: ExactLanes, there: AtSample, peak: Array, moved: Array
+    ) -> None:
+        """Put those of the lanes that `moved` at their sample."""
+        own.segment = np.where(moved, there.segment, own.segment)
+        own.phase = np.where(moved, 0.0, own.phase)
+        own.y = np.where(moved, there.y, own.y)
+        own.v = np.where(moved, there.v, own.v)
+        own.peak = np.where(moved, peak, own.peak)
+        own.up = np.where(moved, there.up, own.up)
+        own.down = np.where(moved, there.down, own.down)
 
     def _doubtful(self, lanes: ExactLanes, step: Propagation, proved: Array) -> Array:
         """Indices of lanes whose propagation may hold a peak above their highest one
@@ -332,7 +375,7 @@ class ExactStepper(SampleStepper[ExactLanes]):
         drive, cell = lanes.outward[at], lanes.cell[at]
         face = self.face.take(cell) + (drive < 0.0) * self.stretches.face
         return -np.abs(drive) * self.stretches.at(
-            face, lanes.level[at], lanes.k[at] - self.first.take(cell)
+            face, lanes.level[at], lanes.segment[at] - self.first.take(cell)
         )
 
 

@@ -88,7 +88,7 @@ class SampleStepper(ABC, Generic[Pooled]):
         """True for lanes that are at a sample before the last one, from which a
         propagation may be tried.
         """
-        return (lanes.u == 0.0) & (lanes.k < self.last.take(lanes.cell))
+        return (lanes.phase == 0.0) & (lanes.segment < self.last.take(lanes.cell))
 
     @abstractmethod
     def propagate(self, lanes: Pooled, at: Array) -> Array:
@@ -134,7 +134,7 @@ class SampleStepper(ABC, Generic[Pooled]):
     def _begin(self, cells: Array, slot: Array) -> Pooled:
         """Return lanes for these cells at their first uplift."""
         lanes = self.run.start(cells)
-        lanes.k, lanes.u = place(self.segments, lanes.k, lanes.u)
+        lanes.segment, lanes.phase = place(self.segments, lanes.segment, lanes.phase)
         pace = self.step.take(lanes.cell) / lanes.omega
         return self.prepare(
             lanes.extended(
@@ -146,16 +146,16 @@ class SampleStepper(ABC, Generic[Pooled]):
         """Take one round of the march with lanes that cannot be propagated; returns the
         lanes that are not finished.
         """
-        past = self.segments.ended(lanes.k)
+        past = self.segments.ended(lanes.segment)
         if past.any():  # undamped lanes at the end of the shaking
-            lanes.k[past] = len(self.segments)
+            lanes.segment[past] = len(self.segments)
             ended = lanes.take(np.flatnonzero(past))
             failed = ~np.isfinite(ended.y)
             self.run.finish(ended, np.flatnonzero(failed), Outcome.FAILED, np.nan)
             self.run.end_shaking(ended.take(np.flatnonzero(~failed)))
             lanes = lanes.take(np.flatnonzero(~past))
         self.run.renew_force(
-            lanes, np.flatnonzero((lanes.u == 0.0) & (lanes.y > 0.0))
+            lanes, np.flatnonzero((lanes.phase == 0.0) & (lanes.y > 0.0))
         )  # a propagation does not keep the force
         going = self.run.round(lanes)
         self.after_round(going)
@@ -168,7 +168,7 @@ class SampleStepper(ABC, Generic[Pooled]):
         at = at[lanes.y[at] + lanes.v[at] > 1.0]
         at = at[
             self.run.batch.cannot_return(
-                lanes, at, lanes.k[at], lanes.y[at], lanes.v[at]
+                lanes, at, lanes.segment[at], lanes.y[at], lanes.v[at]
             )
         ]
         self.run.overturn(lanes, at)

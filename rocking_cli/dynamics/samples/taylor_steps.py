@@ -56,34 +56,27 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
 
     def propagate(self, lanes: SteppingLanes, at: Array) -> Array:
         """Take several Taylor steps. A lane stops when a step is not proved."""
-        names = "cell", "side", "k", "y", "v", "peak", "pace", "outward", "degree"
-        cell, side, k, y, v, peak, pace, outward, degree = (
-            getattr(lanes, name).take(at) for name in names
-        )
-        go, equation = np.ones(at.size, dtype=bool), self.equation.on(side, cell)
-        factors, last, end = (
-            factors_for(pace, degree),
-            degree * at.size + np.arange(at.size),
-            self.last.take(cell),
-        )
+        own, go = lanes.take(at), np.ones(at.size, dtype=bool)
+        equation, end = self.equation.on(own.side, own.cell), self.last.take(own.cell)
+        factors = factors_for(own.pace, own.degree)
+        last = own.degree * at.size + np.arange(at.size)
         for _ in range(_STEPS):
-            ramp = self._ramp(k, outward, pace)
-            end_y, end_v, proved = self._step(equation, y, v, peak, ramp, factors, last)
+            ramp = self._ramp(own.segment, own.outward, own.pace)
+            y, v, proved = self._step(equation, own, ramp, factors, last)
             go &= proved
             for observer in self.run.observers:
+                taken = (own.y, own.v), (y, v)
                 observer.steps(
-                    TaylorSteps(cell, side, equation, (y, v), (end_y, end_v), ramp), go
+                    TaylorSteps(own.cell, own.side, equation, *taken, ramp), go
                 )
-            y, v, peak = (
-                np.where(go, end_y, y),
-                np.where(go, end_v, v),
-                np.where(go, np.maximum(peak, end_y), peak),
-            )
-            k += go
-            go &= k < end
+            own.y, own.v = np.where(go, y, own.y), np.where(go, v, own.v)
+            own.peak = np.where(go, np.maximum(own.peak, y), own.peak)
+            own.segment += go
+            go &= own.segment < end
             if not go.any():
                 break
-        lanes.k[at], lanes.y[at], lanes.v[at], lanes.peak[at] = k, y, v, peak
+        lanes.segment[at], lanes.peak[at] = own.segment, own.peak
+        lanes.y[at], lanes.v[at] = own.y, own.v
         return go
 
     def _ramp(self, k: Array, outward: Array, pace: Array) -> Drive:
@@ -95,51 +88,37 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
     def _step(
         self,
         equation: Equation,
-        y: Array,
-        v: Array,
-        peak: Array,
+        own: SteppingLanes,
         ramp: Drive,
         factors: Array,
         last: Array,
     ) -> tuple[Array, ...]:
         """(y, y', True if neither an impact nor a higher peak occurs on the way (Lemma
-        12)) at the end of a straight line.
+        12)) at the end of a straight line; factors, last: as of `motion_terms` and
+        `last_terms`.
         """
+        unit = ramp.unit
         terms = motion_terms(
-            equation, y, v, ramp.unit, factors, ramp.terms, ramp.weight
+            equation, own.y, own.v, unit, factors, ramp.terms, ramp.weight
         )
-        first, unit = terms[1], ramp.unit
-        drive, gain = ramp.line
-        drop = np.minimum(drive, drive + gain)
-        np.minimum(drop, 0.0, out=drop)
-        lift, push = equation.bounds
-        drop *= -push
-        weight, heavier = ramp.weight_line
-        drop += lift * np.maximum(weight, weight + heavier)
-        drop *= unit
-        drop *= unit  # K h^2
-        low = y + first
-        low -= 0.5 * drop
+        first, drop = terms[1], _drop(equation, ramp)
+
+        # No impact, and a series that holds.
+        proved = _no_impact(own.y, first, drop, unit, equation.damping)
+        proved &= last_terms(terms, last, unit) <= WITHIN * equation.tolerance * unit
+
+        # The end lies above the ground and well below the limit.
+        end_y, end_v = _sums(terms)
+        end_y += own.y
+        proved &= (end_y > 0.0) & (end_y < _NEARLY * equation.limit)
+
+        # No peak that may be above the highest one so far.
         rise, higher = first, 0.125 * drop
         if equation.damping:
             lag = equation.damping * unit
-            low -= lag * np.abs(first)
             rise, higher = first * (1.0 - 2.0 * lag), higher * np.exp(2.0 * lag)
-        proved = low > 0.0
-        proved &= last_terms(terms, last, unit) <= WITHIN * equation.tolerance * unit
-        top = len(terms) - 1
-        end_y, end_v = terms[top].copy(), terms[top].copy()
-        for n in range(top - 1, 0, -1):
-            end_y += terms[n]
-            end_v += end_y  # after the loop the sum of n times term n
-        end_y += y
-        proved &= (end_y > 0.0) & (end_y < _NEARLY * equation.limit)
-        higher += np.maximum(y, end_y)
-        high = higher > peak
-        high &= rise < drop
-        high &= end_v > -drop
-        np.logical_not(high, out=high)
-        proved &= high
+        higher += np.maximum(own.y, end_y)
+        proved &= ~((higher > own.peak) & (rise < drop) & (end_v > -drop))
         end_v /= unit
         return end_y, end_v, proved
 
@@ -151,38 +130,68 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
         if len(self.cells.amplitude) > 1:  # the other edge needs another degree
             lanes.degree = self._degree(lanes)
         at = np.flatnonzero(
-            (lanes.u > 0.0) & (lanes.k < self.last.take(lanes.cell)) & (lanes.v > 0.0)
+            (lanes.phase > 0.0)
+            & (lanes.segment < self.last.take(lanes.cell))
+            & (lanes.v > 0.0)
         )
         if not at.size:
             return
         some = lanes.take(at)
-        share, equation = (
-            some.u / self.step.take(some.cell),
-            self.equation.on(some.side, some.cell),
-        )
-        factors, last = (
-            factors_for(some.pace * (1.0 - share), some.degree),
-            some.degree * at.size + np.arange(at.size),
-        )
-        ramp = self._ramp(some.k, some.outward, some.pace).after(share)
-        y, v, proved = self._step(
-            equation, some.y, some.v, some.peak, ramp, factors, last
-        )
+        equation = self.equation.on(some.side, some.cell)
+        share = some.phase / self.step.take(some.cell)
+        factors = factors_for(some.pace * (1.0 - share), some.degree)
+        last = some.degree * at.size + np.arange(at.size)
+        ramp = self._ramp(some.segment, some.outward, some.pace).after(share)
+        y, v, proved = self._step(equation, some, ramp, factors, last)
         for observer in self.run.observers:
+            taken = (some.y, some.v), (y, v)
             observer.steps(
-                TaylorSteps(
-                    some.cell, some.side, equation, (some.y, some.v), (y, v), ramp
-                ),
-                proved,
+                TaylorSteps(some.cell, some.side, equation, *taken, ramp), proved
             )
         on = np.flatnonzero(proved)
         at = at[on]
-        lanes.k[at], lanes.u[at] = some.k[on] + 1, 0.0
-        lanes.y[at], lanes.v[at], lanes.peak[at] = (
-            y[on],
-            v[on],
-            np.maximum(some.peak[on], y[on]),
-        )
+        lanes.segment[at], lanes.phase[at] = some.segment[on] + 1, 0.0
+        lanes.y[at], lanes.v[at] = y[on], v[on]
+        lanes.peak[at] = np.maximum(some.peak[on], y[on])
+
+
+def _drop(equation: Equation, ramp: Drive) -> Array:
+    """K h^2 of Lemma 12, K = w_+ L + M max(0, -a), along straight lines of duration
+    h.
+    """
+    drive, gain = ramp.line
+    drop = np.minimum(drive, drive + gain)
+    np.minimum(drop, 0.0, out=drop)
+    lift, push = equation.bounds
+    drop *= -push
+    weight, heavier = ramp.weight_line
+    drop += lift * np.maximum(weight, weight + heavier)
+    drop *= ramp.unit
+    drop *= ramp.unit
+    return np.asarray(drop)
+
+
+def _no_impact(
+    y: Array, first: Array, drop: Array, unit: Array, damping: float
+) -> Array:
+    """True where no impact comes on a step of duration `unit` (Lemma 12); first: h y'
+    at its start; drop: K h^2.
+    """
+    low = y + first
+    low -= 0.5 * drop
+    if damping:
+        low -= damping * unit * np.abs(first)
+    return np.asarray(low > 0.0)
+
+
+def _sums(terms: Array) -> tuple[Array, Array]:
+    """(sum of the terms from 1 on, sum of n times term n), (lanes,)."""
+    top = len(terms) - 1
+    end_y, end_v = terms[top].copy(), terms[top].copy()
+    for n in range(top - 1, 0, -1):
+        end_y += terms[n]
+        end_v += end_y
+    return end_y, end_v
 
 
 class WeighedTaylorStepper(TaylorStepper):
@@ -240,14 +249,12 @@ class WeighedTaylorStepper(TaylorStepper):
     def _step(
         self,
         equation: Equation,
-        y: Array,
-        v: Array,
-        peak: Array,
+        own: SteppingLanes,
         ramp: Drive,
         factors: Array,
         last: Array,
     ) -> tuple[Array, ...]:
-        end_y, end_v, proved = super()._step(equation, y, v, peak, ramp, factors, last)
+        y, v, proved = super()._step(equation, own, ramp, factors, last)
         weight, heavier = ramp.weight_line
         proved &= np.minimum(weight, weight + heavier) > 0.0
-        return end_y, end_v, proved
+        return y, v, proved

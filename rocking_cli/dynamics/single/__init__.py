@@ -7,6 +7,7 @@ one structure under one motion.
                   overturning
     series_roots  roots of the series of one step: the instant of an impact, and the
                   turning points
+    straight_lines  the drive and the series along whole lines of a record
     march         the march from event to event, with the proofs of `dynamics` (Lemmas
                   1, 2, 7, 8 and 12)
     one_by_one    outcomes and rotations of cells, one after the other

@@ -148,8 +148,9 @@ class LaneEdge(NamedTuple):
     omega: float  # omega_g / p of the side [-]
     eta: float  # restitution of the cell on this side, as in `Cells` [-]
     sway: float  # zg''/g of s_v = 1 [-]
-    lift: float  # largest l up to `limit`, times the largest weight over m g [-]
-    push: float  # largest m up to `limit` [-]
+    # largest l up to `limit`, times the largest weight over m g [-]
+    largest_lift: float
+    largest_push: float  # largest m up to `limit` [-]
     fall: float  # K of Lemma 12 [-]
     # speed after over speed before the impact that leaves the side [-], each speed in
     # the unit of its side
@@ -159,6 +160,15 @@ class LaneEdge(NamedTuple):
     top: float  # y of the unstable equilibrium
     limit: float  # y from which the body lies on its side
     equation: Equation  # equation of this edge, with numbers that are floats
+
+    def net(self, s: float, up: float) -> float:
+        """The net drive c at these values of s and of the vertical s_v."""
+        return self.drive * s - self.sway * up
+
+
+def _float_of(number: Any) -> float:
+    """The first of the numbers of an array, or the number itself."""
+    return float(np.ravel(number)[0])
 
 
 class Lane:
@@ -203,7 +213,9 @@ class Lane:
         self.longest = float(np.max(segments.length[: min(self.shaken, _SAMPLED)]))
         self._unit = {
             side: self._edge(cells, side)
-            for side in ((1.0,) if self._strike(cells, 1.0)[0] > 0.0 else (1.0, -1.0))
+            for side in (
+                (1.0,) if self._after_impact(cells, 1.0)[0] > 0.0 else (1.0, -1.0)
+            )
         }
 
     def edges(self, amplitude: float) -> dict[float, LaneEdge]:
@@ -213,62 +225,59 @@ class Lane:
         edges = {}
         for side, edge in self._unit.items():
             drive, sway = amplitude * edge.drive, amplitude * edge.sway
-            largest_weight = 1.0 + abs(sway) * self.largest_vertical
-            fall = largest_weight * edge.lift + edge.push * abs(drive) * self.largest
+            lift = (1.0 + abs(sway) * self.largest_vertical) * edge.largest_lift
+            fall = lift + edge.largest_push * abs(drive) * self.largest
             edges[side] = edge._replace(
-                drive=drive, sway=sway, lift=largest_weight * edge.lift, fall=fall
+                drive=drive, sway=sway, largest_lift=lift, fall=fall
             )
         return edges
 
     def _edge(self, cells: Cells, side: float) -> LaneEdge:
-        """Return the edge of a side under A = 1."""
-        equation, seg, at = (
-            self.system.equation.on(np.array([side])),
-            self.segments,
-            np.array([side]),
+        """Return the edge of a side under A = 1; `edges` adds K of Lemma 12."""
+        at = np.array([side])
+        equation, weighed = self.system.equation.on(at), self.segments.weighed
+        amplitude, omega, eta = (_float_of(x[cells.row(at), 0]) for x in cells)
+        sway = 0.0
+        if weighed is not None:
+            sway = _float_of(weighed.sway(at, np.array([amplitude])))
+        largest_lift, largest_push = (_float_of(x) for x in equation.bounds)
+        speed_ratio, cycle_ratio = self._speed_ratios(cells, side)
+        return LaneEdge(
+            side=side,
+            drive=-side * amplitude,
+            omega=omega,
+            eta=eta,
+            sway=sway,
+            largest_lift=largest_lift,
+            largest_push=largest_push,
+            fall=0.0,
+            speed_ratio=speed_ratio,
+            cycle_ratio=cycle_ratio,
+            unit=self._unit_of(cells, side),
+            top=_float_of(equation.displacement(np.ones(1))),
+            limit=_float_of(equation.limit),
+            equation=self.system.equation.edge(side),
         )
-        row = cells.row(at)
-        amplitude, omega, eta = (float(np.ravel(values[row, 0])[0]) for values in cells)
-        lift, push, limit, top = (
-            float(np.ravel(x)[0])
-            for x in (
-                *equation.bounds,
-                equation.limit,
-                equation.displacement(np.ones(1)),
-            )
-        )
-        sway = (
-            0.0
-            if seg.weighed is None
-            else float(np.ravel(seg.weighed.sway(at, np.array([amplitude])))[0])
-        )
-        to, speed_ratio = self._strike(cells, side)
-        _, back = self._strike(cells, to)
+
+    def _speed_ratios(self, cells: Cells, side: float) -> tuple[float, float]:
+        """(speed after over before the impact that leaves a side, the same for a bounce
+        until the body is back on this side).
+        """
+        to, speed_ratio = self._after_impact(cells, side)
+        _, back = self._after_impact(cells, to)
+        return speed_ratio, speed_ratio * back if to != side else speed_ratio
+
+    def _unit_of(self, cells: Cells, side: float) -> float:
+        """y = 1 of a side, in the unit of the first side."""
         lanes = self.lanes(cells, side)
         lanes.peak[:] = 1.0
         self.system.contact.turn(cells, lanes, np.array([0]), np.ones(1))
-        cycle_ratio = speed_ratio * back if to != side else speed_ratio
-        return LaneEdge(
-            side,
-            -side * amplitude,
-            omega,
-            eta,
-            sway,
-            lift,
-            push,
-            0.0,
-            speed_ratio,
-            cycle_ratio,
-            float(lanes.peak[0]),
-            top,
-            limit,
-            self.system.equation.edge(side),
-        )
+        return float(lanes.peak[0])
 
-    def _strike(self, cells: Cells, side: float) -> tuple[float, float]:
+    def _after_impact(self, cells: Cells, side: float) -> tuple[float, float]:
         """(side after an impact on this side, speed after over speed before)."""
         lanes = self.lanes(cells, side)
-        self.system.contact.strike(cells, lanes, -np.ones(1), -np.ones(1))
+        self.system.contact.impact(cells, lanes, -np.ones(1), -np.ones(1))
         return float(lanes.side[0]), float(lanes.v[0])
 
     def size_limits(self, omega: float) -> list[float]:

@@ -11,6 +11,7 @@ import math
 from bisect import bisect_left
 from collections.abc import Sequence
 from operator import mul
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,12 +21,13 @@ from ..outcome import FALLEN, Outcome
 from .lane import Lane, LaneEdge
 from .series_roots import first_root, only_root, turns, value
 from .state import Ended, Listener, MarchState
+from .straight_lines import RECIPROCALS, StraightLines
 
 _INSTANT = 1e-12  # share of a step: a shorter part of it is rounding of its ends
+_SHORTEST = 1e-14  # tau: a body that needs a shorter step fails
 _ROOM = 0.9  # part of the step that the last terms allow, for the next attempt
 _DEGREE = 18  # degree of series under sinusoids
 _NUMBERS = [float(n) for n in range(MOST_TERMS + 1)]
-_RECIPROCALS = [1.0 / ((n + 1) * (n + 2)) for n in range(MOST_TERMS)]
 _CHORD_ERRORS = [0.125 * n * (n - 1) * (n - 2) for n in range(MOST_TERMS + 1)]
 
 
@@ -52,6 +54,16 @@ def march(
     )
 
 
+class WindowStep(NamedTuple):
+    """A step within one window of the net drive, with its series."""
+
+    h: float  # length [tau of the side]
+    to: float  # phase of its end in the segment [rad]
+    start: tuple[float, float]  # s and the vertical s_v at its start [-]
+    stop: tuple[float, float]  # s and the vertical s_v at its end [-]
+    terms: list[float]  # Taylor terms of y, in powers of the time over h
+
+
 class _March(MarchState):
     """The march of one body from event to event."""
 
@@ -66,10 +78,14 @@ class _March(MarchState):
         else:
             self._uplift(first=True)
         while self.end is None:
-            if self.k >= count:
+            if self.segment >= count:
                 self._free()
                 break
-            if self.k >= self.lane.shaken and self.listener is None and self._settled():
+            if (
+                self.segment >= self.lane.shaken
+                and self.listener is None
+                and self._settled()
+            ):
                 break
             self.steps += 1
             if not (
@@ -90,88 +106,67 @@ class _March(MarchState):
         A line is taken if its series holds, Lemma 12 or the sign of y at its end (Lemma
         1) decides on an impact, and no turn is above the peak so far.
         """
-        block, edge, equation = (
-            self.drive_lists.at(self.k),
-            self.edge,
-            self.edge.equation,
-        )
-        starts, rises, lengths = block.start, block.rise, block.length
-        last = len(lengths)
+        block, edge = self.drive_lists.at(self.segment), self.edge
+        first, lengths = block.first, block.length
         if (
-            equation.composed
-            or (lengths[self.k - block.first] - self.u) / edge.omega > self.reach
+            edge.equation.composed
+            or (lengths[self.segment - first] - self.phase) / edge.omega > self.reach
         ):
             return False
+        lines = StraightLines(block, edge, self.lane.zeta, self.limits[edge.side])
+        last = len(lengths)
         if self.free_fall is not None and self.free_fall.occurs[0]:
-            last = min(last, max(0, int(self.free_fall.k[0]) - block.first))
+            last = min(last, max(0, int(self.free_fall.segment[0]) - first))
+        top = self._top(edge)
         peak = -math.inf if self.listener is not None else self.peak / edge.unit
-        top, fall, drag, least = self._top(edge), edge.fall, self.lane.zeta, self.least
-        limits, weight, lifts, lifts_then = self.limits[edge.side], None, 1.0, 1.0
-        push, pace, factors, built = edge.drive, 1.0 / edge.omega, [], (0.0, 0)
-        k, u, y, v = self.k - block.first, self.u, self.y, self.v
-        while k < last:
-            # The drive and the weight along the line, or along the rest of it.
-            h, drive, gain = lengths[k] * pace, push * starts[k], push * rises[k]
-            over = u / lengths[k] if u else 0.0
-            if self.lane.weighed:
-                lifts, heavier = (
-                    1.0 + edge.sway * block.up[k],
-                    edge.sway * block.up_rise[k],
-                )
-                lifts, heavier = lifts + heavier * over, heavier - heavier * over
-                lifts_then, weight = lifts + heavier, [lifts, heavier]
-            if over:
-                drive, gain, h = drive + gain * over, gain - gain * over, h - h * over
 
+        k, u, y, v = self.segment - first, self.phase, self.y, self.v
+        while k < last:
             # Lemma 12: no impact within the line; otherwise the net drive must stay
             # below 1 for Lemma 1.
-            first, square = v * h, h * h
-            clear = y + first - drag * h * abs(first) > 0.5 * fall * square
-            if not clear and (drive > lifts or drive + gain > lifts_then):
+            h, drive, weight = lines.shaking(k, u)
+            clear = lines.is_clear(y, v, h)
+            if not clear and lines.supercritical(drive, weight):
                 break
 
-            size = (
-                2.0
-                + abs(drive)
-                + abs(v)
-                + (abs(gain) if weight is None else abs(gain) + abs(heavier)) / h
-                + lifts
-            )
-            degree = 3 + bisect_left(limits, size)
-            if built != (h, degree):  # most lines are as long as the one before
-                factors, built = (
-                    [square * c for c in _RECIPROCALS[: degree - 1]],
-                    (h, degree),
-                )
-            terms = motion_terms(
-                equation, y, v, h, factors, [drive, gain], weight, self.force
-            )
-            if abs(terms[-1]) + 0.25 * h * abs(terms[-2]) > least * h:
+            # The last terms must show that the series holds over the whole line.
+            terms = lines.terms(y, v, h, drive, weight, self.force)
+            if abs(terms[-1]) + 0.25 * h * abs(terms[-2]) > self.least * h:
                 break
-            end, speed = sum(terms), sum(map(mul, _NUMBERS, terms))
+
+            # No overturning, and no turn that may be above the peak so far.
+            end, speed = sum(terms), sum(map(mul, _NUMBERS, terms))  # y and h y'
             if end >= top and speed > 0.0:
                 break
-            if max(y, end) + 0.125 * fall * square * (
-                math.exp(2.0 * drag * h) if drag else 1.0
-            ) > peak and self._may_turn(terms, speed):
+            if lines.highest(y, end, h) > peak and self._may_turn(terms, speed):
                 break
 
+            # Lemma 1: y <= 0 at the end of a subcritical line means one impact in it.
             if not clear and end <= 0.0:
-                hit = only_root(terms, h, fall, drag)
-                self._keep(block.first + k, u, hit, h, terms)
-                _, v = value(terms, hit / h, h)
-                u += hit * edge.omega
-                self.k, self.u = (
-                    (block.first + k, u)
-                    if u < lengths[k]
-                    else (block.first + k + 1, 0.0)
-                )
-                self._impact(min(v, 0.0))
+                self._impact_on_line(first + k, u, h, terms)
                 return True
-            self._keep(block.first + k, u, h, h, terms)
+            self._keep(first + k, u, h, h, terms)
             k, u, y, v, self.force = k + 1, 0.0, end, speed / h, None
-        self.k, self.u, self.y, self.v = k + block.first, u, y, v
-        return self.k >= self.drive_lists.count
+        self.segment, self.phase, self.y, self.v = k + first, u, y, v
+        return self.segment >= self.drive_lists.count
+
+    def _impact_on_line(self, k: int, u: float, h: float, terms: list[float]) -> None:
+        """Go from phase u of segment k to the only impact before its end, h [tau]
+        later, and apply it.
+        """
+        hit = only_root(terms, h, self.edge.fall, self.lane.zeta)
+        self._keep(k, u, hit, h, terms)
+        _, v = value(terms, hit / h, h)
+        self._go_to(k, u + hit * self.edge.omega)
+        self._impact(min(v, 0.0))
+
+    def _go_to(self, k: int, u: float) -> None:
+        """Set the position to phase u of segment k, or to the start of the next segment
+        if u is beyond its end.
+        """
+        block = self.drive_lists.at(k)
+        inside = u < block.length[k - block.first]
+        self.segment, self.phase = (k, u) if inside else (k + 1, 0.0)
 
     @staticmethod
     def _may_turn(terms: list[float], speed: float) -> bool:
@@ -211,140 +206,175 @@ class _March(MarchState):
         )
 
     def _step(self) -> None:
-        """Take one step within one window."""
-        edge, k, u = self.edge, self.k, self.u
-        block = self.drive_lists.at(k)
-        length = block.length[k - block.first]
-        whole = (length - u) / edge.omega
+        """Take one step within one window of the net drive, or to the impact in it."""
+        edge, k, u = self.edge, self.segment, self.phase
+        length, whole = self._ahead()
         h = min(whole, LONGEST, self.reach)
+
+        # The ground falls away from the body now, or ends the step.
         if self.free_fall is not None and self.free_fall.occurs[0]:
             left = float(self.free_fall.time_left(self._lanes())[0])
             if self.free_fall.has_begun(self._lanes())[0]:
-                fallen = (
-                    float(
-                        self.equation.on(np.array([edge.side])).rotation(
-                            np.array([self.y])
-                        )[0]
-                    )
-                    >= FALLEN
-                )
-                self._finish(self._overturned() if fallen else Outcome.LOST_CONTACT)
+                self._fall_freely()
                 return
             h = min(h, left)
-        s0, up0 = self.drive_lists.value(k, u)
-        while True:
-            to = length if h == whole else u + h * edge.omega
-            s1, up1 = self.drive_lists.value(k, to)
-            c0, c1 = (
-                edge.drive * s0 - edge.sway * up0,
-                edge.drive * s1 - edge.sway * up1,
-            )
-            share = (
-                self._window(edge, k, u, h, c0, c1)
-                if (c0 - 1.0) * (c1 - 1.0) < 0.0
-                else 0.0
-            )
-            if _INSTANT < share < 1.0 - _INSTANT:
-                h *= share
-                to = u + h * edge.omega
-                s1, up1 = self.drive_lists.value(k, to)
-                c1 = edge.drive * s1 - edge.sway * up1
-            terms, allowed = self._terms(edge, k, u, h, (s0, up0), (s1, up1))
-            if allowed >= h:
-                self.reach = min(LONGEST, 2.0 * h if h >= self.reach else self.reach)
-                break
-            h = self.reach = _ROOM * allowed if allowed > 0.0 else 0.5 * h
-            if not h > 1e-14:
-                self._finish(Outcome.FAILED)
-                return
-        y, v = value(terms, 1.0, h)
-        if not math.isfinite(y):
+
+        step = self._held_step(h)
+        y, v = (math.nan, math.nan) if step is None else value(step.terms, 1.0, step.h)
+        if step is None or not math.isfinite(y):
             self._finish(Outcome.FAILED)
             return
-        hit = None
-        if c0 + c1 < 2.0:
-            if y <= 0.0:
-                inward = (
-                    -min(edge.drive * s0, edge.drive * s1)
-                    if self.drive_lists.straight
-                    else abs(edge.drive) * self.lane.largest
-                )
-                hit = only_root(
-                    terms, h, edge.lift + edge.push * max(0.0, inward), self.lane.zeta
-                )
-        elif self.v < 0.0:
-            hit = first_root(terms, h, edge.fall, self.lane.zeta)
-        reach = h if hit is None else hit
+
+        # The first impact in the step, then the peaks before it or before its end.
+        hit = self._impact_time(step, y)
+        reach = step.h if hit is None else hit
         if hit is not None:
-            y, v = value(terms, hit / h, h)
+            y, v = value(step.terms, hit / step.h, step.h)
             v = min(v, 0.0)
-        self._peaks(terms, h, reach, v)
+        self._peaks(step.terms, step.h, reach, v)
         if reach > 0.0:
-            self._keep(k, u, reach, h, terms)
+            self._keep(k, u, reach, step.h, step.terms)
+
+        # The position and the state at the impact or at the end of the step.
         if hit is not None:
             to = u + hit * edge.omega
-            self.k, self.u = (k, to) if hit < whole and to < length else (k + 1, 0.0)
+            inside = hit < whole and to < length
+            self.segment, self.phase = (k, to) if inside else (k + 1, 0.0)
             self._impact(v)
             return
-        self.k, self.u = (k, to) if to < length else (k + 1, 0.0)
+        self._go_to(k, step.to)
         self.y, self.v, self.force = y, v, None
         if self.end is None and (y >= edge.limit or (y >= self._top(edge) and v > 0.0)):
             self._check_overturned()
 
-    def _window(
-        self, edge: LaneEdge, k: int, u: float, h: float, c0: float, c1: float
-    ) -> float:
-        """The share of a step at which c, which is monotone, passes 1."""
+    def _ahead(self) -> tuple[float, float]:
+        """(length of the present segment [rad], time to its end [tau])."""
+        block = self.drive_lists.at(self.segment)
+        length = block.length[self.segment - block.first]
+        return length, (length - self.phase) / self.edge.omega
+
+    def _fall_freely(self) -> None:
+        """End the march of a body from which the ground falls away now."""
+        equation = self.equation.on(np.array([self.edge.side]))
+        fallen = float(equation.rotation(np.array([self.y]))[0]) >= FALLEN
+        self._finish(self._overturned() if fallen else Outcome.LOST_CONTACT)
+
+    def _held_step(self, h: float) -> WindowStep | None:
+        """The longest step, at most h [tau], within one window of the net drive and
+        with a series that holds; None if there is none.
+        """
+        edge, k, u = self.edge, self.segment, self.phase
+        length, whole = self._ahead()
+        start = self.drive_lists.value(k, u)
+        while True:
+            to = length if h == whole else u + h * edge.omega
+            stop = self.drive_lists.value(k, to)
+
+            # The window of Lemmas 1 and 2 ends where the net drive passes 1.
+            share = self._window(h, edge.net(*start), edge.net(*stop))
+            if _INSTANT < share < 1.0 - _INSTANT:
+                h *= share
+                to = u + h * edge.omega
+                stop = self.drive_lists.value(k, to)
+
+            # A step for which the series does not hold is made shorter.
+            terms, allowed = self._terms(h, start, stop)
+            if allowed >= h:
+                self.reach = min(LONGEST, 2.0 * h if h >= self.reach else self.reach)
+                return WindowStep(h, to, start, stop, terms)
+            h = self.reach = _ROOM * allowed if allowed > 0.0 else 0.5 * h
+            if not h > _SHORTEST:
+                return None
+
+    def _impact_time(self, step: WindowStep, y: float) -> float | None:
+        """The time in a step [tau] of its first impact, None without one; y: at the end
+        of the step.
+        """
+        edge, zeta = self.edge, self.lane.zeta
+        if edge.net(*step.start) + edge.net(*step.stop) < 2.0:
+            # Subcritical: an impact lies in the step if y <= 0 at its end (Lemma 1).
+            if y > 0.0:
+                return None
+            if self.drive_lists.straight:
+                inward = -min(edge.drive * step.start[0], edge.drive * step.stop[0])
+            else:
+                inward = abs(edge.drive) * self.lane.largest
+            fall = edge.largest_lift + edge.largest_push * max(0.0, inward)
+            return only_root(step.terms, step.h, fall, zeta)
+        # Supercritical: no impact while the body moves outwards (Lemma 2).
+        return first_root(step.terms, step.h, edge.fall, zeta) if self.v < 0.0 else None
+
+    def _window(self, h: float, c0: float, c1: float) -> float:
+        """The share of a step of length h at which the net drive, which is monotone
+        from c0 to c1, passes 1; 0 if it does not.
+        """
+        if not (c0 - 1.0) * (c1 - 1.0) < 0.0:
+            return 0.0
         if self.drive_lists.straight:
             return (1.0 - c0) / (c1 - c0)
-        low, high, rises = 0.0, 1.0, c1 > c0
+        edge, low, high, rises = self.edge, 0.0, 1.0, c1 > c0
         while high - low > 1e-15:
             middle = 0.5 * (low + high)
-            beyond = (self._net(edge, k, u + middle * h * edge.omega) > 1.0) == rises
-            low, high = (low, middle) if beyond else (middle, high)
+            net = self._net(edge, self.segment, self.phase + middle * h * edge.omega)
+            low, high = (low, middle) if (net > 1.0) == rises else (middle, high)
         return high
 
     def _terms(
-        self,
-        edge: LaneEdge,
-        k: int,
-        u: float,
-        h: float,
-        start: tuple[float, float],
-        stop: tuple[float, float],
+        self, h: float, start: tuple[float, float], stop: tuple[float, float]
     ) -> tuple[list[float], float]:
-        """(Taylor terms of y over a step h, the time for which they hold)."""
-        equation, degree, weight = edge.equation, _DEGREE, None
+        """(Taylor terms of y over a step h, the time for which they hold [tau]); start,
+        stop: s and s_v at its ends.
+        """
+        equation = self.edge.equation
         if self.drive_lists.straight:
-            (s0, up0), (s1, up1) = start, stop
-            drive = [edge.drive * s0, edge.drive * (s1 - s0)]
-            size = 2.0 + abs(drive[0]) + abs(self.v) + abs(drive[1]) / h
-            if self.lane.weighed:
-                weight = [1.0 + edge.sway * up0, edge.sway * (up1 - up0)]
-                size += abs(weight[0]) + abs(weight[1]) / h
-            degree = 3 + bisect_left(self.limits[edge.side], size)
+            drive, weight, degree = self._line(h, start, stop)
         else:
-            waves = self.drive_lists.waves(k)
-            drive, *up = (wave.terms(u, h * edge.omega, degree - 2) for wave in waves)
-            drive[0] = start[0]
-            drive = [edge.drive * x for x in drive]
-            if up:
-                weight = [edge.sway * x for x in up[0]]
-                weight[0] = 1.0 + edge.sway * start[1]
+            drive, weight, degree = self._waves(h, start)
         degree = min(degree, equation.composed or MOST_TERMS)
-        factors = [h * h * c for c in _RECIPROCALS[: degree - 1]]
+        factors = [h * h * c for c in RECIPROCALS[: degree - 1]]
         terms = motion_terms(
             equation, self.y, self.v, h, factors, drive, weight, self.force
         )
+
+        # The last two terms show for how long the series keeps the tolerance.
         error = abs(terms[-1]) + 0.25 * h * abs(terms[-2])
-        held = (
-            h
-            if error <= self.least * h
-            else h * (self.least * h / error) ** (1.0 / (degree - 1.0))
-        )
-        room = equation.room(self.y)
-        moved = sum(map(abs, terms[1:]))
+        held = h
+        if error > self.least * h:
+            held = h * (self.least * h / error) ** (1.0 / (degree - 1.0))
+
+        # F and G hold up to a distance from y.
+        room, moved = equation.room(self.y), sum(map(abs, terms[1:]))
         return terms, min(held, h * room / moved) if moved > room else held
+
+    def _line(
+        self, h: float, start: tuple[float, float], stop: tuple[float, float]
+    ) -> tuple[list[float], list[float] | None, int]:
+        """(series of the outward drive, series of the weight, degree that the motion
+        needs) along a straight line.
+        """
+        edge, (s0, up0), (s1, up1) = self.edge, start, stop
+        drive, weight = [edge.drive * s0, edge.drive * (s1 - s0)], None
+        size = 2.0 + abs(drive[0]) + abs(self.v) + abs(drive[1]) / h
+        if self.lane.weighed:
+            weight = [1.0 + edge.sway * up0, edge.sway * (up1 - up0)]
+            size += abs(weight[0]) + abs(weight[1]) / h
+        return drive, weight, 3 + bisect_left(self.limits[edge.side], size)
+
+    def _waves(
+        self, h: float, start: tuple[float, float]
+    ) -> tuple[list[float], list[float] | None, int]:
+        """As `_line`, along sinusoids."""
+        edge, weight = self.edge, None
+        drive, *up = (
+            wave.terms(self.phase, h * edge.omega, _DEGREE - 2)
+            for wave in self.drive_lists.waves(self.segment)
+        )
+        drive[0] = start[0]
+        drive = [edge.drive * x for x in drive]
+        if up:
+            weight = [edge.sway * x for x in up[0]]
+            weight[0] = 1.0 + edge.sway * start[1]
+        return drive, weight, _DEGREE
 
     def _peaks(self, terms: list[float], h: float, reach: float, v: float) -> None:
         """Find turning points where y' falls through 0, up to `reach`, at which y' is
@@ -354,8 +384,9 @@ class _March(MarchState):
             return
         unit = self.edge.unit
         start, stop = terms[1], v * h
-        # y' leaves its chord by at most h^2/8 of its second derivative, most of it from
-        # the first terms
+
+        # No turn: h y' keeps its sign. It leaves its chord by at most h^2/8 of its
+        # second derivative, most of it from the first terms.
         if not start > 0.0 >= stop:
             chord_error = (
                 1.5 * abs(terms[3])
@@ -365,11 +396,12 @@ class _March(MarchState):
             )
             if min(abs(start), abs(stop)) >= chord_error:
                 return
-        if (
-            self.listener is None
-            and (terms[0] + sum(map(abs, terms[1:]))) * unit <= self.peak
-        ):
+
+        # No turn of interest: the step stays below the peak so far.
+        highest = (terms[0] + sum(map(abs, terms[1:]))) * unit
+        if self.listener is None and highest <= self.peak:
             return
+
         for x in turns(terms, reach / h):
             y, _ = value(terms, x, h)
             self.peak = max(self.peak, y * unit)
@@ -377,7 +409,7 @@ class _March(MarchState):
                 self._finish(self._overturned())
             elif self.listener is not None:
                 self.listener.note(
-                    self.lane.tau(self.k, self.u + x * h * self.edge.omega),
+                    self.lane.tau(self.segment, self.phase + x * h * self.edge.omega),
                     "peak",
                     self.edge.side,
                     y,

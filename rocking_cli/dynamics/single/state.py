@@ -10,7 +10,8 @@ import numpy as np
 
 from ..batch import FreeFall
 from ..contacts.contact import Uplift
-from ..contacts.sequences import BELOW_ROUNDING, STILL, too_many_impacts
+from ..contacts.lasting_bounces import too_many_impacts
+from ..contacts.sequences import BELOW_ROUNDING, STILL
 from ..drive import place
 from ..equations.taylor import LONGEST, WITHIN
 from ..lanes import Cells, Lanes
@@ -72,7 +73,7 @@ class MarchState:
         self.equation, self.contact = lane.system.equation, lane.system.contact
         self.segments, self.drive_lists = lane.segments, lane.drive_lists
         self.watched = peaks or listener is not None
-        self.k, self.u, self.y, self.v = 0, 0.0, 0.0, 0.0
+        self.segment, self.phase, self.y, self.v = 0, 0.0, 0.0, 0.0
         self.force: float | None = None
         self.edge = edges[1.0]
         self.limits = {
@@ -89,9 +90,14 @@ class MarchState:
     def _lanes(self) -> Lanes:
         """Return this body as `Lanes` with one lane."""
         lanes = self.lane.lanes(self.cells, self.edge.side)
-        lanes.k[0], lanes.u[0], lanes.y[0], lanes.v[0] = self.k, self.u, self.y, self.v
-        lanes.b[0] = (
-            self._net(self.edge, self.k, self.u) - 1.0
+        lanes.segment[0], lanes.phase[0], lanes.y[0], lanes.v[0] = (
+            self.segment,
+            self.phase,
+            self.y,
+            self.v,
+        )
+        lanes.force[0] = (
+            self._net(self.edge, self.segment, self.phase) - 1.0
             if self.force is None
             else self.force
         )
@@ -104,19 +110,18 @@ class MarchState:
         """
         if k >= self.drive_lists.count:
             return 0.0
-        s, up = self.drive_lists.value(k, u)
-        return edge.drive * s - edge.sway * up
+        return edge.net(*self.drive_lists.value(k, u))
 
     def _impact(self, v: float) -> None:
         """Apply an impact with velocity v <= 0 by the rule of the contact."""
         edge = self.edge
         self._note("impact", 0.0, v)
-        if self.k < self.lane.shaken:
+        if self.segment < self.lane.shaken:
             self.impacts += 1
         self.bounced = True
         to = self.edges.get(-edge.side, edge)
         self.edge, self.y, self.v = to, 0.0, -edge.speed_ratio * v
-        fall = 1.0 - self._net(to, self.k, self.u)
+        fall = 1.0 - self._net(to, self.segment, self.phase)
         self.force = -fall
         if (
             self.impacts > 15
@@ -124,7 +129,7 @@ class MarchState:
             and self._bounces_too_often()
         ):
             self._finish(Outcome.FAILED)
-        elif self.k < self.drive_lists.count and (
+        elif self.segment < self.drive_lists.count and (
             self.v < STILL or self._may_rest(to, fall)
         ):
             lanes = self._lanes()
@@ -138,7 +143,7 @@ class MarchState:
     def _bounces_too_often(self) -> bool:
         """True if the body would need more steps than allowed within this segment."""
         if (
-            self.k >= self.lane.shaken
+            self.segment >= self.lane.shaken
             or self.lane.zeta
             or not self.contact.alike
             or self.segments.weighed is not None
@@ -164,33 +169,33 @@ class MarchState:
         there = self.edges.get(-edge.side)
         lasts = 1.0 / fall
         if there is not None:
-            beyond = 1.0 - self._net(there, self.k, self.u)
+            beyond = 1.0 - self._net(there, self.segment, self.phase)
             if beyond <= 0.0:
                 return False
             lasts += edge.speed_ratio * there.omega / (edge.omega * beyond)
-        block = self.drive_lists.at(self.k)
+        block = self.drive_lists.at(self.segment)
         return 3.0 * v * lasts * edge.omega <= (1.0 - edge.cycle_ratio) * (
-            block.length[self.k - block.first] - self.u
+            block.length[self.segment - block.first] - self.phase
         )
 
     def _uplift(self, first: bool = False, before: Lanes | None = None) -> None:
         """Go from rest to the next uplift; end the march if there is none. before: this
         body as it came to rest.
         """
-        at = np.array([self.k]), np.array([self.u])
+        at = np.array([self.segment]), np.array([self.phase])
         lift: Uplift = self.contact.uplift(
             self.cells, self.segments, np.zeros(1, dtype=np.int64), *at
         )
-        k, u = place(self.segments, lift.k, lift.u)
-        self.k, self.u, self.y, self.v, self.force = (
+        k, u = place(self.segments, lift.segment, lift.phase)
+        self.segment, self.phase, self.y, self.v, self.force = (
             int(k[0]),
             float(u[0]),
             0.0,
             0.0,
-            float(lift.b[0]),
+            float(lift.force[0]),
         )
         self.edge = self.edges.get(float(lift.side[0]), self.edge)
-        lifts = self.k < self.drive_lists.count
+        lifts = self.segment < self.drive_lists.count
         if self.listener is not None and before is not None:
             self.listener.rest(before, self._lanes())
         elif lifts and first:
@@ -210,7 +215,7 @@ class MarchState:
         bring it back (Lemma 6).
         """
         seg, edge = self.segments, self.edge
-        side, k = np.array([edge.side]), np.array([min(self.k, len(seg) - 1)])
+        side, k = np.array([edge.side]), np.array([min(self.segment, len(seg) - 1)])
         amplitude = np.array([abs(edge.drive)])
         inward = seg.strongest_inward(side, amplitude, k)
         y, v = np.array([self.y]), np.array([self.v])
@@ -278,7 +283,7 @@ class MarchState:
     def _note(self, event: str, y: float, v: float) -> None:
         if self.listener is not None:
             self.listener.note(
-                self.lane.tau(self.k, self.u), event, self.edge.side, y, v
+                self.lane.tau(self.segment, self.phase), event, self.edge.side, y, v
             )
 
     def _finish(self, outcome: Outcome) -> Ended:
@@ -299,6 +304,8 @@ class MarchState:
             outcome, ratio = Outcome.LOST_CONTACT, math.nan
         lost = None
         if outcome == Outcome.LOST_CONTACT and self.free_fall is not None:
-            lost = self.lane.tau(int(self.free_fall.k[0]), float(self.free_fall.u[0]))
+            lost = self.lane.tau(
+                int(self.free_fall.segment[0]), float(self.free_fall.phase[0])
+            )
         self.end = Ended(outcome, ratio, self.impacts, lost)
         return self.end

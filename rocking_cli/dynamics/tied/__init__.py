@@ -1,5 +1,5 @@
-"""Bodies with ties and a tendon: a separate march, which follows the phases of the
-restraints.
+"""Bodies with ties and a tendon: a separate march, which follows each restraint along
+the branches of its force-elongation law.
 
 A device is a tie on one side, or the tendon. A lane is one cell in arrays, (lanes,), at
 the displacement y >= 0 on its side, with v = dy/dtau, tau = p t, at the phase u since
@@ -7,18 +7,19 @@ the start of segment k of the motion. The drive a is the ground acceleration ove
 value at uplift of the free body, positive outward.
 
     devices     the restraints in the units of an equation: forces, thresholds, the
-                coefficients of a phase
-    series      the Taylor series of a phase, steps with one turn at most, and the work
-                of a phase
+                coefficients of a branch
+    series      the Taylor series of the motion while no branch changes, and steps with
+                one turn at most
     bounces     how strongly a body is held at the ground, and which bounces end in rest
                 (Lemma 7)
     tied_lanes  the data of the march: lanes, ends of steps, results
-    tied_march  from event to event: engagement, yield, unloading, slack, rupture,
-                impact, rest, overturning
+    transitions  restraints from branch to branch: engagement, yield, unloading, slack,
+                rupture
+    tied_march  from event to event: transitions, impact, rest, overturning
 
-While no restraint changes its phase (slack, elastic, yielding, broken), the body
-follows one smooth equation, and its restoring moment has a closed form. A phase ends at
-a rotation that is known beforehand, or at a turn. A step has one turn at most, so the
-signs at its ends and at the turn decide whether it meets the rotation. Of the lemmas
-for the free body only Lemma 7 is used (`bounces`).
+While no restraint changes its branch (slack, elastic, yielding, broken), the body
+follows one smooth equation, and its restoring moment has a closed form. A branch ends
+at a rotation that is known beforehand, or at a turn. A step has one turn at most, so
+the signs at its ends and at the turn decide whether it meets the rotation. Of the
+lemmas for the free body only Lemma 7 is used (`bounces`).
 """

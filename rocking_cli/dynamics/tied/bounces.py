@@ -50,7 +50,9 @@ class Bounces:
         return np.array(
             [
                 1.0
-                + self.devices.pull(np.full(count, i), lanes.phase[i], lanes.plastic[i])
+                + self.devices.pull(
+                    np.full(count, i), lanes.branch[i], lanes.plastic[i]
+                )
                 for i in rows
             ]
         )
@@ -69,7 +71,7 @@ class Bounces:
             np.zeros(lanes.cell.size, dtype=bool),
         )
         for i, held in enumerate(self.held(lanes)):
-            row, whole = np.full(held.size, i), lanes.phase[i] != BROKEN
+            row, whole = np.full(held.size, i), lanes.branch[i] != BROKEN
             limit = np.minimum(
                 devices.thresholds(row, lanes.plastic[i])[1],
                 devices.on(devices.ultimate, row),
@@ -99,12 +101,12 @@ class Bounces:
             self.contact.other_side(lanes),
         )
         held = every[row, np.arange(row.size)]
-        seg, k = self.segments, np.minimum(lanes.k, len(self.segments) - 1)
+        seg, k = self.segments, np.minimum(lanes.segment, len(self.segments) - 1)
         amplitude = lanes.amplitude / held
         b = (
             -lanes.side
             * amplitude
-            * (seg.s_start[k] + segment_value(seg, k, lanes.u)[0])
+            * (seg.s_start[k] + segment_value(seg, k, lanes.phase)[0])
             - 1.0
         )
         if there is not None:
@@ -121,7 +123,7 @@ class Bounces:
                 lanes,
                 amplitude=amplitude,
                 v=lanes.v / held,
-                b=b,
+                force=b,
                 peak=lanes.peak / held,
             ),
             there,
@@ -142,12 +144,15 @@ class Bounces:
             side = sense * lanes.side
             row, edge = devices.row(side), body.on(side)
             unit = held[row, lane]  # y of this side over the y of the free body
-            phase, plastic = lanes.phase[row, :, lane].T, lanes.plastic[row, :, lane].T
-            top = unit * bounds.height
-            stretched = devices.largest_pull(row, phase, plastic, top) - devices.pull(
-                row, phase, plastic
+            branch, plastic = (
+                lanes.branch[row, :, lane].T,
+                lanes.plastic[row, :, lane].T,
             )
-            weight = 1.0 + devices.press(row, phase, plastic) * np.cos(
+            top = unit * bounds.height
+            stretched = devices.largest_pull(row, branch, plastic, top) - devices.pull(
+                row, branch, plastic
+            )
+            weight = 1.0 + devices.press(row, branch, plastic) * np.cos(
                 0.5 * edge.unit * top
             )
             inward = edge.unit * (unit * bounds.most[i] + stretched)

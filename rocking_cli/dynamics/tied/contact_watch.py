@@ -25,7 +25,7 @@ import numpy as np
 from ...motions.blocks import blocks
 from ..body import Body, Edge, ground_reaction
 from ..lanes import Array, Lanes
-from .devices import Devices, Phase
+from .devices import Branch, Devices
 from .series import Step
 
 _INSTANTS = np.linspace(
@@ -41,7 +41,7 @@ class Steps(NamedTuple):
 
     lanes: Lanes  # the state at the start of the steps
     row: Array  # row of the devices of their side
-    now: Phase  # the phases of the devices
+    now: Branch  # the branches of the devices
     step: Step  # the motion
     reach: Array  # time from the start that the lane goes along the step [tau]
 

@@ -1,5 +1,5 @@
 """Ties and a tendon in the units of an equation: elongation, force, and the rotations
-at which a phase of them ends.
+at which a branch of their force law ends.
 
 A tie at the height h and the distance x behind the pivot has the elongation e = x (1 -
 cos theta) + h sin theta and the lever h cos theta + x sin theta; a tendon at the
@@ -16,6 +16,7 @@ on both sides and breaks on both.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple, Self
@@ -23,27 +24,28 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from ...structures.parameters import RockingParameters
-from ...structures.restraints import SIDES, Tie
+from ...structures.restraints import SIDES, Restraints, Tie
 from ..body import Body
 from ..equations.equation import Equation
 from ..lanes import Array
 
 SLACK, ELASTIC, YIELDING, BROKEN = range(4)
 ROWS = ("right", "left")  # sides as rows of arrays
+TENDON = "tendon"  # the name of the tendon among the devices
 
 
-class Phase(NamedTuple):
-    """The present phases of the devices, for lanes on their sides."""
+class Branch(NamedTuple):
+    """The present branch of the force law of each device, for lanes on their sides."""
 
-    low: Array  # y at which each phase ends inwards, (devices, lanes)
-    high: Array  # y at which each phase ends outwards, (devices, lanes)
+    low: Array  # y at which each branch ends inwards, (devices, lanes)
+    high: Array  # y at which each branch ends outwards, (devices, lanes)
     fixed: Array  # force at e = 0 [N], (devices, lanes)
     rate: Array  # growth of the force with e [N/m], (devices, lanes)
     yields: Array  # True for lanes with a yielding device, (lanes,)
 
-    def take(self, at: Array | slice) -> Phase:
-        """Return the phases of these lanes."""
-        return Phase(*(x[..., at] for x in self))
+    def take(self, at: Array | slice) -> Branch:
+        """Return the branches of these lanes."""
+        return Branch(*(x[..., at] for x in self))
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,48 +81,39 @@ class Devices:
         """Build the devices of a structure with restraints under the equation of its
         free body; None if no restraint ever pulls.
         """
-        restraints, one_sided = structure.restraints, structure.one_sided
+        restraints = structure.restraints
         assert restraints is not None
         stands = dict(zip(SIDES["both"], restraints.stands, strict=True))
-        rows = ROWS[:1] if one_sided else ROWS
-        columns: list[tuple[str, list[tuple[float, ...]]]] = []
-        for i, tie in enumerate(restraints.ties):
-            if tie.stiffness or tie.prestress:
-                columns.append((f"tie {i + 1}", [_of_tie(tie, row) for row in rows]))
-        held = restraints.tendon
-        if held and (held.stiffness or held.prestress):
-            columns.append(
-                ("tendon", [_of_tie(held.at(stands[row].lever), row) for row in rows])
-            )
+        rows = ROWS[:1] if structure.one_sided else ROWS
+        columns = _columns(restraints, rows)
         if not columns:
             return None
-        numbers = np.array([of for _, of in columns]).transpose(2, 1, 0)
+        numbers = np.array(list(columns.values())).transpose(2, 1, 0)
+
+        # The rotation of y = 1, and the moment that gives y'' the unit 1.
         sides = np.array([1.0, -1.0])
-        unit = np.broadcast_to(
-            equation.on(sides).rotation(np.ones(2)) * structure.alpha_on(sides), 2
-        )[: len(rows), None]
+        rotation = equation.on(sides).rotation(np.ones(2)) * structure.alpha_on(sides)
+        unit = np.broadcast_to(rotation, 2)[: len(rows), None]
         moment = unit * np.array([[stands[row].moment] for row in rows])
-        names = tuple(name for name, _ in columns)
+
         arm = (structure.sides or (structure,))[0].arm
-        weight = (
-            np.inf if body is None or arm is None else restraints.stands[0].moment / arm
-        )
-        tendon = np.array([name == "tendon" for name in names])
-        stiffness, prestress, force, ultimate, height, behind = numbers
+        weight = np.inf
+        if body is not None and arm is not None:
+            weight = restraints.stands[0].moment / arm
         return cls(
-            stiffness,
-            prestress,
-            force,
-            ultimate,
-            height,
-            behind,
-            unit,
-            moment,
-            tendon,
-            names,
-            linear,
-            body,
-            weight,
+            stiffness=numbers[0],
+            prestress=numbers[1],
+            force=numbers[2],
+            ultimate=numbers[3],
+            height=numbers[4],
+            behind=numbers[5],
+            unit=unit,
+            moment=moment,
+            tendon=np.array([name == TENDON for name in columns]),
+            names=tuple(columns),
+            linear=linear,
+            body=body,
+            weight=weight,
         )
 
     def row(self, side: Array) -> Array:
@@ -215,13 +208,13 @@ class Devices:
             0.0, np.where(self.on(self.stiffness, row) > 0.0, elongation - elastic, 0.0)
         )
 
-    def phase(self, row: Array, phase: Array, plastic: Array) -> Phase:
-        """The limits in y and the force law of devices in these phases, as `Phase`."""
+    def branch(self, row: Array, branch: Array, plastic: Array) -> Branch:
+        """The limits in y and the force law of devices on these branches."""
         pulls, yields = self.thresholds(row, plastic)
         ultimate, stiffness = self.on(self.ultimate, row), self.on(self.stiffness, row)
-        elastic, yielding = phase == ELASTIC, phase == YIELDING
+        elastic, yielding = branch == ELASTIC, branch == YIELDING
         high = np.where(
-            phase == SLACK,
+            branch == SLACK,
             pulls,
             np.where(
                 elastic,
@@ -234,7 +227,7 @@ class Devices:
             elastic, self.on(self.prestress, row) - stiffness * plastic, 0.0
         )
         fixed = np.where(yielding, self.on(self.force, row), fixed)
-        return Phase(
+        return Branch(
             self.level(row, low),
             self.level(row, high),
             fixed,
@@ -242,45 +235,51 @@ class Devices:
             yielding.any(axis=0),
         )
 
-    def at_ground(self, row: Array, phase: Array, plastic: Array) -> Array:
-        """The phase of each device when a body leaves the ground onto these sides."""
+    def at_ground(self, row: Array, branch: Array, plastic: Array) -> Array:
+        """The branch of each device when a body leaves the ground onto these sides."""
         pulls, _ = self.thresholds(row, plastic)
-        return np.where(phase == BROKEN, BROKEN, np.where(pulls <= 0.0, ELASTIC, SLACK))
+        return np.where(
+            branch == BROKEN, BROKEN, np.where(pulls <= 0.0, ELASTIC, SLACK)
+        )
 
-    def force_at_ground(self, row: Array, phase: Array, plastic: Array) -> Array:
+    def force_at_ground(self, row: Array, branch: Array, plastic: Array) -> Array:
         """The force [N] of each device on bodies at the ground, (devices, lanes)."""
         force = np.clip(
             self.on(self.prestress, row) - self.on(self.stiffness, row) * plastic,
             0.0,
             None,
         )
-        return np.where(phase == BROKEN, 0.0, force)
+        return np.where(branch == BROKEN, 0.0, force)
 
-    def pull(self, row: Array, phase: Array, plastic: Array) -> Array:
+    def pull(self, row: Array, branch: Array, plastic: Array) -> Array:
         """The restoring acceleration -y'' that the devices add to bodies at the ground,
         (lanes,).
         """
         return (
             _added(
-                self.force_at_ground(row, phase, plastic) * self.on(self.height, row)
+                self.force_at_ground(row, branch, plastic) * self.on(self.height, row)
             )
             / self.moment[row, 0]
         )
 
-    def press(self, row: Array, phase: Array, plastic: Array) -> Array:
+    def press(self, row: Array, branch: Array, plastic: Array) -> Array:
         """The vertical force of a tendon on bodies at the ground, over
         m g, (lanes,).
         """
         return (
             _added(
                 np.where(
-                    self.tendon[:, None], self.force_at_ground(row, phase, plastic), 0.0
+                    self.tendon[:, None],
+                    self.force_at_ground(row, branch, plastic),
+                    0.0,
                 )
             )
             / self.weight
         )
 
-    def largest_pull(self, row: Array, phase: Array, plastic: Array, y: Array) -> Array:
+    def largest_pull(
+        self, row: Array, branch: Array, plastic: Array, y: Array
+    ) -> Array:
         """An upper bound of the restoring acceleration -y'' that the devices add up to
         y, if none yields before, (lanes,).
         """
@@ -301,7 +300,7 @@ class Devices:
             * np.sin(np.minimum(self.unit[row, 0] * y, 0.5 * np.pi))
         )
         return (
-            _added(np.where(phase == BROKEN, 0.0, force) * lever) / self.moment[row, 0]
+            _added(np.where(branch == BROKEN, 0.0, force) * lever) / self.moment[row, 0]
         )
 
     @cached_property
@@ -329,7 +328,7 @@ class Devices:
         )
         return np.asarray(1.0 + self.pull(rows, none, none)[:, None])
 
-    def downwards(self, row: Array, now: Phase, y: Array) -> Array:
+    def downwards(self, row: Array, now: Branch, y: Array) -> Array:
         """The vertical force of a tendon on the body, over m g, (lanes,)."""
         force = np.where(
             self.tendon[:, None], now.fixed + now.rate * self.elongation(row, y), 0.0
@@ -337,7 +336,7 @@ class Devices:
         return _added(force) * np.cos(0.5 * self.unit[row, 0] * y) / self.weight
 
     def tendon_bounds(
-        self, row: Array, now: Phase, turned: Array
+        self, row: Array, now: Branch, turned: Array
     ) -> tuple[Array, Array]:
         """(largest force of a tendon up to this rotation [rad], its stiffness times its
         lever), each over m g, (lanes,).
@@ -362,7 +361,7 @@ class Devices:
             else of_tie
         )
 
-    def pulled(self, row: Array, now: Phase, y: Array) -> Array:
+    def pulled(self, row: Array, now: Branch, y: Array) -> Array:
         """The restoring acceleration -y'' that the devices add at y, (lanes,)."""
         return (
             _added(
@@ -371,7 +370,7 @@ class Devices:
             / self.moment[row, 0]
         )
 
-    def linear_terms(self, row: Array, now: Phase) -> tuple[Array, Array]:
+    def linear_terms(self, row: Array, now: Branch) -> tuple[Array, Array]:
         """(constant, stiffness) that the devices add to -y'' = constant + stiffness y
         in the linear equation, each (lanes,).
         """
@@ -381,7 +380,7 @@ class Devices:
             _added(now.rate * h * h) * self.unit[row, 0] / moment,
         )
 
-    def circular_terms(self, row: Array, now: Phase) -> Array:
+    def circular_terms(self, row: Array, now: Branch) -> Array:
         """Coefficients of cos theta, sin theta, cos 2 theta, sin 2 theta and, with a
         tendon, cos(theta/2), sin(theta/2), in y'', (4 or 6, lanes).
         """
@@ -400,6 +399,23 @@ class Devices:
         if self.tendon.any():
             rows += [_added(np.where(tie, 0.0, now.fixed * h)), np.zeros(row.size)]
         return np.asarray(-np.array(rows) / self.moment[row, 0])
+
+
+def _columns(
+    restraints: Restraints, rows: Sequence[str]
+) -> dict[str, list[tuple[float, ...]]]:
+    """The numbers of each restraint that can pull, by its name: a row a side, (sides,
+    6).
+    """
+    stands = dict(zip(SIDES["both"], restraints.stands, strict=True))
+    columns = {}
+    for i, tie in enumerate(restraints.ties):
+        if tie.stiffness or tie.prestress:
+            columns[f"tie {i + 1}"] = [_of_tie(tie, row) for row in rows]
+    held = restraints.tendon
+    if held and (held.stiffness or held.prestress):
+        columns[TENDON] = [_of_tie(held.at(stands[row].lever), row) for row in rows]
+    return columns
 
 
 def _of_tie(tie: Tie, row: str) -> tuple[float, ...]:

@@ -1,5 +1,5 @@
-"""The motion of tied bodies within one phase of their restraints: its Taylor series and
-its first turn.
+"""The motion of tied bodies while every restraint stays on one branch of its force law:
+its Taylor series and its first turn.
 
 With y = theta/sin(alpha) on the present side (the linear equation has no devices but
 springs, which add a constant and a stiffness),
@@ -25,7 +25,7 @@ from ..equations.rigid_body import RigidBodyEquation
 from ..equations.taylor import TaylorSeries
 from ..lanes import Array, Lanes
 from ..march.roots import bernstein_form, impact_root, sense
-from .devices import Devices, Phase
+from .devices import Branch, Devices
 
 _HALVINGS = 40
 
@@ -52,12 +52,12 @@ class Law:
         self.tolerance = equation.tolerance  # of y
         self.order = taylor.order_for(equation.tolerance)
 
-    def force(self, row: Array, now: Phase, side: Array, y: Array, a: Array) -> Array:
+    def force(self, row: Array, now: Branch, side: Array, y: Array, a: Array) -> Array:
         """y'' under the outward drive a, without damping, (lanes,)."""
         return self.equation.on(side).force(y, a) - self.devices.pulled(row, now, y)
 
     def flow(
-        self, segments: Segments, lanes: Lanes, row: Array, now: Phase, exact: Array
+        self, segments: Segments, lanes: Lanes, row: Array, now: Branch, exact: Array
     ) -> TaylorSeries:
         """The series of lanes from their present state; exact: True where y'' is
         exactly 0 now.
@@ -67,17 +67,22 @@ class Law:
         drive = (
             -lanes.side
             * lanes.amplitude
-            * (segments.s_start[lanes.k] + drive_change(segments, lanes.k, lanes.u))
+            * (
+                segments.s_start[lanes.segment]
+                + drive_change(segments, lanes.segment, lanes.phase)
+            )
         )
-        lanes.b = np.where(exact, 0.0, self.force(row, now, lanes.side, lanes.y, drive))
+        lanes.force = np.where(
+            exact, 0.0, self.force(row, now, lanes.side, lanes.y, drive)
+        )
         rate = 1.0 + np.sqrt(self.devices.linear_terms(row, now)[1])
         terms, fastest = taylor.series_flow(held, segments, lanes, self.order, rate)
         return taylor.series(terms, fastest, self.tolerance, self.equation.damping)
 
 
 class HeldBody:
-    """The equation of lanes in one phase of their restraints: that of the free body,
-    and the moment of its devices.
+    """The equation of lanes while their restraints keep their branches: that of the
+    free body, and the moment of its devices.
 
     The moment is a sum of cos theta, sin theta, cos 2 theta, sin 2 theta, cos(theta/2):
     those of theta follow from l and m of the free body, the second harmonics are rho
@@ -85,7 +90,7 @@ class HeldBody:
     """
 
     def __init__(
-        self, equation: Equation, devices: Devices, row: Array, now: Phase
+        self, equation: Equation, devices: Devices, row: Array, now: Branch
     ) -> None:
         self.equation, self.devices, self.row, self.now, self.damping = (
             equation,
@@ -139,45 +144,57 @@ class HeldBody:
         of_cos, of_sin, of_cos2, of_sin2, *of_half = -self.devices.circular_terms(
             self.row, self.now
         )
-        assert isinstance(self.equation, RigidBodyEquation)
-        sin, cos = self.equation.sin, self.equation.cos
+        by_free, by_push = self._of_free_and_push(of_cos, of_sin)
 
-        def of_free_and_push(by_cos: Array, by_sin: Array) -> tuple[Array, Array]:
-            """cos theta = sin^2 l + cos^2 m, sin theta = sin cos (m - l), with sin and
-            cos of alpha.
-            """
-            return sin * (sin * by_cos - cos * by_sin), cos * (
-                cos * by_cos + sin * by_sin
-            )
-
-        by_free, by_push = of_free_and_push(of_cos, of_sin)
-        size, angle = np.hypot(of_cos2, of_sin2), 0.5 * np.arctan2(of_sin2, of_cos2)
-        stretched, turned = bool(size.any()), new()
-        u_by_free, u_by_push = of_free_and_push(np.cos(angle), np.sin(angle))
-        half_cos, half_sin, rate = new(), new(), new()
-        if of_half:
-            half_cos.append(np.cos(0.5 * sin * y[0]))
-            half_sin.append(np.sin(0.5 * sin * y[0]))
+        # The second harmonics, rho (2 u^2 - 1) with u = cos(theta - phi).
+        rho, phi = np.hypot(of_cos2, of_sin2), 0.5 * np.arctan2(of_sin2, of_cos2)
+        stretched, turned = bool(rho.any()), new()
+        u_by_free, u_by_push = self._of_free_and_push(np.cos(phi), np.sin(phi))
+        half = self._half_angle(y, new, *of_half) if of_half else None
 
         def pulled(n: int) -> Array:
             own = by_free * free[n] + by_push * push[n]
             if stretched:
                 turned.append(u_by_free * free[n] + u_by_push * push[n])
-                own = (
-                    own
-                    + 2.0 * size * product_term(turned, turned)
-                    - (0.0 if n else size)
-                )
-            if of_half:
-                if n:
-                    rate.append(0.5 * n * sin * y[n])
-                    by_sin, by_cos = product_terms(rate, half_sin, half_cos)
-                    half_cos.append(by_sin / -n)
-                    half_sin.append(by_cos / n)
-                own = own + of_half[0] * half_cos[n] + of_half[1] * half_sin[n]
+                square = product_term(turned, turned)
+                own = own + 2.0 * rho * square - (0.0 if n else rho)
+            if half is not None:
+                by_cos, by_sin = half(n)
+                own = own + by_cos + by_sin
             return own
 
         return pulled
+
+    def _of_free_and_push(self, by_cos: Array, by_sin: Array) -> tuple[Array, Array]:
+        """Coefficients of l and m in by_cos cos theta + by_sin sin theta: cos theta =
+        sin^2 l + cos^2 m, sin theta = sin cos (m - l), with sin and cos of alpha.
+        """
+        assert isinstance(self.equation, RigidBodyEquation)
+        sin, cos = self.equation.sin, self.equation.cos
+        return sin * (sin * by_cos - cos * by_sin), cos * (cos * by_cos + sin * by_sin)
+
+    def _half_angle(
+        self, y: Series, new: Callable[[], Series], of_cos: Array, of_sin: Array
+    ) -> Callable[[int], tuple[Array, Array]]:
+        """Return a function of n that returns terms n of of_cos cos(theta/2) and of_sin
+        sin(theta/2), called for n = 0, 1 ... in this order.
+        """
+        assert isinstance(self.equation, RigidBodyEquation)
+        sin = self.equation.sin
+        half_cos, half_sin, rate = new(), new(), new()
+        half_cos.append(np.cos(0.5 * sin * y[0]))
+        half_sin.append(np.sin(0.5 * sin * y[0]))
+
+        def terms(n: int) -> tuple[Array, Array]:
+            if n:
+                # The derivatives of cos and sin of theta/2, by its rate.
+                rate.append(0.5 * n * sin * y[n])
+                by_sin, by_cos = product_terms(rate, half_sin, half_cos)
+                half_cos.append(by_sin / -n)
+                half_sin.append(by_cos / n)
+            return of_cos * half_cos[n], of_sin * half_sin[n]
+
+        return terms
 
 
 def one_turn(arc: TaylorSeries, left: Array) -> Step:

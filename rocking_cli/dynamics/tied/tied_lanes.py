@@ -5,20 +5,23 @@ body, and the results.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, Self
+
+import numpy as np
 
 from ..equations.taylor import TaylorSeries
 from ..lanes import Array, Lanes
 from ..outcome import Work
-from .devices import Phase
+from .devices import Branch
 
 
 @dataclass
 class TiedLanes(Lanes):
     """Lanes of tied bodies; a device is a tie or the tendon on one side."""
 
-    # phase of each device, as `devices` numbers them, (sides, devices, lanes)
-    phase: Array
+    # branch of the force law that each device is on, as `devices` numbers them, (sides,
+    # devices, lanes)
+    branch: Array
     plastic: Array  # permanent elongation of each device [m], (sides, devices, lanes)
     farthest: Array  # largest elongation of each device [m], (sides, devices, lanes)
     exact: Array  # True where y'' is exactly 0
@@ -28,12 +31,53 @@ class TiedLanes(Lanes):
     rests: Array  # True where the body comes to rest
     lost: Array  # True if Fz <= 0 has occurred
 
+    @classmethod
+    def at_rest(
+        cls,
+        cell: Array,
+        amplitude: Array,
+        omega: Array,
+        eta: Array,
+        shape: tuple[int, ...],
+    ) -> Self:
+        """Lanes at rest on the right at the start of the motion; shape: (sides,
+        devices, lanes).
+        """
+        numbers = ("phase", "y", "v", "force", "peak")
+        counts = ("segment", "impacts", "steps", "turned")
+        signs = ("exact", "bounced", "rests", "lost")
+        return cls(
+            cell=cell,
+            amplitude=amplitude,
+            omega=omega,
+            eta=eta,
+            side=np.ones(cell.size),
+            branch=np.zeros(shape, dtype=np.int64),
+            plastic=np.zeros(shape),
+            farthest=np.zeros(shape),
+            **{name: np.zeros(cell.size) for name in numbers},
+            **{name: np.zeros(cell.size, dtype=np.int64) for name in counts},
+            **{name: np.zeros(cell.size, dtype=bool) for name in signs},
+        )
+
+
+class CutStep(NamedTuple):
+    """Steps up to the events that end them. Every array is (lanes,)."""
+
+    reach: Array  # time from the start to the end [tau]
+    y: Array  # displacement at the end, in the unit of the side
+    v: Array  # dy/dtau at the end
+    top: Array  # y of the peak, or at the end without a peak on the way
+    up: Array  # True if y comes to the upper end of the branch of the restraints
+    down: Array  # True if y comes to its lower end; the ground is a lower end
+    peaked: Array  # True if y has a peak in the step
+
 
 class StepEnds(NamedTuple):
     """What happens at the ends of steps. Every array is (lanes,)."""
 
-    up: Array  # True if y has come to the upper end of the phase of the restraints
-    # True if y has come to the lower end of the phase; the ground is a lower end
+    up: Array  # True if y has come to the upper end of the branch of the restraints
+    # True if y has come to the lower end of the branch; the ground is a lower end
     down: Array
     peaked: Array  # True if y had a peak in the step
     bottom: Array  # True if the body turns outwards again
@@ -47,7 +91,7 @@ class Recorder(Protocol):
     until: float  # phase of the motion up to which the march is recorded [rad]
     visible: float  # speed |y'| down to which each bounce is recorded
 
-    def keep(self, lanes: Lanes, arc: TaylorSeries, reach: float, now: Phase) -> None:
+    def keep(self, lanes: Lanes, arc: TaylorSeries, reach: float, now: Branch) -> None:
         """Record an arc that lasts `reach` [tau] from the state of the lanes, with the
         force law of the devices on it.
         """
@@ -63,6 +107,19 @@ class Recorder(Protocol):
         """
 
 
+def note(
+    recorder: Recorder | None,
+    lanes: Lanes,
+    event: str,
+    y: Array,
+    v: Array,
+    device: str = "",
+) -> None:
+    """Record an event of the first lane at y and y', if there is a recorder."""
+    if recorder is not None:
+        recorder.note(lanes, event, float(y[0]), float(v[0]), device)
+
+
 @dataclass(frozen=True)
 class Found:
     """Results of cells."""
@@ -71,11 +128,28 @@ class Found:
     theta_ratio: Array  # max |theta|/alpha [-], as in `Response`, (cells,)
     impacts: Array  # number of impacts during the shaking, as in `Response`, (cells,)
     steps: Array  # number of steps, (cells,)
-    # phase of each device at the end of the march, (sides, devices, cells)
-    phase: Array
+    # branch of the force law of each device at the end of the march, (sides, devices,
+    # cells)
+    branch: Array
     # permanent elongation of each device then [m], (sides, devices, cells)
     plastic: Array
     farthest: Array  # largest elongation of each device [m], (sides, devices, cells)
+
+    @classmethod
+    def empty(cls, shape: tuple[int, ...]) -> Self:
+        """Results of cells that are not computed yet; shape: (sides, devices,
+        cells).
+        """
+        size = shape[-1]
+        return cls(
+            np.zeros(size, dtype=np.uint8),
+            np.full(size, np.nan),
+            np.zeros(size, dtype=np.int32),
+            np.zeros(size, dtype=np.int64),
+            np.zeros(shape, dtype=np.int64),
+            np.zeros(shape),
+            np.zeros(shape),
+        )
 
     @property
     def work(self) -> Work:

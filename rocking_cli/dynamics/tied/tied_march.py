@@ -1,7 +1,7 @@
 """The march of tied bodies, many at once, from event to event.
 
-A step lies within one closed form of the motion and one phase of the restraints, and
-has one turn at most (`series`). If y passes an end of the phase before or after the
+A step lies within one closed form of the motion and one branch of the restraints, and
+has one turn at most (`series`). If y passes an end of the branch before or after the
 turn, the step ends there: the bracket holds one root. So a step cannot miss an
 engagement, a yield, a slack, a rupture or an impact. A peak ends a step only if a
 restraint yields there.
@@ -17,7 +17,7 @@ peak. So
 - a body that turns back outwards above the ground after such a peak goes to and fro
   between both: it leans;
 - a body overturns if it lies on its side, or, in the linear equation, if it moves
-  outwards in the last phase of its restraints, whose stiffness is not positive, and no
+  outwards in the last branch of its restraints, whose stiffness is not positive, and no
   drive to come reaches its force.
 
 A body that rocked or leans keeps Fz > 0 later if it did so up to then. At the same
@@ -44,15 +44,15 @@ from ..outcome import FALLEN, LOST, Outcome
 from ..system import System
 from .bounces import Bounces
 from .contact_watch import ContactWatch, Steps
-from .devices import BROKEN, ELASTIC, SLACK, YIELDING, Phase
+from .devices import Branch
 from .series import Law, Step, falls, one_turn
-from .tied_lanes import Found, Recorder, StepEnds, TiedLanes
+from .tied_lanes import CutStep, Found, Recorder, StepEnds, TiedLanes, note
+from .transitions import Transitions
 
 # a speed below this counts as zero: it changes y by about as much, and a later uplift
 # by far less than rounding
 _STILL = 1e-20
 _TOGETHER = 8192  # lanes
-WORDS = {SLACK: "slack", ELASTIC: "engagement", YIELDING: "yield", BROKEN: "rupture"}
 
 
 class March:
@@ -83,15 +83,12 @@ class March:
             system.devices,
         )
         self.cells = self.contact.cells(self.equation, amplitude, omega, eta)
-        self.shaken, self.segments, self.recorder = (
-            len(segments),
-            segments.followed_by_rest(np.inf),
-            recorder,
-        )
+        self.shaken, self.recorder = len(segments), recorder
+        self.segments = segments.followed_by_rest(np.inf)
         self.one_sided = isinstance(self.contact, OneSided)
-        self.again = (
-            2 if self.equation.damping and self.devices.body is not None else 0
-        )  # bits to the second turn on a side
+        # bits of `turned` to the second turn on a side, and all bits that it needs
+        again = self.equation.damping and self.devices.body is not None
+        self.again = 2 if again else 0
         self.every = (1 if self.one_sided else 3) << self.again
         sides = np.array([1.0, -1.0])
         self.law = Law(self.equation, self.devices)
@@ -103,25 +100,16 @@ class March:
             if self.devices.body is None
             else ContactWatch(self.devices, self.devices.body)
         )
+        self.transitions = Transitions(self.devices, recorder)
         self.bounces = Bounces(self.devices, self.contact, self.equation, self.segments)
-        self.doubtful = (
-            1.0  # y beyond which the march tests whether a body can come back
-        )
+        # y beyond which the march tests whether a body can come back
+        self.doubtful = 1.0
         if recorder is not None:
             self.doubtful = float(
                 np.max(self.equation.on(sides).displacement(np.full(2, FALLEN)))
             )
         self.most = MAX_STEPS + 40 * self.shaken
-        size, shape = omega.size, (*self.devices.stiffness.shape, omega.size)
-        self.found = Found(
-            np.zeros(size, dtype=np.uint8),
-            np.full(size, np.nan),
-            np.zeros(size, dtype=np.int32),
-            np.zeros(size, dtype=np.int64),
-            np.zeros(shape, dtype=np.int64),
-            np.zeros(shape),
-            np.zeros(shape),
-        )
+        self.found = Found.empty((*self.devices.stiffness.shape, omega.size))
 
     def run(self, release: float = 0.0) -> Found:
         """March all cells to their ends, from rest or released to the right from
@@ -143,56 +131,24 @@ class March:
         return numbers[row, :, np.arange(row.size)].T
 
     def _begin(self, cell: Array, release: float) -> TiedLanes:
-        count, zero = np.zeros(cell.size, dtype=np.int64), np.zeros(cell.size)
+        shape = (*self.devices.stiffness.shape, cell.size)
         amplitude, omega, eta = (
-            np.broadcast_to(x, self.cells.omega.shape)[0, cell] for x in self.cells
+            np.broadcast_to(x, self.cells.omega.shape)[0, cell].copy()
+            for x in self.cells
         )
-        none = np.zeros((*self.devices.stiffness.shape, cell.size))
-        lanes = TiedLanes(
-            cell,
-            amplitude.copy(),
-            omega.copy(),
-            eta.copy(),
-            count,
-            zero,
-            np.ones(cell.size),
-            zero.copy(),
-            zero.copy(),
-            zero.copy(),
-            zero.copy(),
-            count.copy(),
-            count.copy(),
-            none.astype(np.int64),
-            none.copy(),
-            none.copy(),
-            zero != 0.0,
-            zero != 0.0,
-            count.copy(),
-            zero != 0.0,
-            zero != 0.0,
-        )
+        lanes = TiedLanes.at_rest(cell, amplitude, omega, eta, shape)
         if release:
             lanes.y[:] = self.equation.on(np.ones(cell.size)).displacement(
                 np.full(cell.size, release)
             )
             lanes.peak[:] = lanes.y
-            row = self.devices.row(lanes.side)
-            e = self.devices.elongation(row, lanes.y)
-            lanes.plastic[0], lanes.farthest[0] = self.devices.stretched(row, e), e
-            pulls, _ = self.devices.thresholds(row, lanes.plastic[0])
-            broken = e >= self.devices.on(self.devices.ultimate, row)
-            lanes.phase[0] = np.where(
-                broken, BROKEN, np.where(e > pulls, ELASTIC, SLACK)
-            )
+            self.transitions.release(lanes)
             self._note(lanes, "release", lanes.y, lanes.v)
             return lanes
         return self._from_rest(lanes, np.arange(cell.size), first=True)
 
-    def _note(
-        self, lanes: Lanes, event: str, y: Array, v: Array, device: str = ""
-    ) -> None:
-        if self.recorder is not None:
-            self.recorder.note(lanes, event, float(y[0]), float(v[0]), device)
+    def _note(self, lanes: Lanes, event: str, y: Array, v: Array) -> None:
+        note(self.recorder, lanes, event, y, v)
 
     def _from_rest(self, lanes: TiedLanes, at: Array, first: bool = False) -> TiedLanes:
         """Move lanes that rest to their next uplift; finish those that never lift off
@@ -216,17 +172,17 @@ class March:
             self.cells.eta,
         )
         again = self.contact.uplift(
-            effective, self.segments, np.arange(at.size), resting.k, resting.u
+            effective, self.segments, np.arange(at.size), resting.segment, resting.phase
         )
-        k, u = place(self.segments, again.k, again.u)
-        lanes.k[at], lanes.u[at], lanes.y[at], lanes.v[at] = k, u, 0.0, 0.0
+        k, u = place(self.segments, again.segment, again.phase)
+        lanes.segment[at], lanes.phase[at], lanes.y[at], lanes.v[at] = k, u, 0.0, 0.0
         if not self.one_sided:
             self.contact.turn(self.cells, lanes, at, again.side)
-        moved = (k != again.k) & ~self.segments.joins[
-            np.minimum(again.k, len(self.segments) - 1)
+        moved = (k != again.segment) & ~self.segments.joins[
+            np.minimum(again.segment, len(self.segments) - 1)
         ]
-        lanes.exact[at] = (again.b == 0.0) & ~moved
-        self._leave(lanes, at)
+        lanes.exact[at] = (again.force == 0.0) & ~moved
+        self.transitions.leave(lanes, at)
         ended = k >= self.shaken
         if self.recorder is not None:
             if not first:
@@ -240,21 +196,13 @@ class March:
             np.full(lanes.cell.size, Outcome.NO_UPLIFT if first else Outcome.ROCKED),
         )
 
-    def _leave(self, lanes: TiedLanes, at: Array) -> None:
-        """Set the devices of lanes that leave the ground to the phases in which they
-        begin.
-        """
-        row = self.devices.row(lanes.side)[at]
-        phase, plastic = lanes.phase[row, :, at].T, lanes.plastic[row, :, at].T
-        lanes.phase[row, :, at] = self.devices.at_ground(row, phase, plastic).T
-
-    def _phase(self, lanes: TiedLanes) -> tuple[Array, Phase, Array, Array]:
-        """(row, phase of the devices, y at its lower end, y at its upper end) of each
+    def _branch(self, lanes: TiedLanes) -> tuple[Array, Branch, Array, Array]:
+        """(row, branch of the devices, y at its lower end, y at its upper end) of each
         lane.
         """
         row = self.devices.row(lanes.side)
-        now = self.devices.phase(
-            row, self._of(lanes.phase, row), self._of(lanes.plastic, row)
+        now = self.devices.branch(
+            row, self._of(lanes.branch, row), self._of(lanes.plastic, row)
         )
         return (
             row,
@@ -268,76 +216,78 @@ class March:
         returns the lanes that go on.
         """
         lanes.steps += 1
-        row, now, ground, high = self._phase(lanes)
-        seg, k = self.segments, lanes.k
+        row, now, low, high = self._branch(lanes)
+        seg, k = self.segments, lanes.segment
         joined = seg.joins[k]
-        left = (
-            seg.length[k]
-            - lanes.u
-            + np.where(joined, seg.length[np.minimum(k + 1, self.shaken)], 0.0)
-        ) / lanes.omega
+        left = self._time_left(lanes, joined)
         step = one_turn(self.law.flow(seg, lanes, row, now, lanes.exact), left)
-        arc, reach, y, v = step.arc, step.h.copy(), step.end.y.copy(), step.end.v.copy()
-        turns = np.flatnonzero(step.turn > 0.0)
-        reach[turns], y[turns], v[turns] = (
-            step.turn[turns],
-            arc.take(turns).at(step.turn[turns]).y,
-            0.0,
+        cut = self._cut(step, now, low, high)
+        if self.recorder is not None:
+            self.recorder.keep(lanes, step.arc, float(cut.reach[0]), now)
+        self._watch_contact(lanes, row, now, step, cut.reach)
+
+        # The state and the position at the end; at the end of the closed form the next
+        # one begins.
+        at_end = cut.up | cut.down
+        whole = (cut.reach >= left) & ~at_end
+        lanes.y, lanes.v = cut.y, cut.v
+        lanes.segment, lanes.phase = place(
+            seg, k, np.where(whole, 0.0, lanes.phase + lanes.omega * cut.reach)
         )
+        lanes.segment[whole] = (k + 1 + joined)[whole]
+        lanes.exact[:] = False
+        bottom = (cut.peaked | (cut.v == 0.0)) & ~cut.peaked & ~at_end
+        ends = StepEnds(cut.up, cut.down, cut.peaked, bottom, cut.top, k >= self.shaken)
+        return self._events(lanes, row, now, high, ends)
+
+    def _time_left(self, lanes: TiedLanes, joined: Array) -> Array:
+        """The time [tau] to the end of the closed form of the motion: of the segment,
+        and of the next one where they are `joined`.
+        """
+        seg, k = self.segments, lanes.segment
+        following = seg.length[np.minimum(k + 1, self.shaken)]
+        rest = seg.length[k] - lanes.phase
+        return (rest + np.where(joined, following, 0.0)) / lanes.omega
+
+    def _cut(self, step: Step, now: Branch, low: Array, high: Array) -> CutStep:
+        """Cut steps where an event ends them: at an end (low, high) of the branch, or
+        at a peak where a restraint yields.
+        """
+        arc, turns = step.arc, np.flatnonzero(step.turn > 0.0)
+        reach, y, v = step.h.copy(), step.end.y.copy(), step.end.v.copy()
+
+        # Up to the turn, if there is one, y is monotone.
+        reach[turns], v[turns] = step.turn[turns], 0.0
+        y[turns] = arc.take(turns).at(step.turn[turns]).y
         top = y.copy()
-        up, down = (
-            (step.outward > 0.0) & (y >= high),
-            (step.outward < 0.0) & (y <= ground),
-        )
-        peaked = np.zeros(k.size, dtype=bool)
+        up, down = (step.outward > 0.0) & (y >= high), (step.outward < 0.0) & (y <= low)
+
+        # A peak at which nothing yields ends no branch: such a step goes on to its end.
+        peaked = np.zeros(y.size, dtype=bool)
         peaked[turns] = (step.outward[turns] > 0.0) & ~up[turns]
-        through = (
-            peaked & ~now.yields & (self.recorder is None)
-        )  # here a peak ends no phase
+        through = peaked & ~now.yields & (self.recorder is None)
         reach[through], y[through], v[through] = (
             step.h[through],
             step.end.y[through],
             step.end.v[through],
         )
-        down |= through & (y <= ground)
+        down |= through & (y <= low)
+
+        # An end of the branch is passed once, before or after the turn.
         at = np.flatnonzero(up | down)
         if at.size:
-            sense, level = (
-                np.where(up[at], -1.0, 1.0),
-                np.where(up[at], high[at], ground[at]),
-            )
+            y[at] = level = np.where(up[at], high[at], low[at])
+            sense = np.where(up[at], -1.0, 1.0)
             here = arc.take(at)
             here.terms *= sense
             here.terms[0] -= sense * level
-            reach[at], v[at] = falls(
-                here, np.where(through[at], step.turn[at], 0.0), reach[at]
-            )
+            turned = np.where(through[at], step.turn[at], 0.0)
+            reach[at], v[at] = falls(here, turned, reach[at])
             v[at] *= sense
-            y[at] = level
-        top = np.where(through, top, y)
-        if self.recorder is not None:
-            self.recorder.keep(lanes, arc, float(reach[0]), now)
-        self._press(lanes, row, now, step, reach)
-        whole = (reach >= left) & ~(up | down)
-        lanes.y, lanes.v = y, v
-        lanes.k, lanes.u = place(
-            seg, k, np.where(whole, 0.0, lanes.u + lanes.omega * reach)
-        )
-        lanes.k[whole] = (k + 1 + joined)[whole]
-        lanes.exact[:] = False
-        turned = peaked | (v == 0.0)
-        return self._events(
-            lanes,
-            row,
-            now,
-            high,
-            StepEnds(
-                up, down, peaked, turned & ~peaked & ~(up | down), top, k >= self.shaken
-            ),
-        )
+        return CutStep(reach, y, v, np.where(through, top, y), up, down, peaked)
 
-    def _press(
-        self, lanes: TiedLanes, row: Array, now: Phase, step: Step, reach: Array
+    def _watch_contact(
+        self, lanes: TiedLanes, row: Array, now: Branch, step: Step, reach: Array
     ) -> None:
         """Mark lanes with Fz <= 0 in their steps; of a body that is recorded, note the
         first such instant.
@@ -351,17 +301,22 @@ class March:
             instant = self.watch.first(steps, *around)
             then = step.arc.at(instant)
             self._note(
-                replace(lanes, u=lanes.u + lanes.omega * instant), LOST, then.y, then.v
+                replace(lanes, phase=lanes.phase + lanes.omega * instant),
+                LOST,
+                then.y,
+                then.v,
             )
 
     def _events(
-        self, lanes: TiedLanes, row: Array, now: Phase, high: Array, ends: StepEnds
+        self, lanes: TiedLanes, row: Array, now: Branch, high: Array, ends: StepEnds
     ) -> TiedLanes:
-        """Apply the events at step ends: a peak on the way, an end of a phase, an
+        """Apply the events at step ends: a peak on the way, an end of a branch, an
         impact, a turn. Returns the lanes that go on.
         """
         fallen, hit = ends.up & (high >= self.limit[row]), ends.down & (lanes.y <= 0.0)
-        self._stretch(lanes, np.flatnonzero(ends.peaked | ends.up), row, ends.top)
+        self.transitions.stretch(
+            lanes, np.flatnonzero(ends.peaked | ends.up), row, ends.top
+        )
         peaked = np.flatnonzero(ends.peaked)
         if peaked.size:
             lanes.peak[peaked] = np.maximum(lanes.peak[peaked], ends.top[peaked])
@@ -369,20 +324,20 @@ class March:
             here = 1 << row[still]
             lanes.turned[still] |= here | (lanes.turned[still] & here) << 2
             self._note(lanes, "peak", lanes.y, lanes.v)
-            self._unload(lanes, peaked[now.yields[peaked]], row)
+            self.transitions.unload(lanes, peaked[now.yields[peaked]], row)
         for at, limits, sign in (
             (np.flatnonzero(ends.up & ~fallen), now.high, 1.0),
             (np.flatnonzero(ends.down & ~hit), now.low, -1.0),
         ):
             if at.size:
-                self._pass(lanes, at, row, limits, sign)
+                self.transitions.pass_end(lanes, at, row, limits, sign)
         leans = ends.bottom & ((lanes.turned >> (row + self.again)) & 1 > 0)
         falls = fallen | self._certain(lanes, row, now, high)
         failed = (lanes.steps > self.most) | ~np.isfinite(lanes.y + lanes.v)
         impacts = np.flatnonzero(hit)
         ended = np.zeros(lanes.cell.size, dtype=bool)
         if impacts.size:
-            ended = self._strike(lanes, impacts, row)
+            ended = self._apply_impacts(lanes, impacts, row)
         outcome = np.where(
             falls,
             np.where(
@@ -401,90 +356,16 @@ class March:
             Outcome.ROCKED,
         ):
             outcome[0] *= (
-                self.segments.start[lanes.k[0]] + lanes.u[0] >= self.recorder.until
+                self.segments.start[lanes.segment[0]] + lanes.phase[0]
+                >= self.recorder.until
             )
         if falls.any():
-            self._stretch(lanes, np.flatnonzero(falls), row, lanes.y)
+            self.transitions.stretch(lanes, np.flatnonzero(falls), row, lanes.y)
             self._note(lanes, "overturning", lanes.y, lanes.v)
         lanes = self._finish(lanes, np.flatnonzero(outcome), outcome)
         return self._from_rest(lanes, np.flatnonzero(lanes.rests))
 
-    def _stretch(self, lanes: TiedLanes, at: Array, row: Array, top: Array) -> None:
-        """Note the elongation of unbroken devices at y = `top` where it is their
-        largest so far.
-        """
-        e, row = self.devices.elongation(row[at], top[at]), row[at]
-        whole = lanes.phase[row, :, at].T != BROKEN
-        lanes.farthest[row, :, at] = np.where(
-            whole,
-            np.maximum(lanes.farthest[row, :, at].T, e),
-            lanes.farthest[row, :, at].T,
-        ).T
-
-    def _pass(
-        self, lanes: TiedLanes, at: Array, row: Array, limits: Array, sign: float
-    ) -> None:
-        """Move devices of the lanes `at` that are at an upper (sign = 1) or lower (sign
-        = -1) end of their phase to the next phase.
-        """
-        reached = sign * (lanes.y[at] - limits[:, at]) >= 0.0
-        phase, plastic = (x[row[at], :, at].T for x in (lanes.phase, lanes.plastic))
-        elastic, ultimate = (
-            phase == ELASTIC,
-            self.devices.on(self.devices.ultimate, row[at]),
-        )
-        _, yields = self.devices.thresholds(row[at], plastic)
-        if sign > 0.0:
-            following = np.where(
-                phase == SLACK,
-                ELASTIC,
-                np.where(elastic & (yields < ultimate), YIELDING, BROKEN),
-            )
-        else:
-            following = np.full(phase.shape, SLACK)
-        following = np.where(reached, following, phase)
-        breaks = reached & (following == BROKEN)
-        kept = np.where(breaks, self.devices.stretched(row[at], ultimate), plastic)
-        lanes.phase[row[at], :, at], lanes.plastic[row[at], :, at] = following.T, kept.T
-        for device in np.flatnonzero(
-            self.devices.tendon
-        ):  # a tendon breaks on both sides
-            lanes.phase[:, device, at[breaks[device]]] = BROKEN
-            lanes.turned[at[breaks[device]]] = (
-                0  # without it Fz is not what it was on the way back from a peak
-            )
-        if self.recorder is not None:
-            for device in np.flatnonzero(reached[:, 0]):
-                self._note(
-                    lanes,
-                    WORDS[int(following[device, 0])],
-                    lanes.y,
-                    lanes.v,
-                    self.devices.names[device],
-                )
-
-    def _unload(self, lanes: TiedLanes, at: Array, row: Array) -> None:
-        """Unload the lanes `at`, whose velocity has changed sign: yielding devices
-        become elastic and keep their permanent elongation.
-        """
-        if not at.size:
-            return
-        phase, plastic = (x[row[at], :, at].T for x in (lanes.phase, lanes.plastic))
-        left = self.devices.stretched(
-            row[at], self.devices.elongation(row[at], lanes.y[at])
-        )
-        yielding = phase == YIELDING
-        lanes.phase[row[at], :, at] = np.where(yielding, ELASTIC, phase).T
-        lanes.plastic[row[at], :, at] = np.where(
-            yielding, np.maximum(left, plastic), plastic
-        ).T
-        if self.recorder is not None:
-            for device in np.flatnonzero(yielding[:, 0]):
-                self._note(
-                    lanes, "unloading", lanes.y, lanes.v, self.devices.names[device]
-                )
-
-    def _certain(self, lanes: TiedLanes, row: Array, now: Phase, high: Array) -> Array:
+    def _certain(self, lanes: TiedLanes, row: Array, now: Branch, high: Array) -> Array:
         """True for lanes that no later drive can turn back."""
         falls = np.zeros(lanes.cell.size, dtype=bool)
         at = np.flatnonzero(
@@ -492,10 +373,10 @@ class March:
         )
         if not at.size:
             return falls
-        side, k = lanes.side[at], np.minimum(lanes.k[at], len(self.segments) - 1)
+        side, k = lanes.side[at], np.minimum(lanes.segment[at], len(self.segments) - 1)
         inward = self.segments.strongest_inward(side, lanes.amplitude[at], k)
         if self.devices.linear:
-            there = Phase(*(x[..., at] for x in now))
+            there = Branch(*(x[..., at] for x in now))
             soft = self.devices.linear_terms(row[at], there)[1] <= 1.0
             falls[at] = soft & (
                 self.law.force(row[at], there, side, lanes.y[at], -inward) > 0.0
@@ -507,19 +388,19 @@ class March:
             )
         return falls
 
-    def _strike(self, lanes: TiedLanes, at: Array, row: Array) -> Array:
+    def _apply_impacts(self, lanes: TiedLanes, at: Array, row: Array) -> Array:
         """Apply the impacts of the lanes `at`, and mark lanes that come to rest; True
         for lanes whose outcome is known.
         """
         self._note(lanes, "impact", lanes.y, lanes.v)
         struck = lanes.take(at)
-        still = struck.k >= self.shaken
+        still = struck.segment >= self.shaken
         struck.impacts += ~still
         struck.bounced[:] = True
         struck.v = np.minimum(struck.v, 0.0)
         known = np.zeros(lanes.cell.size, dtype=bool)
         known[at] = still & (struck.turned & self.every == self.every)
-        self.contact.strike(self.cells, struck, struck.v, struck.b)
+        self.contact.impact(self.cells, struck, struck.v, struck.force)
         struck.y[:] = 0.0
         for name in (
             "side",
@@ -533,7 +414,7 @@ class March:
             "bounced",
         ):
             getattr(lanes, name)[at] = getattr(struck, name)
-        self._leave(lanes, at)
+        self.transitions.leave(lanes, at)
         stops, seen = (
             struck.v < _STILL,
             0.0 if self.recorder is None else self.recorder.visible,
@@ -563,11 +444,7 @@ class March:
         ratio = self.equation.on(lanes.side[at]).rotation(lanes.peak[at])
         found.theta_ratio[cell] = np.where(known & ~lanes.lost[at], ratio, np.nan)
         found.outcome[cell[known & lanes.lost[at]]] = Outcome.LOST_CONTACT
-        phase, plastic = lanes.phase[row, :, at].T, lanes.plastic[row, :, at].T
-        left = self.devices.stretched(row, self.devices.elongation(row, lanes.y[at]))
-        lanes.plastic[row, :, at] = np.where(
-            phase == YIELDING, np.maximum(left, plastic), plastic
-        ).T
-        for name in ("phase", "plastic", "farthest"):
+        self.transitions.keep_yield(lanes, at, row)
+        for name in ("branch", "plastic", "farthest"):
             getattr(found, name)[..., cell] = getattr(lanes, name)[..., at]
         return lanes.take(np.delete(np.arange(lanes.cell.size), at))

@@ -265,12 +265,37 @@ def read_record(
     dt: float | None = None,
     column: str | None = None,
 ) -> Record:
-    """Return one record of a file; unit, dt [s], column: of plain columns of numbers.
+    """Return one record of a file.
 
-    Raises UsageError if the file holds several and `component` names none, and
-    DocumentError.
+    The format is found from what the file holds; `rocking help records` lists them.
 
-    >>> record = read_record('configs/motions/synthetic.at2')
+    Parameters
+    ----------
+    path
+        the file
+    component
+        which of several, by name or number from 1
+    unit
+        of plain columns of numbers, such as "cm/s2"
+    dt
+        time step of plain columns of numbers [s]
+    column
+        of plain columns of numbers, from 1; "all" where each line goes on from the last
+
+    Returns
+    -------
+    Record
+
+    Raises
+    ------
+    UsageError
+        if the file cannot be read, or holds several records and `component` names none
+    DocumentError
+        for a file of no known format and for its faults
+
+    Examples
+    --------
+    >>> record = read_record("configs/motions/synthetic.at2")
     >>> record.npts, record.dt
     (1600, 0.01)
     """

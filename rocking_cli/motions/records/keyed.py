@@ -6,9 +6,9 @@ import re
 
 import numpy as np
 
-from .plain import even_step
 from .record import Series
 from .text import Format, Layout, RecordText, begins, fortran_layout
+from .times import even_step
 
 _ESM_KEY = re.compile(r"\s*([A-Z][A-Z0-9_/^.()-]*)\s*:\s*(.*)")
 _ESM_KINDS = ("ACCELERATION", "PROCESSED ACCELERATION", "UNPROCESSED ACCELERATION")

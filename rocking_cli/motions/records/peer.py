@@ -9,9 +9,9 @@ import numpy as np
 
 from .claims import Claims
 from .directions import is_up, is_up_alone
-from .plain import even_step
 from .record import Series
 from .text import Layout, RecordText, begins
+from .times import even_step
 
 NAME = "PEER AT2"
 _NUMBER = r"([-+.\dEeDd]+)"

@@ -12,16 +12,17 @@ import numpy as np
 
 from ...errors import DocumentError, UsageError
 from .claims import Claims, agree
+from .first_numbers import without_first_numbers
 from .headings import ACCELERATION, BARE, FREQUENCY, PERIOD, TIME, UNKNOWN, HeadingCell
+from .printed_numbers import Array
 from .record import EVERY, Series
-from .rows import NumberRows, as_printed, is_row, leads_of, rows_of
-from .text import Array, RecordText, value_of
+from .rows import NumberRows, is_row, rows_of
+from .text import RecordText
+from .times import even_step, is_even
 from .titles import (
     AMBIGUOUS,
-    Title,
     cells_above,
     headings,
-    numbers_in,
     require_no_row,
     titles_of,
     unmarked,
@@ -30,6 +31,7 @@ from .units import ACCELERATIONS, WRITTEN_UNITS
 
 NAME = "text"
 _MOST_TITLE_LINES = 120
+# what files of other quantities hold, by the last part of their names
 _OTHER_FILES = {
     **dict.fromkeys(("vel", "velo", "veloc", "velocity", "vt2"), "velocities"),
     **dict.fromkeys(
@@ -39,7 +41,7 @@ _OTHER_FILES = {
         ("sa", "psa", "rsp", "rs", "spc", "spectrum", "spectra"), "a spectrum"
     ),
     **dict.fromkeys(("fft", "fas", "fourier"), "a Fourier spectrum"),
-}  # by the last part of a file's name
+}
 _FEWEST = 10  # numbers in one column, without a word, of a motion
 _FEW = 4  # lines that may rise evenly by chance
 _MANY = 5  # so many columns are no components: a short last line shows values in a row
@@ -49,9 +51,8 @@ def recognise(head: str) -> bool:
     """True if rows of numbers begin after at most 120 lines of other text."""
     lines = [line for line in head.split("\n", _MOST_TITLE_LINES + 3) if line.strip()]
     above = lines[: _MOST_TITLE_LINES + 1]
-    below = [*lines[1:], lines[-1] if lines else ""][
-        : len(above)
-    ]  # none below the last
+    # the last line has itself below
+    below = [*lines[1:], lines[-1] if lines else ""][: len(above)]
     return any(is_row(x) and is_row(y) for x, y in zip(above, below, strict=True))
 
 
@@ -60,15 +61,15 @@ def read(text: RecordText) -> list[Series]:
     titles = list(titles_of(text))
     rows = rows_of(text, cells_above(titles))
     claims = Claims(text.fault)
-    leads = [x for x in titles if is_row(unmarked(x.text))]
-    titles = [x for x in titles if x not in leads]
+    above = [x for x in titles if is_row(unmarked(x.text))]  # marked as comments
+    titles = [x for x in titles if x not in above]
     cells, others = headings(text, titles, rows)
     for title in others:
         require_no_row(text, title, rows.columns)
         claims.take(
             title.text, title.line, strict=title == titles[-1] and rows.columns == 1
         )
-    rows, remark = _without_leads(text, claims, rows, leads)
+    rows, remark = without_first_numbers(text, claims, rows, above)
     if rows.values.size == 0:
         raise text.fault("no numbers")
     table = _Table(text, claims, rows, cells)
@@ -82,12 +83,6 @@ def read(text: RecordText) -> list[Series]:
 def agreeing(said: str, given: str | None) -> bool:
     """True unless the user states a unit of another size."""
     return given is None or ACCELERATIONS[given] == ACCELERATIONS[said]
-
-
-def _is_even(values: Array) -> bool:
-    """True if values rise by equal steps, as times do."""
-    steps = np.diff(values)
-    return bool((steps > 0.0).all() and np.ptp(steps) < 0.01 * steps[0])
 
 
 class _Table:
@@ -133,7 +128,7 @@ class _Table:
         if (
             self.rows.counts.size > _FEW
             and (self.rows.counts == self.width).all()
-            and _is_even(first)
+            and is_even(first)
         ):
             said = "the first numbers of the lines rise evenly, as times do"
             raise self.text.fault(
@@ -240,12 +235,12 @@ class _Table:
             self.cells is not None
             or time is None
             or len(values) <= _FEW
-            or not _is_even(values[:, 0])
+            or not is_even(values[:, 0])
         ):
             return
         step = values[1, 0] - values[0, 0]
         for i in range(1, self.width):
-            if _is_even(values[:, i]) and agree(step, values[1, i] - values[0, i]):
+            if is_even(values[:, i]) and agree(step, values[1, i] - values[0, i]):
                 said = f"columns 1 and {i + 1} rise alike, as times do"
                 raise self.text.fault(
                     f"{said}; expected one time a line", int(self.rows.lines[0])
@@ -416,86 +411,3 @@ class _Table:
                 " an acceleration (rename it if it holds one)",
                 1,
             )
-
-
-def even_step(
-    time: Array,
-    text: RecordText,
-    line: int,
-    in_a_line: int = 1,
-    lines: Array | None = None,
-) -> float:
-    """Return the step of times that rise evenly. Raises DocumentError if they do not.
-
-    line: the line of the first time; lines: that of each, or None for lines that follow
-    each other with so many times each.
-    """
-    if time.size < 2:
-        raise text.fault(f"found {time.size} values; expected at least two", line)
-    step = float(f"{(time[-1] - time[0]) / (time.size - 1):.10g}")
-    off = np.abs(time - (time[0] + step * np.arange(time.size))) > 0.1 * abs(step)
-    rising = np.diff(time)
-    if off.any() or not step > 0.0 or np.any(rising <= 0.0):
-        usual = float(np.median(rising))
-        apart = np.abs(rising - usual) > 0.5 * abs(usual)  # from one time to the next
-        bad = int(np.argmax(apart)) + 1 if apart.any() else int(np.argmax(off))
-        place = line + bad // in_a_line if lines is None else int(lines[bad])
-        before = f" after {time[bad - 1]:g} s" if bad else ""
-        raise text.fault(
-            f"times that do not rise in even steps, such as {time[bad]:g} s{before}",
-            place,
-        )
-    return step
-
-
-def _without_leads(
-    text: RecordText, claims: Claims, rows: NumberRows, above: list[Title]
-) -> tuple[NumberRows, str]:
-    """(the rows below those that hold a count, step or rate, a remark that names
-    these).
-
-    Raises DocumentError for a first number that may be one and that nothing confirms.
-    """
-    count = leads_of(rows)
-    kept = rows.below(count)
-    words = [
-        (x, title.line) for title in above for x in numbers_in(unmarked(title.text))
-    ]
-    first = int(rows.counts[:count].sum())
-    lines = np.repeat(rows.lines[:count], rows.counts[:count])
-    words += [
-        (as_printed(x), int(n)) for x, n in zip(rows.words[:first], lines, strict=True)
-    ]
-    total = {kept.values.size, kept.counts.size}
-    stated = claims.step if claims.step is not None else text.given.dt
-    if stated is None and kept.columns > 1 and kept.counts.size > 2:
-        times = kept.values[:: kept.columns]
-        stated = float(np.median(np.diff(times[: kept.counts.size])))
-    said: list[str] = []
-    for word, line in words:
-        value = value_of(word.replace(",", ".").encode()) or 0.0
-        if value in total and value > 1.0:
-            claims.count = claims.count or int(value)
-            claims.quoted.setdefault("count", word)
-            said.append(f"{word}, the number of values")
-        elif stated and agree(value, stated):
-            said.append(f"{word}, the time step")
-        elif stated and value and agree(1.0 / value, stated):
-            said.append(f"{word}, the sampling rate")
-        else:
-            raise text.fault(_may_be(word, value, kept), line)
-    return kept, f"above the samples stand {' and '.join(said)}" if said else ""
-
-
-def _may_be(word: str, value: float, rows: NumberRows) -> str:
-    below = f"{rows.values.size} values below it"
-    if value >= 1.0:
-        what = (
-            f"the sampling rate in Hz (`dt` {1.0 / value:.6g}) or the number of values"
-        )
-    else:
-        what = f"the time step in s (`dt` {value:g})"
-    return (
-        f"found {word} above the others; it may be {what}, or a sample ({below}): "
-        "state the step as `dt`, or take the line away or print it like the others"
-    )

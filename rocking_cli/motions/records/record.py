@@ -52,8 +52,11 @@ class Series(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """One component as recorded. Raises DocumentError for fewer than two samples, for
-    one that is not finite or beyond 1e6 m/s2, and for dt outside 1e-7 to 1000 s.
+    """One component of a ground motion as recorded.
+
+    `read_record` makes one. `motion` is its motion, `npts` and `duration` its length,
+    `intensity` measures it. Raises DocumentError for fewer than two samples, for one
+    that is not finite or beyond 1e6 m/s2, and for dt outside 1e-7 to 1000 s.
 
     Attributes
     ----------
@@ -67,6 +70,14 @@ class Record:
     source: the file, for messages
     sha256: of the file
     remarks: sentences for the user
+
+    Examples
+    --------
+    >>> record = read_record("configs/motions/synthetic.at2")
+    >>> record.npts, record.dt, record.duration, record.unit
+    (1600, 0.01, 15.99, 'g')
+    >>> f"{abs(record.acceleration).max():.4f} m/s2"
+    '3.9240 m/s2'
     """
 
     name: str  # of the file

@@ -9,13 +9,14 @@ from typing import NamedTuple
 import numpy as np
 
 from .claims import agree
-from .text import Array, RecordText, value_of
+from .printed_numbers import Array, finite_number
+from .text import RecordText
 
 _ODD_COMMA = re.compile(rb",(?![0-9])|,[0-9]*,")
 _EMPTY = re.compile(rb"([,;])[ \t]*\1(?![,; \t]*(?:\n|$))")  # not at the end of a line
 _MANY = 2000  # lines that show whether whole numbers before a comma are times
 _SHOWN = 200  # numbers whose printed form is looked at
-_LEADS = 3  # numbers above a column that may be no samples: count, step, rate
+_MOST_FIRST = 3  # numbers above a column that may be no samples: count, step, rate
 _USUAL_STEPS = (0.001, 0.002, 0.0025, 0.004, 0.005, 0.01, 0.02, 0.025, 0.04, 0.05, 0.1)
 _STAR = re.compile(r"\*+|nan|inf|[-+]inf", re.IGNORECASE)
 _BETWEEN = re.compile(r"[\s,;\"']+")
@@ -49,7 +50,7 @@ class NumberRows(NamedTuple):
 def is_row(line: str) -> bool:
     """True if a line holds numbers alone, of which the first is one."""
     words = [x for x in _BETWEEN.split(line.strip()) if x]
-    numbers = [value_of(x.encode("utf-8", "replace")) is not None for x in words]
+    numbers = [finite_number(x.encode("utf-8", "replace")) is not None for x in words]
     known = all(n or _STAR.fullmatch(x) for n, x in zip(numbers, words, strict=True))
     return bool(words) and known and numbers[0]
 
@@ -104,7 +105,7 @@ def _separator(block: bytes, headings: int | None) -> tuple[str, bool]:
     return (",", False) if times else (" ", True)
 
 
-def leads_of(rows: NumberRows) -> int:
+def rows_above_samples(rows: NumberRows) -> int:
     """Return how many first rows hold numbers that seem to be no samples.
 
     Of a single column these are numbers printed unlike the others, whole numbers far
@@ -115,12 +116,16 @@ def leads_of(rows: NumberRows) -> int:
     if columns > 1:
         short = int(np.argmax(rows.counts == columns))
         if short:
-            return min(short, _LEADS)
+            return min(short, _MOST_FIRST)
         return _first_is_apart(rows)
     if rows.counts[0] > 1:
-        return 1 + leads_of(rows.below(1)) if rows.counts.size > 2 else 0
+        return 1 + rows_above_samples(rows.below(1)) if rows.counts.size > 2 else 0
     found = 0
-    while found < _LEADS and rows.values.size > found + 2 and _is_lead(rows, found):
+    while (
+        found < _MOST_FIRST
+        and rows.values.size > found + 2
+        and _is_no_sample(rows, found)
+    ):
         found += 1
     return found
 
@@ -136,13 +141,14 @@ def _first_is_apart(rows: NumberRows) -> int:
     return int(even and abs(steps[0] - usual) > 0.5 * usual)
 
 
-def _is_lead(rows: NumberRows, at: int) -> bool:
+def _is_no_sample(rows: NumberRows, at: int) -> bool:
     value, rest = float(rows.values[at]), rows.values[at + 1 :]
     if not value > 0.0:
         return False
     own = _digits(rows.words[at])
     others = {
-        _digits(x) for x in rows.words[max(at + 1, _LEADS) : 60] or rows.words[at + 1 :]
+        _digits(x)
+        for x in rows.words[max(at + 1, _MOST_FIRST) : 60] or rows.words[at + 1 :]
     }
     if len(others) == 1 and own not in others:
         return True

@@ -11,19 +11,21 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from ...errors import DocumentError, NoAcceleration
+from .printed_numbers import (
+    NUMBER,
+    OF_NUMBERS,
+    Array,
+    finite_number,
+    parsed,
+    shown,
+    words_on_lines,
+)
 from .record import Given, Series
 from .units import WRITTEN_UNITS, time_unit, unit_of
 
-Array = np.ndarray
 Keys = dict[str, tuple[str, int]]
 
 HEAD = 1 << 16  # bytes in which a format shows itself
-NUMBER = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
-_D_AS_E = bytes.maketrans(b"Dd", b"Ee")  # the letter of an exponent in Fortran
-OF_NUMBERS = b" \t\n0123456789+-.eEdD*"
-_NO_LETTER = re.compile(
-    rb"([+-]?\d*\.\d+)([+-]\d{3})"
-)  # an exponent beyond 99 in Fortran
 _UTF_16 = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}
 _DOS_BLOCK = 128  # bytes
 # a format such as (8F10.5) or (1E15.6)
@@ -90,9 +92,8 @@ class RecordText:
             raw = raw.replace(b"\r", b"\n" if b"\n" not in raw[:HEAD] else b"")
         if b"\0" in raw:
             raw = raw.replace(b"\0", b" ")
-        if (
-            b"\x1a" in raw[-_DOS_BLOCK:]
-        ):  # where a text of DOS ends, to the end of its block
+        # where a text of DOS ends, to the end of its block
+        if b"\x1a" in raw[-_DOS_BLOCK:]:
             raw = raw.rstrip(b"\x1a\n ")
         self.raw = raw  # the content, with line ends of Unix
         self.encoding = _encoding(raw)  # its name
@@ -192,7 +193,7 @@ class RecordText:
 
     def number(self, text: str, line: int | None = None) -> float:
         """Return a number of the header. Raises DocumentError."""
-        value = value_of(text.strip().encode("utf-8", "replace"))
+        value = finite_number(text.strip().encode("utf-8", "replace"))
         if value is None:
             raise self.fault(
                 f"found {text.strip()!r} in the header; expected a number", line
@@ -324,7 +325,7 @@ class RecordText:
         values: list[float] = []
         for row in self._rows(count, layout):
             values += [
-                self._value(token, f", after {len(values) + i} of {count} values")
+                self._finite(token, f", after {len(values) + i} of {count} values")
                 for i, token in enumerate(row)
             ]
         return np.array(values)
@@ -342,11 +343,9 @@ class RecordText:
         """The numbers of each line as printed, `count` in all."""
         done = 0
         while done < count:
-            line, wanted, width = (
-                self._take(1),
-                min(layout.columns, count - done),
-                layout.width,
-            )
+            line = self._take(1)
+            wanted = min(layout.columns, count - done)
+            width = layout.width
             if not line:
                 raise self.fault(f"the file ends after {done} of {count} values")
             row = line.split()
@@ -384,37 +383,24 @@ class RecordText:
         block: the rest of the file from the next line on, with blanks between numbers.
         Raises DocumentError at a word that is no number.
         """
-        each = _words_on_lines(block)
+        each = words_on_lines(block)
         filled = np.flatnonzero(each)
         counts, lines = each[filled], self.line + filled
         values = parsed(block)
         if values is None:
             on = np.repeat(lines, counts)
-            found = [value_of(token) for token in block.split()]
+            found = [finite_number(token) for token in block.split()]
             bad = next((i for i, value in enumerate(found) if value is None), None)
             if bad is not None:
                 raise self.fault(f"found {shown(block.split()[bad])}", int(on[bad]))
             values = np.array(found, dtype=float)
         return values, counts, lines
 
-    def _value(self, token: bytes, after: str = "") -> float:
-        value = value_of(token)
+    def _finite(self, token: bytes, after: str = "") -> float:
+        value = finite_number(token)
         if value is None:
             raise self.fault(f"found {shown(token)}{after}")
         return value
-
-
-def value_of(token: bytes) -> float | None:
-    """Return the finite number that a token states, which may have the exponent letter
-    D; None if it states none.
-    """
-    token = (
-        _NO_LETTER.sub(rb"\1E\2", token.translate(_D_AS_E))
-        if len(token) < 40
-        else token
-    )
-    value = float(token) if NUMBER.fullmatch(token) else np.nan
-    return value if np.isfinite(value) else None
 
 
 def as_utf_8(raw: bytes) -> bytes:
@@ -433,39 +419,3 @@ def _encoding(raw: bytes) -> str:
             continue
         return encoding
     return "latin-1"
-
-
-def _words_on_lines(block: bytes) -> Array:
-    """How many words stand on each line of a block."""
-    codes = np.frombuffer(block, dtype=np.uint8)
-    blank = codes <= 32
-    begins = ~blank & np.concatenate([[True], blank[:-1]])
-    line = np.cumsum(codes == 10)
-    return np.bincount(line[begins], minlength=int(line[-1]) + 1 if codes.size else 0)
-
-
-def parsed(block: bytes) -> Array | None:
-    """Return the numbers between the blanks of a block; None if one of its words is not
-    a finite number.
-    """
-    try:
-        values = np.array(list(map(float, block.translate(_D_AS_E).split())))
-    except ValueError:
-        return None
-    return (
-        values if np.all(np.isfinite(values)) and b"_" not in block else None
-    )  # Python takes 1_000 for a number
-
-
-def shown(token: bytes) -> str:
-    """Return a token that is not a number, in quotes and with the reason."""
-    if not token:
-        return "blanks in place of a number"
-    words = token.decode("utf-8", "replace")
-    if set(token) == {42}:
-        reason = "stars in place of a number"
-    elif len(NUMBER.findall(token)) > 1 and not NUMBER.sub(b"", token).strip(b"."):
-        reason = "two numbers run together"
-    else:
-        reason = "which is no finite number"
-    return f"{(words if len(words) <= 40 else words[:37] + '...')!r}, {reason}"

@@ -9,8 +9,9 @@ from datetime import datetime, timedelta
 
 import numpy as np
 
+from .printed_numbers import Array
 from .record import Series
-from .text import Array, Layout, RecordText, begins
+from .text import Layout, RecordText, begins
 from .units import unit_of
 
 NAME = "TIMESERIES"

@@ -17,8 +17,9 @@ from .headings import (
     cells_in,
     units_row,
 )
+from .printed_numbers import finite_number
 from .rows import NumberRows, is_row
-from .text import RecordText, value_of
+from .text import RecordText
 from .units import dimension_of
 
 _COMMENT = re.compile(
@@ -247,5 +248,5 @@ def require_no_row(text: RecordText, title: Title, columns: int) -> None:
 def numbers_in(line: str) -> list[str]:
     """The numbers of a line that holds nothing else, as printed."""
     found = [x for x in re.split(r"[\s;]+", line) if x]
-    whole = all(value_of(x.replace(",", ".").encode()) is not None for x in found)
+    whole = all(finite_number(x.replace(",", ".").encode()) is not None for x in found)
     return found if whole else [x for x in re.split(r"[\s,;]+", line) if x]

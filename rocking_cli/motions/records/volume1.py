@@ -9,9 +9,9 @@ import re
 
 import numpy as np
 
-from .plain import even_step
 from .record import Series
 from .text import FORTRAN, Layout, RecordText, begins, fortran_layout, stated
+from .times import even_step
 
 NAME = "Volume 1"
 _FIRST = re.compile(r"\s*(?:UNCORRECTED ACCELEROGRAM\b|(\* VOL1DS\b))", re.IGNORECASE)

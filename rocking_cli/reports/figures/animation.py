@@ -1,10 +1,10 @@
 """A response in motion: the body and its ground as a GIF in real time."""
 
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from ...structures import build_structure
 from ...structures.kinds import sketch_of
 from ...structures.sketch import Outline, Sketch, turned
 from ..rows import Rows, column
-from .canvas import DRAWN_WITH, Look, styled
+from .canvas import DRAWN_WITH, Axes, Figure, Look, styled
 from .drawing import GROUND, INK, STONE
 from .phase import block_of, scaled
 
@@ -43,88 +43,130 @@ def animate(
     """
     check_target(Path(target), overwrite, FORMATS)
     require(*DRAWN_WITH)
-    from scipy.integrate import cumulative_trapezoid
-
     if not {"t", "ground_acceleration"} <= set(rows[0]):
         raise UsageError(
             "an animation is in real time; found no columns t and ground_acceleration;"
             " expected a response with units"
         )
-    t, suffix = column(rows, "t"), "" if "theta" in rows[0] else "_nonlinear"
     try:
-        theta, ratio, alpha, p = scaled(rows, suffix)
+        response = scaled(rows, "" if "theta" in rows[0] else "_nonlinear")
     except (KeyError, ValueError) as error:
         raise UsageError(
             "an animation needs a response that rocks, with the columns tau and"
             f" theta_ratio: {error}"
         ) from None
+    theta, ratio, alpha, p = response
     body = block_of(float(alpha.max()), p) if body is None else body
     sketch = sketch_of(body, build_structure(body))
-    if t[-1] > _LONGEST and tell is not None:
-        tell(f"{target}: found {t[-1]:.4g} s; the first {_LONGEST:g} s are shown")
-    times = np.arange(0.0, min(float(t[-1]), _LONGEST), 1.0 / _FRAMES)
-    turn, lean = np.interp(times, t, theta), np.interp(times, t, ratio)
+    end = float(column(rows, "t")[-1])
+    if end > _LONGEST and tell is not None:
+        tell(f"{target}: found {end:.4g} s; the first {_LONGEST:g} s are shown")
+    course = _course(rows, theta, ratio)
+    frames = _frames(sketch, course, look or Look())
+    with published(Path(target), overwrite) as file:
+        file.write(_as_gif(frames))
+
+
+class Course(NamedTuple):
+    """A response at the times of the frames."""
+
+    times: np.ndarray  # [s], (n,)
+    theta: np.ndarray  # [rad], (n,)
+    ratio: np.ndarray  # theta/alpha [-], (n,)
+    ground: np.ndarray  # displacement of the ground [m], (n,)
+
+
+def _course(rows: Rows, theta: np.ndarray, ratio: np.ndarray) -> Course:
+    """Return the response at the times of the frames; theta [rad], ratio: theta/alpha,
+    of each row.
+    """
+    from scipy.integrate import cumulative_trapezoid
+
+    t = column(rows, "t")
     integral = partial(cumulative_trapezoid, x=t, initial=0.0)
-    ground = np.interp(
-        times, t, integral(integral(column(rows, "ground_acceleration")))
+    displacement = integral(integral(column(rows, "ground_acceleration")))
+    times = np.arange(0.0, min(float(t[-1]), _LONGEST), 1.0 / _FRAMES)
+    return Course(
+        times, *(np.interp(times, t, x) for x in (theta, ratio, displacement))
     )
-    corners = np.concatenate(
-        [
-            np.array(outline)
-            for outline in (*sketch.bodies, *sketch.still, *sketch.moved)
-        ]
-    )
-    (left, low), (right, high) = corners.min(axis=0), corners.max(axis=0)
-    reach = 0.4 * (high - low)
-    look, frames = look or Look(), []
+
+
+def _frames(sketch: Sketch, course: Course, look: Look) -> list[Any]:
+    """Return an image for each time of the course."""
+    frames = []
     with styled(look) as figure:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.collections import PolyCollection
         from PIL import Image
 
-        axes = figure.add_subplot(aspect="equal", xlabel="$x$ [m]", ylabel="$z$ [m]")
-        axes.set(
-            xlim=(left + ground.min() - reach, right + ground.max() + reach),
-            ylim=(low - 0.1 * reach, high + 0.3 * reach),
-            title=" ",
-        )
-        axes.grid(visible=False)
-        stone, still = (
-            PolyCollection([], facecolors=face, edgecolors=INK, linewidths=0.9)
-            for face in (STONE, GROUND)
-        )
-        axes.add_collection(stone)
-        axes.add_collection(still)
-        (floor,) = axes.plot([], [], color=INK, lw=1.2, marker="|", ms=6.0)
-        ticks = np.linspace(left - reach, right + reach, 12)
-        clock = axes.text(0.02, 0.97, "", transform=axes.transAxes, va="top")
-        figure.set_size_inches(
-            5.6,
-            0.9
-            + 5.0
-            * min(
-                1.5, float(np.diff(axes.get_ylim())[0] / np.diff(axes.get_xlim())[0])
-            ),
-        )
+        stage = _Stage(figure, sketch, course.ground)
         look.finish(figure)
         figure.set_dpi(look.dpi or 100.0)
         canvas: Any = FigureCanvasAgg(figure)
         canvas.draw()
-        figure.set_layout_engine("none")  # what stays needs no new layout in each frame
-        for now, angle, share, x in zip(times, turn, lean, ground, strict=True):
-            stone.set_verts(
-                [
-                    np.add(outline, (x, 0.0))
-                    for outline in shape_at(sketch, float(angle), float(share))
-                ]
-            )
-            still.set_verts([np.add(outline, (x, 0.0)) for outline in sketch.still])
-            floor.set_data(ticks + x, np.full(ticks.size, low))
-            clock.set_text(f"{now:.1f} s")
+        figure.set_layout_engine("none")  # a frame needs no new layout
+        for now in zip(*course, strict=True):
+            stage.show(*map(float, now))
             canvas.draw()
             frames.append(
                 Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy())
             )
+    return frames
+
+
+class _Stage:
+    """The axes of an animation and what moves on them."""
+
+    def __init__(self, figure: Figure, sketch: Sketch, ground: np.ndarray) -> None:
+        """ground: its displacements [m], for which the axes have room."""
+        from matplotlib.collections import PolyCollection
+
+        self.sketch = sketch
+        left, right, self.low, reach, axes = _axes(figure, sketch, ground)
+        self.stone, self.still = (
+            PolyCollection([], facecolors=face, edgecolors=INK, linewidths=0.9)
+            for face in (STONE, GROUND)
+        )
+        axes.add_collection(self.stone)
+        axes.add_collection(self.still)
+        (self.floor,) = axes.plot([], [], color=INK, lw=1.2, marker="|", ms=6.0)
+        self.ticks = np.linspace(left - reach, right + reach, 12)  # of the floor
+        self.clock = axes.text(0.02, 0.97, "", transform=axes.transAxes, va="top")
+        shape = float(np.diff(axes.get_ylim())[0] / np.diff(axes.get_xlim())[0])
+        figure.set_size_inches(5.6, 0.9 + 5.0 * min(1.5, shape))
+
+    def show(self, time: float, theta: float, ratio: float, x: float) -> None:
+        """Show the body at theta = ratio alpha on ground displaced by x [m]."""
+        outlines = shape_at(self.sketch, theta, ratio)
+        self.stone.set_verts([np.add(outline, (x, 0.0)) for outline in outlines])
+        self.still.set_verts(
+            [np.add(outline, (x, 0.0)) for outline in self.sketch.still]
+        )
+        self.floor.set_data(self.ticks + x, np.full(self.ticks.size, self.low))
+        self.clock.set_text(f"{time:.1f} s")
+
+
+def _axes(
+    figure: Figure, sketch: Sketch, ground: np.ndarray
+) -> tuple[float, float, float, float, Axes]:
+    """Return (left, right, bottom of the sketch, margin beside it [m], axes that also
+    hold the displaced ground).
+    """
+    outlines = (*sketch.bodies, *sketch.still, *sketch.moved)
+    corners = np.concatenate([np.array(outline) for outline in outlines])
+    (left, low), (right, high) = corners.min(axis=0), corners.max(axis=0)
+    reach = 0.4 * (high - low)
+    axes = figure.add_subplot(aspect="equal", xlabel="$x$ [m]", ylabel="$z$ [m]")
+    axes.set(
+        xlim=(left + ground.min() - reach, right + ground.max() + reach),
+        ylim=(low - 0.1 * reach, high + 0.3 * reach),
+        title=" ",
+    )
+    axes.grid(visible=False)
+    return left, right, low, reach, axes
+
+
+def _as_gif(frames: Sequence[Any]) -> bytes:
+    """Return the images as one GIF that repeats."""
     drawn = io.BytesIO()
     frames[0].save(
         drawn,
@@ -134,8 +176,7 @@ def animate(
         duration=1000 // _FRAMES,
         loop=0,
     )
-    with published(Path(target), overwrite) as file:
-        file.write(drawn.getvalue())
+    return drawn.getvalue()
 
 
 def shape_at(sketch: Sketch, angle: float, share: float) -> list[Outline]:

@@ -50,10 +50,11 @@ STYLE: dict[Any, Any] = {
 WIDTH, PANEL = 5.6, (4.2, 3.2)  # inches
 _INCH = 0.0254  # m
 MOST_ACROSS, MOST_PANELS = 3, 24
+# equal figures give equal files
 _UNDATED: dict[str, dict[str, Any]] = {
     "svg": {"Date": None},
     "pdf": {"CreationDate": None},
-}  # equal figures give equal files
+}
 _NO_GLYPH = r"Glyph (\d+) "  # the beginning of a warning of matplotlib
 FIGURE_UNITS = parse_units("g,Hz")  # the default
 SYMBOLS = {
@@ -88,7 +89,9 @@ PLAIN = {"m/s2": "m/s²", "cm/s2": "cm/s²"}
 
 @dataclass(frozen=True)
 class Look:
-    """The look of a figure file; None: the figure's own.
+    """The look of a figure file; None leaves a choice to the figure.
+
+    `draw` and the other drawing functions take one.
 
     Attributes
     ----------
@@ -96,6 +99,14 @@ class Look:
     dpi: dots per inch
     title: text above the figure
     style: a style file of matplotlib
+
+    Examples
+    --------
+    >>> _ = draw_structures(
+    ...     read_documents("configs/block.yaml"), "b.svg", look=Look(width=0.08)
+    ... )
+    >>> Look(width=0.08, title="Column").title
+    'Column'
     """
 
     width: float | None = None  # [m]
@@ -104,8 +115,12 @@ class Look:
     style: str | Path | None = None  # a style file of matplotlib
 
     def finish(self, figure: Figure) -> None:
-        """Give the figure its title, that of the only panel or above all,
-        and its size.
+        """Give a figure its title, that of the only panel or above all, and its size.
+
+        Parameters
+        ----------
+        figure
+            a Figure of matplotlib
         """
         if self.title is not None and len(figure.axes) == 1:
             figure.axes[0].title.set_text(literal(self.title))
@@ -190,9 +205,8 @@ def drawn_as(figure: Figure, target: Path, look: Look) -> tuple[bytes, str]:
     """
     look.finish(figure)
     form, drawn = target.suffix[1:].lower(), io.BytesIO()
-    dpi = look.dpi or (
-        600 if form in _UNDATED else figure.dpi
-    )  # that of a map inside an SVG or PDF
+    # that of a map inside an SVG or PDF
+    dpi = look.dpi or (600 if form in _UNDATED else figure.dpi)
     with warnings.catch_warnings(record=True) as raised:
         warnings.filterwarnings("always", message=_NO_GLYPH)
         try:
@@ -257,7 +271,7 @@ def heading(rows: Rows, *keys: str) -> str:
     )
 
 
-def values(rows: Rows, name: str, units: Units) -> np.ndarray:
+def column_in(rows: Rows, name: str, units: Units) -> np.ndarray:
     """Return a column of numbers in these units."""
     return column(rows, name) / units.column(name)[2]
 
@@ -302,9 +316,8 @@ def legend(axes: Axes, handles: Sequence[Any] | None = None) -> None:
         return
     figure: Any = axes.figure
     longest = max(len(str(entry.get_label())) for entry in entries)
-    if (
-        (len(entries) <= 5 and longest <= 28) or figure.get_layout_engine() is None
-    ):  # a figure of the caller, which makes no room outside
+    # a figure of the caller, which makes no room outside
+    if (len(entries) <= 5 and longest <= 28) or figure.get_layout_engine() is None:
         axes.legend(handles=entries)
     else:
         figure.legend(handles=entries, loc="outside right upper")

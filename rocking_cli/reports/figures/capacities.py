@@ -16,8 +16,8 @@ from ..tables import Above
 from .canvas import Axes, Figure, Look, canvas, literal, panels
 
 if TYPE_CHECKING:
-    from ...responses.check import Verdict
     from ...responses.code_check import CodeCheck
+    from ...responses.verdict import Verdict
     from ..rows import Rows
     from ..units import Units
 
@@ -33,14 +33,35 @@ def draw_capacities(
     overwrite: bool = True,
     tell: Callable[[str], None] | None = None,
 ) -> None:
-    """Draw the verdicts of a check into a PNG, SVG or PDF file.
+    """Draw the capacities and demands of a check into a PNG, SVG or PDF file.
 
-    in_g: accelerations in g, else in m/s2; tell: called with characters that the font
-    lacks. Raises OutputError.
+    Parameters
+    ----------
+    verdicts
+        one or more, of `check`
+    target
+        the file to write
+    in_g
+        True: accelerations in g, else in m/s2
+    look
+        size, title and style, None for the figure's own
+    overwrite
+        False: an existing file is an error
+    tell
+        called with the characters that the font lacks
 
-    >>> (arch,) = load_structures('configs/parameters.yaml')
-    >>> verdict = check(arch, sine(), parse_grid('a_g=0.35g,f_g=1.5'))
-    >>> draw_capacities([verdict], 'capacity.svg')
+    Raises
+    ------
+    UsageError
+        for another kind of file, or one that exists
+    OutputError
+        when the file cannot be written or matplotlib is not installed
+
+    Examples
+    --------
+    >>> (arch,) = load_structures("configs/parameters.yaml")
+    >>> verdict = check(arch, sine(), parse_grid("a_g=0.35g,f_g=1.5"))
+    >>> draw_capacities([verdict], "capacity.svg")
     """
     with canvas(target, overwrite, look=look, tell=tell) as figure:
         capacities(figure, verdicts, in_g)
@@ -58,7 +79,8 @@ def checked(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
 
 
 def _verdict(row: dict[str, str]) -> Verdict:
-    from ...responses.check import Verdict
+    """Return the verdict of a row of the CSV of check."""
+    from ...responses.verdict import Verdict
 
     name = row.get("structure") or row["name"]
     theta, demand, uplift, first, safe_to, ratio, searched_to = (
@@ -116,38 +138,9 @@ def capacities(figure: Figure, verdicts: Sequence[Verdict], in_g: bool) -> Axes:
         / unit
     )
     for row, v in enumerate(verdicts):
-        colour = v.outcome.colour if v.outcome != Outcome.NO_UPLIFT else "#E8E8E8"
-        reach = 0.0 if v.first_overturning_a is None else v.first_overturning_a / unit
-        axes.barh(
-            row, reach, height=0.62, color=colour, edgecolor="0.35", linewidth=0.8
-        )
-        if v.uplift_a is not None:
-            axes.plot(
-                [v.uplift_a / unit] * 2,
-                [row - 0.31, row + 0.31],
-                color="k",
-                lw=1.0,
-                ls=":",
-            )
-        axes.plot(
-            [v.demand_a / unit] * 2, [row - 0.45, row + 0.45], color="#D55E00", lw=2.0
-        )
-        ratio, known = "", "; no capacity known"
-        if v.capacity_demand is not None:
-            ratio, known = f"{v.capacity_demand:.2f}  ", ""
-        elif v.outcome == Outcome.SLID:
-            known = ""
-        elif v.capacity_above is not None:
-            ratio, known = f"{Above(v.capacity_above).shown(3)}  ", ""
-        window = (
-            ", in a safe window"
-            if v.outcome.safe
-            and v.capacity_demand is not None
-            and v.capacity_demand < 1.0
-            else ""
-        )
+        _plot_bar(axes, row, v, unit)
         axes.annotate(
-            f"{ratio}{v.sentence}{window}{known}",
+            _verdict_in_words(v),
             (1.0, row),
             xycoords=("axes fraction", "data"),
             xytext=(6, 0),
@@ -187,6 +180,35 @@ def capacities(figure: Figure, verdicts: Sequence[Verdict], in_g: bool) -> Axes:
     return axes
 
 
+def _plot_bar(axes: Axes, row: int, v: Verdict, unit: float) -> None:
+    """Draw the bar of one verdict, and its marks at uplift and demand; unit: of the
+    axis [m/s2].
+    """
+    colour = v.outcome.colour if v.outcome != Outcome.NO_UPLIFT else "#E8E8E8"
+    reach = 0.0 if v.first_overturning_a is None else v.first_overturning_a / unit
+    axes.barh(row, reach, height=0.62, color=colour, edgecolor="0.35", linewidth=0.8)
+    if v.uplift_a is not None:
+        uplift = [v.uplift_a / unit] * 2
+        axes.plot(uplift, [row - 0.31, row + 0.31], color="k", lw=1.0, ls=":")
+    demand = [v.demand_a / unit] * 2
+    axes.plot(demand, [row - 0.45, row + 0.45], color="#D55E00", lw=2.0)
+
+
+def _verdict_in_words(v: Verdict) -> str:
+    """Return the capacity over the demand and the outcome. A body that stands although
+    a weaker motion overturns it is in a safe window.
+    """
+    if v.capacity_demand is not None:
+        window = v.outcome.safe and v.capacity_demand < 1.0
+        words = ", in a safe window" if window else ""
+        return f"{v.capacity_demand:.2f}  {v.sentence}{words}"
+    if v.capacity_above is not None:
+        return f"{Above(v.capacity_above).shown(3)}  {v.sentence}"
+    if v.outcome == Outcome.SLID:
+        return v.sentence
+    return f"{v.sentence}; no capacity known"
+
+
 def draw_capacity_curves(
     checks: Sequence[CodeCheck],
     target: str | Path,
@@ -197,12 +219,31 @@ def draw_capacity_curves(
 ) -> None:
     """Draw each check by a code in a panel of its own, into a PNG, SVG or PDF file.
 
-    tell: called with characters that the font lacks. Raises UsageError for too many
-    panels, and OutputError.
+    Parameters
+    ----------
+    checks
+        one or more, of `code_check`
+    target
+        the file to write
+    look
+        size, title and style, None for the figure's own
+    overwrite
+        False: an existing file is an error
+    tell
+        called with the characters that the font lacks
 
-    >>> (column,) = load_structures('configs/block.yaml')
-    >>> found = code_check(column, sine(), parse_grid('a_g=0.3g,T_g=0.4'))
-    >>> draw_capacity_curves([found], 'curve.svg')
+    Raises
+    ------
+    UsageError
+        for too many panels, another kind of file, or one that exists
+    OutputError
+        when the file cannot be written or matplotlib is not installed
+
+    Examples
+    --------
+    >>> (column,) = load_structures("configs/block.yaml")
+    >>> found = code_check(column, sine(), parse_grid("a_g=0.3g,T_g=0.4"))
+    >>> draw_capacity_curves([found], "curve.svg")
     """
     with canvas(target, overwrite, look=look, tell=tell) as figure:
         for axes, check in zip(panels(figure, len(checks)), checks, strict=True):
@@ -215,10 +256,8 @@ def _curve(axes: Axes, check: CodeCheck) -> None:
     """Draw a capacity curve, d [mm] across and a [g] upwards; a cross marks the demand
     at each limit state.
     """
-    d, a = (
-        _MM * check.curve.displacement,
-        check.curve.multiplier * check.factor / DEFAULT_GRAVITY,
-    )
+    d = _MM * check.curve.displacement
+    a = check.curve.multiplier * check.factor / DEFAULT_GRAVITY
     axes.plot(d, a, color="k", lw=1.8, label="capacity")
     asked = [
         (_MM * at.demand, (2.0 * np.pi / at.period) ** 2 * at.demand / DEFAULT_GRAVITY)

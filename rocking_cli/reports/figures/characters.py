@@ -24,22 +24,12 @@ def text_map(file: SpectraFile, name: str | None, cut: str | None) -> list[str]:
     if any(isinstance(values, list) for _, values in both):
         return _slice_text(of_record(file, place))
     (across, x), (up, y), block = plane(file, place)
-    shown = block["outcome"]
-    items = (
-        f"{places[place]}:",
-        *(f"'{o.sign}' {o.sentence}" for o in Outcome if np.any(shown == o)),
-    )
-    first, *signs = (
-        item[:WIDTH].replace(" ", "\xa0") for item in items
-    )  # no item is broken
-    head = [
-        line.replace("\xa0", " ")
-        for line in textwrap.wrap(f"{first} {'  '.join(signs)}", WIDTH)
-    ]
-    rows = np.linspace(y.size - 1, 0, min(HEIGHT - len(head) - 3, y.size)).astype(int)
-    columns = np.linspace(0, x.size - 1, min(WIDTH - _MARGIN, x.size)).astype(int)
+    outcomes = block["outcome"]
+    head = _signs(str(places[place]), outcomes)
+    rows = _spread(y.size - 1, 0, HEIGHT - len(head) - 3)
+    columns = _spread(0, x.size - 1, WIDTH - _MARGIN)
     lines = [
-        f"{y[r]:>9.3g} |" + "".join(Outcome(int(shown[r, c])).sign for c in columns)
+        f"{y[r]:>9.3g} |" + "".join(Outcome(int(outcomes[r, c])).sign for c in columns)
         for r in rows
     ]
     return [
@@ -48,6 +38,25 @@ def text_map(file: SpectraFile, name: str | None, cut: str | None) -> list[str]:
         " " * 10 + "+" + "-" * columns.size,
         f"{up:>9}   {across} {x[0]:.4g} to {x[-1]:.4g}",
     ]
+
+
+def _signs(name: str, outcomes: np.ndarray) -> list[str]:
+    """Return the name of a map and the meaning of its characters as lines."""
+    items = (
+        f"{name}:",
+        *(f"'{o.sign}' {o.sentence}" for o in Outcome if np.any(outcomes == o)),
+    )
+    # No item is broken.
+    first, *signs = (item[:WIDTH].replace(" ", "\xa0") for item in items)
+    return [
+        line.replace("\xa0", " ")
+        for line in textwrap.wrap(f"{first} {'  '.join(signs)}", WIDTH)
+    ]
+
+
+def _spread(first: int, last: int, room: int) -> np.ndarray:
+    """Return up to `room` indices from `first` to `last`, spread evenly."""
+    return np.linspace(first, last, min(room, abs(last - first) + 1)).astype(int)
 
 
 def place_of(file: SpectraFile, name: str | None) -> int:
@@ -68,7 +77,9 @@ def _slice_text(found: Slice) -> list[str]:
     """Return bars of theta_max/alpha, for as many structures as fit with
     two rows each.
     """
-    where = "" if found.where == "record" else f" at {found.where} = {found.value:.6g}"
+    where = (
+        "" if found.where == "record" else f" at {found.where} = {found.coordinate:.6g}"
+    )
     lines = [
         f"theta_max/alpha{where} over {found.along} {found.x[0]:.4g} to"
         f" {found.x[-1]:.4g}; blank: fell"
@@ -77,9 +88,7 @@ def _slice_text(found: Slice) -> list[str]:
     shown = min(len(found.names), max(1, room // 5))
     tall = max(1, room // shown - 3)
     for name, theta in list(zip(found.names, found.theta, strict=True))[:shown]:
-        picked = theta[
-            np.linspace(0, theta.size - 1, min(WIDTH - _MARGIN, theta.size)).astype(int)
-        ]
+        picked = theta[_spread(0, theta.size - 1, WIDTH - _MARGIN)]
         lines += [
             name.replace(r"$\eta$", "eta").replace(r"\$", "$"),
             *_bars(picked, tall),
@@ -88,6 +97,7 @@ def _slice_text(found: Slice) -> list[str]:
 
 
 def _bars(values: np.ndarray, height: int) -> list[str]:
+    """Return bars of this height in rows of characters; none for NaN."""
     top = float(np.nanmax(np.append(values, 1e-300)))
     filled = [-1 if np.isnan(v) else round(height * v / top) for v in values]
     marks = [

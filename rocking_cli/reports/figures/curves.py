@@ -3,6 +3,7 @@ accuracy.
 """
 
 import re
+from collections.abc import Sequence
 from itertools import cycle
 
 import numpy as np
@@ -16,6 +17,7 @@ from .canvas import (
     SOURCE,
     Axes,
     Figure,
+    column_in,
     heading,
     label,
     legend,
@@ -23,7 +25,6 @@ from .canvas import (
     literal,
     series,
     valued,
-    values,
 )
 
 VARIED = "varied_"  # begins the columns of the varied values of check and envelope
@@ -44,41 +45,25 @@ def response(
         if "t" in rows[0]
         else ("tau", "theta_ratio", "A")
     )
-    pushes = [
+    forces = [
         c
         for c in rows[0]
         if c.startswith(("fx_ratio", "fz_ratio")) and not c.endswith("_after")
     ]
-    ratios = [3, *([1.5] if pushes else []), 1]
+    ratios = [3, *([1.5] if forces else []), 1]
     axes, *between, below = figure.subplots(
         len(ratios), 1, sharex=True, height_ratios=ratios
     )
     files = groups(rows, SOURCE)
     for i, (source, some) in enumerate(files.items()):
-        at = values(some, x, units)
-        if align:
-            ratio = column(
-                some, next(c for c in rows[0] if c.startswith("theta_ratio"))
-            )
-            at -= at[np.argmax(np.minimum(np.abs(ratio), 1.0))]
-        for j, name in enumerate(
-            c for c in rows[0] if re.fullmatch(f"{y}(_linear|_nonlinear)?", c)
-        ):
-            model = name.removeprefix(y).strip("_")
-            text = (
-                ", ".join(
-                    [*map(literal, source), *([f"{model} equation"] if model else [])]
-                )
-                or "response"
-            )
-            style = (
-                line_style(j)
-                if len(files) == 1
-                else {"color": f"C{i}", "ls": DASHES[j]}
-            )
-            axes.plot(at, values(some, name, units), label=text, **style)
-        style = {"color": "0.3" if len(files) == 1 else f"C{i}", "lw": 1.0}
-        below.plot(*with_jumps(at, values(some, ground, units)), **style)
+        colour = None if len(files) == 1 else f"C{i}"
+        times = _times(some, x, units, align)
+        _plot_rotations(axes, some, times, y, units, source, colour)
+        below.plot(
+            *with_jumps(times, column_in(some, ground, units)),
+            color=colour or "0.3",
+            lw=1.0,
+        )
     axes.set(
         ylabel=label(y, units), title=heading(rows, "structure", "motion", "model")
     )
@@ -88,20 +73,59 @@ def response(
         ylabel=label("ground_acceleration" if x == "t" else "A_s", units),
     )
     for one in between:
-        for i, name in enumerate(pushes):
-            style = {
-                "color": "C2" if name[1] == "x" else "C3",
-                "ls": DASHES[i // 2],
-            }  # an equation has its dash of above
-            text = f"$F_{name[1]}/mg$" if i < 2 else "_"
-            one.plot(
-                *with_jumps(values(rows, x, units), values(rows, name, units)),
-                label=text,
-                **style,
-            )
-        one.set_ylabel("$F/mg$ [-]")
-        legend(one)
+        _plot_forces(one, rows, column_in(rows, x, units), forces, units)
     return [axes, *between, below]
+
+
+def _times(rows: Rows, x: str, units: Units, align: bool) -> np.ndarray:
+    """Return the times of a response, with `align` from its largest rotation."""
+    times = column_in(rows, x, units)
+    if align:
+        ratio = column(rows, next(c for c in rows[0] if c.startswith("theta_ratio")))
+        times -= times[np.argmax(np.minimum(np.abs(ratio), 1.0))]
+    return times
+
+
+def _plot_rotations(
+    axes: Axes,
+    rows: Rows,
+    times: np.ndarray,
+    y: str,
+    units: Units,
+    source: Sequence[str],
+    colour: str | None,
+) -> None:
+    """Draw the rotation by each equation. source: the name of the file, where several
+    are drawn; colour: of all its lines, None for one of each equation.
+    """
+    columns = [c for c in rows[0] if re.fullmatch(f"{y}(_linear|_nonlinear)?", c)]
+    for i, name in enumerate(columns):
+        model = name.removeprefix(y).strip("_")
+        words = [*map(literal, source), *([f"{model} equation"] if model else [])]
+        style = line_style(i) if colour is None else {"color": colour, "ls": DASHES[i]}
+        axes.plot(
+            times,
+            column_in(rows, name, units),
+            label=", ".join(words) or "response",
+            **style,
+        )
+
+
+def _plot_forces(
+    axes: Axes, rows: Rows, times: np.ndarray, names: Sequence[str], units: Units
+) -> None:
+    """Draw the forces on the ground; names: their columns, Fx and Fz by each
+    equation.
+    """
+    for i, name in enumerate(names):
+        axes.plot(
+            *with_jumps(times, column_in(rows, name, units)),
+            label=f"$F_{name[1]}/mg$" if i < 2 else "_",
+            color="C2" if name[1] == "x" else "C3",
+            ls=DASHES[i // 2],  # an equation has its dash of above
+        )
+    axes.set_ylabel("$F/mg$ [-]")
+    legend(axes)
 
 
 def with_jumps(t: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -133,8 +157,8 @@ def comparison(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     for one, (x, y) in zip(axes, shown, strict=True):
         for i, (some, style) in enumerate(series(rows, "structure", "model")):
             one.plot(
-                values(some, x, units),
-                values(some, y, units),
+                column_in(some, x, units),
+                column_in(some, y, units),
                 lw=2.4 - 0.5 * min(i, 3),
                 **style,
             )
@@ -177,8 +201,8 @@ def closed_forms(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     axes = figure.add_subplot()
     for some, style in series(rows, "structure", "curve"):
         axes.plot(
-            values(some, "Omega", units),
-            values(some, "A", units),
+            column_in(some, "Omega", units),
+            column_in(some, "A", units),
             **{**style, "label": style["label"].replace("_", " ")},
         )
     axes.set(
@@ -207,32 +231,17 @@ def family(
             " of a varied key"
         )
     xlabel, others = _abscissa(rows, varied, over)
-    keys = [
-        "p",
-        "alpha",
-        "eta",
-        "lambda",
-        *(["a_scale"] if np.any(column(rows, "a_scale") != 1.0) else []),
-    ]
+    keys = ["p", "alpha", "eta", "lambda"]
+    if np.any(column(rows, "a_scale") != 1.0):
+        keys.append("a_scale")
     figure.set_size_inches(10.5 if len(keys) > 4 else 7.2, 5.2)
     panels = list(figure.subplots(2, (len(keys) + 1) // 2, sharex=True).ravel())
-    names = {
-        row["name"].partition(f" {varied[0].partition(' [')[0]}=")[0] for row in rows
-    }
-    figure.suptitle(literal(names.pop()) if len(names) == 1 else "", fontsize="medium")
-    for one, key in zip(panels, keys, strict=False):
-        for i, (group, some) in enumerate(groups(rows, *others).items()):
-            text = (
-                ", ".join(_valued(k, v) for k, v in zip(others, group, strict=True))
-                or "_"
-            )
-            one.plot(
-                *_broken(some, values(some, key, units)), label=text, **line_style(i)
-            )
-        one.set_ylabel(label(key, units))
-    for one in panels[len(keys) // 2 : len(keys)]:
-        one.set_xlabel(xlabel)
-        one.tick_params(labelbottom=True)
+    figure.suptitle(literal(_common_name(rows, varied[0])), fontsize="medium")
+    for axes, key in zip(panels, keys, strict=False):
+        _plot_members(axes, rows, key, others, units)
+    for axes in panels[len(keys) // 2 : len(keys)]:  # the lowest ones with lines
+        axes.set_xlabel(xlabel)
+        axes.tick_params(labelbottom=True)
     for spare in panels[len(keys) :]:
         spare.axis("off")
         if others:
@@ -240,6 +249,27 @@ def family(
     if len(keys) == len(panels):
         legend(panels[0])
     return panels[: len(keys)]
+
+
+def _common_name(rows: Rows, varied: str) -> str:
+    """Return the name of the structure whose members these are, empty for several
+    structures; varied: the heading of the first varied key, with which the name of a
+    member goes on.
+    """
+    key = varied.partition(" [")[0]
+    names = {row["name"].partition(f" {key}=")[0] for row in rows}
+    return names.pop() if len(names) == 1 else ""
+
+
+def _plot_members(
+    axes: Axes, rows: Rows, key: str, others: Sequence[str], units: Units
+) -> None:
+    """Draw one parameter, a line for each combination of the other varied keys."""
+    for i, (group, some) in enumerate(groups(rows, *others).items()):
+        words = [_valued(k, v) for k, v in zip(others, group, strict=True)]
+        points = _broken(some, column_in(some, key, units))
+        axes.plot(*points, label=", ".join(words) or "_", **line_style(i))
+    axes.set_ylabel(label(key, units))
 
 
 def least_amplitudes(
@@ -254,45 +284,33 @@ def least_amplitudes(
     y = next(
         key for key in ("first_overturning_a", "a_from", "A_from") if key in rows[0]
     )
-    varied = [heading for heading in rows[0] if heading.startswith(VARIED)]
+    varied = [key for key in rows[0] if key.startswith(VARIED)]
     xlabel, others = _abscissa(rows, varied, over)
-    frequency = next((key for key in ("omega_g", "Omega") if rows[0].get(key)), "")
-    for row in rows if frequency else ():  # its last digits differ between structures
-        row[frequency] = f"{float(row[frequency]):.9g}"
-    axes, demands = figure.add_subplot(), set[float]()
+    frequency = _with_equal_frequencies(rows)
+    axes = figure.add_subplot()
     places = [
         key
         for key in ("motion", "record", frequency, "model")
         if len(groups(rows, key)) > 1
     ]
+    demands: set[float] = set()  # that have a line
     for i, (group, some) in enumerate(groups(rows, *others, *places).items()):
-        named = zip([*others, *places], group, strict=True)
-        text = ", ".join(
-            (
-                _valued(k, v)
-                if k in others
-                else valued(k, float(v), units)
-                if k == frequency
-                else v
-            )
-            for k, v in named
-        )
-        least = [
-            min(lines, key=lambda row: float(row[y] or "inf"))
-            for lines in groups(some, _X).values()
+        words = [
+            valued(key, float(text), units)
+            if key == frequency
+            else _valued(key, text)
+            if key in others
+            else text
+            for key, text in zip([*others, *places], group, strict=True)
         ]
+        least = [_first(lines, y) for lines in groups(some, _X).values()]
         axes.plot(
-            *_broken(least, values(least, y, units)), label=text or "_", **line_style(i)
+            *_broken(least, column_in(least, y, units)),
+            label=", ".join(words) or "_",
+            **line_style(i),
         )
-        if (
-            "demand_a" in rows[0]
-            and (demand := round(float(values(some, "demand_a", units)[0]), 9))
-            not in demands
-        ):
-            axes.axhline(
-                demand, color="0.4", lw=1.0, ls="--", label="_" if demands else "demand"
-            )
-            demands.add(demand)
+        if "demand_a" in rows[0]:
+            _plot_demand(axes, float(column_in(some, "demand_a", units)[0]), demands)
     axes.set(
         xlabel=xlabel,
         ylabel=label(y, units),
@@ -301,6 +319,30 @@ def least_amplitudes(
     axes.set_ylim(bottom=0.0)
     legend(axes)
     return [axes]
+
+
+def _with_equal_frequencies(rows: Rows) -> str:
+    """Return the column of frequencies, empty without one. Its last digits, which
+    differ between structures, are rounded away in the rows.
+    """
+    name = next((key for key in ("omega_g", "Omega") if rows[0].get(key)), "")
+    for row in rows if name else ():
+        row[name] = f"{float(row[name]):.9g}"
+    return name
+
+
+def _first(rows: Rows, y: str) -> dict[str, str]:
+    """Return the row with the least number in a column; without a number last."""
+    return min(rows, key=lambda row: float(row[y] or "inf"))
+
+
+def _plot_demand(axes: Axes, demand: float, drawn: set[float]) -> None:
+    """Draw a demand across the axes, once; drawn: those that have a line."""
+    demand = round(demand, 9)
+    if demand in drawn:
+        return
+    axes.axhline(demand, color="0.4", lw=1.0, ls="--", label="_" if drawn else "demand")
+    drawn.add(demand)
 
 
 def _abscissa(rows: Rows, varied: list[str], over: str | None) -> tuple[str, list[str]]:
@@ -323,10 +365,8 @@ def _abscissa(rows: Rows, varied: list[str], over: str | None) -> tuple[str, lis
         )
     headings = [names[key] for key in keys]
     x, *divisor = (column(rows, heading) for heading in headings)
-    text, others = (
-        headings[0].removeprefix(VARIED).replace("_", " "),
-        [heading for heading in varied if heading not in headings],
-    )
+    text = headings[0].removeprefix(VARIED).replace("_", " ")
+    others = [heading for heading in varied if heading not in headings]
     if divisor:
         units = [
             (HEADING.fullmatch(heading) or {"unit": ""})["unit"] for heading in headings
@@ -336,11 +376,9 @@ def _abscissa(rows: Rows, varied: list[str], over: str | None) -> tuple[str, lis
                 f"`over`: {keys[0]} is in {units[0]} and {keys[1]} in {units[1]};"
                 " expected one unit for both"
             )
-        x, text, others = (
-            x / divisor[0],
-            f"{' / '.join(keys).replace('_', ' ')} [-]",
-            [headings[1], *others],
-        )
+        x = x / divisor[0]
+        text = f"{' / '.join(keys).replace('_', ' ')} [-]"
+        others = [headings[1], *others]
     for row, value in zip(rows, x.tolist(), strict=True):
         row[_X] = repr(value)
     return text, others
@@ -364,9 +402,8 @@ def _broken(some: Rows, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             ),
             axis=0,
         )
-        gaps |= (steps > 0.02) & (
-            steps > 4.0 * np.nanmedian(steps)
-        )  # rad; below it is the same hinge
+        # rad; below it is the same hinge
+        gaps |= (steps > 0.02) & (steps > 4.0 * np.nanmedian(steps))
     if x.size > 2:
         widths = np.diff(x)
         gaps |= widths > 1.5 * np.median(widths)

@@ -3,7 +3,7 @@ hinges, mass centre, alpha, and cracks.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from textwrap import fill
 from typing import Any
@@ -13,12 +13,12 @@ from ...errors import DocumentError
 from ...structures import RockingParameters, build_structure
 from ...structures.kinds import sketch_of
 from ...structures.parameters import weaker_side
-from ...structures.sketch import Outline, Point, Sketch, rectangle
+from ...structures.sketch import Point, Sketch, rectangle
 from ..units import Units
 from .canvas import MOST_ACROSS, Axes, Look, canvas, literal, panels
 
 _WIDTH = 4.2  # inches, of a panel
-STONE, GROUND, INK = "#D9CBB8", "#EFEFEF", "#333333"
+STONE, GROUND, INK, ACCENT = "#D9CBB8", "#EFEFEF", "#333333", "#D55E00"
 
 
 def draw_structures(
@@ -30,14 +30,36 @@ def draw_structures(
     overwrite: bool = True,
     tell: Callable[[str], None] | None = None,
 ) -> None:
-    """Draw the structure of each document in its own panel of a PNG, SVG or PDF file,
-    all at one scale.
+    """Draw structures to scale, each in its own panel of a PNG, SVG or PDF file.
 
-    A structure without geometry is left out; tell: called with a sentence on it, and on
-    characters that the font lacks. Raises DocumentError if a document is not valid or
-    no structure has a geometry, and OutputError.
+    Parameters
+    ----------
+    documents
+        of the structures; one without geometry is left out
+    target
+        the file to write
+    units
+        of the lengths, None for those of the figure
+    look
+        size, title and style, None for the figure's own
+    overwrite
+        False: an existing file is an error
+    tell
+        called with a sentence on a structure that is left out, and on characters that
+        the font lacks
 
-    >>> draw_structures(read_documents('configs/arch.yaml'), 'arch.svg')
+    Raises
+    ------
+    UsageError
+        for another kind of file, or one that exists
+    DocumentError
+        if a document is not valid or no structure has a geometry
+    OutputError
+        when the file cannot be written or matplotlib is not installed
+
+    Examples
+    --------
+    >>> draw_structures(read_documents("configs/arch.yaml"), "arch.svg")
     """
     found: list[tuple[RockingParameters, Sketch]] = []
     for document in documents:
@@ -69,97 +91,16 @@ def structure_axes(
 ) -> None:
     """Draw one structure."""
     unit, metre = units.of("length")
-
-    def scaled(outline: Outline) -> list[Point]:
-        return [(x / metre, z / metre) for x, z in outline]
-
-    layers: tuple[tuple[Sequence[Outline], dict[str, Any]], ...] = (
-        (
-            sketch.still,
-            {"facecolor": GROUND, "edgecolor": "0.6", "lw": 0.8, "label": "_stays"},
-        ),
-        (
-            sketch.bodies,
-            {"facecolor": STONE, "edgecolor": INK, "lw": 0.9, "label": "_rocks"},
-        ),
-        (
-            sketch.hollows,
-            {
-                "facecolor": "none",
-                "edgecolor": "0.45",
-                "lw": 0.7,
-                "ls": (0, (4, 3)),
-                "label": "_hollow",
-            },
-        ),
-        (
-            sketch.moved,
-            {
-                "facecolor": "none",
-                "edgecolor": "#0072B2",
-                "lw": 0.9,
-                "ls": "--",
-                "label": "_moved",
-            },
-        ),
-    )
-    for outlines, style in layers:
-        for outline in outlines:
-            axes.fill(*zip(*scaled(outline), strict=True), **style)
-    labels = [label for label, _ in sketch.lines]
-    for i, (label, course) in enumerate(sketch.lines):
-        image = label.startswith("its ")  # of a line before
-        axes.plot(
-            *zip(*scaled(course), strict=True),
-            color="#D55E00",
-            lw=0.8 if image else 1.6,
-            ls=":" if image else "-",
-            label=label,
-        )
-        if not image and labels.index(label) == i:
-            axes.annotate(
-                label,
-                scaled(course)[-1],
-                xytext=(-4, 6),
-                textcoords="offset points",
-                ha="right",
-                color="#D55E00",
-                fontsize="small",
-            )
-    for name, point in sketch.pivots:
-        ((x, z),) = scaled((point,))
-        axes.plot(x, z, "o", color="#D55E00", ms=4.5, label=f"_pivot {name}")
-        if name.isdigit():
-            axes.annotate(
-                name,
-                (x, z),
-                xytext=(5, 5),
-                textcoords="offset points",
-                color="#D55E00",
-                fontweight="bold",
-            )
-    base = (
-        min(z for outline in (*sketch.bodies, *sketch.still) for _, z in outline)
-        / metre
-    )
-    axes.axhline(base, color=INK, lw=1.2, zorder=0.5)
+    _fill_outlines(axes, sketch, metre)
+    _plot_lines(axes, sketch, metre)
+    _mark_pivots(axes, sketch, metre)
+    base = min(z for outline in (*sketch.bodies, *sketch.still) for _, z in outline)
+    axes.axhline(base / metre, color=INK, lw=1.2, zorder=0.5)
     if built.one_sided:
-        left = min(x for outline in sketch.bodies for x, _ in outline) / metre
-        top = max(z for outline in sketch.bodies for _, z in outline) / metre
-        wall = rectangle(left - 0.15 * top, left, base, top)
-        axes.fill(
-            *zip(*wall, strict=True),
-            facecolor="none",
-            edgecolor="0.5",
-            hatch="///",
-            lw=0.0,
-            label="_backing",
-        )
-    radius = (
-        ""
-        if sketch.centre is None
-        else f", $R$ = {_mass_centre(axes, built, sketch, metre):.3g} {unit}"
-    )
+        _hatch_backing(axes, sketch, base / metre, metre)
+    radius = ""
+    if sketch.centre is not None:
+        radius = f", $R$ = {_mass_centre(axes, built, sketch, metre):.3g} {unit}"
     axes.set_aspect("equal")
     axes.margins(0.08)
     axes.grid(visible=False)
@@ -167,6 +108,97 @@ def structure_axes(
     axes.set_title(
         f"{fill(literal(built.name), 48)}\n{_numbers(built, units)}{radius}",
         fontsize="small",
+    )
+
+
+# Style of each group of outlines of a sketch, in the order in which they are drawn.
+_STYLES: dict[str, dict[str, Any]] = {
+    "still": {"facecolor": GROUND, "edgecolor": "0.6", "lw": 0.8, "label": "_stays"},
+    "bodies": {"facecolor": STONE, "edgecolor": INK, "lw": 0.9, "label": "_rocks"},
+    "hollows": {
+        "facecolor": "none",
+        "edgecolor": "0.45",
+        "lw": 0.7,
+        "ls": (0, (4, 3)),
+        "label": "_hollow",
+    },
+    "moved": {
+        "facecolor": "none",
+        "edgecolor": "#0072B2",
+        "lw": 0.9,
+        "ls": "--",
+        "label": "_moved",
+    },
+}
+
+
+def _in_unit(points: Iterable[Point], metre: float) -> list[Point]:
+    """Return points in the unit of the axes; metre: that unit in m."""
+    return [(x / metre, z / metre) for x, z in points]
+
+
+def _fill_outlines(axes: Axes, sketch: Sketch, metre: float) -> None:
+    """Draw the parts that stay, the bodies at rest and at alpha, and cavities."""
+    for group, style in _STYLES.items():
+        for outline in getattr(sketch, group):
+            axes.fill(*zip(*_in_unit(outline, metre), strict=True), **style)
+
+
+def _plot_lines(axes: Axes, sketch: Sketch, metre: float) -> None:
+    """Draw other lines, such as cracks; the first of a name has it as a text."""
+    labels = [label for label, _ in sketch.lines]
+    for i, (label, course) in enumerate(sketch.lines):
+        points = _in_unit(course, metre)
+        image = label.startswith("its ")  # of a line before
+        axes.plot(
+            *zip(*points, strict=True),
+            color=ACCENT,
+            lw=0.8 if image else 1.6,
+            ls=":" if image else "-",
+            label=label,
+        )
+        if not image and labels.index(label) == i:
+            axes.annotate(
+                label,
+                points[-1],
+                xytext=(-4, 6),
+                textcoords="offset points",
+                ha="right",
+                color=ACCENT,
+                fontsize="small",
+            )
+
+
+def _mark_pivots(axes: Axes, sketch: Sketch, metre: float) -> None:
+    """Draw the pivots, and the numbers of hinges."""
+    for name, point in sketch.pivots:
+        ((x, z),) = _in_unit((point,), metre)
+        axes.plot(x, z, "o", color=ACCENT, ms=4.5, label=f"_pivot {name}")
+        if name.isdigit():
+            axes.annotate(
+                name,
+                (x, z),
+                xytext=(5, 5),
+                textcoords="offset points",
+                color=ACCENT,
+                fontweight="bold",
+            )
+
+
+def _hatch_backing(axes: Axes, sketch: Sketch, base: float, metre: float) -> None:
+    """Draw the backing of a one-sided body, on its left; base: z in the unit of the
+    axes.
+    """
+    left = min(x for outline in sketch.bodies for x, _ in outline) / metre
+    top = max(z for outline in sketch.bodies for _, z in outline) / metre
+    wall = rectangle(left - 0.15 * top, left, base, top)
+    axes.fill(
+        *zip(*wall, strict=True),
+        facecolor="none",
+        edgecolor="0.5",
+        hatch="///",
+        lw=0.0,
+        label="_backing",
     )
 
 
@@ -184,10 +216,9 @@ def _mass_centre(
     axes.plot(cx, cz, "P", color="k", ms=7, mec="w", mew=0.8, label="_mass centre")
     axes.plot([px, cx], [pz, cz], color=INK, lw=0.9, label="_R")
     axes.plot([px, px], [pz, cz], color=INK, lw=0.9, ls=":", label="_vertical")
-    radius, alpha = (
-        math.hypot(cx - px, cz - pz),
-        math.atan2(cx - px, cz - pz),
-    )  # alpha is signed: negative towards the left
+    # alpha is signed: negative towards the left
+    radius = math.hypot(cx - px, cz - pz)
+    alpha = math.atan2(cx - px, cz - pz)
     arc = [alpha * i / 24 for i in range(25)]
     reach = 0.55 * radius
     axes.plot(
@@ -209,6 +240,7 @@ def _mass_centre(
 
 
 def _numbers(built: RockingParameters, units: Units) -> str:
+    """Return the parameters of a structure in two lines."""
     name, radian = (
         units.of("angle") if "angle" in units.chosen else ("deg", math.pi / 180.0)
     )

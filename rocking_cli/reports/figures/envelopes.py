@@ -14,27 +14,29 @@ from ..units import Units
 from .canvas import (
     Axes,
     Figure,
+    column_in,
     heading,
     label,
     legend,
     literal,
     panels,
     valued,
-    values,
 )
 
 _MODES = {o.mode: o for o in Outcome}
+# each combination of their values has its panel
 _APART = (
     "structure",
     "record",
     "alpha",
     "sign",
     "model",
-)  # each combination of their values has its panel
+)
+# of bars; the intervals of neighbouring sizes and records are unrelated
 _WIDTHS = {
     "T": 2.5,
     "record": 6.0,
-}  # of bars; the intervals of neighbouring sizes and records are unrelated
+}
 Interval = tuple[float, float, float]  # frequency, lower and upper amplitude
 
 
@@ -57,7 +59,7 @@ def bands(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
         x = (
             np.array([float(records.index(row["record"])) for row in some])
             if records
-            else values(some, over, units)
+            else column_in(some, over, units)
         )
         places = sorted(set(x.tolist()))
         _draw(
@@ -112,8 +114,8 @@ def _draw(
     from matplotlib.collections import PolyCollection
     from matplotlib.patches import Patch
 
-    low = values(some, ends[0], units)
-    high = values(some, ends[1], units) if ends[1] in some[0] else low
+    low = column_in(some, ends[0], units)
+    high = column_in(some, ends[1], units) if ends[1] in some[0] else low
     top = 1.1 * float(np.nanmax(np.concatenate([low, high, [0.0]]))) or 1.0
     entries: list[Any] = []
     for mode in dict.fromkeys(row["mode"] for row in some):

@@ -16,12 +16,12 @@ from .canvas import (
     PLAIN,
     Axes,
     Figure,
+    column_in,
     label,
     legend,
     line_style,
     literal,
     panels,
-    values,
 )
 
 MEASURE_LABELS = {
@@ -44,75 +44,62 @@ def fragility_curves(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     im, keys = rows[0]["im"], ("structure", "limit_state", "method")
     dimension = dimension_of(im.lower())
     unit, factor = ("", 1.0) if dimension is None else units.of(dimension)
-    rows = [
-        {
-            **row,
-            "limit_state": (
-                row["limit_state"]
-                if row["limit_state"].startswith(("overturning", "slide"))
-                else f"θ/α > {row['limit_state']}"
-            ),
-        }
-        for row in rows
-    ]
+    rows = [{**row, "limit_state": _limit_in_words(row["limit_state"])} for row in rows]
     varied = [key for key in keys if len(groups(rows, key)) > 1]
     lines = list(groups(rows, *keys).values())
     for i, some in enumerate(lines):
-        x, p, share = (
-            column(some, "x") / factor,
-            column(some, "probability"),
-            column(some, "fraction"),
-        )
-        label = [some[0][key] for key in varied] + [
-            f"{float(some[0][key]):.2g} a year"
-            for key in ("annual_rate",)
-            if key in some[0]
-        ]
-        style: dict[str, Any] = {
-            "color": f"C{i}",
-            "label": literal(", ".join(label)) or None,
-        }
-        if np.all(np.isnan(p)):
-            axes.step(
-                np.append(0.0, x), np.append(0.0, share), where="post", lw=1.0, **style
-            )
-            continue
-        last = float(np.max(x[~np.isnan(share)], initial=0.0)) or float(x[-1])
-        axes.plot(x[x <= last], p[x <= last], **style)
-        axes.plot(x[x >= last], p[x >= last], color=style["color"], ls="--")
-        axes.fill_between(
-            x,
-            column(some, "low"),
-            column(some, "high"),
-            color=style["color"],
-            alpha=0.15,
-            lw=0.0,
-        )
-        axes.plot(
-            x,
-            share,
-            ls="",
-            marker=MARKERS[i % len(MARKERS)],
-            ms=4.0,
-            color=style["color"],
-        )
+        words = [some[0][key] for key in varied]
+        if "annual_rate" in some[0]:
+            words.append(f"{float(some[0]['annual_rate']):.2g} a year")
+        _plot_curve(axes, some, i, factor, literal(", ".join(words)) or None)
     state = "limit state" if "limit_state" in varied else rows[0]["limit_state"]
-    title = literal(
-        ", ".join(
-            rows[0][key] for key in keys if key not in varied and key != "limit_state"
-        )
-    )
+    common = [
+        rows[0][key] for key in keys if key not in varied and key != "limit_state"
+    ]
     axes.set(
         xlabel=MEASURE_LABELS.get(im) or headed(im, PLAIN.get(unit, unit)),
         ylabel=f"P({state} | {im})",
         ylim=(0.0, 1.0),
-        title=title,
+        title=literal(", ".join(common)),
     )
     axes.set_xlim(left=0.0)
     if "hazard" in rows[0]:
         _with_hazard(axes, lines, factor)
     legend(axes)
     return [axes]
+
+
+def _limit_in_words(limit: str) -> str:
+    """Return a limit state as the legend names it."""
+    return limit if limit.startswith(("overturning", "slide")) else f"θ/α > {limit}"
+
+
+def _plot_curve(
+    axes: Axes, rows: Rows, number: int, factor: float, words: str | None
+) -> None:
+    """Draw one curve with its band and fractions, or fractions alone as steps; number:
+    of the line, factor: of the unit of the measure.
+    """
+    x, p = column(rows, "x") / factor, column(rows, "probability")
+    fraction = column(rows, "fraction")
+    colour = f"C{number}"
+    if np.all(np.isnan(p)):
+        axes.step(
+            np.append(0.0, x),
+            np.append(0.0, fraction),
+            where="post",
+            lw=1.0,
+            color=colour,
+            label=words,
+        )
+        return
+    last = float(np.max(x[~np.isnan(fraction)], initial=0.0)) or float(x[-1])
+    axes.plot(x[x <= last], p[x <= last], color=colour, label=words)
+    axes.plot(x[x >= last], p[x >= last], color=colour, ls="--")
+    low, high = column(rows, "low"), column(rows, "high")
+    axes.fill_between(x, low, high, color=colour, alpha=0.15, lw=0.0)
+    marker = MARKERS[number % len(MARKERS)]
+    axes.plot(x, fraction, ls="", marker=marker, ms=4.0, color=colour)
 
 
 def _with_hazard(axes: Axes, lines: Sequence[Rows], factor: float) -> None:
@@ -158,37 +145,17 @@ def two_measures(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     equal probability of overturning, P = Phi(a + b ln PGA + c ln(PGV/PGA)) of the
     largest likelihood.
     """
-    from matplotlib.ticker import LogLocator, NullFormatter
-    from scipy.optimize import minimize
-    from scipy.special import log_ndtr, ndtr, ndtri
-
     found = groups(rows, "structure")
     drawn = panels(figure, len(found))
     for axes, ((name,), some) in zip(drawn, found.items(), strict=True):
         known = [row for row in some if row["outcome"] != Outcome.FAILED.flag]
-        x, y = (values(known, key, units) for key in ("pga", "pgv_pga"))
+        x, y = (column_in(known, key, units) for key in ("pga", "pgv_pga"))
         sign = np.array(
             [1.0 if Outcome[row["outcome"].upper()].falls else -1.0 for row in known]
         )
         for fell, text, mark in ((1.0, "falls", "xC1"), (-1.0, "stands", ".C0")):
             axes.plot(x[sign == fell], y[sign == fell], mark, ls="", ms=4.0, label=text)
-        terms = np.stack([np.ones(x.size), np.log(x), np.log(y)])
-        fit = minimize(
-            lambda q, terms=terms, sign=sign: -log_ndtr(sign * (q @ terms)).sum(),
-            np.zeros(3),
-        )
-        grid = np.meshgrid(
-            np.geomspace(x.min(), x.max(), 80), np.geomspace(y.min(), y.max(), 80)
-        )
-        levels = (
-            [0.1, 0.5, 0.9] if fit.fun > 1e-2 else [0.5]
-        )  # cells that one line parts have no more than that line
-        u = fit.x[0] + fit.x[1] * np.log(grid[0]) + fit.x[2] * np.log(grid[1])
-        axes.clabel(
-            axes.contour(*grid, u, ndtri(levels), colors="0.2"),
-            fmt=lambda u: f"P = {ndtr(u):.2g}",
-            fontsize="x-small",
-        )
+        _plot_probabilities(axes, x, y, sign)
         axes.set(
             xscale="log",
             yscale="log",
@@ -196,12 +163,44 @@ def two_measures(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
             ylabel=label("pgv_pga", units),
             title=literal(name),
         )
-        for axis in (axes.xaxis, axes.yaxis):
-            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-            axis.set_major_formatter("{x:g}")
-            axis.set_minor_formatter(NullFormatter())
+        _set_ticks(axes)
         legend(axes)
     return drawn
+
+
+def _plot_probabilities(
+    axes: Axes, x: np.ndarray, y: np.ndarray, sign: np.ndarray
+) -> None:
+    """Draw lines of equal P = Phi(a + b ln x + c ln y) of the largest likelihood; sign:
+    1 for a cell that falls, -1 for one that stands.
+    """
+    from scipy.optimize import minimize
+    from scipy.special import log_ndtr, ndtr, ndtri
+
+    terms = np.stack([np.ones(x.size), np.log(x), np.log(y)])
+    fit = minimize(lambda q: -log_ndtr(sign * (q @ terms)).sum(), np.zeros(3))
+    grid = np.meshgrid(
+        np.geomspace(x.min(), x.max(), 80), np.geomspace(y.min(), y.max(), 80)
+    )
+
+    # Cells that one line parts have no more than that line.
+    levels = [0.1, 0.5, 0.9] if fit.fun > 1e-2 else [0.5]
+    u = fit.x[0] + fit.x[1] * np.log(grid[0]) + fit.x[2] * np.log(grid[1])
+    axes.clabel(
+        axes.contour(*grid, u, ndtri(levels), colors="0.2"),
+        fmt=lambda u: f"P = {ndtr(u):.2g}",
+        fontsize="x-small",
+    )
+
+
+def _set_ticks(axes: Axes) -> None:
+    """Write the values 1, 2 and 5 of each decade as plain numbers."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter(NullFormatter())
 
 
 def overturning_spectra(figure: Figure, rows: Rows, _: Units) -> list[Axes]:

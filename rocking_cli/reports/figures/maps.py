@@ -14,12 +14,13 @@ from ..units import Units
 from .canvas import DASHES, Axes, label, literal, titled
 from .slices import plane
 
+# place of the name on a curve
 _ALONG = {
     "initiation": 0.7,
     "no_impact": 0.9,
     "after_impact_upper": 0.75,
     "after_impact_lower": 0.5,
-}  # place of the name on a curve
+}
 
 
 def outcome_map(axes: Axes, file: SpectraFile, place: int, units: Units) -> list[Any]:
@@ -60,9 +61,8 @@ def outcome_map(axes: Axes, file: SpectraFile, place: int, units: Units) -> list
     ]
     if "difference" in block:
         entries += _differences(axes, x, y, block["difference"])
-    if (
-        "friction" in block and min(shown.shape) > 1
-    ):  # lines of equal required friction where the body stays upright
+    # lines of equal required friction where the body stays upright
+    if "friction" in block and min(shown.shape) > 1:
         lines = axes.contour(
             x, y, np.ma.masked_invalid(block["friction"]), colors="0.25", linewidths=0.7
         )
@@ -108,6 +108,7 @@ def _differences(
 
 
 def _title(file: SpectraFile, place: int) -> str:
+    """Return the title of the map of one structure or record."""
     model = file.scene["model"]
     if file.frame.of_records:
         return (
@@ -124,53 +125,58 @@ def _closed_form(axes: Axes, file: SpectraFile, place: int, units: Units) -> Non
     """Draw the curves i-iv of Fig. 2 for the linear equation, a plain body and a pulse
     with closed forms.
     """
-    from ...envelopes.closed_form import PULSES, closed_form_curves
-    from ...motions import pulse
-
-    if "vertical" in file.scene:
-        return
-    s, pieces, grid = file.structures[place], file.motion().pieces, file.grid
-    name = next((p for p in PULSES if pulse(p).pieces == pieces), None)
-    if name is None or file.scene["model"] != LINEAR.model or not s.plain:
+    s, grid = file.structures[place], file.grid
+    pulse_name = _pulse_of(file)
+    if pulse_name is None or file.scene["model"] != LINEAR.model or not s.plain:
         return
     low, high = grid.frequency.values[[0, -1]] / (1.0 if grid.dimensionless else s.p)
-
-    curves: dict[str, dict[float, float]] = {}  # A by Omega, by curve
-
-    def add(omegas: np.ndarray) -> None:
-        for point in closed_form_curves(omegas, s.eta, name):
-            curves.setdefault(point.curve, {})[point.omega] = point.amplitude
-
-    omegas = np.linspace(low, high, 80)
-    add(omegas)
-    there = [sum(w in points for points in curves.values()) for w in omegas.tolist()]
-    for i in np.flatnonzero(
-        np.diff(there)
-    ):  # curves end between these two, with an upright tangent
-        spacing = np.linspace(0.0, 1.0, 40) ** 2
-        add(
-            omegas[i]
-            + (omegas[i + 1] - omegas[i])
-            * (spacing if there[i + 1] > there[i] else 1.0 - spacing)
-        )
+    curves = _curves(float(low), float(high), s.eta, pulse_name)
     for (curve, points), dash in zip(curves.items(), DASHES, strict=False):
         omega = np.array(sorted(points))
         amplitude = np.array([points[w] for w in omega])
         if not grid.dimensionless:
             omega, amplitude = omega * s.p, s.ground_acceleration(amplitude)
-        x, y = (
-            omega / units.column(grid.frequency.name)[2],
-            amplitude / units.column(grid.amplitude.name)[2],
-        )
-        axes.plot(
-            x,
-            y,
-            color="k",
-            ls=dash,
-            lw=1.2,
-            label=f"closed form: {curve.replace('_', ' ')}",
-        )
-        _named(axes, curve.replace("_", " "), x, y, _ALONG.get(curve, 0.5))
+        x = omega / units.column(grid.frequency.name)[2]
+        y = amplitude / units.column(grid.amplitude.name)[2]
+        words = curve.replace("_", " ")
+        axes.plot(x, y, color="k", ls=dash, lw=1.2, label=f"closed form: {words}")
+        _named(axes, words, x, y, _ALONG.get(curve, 0.5))
+
+
+def _pulse_of(file: SpectraFile) -> str | None:
+    """Return the name of the pulse of a file, None if it has no closed forms."""
+    from ...envelopes.closed_form import PULSES
+    from ...motions import pulse
+
+    if "vertical" in file.scene:
+        return None
+    pieces = file.motion().pieces
+    return next((name for name in PULSES if pulse(name).pieces == pieces), None)
+
+
+def _curves(
+    low: float, high: float, eta: float, pulse_name: str
+) -> dict[str, dict[float, float]]:
+    """Return A by Omega for each curve, between two frequencies Omega."""
+    from ...envelopes.closed_form import closed_form_curves
+
+    curves: dict[str, dict[float, float]] = {}
+
+    def add(omegas: np.ndarray) -> None:
+        for point in closed_form_curves(omegas, eta, pulse_name):
+            curves.setdefault(point.curve, {})[point.omega] = point.amplitude
+
+    omegas = np.linspace(low, high, 80)
+    add(omegas)
+
+    # A curve ends with an upright tangent where the number of curves changes: there the
+    # points are closer, most of all at the side with fewer curves.
+    count = [sum(w in points for points in curves.values()) for w in omegas.tolist()]
+    for i in np.flatnonzero(np.diff(count)):
+        spacing = np.linspace(0.0, 1.0, 40) ** 2
+        along = spacing if count[i + 1] > count[i] else 1.0 - spacing
+        add(omegas[i] + (omegas[i + 1] - omegas[i]) * along)
+    return curves
 
 
 def _named(axes: Axes, text: str, x: np.ndarray, y: np.ndarray, along: float) -> None:

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from ...documents.document import Document, parse_documents
+from ...documents.document import Document
+from ...documents.parsing import parse_documents
 from ...documents.quantities import DEFAULT_GRAVITY
 from ...dynamics.method import LINEAR, Method
 from ...responses.separatrix import separatrix
@@ -24,60 +25,35 @@ def phase(
     body: None for the block with the p and alpha of the response. Raises ValueError if
     the rows do not tell them.
     """
-    axes, reach, found = figure.add_subplot(), 1.0, list[tuple[str, Document | None]]()
-    for i, suffix in enumerate(
-        s for s in ("", "_linear", "_nonlinear") if f"theta_ratio{s}" in rows[0]
-    ):
-        block = None
-        if "t" in rows[0]:
-            ratio, alpha, p = scaled(rows, suffix)[1:]
-            block = (
-                block_of(float(alpha[0]), p)
-                if np.ptp(alpha) <= 1e-6 * alpha[0]
-                else None
-            )
-            rate = column(rows, f"theta_dot{suffix}") / (p * alpha)
-        else:
-            ratio, rate = (
-                column(rows, f"theta_ratio{suffix}"),
-                column(rows, f"theta_ratio_rate{suffix}"),
-            )
-        axes.plot(
-            ratio,
-            rate,
-            lw=1.0,
-            **line_style(i),
-            label=f"{suffix[1:]} equation" if suffix else "response",
-        )
-        axes.plot(ratio[-1:], rate[-1:], "o", color=f"C{i}", ms=4.0)
-        reach = max(reach, 1.05 * float(np.nanmax(np.abs(ratio))))
-        found.append((suffix[1:] or rows[0].get("model") or LINEAR.model, block))
-    if not found:
+    suffixes = [
+        suffix
+        for suffix in ("", "_linear", "_nonlinear")
+        if f"theta_ratio{suffix}" in rows[0]
+    ]
+    if not suffixes:
         raise ValueError(
             "found no column theta_ratio; expected the CSV of rocking response"
         )
-    for i, (model, block) in enumerate(found):
-        of = "" if len(found) == 1 else f", {model}"
-        if body is None and model != LINEAR.model:
-            of += " of a block"
-        if (document := body or block) is None and (
-            model != LINEAR.model or "t" in rows[0]
-        ):
+    axes, reach = figure.add_subplot(), 1.0
+    bodies: list[tuple[str, Document | None]] = []  # equation and body of each
+    for i, suffix in enumerate(suffixes):
+        ratio, rate, block = _trajectory(rows, suffix)
+        label_of_line = f"{suffix[1:]} equation" if suffix else "response"
+        axes.plot(ratio, rate, lw=1.0, **line_style(i), label=label_of_line)
+        axes.plot(ratio[-1:], rate[-1:], "o", color=f"C{i}", ms=4.0)
+        reach = max(reach, 1.05 * float(np.nanmax(np.abs(ratio))))
+        model = suffix[1:] or rows[0].get("model") or LINEAR.model
+        if body is None and block is None and (model != LINEAR.model or "t" in rows[0]):
             raise ValueError(
                 "found a body whose sides differ, or no alpha; expected `body`, the"
                 " document of its structure"
             )
-        structure = (
-            dimensionless_oscillator(1.0)
-            if document is None
-            else build_structure(document)
-        )
-        for j, (x, y) in enumerate(separatrix(structure, Method(model), 1.05 * reach)):
-            for sign in (1.0,) if structure.damping else (1.0, -1.0):
-                text = "_" if j or sign < 0.0 else f"separatrix{of}"
-                axes.plot(
-                    x, sign * y, color="0.4", lw=0.9, ls=("--", ":")[i], label=text
-                )
+        bodies.append((model, body or block))
+    for (model, document), dash in zip(bodies, ("--", ":", "-."), strict=False):
+        words = "separatrix" if len(bodies) == 1 else f"separatrix, {model}"
+        if body is None and model != LINEAR.model:
+            words += " of a block"
+        _plot_separatrix(axes, document, Method(model), 1.05 * reach, dash, words)
     axes.set(
         xlim=(-reach, reach),
         xlabel=label("theta_ratio", units),
@@ -86,6 +62,42 @@ def phase(
     axes.set_title(heading(rows, "structure", "motion", "model"))
     legend(axes)
     return [axes]
+
+
+def _trajectory(
+    rows: Rows, suffix: str
+) -> tuple[np.ndarray, np.ndarray, Document | None]:
+    """Return (theta/alpha, theta_dot/(p alpha), the block with this p and alpha). The
+    block is None for rows without units, and for sides that differ.
+    """
+    if "t" not in rows[0]:
+        ratio = column(rows, f"theta_ratio{suffix}")
+        return ratio, column(rows, f"theta_ratio_rate{suffix}"), None
+    _, ratio, alpha, p = scaled(rows, suffix)
+    equal = np.ptp(alpha) <= 1e-6 * alpha[0]
+    block = block_of(float(alpha[0]), p) if equal else None
+    return ratio, column(rows, f"theta_dot{suffix}") / (p * alpha), block
+
+
+def _plot_separatrix(
+    axes: Axes,
+    document: Document | None,
+    method: Method,
+    reach: float,
+    dash: str,
+    words: str,
+) -> None:
+    """Draw the separatrix up to theta/alpha = reach; document: None for the
+    dimensionless body of the linear equation.
+    """
+    structure = (
+        dimensionless_oscillator(1.0) if document is None else build_structure(document)
+    )
+    for i, (x, y) in enumerate(separatrix(structure, method, reach)):
+        # With damping the branches have no mirror image.
+        for sign in (1.0,) if structure.damping else (1.0, -1.0):
+            text = "_" if i or sign < 0.0 else words
+            axes.plot(x, sign * y, color="0.4", lw=0.9, ls=dash, label=text)
 
 
 def scaled(

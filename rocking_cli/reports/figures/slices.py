@@ -39,7 +39,7 @@ class Slice:
     """A line of cells at one place of the other axis."""
 
     where: str  # name of the other axis
-    value: float  # place on the other axis [SI]
+    coordinate: float  # on the other axis [SI]
     along: str  # name of the axis of the line
     x: np.ndarray  # values of the axis of the line [SI], (n,)
     names: tuple[str, ...]  # of the structures or records
@@ -57,55 +57,62 @@ def slice_of(file: SpectraFile, cut: str) -> Slice:
     file, or f_g, T_g or p. Raises UsageError.
     """
     rows, columns = list(file.frame.dimensions.items())[1:]
-    axes = {
-        name: np.asarray(values)
-        for name, values in (rows, columns)
-        if not isinstance(values, list)
-    }
-    try:
-        ((name, axis),) = parse_axes(cut, records=file.frame.of_records).items()
-        (value,), values = axis.values, axes[name]
-        if (
-            not values[0] * (1.0 - 1e-5) <= value <= values[-1] * (1.0 + 1e-5)
-        ):  # the rounding of a printed end
-            raise ValueError
-    except (KeyError, ValueError, UsageError):
-        wanted = " or ".join(_accepted(name, values) for name, values in axes.items())
-        raise UsageError(f"`slice`: found {cut!r}; expected {wanted}") from None
-    at = int(np.abs(values - value).argmin())
-    first, places = next(iter(file.frame.dimensions.items()))
-    along, x = columns if name == rows[0] else rows
+    where, at = _nearest(file, cut)
+    along, x = columns if where == rows[0] else rows
     if isinstance(x, list):
         raise UsageError(
             f"`slice`: found {cut!r}; expected an axis in a file whose other axis has"
             " numbers"
         )
-    cells = (
-        (slice(at, at + 1), slice(None))
-        if name == rows[0]
-        else (slice(None), slice(at, at + 1))
-    )
-    blocks = [file.block(i, *cells) for i in range(len(places))]
-    names = (
-        [titled(s.name, s.eta) for s in file.structures]
-        if first == "structure"
-        else [literal(str(r)) for r in places]
-    )
-    title = f"{literal(file.scene['motion'][0])}, " if first == "structure" else ""
+    line = slice(at, at + 1)
+    cells = (line, slice(None)) if where == rows[0] else (slice(None), line)
+    names = _names(file)
+    blocks = [file.block(i, *cells) for i in range(len(names))]
+    motion = "" if file.frame.of_records else f"{literal(file.scene['motion'][0])}, "
     return Slice(
-        name,
-        float(values[at]),
+        where,
+        float(np.asarray(file.frame.dimensions[where])[at]),
         along,
         np.asarray(x),
-        tuple(names),
-        tuple(b["theta_ratio"].ravel() for b in blocks),
-        tuple(b["outcome"].ravel() for b in blocks),
-        f"{title}{file.scene['model']} equation",
+        names,
+        tuple(block["theta_ratio"].ravel() for block in blocks),
+        tuple(block["outcome"].ravel() for block in blocks),
+        f"{motion}{file.scene['model']} equation",
         _etas(file) if along == "A" else (),
     )
 
 
+def _nearest(file: SpectraFile, cut: str) -> tuple[str, int]:
+    """Return (name of the axis, index of the value nearest to the cut). Raises
+    UsageError for a value outside of the axis.
+    """
+    axes = {
+        name: np.asarray(values)
+        for name, values in list(file.frame.dimensions.items())[1:]
+        if not isinstance(values, list)
+    }
+    try:
+        ((name, axis),) = parse_axes(cut, records=file.frame.of_records).items()
+        (asked,), values = axis.values, axes[name]
+        # the rounding of a printed end
+        if not values[0] * (1.0 - 1e-5) <= asked <= values[-1] * (1.0 + 1e-5):
+            raise ValueError
+    except (KeyError, ValueError, UsageError):
+        wanted = " or ".join(_accepted(name, values) for name, values in axes.items())
+        raise UsageError(f"`slice`: found {cut!r}; expected {wanted}") from None
+    return name, int(np.abs(values - asked).argmin())
+
+
+def _names(file: SpectraFile) -> tuple[str, ...]:
+    """Return the name of each structure or record."""
+    first, places = next(iter(file.frame.dimensions.items()))
+    if first == "structure":
+        return tuple(titled(s.name, s.eta) for s in file.structures)
+    return tuple(literal(str(record)) for record in places)
+
+
 def _etas(file: SpectraFile) -> tuple[float, ...]:
+    """Return the restitutions if Eq. 2.7 holds for the file, else nothing."""
     from ...motions import sine
 
     known = (
@@ -121,6 +128,7 @@ def _etas(file: SpectraFile) -> tuple[float, ...]:
 
 
 def _accepted(name: str, values: np.ndarray) -> str:
+    """Return the values that a cut along an axis may have, in words."""
     text = f"{name}={values[0]:.6g} to {values[-1]:.6g}"
     if name == "omega_g":
         low, high = values[[0, -1]] / (2.0 * math.pi)
@@ -183,7 +191,7 @@ def spectrum_lines(axes: Axes, found: Slice, units: Units) -> None:
 
             peaks = [
                 (
-                    peak_after_impact(a, found.value, found.etas[i])
+                    peak_after_impact(a, found.coordinate, found.etas[i])
                     if a >= 1.0
                     else math.nan
                 )
@@ -209,7 +217,7 @@ def spectrum_lines(axes: Axes, found: Slice, units: Units) -> None:
     where = (
         ""
         if found.where == "record"
-        else f", {valued(found.where, found.value, units)}"
+        else f", {valued(found.where, found.coordinate, units)}"
     )
     lost = any(np.any(o == Outcome.LOST_CONTACT) for o in found.outcome)
     bars_are = f"overturned{' or lost contact' if lost else ''}"
@@ -241,9 +249,8 @@ def record_quantiles(file: SpectraFile) -> np.ndarray:
     """
     theta = file.array("theta_ratio")
     theta[falls(file.array("outcome"))] = np.inf
-    ordered = np.sort(
-        theta, axis=0
-    )  # NaN (failed or not computed) is sorted to the end
+    # NaN (failed or not computed) is sorted to the end
+    ordered = np.sort(theta, axis=0)
     known = (~np.isnan(theta)).sum(axis=0)
     rank = [
         np.clip(np.ceil(share * known).astype(int) - 1, 0, None) for share in SHARES
@@ -271,13 +278,11 @@ def record_spectra(figure: Figure, file: SpectraFile, units: Units) -> list[Axes
             **line_style(i),
         )
         if count > 1:  # an infinite upper quantile is drawn at the top
-            low, high = (
-                finite[0, i],
-                np.where(
-                    np.isinf(found[2, i]),
-                    max(1.0, float(np.nanmax(finite, initial=0.0))),
-                    finite[2, i],
-                ),
+            low = finite[0, i]
+            high = np.where(
+                np.isinf(found[2, i]),
+                max(1.0, float(np.nanmax(finite, initial=0.0))),
+                finite[2, i],
             )
             first.fill_between(
                 period, low, high, color=line_style(i)["color"], alpha=0.15, lw=0.0

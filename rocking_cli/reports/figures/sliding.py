@@ -2,7 +2,7 @@
 
 from ..rows import Rows
 from ..units import Units
-from .canvas import Axes, Figure, heading, label, values
+from .canvas import Axes, Figure, column_in, heading, label
 from .curves import with_jumps
 
 
@@ -11,12 +11,14 @@ def slide_history(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     acceleration.
     """
     above, middle, below = figure.subplots(3, 1, sharex=True, height_ratios=[3, 1.5, 1])
-    t = values(rows, "t", units)
-    above.plot(t, values(rows, "slide", units))
+    t = column_in(rows, "t", units)
+    above.plot(t, column_in(rows, "slide", units))
     above.set(ylabel=label("slide", units), title=heading(rows, "structure", "motion"))
-    middle.plot(t, values(rows, "slide_velocity", units), color="C1", lw=1.2)
+    middle.plot(t, column_in(rows, "slide_velocity", units), color="C1", lw=1.2)
     middle.set_ylabel(label("slide_velocity", units))
-    below.plot(*with_jumps(t, values(rows, "ground_acceleration", units)), color="0.3")
+    below.plot(
+        *with_jumps(t, column_in(rows, "ground_acceleration", units)), color="0.3"
+    )
     below.set(xlabel=label("t", units), ylabel=label("ground_acceleration", units))
     for one in (above, middle):
         one.axhline(0.0, color="0.7", lw=0.8)

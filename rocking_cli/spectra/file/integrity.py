@@ -94,10 +94,8 @@ def checked_digest(file: BinaryIO) -> str | None:
         return None
     try:
         stated = json.loads(read(file, begins, size - _LAST_LENGTH - begins))
-        found, now = (
-            stated["digest"],
-            _digest_of(file, stated["size"], stated["metadata"]),
-        )
+        found = stated["digest"]
+        now = _digest_of(file, stated["size"], stated["metadata"])
     except (ValueError, LookupError, TypeError, OSError):
         raise ValueError("its digest is damaged") from None
     if (
@@ -115,11 +113,13 @@ class Log:
     """
 
     def __init__(self, file: BinaryIO) -> None:
-        self.file, size = file, file.seek(0, os.SEEK_END)
+        self.file = file
+        size = file.seek(0, os.SEEK_END)
         head = read(file, 0, 48)
-        self.end = (
-            int.from_bytes(head[40:48], "little") if head[:8] == SIGNATURE else 0
-        )  # as HDF5 states it
+        # as HDF5 states it
+        self.end = 0
+        if head[:8] == SIGNATURE:
+            self.end = int.from_bytes(head[40:48], "little")
         if not 48 <= self.end <= size:
             raise ValueError(
                 "it is not finished, and is no partial file of this program"

@@ -116,66 +116,69 @@ class FileLayout:
     attributes: Mapping[str, Any]
 
     @property
-    def cut(self) -> ChunkGrid:
+    def chunk_grid(self) -> ChunkGrid:
         """The grid of chunks into which the cells are cut."""
         return ChunkGrid(self.frame.shape, (1, *self.chunk))
 
     def image(self) -> bytes:
         """Return the bytes of the file without a chunk."""
-        buffer, frame, cut = io.BytesIO(), self.frame, self.cut
+        buffer = io.BytesIO()
         with h5py.File(buffer, "w", track_order=True) as file:
-            root = {
-                "Conventions": "CF-1.11",
-                "title": "Rocking spectra",
-                "source": f"rocking {__version__}",
-            }
-            for key, value in {
-                **root,
-                "scene": json.dumps(self.scene),
-                **self.attributes,
-            }.items():
-                # HDF5 cannot store bytes that are not UTF-8
-                file.attrs[key] = (
-                    value.encode("utf-8", "backslashreplace").decode()
-                    if isinstance(value, str)
-                    else value
-                )
-            for name, (dimension, values) in frame.lists.items():
-                about = frame.about(name)
-                _add_list(
-                    file,
-                    name,
-                    dimension,
-                    values,
-                    about.dtype,
-                    {"units": about.units, "long_name": about.long_name},
-                )
-            labels = {"coordinates": " ".join(frame.labels)} if frame.labels else {}
+            self._add_attributes(file)
+            for name, (dimension, values) in self.frame.lists.items():
+                about = self.frame.about(name)
+                words = {"units": about.units, "long_name": about.long_name}
+                _add_list(file, name, dimension, values, about.dtype, words)
             for name in self.names:
-                kind = VARIABLES[name]
-                data = file.create_dataset(
-                    name,
-                    cut.shape,
-                    kind.dtype,
-                    chunks=cut.chunk,
-                    shuffle=kind.dtype.itemsize > 1,
-                    compression="gzip",
-                    compression_opts=GZIP_LEVEL,
-                    fillvalue=kind.fill,
-                )
-                for key, value in {**kind.attributes, **labels}.items():
-                    data.attrs[key] = (
-                        np.array([value], dtype=data.dtype)
-                        if key == "_FillValue"
-                        else value
-                    )
-                for i, dimension in enumerate(frame.dimensions):
-                    data.dims[i].attach_scale(file[dimension])
-            tables = file.create_group(BOOKKEEPING, track_order=True)
-            for name, kind in CHUNK_TABLES.items():
-                values = np.arange(cut.size) if name == "chunk" else np.zeros(cut.size)
-                _add_list(tables, name, "chunk", values, kind.dtype, kind.attributes)
+                self._add_variable(file, name)
+            self._add_tables(file)
         return buffer.getvalue()
+
+    def _add_attributes(self, file: h5py.File) -> None:
+        """Add the attributes of the root."""
+        attributes = {
+            "Conventions": "CF-1.11",
+            "title": "Rocking spectra",
+            "source": f"rocking {__version__}",
+            "scene": json.dumps(self.scene),
+            **self.attributes,
+        }
+        for key, value in attributes.items():
+            # HDF5 cannot store bytes that are not UTF-8
+            file.attrs[key] = (
+                value.encode("utf-8", "backslashreplace").decode()
+                if isinstance(value, str)
+                else value
+            )
+
+    def _add_variable(self, file: h5py.File, name: str) -> None:
+        """Add a variable of the cells, without chunks."""
+        kind, frame, grid = VARIABLES[name], self.frame, self.chunk_grid
+        data = file.create_dataset(
+            name,
+            grid.shape,
+            kind.dtype,
+            chunks=grid.chunk,
+            shuffle=kind.dtype.itemsize > 1,
+            compression="gzip",
+            compression_opts=GZIP_LEVEL,
+            fillvalue=kind.fill,
+        )
+        labels = {"coordinates": " ".join(frame.labels)} if frame.labels else {}
+        for key, value in {**kind.attributes, **labels}.items():
+            data.attrs[key] = (
+                np.array([value], dtype=data.dtype) if key == "_FillValue" else value
+            )
+        for i, dimension in enumerate(frame.dimensions):
+            data.dims[i].attach_scale(file[dimension])
+
+    def _add_tables(self, file: h5py.File) -> None:
+        """Add the group of the variables of each chunk."""
+        size = self.chunk_grid.size
+        tables = file.create_group(BOOKKEEPING, track_order=True)
+        for name, kind in CHUNK_TABLES.items():
+            values = np.arange(size) if name == "chunk" else np.zeros(size)
+            _add_list(tables, name, "chunk", values, kind.dtype, kind.attributes)
 
 
 def _add_list(

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -13,12 +14,13 @@ from ..dimensions import VARIABLES
 from ..work.machine import together, unlike
 from .layout import FileLayout, Packed, unpack
 from .reader import SpectraFile
-from .writer import SpectraWriter, difference
+from .same_scene import first_difference
+from .writer import SpectraWriter
 
 
 @dataclass(frozen=True)
 class Merged:
-    """The result of a merge.
+    """What `merge` did.
 
     Attributes
     ----------
@@ -26,6 +28,11 @@ class Merged:
     all_chunks: number of chunks of the sweep
     machine_differences: between the machines that computed them
     missing: shards ("2/8") that are missing or not complete
+
+    Examples
+    --------
+    >>> Merged(chunks=4, all_chunks=4, machine_differences="").missing
+    ()
     """
 
     chunks: int  # number of merged chunks
@@ -41,81 +48,122 @@ def merge(
     overwrite: bool = False,
     strict: bool = False,
 ) -> Merged:
-    """Write one spectrum from these shards; strict: refuse shards of machines that
-    compute differently. Raises UsageError when they are not of one scene, OutputError
-    when one is damaged, two hold different data for the same cells, or the output
-    cannot be written.
+    """Write one spectra file from the shards of a sweep.
 
-    >>> grid = parse_grid('A=1:8:50,Omega=1:8:40')
+    Parameters
+    ----------
+    paths
+        files of `write_spectrum(..., shard=(i, n))`, finished or partial
+    output
+        the file to write
+    overwrite
+        True: replace an existing output
+    strict
+        True: refuse shards of machines that compute differently in the last digits
+
+    Returns
+    -------
+    Merged
+        with the shards that are missing
+
+    Raises
+    ------
+    UsageError
+        when the shards are not of one scene, or the output exists
+    OutputError
+        when one is damaged, two hold different data for the same cells, or the output
+        cannot be written
+
+    Examples
+    --------
+    >>> grid = parse_grid("A=1:8:50,Omega=1:8:40")
     >>> for i in (1, 2):
     ...     _ = write_spectrum(
-    ...         [dimensionless_oscillator(0.9)], sine(), grid, f'{i}.h5',
+    ...         [dimensionless_oscillator(0.9)], sine(), grid, f"{i}.h5",
     ...         workers=1, chunk_cells=500, shard=(i, 2),
     ...     )
-    >>> merge(['1.h5', '2.h5'], 'whole.h5').all_chunks
+    >>> merge(["1.h5", "2.h5"], "whole.h5").all_chunks
     4
     """
     with ExitStack() as stack:
         files = [stack.enter_context(SpectraFile(path)) for path in paths]
-        first = files[0]
-        for other in files[1:]:
-            if (found := difference(first.scene, other.scene)) is not None:
-                place, here, there = found
-                raise UsageError(
-                    f"{other.path}: belongs to another scene than {first.path}: its"
-                    f" {place} differs: {there}, there {here}"
-                )
-        machines = together([f.machines for f in files])
+        _require_one_scene(files)
+        machines = together([file.machines for file in files])
         if strict and unlike(machines):
             raise UsageError(
                 f"{output}: its shards come from machines that compute differently"
                 f" ({unlike(machines)})"
             )
-        kept = {
-            key: first.attributes[key]
-            for key in ("history", "documents", "motion", "model", "tolerance")
-            if key in first.attributes
-        }
-        layout = FileLayout(
-            first.frame, first.cut.chunk[1:], first.names, first.scene, kept
-        )
         writer = stack.enter_context(
-            SpectraWriter(Path(output), layout, overwrite=overwrite, machines=machines)
+            SpectraWriter(
+                Path(output), _layout(files[0]), overwrite=overwrite, machines=machines
+            )
         )
         try:
-            outcomes = np.zeros(len(Outcome), dtype=np.int64)
-            for index in range(writer.cut.size):
-                holders = [f for f in files if f.done[index]]
-                if holders:
-                    holder, packed = _agreed(holders, index)
-                    outcomes += holder.outcomes(index)
-                    writer.write(first.cut.offset(index), packed)
+            outcomes = _copied(files, writer)
         except BaseException:
             writer.discard()  # it can be written again from the shards
             raise
-        outcomes[Outcome.NOT_COMPUTED] = np.prod(first.cut.shape) - outcomes.sum()
-        run_time, checked, error = (
-            [f.attributes.get(key, 0) for f in files]
-            for key in ("run_time", "checked_cells", "estimated_error")
-        )
-        totals = {
-            "run_time": sum(run_time),
-            "checked_cells": sum(checked),
-            "estimated_error": max(error),
-        }
-        writer.finish(
-            {
-                "cells": int(outcomes.sum()),
-                **totals,
-                **{f"cells_{o.flag}": int(outcomes[o]) for o in Outcome},
-            }
-        )
+        writer.finish(_totals(files, outcomes))
         return Merged(
             int(writer.done.sum()),
-            writer.cut.size,
+            writer.chunk_grid.size,
             writer.machine_differences,
             _missing_shards(files),
         )
+
+
+def _require_one_scene(files: Sequence[SpectraFile]) -> None:
+    """Raise UsageError if a file holds another scene than the first one."""
+    first = files[0]
+    for other in files[1:]:
+        differs = first_difference(first.scene, other.scene)
+        if differs is not None:
+            place, here, there = differs
+            raise UsageError(
+                f"{other.path}: belongs to another scene than {first.path}: its"
+                f" {place} differs: {there}, there {here}"
+            )
+
+
+def _layout(first: SpectraFile) -> FileLayout:
+    """Return the layout of the whole file; it is of no shard."""
+    kept = {
+        key: first.attributes[key]
+        for key in ("history", "documents", "motion", "model", "tolerance")
+        if key in first.attributes
+    }
+    chunk = first.chunk_grid.chunk[1:]
+    return FileLayout(first.frame, chunk, first.names, first.scene, kept)
+
+
+def _copied(files: Sequence[SpectraFile], writer: SpectraWriter) -> np.ndarray:
+    """Copy each chunk that a shard holds; return the number of cells by outcome."""
+    grid = files[0].chunk_grid
+    outcomes = np.zeros(len(Outcome), dtype=np.int64)
+    for index in range(writer.chunk_grid.size):
+        holders = [file for file in files if file.done[index]]
+        if holders:
+            holder, packed = _agreed(holders, index)
+            outcomes += holder.outcomes(index)
+            writer.write(grid.offset(index), packed)
+    outcomes[Outcome.NOT_COMPUTED] = np.prod(grid.shape) - outcomes.sum()
+    return outcomes
+
+
+def _totals(files: Sequence[SpectraFile], outcomes: np.ndarray) -> dict[str, Any]:
+    """Return the closing attributes of the whole file from those of the shards."""
+    run_time, checked, error = (
+        [file.attributes.get(key, 0) for file in files]
+        for key in ("run_time", "checked_cells", "estimated_error")
+    )
+    return {
+        "cells": int(outcomes.sum()),
+        "run_time": sum(run_time),
+        "checked_cells": sum(checked),
+        "estimated_error": max(error),
+        **{f"cells_{o.flag}": int(outcomes[o]) for o in Outcome},
+    }
 
 
 def _missing_shards(files: Sequence[SpectraFile]) -> tuple[str, ...]:
@@ -129,7 +177,7 @@ def _missing_shards(files: Sequence[SpectraFile]) -> tuple[str, ...]:
         part.isdecimal() and of.isdecimal() for part, of in shards
     ):
         return ()
-    count, chunks = int(shards[0][1]), files[0].cut.size
+    count, chunks = int(shards[0][1]), files[0].chunk_grid.size
     there = dict.fromkeys(range(1, min(count, chunks) + 1), 0)
     for file, (part, _) in zip(files, shards, strict=True):
         there[int(part)] = max(there.get(int(part), 0), int(file.done.sum()))
@@ -150,7 +198,7 @@ def _agreed(holders: Sequence[SpectraFile], index: int) -> tuple[SpectraFile, Pa
     for other in intact[1:]:
         theirs = other.packed(index)
         for name in first.names:
-            kind = (VARIABLES[name].dtype, first.cut.chunk)
+            kind = (VARIABLES[name].dtype, first.chunk_grid.chunk)
             if (
                 packed[name] != theirs[name]
                 and unpack(packed[name], *kind).tobytes()

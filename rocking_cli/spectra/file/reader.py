@@ -44,19 +44,31 @@ _FAULTS = (
 
 
 class SpectraFile(ExitStack[None]):
-    """A spectra file, finished or partial, open for reading; a context manager. Every
-    byte is checked by the digest or a checksum. Raises UsageError if the file cannot be
-    opened, and OutputError if it is no spectra file or has changed.
+    """A spectra file, finished or partial, open for reading; a context manager.
+
+    `array` returns a whole variable, `block` a part of it, `cells` rows; `grid` and
+    `motion` are those of a spectrum of a pulse. Every byte is checked by the digest or
+    a checksum. Raises UsageError if the file cannot be opened, and OutputError if it is
+    no spectra file or has changed.
 
     Attributes
     ----------
     frame: places of its cells
     structures: parameters as stored
     names: of the variables
-    cut: the grid of chunks
+    chunk_grid: the grid of chunks
     done: True for each chunk that is there
     attributes: of the root
     digest: of a finished file, None for a partial file
+
+    Examples
+    --------
+    >>> grid = parse_grid("A=1:3:3,Omega=2:4:2")
+    >>> structures = [dimensionless_oscillator(0.9)]
+    >>> _ = write_spectrum(structures, sine(), grid, "s.h5", workers=1)
+    >>> with SpectraFile("s.h5") as file:
+    ...     print(file.complete, file.array("outcome").shape)
+    True (1, 2, 3)
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -93,28 +105,30 @@ class SpectraFile(ExitStack[None]):
             raise OutputError(f"{self.path}: is not an HDF5 file, or is damaged")
         self.digest = checked_digest(raw)  # of a finished file, None for a partial one
         self._log = Log(raw) if self.digest is None else None
-        file = self.file = self.enter_context(
-            h5py.File(raw if self._log is None else io.BytesIO(self._log.image), "r")
-        )
-        tables = file.get(
-            BOOKKEEPING, file
-        )  # of an earlier version they stand at the root
+        image = raw if self._log is None else io.BytesIO(self._log.image)
+        file = self.file = self.enter_context(h5py.File(image, "r"))
+        # of an earlier version the tables stand at the root
+        tables = file.get(BOOKKEEPING, file)
         names = [
             name for name in file if name not in CHUNK_TABLES and name != BOOKKEEPING
         ]
         for group, some in ((file, names), (tables, CHUNK_TABLES)):
             for name in some:
                 _require_own(group, name)
-        dimensions = {
-            axis[0].name[1:]: _values(axis[0]) for axis in file["outcome"].dims
-        }
-        others = [
-            name for name in names if name not in VARIABLES and name not in dimensions
-        ]
-        lists = {
-            name: (file[name].dims[0][0].name[1:], _values(file[name]))
-            for name in others
-        }
+
+        self._read_scene(file, names)
+        self.done = tables["chunk_done"][...] == 1
+        self._sums = tables["chunk_checksum"][...]
+        if self._log is not None:
+            machines = self._log.notes.get("computed_on", [])
+            self.attributes["computed_on"] = json.dumps(machines)
+            chunks = np.arange(self.chunk_grid.size)
+            self.done = np.isin(chunks, list(self._log.places))
+
+    def _read_scene(self, file: h5py.File, names: Sequence[str]) -> None:
+        """Read the attributes, the structures, the places of the cells and the names of
+        the variables. Raises ValueError where they do not fit each other.
+        """
         # of the root
         self.attributes = {
             key: x.tolist() if isinstance(x, np.generic | np.ndarray) else x
@@ -126,26 +140,23 @@ class SpectraFile(ExitStack[None]):
         self.structures = tuple(
             RockingParameters.from_row(row) for row in self.scene.get("structures", ())
         )
-        # places of the cells, names of the variables, grid of the chunks
+
+        outcome = file["outcome"]
+        dimensions = {axis[0].name[1:]: _values(axis[0]) for axis in outcome.dims}
+        lists = {
+            name: (file[name].dims[0][0].name[1:], _values(file[name]))
+            for name in names
+            if name not in VARIABLES and name not in dimensions
+        }
+        # places of the cells
         self.frame = Frame(dimensions, lists, varied_units(self.structures))
         self.names = tuple(name for name in VARIABLES if name in names)
-        self.cut = ChunkGrid(self.frame.shape, file["outcome"].chunks)
+        self.chunk_grid = ChunkGrid(self.frame.shape, outcome.chunks)
         for name in self.names:
-            if (file[name].dtype, file[name].shape, file[name].chunks) != (
-                VARIABLES[name].dtype,
-                self.cut.shape,
-                self.cut.chunk,
-            ):
+            found = file[name].dtype, file[name].shape, file[name].chunks
+            grid = self.chunk_grid
+            if found != (VARIABLES[name].dtype, grid.shape, grid.chunk):
                 raise ValueError(f"its {name} does not fit its axes")
-        self.done, self._sums = (
-            tables["chunk_done"][...] == 1,
-            tables["chunk_checksum"][...],
-        )
-        if self._log is not None:
-            self.attributes["computed_on"] = json.dumps(
-                self._log.notes.get("computed_on", [])
-            )
-            self.done = np.isin(np.arange(self.cut.size), list(self._log.places))
 
     @property
     def complete(self) -> bool:
@@ -196,7 +207,17 @@ class SpectraFile(ExitStack[None]):
         return [int(i) for i in np.flatnonzero(self.done) if not self.intact(int(i))]
 
     def intact(self, index: int) -> bool:
-        """True if a chunk is undamaged."""
+        """True if a chunk is undamaged.
+
+        Parameters
+        ----------
+        index
+            index of the chunk
+
+        Returns
+        -------
+        bool
+        """
         try:
             self.packed(index)
         except OutputError:
@@ -204,22 +225,52 @@ class SpectraFile(ExitStack[None]):
         return True
 
     def outcomes(self, index: int) -> np.ndarray:
-        """Return the number of cells of a chunk for each
-        outcome. Raises OutputError.
+        """Return the number of cells of a chunk for each outcome.
+
+        Parameters
+        ----------
+        index
+            index of the chunk
+
+        Returns
+        -------
+        array
+            counts, (outcomes,)
+
+        Raises
+        ------
+        OutputError
+            for a damaged chunk
         """
         return np.bincount(
             self._arrays(index)["outcome"].ravel(), minlength=len(Outcome)
         )
 
     def packed(self, index: int) -> Packed:
-        """Return the bytes of a chunk as they are stored, compressed. Raises
-        OutputError if they are damaged.
+        """Return the bytes of a chunk as they are stored, compressed.
+
+        Parameters
+        ----------
+        index
+            index of the chunk
+
+        Returns
+        -------
+        Packed
+            bytes by variable
+
+        Raises
+        ------
+        OutputError
+            if they are damaged
         """
         try:
             if self._log is not None:
                 return split(self._log.content(index), self.names)
             stored = {
-                name: self.file[name].id.read_direct_chunk(self.cut.offset(index))
+                name: self.file[name].id.read_direct_chunk(
+                    self.chunk_grid.offset(index)
+                )
                 for name in self.names
             }
             packed = {name: raw for name, (_, raw) in stored.items()}
@@ -237,17 +288,33 @@ class SpectraFile(ExitStack[None]):
         """Return the variables of a chunk, without the zeros beyond the grid's edge.
         Raises OutputError if the chunk is damaged.
         """
-        cells = tuple(slice(0, s.stop - s.start) for s in self.cut.extent(index))
+        cells = tuple(slice(0, s.stop - s.start) for s in self.chunk_grid.extent(index))
         return {
-            name: unpack(raw, VARIABLES[name].dtype, self.cut.chunk)[cells]
+            name: unpack(raw, VARIABLES[name].dtype, self.chunk_grid.chunk)[cells]
             for name, raw in self.packed(index).items()
         }
 
     def block(
         self, place: int, rows: slice, columns: slice = slice(None)
     ) -> dict[str, np.ndarray]:
-        """Return the variables at one place of the first dimension, over these rows and
-        columns. Raises OutputError for a damaged chunk.
+        """Return the variables over a part of the cells.
+
+        Parameters
+        ----------
+        place
+            index along the first dimension
+        rows, columns
+            slices of the second and third dimension
+
+        Returns
+        -------
+        dict of arrays
+            by variable, (rows, columns)
+
+        Raises
+        ------
+        OutputError
+            for a damaged chunk
         """
         wanted = [
             slice(*s.indices(n)[:2])
@@ -260,9 +327,9 @@ class SpectraFile(ExitStack[None]):
             name: np.full(shape, VARIABLES[name].fill, VARIABLES[name].dtype)
             for name in self.names
         }
-        for index in self.cut.within(wanted):
+        for index in self.chunk_grid.within(wanted):
             if self.done[index]:
-                chunk = self.cut.extent(index)
+                chunk = self.chunk_grid.extent(index)
                 common = [
                     slice(max(a.start, b.start), min(a.stop, b.stop))
                     for a, b in zip(wanted, chunk, strict=True)
@@ -272,8 +339,24 @@ class SpectraFile(ExitStack[None]):
         return {name: values[0] for name, values in found.items()}
 
     def array(self, name: str) -> np.ndarray:
-        """Return one variable over all three dimensions, NaN or 0 in cells that are not
-        computed. Raises OutputError, UsageError.
+        """Return one variable over all cells.
+
+        Parameters
+        ----------
+        name
+            one of `names`, such as "theta_ratio"
+
+        Returns
+        -------
+        array
+            over all three dimensions; NaN or 0 in cells that are not computed
+
+        Raises
+        ------
+        UsageError
+            for a variable that the file does not hold
+        OutputError
+            for a damaged chunk
         """
         if name not in self.names:
             raise UsageError(
@@ -292,23 +375,21 @@ class SpectraFile(ExitStack[None]):
             (name, values if isinstance(values, list) else values.tolist())
             for name, values in self.frame.dimensions.items()
         )
-        height, names = (
-            self.cut.chunk[1],
-            ["outcome", *(name for name in self.names if name != "outcome")],
-        )
+        height = self.chunk_grid.chunk[1]
+        others = (name for name in self.names if name != "outcome")
+        names = ["outcome", *others]
         for i, place in enumerate(places):
             for begin in range(0, len(frequencies), height):
                 block = self.block(i, slice(begin, begin + height))
-                for r, c in np.argwhere(
-                    block["outcome"] != Outcome.NOT_COMPUTED
-                ).tolist():
-                    row = {
+                computed = block["outcome"] != Outcome.NOT_COMPUTED
+                for r, c in np.argwhere(computed).tolist():
+                    yield {
                         first: place,
                         second: frequencies[begin + r],
                         third: columns[c],
-                    }
-                    yield row | {
-                        name: _cell_value(name, block[name][r, c]) for name in names
+                        **{
+                            name: _cell_value(name, block[name][r, c]) for name in names
+                        },
                     }
 
 

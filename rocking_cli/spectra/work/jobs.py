@@ -17,11 +17,10 @@ import numpy as np
 from ...dynamics.method import LINEAR
 from ...dynamics.outcome import Difference, Outcome, Work, difference
 from ...dynamics.response import (
-    FEW,
-    LONG,
     Response,
     cells_that_lose_contact,
     chains,
+    few,
     response,
     response_under_records,
     response_with_speed,
@@ -72,13 +71,17 @@ class Job:
 
     @property
     def one_by_one(self) -> bool:
-        """True if each cell is marched alone, which is faster for few cells of each
-        system under long records.
+        """True if each cell is marched alone, on floats: under a long record this takes
+        less time for all cells of a place than a run on arrays for each system.
         """
         scene = self.scene
+        if scene.method.exact:
+            return False
         _, rows, columns = scene.shape
-        few = rows * columns <= FEW * len(scene.structures)
-        return few and scene.segments > LONG and not scene.method.exact
+        runs = {scene.runs_with(s): s for s in scene.structures}
+        return rows * columns <= sum(
+            few(scene.method.system_of(s), scene.segments) for s in runs.values()
+        )
 
     @property
     def together(self) -> int:

@@ -158,6 +158,7 @@ def build(document: Document, name: str) -> RockingParameters:
 
 
 def _built(kind: Any, document: Document, name: str) -> RockingParameters:
+    """Return the parameters of a document of this kind."""
     built: RockingParameters = (
         kind.body(document).parameters(document, name)
         if hasattr(kind, "body")

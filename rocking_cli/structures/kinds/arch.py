@@ -33,11 +33,12 @@ MOST_VOUSSOIRS = 200
 DIRECTION = (
     "sways towards +x, away from springing A; the mirror image has the same parameters"
 )
+# distance outwards to the centre line, over the thickness
 MEASURED = {
     "centre-line": 0.0,
     "intrados": 0.5,
     "extrados": -0.5,
-}  # distance outwards to the centre line, over the thickness
+}
 PAIRS = (("radius", "angle"), ("span", "rise"))
 _HINGES = (
     "four angles from springing A, rising, or four of {angle, face} with faces intrados"
@@ -59,13 +60,14 @@ def build(document: Document, name: str) -> RockingParameters:
     eta, source = restitution_of(
         document, found.eta, "an arch whose mechanism does not throw it backwards"
     )
+    # from the centre of the ring
     hinges = [
         {
             "angle": s,
             "face": face,
             "x": float(x),
             "z": float(z),
-        }  # from the centre of the ring
+        }
         for s, face, (x, z) in zip(
             mechanism.hinges, FACES, mechanism.points, strict=True
         )
@@ -153,10 +155,8 @@ def ring_of(document: Document) -> Ring:
         )
     if pairs == [PAIRS[1]]:
         span, rise = document.length("span"), document.length("rise")
-        radius, angle = (
-            0.5 * (0.25 * span * span / rise + rise),
-            4.0 * math.atan2(2.0 * rise, span),
-        )
+        radius = 0.5 * (0.25 * span * span / rise + rise)
+        angle = 4.0 * math.atan2(2.0 * rise, span)
     else:
         radius = document.length("radius")
         angle = document.quantity(
@@ -301,6 +301,7 @@ def sketch(document: Document, built: RockingParameters) -> Sketch:
 
 
 def _sector(ring: Ring, start: float, stop: float) -> Outline:
+    """Return the outline of a part of the ring between two angles [rad]."""
     along = np.linspace(start, stop, max(2, math.ceil((stop - start) / 0.03)) + 1)
     faces = (ring.point(along, INTRADOS), ring.point(along[::-1], EXTRADOS))
     return tuple(

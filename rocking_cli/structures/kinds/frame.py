@@ -36,23 +36,19 @@ def _frame(
     pivots [m]; drawn: the number of drawn columns.
     """
     edge, height = radius * math.sin(alpha), 2.0 * radius * math.cos(alpha)
-    drawing, again = (
-        _drawing(edge, height, inset, drawn),
-        partial(_frame, drawn, gamma, radius, alpha),
-    )
-    whole = 4.0 / 3.0  # I/(m R^2) of a column
+    drawing = _drawing(edge, height, inset, drawn)
+    inset_by = partial(_frame, drawn, gamma, radius, alpha)
+    column = 4.0 / 3.0  # I/(m R^2) of a column about its edge
     if inset:
-        reach = math.hypot(edge - inset, 0.5 * height)
-        radius, alpha, whole = (
-            reach,
-            math.atan2(edge - inset, 0.5 * height),
-            1.0 + (radius / reach) ** 2 / 3.0,
-        )
+        arm = math.hypot(edge - inset, 0.5 * height)
+        column = 1.0 + (radius / arm) ** 2 / 3.0
+        radius, alpha = arm, math.atan2(edge - inset, 0.5 * height)
     # The mass of the beam moves on the diagonal 2 R: it adds 2 gamma to M R and 4 gamma
     # to I/(M R^2).
-    inertia, share = (whole + 4.0 * gamma) / (1.0 + 2.0 * gamma), 4.0 / whole * gamma
-    eta = (1.0 - 2.0 / whole * math.sin(alpha) ** 2 + share * math.cos(2.0 * alpha)) / (
-        1.0 + share
+    inertia = (column + 4.0 * gamma) / (1.0 + 2.0 * gamma)
+    beam = 4.0 / column * gamma  # I of the beam over that of the columns
+    eta = (1.0 - 2.0 / column * math.sin(alpha) ** 2 + beam * math.cos(2.0 * alpha)) / (
+        1.0 + beam
     )
     return equal_edges(
         radius,
@@ -64,7 +60,7 @@ def _frame(
         foot="a frame, whose columns share the weight of the beam",
         details={"cap_ratio": gamma},
         drawing=drawing,
-        again=again,
+        inset_by=inset_by,
         crown=height,
         share=(1.0 + 2.0 * gamma) / (1.0 + gamma),
     )
@@ -81,9 +77,8 @@ def _drawing(half: float, height: float, inset: float, count: int) -> Sketch:
         turned(column, (x + foot, 0.0), alpha)
         for column, x in zip(columns, axes, strict=True)
     ]
-    (corner,) = turned(
-        [(axes[0] - foot, height)], (axes[0] + foot, 0.0), alpha
-    )  # the beam rests on it
+    # the beam rests on it
+    (corner,) = turned([(axes[0] - foot, height)], (axes[0] + foot, 0.0), alpha)
     lifted = tuple(
         (x + corner[0] - axes[0] + foot, z + corner[1] - height) for x, z in beam
     )

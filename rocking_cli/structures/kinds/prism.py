@@ -42,20 +42,14 @@ def body(document: Document) -> RigidBody:
     DocumentError.
     """
     corners = _corners(document)
-    tolerance = 1e-9 * max(math.dist(a, b) for a in corners for b in corners)
     lowest = min(z for _, z in corners)
-    feet = [x for x, z in corners if z - lowest <= tolerance]
-    left, right = min(feet), max(feet)
-    if right - left <= tolerance:
-        raise document.fault(
-            "corners",
-            "a section that rests on one point",
-            "a base of two lowest corners or more",
-        )
+    tolerance = 1e-9 * max(math.dist(a, b) for a in corners for b in corners)
+    left, right = _base(document, corners, lowest, tolerance)
     middle, half = 0.5 * (left + right), 0.5 * (right - left)
+
+    # The mechanics take the middle of the base as origin, the drawing the axes of the
+    # document.
     placed = [(x - middle, z - lowest) for x, z in corners]
-    highest = max(z for _, z in placed)
-    top = min(corner for corner in placed if highest - corner[1] <= tolerance)
     moments, section = polygon_moments(placed), polygon_moments(corners)
     if not (abs(moments.x / moments.mass) < half and moments.z > 0.0):
         raise document.fault(
@@ -68,10 +62,11 @@ def body(document: Document) -> RigidBody:
         (section.x / section.mass, section.z / section.mass),
     )
     foot, details = strip_foot(document, right - left, moments.mass)
+    highest = max(z for _, z in placed)
     return body_on_edges(
         moments,
         half,
-        top=top,
+        top=min(corner for corner in placed if highest - corner[1] <= tolerance),
         limit="a section more slender than this one",
         drawing=drawing,
         foot=foot,
@@ -79,7 +74,27 @@ def body(document: Document) -> RigidBody:
     )
 
 
+def _base(
+    document: Document, corners: Sequence[Corner], lowest: float, tolerance: float
+) -> tuple[float, float]:
+    """Return the ends in x [m] of the base, on the level `lowest`. Raises DocumentError
+    if the section rests on one point.
+    """
+    feet = [x for x, z in corners if z - lowest <= tolerance]
+    left, right = min(feet), max(feet)
+    if right - left <= tolerance:
+        raise document.fault(
+            "corners",
+            "a section that rests on one point",
+            "a base of two lowest corners or more",
+        )
+    return left, right
+
+
 def _corners(document: Document) -> list[Corner]:
+    """Return the corners counterclockwise. Raises DocumentError for a section that is
+    not a polygon with an area.
+    """
     wanted = "a list of three or more corners [x, z], lengths in m or with a unit"
     if not document.has("corners"):
         raise document.missing("corners", wanted)

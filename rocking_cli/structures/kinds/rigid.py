@@ -24,11 +24,9 @@ def body(document: Document) -> RigidBody:
     The drawing shows the base, and the circle of the radius of gyration in place of an
     outline.
     """
-    left, right, height = (
-        document.length("left"),
-        document.length("right"),
-        document.length("height"),
-    )
+    left = document.length("left")
+    right = document.length("right")
+    height = document.length("height")
     half, x, gyration = 0.5 * (left + right), 0.5 * (left - right), _gyration(document)
     reach = math.hypot(min(left, right), height)
     if max(left, right) > _WIDEST * reach:

@@ -19,7 +19,7 @@ from ..mechanics.moments import Moments, spin_about
 from ..mechanics.single_body import RigidBody, symmetric_body
 from ..mechanics.toe import Foot, Ring, density_of
 from ..shared_keys import mass_of
-from ..sketch import rocker
+from ..sketch import Point, Sketch, rocker
 
 REPORTS = ("tip_height", "crack_height")
 SIZES = ("base_radius", "height")
@@ -49,32 +49,36 @@ class Cone(NamedTuple):
         in theta, with z = middle - half cos(theta), which removes the square roots at
         the ends of an interval.
         """
-        nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-        theta = 0.5 * math.pi * (nodes + 1.0)
         total = Moments(0.0, 0.0, 0.0, 0.0)
         for start, stop in self._intervals(edge, slope):
-            half = 0.5 * (stop - start)
-            z = 0.5 * (start + stop) - half * np.cos(theta)
-            weight = 0.5 * math.pi * weights * half * np.sin(theta)
-            radius = self.radius * (1.0 - z / self.height)
-            with np.errstate(over="ignore"):  # the slope of a nearly flat crack
-                angle = np.arccos(np.clip((edge - z / slope) / radius, -1.0, 1.0))
-            area, x, xx = self._slice(radius, angle)
-            if both:
-                beyond = self._slice(radius, math.pi - angle)
-                area, x, xx = (
-                    np.where(angle > 0.5 * math.pi, a - b, 0.0)
-                    for a, b in zip((area, x, xx), beyond, strict=True)
-                )
+            z, weight = _gauss_points(start, stop)
+            area, x, xx = self._slices(z, edge - z / slope, both)
+            integrands = (area, x, area * z, xx + area * z * z)
             total = total.plus(
-                Moments(
-                    *(
-                        float((weight * f).sum())
-                        for f in (area, x, area * z, xx + area * z * z)
-                    )
-                )
+                Moments(*(float((weight * f).sum()) for f in integrands))
             )
         return total
+
+    def _slices(
+        self, z: np.ndarray, chord: np.ndarray, both: bool
+    ) -> tuple[np.ndarray, ...]:
+        """Return (int dA, int x dA, int x^2 dA) of the slices at the heights z beyond
+        their chord at this x [m]; both: only what also lies above the mirror image.
+        """
+        radius = self.radius * (1.0 - z / self.height)
+        with np.errstate(over="ignore"):  # the slope of a nearly flat crack
+            angle = np.arccos(np.clip(chord / radius, -1.0, 1.0))
+        above = self._slice(radius, angle)
+        if not both:
+            return above
+
+        # Above both planes lies chord <= x <= -chord: what is beyond the chord without
+        # what is beyond its mirror image; nothing for a positive chord.
+        beyond = self._slice(radius, math.pi - angle)
+        return tuple(
+            np.where(angle > 0.5 * math.pi, a - b, 0.0)
+            for a, b in zip(above, beyond, strict=True)
+        )
 
     def _slice(
         self, radius: np.ndarray, angle: np.ndarray
@@ -109,6 +113,17 @@ class Cone(NamedTuple):
         return [(a, b) for a, b in itertools.pairwise(marks) if b > a]
 
 
+def _gauss_points(start: float, stop: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the points z in an interval, and their weights, of the rule in theta that
+    `Cone.above` describes.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    theta = 0.5 * math.pi * (nodes + 1.0)
+    half = 0.5 * (stop - start)
+    z = 0.5 * (start + stop) - half * np.cos(theta)
+    return z, 0.5 * math.pi * weights * half * np.sin(theta)
+
+
 class Spire(NamedTuple):
     """The geometry of a spire."""
 
@@ -132,6 +147,7 @@ class Spire(NamedTuple):
         )
 
     def _part(self, cone: Cone, both: bool) -> Moments:
+        """Return the moments of the part of a cone above the crack."""
         if self.crack_height == 0.0:
             return cone.whole()
         windward = self.base_radius * (1.0 - self.crack_height / self.height)
@@ -144,10 +160,8 @@ class Spire(NamedTuple):
         after an impact.
         """
         body = self.rocking()
-        before, after = (
-            spin_about(self.base_radius, 0.0, -1.0),
-            spin_about(-self.base_radius, 0.0, -1.0),
-        )
+        before = spin_about(self.base_radius, 0.0, -1.0)
+        after = spin_about(-self.base_radius, 0.0, -1.0)
         shared: float = before.product(after, self.rocking(both=True))
         return shared / float(after.product(after, body._replace(x=-body.x)))
 
@@ -158,54 +172,52 @@ def body(document: Document) -> RigidBody:
     crack: none | diagonal, crack_height.
     """
     spire = _read(document)
-    r, h, crack, moments = (
-        spire.base_radius,
-        spire.height,
-        spire.crack_height,
-        spire.rocking(),
-    )
-    left, right, apex, inner = (-r, 0.0), (r, 0.0), (0.0, h), r - spire.thickness
-    hollows = (
-        (((-inner, 0.0), (inner, 0.0), (0.0, spire.tip_height)),)
-        if spire.thickness
-        else ()
-    )
-    centre = (moments.x / moments.mass, moments.z / moments.mass)
+    moments, radius = spire.rocking(), spire.base_radius
+    drawing = _drawing(spire, (moments.x / moments.mass, moments.z / moments.mass))
     foot, mass = _foot(document, spire, moments.mass)
     more: dict[str, Any] = {
+        "drawing": drawing,
         "limit": "a spire more slender, or cracked lower",
         "eta": spire.restitution(),
         "foot": foot,
         "details": mass,
     }
-    if not crack:
-        drawing = rocker([(left, right, apex)], left, right, centre, hollows=hollows)
-        return symmetric_body(moments, r, top=apex, drawing=drawing, **more)
-    windward = (-r * (1.0 - crack / h), crack)
-    lines = (
-        ("crack", (right, windward)),
-        ("its mirror image", (left, (-windward[0], crack))),
-    )
-    drawing = rocker(
-        [(windward, right, apex)],
-        left,
-        right,
-        centre,
-        still=((left, right, windward),),
-        hollows=hollows,
-        lines=lines,
-    )
+    if not spire.crack_height:
+        return symmetric_body(moments, radius, top=(0.0, spire.height), **more)
 
     def refused(_: float) -> RigidBody:
         raise document.fault(
             "inset", "an inset of a cracked spire", "no inset, or crack: none"
         )
 
-    more["details"], more["again"] = (
-        {"tip_height": spire.tip_height, "crack_height": crack, **mass},
-        refused,
+    heights = {"tip_height": spire.tip_height, "crack_height": spire.crack_height}
+    more |= {"details": heights | mass, "inset_by": refused}
+    # Another part of the spire rocks on each edge.
+    return symmetric_body(moments, radius, whole=False, **more)
+
+
+def _drawing(spire: Spire, centre: Point) -> Sketch:
+    """Return the section of a spire, with its crack and the crack's mirror image."""
+    radius, crack = spire.base_radius, spire.crack_height
+    left, right, apex = (-radius, 0.0), (radius, 0.0), (0.0, spire.height)
+    inner = radius - spire.thickness
+    cavity = (-inner, 0.0), (inner, 0.0), (0.0, spire.tip_height)
+    hollows = (cavity,) if spire.thickness else ()
+    if not crack:
+        return rocker([(left, right, apex)], left, right, centre, hollows=hollows)
+    windward = (-radius * (1.0 - crack / spire.height), crack)
+    return rocker(
+        [(windward, right, apex)],
+        left,
+        right,
+        centre,
+        still=((left, right, windward),),
+        hollows=hollows,
+        lines=(
+            ("crack", (right, windward)),
+            ("its mirror image", (left, (-windward[0], crack))),
+        ),
     )
-    return symmetric_body(moments, r, whole=False, drawing=drawing, **more)
 
 
 def _foot(
@@ -226,12 +238,12 @@ def _foot(
 
 
 def _read(document: Document) -> Spire:
+    """Return the geometry of the document. Raises DocumentError."""
     base, height = document.length("base_radius"), document.length("height")
     thickness = 0.0
     if document.has("thickness"):
-        thinnest = (
-            1e-9 * base
-        )  # for a thinner wall the difference of the two cones has no digits left
+        # for a thinner wall the difference of the two cones has no digits left
+        thinnest = 1e-9 * base
         where = (
             f"a positive length below base_radius ({base:g} m) and above {thinnest:g}"
             " m; absent: a thin wall"

@@ -33,6 +33,7 @@ def body(document: Document) -> RigidBody:
 
 
 def _piece(part: Document) -> StackPiece:
+    """Return a piece, rectangular or round, with its density (1 by default)."""
     piece = (
         _cuboid(part) if part.has("width") or part.has("depth") else round_piece(part)
     )
@@ -43,6 +44,7 @@ def _piece(part: Document) -> StackPiece:
 
 
 def _cuboid(part: Document) -> StackPiece:
+    """Return a rectangular piece of unit density; its depth is its width by default."""
     for key in ("radius", "base_radius", "top_radius"):
         if part.has(key):
             raise part.fault(

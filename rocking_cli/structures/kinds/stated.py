@@ -44,8 +44,7 @@ def build(document: Document, name: str) -> RockingParameters:
 
 
 def _free(document: Document, name: str) -> RockingParameters:
-    from . import reports_of
-
+    """Return the parameters without ties and tendon. Raises DocumentError."""
     structure = document.word("structure_kind", "parameters")
     if structure == DIMENSIONLESS:
         raise document.fault(
@@ -58,11 +57,38 @@ def _free(document: Document, name: str) -> RockingParameters:
                 f"{key}, a number of one side",
                 "sides, a list, as `rocking params` prints it in JSON",
             )
-    inset = (
-        ("inset", "alpha_geometric", "base_stress")
-        if document.has("alpha_geometric")
-        else ()
-    )  # the stated alpha is that with the inset
+    details = _details(document, structure)
+    more: dict[str, Any] = {
+        "eta_source": document.word("eta_source", "given"),
+        "gravity": gravity_of(document),
+        "details": details,
+    }
+    one_sided = document.flag("one_sided")
+    if not document.has("sides"):
+        numbers = _numbers(document, more["gravity"], one_sided)
+        return RockingParameters(
+            name, structure, **numbers, one_sided=one_sided, **more
+        )
+    if one_sided:
+        raise document.fault(
+            "one_sided",
+            "a one-sided body of two sides",
+            "sides, or one_sided: true, not both",
+        )
+    left, right = _sides(document, more["gravity"])
+    _require_those_of(document, weaker_side((left, right)))
+    return RockingParameters.of_sides(name, structure, left, right, **more)
+
+
+def _details(document: Document, structure: str) -> dict[str, Any]:
+    """Return what params printed besides the parameters: the keys that this kind of
+    structure reports. Raises DocumentError.
+    """
+    from . import reports_of
+
+    # The stated alpha is that with the inset.
+    moved = ("inset", "alpha_geometric", "base_stress")
+    inset = moved if document.has("alpha_geometric") else ()
     reported = (*reports_of(structure), "mass", OTHERS, *inset, *VARIED)
     details = {
         key: document.values[key].plain()
@@ -81,39 +107,22 @@ def _free(document: Document, name: str) -> RockingParameters:
             str(document.values[OTHERS]),
             "a list of parameters, as rocking params prints them",
         )
-    more: dict[str, Any] = {
-        "eta_source": document.word("eta_source", "given"),
-        "gravity": gravity_of(document),
-        "details": details,
-    }
-    one_sided = document.flag("one_sided")
-    if not document.has("sides"):
-        return RockingParameters(
-            name,
-            structure,
-            **_numbers(document, more["gravity"], one_sided),
-            one_sided=one_sided,
-            **more,
-        )
-    if one_sided:
-        raise document.fault(
-            "one_sided",
-            "a one-sided body of two sides",
-            "sides, or one_sided: true, not both",
-        )
-    left, right = _sides(document, more["gravity"])
-    weaker = weaker_side((left, right))
+    return details
+
+
+def _require_those_of(document: Document, weaker: Side) -> None:
+    """Raise DocumentError if a parameter beside `sides` is not that of the weaker one,
+    as params prints it.
+    """
+    dimensions = {"p": "frequency parameter", "alpha": "angle", "arm": "length"}
     for key, number in {**numbers_of(weaker), "arm": weaker.arm}.items():
-        dimension = {"p": "frequency parameter", "alpha": "angle", "arm": "length"}.get(
-            key, "number"
-        )
+        dimension = dimensions.get(key, "number")
         if document.has(key) and document.quantity(key, dimension) != number:
             raise document.fault(
                 key,
                 str(document.values[key]),
                 f"{number!r} as in sides, where the {weaker.side} edge lifts first",
             )
-    return RockingParameters.of_sides(name, structure, left, right, **more)
 
 
 def _check_varied(document: Document, details: dict[str, Any]) -> None:
@@ -193,6 +202,7 @@ def _numbers(
 
 
 def _sides(document: Document, gravity: float) -> tuple[Side, Side]:
+    """Return the left and the right side of the key `sides`. Raises DocumentError."""
     wanted = (
         "a list of two, one with side: left and one with side: right, each with p,"
         " alpha, eta, and lambda or a_scale"

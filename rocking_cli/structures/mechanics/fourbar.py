@@ -73,17 +73,35 @@ def rates(points: Any, links: Any) -> LinkRates:
     + w3 CD = 0. points: (x, z) of A, B, C, D; links: (mass, first moment of x, first
     moment of z) of the three links.
     """
-    (xa, za), (xb, zb), (xc, zc), (xd, zd) = points
-    abx, abz, bcx, bcz, cdx, cdz = xb - xa, zb - za, xc - xb, zc - zb, xd - xc, zd - zc
-    turn = bcx * cdz - bcz * cdx
-    second = -(abx * cdz - abz * cdx) / turn
-    third = (abx * bcz - abz * bcx) / turn
-    (m1, x1, z1), (m2, x2, z2), (m3, x3, z3) = links
-    lift = -(
-        (x1 - m1 * xa) + m2 * abx + second * (x2 - m2 * xb) + third * (x3 - m3 * xd)
+    a, b, c, d = points
+    one, two, three = links
+    ab, bc, cd = ((q[0] - p[0], q[1] - p[1]) for p, q in ((a, b), (b, c), (c, d)))
+
+    # The cross products of AB + w2 BC + w3 CD = 0 with CD and with BC.
+    turn = _cross(bc, cd)
+    second = -_cross(ab, cd) / turn
+    third = _cross(ab, bc) / turn
+
+    # The virtual work of Eq. 3.4: link A-B turns about A, B-C moves with B and turns
+    # about it, C-D turns about D. First moments of x give u_z, those of z give u_x.
+    x, z = (
+        _first_moment(one, axis, a)
+        + two[0] * ab[axis]
+        + second * _first_moment(two, axis, b)
+        + third * _first_moment(three, axis, d)
+        for axis in (0, 1)
     )
-    push = (z1 - m1 * za) + m2 * abz + second * (z2 - m2 * zb) + third * (z3 - m3 * zd)
-    return LinkRates(second, third, lift, push)
+    return LinkRates(second, third, -x, z)
+
+
+def _cross(a: Any, b: Any) -> Any:
+    """Return a_x b_z - a_z b_x."""
+    return a[0] * b[1] - a[1] * b[0]
+
+
+def _first_moment(link: Any, axis: int, point: Any) -> Any:
+    """Return the first moment of a link about a point; axis: 0 for x, 1 for z."""
+    return link[1 + axis] - link[0] * point[axis]
 
 
 @dataclass(frozen=True)
@@ -123,34 +141,29 @@ class FourBar:
         pi/2.
         """
         scan = np.linspace(0.0, 0.5 * np.pi, 2001)
-        fits = np.isfinite(self._angles(scan)[0])
+        fits = np.isfinite(self.rotations(scan)[0])
         return float(scan[np.argmin(fits) - 1]) if not fits.all() else float(scan[-1])
 
-    def _angles(self, phi: Any) -> tuple[Any, Any]:
+    def rotations(self, phi: Any) -> tuple[Any, Any]:
         """Return the clockwise rotations [rad] of B-C and C-D at phi; NaN if the links
         cannot meet there.
         """
         a, b, c, d = self.points
         phi = np.asarray(phi, dtype=float)
+
+        # B turns about A; D stays.
         ab = b - a
-        bx = a[0] + np.cos(phi) * ab[0] + np.sin(phi) * ab[1]
-        bz = a[1] - np.sin(phi) * ab[0] + np.cos(phi) * ab[1]
-        long2, long3 = np.hypot(*(c - b)), np.hypot(*(d - c))
-        across, up = d[0] - bx, d[1] - bz
-        span2 = across**2 + up**2
-        along = (long2**2 - long3**2 + span2) / (2.0 * span2)
-        with np.errstate(invalid="ignore"):
-            aside = np.sqrt(long2**2 / span2 - along**2)
-        cd, bd = d - c, d - b
-        side = np.sign(
-            (c - b)[0] * bd[1] - (c - b)[1] * bd[0]
-        )  # C stays on the same side of B-D
-        bcx, bcz = (
-            along * across + side * aside * up,
-            along * up - side * aside * across,
+        b_now = (
+            a[0] + np.cos(phi) * ab[0] + np.sin(phi) * ab[1],
+            a[1] - np.sin(phi) * ab[0] + np.cos(phi) * ab[1],
         )
-        cdx, cdz = across - bcx, up - bcz
-        return _turned((c - b), bcx, bcz), _turned(cd, cdx, cdz)
+        bd = d[0] - b_now[0], d[1] - b_now[1]
+
+        # C closes the triangle, on the same side of B-D as at rest.
+        side = np.sign(_cross(c - b, d - b))
+        bc = _triangle(bd, np.hypot(*(c - b)), np.hypot(*(d - c)), side)
+        cd = bd[0] - bc[0], bd[1] - bc[1]
+        return _angle_between(c - b, *bc), _angle_between(d - c, *cd)
 
     def displaced(
         self, phi: float
@@ -159,7 +172,7 @@ class FourBar:
         z) at phi [m].
         """
         a, b, _, d = self.points
-        second, third = (float(turn) for turn in self._angles(phi))
+        second, third = (float(turn) for turn in self.rotations(phi))
         b_now = a + _rotate(b - a, np.array(phi))
         return [
             partial(_moved, a, a, phi),
@@ -172,38 +185,42 @@ class FourBar:
         size and shape.
         """
         shape = np.shape(phi)
-        second, third = (turn.ravel() for turn in self._angles(phi))
+        second, third = (turn.ravel() for turn in self.rotations(phi))
         phi = np.ravel(np.asarray(phi, dtype=float))
-        a, b, c, d = (point[:, None] for point in self.points)
+        a, b, c, d = self.points[..., None]
         b_now, c_now = a + _rotate(b - a, phi), d + _rotate(c - d, third)
-        turns = zip(
-            self.links, (a, b, d), (a, b_now, d), (phi, second, third), strict=True
-        )
         centres = [
             after + _rotate(np.array([[m.x], [m.z]]) / m.mass - before, turn)
-            for m, before, after, turn in turns
+            for m, (before, after, turn) in zip(
+                self.links,
+                ((a, a, phi), (b, b_now, second), (d, d, third)),
+                strict=True,
+            )
         ]
-        one, two, three = self.links
-        points = [self.points[0], b_now, c_now, self.points[3]]
-        at = rates(
-            points,
-            [
-                (m.mass, m.mass * x, m.mass * z)
-                for m, (x, z) in zip(self.links, centres, strict=True)
-            ],
+        links = [
+            (m.mass, m.mass * x, m.mass * z)
+            for m, (x, z) in zip(self.links, centres, strict=True)
+        ]
+        at = rates([self.points[0], b_now, c_now, self.points[3]], links)
+        inertia = self._inertia(at, b_now - a, centres[1] - b_now)
+        return Coefficients(
+            inertia.reshape(shape), at.lift.reshape(shape), at.push.reshape(shape)
         )
-        arm, lever = b_now - a, centres[1] - b_now
-        ux, uz = arm[1] + at.second * lever[1], -arm[0] - at.second * lever[0]
+
+    def _inertia(self, at: LinkRates, ab: Any, lever: Any) -> Any:
+        """Return M = int rho u.u of Eq. 3.4; ab: from A to B, lever: from B to the mass
+        centre of link B-C [m], each (2, n).
+        """
+        one, two, three = self.links
+        # velocity of the mass centre of B-C, which moves with B and turns about it
+        ux, uz = ab[1] + at.second * lever[1], -ab[0] - at.second * lever[0]
         central = two.about(two.x / two.mass, two.z / two.mass)
         inertia = (
             one.about(*self.points[0])
             + two.mass * (ux * ux + uz * uz)
             + at.second**2 * central
         )
-        inertia = inertia + at.third**2 * three.about(*self.points[3])
-        return Coefficients(
-            inertia.reshape(shape), at.lift.reshape(shape), at.push.reshape(shape)
-        )
+        return inertia + at.third**2 * three.about(*self.points[3])
 
     def fields(self) -> list[tuple[float, float, Spin]]:
         """Return (start angle, stop angle, velocity field) of each link at rest, for
@@ -258,6 +275,18 @@ def _moved(
     return float(now[0]), float(now[1])
 
 
-def _turned(before: np.ndarray, x: Any, z: Any) -> Any:
+def _triangle(bd: Any, length2: Any, length3: Any, side: Any) -> tuple[Any, Any]:
+    """Return the vector B-C of a triangle over B-D; length2, length3: of B-C and C-D
+    [m]; side: +1 or -1, of C beside B-D. NaN if the lengths do not reach.
+    """
+    across, up = bd
+    span2 = across**2 + up**2
+    along = (length2**2 - length3**2 + span2) / (2.0 * span2)  # of B-D, law of cosines
+    with np.errstate(invalid="ignore"):
+        aside = np.sqrt(length2**2 / span2 - along**2)
+    return along * across + side * aside * up, along * up - side * aside * across
+
+
+def _angle_between(before: np.ndarray, x: Any, z: Any) -> Any:
     """Return the clockwise angle from the vector `before` to (x, z) [rad]."""
     return np.arctan2(before[1] * x - before[0] * z, before[0] * x + before[1] * z)

@@ -37,11 +37,9 @@ def search_joints(ring: Ring, joints: np.ndarray) -> tuple[Hinges, float] | None
     arches.
     """
     count = joints.size
-    inner, outer = (
-        np.array(ring.point(joints, FACES[0])),
-        np.array(ring.point(joints, FACES[1])),
-    )
-    upto = ring.sector(0.0, joints)
+    inner = np.array(ring.point(joints, FACES[0]))
+    outer = np.array(ring.point(joints, FACES[1]))
+    upto = ring.sector(0.0, joints)  # a link is the difference of two of these
     least, best = np.inf, [0]
     for a in range(count):  # for each pair (A, B) all pairs (C, D) at once
         for b in range(a, count):
@@ -79,9 +77,9 @@ def search_continuous(ring: Ring) -> tuple[Hinges, float] | None:
     if start is None:
         return None
     s, least, width = np.array(start[0]), start[1], ring.angle / _COARSE
-    while (
-        width > 1e-7 * ring.angle
-    ):  # pattern search: the lattice moves to its best point, or shrinks
+
+    # Pattern search: the lattice moves to its best point, or shrinks.
+    while width > 1e-7 * ring.angle:
         tried = np.clip(s + width * _LATTICE, 0.0, ring.angle)
         values = _uplifts(ring, tried)
         at = int(np.argmin(values))
@@ -92,6 +90,9 @@ def search_continuous(ring: Ring) -> tuple[Hinges, float] | None:
     if np.min(np.diff(s)) < 1e-3 * ring.angle:
         return None
     rough = s
+
+    # Newton's method for a zero gradient. A hinge on a springing stays there while
+    # lambda falls only beyond it.
     for _ in range(30):
         slope = _gradient(ring, s)
         free = ~(((s <= 0.0) & (slope > 0.0)) | ((s >= ring.angle) & (slope < 0.0)))
@@ -99,9 +100,8 @@ def search_continuous(ring: Ring) -> tuple[Hinges, float] | None:
         move[free] = -np.linalg.lstsq(
             _curvature(ring, s)[np.ix_(free, free)], slope[free], rcond=None
         )[0]
-        if (
-            np.max(np.abs(move)) > 1e-3 * ring.angle
-        ):  # the minimum lies on the boundary of the admissible mechanisms
+        # A long step: the minimum lies on the boundary of the admissible mechanisms.
+        if np.max(np.abs(move)) > 1e-3 * ring.angle:
             break
         before, s = s, np.clip(s + move, 0.0, ring.angle)
         if np.max(np.abs(s - before)) < 1e-12:
@@ -129,6 +129,7 @@ def _uplifts(ring: Ring, s: np.ndarray) -> np.ndarray:
 
 
 def _rates(ring: Ring, s: np.ndarray) -> LinkRates:
+    """Return the rates of the mechanism with these hinge angles, (4, ...)."""
     points = [ring.point(x, face) for x, face in zip(s, FACES, strict=True)]
     return rates(points, [ring.sector(a, b)[:3] for a, b in pairwise(s)])
 
@@ -163,7 +164,7 @@ def carried_through(ring: Ring, joints: np.ndarray, hinges: Sequence[float]) -> 
         )
     )
     fx, fz, moment = _thrust(ring, places)
-    equations = moment + z * fx - x * fz
+    equations = moment + z * fx - x * fz  # no moment about each of the hinges
     try:
         found = np.append(np.linalg.solve(equations[:, :4], -equations[:, 4]), 1.0)
     except np.linalg.LinAlgError:
@@ -181,10 +182,11 @@ def static_uplift(ring: Ring, joints: np.ndarray) -> float | None:
     """
     from scipy.optimize import linprog
 
-    ring = Ring(
-        1.0, ring.thickness / ring.radius, ring.angle
-    )  # lambda does not depend on the scale, but the solver's tolerances do
+    # lambda does not depend on the scale, but the tolerances of the solver do.
+    ring = Ring(1.0, ring.thickness / ring.radius, ring.angle)
     normal, eccentric = _in_joints(ring, joints)
+
+    # The largest lambda with |M| <= N t/2 on every joint.
     outside = np.vstack(
         [side * eccentric - 0.5 * ring.thickness * normal for side in (1.0, -1.0)]
     )

@@ -15,12 +15,8 @@ from typing import Any, NamedTuple, Protocol
 
 from ...errors import StructureError
 
-_WEIGHTS = (
-    4.0 / 5.0,
-    -1.0 / 5.0,
-    4.0 / 105.0,
-    -1.0 / 280.0,
-)  # central differences of eighth order, at 1 to 4 steps
+# central differences of eighth order, at 1 to 4 steps
+_WEIGHTS = (4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0)
 
 
 class Coefficients(NamedTuple):
@@ -39,15 +35,13 @@ class Mechanism(Protocol):
     def __hash__(self) -> int: ...
 
     @property
-    def reach(
-        self,
-    ) -> (
-        float
-    ): ...  # the largest rotation phi [rad] at which the links still fit together
+    def reach(self) -> float:
+        """The largest rotation phi [rad] at which the links still fit together."""
+        ...
 
-    def coefficients(
-        self, phi: Any
-    ) -> Coefficients: ...  # M, V'/g and B at rotations phi [rad], of any shape
+    def coefficients(self, phi: Any) -> Coefficients:
+        """Return M, V'/g and B at rotations phi [rad], of any shape."""
+        ...
 
     def overlap(self) -> tuple[float, float]:
         """Return (int rho u.w, int rho w.w); u: the velocity field before an impact, w:
@@ -79,22 +73,21 @@ def linearise(mechanism: Mechanism) -> Linearised:
             f"does not stand: its uplift acceleration lambda is {uplift:.4g}"
         )
     alpha = equilibrium(mechanism)
-    falling = -_slope_of_lift(mechanism, alpha)
-    if not falling > 0.0:
+    negative_stiffness = -_slope_of_lift(mechanism, alpha)
+    if not negative_stiffness > 0.0:
         raise StructureError(
             "reaches its unstable equilibrium where the links lock, and has no linear"
             " form there"
         )
     there = mechanism.coefficients(alpha)
     shared, own = mechanism.overlap()
-    eta = float(shared / own)
     return Linearised(
-        alpha,
-        uplift,
-        falling / float(there.inertia),
-        alpha / uplift,
-        float(there.push) / falling,
-        eta,
+        alpha=alpha,
+        uplift=uplift,  # Eq. 3.8: V'/(g B) at rest
+        stiffness=negative_stiffness / float(there.inertia),  # Eq. 3.5
+        a_scale=alpha / uplift,  # Eq. 3.9: the linear form lifts at lambda too
+        a_scale_3_7=float(there.push) / negative_stiffness,
+        eta=float(shared / own),
     )
 
 
@@ -102,9 +95,8 @@ def _slope_of_lift(mechanism: Mechanism, alpha: float) -> float:
     """Return V''(alpha)/g [kg m], or 0 if alpha is too close to the rotation at which
     the links lock.
     """
-    step = 0.01 * min(
-        alpha, mechanism.reach - alpha
-    )  # V' is smooth between rest and the locked position
+    # V' is smooth between rest and the locked position.
+    step = 0.01 * min(alpha, mechanism.reach - alpha)
     if not step > 1e-9 * alpha:
         return 0.0
     return sum(

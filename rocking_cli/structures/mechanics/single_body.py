@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -59,9 +59,9 @@ class RigidBody:
 
     # returns (left edge, right edge) for a gravity [m/s2]
     edges: Callable[[float], tuple[EdgeParameters, EdgeParameters]]
-    reach: float  # least horizontal distance from an edge to the mass centre [m]
+    lever: float  # least horizontal distance from an edge to the mass centre [m]
     # returns the body with its pivots inside the edges by a length [m]
-    again: Callable[[float], RigidBody]
+    inset_by: Callable[[float], RigidBody]
     limit: str  # the bodies for which the momentum model holds
     drawing: Sketch  # its geometry
     # its contact area, for `strength`; a text says whose is not known
@@ -82,75 +82,106 @@ class RigidBody:
         """Return the rocking parameters, with gravity, restitution, sides, mass and
         inset of the document. Raises DocumentError.
         """
-        (inset, body), gravity, mass = (
-            self.moved_in(document),
-            gravity_of(document),
-            mass_of(document),
-        )
-        details = dict(body.details)
-        if mass is not None:
-            details["mass"] = mass
-        crushes = document.has("strength")
-        if document.has("inset") or crushes:
-            details |= {
-                "inset": inset,
-                "alpha_geometric": (
-                    min(self.edges(1.0), key=lambda edge: edge.uplift).alpha
-                ),
-            }
-        toe = toe_of(document, self.foot) if crushes else None
-        if toe is not None:
-            details["base_stress"] = toe.stress
-        left, right = body.edges(gravity)
+        inset, body = self.moved_in(document)
+        gravity = gravity_of(document)
         more: dict[str, Any] = {
             "name": name,
             "structure": str(document.values["kind"].content),
             "gravity": gravity,
-            "details": details,
+            "details": self._details(document, inset, body),
+            "top": body._top_arms(),
         }
-        more["top"] = body._top_arms()
-        more["remarks"] = () if toe is None else toe.remarks
+        left, right = body.edges(gravity)
+        if document.has("strength"):
+            more["remarks"] = toe_of(document, self.foot).remarks
         if document.flag("one_sided"):
-            e, source = one_sided_restitution_of(
-                document, (right.eta, left.eta), body.backing
-            )
-            more |= {
-                "p": right.p,
-                "alpha": right.alpha,
-                "eta": e,
-                "uplift": right.uplift,
-                "a_scale": 1.0,
-                "arm": right.arm,
-            }
-            found = RockingParameters(**more, eta_source=source, one_sided=True)
+            found = body._one_sided(document, left, right, more)
         else:
-            eta_left, source = restitution_of(document, left.eta, body.limit)
-            eta_right, _ = restitution_of(document, right.eta, body.limit)
-            details |= body.leaning
-            sides = left.side("left", eta_left), right.side("right", eta_right)
-            found = RockingParameters.of_sides(
-                **more, left=sides[0], right=sides[1], eta_source=source
-            )
-        if not restraints_in(document):
-            return found
+            found = body._on_both_edges(document, left, right, more)
+        if restraints_in(document):
+            return body._restrained(document, found, inset)
+        return found
+
+    def _details(
+        self, document: Document, inset: float, body: RigidBody
+    ) -> dict[str, Any]:
+        """Return the details of `body`, this body on pivots inside its edges."""
+        details = dict(body.details)
+        mass = mass_of(document)
+        if mass is not None:
+            details["mass"] = mass
+        if document.has("inset") or document.has("strength"):
+            weaker = min(self.edges(1.0), key=lambda edge: edge.uplift)
+            details |= {"inset": inset, "alpha_geometric": weaker.alpha}
+        if document.has("strength"):
+            details["base_stress"] = toe_of(document, self.foot).stress
+        return details
+
+    def _one_sided(
+        self,
+        document: Document,
+        left: EdgeParameters,
+        right: EdgeParameters,
+        more: dict[str, Any],
+    ) -> RockingParameters:
+        """Return the parameters of the body against a backing: those on its right edge,
+        with the restitution of three impacts.
+        """
+        eta, source = one_sided_restitution_of(
+            document, (right.eta, left.eta), self.backing
+        )
+        return RockingParameters(
+            p=right.p,
+            alpha=right.alpha,
+            eta=eta,
+            uplift=right.uplift,
+            a_scale=1.0,
+            arm=right.arm,
+            eta_source=source,
+            one_sided=True,
+            **more,
+        )
+
+    def _on_both_edges(
+        self,
+        document: Document,
+        left: EdgeParameters,
+        right: EdgeParameters,
+        more: dict[str, Any],
+    ) -> RockingParameters:
+        """Return the parameters on the left and the right edge."""
+        eta_left, source = restitution_of(document, left.eta, self.limit)
+        eta_right, _ = restitution_of(document, right.eta, self.limit)
+        return RockingParameters.of_sides(
+            left=left.side("left", eta_left),
+            right=right.side("right", eta_right),
+            eta_source=source,
+            **{**more, "details": {**more["details"], **self.leaning}},
+        )
+
+    def _restrained(
+        self, document: Document, found: RockingParameters, inset: float
+    ) -> RockingParameters:
+        """Return the parameters with the document's ties, tendon and dampers, which are
+        placed by the geometry of the body. Raises DocumentError.
+        """
         from ..restraint_keys import restrained
 
-        (_, (x_left, level)), *_, (_, (x_right, _)) = body.drawing.pivots
+        (_, (left, level)), *_, (_, (right, _)) = self.drawing.pivots
         z = [
             z
-            for outline in (*body.drawing.still, *body.drawing.bodies)
+            for outline in (*self.drawing.still, *self.drawing.bodies)
             for _, z in outline
         ]
-        crown, width = body.crown or max(z) - min(z), x_right - x_left + 2.0 * inset
         return restrained(
             document,
             found,
-            crown=crown,
+            crown=self.crown or max(z) - min(z),
             level=level - min(z),
             inset=inset,
-            width=width,
-            radius=body.radius,
-            share=body.share,
+            width=right - left + 2.0 * inset,
+            radius=self.radius,
+            share=self.share,
         )
 
     def moved_in(self, document: Document) -> tuple[float, RigidBody]:
@@ -160,21 +191,21 @@ class RigidBody:
         """
         if document.has("strength"):
             inset = toe_of(document, self.foot).inset
-            if not inset < self.reach:
+            if not inset < self.lever:
                 raise document.fault(
                     "strength",
                     f"a strength whose pivots lie {inset:.4g} m inside the edges",
-                    f"a larger one: the mass centre is {self.reach:.4g} m from an edge",
+                    f"a larger one: the mass centre is {self.lever:.4g} m from an edge",
                 )
-            return inset, self.again(inset)
+            return inset, self.inset_by(inset)
         where = (
-            f"a length from 0 to below {self.reach:g} m, beyond which the mass centre"
+            f"a length from 0 to below {self.lever:g} m, beyond which the mass centre"
             " is not above the base"
         )
         inset = document.quantity(
-            "inset", "length", least=0.0, below=self.reach, where=where, default=0.0
+            "inset", "length", least=0.0, below=self.lever, where=where, default=0.0
         )
-        return inset, self.again(inset) if inset else self
+        return inset, self.inset_by(inset) if inset else self
 
     def _top_arms(self) -> tuple[float, ...]:
         """The distances from the left and the right edge to the farthest point of the
@@ -212,34 +243,32 @@ def equal_edges(
     fields of the body.
     """
     half, z = radius * math.sin(alpha), radius * math.cos(alpha)
-    momentum, arm = (
-        1.0 - 2.0 * math.sin(alpha) ** 2 / inertia if eta is None else eta,
-        radius if whole else None,
-    )
+    # Eq. 2.6, where 1 - cos 2 alpha = 2 sin^2 alpha
+    momentum = 1.0 - 2.0 * math.sin(alpha) ** 2 / inertia if eta is None else eta
+    arm = radius if whole else None
 
     def edges(gravity: float) -> tuple[EdgeParameters, EdgeParameters]:
         edge = EdgeParameters(
-            math.sqrt(gravity / (radius * inertia)),
-            alpha,
-            math.tan(alpha),
-            momentum,
-            arm,
+            p=math.sqrt(gravity / (radius * inertia)),  # Eq. 2.3: p^2 = M g R/I_P
+            alpha=alpha,
+            uplift=math.tan(alpha),  # Eq. 2.2
+            eta=momentum,
+            arm=arm,
         )
         return edge, edge
 
-    def again(inset: float) -> RigidBody:
+    def inset_by(inset: float) -> RigidBody:
         moments = Moments(1.0, 0.0, z, (inertia - 1.0) * radius**2 + z * z)
-        kept = {
-            key: value for key, value in more.items() if key != "backing"
-        }  # which follows from the top
+        # `backing` follows from the top.
+        kept = {key: x for key, x in more.items() if key != "backing"}
         return symmetric_body(
             moments, half - inset, drawing=redrawn(drawing, inset), **kept
         )
 
     return RigidBody(
-        **{"again": again, **more},
+        **{"inset_by": inset_by, **more},
         edges=edges,
-        reach=half,
+        lever=half,
         drawing=drawing,
         radius=radius,
     )
@@ -275,10 +304,8 @@ def symmetric_body(
     """
     right, z = half - moments.x / moments.mass, moments.z / moments.mass
     radius = math.hypot(right, z)
-    inertia, alpha = (
-        moments.about(half, 0.0) / (moments.mass * radius**2),
-        math.atan2(right, z),
-    )
+    inertia = moments.about(half, 0.0) / (moments.mass * radius**2)
+    alpha = math.atan2(right, z)
     return equal_edges(
         radius,
         alpha,
@@ -300,9 +327,8 @@ def body_on_edges(
     """Return a body that rocks as a whole on the edges (-half, 0) and (half, 0) [m];
     arguments as for `symmetric_body`.
     """
-    if abs(moments.x) <= 1e-13 * math.sqrt(
-        moments.mass * moments.polar
-    ):  # the offset is rounding
+    # An offset of rounding is none.
+    if abs(moments.x) <= 1e-13 * math.sqrt(moments.mass * moments.polar):
         moments = moments._replace(x=0.0)
         return symmetric_body(
             moments,
@@ -313,15 +339,15 @@ def body_on_edges(
             **more,
         )
 
-    def again(inset: float) -> RigidBody:
+    def inset_by(inset: float) -> RigidBody:
         return body_on_edges(
             moments, half - inset, drawing=redrawn(drawing, inset), top=top, **more
         )
 
     return RigidBody(
-        **{"again": again, **more},
+        **{"inset_by": inset_by, **more},
         edges=partial(edges_of, moments, half),
-        reach=half - abs(moments.x / moments.mass),
+        lever=half - abs(moments.x / moments.mass),
         drawing=drawing,
         top=top,
         backing=_against_backing(moments, half, top),
@@ -340,9 +366,8 @@ def edges_of(
     [m]; the mass centre must be above the base.
     """
     z = body.z / body.mass
-    shared = spin_about(half, 0.0).product(
-        spin_about(-half, 0.0), body
-    )  # I_G + m (z^2 - l r)
+    # I_G + m (z^2 - l r), the angular momentum about one edge of a turn about the other
+    shared = spin_about(half, 0.0).product(spin_about(-half, 0.0), body)
 
     def on(edge: float) -> EdgeParameters:
         distance = abs(edge - body.x / body.mass)
@@ -370,58 +395,6 @@ def _against_backing(body: Moments, half: float, top: Point | None) -> float | N
     return float(
         (central + body.mass * ((x + half) * (x - top[0]) + z * (z - top[1])))
         / body.about(*top)
-    )
-
-
-def worn(
-    body: RockingParameters, share: float
-) -> tuple[float, RockingParameters] | None:
-    """Return (inset [m], parameters) of the body with its pivots inside the edges by
-    this share of the distance between the edges. A given restitution, and one that
-    includes the impact on a backing, stays. None if the mass centre would lie beyond a
-    pivot, and for a body with ties or a tendon, whose levers change too.
-    """
-    if body.restraints:
-        return None
-    sides: tuple[Side | RockingParameters, ...] = body.sides or (body, body)
-    (left, _), (right, z) = (
-        (
-            math.sin(side.alpha) * (side.arm or 0.0),
-            math.cos(side.alpha) * (side.arm or 0.0),
-        )
-        for side in sides
-    )
-    x, half, square = (
-        0.5 * (left - right),
-        (0.5 - share) * (left + right),
-        right * right + z * z,
-    )
-    if not abs(x) < half:
-        return None
-    polar = (
-        body.gravity * math.sqrt(square) / sides[1].p ** 2 - square + x * x + z * z
-    )  # I_G/m and the parallel axis
-    kept = body.one_sided or body.eta_source == "given"
-    edges = zip(
-        ("left", "right"),
-        edges_of(Moments(1.0, x, z, polar), half, body.gravity),
-        sides,
-        strict=True,
-    )
-    there = [
-        edge.side(name, abs(side.eta) if kept else edge.eta)
-        for name, edge, side in edges
-    ]
-    moved = RockingParameters.of_sides(body.name, body.structure, *there)
-    eta = body.eta if kept and not body.sides else moved.eta
-    numbers: dict[str, Any] = {
-        "p": moved.p,
-        "alpha": moved.alpha,
-        "uplift": moved.uplift,
-        "eta": eta,
-    }
-    return share * (left + right), replace(
-        body, **numbers, arm=moved.arm, sides=moved.sides, details={}
     )
 
 

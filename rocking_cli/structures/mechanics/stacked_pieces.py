@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from ...documents.document import Document
 from ..shared_keys import gravity_of, mass_of, restraints_in
-from ..sketch import rocker
+from ..sketch import Outline, Point, Sketch, rocker
 from .moments import Moments
 from .single_body import RigidBody, body_on_edges, edges_of, symmetric_body
 from .toe import Foot, Ring, Strip, toe_of
@@ -39,9 +39,10 @@ def frustum_moments(low: float, high: float, height: float) -> Moments:
     area = math.pi * height * (a * a + a * b + b * b) / 3.0
     first = math.pi * height**2 * (a * a + 2.0 * a * b + 3.0 * b * b) / 12.0
     second = math.pi * height**3 * (a * a + 3.0 * a * b + 6.0 * b * b) / 30.0
+    # int x^2 = int pi R^4 / 4 dz
     across = (
         math.pi * height * (a**4 + a**3 * b + a * a * b * b + a * b**3 + b**4) / 20.0
-    )  # int x^2 = int pi R^4 / 4 dz
+    )
     return Moments(area, 0.0, first, second + across)
 
 
@@ -72,8 +73,8 @@ def offset_of(document: Document) -> float:
     return document.quantity("offset", "length", default=0.0)
 
 
-class Bed(NamedTuple):
-    """An interface."""
+class Interface(NamedTuple):
+    """The plane on which a piece stands, with the pieces above it."""
 
     left: float  # x of its left edge [m]
     right: float  # x of its right edge [m]
@@ -130,124 +131,50 @@ def stacked(
     no `rocks_on`: they hold each interface in another way, so that the least margin
     does not tell which one overturns first.
     """
-    supports = [
-        "its base",
-        *(f"{word} {i} from below" for i in range(1, len(pieces))),
+    whole = _interfaces(document, key, word, pieces)
+    feet = [_foot(document, pieces, i, one, dense) for i, one in enumerate(whole)]
+    insets = _insets(document, word, feet, inset)
+    interfaces = [
+        _moved_in(document, word, i, one, inwards)
+        for i, (one, inwards) in enumerate(zip(whole, insets, strict=True))
     ]
-    moments, whole = Moments(0.0, 0.0, 0.0, 0.0), list[Bed]()
-    for i in range(len(pieces) - 1, -1, -1):
-        piece = pieces[i]
-        moments = piece.body.shifted(x=piece.axis).plus(moments.shifted(z=piece.height))
-        left, right = piece.axis - piece.foot, piece.axis + piece.foot
-        if i:
-            below = pieces[i - 1]
-            left, right = (
-                max(left, below.axis - below.head),
-                min(right, below.axis + below.head),
-            )
-        if not right > left:
-            raise document.fault(
-                key,
-                f"{word} {i + 1} from below apart from the one below it",
-                f"{word}s that stand on each other",
-            )
-        whole.insert(0, Bed(left, right, moments))
-    insets = [inset] * len(pieces)
-    feet = [_foot(document, pieces, i, bed, dense) for i, bed in enumerate(whole)]
-    if document.has("strength"):  # each interface has its own toe
-        insets = [
-            toe_of(document, foot, name).inset
-            for foot, name in zip(feet, supports, strict=True)
-        ]
-    beds = []
-    for i, (bed, inwards) in enumerate(zip(whole, insets, strict=True)):
-        bed = bed._replace(left=bed.left + inwards, right=bed.right - inwards)
-        if not bed.right > bed.left:
-            raise document.fault(
-                "inset",
-                f"an inset beyond half the base of {word} {i + 1} from below",
-                "a shorter one",
-            )
-        beds.append(bed)
-    weakest = min(range(len(beds)), key=lambda i: beds[i].margin)
-    bed, last = beds[weakest], pieces[-1]
-    if not bed.margin > 0.0:
-        found = (
-            f"{word} {weakest + 1} from below, with the pieces on it, beyond its edge"
-        )
-        moved = "strength" if document.has("strength") else "inset" if inset else key
-        raise document.fault(moved, found, "a stack that stands")
+    lowest = _weakest_standing(document, key, word, interfaces, inset)
     details: dict[str, Any] = {}
     if len(pieces) > 1:
-        if document.has("rocks_on"):
-            weakest = document.integer("rocks_on", 0, len(beds) - 1)
-        elif held := restraints_in(document):
-            wanted = (
-                f"0 for its base, or the number from below of the {word} on which it"
-                " rocks"
-            )
-            raise document.missing(
-                "rocks_on",
-                f"{wanted}: {held[0]} hold each interface differently, so check"
-                " each one",
-            )
-        bed = beds[weakest]
-        gravity = gravity_of(document)
-        interfaces = [
-            {"on": on, **one.numbers(gravity)}
-            for on, one in zip(supports, beds, strict=True)
-        ]
-        details = {"rocks_on": supports[weakest], "interfaces": interfaces}
+        lowest = _lowest_rocking(document, word, interfaces, lowest)
+        supports = _supports(word, len(interfaces))
+        details = {
+            "rocks_on": supports[lowest],
+            "interfaces": _interface_rows(document, supports, interfaces),
+        }
     if dense and document.has("strength"):
-        details["mass"] = beds[weakest].body.mass
-    if not inset:  # the geometry itself
-        bed = whole[weakest]
-    inset = insets[weakest] if inset else 0.0
-    levels = list(accumulate((piece.height for piece in pieces), initial=0.0))
-    outlines = []
-    for (foot, head, _, axis, _, _), low, high in zip(
-        pieces, levels, levels[1:], strict=False
-    ):
-        outlines.append(
-            (
-                (axis - foot, low),
-                (axis + foot, low),
-                (axis + head, high),
-                (axis - head, high),
-            )
-        )
-    base, (mass, x, z, _) = levels[weakest], bed.body
-    edges = (bed.left - inset, base), (bed.right + inset, base)
-    drawing = rocker(
-        outlines[weakest:],
-        *edges,
-        (x / mass, base + z / mass),
-        inset=inset,
-        still=tuple(outlines[:weakest]),
-    )
-    top = (
-        last.axis - last.head - 0.5 * (bed.left + bed.right),
-        sum(piece.height for piece in pieces[weakest:]),
-    )
-    rock = body_on_edges if bed.centred.x else symmetric_body
-    limit = f"a {word} more slender than this one"
-    again = partial(stacked, document, key, word, pieces, dense=dense)
+        details["mass"] = whole[lowest].body.mass
+    # Without an inset the body is the geometry itself.
+    interface = interfaces[lowest] if inset else whole[lowest]
+    inset = insets[lowest] if inset else 0.0
+
+    # A mass centre in the middle has the closed forms of Eqs. 2.2 and 2.6.
+    rock = body_on_edges if interface.centred.x else symmetric_body
     return rock(
-        bed.centred,
-        bed.half,
-        top=top,
-        limit=limit,
+        interface.centred,
+        interface.half,
+        top=_top_corner(pieces, lowest, interface),
+        limit=f"a {word} more slender than this one",
         details=details,
-        drawing=drawing,
-        again=again,
-        foot=feet[weakest],
+        drawing=_drawing(pieces, lowest, interface, inset),
+        inset_by=partial(stacked, document, key, word, pieces, dense=dense),
+        foot=feet[lowest],
     )
 
 
 def _foot(
-    document: Document, pieces: Sequence[StackPiece], i: int, bed: Bed, dense: bool
+    document: Document,
+    pieces: Sequence[StackPiece],
+    i: int,
+    interface: Interface,
+    dense: bool,
 ) -> Foot | str:
-    """Return the foot of an interface: the smaller one of its two faces; a text where
+    """Return the foot on an interface: the smaller one of its two faces; a text where
     it is not known.
     """
     faces = [(pieces[i].foot, pieces[i].depth)]
@@ -255,7 +182,7 @@ def _foot(
     offset = i > 0 and pieces[i].axis != pieces[i - 1].axis
     depths = [depth for _, depth in faces if depth is not None]
     radii = [half for half, depth in faces if depth is None]
-    area: Strip | Ring = Strip(2.0 * bed.half, min(depths, default=1.0))
+    area: Strip | Ring = Strip(2.0 * interface.half, min(depths, default=1.0))
     if radii and offset:
         return "a stack with a round piece that is offset from the one below it"
     if radii and not depths:
@@ -269,5 +196,162 @@ def _foot(
                 "a stack of round and rectangular pieces that cover each other partly"
             )
     if dense:
-        return Foot(area, bed.body.mass)
+        return Foot(area, interface.body.mass)
     return Foot(area, mass_of(document) if len(pieces) == 1 else None)
+
+
+def _insets(
+    document: Document, word: str, feet: Sequence[Foot | str], inset: float
+) -> list[float]:
+    """Return the inset of each interface [m]: that of its toe, or the one of all."""
+    if not document.has("strength"):
+        return [inset] * len(feet)
+    supports = _supports(word, len(feet))
+    return [
+        toe_of(document, foot, name).inset
+        for foot, name in zip(feet, supports, strict=True)
+    ]
+
+
+def _moved_in(
+    document: Document, word: str, i: int, interface: Interface, inwards: float
+) -> Interface:
+    """Return the interface with its pivots inside its edges by a length [m]. Raises
+    DocumentError.
+    """
+    left, right = interface.left + inwards, interface.right - inwards
+    if not right > left:
+        raise document.fault(
+            "inset",
+            f"an inset beyond half the base of {word} {i + 1} from below",
+            "a shorter one",
+        )
+    return interface._replace(left=left, right=right)
+
+
+def _interfaces(
+    document: Document, key: str, word: str, pieces: Sequence[StackPiece]
+) -> list[Interface]:
+    """Return the interfaces from below. Raises DocumentError if a piece does not stand
+    on the one below it.
+    """
+    above = Moments(0.0, 0.0, 0.0, 0.0)  # of the pieces above the interface
+    found: list[Interface] = []
+    for i in range(len(pieces) - 1, -1, -1):
+        piece = pieces[i]
+        above = piece.body.shifted(x=piece.axis).plus(above.shifted(z=piece.height))
+        left, right = _overlap(pieces, i)
+        if not right > left:
+            raise document.fault(
+                key,
+                f"{word} {i + 1} from below apart from the one below it",
+                f"{word}s that stand on each other",
+            )
+        found.insert(0, Interface(left, right, above))
+    return found
+
+
+def _overlap(pieces: Sequence[StackPiece], i: int) -> tuple[float, float]:
+    """Return the ends in x [m] of the contact of a piece with the one below it."""
+    piece = pieces[i]
+    left, right = piece.axis - piece.foot, piece.axis + piece.foot
+    if i == 0:  # it stands on the ground
+        return left, right
+    below = pieces[i - 1]
+    return max(left, below.axis - below.head), min(right, below.axis + below.head)
+
+
+def _weakest_standing(
+    document: Document,
+    key: str,
+    word: str,
+    interfaces: Sequence[Interface],
+    inset: float,
+) -> int:
+    """Return the index of the interface with the least margin. Raises DocumentError if
+    the pieces above it fall under their own weight.
+    """
+    weakest = min(range(len(interfaces)), key=lambda i: interfaces[i].margin)
+    if not interfaces[weakest].margin > 0.0:
+        found = (
+            f"{word} {weakest + 1} from below, with the pieces on it, beyond its edge"
+        )
+        moved = "strength" if document.has("strength") else "inset" if inset else key
+        raise document.fault(moved, found, "a stack that stands")
+    return weakest
+
+
+def _lowest_rocking(
+    document: Document, word: str, interfaces: Sequence[Interface], weakest: int
+) -> int:
+    """Return the index of the lowest piece that rocks, from the key `rocks_on` or, by
+    default, `weakest`. Raises DocumentError.
+    """
+    if document.has("rocks_on"):
+        return document.integer("rocks_on", 0, len(interfaces) - 1)
+    if held := restraints_in(document):
+        raise document.missing(
+            "rocks_on",
+            f"0 for its base, or the number from below of the {word} on which it"
+            f" rocks: {held[0]} hold each interface differently, so check each one",
+        )
+    return weakest
+
+
+def _supports(word: str, count: int) -> list[str]:
+    """Return the name of what bears each interface, from below."""
+    return ["its base", *(f"{word} {i} from below" for i in range(1, count))]
+
+
+def _interface_rows(
+    document: Document, supports: Sequence[str], interfaces: Sequence[Interface]
+) -> list[dict[str, Any]]:
+    """Return the parameters on each interface as a row of the details."""
+    gravity = gravity_of(document)
+    return [
+        {"on": on, **interface.numbers(gravity)}
+        for on, interface in zip(supports, interfaces, strict=True)
+    ]
+
+
+def _top_corner(
+    pieces: Sequence[StackPiece], lowest: int, interface: Interface
+) -> Point:
+    """Return (x, z) [m] of the left corner of the top, from the middle between the
+    edges; a backing stands on the left.
+    """
+    last = pieces[-1]
+    return (
+        last.axis - last.head - 0.5 * (interface.left + interface.right),
+        sum(piece.height for piece in pieces[lowest:]),
+    )
+
+
+def _drawing(
+    pieces: Sequence[StackPiece], lowest: int, interface: Interface, inset: float
+) -> Sketch:
+    """Return the stack on the ground; the pieces below `lowest` stay."""
+    levels = list(accumulate((piece.height for piece in pieces), initial=0.0))
+    outlines = [
+        _outline(piece, low, high)
+        for piece, low, high in zip(pieces, levels, levels[1:], strict=False)
+    ]
+    base, (mass, x, z, _) = levels[lowest], interface.body
+    return rocker(
+        outlines[lowest:],
+        (interface.left - inset, base),
+        (interface.right + inset, base),
+        (x / mass, base + z / mass),
+        inset=inset,
+        still=tuple(outlines[:lowest]),
+    )
+
+
+def _outline(piece: StackPiece, low: float, high: float) -> Outline:
+    """Return the section of a piece between two levels [m]."""
+    return (
+        (piece.axis - piece.foot, low),
+        (piece.axis + piece.foot, low),
+        (piece.axis + piece.head, high),
+        (piece.axis - piece.head, high),
+    )

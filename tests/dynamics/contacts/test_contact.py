@@ -61,7 +61,7 @@ def test_free_motion_equals_marching():
     ids=["equal", "one side"],
 )
 def test_sequence_time_is_the_sum_of_its_arcs(contact, force):
-    body, total, speed, a = lanes(v=1e-3, b=force, eta=0.6), 0.0, 1e-3, 1.0 + force
+    body, total, speed, a = lanes(v=1e-3, force=force, eta=0.6), 0.0, 1e-3, 1.0 + force
     for _ in range(200):
         total, speed, a = (
             total + 2.0 * speed / (1.0 - a),
@@ -174,7 +174,7 @@ def test_bounces_that_rise_above_the_peak_on_the_other_edge_are_not_summed():
     height = beyond - math.sqrt(beyond**2 - (8.0 * v) ** 2)
     body = lanes(
         v=v,
-        b=-0.5,
+        force=-0.5,
         eta=8.0,
         amplitude=2.0,
         omega=3.0,

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.optimize import bisect
 from support.references import lanes
-from support.synthetic_records import noise, shaken
+from support.synthetic_records import motion_of_samples, noise
 
 from rocking_cli import (
     LinearEquation,
@@ -22,8 +22,8 @@ from rocking_cli import (
     sine,
 )
 from rocking_cli.dynamics import batch
-from rocking_cli.dynamics.contacts import sequences
-from rocking_cli.dynamics.contacts.sequences import (
+from rocking_cli.dynamics.contacts import lasting_bounces
+from rocking_cli.dynamics.contacts.lasting_bounces import (
     bounces_to_end,
     bound_of_peaks,
     stays_below_peak,
@@ -52,11 +52,12 @@ def test_what_a_motion_varies_later_is_counted_with_its_jumps():
     assert step.largest_later == pytest.approx([1.0, 0.0], rel=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("motion", MOTIONS, ids=lambda m: m.name)
 def test_marching_on_finds_the_same_peak(motion, monkeypatch):
     random = np.random.default_rng(11)
-    amplitude, omega = random.uniform(1.0, 3.0, 150), random.uniform(0.5, 8.0, 150)
-    eta = random.choice([0.0, 0.3, 0.9, 0.99], 150)
+    amplitude, omega = random.uniform(1.0, 3.0, 40), random.uniform(0.5, 8.0, 40)
+    eta = random.choice([0.0, 0.3, 0.9, 0.99], 40)
     settled = linear_response(motion, amplitude, omega, eta)
     monkeypatch.setattr(closings, "STAYS_BELOW_PEAK", closings.FREE_MOTION)
     marched = linear_response(motion, amplitude, omega, eta)
@@ -83,24 +84,30 @@ def test_bodies_that_hardly_leave_the_ground_and_would_bounce_for_ever_are_at_re
         )  # the first arc is the highest
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    "motion", [cosine(1.5), pulse("ricker-symmetric")], ids=lambda m: m.name
+    "motion",
+    [
+        cosine(1.5),
+        pytest.param(pulse("ricker-symmetric"), marks=pytest.mark.soak),
+    ],
+    ids=lambda m: m.name,
 )
 def test_given_up_is_what_would_have_been_given_up(motion, monkeypatch):
     monkeypatch.setattr(batch, "MAX_STEPS", 150)
     random = np.random.default_rng(5)
     amplitude, omega = (
-        1.0 + 10.0 ** random.uniform(-9.0, -1.0, 200),
-        10.0 ** random.uniform(-1.0, 1.0, 200),
+        1.0 + 10.0 ** random.uniform(-9.0, -1.0, 40),
+        10.0 ** random.uniform(-1.0, 1.0, 40),
     )
-    eta = random.choice([1.0, 1.0 - 1e-9, 1.0 - 1e-5, 0.999], 200)
+    eta = random.choice([1.0, 1.0 - 1e-9, 1.0 - 1e-5, 0.999], 40)
     early = linear_response(motion, amplitude, omega, eta)
     monkeypatch.setattr(closings, "TOO_MANY_IMPACTS", closings.FREE_MOTION)
     late = linear_response(motion, amplitude, omega, eta)
     assert np.array_equal(early.outcome, late.outcome)
     assert np.array_equal(early.theta_ratio, late.theta_ratio, equal_nan=True)
     assert early.work.steps < 0.6 * late.work.steps
-    assert 50 < (early.outcome == Outcome.FAILED).sum() < 150
+    assert 10 < (early.outcome == Outcome.FAILED).sum() < 30
 
 
 def test_a_body_at_the_bound_is_marched():
@@ -120,7 +127,7 @@ def test_a_body_at_the_bound_is_marched():
         variation=np.full(3, 0.5), largest_later=np.zeros(3)
     )  # and as much again
     assert stays_below_peak(
-        segments, lanes(k=2, u=u, v=v, b=-0.5, peak=peak)
+        segments, lanes(segment=2, phase=u, v=v, force=-0.5, peak=peak)
     ).tolist() == [True, False, True, False]
 
 
@@ -129,7 +136,9 @@ def start(motion, amplitude, v):
     right edge.
     """
     force = -amplitude * float(motion.segments.s_start[0]) - 1.0
-    return lanes(amplitude=amplitude, v=v, b=force, peak=np.inf, impacts=1, steps=16)
+    return lanes(
+        amplitude=amplitude, v=v, force=force, peak=np.inf, impacts=1, steps=16
+    )
 
 
 def highest_peak(drive, step, v):
@@ -223,7 +232,7 @@ def test_no_peak_is_above_the_ceiling(name):
     one that the drive is in step with.
     """
     drive, step = in_step(*IN_STEP[name]) if name in IN_STEP else DRIVES[name]
-    motion, amplitude = shaken(-drive, step), np.abs(drive).max()
+    motion, amplitude = motion_of_samples(-drive, step), np.abs(drive).max()
     speeds = (
         [IN_STEP[name][2]]
         if name in IN_STEP
@@ -255,7 +264,7 @@ def test_marching_on_under_a_record_finds_the_same_peak(alpha, excess, monkeypat
     random = np.random.default_rng(3)
     amplitude = 1.0 + 10.0 ** random.uniform(*excess, 8)
     omega, eta = random.uniform(0.2, 0.5, 8), random.choice([0.995, 1.0], 8)
-    motion = shaken(noise(60, 0.05, 1), 0.05)
+    motion = motion_of_samples(noise(60, 0.05, 1), 0.05)
 
     def found():
         if alpha:
@@ -281,13 +290,13 @@ def test_marching_on_under_a_record_finds_the_same_peak(alpha, excess, monkeypat
         (False, 0.9, 1e-5, {"steps": 17}),  # not now
         (False, 0.9, 1e-5, {"eta": 0.98}),
         (False, 0.9, 0.5, {}),
-        (False, 0.9, 1e-5, {"b": -1e-17}),  # lost beside 1
+        (False, 0.9, 1e-5, {"force": -1e-17}),  # lost beside 1
     ],
 )
 def test_a_body_is_followed_unless_its_bounces_are_proved_to_last(
     proved, amplitude, v, changed
 ):
-    motion = shaken([0.0, 0.5, -1.0, 0.0], 0.1)
+    motion = motion_of_samples([0.0, 0.5, -1.0, 0.0], 0.1)
     body = start(motion, amplitude, v)
     for name, value in changed.items():
         getattr(body, name)[:] = value
@@ -295,10 +304,10 @@ def test_a_body_is_followed_unless_its_bounces_are_proved_to_last(
 
 
 def test_a_long_record_is_gone_through_part_by_part(monkeypatch):
-    motion = shaken(noise(60, 0.05, 1), 0.05)
+    motion = motion_of_samples(noise(60, 0.05, 1), 0.05)
     body = start(motion, 0.9, 1e-4)
     whole = bound_of_peaks(motion.segments, body, 1.0)
-    monkeypatch.setattr(sequences, "blocks", partial(blocks, most=7))
+    monkeypatch.setattr(lasting_bounces, "blocks", partial(blocks, most=7))
     assert bound_of_peaks(motion.segments, body, 1.0) == pytest.approx(whole, rel=1e-14)
 
 
@@ -309,7 +318,7 @@ def test_nothing_is_proved_of_a_motion_that_jumps(monkeypatch):
             "step", marks[:-1], marks[1:], np.array([0.5, after]), np.zeros(2)
         )
         for part in (1, 2):
-            monkeypatch.setattr(sequences, "blocks", partial(blocks, most=part))
+            monkeypatch.setattr(lasting_bounces, "blocks", partial(blocks, most=part))
             assert (
                 np.isfinite(
                     bound_of_peaks(motion.segments, start(motion, 0.5, 1e-3), 1.0)

@@ -152,9 +152,10 @@ def test_first_arc_is_the_paper_s_equation(oppenheim, motion, times, damping):
     assert -speed * arch.alpha * arch.p == pytest.approx(expected[1], abs=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("n", "damping"),
-    [(4, 0.0), (2, 0.1), pytest.param(12, 0.0, marks=pytest.mark.soak)],
+    [(2, 0.0), (1, 0.1), pytest.param(12, 0.0, marks=pytest.mark.soak)],
 )
 def test_cells_stay_within_five_tolerances(oppenheim, n, damping):
     arch = replace(oppenheim, damping=damping)
@@ -163,7 +164,7 @@ def test_cells_stay_within_five_tolerances(oppenheim, n, damping):
         [random.uniform(a, b, 12)[:n] for a, b in ((0.9, 9), (0.5, 12), (0.4, 1))]
     ).T
     expected = [reference(sine(), *c) for c in draw.tolist()]
-    for tolerance in (1e-4, 1e-6, 1e-9, 1e-11):
+    for tolerance in (1e-4, 1e-7, 1e-11):
         found = response(
             System(MechanismEquation(arch.mechanism, tolerance, damping)),
             sine(),

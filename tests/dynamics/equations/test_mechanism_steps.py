@@ -46,7 +46,14 @@ def lanes_of(equation, segments, count, seed):
     )
     b = equation.force(y, -side * amplitude * drive(segments, k, u))
     return references.lanes(
-        amplitude=amplitude, omega=omega, k=k, u=u, side=side, y=y, v=v, b=b
+        amplitude=amplitude,
+        omega=omega,
+        segment=k,
+        phase=u,
+        side=side,
+        y=y,
+        v=v,
+        force=b,
     )
 
 
@@ -70,7 +77,7 @@ def test_arcs_are_those_of_another_integration(name, tolerance, motion):
         point, state, begin = one.at(times), [lanes.y[i], lanes.v[i]], 0.0
 
         def rate(tau, state, i=i):
-            s = drive(segments, lanes.k[i], lanes.u[i] + lanes.omega[i] * tau)
+            s = drive(segments, lanes.segment[i], lanes.phase[i] + lanes.omega[i] * tau)
             return [
                 state[1],
                 float(
@@ -108,8 +115,8 @@ def followed(equation, segments, lanes, until):
         )  # inside the patch that a series is of
         there = arc.at(h)
         left -= h
-        lanes.u, lanes.y, lanes.v, lanes.b = (
-            lanes.u + h * lanes.omega,
+        lanes.phase, lanes.y, lanes.v, lanes.force = (
+            lanes.phase + h * lanes.omega,
             there.y,
             there.v,
             there.b,

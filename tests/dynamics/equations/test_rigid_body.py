@@ -13,6 +13,7 @@ from rocking_cli.dynamics.equations.rigid_body import RigidBodyEquation
 from rocking_cli.motions import Harmonic, Motion, Piece
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [10, pytest.param(200, marks=pytest.mark.soak)])
 @pytest.mark.parametrize(
     ("motion", "most"),
@@ -63,7 +64,9 @@ def test_order_of_the_flow_is_the_order_of_its_series():
         [RigidBodyEquation(0.4, tolerance) for tolerance in (1e-4, 1e-13)],
         np.geomspace(0.4, 0.8, 9),
     )
-    start = lanes(y=0.3, v=0.9, b=-math.sin(0.4 - models[0].sin * 0.3) / models[0].sin)
+    start = lanes(
+        y=0.3, v=0.9, force=-math.sin(0.4 - models[0].sin * 0.3) / models[0].sin
+    )
     found, exact = (
         [model.flow(still, start).at(np.array([h])).y[0] for h in steps]
         for model in models

@@ -39,7 +39,9 @@ def test_grazing_is_decided_on_either_side(model):
                 )
                 b = model.force(np.array([y0]), np.array([a]))
                 body, hit = (
-                    lanes(amplitude=a, side=-1.0, y=y0, v=-math.sqrt(2 * rise), b=b),
+                    lanes(
+                        amplitude=a, side=-1.0, y=y0, v=-math.sqrt(2 * rise), force=b
+                    ),
                     False,
                 )
                 for _ in range(40):
@@ -47,8 +49,8 @@ def test_grazing_is_decided_on_either_side(model):
                     hit |= bool(event.hit[0])
                     if hit or event.end.v[0] > 0.0:
                         break
-                    body.u, body.y, body.v, body.b = (
-                        event.step.u,
+                    body.phase, body.y, body.v, body.force = (
+                        event.step.phase,
                         event.end.y,
                         event.end.v,
                         event.end.b,
@@ -81,7 +83,16 @@ def test_every_crest_of_a_step_is_found(equation):
     b = equation.force(
         y, -side * amplitude * (segments.s_start[k] + drive_change(segments, k, u))
     )
-    bodies = lanes(amplitude=amplitude, omega=omega, k=k, u=u, side=side, y=y, v=v, b=b)
+    bodies = lanes(
+        amplitude=amplitude,
+        omega=omega,
+        segment=k,
+        phase=u,
+        side=side,
+        y=y,
+        v=v,
+        force=b,
+    )
     result = advance.advance(segments, bodies, equation)
     turned, h, _ = advance.turning_points(
         segments, bodies, result, np.ones(count, dtype=bool)
@@ -124,15 +135,21 @@ def test_windows_tile_the_motion_and_state_the_sign_of_the_drive(motion):
         window = window_end(segments, k[on], u[on], side[on], amplitude[on])
         ridges += int(window.supercritical.sum())
         for i, lane in enumerate(on):
-            assert window.k[i] in (k[lane], k[lane] + 1)
+            assert window.segment[i] in (k[lane], k[lane] + 1)
             spans = [
                 (
                     k[lane],
                     u[lane],
-                    window.u[i] if window.k[i] == k[lane] else segments.length[k[lane]],
+                    window.phase[i]
+                    if window.segment[i] == k[lane]
+                    else segments.length[k[lane]],
                 )
             ]
-            spans += [(window.k[i], 0.0, window.u[i])] if window.k[i] > k[lane] else []
+            spans += (
+                [(window.segment[i], 0.0, window.phase[i])]
+                if window.segment[i] > k[lane]
+                else []
+            )
             values = []
             for at, low, high in spans:
                 assert high >= low
@@ -156,7 +173,7 @@ def test_windows_tile_the_motion_and_state_the_sign_of_the_drive(motion):
                 steps = np.sign(np.diff(np.concatenate(values)).round(12))
                 steps = steps[steps != 0.0]
                 assert np.all(np.diff(steps) >= 0.0)
-        k[on], u[on] = place(segments, window.k, window.u)
+        k[on], u[on] = place(segments, window.segment, window.phase)
     assert np.all(k == len(segments))
     assert ridges > 0
     assert covered == pytest.approx(np.full(40, motion.duration), rel=1e-13)

@@ -199,6 +199,7 @@ def test_ten_thousand_cycles_are_decided():
     )
 
 
+@pytest.mark.slow
 def test_a_hundred_thousand_impacts_end_in_an_outcome(monkeypatch):
     """Without loss a body just above uplift never stops bouncing: the cell is given up
     as failed at once where it needs far more steps than the march follows, else after a
@@ -251,12 +252,13 @@ def test_uplift_on_the_edge_of_a_piece():
     assert linear_response(cosine(), 1.0, 2.0, 0.5).outcome == Outcome.NO_UPLIFT
 
 
+@pytest.mark.slow
 def test_an_arch_at_the_edge_of_stability():
     arch = built(
         "kind: arch\nradius: 10\nthickness: 1.0751 m\nangle: 180 deg\nrestitution: 0.8"
     )
     assert 0.0 < arch.uplift < 1e-3
-    amplitude, method = np.array([0.9, 1.5, 4.0, 12.0]), Method("nonlinear", 1e-11)
+    amplitude, method = np.array([1.5, 12.0]), Method("nonlinear", 1e-11)
     found = response(method.system_of(arch), sine(), amplitude, 4.0, 0.8)
     for a, outcome, theta in zip(
         amplitude, found.outcome, found.theta_ratio, strict=True

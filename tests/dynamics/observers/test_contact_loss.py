@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from oracles.ground_forces import lifting, pendulum
 from scipy.integrate import solve_ivp
-from support.bodies import drawn, forces_of
+from support.bodies import forces_of, random_body
 
 from rocking_cli import (
     Method,
@@ -47,7 +47,7 @@ def test_a_body_lifted_at_lambda_leaves_the_ground_where_the_same_motion_does(
     """At equal A and weight the motion is that of a_scale = 1, and Fz follows from the
     motion.
     """
-    body, _, _ = drawn(kind, np.random.default_rng(4), (0.5, 0.7), ETAS, 0.2)
+    body, _, _ = random_body(kind, np.random.default_rng(4), (0.5, 0.7), ETAS, 0.2)
     lifted, found = body.lifting_at_lambda(), []
     for one, factor in (
         (body, vertical * body.uplift / body.alpha),
@@ -122,7 +122,7 @@ def test_what_overturns_is_told_as_overturned_and_unknown_forces_are_not_looked_
     ],
 )
 def test_they_are_the_cells_whose_least_force_is_not_positive(kind, model, share):
-    body, _, _ = drawn(
+    body, _, _ = random_body(
         f"{kind} {model}", np.random.default_rng(3), (0.45, 0.6), ETAS, 0.3
     )
     amplitude, omega = np.meshgrid(
@@ -210,6 +210,7 @@ def test_a_body_that_an_impact_leaves_no_speed_does_not_bounce():
     )
 
 
+@pytest.mark.slow
 def test_what_a_rotation_proves_to_press_does():
     """Every cell that the bound settles has a positive least force, and it settles
     most.

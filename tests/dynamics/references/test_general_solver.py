@@ -11,11 +11,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles.ground_forces import pendulum
-from support import bodies
-from support.bodies import KINDS, drawn
+from support.bodies import KINDS, random_body, random_shaking
 from support.record_layouts import wave
 from support.references import LADDER, integrated, reference
-from support.synthetic_records import allowance, shaken
+from support.synthetic_records import allowance, motion_of_samples
 
 from rocking_cli import (
     LinearEquation,
@@ -141,7 +140,7 @@ def test_a_dip_between_two_steps_is_seen():
     overturns after that impact.
     """
     cell = (
-        shaken(-0.5 * wave(40)[::-1], 0.06),
+        motion_of_samples(-0.5 * wave(40)[::-1], 0.06),
         3.02446,
         1.0 / 5.349519445453641,
         0.9183055975794251,
@@ -251,8 +250,8 @@ def test_the_engine_and_the_slower_paths_lose_the_same_bodies(
 ):
     random, seen = np.random.default_rng(seed), Counter()
     for _ in range(cells):
-        body, solved, _ = drawn(kind, random, (0.3, 0.7), (0.6, 0.98), 0.2)
-        motion, *cell = bodies.shaken(
+        body, solved, _ = random_body(kind, random, (0.3, 0.7), (0.6, 0.98), 0.2)
+        motion, *cell = random_shaking(
             random, body, (0.0, 0.4, 1.5), (1.5, 5.0), recorded
         )
         method = Method("nonlinear" if solved.nonlinear else "linear", 1e-11)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from support.synthetic_records import RECORDS, cells, noise, shaken
+from support.synthetic_records import RECORDS, motion_of_samples, noise, random_cells
 
 from rocking_cli import LinearEquation, System, linear_response
 from rocking_cli.dynamics.batch import Batch
@@ -18,8 +18,8 @@ from rocking_cli.dynamics.samples.exact import (
 
 
 def test_tables_in_shares_change_no_bit(monkeypatch):
-    motion = shaken(RECORDS[0], 0.03)
-    amplitude, omega = cells(12, 6)
+    motion = motion_of_samples(RECORDS[0], 0.03)
+    amplitude, omega = random_cells(12, 6)
     together = linear_response(motion, amplitude, omega, 0.9)
     monkeypatch.setattr("rocking_cli.dynamics.samples.exact._TABLES", 16 * 4 * 100)
     np.testing.assert_array_equal(
@@ -37,9 +37,9 @@ def test_the_work_follows_the_impacts_and_not_the_samples(monkeypatch):
     )
     samples = noise(600, 0.02, 5)
     fine = np.interp(np.arange(4 * 600 - 3) / 4.0, np.arange(600), samples)
-    amplitude, omega = cells(60, 8)
+    amplitude, omega = random_cells(60, 8)
     work = []
-    for motion in (shaken(samples, 0.02), shaken(fine, 0.005)):
+    for motion in (motion_of_samples(samples, 0.02), motion_of_samples(fine, 0.005)):
         tried.clear()
         eta = np.full(60, 0.9)
         run = Run(

@@ -3,7 +3,6 @@ integration that shares no code, against the march by long series, and what chan
 nothing.
 """
 
-import math
 from functools import partial
 
 import numpy as np
@@ -14,17 +13,15 @@ from support.synthetic_records import (
     RECORDS,
     allowance,
     assert_same,
-    cells,
     long_series,
+    motion_of_samples,
+    random_cells,
     room,
-    shaken,
     weighed,
 )
 
 from rocking_cli import (
-    Method,
     Outcome,
-    RockingParameters,
     cosine,
     pulse,
     response,
@@ -33,19 +30,19 @@ from rocking_cli import (
 from rocking_cli.dynamics.batch import Batch
 from rocking_cli.dynamics.march.engine import Run
 from rocking_cli.motions.biaxial import with_vertical
-from rocking_cli.structures.parameters import Side
 
 response_alone = partial(response, how="floats")
 
 MODELS = {"linear": "the oscillator", "nonlinear": "a body"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("model", "record", "part", "count", "etas"),
     [
-        *(("linear", record, slice(None), 12, (0.5, 0.9, 0.0)) for record in range(3)),
-        ("linear", 0, slice(None), 6, (1.0,)),
-        ("nonlinear", 2, slice(35, 80), 20, (0.7,)),
+        *(("linear", record, slice(None), 9, (0.5, 0.9, 0.0)) for record in range(3)),
+        ("linear", 0, slice(None), 3, (1.0,)),
+        ("nonlinear", 2, slice(35, 70), 10, (0.7,)),
         *(
             pytest.param("linear", n, slice(None), 1000, eta, marks=pytest.mark.soak)
             for n in range(3)
@@ -63,8 +60,11 @@ MODELS = {"linear": "the oscillator", "nonlinear": "a body"}
 def test_records_against_an_integration_that_shares_no_code(
     model, record, part, count, etas
 ):
-    motion, (system, _) = shaken(RECORDS[record][part], 0.04), SYSTEMS[MODELS[model]]
-    (amplitude, omega), eta = cells(count, record), np.resize(etas, count)
+    motion, (system, _) = (
+        motion_of_samples(RECORDS[record][part], 0.04),
+        SYSTEMS[MODELS[model]],
+    )
+    (amplitude, omega), eta = random_cells(count, record), np.resize(etas, count)
     if 1.0 in etas:  # without loss some never end: only those that bounce little
         amplitude += 2.0
         for less, most in ((0.98, 40), (1.0, 200)):
@@ -88,7 +88,7 @@ def against_the_march(name, motion, long, count, seed):
     """On arrays and one at a time: outcomes and impacts equal, rotations within what
     rounding, or the tolerance of series, may come to.
     """
-    (system, eta), (amplitude, omega) = SYSTEMS[name], cells(count, seed)
+    (system, eta), (amplitude, omega) = SYSTEMS[name], random_cells(count, seed)
     omega *= 8.0 if motion.samples is None else 1.0
     omega[:2] /= 40.0  # samples too far apart to be stepped over
     etas = np.full(count, eta)
@@ -112,42 +112,40 @@ def against_the_march(name, motion, long, count, seed):
     assert set(found.outcome) > ({Outcome.ROCKED} if motion.samples else set())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_the_same_as_the_march_by_long_series(name):
     motion = (
-        shaken(RECORDS[1], 0.03)
+        motion_of_samples(RECORDS[1], 0.03)
         if SYSTEMS[name][0].equation.bounded
-        else shaken(RECORDS[0][30:70], 0.05)
+        else motion_of_samples(RECORDS[0][30:70], 0.05)
     )
     against_the_march(name, motion, long_series(motion), 8, 5)
 
 
 @pytest.mark.parametrize("name", ["the oscillator", "a damped body of unlike edges"])
 def test_the_same_as_that_march_on_ground_that_moves_upwards_too(name):
-    against_the_march(name, *weighed(slice(36, 56), 0.5, 2), 6, 5)
+    against_the_march(name, *weighed(slice(36, 52), 0.5, 2), 5, 5)
 
 
 @pytest.mark.parametrize(
     "motion",
     [
-        sine(),
         cosine(1.5),
-        pulse("rectangular-impulse"),
         pulse("ricker-symmetric"),
         with_vertical(sine(), cosine(), 0.4),
     ],
     ids=lambda m: m.name,
 )
-def test_one_body_at_a_time_is_the_march_under_a_pulse(motion):
-    for name in ("a damped body of unlike edges", "an arch"):
-        against_the_march(name, motion, motion, 8, 8)
+def test_one_arch_at_a_time_is_the_march_under_a_pulse(motion):
+    against_the_march("an arch", motion, motion, 8, 8)
 
 
 @pytest.mark.soak
 @pytest.mark.parametrize("record", range(3))
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_many_cells_of_each_system(name, record):
-    motion = shaken(RECORDS[record], 0.04)
+    motion = motion_of_samples(RECORDS[record], 0.04)
     against_the_march(name, motion, long_series(motion), 300, 20 + record)
     against_the_march(
         name,
@@ -158,20 +156,17 @@ def test_many_cells_of_each_system(name, record):
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_what_changes_nothing(model):
-    """The mirrored, refined, delayed and continued record, and the scaled record
-    against the scaled amplitude.
-    """
+def test_samples_that_change_nothing(model):
+    """The refined, delayed and continued record."""
     samples, (system, _) = (
         np.concatenate([[0.0], RECORDS[2][31:89], [0.0]]),
         SYSTEMS[MODELS[model]],
     )
-    cell, motion = (*cells(16, 7), np.full(16, 0.8)), shaken(samples, 0.04)
+    cell, motion = (
+        (*random_cells(8, 7), np.full(8, 0.8)),
+        motion_of_samples(samples, 0.04),
+    )
     first = response(system, motion, *cell)
-    for same in (shaken(-samples, 0.04), shaken(4.0 * samples, 0.04)):
-        np.testing.assert_array_equal(
-            response(system, same, *cell).theta_ratio, first.theta_ratio
-        )
     fine = np.interp(
         np.arange(4 * samples.size - 3) / 4.0, np.arange(samples.size), samples
     )
@@ -180,33 +175,11 @@ def test_what_changes_nothing(model):
         np.append(np.zeros(33), samples),
         np.append(samples, np.zeros(100)),
     )
-    for other in (shaken(fine, 0.01), shaken(delayed, 0.04), shaken(continued, 0.04)):
+    for other in (
+        motion_of_samples(fine, 0.01),
+        motion_of_samples(delayed, 0.04),
+        motion_of_samples(continued, 0.04),
+    ):
         assert_same(
             response(system, other, *cell), first.theta_ratio, first.outcome, allowed
         )
-
-
-@pytest.mark.parametrize("model", MODELS)
-def test_a_record_turned_over_is_a_body_turned_round(model):
-    """Of unlike edges: the other edge goes where the first one did."""
-    edges = (2.0, 0.2, math.tan(0.2), 1.0, 0.7), (2.2, 0.26, math.tan(0.26), 1.0, 0.5)
-    motion, (amplitude, omega) = shaken(RECORDS[0][30:70], 0.05), cells(12, 3)
-
-    def found(first, other, shaking):
-        body = RockingParameters.of_sides(
-            "b", "prism", Side("left", *first), Side("right", *other)
-        )
-        return response(
-            Method(model).system_of(body), shaking, amplitude, omega, body.eta
-        )
-
-    here, there, still = (
-        found(*edges, motion.scaled(-1.0)),
-        found(*edges[::-1], motion),
-        found(*edges, motion),
-    )
-    np.testing.assert_array_equal(here.outcome, there.outcome)
-    np.testing.assert_allclose(here.theta_ratio, there.theta_ratio, rtol=1e-13)
-    assert not np.allclose(
-        here.theta_ratio, still.theta_ratio, rtol=1e-3, equal_nan=True
-    )

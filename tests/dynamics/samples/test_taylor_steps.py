@@ -5,14 +5,15 @@ and free fall.
 import numpy as np
 import pytest
 from support.bodies import ALPHA, SYSTEMS
+from support.references import lanes
 from support.synthetic_records import (
     RECORDS,
     allowance,
     assert_same,
-    cells,
     long_series,
+    motion_of_samples,
     noise,
-    shaken,
+    random_cells,
     weighed,
 )
 
@@ -34,12 +35,13 @@ from rocking_cli.dynamics.samples.taylor_steps import TaylorStepper
 from rocking_cli.motions.biaxial import with_vertical
 
 
+@pytest.mark.slow
 def test_the_tolerance_is_kept():
     """Against steps at 1e-13: an error of the tolerance at the most, times the
     condition of each cell.
     """
-    motion, eta = shaken(RECORDS[0][30:80], 0.04), np.full(16, 0.9)
-    amplitude, omega = cells(16, 9)
+    motion, eta = motion_of_samples(RECORDS[0][30:80], 0.04), np.full(16, 0.9)
+    amplitude, omega = random_cells(16, 9)
     condition = 1e12 * allowance(
         motion, amplitude, omega, eta, System(RigidBodyEquation(ALPHA))
     )
@@ -57,11 +59,13 @@ def test_the_tolerance_is_kept():
 
 
 @pytest.mark.parametrize(
-    "motion", [shaken(RECORDS[0][36:52], 0.04), sine()], ids=["stepped", "marched"]
+    "motion",
+    [motion_of_samples(RECORDS[0][36:52], 0.04), sine()],
+    ids=["stepped", "marched"],
 )
 def test_bodies_of_many_angles_in_one_run_are_those_of_each_alone(motion):
     alphas, count = np.array([0.6, 0.1, 0.3]), 7
-    amplitude, omega = cells(3 * count, 8)
+    amplitude, omega = random_cells(3 * count, 8)
     omega[::5] /= 40.0  # samples too far apart to be stepped over
     omega *= 1.0 if motion.samples else 20.0
     eta = np.tile([0.6, 0.9, 1.0 - 1e-4], count)
@@ -91,7 +95,10 @@ def test_bodies_of_many_angles_in_one_run_are_those_of_each_alone(motion):
 @pytest.mark.parametrize("alpha", [0.2, ALPHA, 0.3, 0.4])
 def test_a_body_that_is_just_lifted_at_a_sample(alpha):
     """The uplift falls on the end of an interval, to the last digits."""
-    system, motion = System(RigidBodyEquation(alpha)), shaken(RECORDS[0], 0.04)
+    system, motion = (
+        System(RigidBodyEquation(alpha)),
+        motion_of_samples(RECORDS[0], 0.04),
+    )
     amplitude = system.least_uplift(motion) * (1.0 + 1.2e-16 * np.arange(-8, 9))
     found = response(system, motion, amplitude, 0.4, 0.9)
     assert set(found.outcome) == {Outcome.NO_UPLIFT, Outcome.ROCKED}
@@ -110,7 +117,7 @@ def test_lemma_12_a_step_that_is_taken_holds_no_impact_and_no_higher_peak(
     on 200 points.
     """
     random, count = np.random.default_rng(3), 4000
-    motion = shaken(RECORDS[0], 0.04)
+    motion = motion_of_samples(RECORDS[0], 0.04)
     one = np.ones(1)
     stepper = TaylorStepper(
         Run(Batch.of(System(equation), motion.segments, one, one, one)),
@@ -152,7 +159,11 @@ def test_lemma_12_a_step_that_is_taken_holds_no_impact_and_no_higher_peak(
     factors = factors_for(unit, degree)
     peak = y * (1.0 + 10.0 ** random.uniform(-3.0, 1.0, count))
     end, _, taken = stepper._step(
-        equation, y, v, peak, ramp, factors, degree * count + np.arange(count)
+        equation,
+        lanes(y=y, v=v, peak=peak),
+        ramp,
+        factors,
+        degree * count + np.arange(count),
     )
     terms = motion_terms(equation, y, v, unit, factors, ramp.terms, ramp.weight)
     path = np.array(
@@ -188,10 +199,10 @@ def test_free_fall_before_and_after_the_uplift_and_after_the_overturning(
     0.25, the least w = 1 - A r share is 0 at 1.6.
     """
     t, system = 0.05 * np.arange(81), SYSTEMS["a body"][0]
-    across = shaken(
+    across = motion_of_samples(
         np.interp(t, [lifts, lifts + 0.5, lifts + 1.0], [0.0, 1.0, 0.0]), 0.05
     )
-    up = shaken(
+    up = motion_of_samples(
         -np.interp(t, [falls, falls + 0.15, falls + 0.3], [0.0, 1.0, 0.0]), 0.05
     )
     for share, wanted in (
@@ -213,7 +224,8 @@ def test_free_fall_before_and_after_the_uplift_and_after_the_overturning(
 def test_records_of_one_step_are_stepped_and_others_marched(monkeypatch):
     motion, _ = weighed(slice(30, 54), 0.5, 2)
     other = with_vertical(
-        shaken(RECORDS[2][30:54], 0.04), shaken(noise(120, 0.04, 8)[30:54], 0.03)
+        motion_of_samples(RECORDS[2][30:54], 0.04),
+        motion_of_samples(noise(120, 0.04, 8)[30:54], 0.03),
     )
     stepped = []
     monkeypatch.setattr(

@@ -8,8 +8,8 @@ from functools import partial
 
 import numpy as np
 import pytest
-from support.bodies import ALPHA, drawn
-from support.synthetic_records import RECORDS, noise, shaken
+from support.bodies import ALPHA, random_body
+from support.synthetic_records import RECORDS, motion_of_samples, noise
 
 from rocking_cli import (
     Method,
@@ -26,7 +26,10 @@ response_alone = partial(response, how="floats")
 
 
 def test_a_body_that_bounces_for_ever_fails_as_on_arrays():
-    system, motion = System(RigidBodyEquation(ALPHA)), shaken(RECORDS[0][30:60], 0.05)
+    system, motion = (
+        System(RigidBodyEquation(ALPHA)),
+        motion_of_samples(RECORDS[0][30:60], 0.05),
+    )
     for a in (1.05, 1.5):
         assert (
             response_alone(system, motion, a, 0.5, 1.0).outcome
@@ -48,19 +51,20 @@ def test_a_pair_of_turns_within_a_step():
     assert turns((1.0, 0.13, -0.25, 1.0 / 6.0), 1.0) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "motion",
-    [shaken(noise(80, 0.06, 3), 0.06), sine(2), cosine()],
+    [motion_of_samples(noise(60, 0.06, 3), 0.06), sine(2), cosine()],
     ids=["record", "sine", "cosine"],
 )
 @pytest.mark.parametrize("kind", ["plain", "unequal", "one-sided"])
 def test_a_body_loses_contact_where_it_does_on_arrays(kind, motion):
     random, seen = np.random.default_rng(4), set()
     for model in ("linear", "nonlinear"):
-        body, _, _ = drawn(kind, random, (0.4, 1.2), (0.4, 0.9), 0.3)
+        body, _, _ = random_body(kind, random, (0.4, 1.2), (0.4, 0.9), 0.3)
         system = Method(model, 1e-10).system_of(body)
         cells = (
-            system.least_uplift(motion) * np.geomspace(1.1, 7.0, 8),
+            system.least_uplift(motion) * np.geomspace(1.1, 7.0, 5),
             0.5 if motion.samples else 2.0,
             body.eta,
         )

@@ -30,8 +30,6 @@ from rocking_cli.dynamics.method import LINEAR
 from rocking_cli.dynamics.tied.bounces import Bounces
 from rocking_cli.dynamics.tied.devices import BROKEN
 from rocking_cli.dynamics.tied.tied_march import March
-from rocking_cli.motions import Motion, Piece
-from rocking_cli.motions.motion import Harmonic
 from rocking_cli.motions.polyline import Polyline
 from rocking_cli.responses.history import history
 from rocking_cli.responses.tied_history import remarks
@@ -145,9 +143,9 @@ def test_rows_have_the_force_of_each_device_and_at_rest_its_prestress():
     """After a permanent elongation of 0.224 m the tie is slack at rest. The elastic tie
     has its largest force in a row at a peak.
     """
-    shaken = parse_grid("a_g=1g,T_g=0.8")
+    strong = parse_grid("a_g=1g,T_g=0.8")
     rows = list(
-        time_history(built(WALL + YIELDING), OUTWARDS, shaken, [EXACT]).rows(dt=0.05)
+        time_history(built(WALL + YIELDING), OUTWARDS, strong, [EXACT]).rows(dt=0.05)
     )
     assert (rows[0]["tie_1_force"], rows[-1]["theta"], rows[-1]["tie_1_force"]) == (
         5000.0,
@@ -155,12 +153,12 @@ def test_rows_have_the_force_of_each_device_and_at_rest_its_prestress():
         0.0,
     )
     rows = list(
-        time_history(built(WALL + ELASTIC), OUTWARDS, shaken, [EXACT]).rows(steps=True)
+        time_history(built(WALL + ELASTIC), OUTWARDS, strong, [EXACT]).rows(steps=True)
     )
     assert max(row["tie_1_force"] for row in rows) == pytest.approx(50925.712, abs=5e-4)
     assert rows[-1]["tie_1_force"] == 5000.0
     assert "tie_1_force" not in next(
-        time_history(built(WALL + ELASTIC), OUTWARDS, shaken, [EXACT]).rows(
+        time_history(built(WALL + ELASTIC), OUTWARDS, strong, [EXACT]).rows(
             dimensionless=True
         )
     )
@@ -249,7 +247,11 @@ def cases():
 
 
 @pytest.mark.parametrize(
-    ("text", "devices", "damping", "a_g", "period", "sign"), list(cases())
+    ("text", "devices", "damping", "a_g", "period", "sign"),
+    [
+        pytest.param(*case, marks=[pytest.mark.soak] * (i > 9))
+        for i, case in enumerate(cases())
+    ],
 )
 def test_ties_hold_yield_and_break_as_another_integration_says(
     text, devices, damping, a_g, period, sign
@@ -335,6 +337,7 @@ def test_a_tie_without_force_is_the_free_body_to_the_bit():
     )
 
 
+@pytest.mark.slow
 def test_a_vanishing_tie_tends_to_the_free_body_which_is_marched_otherwise():
     grid = parse_grid("a_g=0.05g:1g:30,T_g=0.3:2:7")
     for text in (
@@ -501,7 +504,7 @@ def test_a_block_with_a_tendon_against_another_integration(
         shaking(sine().still_until(omega_g * (period + 3 / body.p)), a_g * 9.8, omega_g)
     )
     assert (
-        (found.phase == BROKEN).ravel().tolist()
+        (found.branch == BROKEN).ravel().tolist()
         == [device.broken for device in devices]
         == [breaks, breaks]
     )  # on both sides
@@ -540,6 +543,7 @@ def test_the_tendon_of_a_block_breaks_at_its_elongation():
     )  # nothing overturns it before rupture
 
 
+@pytest.mark.slow
 def test_a_body_that_a_tie_holds_beyond_alpha_leans():
     body, found = marched(WALL + YIELDING, OUTWARDS, 1.6, 0.8)
     assert found.outcome[0] == Outcome.LEANING
@@ -551,11 +555,12 @@ def test_a_body_that_a_tie_holds_beyond_alpha_leans():
         True,
         "yielded",
     )
-    late = time_history(body, OUTWARDS, demand, [EXACT], duration=16.0).histories[
+    method = Method("nonlinear", 1e-9)
+    late = time_history(body, OUTWARDS, demand, [method], duration=12.0).histories[
         "nonlinear"
     ]
     assert late.outcome == Outcome.LEANING
-    ratio, _ = late.at(np.linspace(8.0, 15.0, 300) * body.p)
+    ratio, _ = late.at(np.linspace(8.0, 11.0, 300) * body.p)
     assert (
         ratio.min() > 0.5
     )  # it goes to and fro about an equilibrium that is not upright
@@ -564,10 +569,10 @@ def test_a_body_that_a_tie_holds_beyond_alpha_leans():
         built(WALL + YIELDING + "damping: 0.3\n"),
         OUTWARDS,
         demand,
-        [EXACT],
-        duration=45.0,
+        [method],
+        duration=30.0,
     ).histories["nonlinear"]
-    theta = ALPHA * damped.at(np.array([44.0]) * body.p)[0][0]
+    theta = ALPHA * damped.at(np.array([29.0]) * body.p)[0][0]
     left = damped.devices[0]["permanent"]
     force = 5e3 + 2e6 * (5.5 * math.sin(theta) - left)
     weight = MASS * G * RADIUS * math.sin(ALPHA - theta)
@@ -578,28 +583,6 @@ def test_a_body_that_a_tie_holds_beyond_alpha_leans():
         WALL + TIE % ", yield: 20 kN, ultimate: 80 cm", OUTWARDS, 1.6, 0.8
     )
     assert Outcome(int(torn.outcome[0])).overturned
-
-
-def test_a_lane_has_the_same_digits_in_any_company():
-    text = WALL.replace("true", "false") + TIE % ", yield: 20 kN, side: right"
-    body = built(text)
-    system, eta = Method("nonlinear").system_of(body), body.eta
-    amplitude, omega = (
-        x.ravel() for x in np.meshgrid(np.linspace(2, 16, 9), np.linspace(2, 9, 5))
-    )
-    wave = Motion("two", (Piece(0.0, 7.0, (Harmonic(1.0), Harmonic(0.4, 2.3, 0.2))),))
-    for motion in (sine(), wave, pulse("rectangular-impulse")):
-        whole = response(system, motion, amplitude, omega, eta)
-        for i in (0, 7, 20, 44):
-            one = response(system, motion, amplitude[i : i + 1], omega[i : i + 1], eta)
-            assert (one.outcome[0], one.theta_ratio[0]) == (
-                whole.outcome[i],
-                pytest.approx(whole.theta_ratio[i], abs=0, nan_ok=True),
-            )
-        mirrored = response(system, motion.scaled(-1.0), amplitude, omega, eta)
-        assert not np.array_equal(
-            mirrored.theta_ratio, whole.theta_ratio, equal_nan=True
-        )  # the sides differ
 
 
 def test_a_body_that_a_tie_presses_to_the_ground_comes_to_rest_at_once():

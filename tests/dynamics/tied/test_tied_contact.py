@@ -187,6 +187,7 @@ def test_bounces_that_lose_the_ground_are_followed(at):
     assert lowest_fz(*drawn) < 0.0
 
 
+@pytest.mark.slow
 def test_a_body_that_keeps_the_ground_by_little_rocks():
     """Near the amplitude from which the reported body loses the ground."""
     body = built(document_of(*REPORTED[:5]))

@@ -33,6 +33,7 @@ def integrated(a_g, omega_g):
     )
 
 
+@pytest.mark.slow
 def test_the_edges_of_an_envelope_separate_what_stands_from_what_falls():
     first, *_ = trace_envelope(
         WALL, OUTWARDS, [4.0], a_max=7.5, method=METHOD, sign="+"

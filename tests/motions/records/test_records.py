@@ -135,6 +135,7 @@ SPOILT = st.sampled_from(
 )
 
 
+@pytest.mark.slow
 @given(at=st.integers(0, len(AT2)), length=st.integers(0, 200), put=SPOILT)
 @settings(max_examples=100, deadline=None)
 def test_a_spoilt_file_is_a_record_or_one_sentence(at, length, put):

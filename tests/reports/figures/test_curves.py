@@ -390,6 +390,7 @@ def test_the_least_amplitude_of_a_check_is_drawn_over_a_varied_key(drawn, table)
     assert (demand.get_label(), demand.get_ydata()[0]) == ("demand", pytest.approx(0.3))
 
 
+@pytest.mark.slow
 def test_the_least_amplitude_of_an_envelope_is_drawn_for_each_frequency_over_a_quotient(
     drawn, table
 ):

@@ -10,7 +10,7 @@ from rocking_cli.reports.units import parse_units
 
 
 @pytest.fixture
-def drawn(figures, tmp_path, pytestconfig):
+def structures_drawn(figures, tmp_path, pytestconfig):
     """A function that draws shipped documents and returns the panels."""
 
     def run(*names, **options):
@@ -33,8 +33,8 @@ def labelled(axes, label):
     ]
 
 
-def test_a_block_has_its_pivots_mass_centre_and_alpha(drawn):
-    (axes,) = drawn("block")
+def test_a_block_has_its_pivots_mass_centre_and_alpha(structures_drawn):
+    (axes,) = structures_drawn("block")
     assert axes.get_aspect() == 1.0
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("$x$ [m]", "$z$ [m]")
     body, moved = (patch.get_xy()[:4] for patch in axes.patches)
@@ -58,8 +58,8 @@ def test_a_block_has_its_pivots_mass_centre_and_alpha(drawn):
     )
 
 
-def test_hinges_are_numbered_and_a_crack_is_named(drawn):
-    arch, spire = drawn("arch", "spire_cracked")
+def test_hinges_are_numbered_and_a_crack_is_named(structures_drawn):
+    arch, spire = structures_drawn("arch", "spire_cracked")
     assert [text.get_text() for text in arch.texts] == ["1", "2", "3", "4"]
     assert len(arch.patches) == 14  # seven voussoirs, and the same displaced
     assert "$a_{scale}$ = 0.1867" in arch.get_title()
@@ -68,40 +68,42 @@ def test_hinges_are_numbered_and_a_crack_is_named(drawn):
     assert "crack" in [text.get_text() for text in spire.texts]
 
 
-def test_what_leans_the_other_way_has_alpha_on_its_left(drawn, tmp_path, pytestconfig):
+def test_what_leans_the_other_way_has_alpha_on_its_left(
+    structures_drawn, tmp_path, pytestconfig
+):
     (tmp_path / "left.yaml").write_text(
         "kind: rigid\nleft: 0.2\nright: 0.3\nheight: 1\ngyration: 0.6\n"
     )
-    (axes,) = drawn(tmp_path / "left")
+    (axes,) = structures_drawn(tmp_path / "left")
     (arc,) = labelled(axes, "_alpha")
     ends = np.arctan2(arc[[0, -1], 0] + 0.2, arc[[0, -1], 1])
     assert ends == pytest.approx([0, math.atan(0.2)], abs=1e-12)
 
 
-def test_lengths_and_angles_are_in_the_units_asked_for(drawn):
-    (axes,) = drawn("block", units=parse_units("cm,rad"))
+def test_lengths_and_angles_are_in_the_units_asked_for(structures_drawn):
+    (axes,) = structures_drawn("block", units=parse_units("cm,rad"))
     assert axes.get_xlabel() == "$x$ [cm]"
     assert axes.patches[0].get_xy()[2] == pytest.approx((25, 200), rel=1e-14)
     assert "$\\alpha$ = 0.245 rad" in axes.get_title()
 
 
-def test_a_one_sided_body_has_its_backing_on_the_left(drawn):
-    (axes,) = drawn("wall")
+def test_a_one_sided_body_has_its_backing_on_the_left(structures_drawn):
+    (axes,) = structures_drawn("wall")
     (backing,) = [patch for patch in axes.patches if patch.get_hatch()]
     assert backing.get_xy()[:, 0].max() == pytest.approx(-0.6)
 
 
-def test_a_dollar_in_a_name_is_a_dollar(drawn, tmp_path):
+def test_a_dollar_in_a_name_is_a_dollar(structures_drawn, tmp_path):
     (tmp_path / "dollar.yaml").write_text(
         'kind: block\nname: "a $ b $ c"\nwidth: 1\nheight: 5\n'
     )
-    (axes,) = drawn(tmp_path / "dollar")
+    (axes,) = structures_drawn(tmp_path / "dollar")
     assert axes.get_title().startswith("a \\$ b \\$ c\n")
 
 
-def test_bodies_are_at_one_scale_and_one_without_geometry_is_left_out(drawn):
+def test_bodies_are_at_one_scale_and_one_without_geometry_is_left_out(structures_drawn):
     remarks = []
-    axes = drawn("block", "parameters", "spire", tell=remarks.append)
+    axes = structures_drawn("block", "parameters", "spire", tell=remarks.append)
     assert [one.get_title().partition("\n")[0] for one in axes] == ["Column", "Spire"]
     assert (
         len(
@@ -114,7 +116,7 @@ def test_bodies_are_at_one_scale_and_one_without_geometry_is_left_out(drawn):
     )
     assert [said.endswith("left out") for said in remarks] == [True]
     with pytest.raises(DocumentError, match="states no geometry"):
-        drawn("parameters")
+        structures_drawn("parameters")
 
 
 def test_a_long_name_stands_on_lines_of_its_panel(figures, tmp_path):

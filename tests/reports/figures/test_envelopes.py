@@ -48,6 +48,7 @@ def test_an_envelope_is_a_band_from_where_overturning_begins_to_where_it_ends(
     assert axes.get_title() == "eta=0.9\nsine, 1 cycle, linear equation"
 
 
+@pytest.mark.slow
 def test_structures_have_a_panel_each_in_g_and_hz(drawn, table):
     source, rows = table(
         "envelope",

@@ -114,7 +114,7 @@ def test_any_axis_of_the_request_is_an_axis_of_the_slice(drawn, towers):
             slice_of(file, cut) for cut in ("a_g=0.6g", f"a_g={0.6 * 9.81!r}")
         ]
         ends = [
-            slice_of(file, cut).value
+            slice_of(file, cut).coordinate
             for cut in (
                 "f_g=0.5",
                 "f_g=2",
@@ -124,9 +124,9 @@ def test_any_axis_of_the_request_is_an_axis_of_the_slice(drawn, towers):
                 "a_g=11.772",
             )
         ]
-    assert {s.value for s in by_frequency} == {by_frequency[0].value}
-    assert by_frequency[0].value == pytest.approx(3 * math.pi, rel=1e-14)
-    assert {s.value for s in by_amplitude} == {by_amplitude[0].value}
+    assert {s.coordinate for s in by_frequency} == {by_frequency[0].coordinate}
+    assert by_frequency[0].coordinate == pytest.approx(3 * math.pi, rel=1e-14)
+    assert {s.coordinate for s in by_amplitude} == {by_amplitude[0].coordinate}
     assert ends == pytest.approx(
         [math.pi, 4 * math.pi, math.pi, 4 * math.pi, 1.2 * 9.81, 1.2 * 9.81], rel=1e-12
     )

@@ -17,7 +17,7 @@ from rocking_cli.spectra.file.reader import SpectraFile
 def test_a_chunk_is_checked_whenever_it_is_read(spectrum_file, tmp_path):
     with SpectraFile(spectrum_file) as file:
         at = file.file["theta_ratio"].id.get_chunk_info(3).byte_offset + 40
-        rows = file.cut.chunk[1]
+        rows = file.chunk_grid.chunk[1]
     data = bytearray(spectrum_file.read_bytes())
     data[at] ^= 4
     (tmp_path / "d.h5").write_bytes(data)

@@ -48,7 +48,8 @@ def altered(path, index, change):
             for k in ("history", "documents", "motion", "model", "shard")
         }
         with SpectraWriter(
-            other, FileLayout(f.frame, f.cut.chunk[1:], f.names, f.scene, attributes)
+            other,
+            FileLayout(f.frame, f.chunk_grid.chunk[1:], f.names, f.scene, attributes),
         ) as writer:
             for i in (int(i) for i in f.done.nonzero()[0]):
                 packed = f.packed(i)
@@ -56,10 +57,10 @@ def altered(path, index, change):
                     theta = unpack(
                         packed["theta_ratio"],
                         VARIABLES["theta_ratio"].dtype,
-                        f.cut.chunk,
+                        f.chunk_grid.chunk,
                     ).copy()
                     packed["theta_ratio"] = pack(change(theta))
-                writer.write(f.cut.offset(i), packed)
+                writer.write(f.chunk_grid.offset(i), packed)
             writer.finish({"cells": 1200})
     return other
 

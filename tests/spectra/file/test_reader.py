@@ -107,6 +107,7 @@ def test_a_file_that_another_program_has_changed_is_refused(spectrum_file, tmp_p
         SpectraFile(path)
 
 
+@pytest.mark.slow
 def test_a_file_of_an_earlier_version_is_read(rocking, tmp_path):
     """2 x 3 cells in two chunks, as version 0.1.0 wrote them, with the bookkeeping at
     the root.
@@ -131,6 +132,7 @@ def test_a_file_of_an_earlier_version_is_read(rocking, tmp_path):
     )
 
 
+@pytest.mark.slow
 def test_ground_forces_that_an_earlier_version_stored_are_read_joined_and_drawn(
     rocking, tmp_path
 ):

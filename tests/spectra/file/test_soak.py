@@ -64,7 +64,7 @@ def numbers(path: Path) -> Numbers:
     """Read a file to its last cell. Raises RockingError."""
     with SpectraFile(path) as f:
         blocks = {
-            int(i): f.block(f.cut.offset(i)[0], *f.cut.extent(i)[1:])
+            int(i): f.block(f.chunk_grid.offset(i)[0], *f.chunk_grid.extent(i)[1:])
             for i in f.done.nonzero()[0]
         }
         chunks = {

@@ -60,6 +60,7 @@ def cluster(tmp_path):
     process.stdout.close()
 
 
+@pytest.mark.slow
 def test_a_cluster_computes_the_same_file_though_a_worker_dies(
     rocking, cluster, tmp_path
 ):
@@ -69,15 +70,15 @@ def test_a_cluster_computes_the_same_file_though_a_worker_dies(
         "--eta",
         "0.9",
         "--grid",
-        "A=0.5:12:500,Omega=0.5:12:500",
+        "A=0.5:12:300,Omega=0.5:12:300",
         "--chunk",
-        "5000",
+        "2500",
         "-q",
     ]
     assert rocking(*call, "-o", "here.h5").returncode == 0
     command = [*PROGRAM, *call, "-o", "there.h5", "--scheduler", address]
     process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
-    grows(tmp_path / "there.h5.part", 50_000, process)
+    grows(tmp_path / "there.h5.part", 20_000, process)
     os.kill(workers[0], signal.SIGKILL)
     _, said = process.communicate(timeout=PATIENCE)
     assert process.returncode == 0, said

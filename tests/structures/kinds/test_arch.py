@@ -123,6 +123,7 @@ def test_scale_moves_only_p_and_the_mirror_image_moves_nothing():
         )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ratio", [0.12, pytest.param(0.2, marks=pytest.mark.soak)])
 def test_family_over_the_papers_range_is_smooth(ratio):
     """Fig. 6: beta 150-180 deg, t/r 0.12-0.20. Between neighbours 2 deg apart each
@@ -138,6 +139,7 @@ def test_family_over_the_papers_range_is_smooth(ratio):
         assert np.abs(np.diff(values)).max() < 0.24 * np.ptp(values), name
 
 
+@pytest.mark.slow
 def test_voussoir_arches_jump_only_where_another_mechanism_takes_over():
     """With joints fixed the governing mechanism changes: there lambda stays continuous
     and p, alpha jump, elsewhere nothing does.

@@ -181,7 +181,7 @@ REFUSED = {
         ),
         (
             "left: 0.42\nright: 31 cm\nheight: 0.2\ngyration: 0.2",
-            "a restitution of -.* from momentum; expected a body more slender",
+            "gives the restitution -.*, below 0; expected a body more slender",
         ),
         (
             "one_sided: true\nleft: 1\nright: 1\nheight: 3\ngyration: 1",

@@ -436,8 +436,8 @@ def test_a_given_restitution_is_that_of_both_impacts_even_if_momentum_throws_bac
     with pytest.raises(
         DocumentError,
         match=(
-            r"found a restitution of -0\.\d+ from momentum; expected a section more"
-            r" slender"
+            r"angular momentum at an impact gives the restitution -0\.\d+, below 0;"
+            r" expected a section more slender"
         ),
     ):
         prism(flat)

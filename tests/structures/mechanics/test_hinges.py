@@ -98,6 +98,7 @@ def test_forces_of_the_joints_and_line_of_thrust_agree(angle, thickness, voussoi
     assert found is None or found == pytest.approx(expected, rel=1e-9, abs=1e-9)
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(st.floats(60, 270), st.floats(0.06, 0.9), st.integers(3, 40))
 def test_a_thrust_through_the_hinges_that_stays_inside_is_the_largest_there_is(

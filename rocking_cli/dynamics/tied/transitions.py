@@ -1,0 +1,125 @@
+"""Restraints from branch to branch of their force laws: engagement, yield, unloading,
+slack and rupture.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..lanes import Array
+from .devices import BROKEN, ELASTIC, SLACK, YIELDING, Devices
+from .tied_lanes import Recorder, TiedLanes, note
+
+WORDS = {SLACK: "slack", ELASTIC: "engagement", YIELDING: "yield", BROKEN: "rupture"}
+
+
+class Transitions:
+    """Moves the restraints of lanes from branch to branch; recorder: notes each change
+    of a single lane.
+    """
+
+    def __init__(self, devices: Devices, recorder: Recorder | None) -> None:
+        self.devices, self.recorder = devices, recorder
+
+    def release(self, lanes: TiedLanes) -> None:
+        """Stretch the devices of lanes that are released at their y on the right."""
+        row = self.devices.row(lanes.side)
+        e = self.devices.elongation(row, lanes.y)
+        lanes.plastic[0], lanes.farthest[0] = self.devices.stretched(row, e), e
+        pulls, _ = self.devices.thresholds(row, lanes.plastic[0])
+        broken = e >= self.devices.on(self.devices.ultimate, row)
+        unbroken = np.where(e > pulls, ELASTIC, SLACK)
+        lanes.branch[0] = np.where(broken, BROKEN, unbroken)
+
+    def leave(self, lanes: TiedLanes, at: Array) -> None:
+        """Set the devices of lanes that leave the ground to the branches in which they
+        begin.
+        """
+        row = self.devices.row(lanes.side)[at]
+        branch, plastic = lanes.branch[row, :, at].T, lanes.plastic[row, :, at].T
+        lanes.branch[row, :, at] = self.devices.at_ground(row, branch, plastic).T
+
+    def stretch(self, lanes: TiedLanes, at: Array, row: Array, top: Array) -> None:
+        """Note the elongation of unbroken devices at y = `top` where it is their
+        largest so far.
+        """
+        e, row = self.devices.elongation(row[at], top[at]), row[at]
+        whole = lanes.branch[row, :, at].T != BROKEN
+        lanes.farthest[row, :, at] = np.where(
+            whole,
+            np.maximum(lanes.farthest[row, :, at].T, e),
+            lanes.farthest[row, :, at].T,
+        ).T
+
+    def pass_end(
+        self, lanes: TiedLanes, at: Array, row: Array, limits: Array, sign: float
+    ) -> None:
+        """Move devices of the lanes `at` that are at an upper (sign = 1) or lower (sign
+        = -1) end of their branch to the next branch.
+        """
+        row = row[at]
+        reached = sign * (lanes.y[at] - limits[:, at]) >= 0.0
+        branch, plastic = (x[row, :, at].T for x in (lanes.branch, lanes.plastic))
+        ultimate = self.devices.on(self.devices.ultimate, row)
+
+        # Outwards a slack device engages, an elastic one yields or breaks, and a
+        # yielding one breaks; inwards an elastic one becomes slack.
+        if sign > 0.0:
+            _, yields = self.devices.thresholds(row, plastic)
+            begins_to_yield = (branch == ELASTIC) & (yields < ultimate)
+            stretched = np.where(begins_to_yield, YIELDING, BROKEN)
+            following = np.where(branch == SLACK, ELASTIC, stretched)
+        else:
+            following = np.full(branch.shape, SLACK)
+        following = np.where(reached, following, branch)
+        breaks = reached & (following == BROKEN)
+        kept = np.where(breaks, self.devices.stretched(row, ultimate), plastic)
+        lanes.branch[row, :, at], lanes.plastic[row, :, at] = following.T, kept.T
+
+        # A tendon breaks on both sides. Without it Fz is not what it was on the way
+        # back from a peak: the peaks count anew.
+        for device in np.flatnonzero(self.devices.tendon):
+            lanes.branch[:, device, at[breaks[device]]] = BROKEN
+            lanes.turned[at[breaks[device]]] = 0
+        if self.recorder is not None:
+            for device in np.flatnonzero(reached[:, 0]):
+                note(
+                    self.recorder,
+                    lanes,
+                    WORDS[int(following[device, 0])],
+                    lanes.y,
+                    lanes.v,
+                    self.devices.names[device],
+                )
+
+    def unload(self, lanes: TiedLanes, at: Array, row: Array) -> None:
+        """Unload the lanes `at`, whose velocity has changed sign: yielding devices
+        become elastic and keep their permanent elongation.
+        """
+        if not at.size:
+            return
+        row = row[at]
+        branch = lanes.branch[row, :, at].T
+        yielding = branch == YIELDING
+        self.keep_yield(lanes, at, row)
+        lanes.branch[row, :, at] = np.where(yielding, ELASTIC, branch).T
+        if self.recorder is not None:
+            for device in np.flatnonzero(yielding[:, 0]):
+                note(
+                    self.recorder,
+                    lanes,
+                    "unloading",
+                    lanes.y,
+                    lanes.v,
+                    self.devices.names[device],
+                )
+
+    def keep_yield(self, lanes: TiedLanes, at: Array, row: Array) -> None:
+        """Store the permanent elongation of the yielding devices of the lanes `at`;
+        row: of these lanes.
+        """
+        branch, plastic = (x[row, :, at].T for x in (lanes.branch, lanes.plastic))
+        left = self.devices.stretched(row, self.devices.elongation(row, lanes.y[at]))
+        lanes.plastic[row, :, at] = np.where(
+            branch == YIELDING, np.maximum(left, plastic), plastic
+        ).T

@@ -1,0 +1,351 @@
+"""The section of the page on one structure: its drawing and parameters, the map around
+the demand, the agreement of both equations, and fragility curves.
+"""
+
+import base64
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from ..documents.document import Document
+from ..documents.quantities import DEFAULT_GRAVITY
+from ..dynamics.method import LINEAR, governing_method
+from ..dynamics.outcome import Difference, difference
+from ..dynamics.response import LONG
+from ..errors import DocumentError, UsageError
+from ..fragility.bootstrap import Resampling
+from ..fragility.exposure import MotionSet, exposures
+from ..fragility.fits import FEWEST
+from ..fragility.fitted_curve import Fit, word_of
+from ..fragility.measures import MEASURES, members_of
+from ..fragility.study import LIMITS, Study
+from ..motions import Motion
+from ..motions.grid import Axis, Grid, demand_of
+from ..motions.recording import Recording
+from ..responses.shares import ShareOfDraws
+from ..responses.tied_history import remarks as device_remarks
+from ..responses.uncertainty import drawn_verdict, share_curve
+from ..responses.verdict import Verdict
+from ..spectra.file.reader import SpectraFile
+from ..spectra.sweep import SweepOptions, write_spectrum
+from ..structures import RockingParameters
+from ..structures.kinds import sketch_of
+from .figures.canvas import FIGURE_UNITS, Figure, Look, drawn_as, literal, styled
+from .figures.drawing import structure_axes
+from .figures.fragility_curves import fragility_curves
+from .figures.maps import outcome_map
+from .figures.shares import shares
+from .wording import draws_in_words, parameter_rows
+
+SIDE = 80  # values on each axis of a map
+# amplitudes of the curve of draws, and those in a step where the share changes
+CURVE, CLOSER = 22, 6
+FEW_DRAWS = 128  # draws of that curve under a record, at most
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A structure and its document."""
+
+    document: Document  # from which the structure was built
+    structure: RockingParameters  # its parameters
+
+
+def section(
+    subject: Subject,
+    mine: Sequence[Verdict],
+    pulse: tuple[Motion, Grid] | None,
+    recordings: Sequence[Recording],
+    workers: int | None,
+    draws: tuple[int, int] | None = None,
+) -> dict[str, Any]:
+    """Return the template's values for one structure and its verdicts; draws: their
+    number and seed, of a structure whose numbers have spreads.
+    """
+    structure = subject.structure
+    if pulse is None:
+        drawn, cases = None, "motions"
+        outcomes = np.array(
+            [(v.outcome, v.outcome_linear) for v in mine], dtype=np.uint8
+        ).reshape(-1, 2)
+        codes = difference(outcomes[:, 0], outcomes[:, 1])
+    else:
+        cases = "cells of the map"
+        drawn, codes = _map(structure, *pulse, mine, workers)
+    linear = all(v.model == LINEAR.model for v in mine)
+    kind = structure.structure
+    if structure.eta_source:
+        kind = f"kind {kind}, restitution {structure.eta_source}"
+    return {
+        "name": structure.name,
+        "kind": kind,
+        "drawing": _drawing(subject),
+        "parameters": parameter_rows(structure),
+        "ties": [
+            f"{v.motion}: {remark}"
+            for v in mine
+            for remark in [
+                *device_remarks(
+                    v.devices, v.first_overturning_a, v.first_overturning_a_free
+                ),
+                *([v.slide.words] if v.slide else []),
+                *([v.coupling] if v.coupling else []),
+            ]
+        ],
+        "map": drawn,
+        "validity": (
+            "The linear equation alone answers here."
+            if linear
+            else _agreement(codes, cases)
+        ),
+        "fragility": _fragility(structure, recordings, workers) if recordings else None,
+        "draws": _draws(structure, mine, pulse, recordings, draws),
+        "text": subject.document.text.strip(),
+    }
+
+
+def image(plan: Callable[[Figure], object]) -> str:
+    """Return a figure as a data URL."""
+    look = Look()
+    with styled(look) as figure:
+        plan(figure)
+        drawn, _ = drawn_as(figure, Path("figure.svg"), look)
+    return f"data:image/svg+xml;base64,{base64.b64encode(drawn).decode()}"
+
+
+def _drawing(subject: Subject) -> str | None:
+    """Return a drawing of the structure as a data URL, None without geometry."""
+    try:
+        sketch = sketch_of(subject.document, subject.structure)
+    except DocumentError:
+        return None
+    return image(
+        lambda figure: structure_axes(
+            figure.add_subplot(), subject.structure, sketch, FIGURE_UNITS
+        )
+    )
+
+
+def _map(
+    structure: RockingParameters,
+    motion: Motion,
+    demand: Grid,
+    mine: Sequence[Verdict],
+    workers: int | None,
+) -> tuple[str, np.ndarray]:
+    """Return (the map around the demand as a data URL, the `Difference` of each cell,
+    empty for the linear equation).
+    """
+    (omega,) = demand.frequency.values / (
+        1.0 if demand.frequency.name == "omega_g" else 1.0 / structure.p
+    )
+    amplitude = mine[0].demand_a
+    method = governing_method(structure, dimensionless=demand.dimensionless)
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "map.h5"
+        write_spectrum(
+            [structure],
+            motion,
+            _grid_around(omega, amplitude, mine),
+            path,
+            method=method,
+            quantities=() if method.exact else ("linear",),
+            check=0,
+            workers=workers,
+            overwrite=True,
+        )
+        with SpectraFile(path) as file:
+            drawn = image(lambda figure: _draw_map(figure, file, omega, amplitude))
+            if method == LINEAR:
+                return drawn, np.zeros(0)
+            return drawn, file.block(0, slice(None))["difference"]
+
+
+def _grid_around(omega: float, amplitude: float, mine: Sequence[Verdict]) -> Grid:
+    """Return the grid of a map: frequencies from a quarter to four times omega [rad/s],
+    amplitudes up to twice the demand or the first overturning, at most eight times the
+    demand [m/s2].
+    """
+    found = [v.first_overturning_a for v in mine if v.first_overturning_a is not None]
+    most = min(2.0 * max([amplitude, *found]), 8.0 * amplitude)
+    return Grid(
+        Axis("a_g", most * np.arange(1, SIDE + 1) / SIDE),
+        Axis("omega_g", omega * np.geomspace(0.25, 4.0, SIDE)),
+    )
+
+
+def _draw_map(
+    figure: Figure, file: SpectraFile, omega: float, amplitude: float
+) -> None:
+    """Draw the map of a file, and a star at the demand [rad/s, m/s2]."""
+    figure.set_size_inches(8.4, 4.0)  # with the legend beside the map
+    axes = figure.add_subplot()
+    entries = outcome_map(axes, file, 0, FIGURE_UNITS)
+    x = omega / FIGURE_UNITS.column("omega_g")[2]
+    y = amplitude / FIGURE_UNITS.column("a_g")[2]
+    entries += axes.plot(
+        x, y, ls="", marker="*", ms=13, mfc="#F0E442", mec="k", label="demand"
+    )
+    axes.set_xscale("log")
+    ticks = [x * 2.0**i for i in range(-2, 3)]
+    axes.set_xticks(ticks, [f"{tick:.3g}" for tick in ticks])
+    axes.set_xticks([], minor=True)
+    axes.set_title(literal(file.structures[0].name))
+    figure.legend(handles=entries, loc="outside right upper")
+
+
+def _agreement(codes: np.ndarray, cases: str) -> str:
+    """Return a sentence that compares the outcomes of both equations; codes:
+    `Difference` of each of the cases.
+    """
+    judged = codes[codes != Difference.NOT_COMPUTED]
+    wrong, unsafe = (
+        int(np.count_nonzero(x))
+        for x in (judged > Difference.AGREES, judged == Difference.LINEAR_UNSAFE)
+    )
+    missing = codes.size - judged.size
+    verb = "is" if missing == 1 else "are"
+    more = (
+        f" {missing} more {verb} not compared: by one equation or both the structure"
+        " has no outcome."
+        if missing
+        else ""
+    )
+    return (
+        f"In {wrong} of {judged.size} {cases} the linear equation ends otherwise than"
+        f" the nonlinear one; in {unsafe} of them it says that the structure stands,"
+        f" and the structure falls or leaves the ground.{more}"
+    )
+
+
+def _fragility(
+    structure: RockingParameters, recordings: Sequence[Recording], workers: int | None
+) -> dict[str, Any]:
+    """Return the template's values for fragility curves over PGA by stripes."""
+    if len(recordings) < FEWEST:
+        return {
+            "figure": None,
+            "fits": [],
+            "remarks": [f"{len(recordings)} records; a fit needs at least {FEWEST}."],
+        }
+    study = _stripes(structure, recordings, workers)
+    fits: list[Fit] = []
+    remarks: list[str] = []
+    if recordings[0].upwards is not None:
+        remarks.append(
+            "The vertical motion is scaled with each record; PGA is that of the"
+            " horizontal one."
+        )
+    for limit in LIMITS:
+        try:
+            fits.append(study.fit("stripes", limit))
+        except UsageError as error:
+            remarks.append(f"limit state {word_of(limit)}: {error}")
+    rows = [
+        {key: "" if x is None else str(x) for key, x in row.items()}
+        for fit in fits
+        for row in fit.points_of_curve()
+    ]
+    drawn = None
+    if fits:
+        drawn = image(lambda figure: fragility_curves(figure, rows, FIGURE_UNITS))
+    return {
+        "figure": drawn,
+        "fits": [_fitted(fit) for fit in fits],
+        "remarks": remarks,
+    }
+
+
+def _draws(
+    structure: RockingParameters,
+    mine: Sequence[Verdict],
+    pulse: tuple[Motion, Grid] | None,
+    recordings: Sequence[Recording],
+    draws: tuple[int, int] | None,
+) -> dict[str, Any] | None:
+    """Return the template's values for the draws of a structure: a line on each motion,
+    and the share that falls over the amplitude of the worst one. None without draws.
+    """
+    if draws is None or structure.drawn_from is None:
+        return None
+    n, seed = draws
+    shakes = [pulse] if pulse else [demand_of(one, None) for one in recordings]
+    found = [
+        drawn_verdict(structure, *shake, n=n, seed=seed, a_max=None) for shake in shakes
+    ]
+    worst = max(range(len(found)), key=lambda i: found[i].share.count)
+    motion, shaking = shakes[worst]
+    demand = mine[worst].demand_a
+    some = n if len(motion.segments) <= LONG else min(n, FEW_DRAWS)
+    amplitudes, curve = _share_curve(structure, motion, shaking, demand, some, seed)
+
+    def plan(figure: Figure) -> None:
+        axes = figure.add_subplot()
+        shares(axes, motion.name, amplitudes, curve, demand, FIGURE_UNITS)
+
+    return {
+        "lines": [
+            draws_in_words(motion.name, one)
+            for (motion, _), one in zip(shakes, found, strict=True)
+        ],
+        "figure": image(plan),
+    }
+
+
+def _share_curve(
+    structure: RockingParameters,
+    motion: Motion,
+    shaking: Grid,
+    demand: float,
+    n: int,
+    seed: int,
+) -> tuple[np.ndarray, list[ShareOfDraws]]:
+    """Return (amplitudes [m/s2], the share of the draws that falls at each), from a
+    quarter of the demand to twice it, closer where the share changes much.
+    """
+    x = demand * np.linspace(0.25, 2.0, CURVE)
+    found = share_curve(structure, motion, shaking, x, n, seed)
+    steps = np.abs(np.diff([one.share for one in found]))
+    between = [
+        np.linspace(x[i], x[i + 1], CLOSER + 2)[1:-1]
+        for i in np.flatnonzero(steps > 0.05)
+    ]
+    if not between:
+        return x, found
+    more = np.concatenate(between)
+    found += share_curve(structure, motion, shaking, more, n, seed)
+    x = np.append(x, more)
+    order = np.argsort(x)
+    return x[order], [found[i] for i in order]
+
+
+def _stripes(
+    structure: RockingParameters, recordings: Sequence[Recording], workers: int | None
+) -> Study:
+    """Return the study of a structure under all records at 16 levels of PGA, from a
+    quarter to four times their median.
+    """
+    measure, members = MEASURES["PGA"], members_of(recordings)
+    middle = np.median([m.measured(measure, structure) for m in members])
+    levels = middle * np.geomspace(0.25, 4.0, 16)
+    motions = MotionSet(members, measure, levels, governing_method(structure))
+    (exposure,) = exposures([structure], motions, sweep=SweepOptions(workers=workers))
+    return Study(structure, motions, Resampling(200, 0), exposure)
+
+
+def _fitted(fit: Fit) -> dict[str, str]:
+    """Return the numbers of a fragility curve as the page shows them."""
+    c, b, g = fit.curve, fit.band, DEFAULT_GRAVITY
+    return {
+        "limit": fit.limit,
+        "median": f"{c.median / g:.4g}",
+        "median_band": (
+            f"{b.median_low / g:.3g} to {b.median_high / g:.3g}" if b else "–"
+        ),
+        "beta": f"{c.beta:.3g}",
+        "beta_band": f"{b.beta_low:.3g} to {b.beta_high:.3g}" if b else "–",
+    }

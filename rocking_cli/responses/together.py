@@ -1,0 +1,193 @@
+"""Many structures under one motion, each at its own amplitudes: bodies that differ in
+alpha, restitution and size are marched together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..dynamics.method import Method, governing_method
+from ..dynamics.outcome import Outcome, safe
+from ..dynamics.response import Response, cheaper, response
+from ..motions.grid import Grid
+from ..motions.motion import Motion
+from ..structures.parameters import RockingParameters
+
+Array = np.ndarray
+
+STEP = 0.01  # ratio of neighbouring amplitudes of the search, minus 1
+_DIGITS = 1e-6  # relative width of a traced first overturning amplitude
+# neighbouring amplitudes of each body that are computed together, at least and at most,
+# and cells of a group that are
+_FEWEST, _MOST, _CELLS = 24, 400, 25_000
+
+
+def outcomes_at(
+    structures: Sequence[RockingParameters], motion: Motion, shaking: Grid
+) -> Array:
+    """Return the outcome of each structure under one demand.
+
+    Parameters
+    ----------
+    structures
+        structures with a geometry, by whose governing equation the outcome is found
+    motion
+        the motion of the ground
+    shaking
+        the demand, a grid of one cell
+
+    Returns
+    -------
+    numpy.ndarray
+        codes of `Outcome`, (structures,)
+    """
+    method = governing_method(*structures, dimensionless=shaking.dimensionless)
+    cells = np.array([shaking.cell(s) for s in structures])
+    together = Together(method, motion, structures, cells[:, 1])
+    return together.outcomes(np.arange(len(structures)), cells[:, 0])
+
+
+def first_overturning_of(
+    structures: Sequence[RockingParameters],
+    motion: Motion,
+    shaking: Grid,
+    a_max: Sequence[float],
+) -> Array:
+    """Return the lowest amplitude that overturns each structure.
+
+    All structures go up the same ladder of amplitudes, 1 % apart; a structure leaves it
+    at its first overturning, whose bracket is then halved. Intervals narrower than a
+    step may be missed.
+
+    Parameters
+    ----------
+    structures
+        structures with a geometry
+    motion
+        the motion of the ground
+    shaking
+        the demand, a grid of one cell, whose frequency holds
+    a_max
+        largest amplitude A of each search [-]
+
+    Returns
+    -------
+    numpy.ndarray
+        amplitude of the ground [m/s2], infinite where none overturns, (structures,)
+    """
+    method = governing_method(*structures, dimensionless=shaking.dimensionless)
+    omega = np.array([shaking.cell(s)[1] for s in structures])
+    together = Together(method, motion, structures, omega)
+    first = together.lowestfallen(together.least_uplifts(), np.asarray(a_max, float))
+    unit = np.array([float(s.ground_acceleration(1.0)) for s in structures])
+    return first * unit
+
+
+class Together:
+    """Structures under one motion, each at its own amplitudes."""
+
+    def __init__(
+        self,
+        method: Method,
+        motion: Motion,
+        structures: Sequence[RockingParameters],
+        omega: Array,
+    ) -> None:
+        self.method, self.motion, self.structures = method, motion, structures
+        self.omega = omega  # Omega of each structure [-]
+        self.eta = np.array([s.eta for s in structures])  # restitution of each [-]
+        groups: dict[object, int] = {}
+        self.group = np.array(
+            [groups.setdefault(self._shared(s), len(groups)) for s in structures]
+        )
+
+    def _shared(self, structure: RockingParameters) -> object:
+        """Return what the structures of one march have in common: nothing for plain
+        bodies whose equation takes cells of several alphas.
+        """
+        kind = self.method.kind_of(structure)
+        if structure.plain and kind.of_cells is not None:
+            return None
+        return self.method.shares(structure)
+
+    def least_uplifts(self) -> Array:
+        """Return the least amplitude A that lifts each structure."""
+        return np.array(
+            [
+                self.method.system_of(s).least_uplift(self.motion)
+                for s in self.structures
+            ]
+        )
+
+    def outcomes(self, which: Array, amplitude: Array) -> Array:
+        """Return the outcome of cells: structure `which` at this amplitude A."""
+        return self.responses(which, amplitude, peaks=False)[1]
+
+    def responses(
+        self, which: Array, amplitude: Array, peaks: bool = True
+    ) -> tuple[Array, Array]:
+        """Return (theta_ratio, outcome) of cells: structure `which` at this amplitude
+        A; without peaks theta_ratio is NaN.
+        """
+        theta_ratio = np.full(which.size, np.nan)
+        outcome = np.zeros(which.size, dtype=np.uint8)
+        for number in np.unique(self.group[which]):
+            at = np.flatnonzero(self.group[which] == number)
+            at = at[np.argsort(which[at], kind="stable")]  # by structure
+            got = self._of_group(which[at], amplitude[at], peaks)
+            theta_ratio[at], outcome[at] = got.theta_ratio, got.outcome
+        return theta_ratio, outcome
+
+    def _of_group(self, which: Array, amplitude: Array, peaks: bool) -> Response:
+        """Return the responses of cells of one group, which are in the order of their
+        structures.
+        """
+        own, counts = np.unique(which, return_counts=True)
+        structures = [self.structures[i] for i in own]
+        system = self.method.system_of_cells(structures, counts.tolist())
+        if self.method.exact:
+            system = system._replace(body=None, own=())
+        how = cheaper(system, self.motion, which.size) if own.size == 1 else "arrays"
+        cells = (amplitude, self.omega[which], self.eta[which])
+        return response(system, self.motion, *cells, peaks=peaks, how=how)
+
+    def lowestfallen(self, lowest: Array, highest: Array) -> Array:
+        """Return the lowest amplitude A that overturns each structure between two
+        amplitudes, infinite without one.
+        """
+        first = np.full(lowest.size, np.inf)
+        stands = lowest.copy()  # largest amplitude up to which no rung overturns
+        climbing = np.flatnonzero(np.isfinite(lowest) & (lowest < highest))
+        while climbing.size:
+            largest = int(np.bincount(self.group[climbing]).max())
+            window = int(np.clip(_CELLS // largest, _FEWEST, _MOST))
+            rungs = stands[climbing, None] * (1.0 + STEP) ** np.arange(1, window + 1)
+            rungs = np.minimum(rungs, highest[climbing, None])
+            codes = self.outcomes(np.repeat(climbing, window), rungs.ravel())
+            falls = fallen(codes).reshape(rungs.shape)
+            hit = falls.any(axis=1)
+            at = np.argmax(falls, axis=1)
+            for i, j in zip(np.flatnonzero(hit), at[hit], strict=True):
+                first[climbing[i]] = rungs[i, j]
+                if j:
+                    stands[climbing[i]] = rungs[i, j - 1]
+            stands[climbing[~hit]] = rungs[~hit, -1]
+            climbing = climbing[~hit & (rungs[:, -1] < highest[climbing])]
+
+        # Each bracket is halved, all of them together.
+        open_ones = np.flatnonzero(np.isfinite(first))
+        while open_ones.size:
+            middle = 0.5 * (stands[open_ones] + first[open_ones])
+            falls = fallen(self.outcomes(open_ones, middle))
+            first[open_ones[falls]] = middle[falls]
+            stands[open_ones[~falls]] = middle[~falls]
+            wide = first[open_ones] - stands[open_ones] > _DIGITS * first[open_ones]
+            open_ones = open_ones[wide]
+        return first
+
+
+def fallen(outcome: Array) -> Array:
+    """True where a structure does not stand; a failed cell counts as a fall."""
+    return ~safe(outcome) | (outcome == Outcome.FAILED)

@@ -1,0 +1,125 @@
+"""Shares of draws, their intervals and indices, against exact values.
+
+The exact values are closed forms (rectangular pulse, linear: first overturning at
+alpha g/(1 - exp(-p t_d))), Phi((w* - mean)/sd) with the boundary w* of an independent
+integrator, and quadratures over one key (independent programs, 2026).
+"""
+
+import numpy as np
+import pytest
+
+import rocking_cli as rk
+from rocking_cli.dynamics.outcome import safe
+from rocking_cli.motions.grid import demand_of
+from rocking_cli.responses.shares import ShareOfDraws, first_order_indices
+from rocking_cli.responses.together import first_overturning_of, outcomes_at
+from rocking_cli.structures.draws import draws, sobol
+
+
+@pytest.mark.parametrize(
+    ("count", "low", "high"),
+    [
+        (0, 0.0, 0.0035959404),
+        (12, 0.0060695054, 0.020380742),
+        (512, 0.46892483, 0.53107517),
+        (1024, 0.99640406, 1.0),
+    ],
+)
+def test_the_interval_of_clopper_and_pearson(count, low, high):
+    found = ShareOfDraws.of(count, 1024)
+    assert (found.low, found.high) == pytest.approx((low, high), rel=1e-7)
+
+
+def test_indices_of_the_function_of_ishigami():
+    x = np.pi * (2.0 * sobol(3, 1024, 0) - 1.0)
+    y = (
+        np.sin(x[:, 0])
+        + 7.0 * np.sin(x[:, 1]) ** 2
+        + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
+    )
+    assert first_order_indices(x, y) == pytest.approx(
+        [0.31390519, 0.44241114, 0.0], abs=0.03
+    )
+    assert not first_order_indices(x, 0.0 * y).any()
+
+
+def drawn(text, n=1024):
+    (document,) = rk.read_documents(text)
+    found = list(draws(document, n))
+    keys = np.array([list(draw.values.values()) for draw in found])
+    return [draw.parameters for draw in found], keys
+
+
+def share_of_falls(structures, motion, grid=None):
+    codes = outcomes_at(structures, *demand_of(motion, grid and rk.parse_grid(grid)))
+    return ShareOfDraws.of(int(np.count_nonzero(~safe(codes))), codes.size)
+
+
+@pytest.mark.parametrize(
+    ("text", "grid", "exact"),
+    [
+        ("block:0.62+-0.01x2", "a_g=0.4g,f_g=1", 0.62248696),
+        ("block:0.64+-0.01x2", "a_g=0.4g,f_g=1", 0.045707438),
+        ("block:0.5x2,restitution=0.85..0.95", "a_g=0.4g,f_g=1.5", 0.773395),
+    ],
+)
+def test_the_share_that_falls(text, grid, exact):
+    found = share_of_falls(drawn(text)[0], rk.sine(), grid)
+    assert found.low < exact < found.high
+    # A smooth boundary: Sobol points are far closer than the interval.
+    assert found.share == pytest.approx(exact, abs=0.004)
+
+
+@pytest.mark.parametrize(
+    ("span", "exact"), [("0.85..0.95", 0.1624354), ("0.93..0.94", 0.624354)]
+)
+def test_two_windows_of_the_restitution_are_seen(span, exact):
+    """It falls for eta from 0.93182 to 0.93566 and above 0.93760 (independent
+    program)."""
+    motion = rk.read_motion("configs/motions/synthetic.at2")
+    found = share_of_falls(drawn(f"block:0.5x2,restitution={span}")[0], motion)
+    assert found.share == pytest.approx(exact, abs=0.004)
+
+
+def rectangular(p, alpha):
+    return f"parameters:p={p},alpha={alpha},eta=0.9,a_scale=1"
+
+
+def test_first_overturning_and_the_indices_of_both_keys():
+    structures, keys = drawn(rectangular("2.66+-0.15", "0.245+-0.01"))
+    demand = demand_of(rk.pulse("rectangular"), rk.parse_grid("a_g=0.3g,T_g=0.5"))
+    first = first_overturning_of(structures, *demand, [20.0] * len(structures))
+
+    alpha, p = (
+        np.array([getattr(s, key) for s in structures]) for key in ("alpha", "p")
+    )
+    closed = alpha * 9.81 / -np.expm1(-0.5 * p)
+    assert first == pytest.approx(closed, rel=2e-6)
+
+    assert first.mean() == pytest.approx(3.2734129, rel=2e-4)
+    assert first.std() == pytest.approx(0.16085335, rel=0.02)
+    assert np.quantile(first, (0.05, 0.5, 0.95)) == pytest.approx(
+        (3.0149441, 3.2699753, 3.5435768), rel=2e-3
+    )
+    assert first_order_indices(keys, first) == pytest.approx(
+        [0.30954771, 0.68993659], abs=0.03
+    )
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "block:0.5+-0.01x2",
+        "rigid:left=0.3+-0.01,right=0.35,height=1,gyration=0.7",
+        "arch:radius=10,angle=157.5deg+-1deg,thickness=1.5,voussoirs=7",
+    ],
+)
+def test_a_draw_has_the_verdict_that_it_has_alone(text):
+    structures, _ = drawn(text, 4)
+    motion, grid = rk.sine(), rk.parse_grid("a_g=0.42g,f_g=1.5")
+    codes = outcomes_at(structures, motion, grid)
+    first = first_overturning_of(structures, motion, grid, [20.0] * 4)
+    for structure, code, amplitude in zip(structures, codes, first, strict=True):
+        alone = rk.check(structure, motion, grid)
+        assert code == alone.outcome
+        assert amplitude == pytest.approx(alone.first_overturning_a, rel=2e-6)
