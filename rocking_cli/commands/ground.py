@@ -255,6 +255,8 @@ class Motions(Reading, Source):
         """Return the motions on the floor that --building states; waits: an amplitude
         and a frequency of a pulse follow. Raises UsageError.
         """
+        if not self.building:
+            return ground
         from ..motions.buildings import parse_building
 
         found = ground.on_floor(parse_building(self.building))

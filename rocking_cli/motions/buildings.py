@@ -53,7 +53,20 @@ class BuildingMode(NamedTuple):
 
 @dataclass(frozen=True)
 class Building:
-    """A floor of a linear building: the modes that move it."""
+    """A floor of a linear building: the modes that move it.
+
+    `floor_of` returns its motion.
+
+    Attributes
+    ----------
+    modes: period [s], damping ratio [-] and gamma_psi [-] of each
+
+    Examples
+    --------
+    >>> building = parse_building(["T=0.4,xi=0.05,gamma_psi=1.3"])
+    >>> building.name
+    'floor of T 0.4 s'
+    """
 
     modes: tuple[BuildingMode, ...]
 
@@ -69,12 +82,27 @@ class Building:
 
 
 def parse_building(texts: Sequence[str]) -> Building | None:
-    """Return the building whose modes texts such as `T=0.4,xi=0.05,gamma_psi=1.3`
-    state (T [s], xi and gamma_psi [-], 1 if it is not stated), None without one. Raises
-    UsageError for other keys, a period that is not positive, a damping ratio outside
-    0 to 1, and two modes of one period.
+    """Return the building that texts of its modes state, None without one.
 
-    >>> parse_building(['T=0.4,xi=0.05']).modes
+    Parameters
+    ----------
+    texts
+        a mode each, such as `T=0.4,xi=0.05,gamma_psi=1.3`: period [s], damping ratio
+        [-] and participation times shape at the floor [-], 1 if it is not stated
+
+    Returns
+    -------
+    Building or None
+
+    Raises
+    ------
+    UsageError
+        for other keys, a period that is not positive, a damping ratio outside 0 to 1,
+        and two modes of one period
+
+    Examples
+    --------
+    >>> parse_building(["T=0.4,xi=0.05"]).modes
     (BuildingMode(period=0.4, damping=0.05, gamma_psi=1.0),)
     """
     modes = tuple(map(_parse_mode, texts))

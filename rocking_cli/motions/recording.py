@@ -93,7 +93,17 @@ class Recording:
         return replace(self, factor=self.factor * factor, upwards=up)
 
     def on_floor(self, building: "Building") -> Self:
-        """Return the recording on a floor of a building; its label names it."""
+        """Return the recording on a floor of a building; its label names it.
+
+        Parameters
+        ----------
+        building
+            the modes that move the floor
+
+        Returns
+        -------
+        Recording
+        """
         label = f"{self.label}, {building.name}"
         return replace(self, building=building, label=label)
 

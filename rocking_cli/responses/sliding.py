@@ -51,6 +51,13 @@ class SlideHistory:
     omega: omega_g [rad/s]
     friction: static and kinetic coefficient of its base [-]
     sliding: its slides, in phases
+
+    Examples
+    --------
+    >>> (block,) = load_structures("block:0.5x2,friction=0.2")
+    >>> found = slide_history(block, sine(), parse_grid("a_g=0.4g,f_g=1"))
+    >>> found.outcome.flag, f"{found.slide_speed:.3f} m/s"
+    ('slid', '0.428 m/s')
     """
 
     structure: RockingParameters  # the one that slides
@@ -112,9 +119,27 @@ class SlideHistory:
     def times(
         self, dt: float | None, steps: bool, duration: float | None
     ) -> np.ndarray:
-        """Return the times of the rows [s]: every dt [s]; with `steps` the starts and
-        stops of the slides; else the samples of a record with them, or the ends of
-        POINTS equal intervals for a pulse. Raises UsageError.
+        """Return the times of the rows [s].
+
+        Parameters
+        ----------
+        dt
+            time between two rows [s]; None for the samples of a record with the starts
+            and stops, or the ends of POINTS equal intervals for a pulse
+        steps
+            True for the starts and stops of the slides alone
+        duration
+            the time that is shown [s], None for the motion and the last slide
+
+        Returns
+        -------
+        ndarray
+            (n,)
+
+        Raises
+        ------
+        UsageError
+            for too many rows
         """
         end = self.end if duration is None or self.lost_at is not None else duration
         if duration is not None:
@@ -144,7 +169,22 @@ class SlideHistory:
         forces: bool = False,
     ) -> Iterator[dict[str, Any]]:
         """Yield a row for each time: t [s], slide [m], slide_velocity [m/s],
-        ground_acceleration [m/s2]; forces: those on the ground over m g as well.
+        ground_acceleration [m/s2].
+
+        Parameters
+        ----------
+        dt
+            as of `times`
+        steps
+            as of `times`
+        duration
+            as of `times`
+        forces
+            True for those on the ground over m g as well
+
+        Yields
+        ------
+        dict
         """
         times = self.times(dt, steps, duration)
         phase = times * self.omega
