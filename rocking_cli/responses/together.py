@@ -147,8 +147,6 @@ class Together:
         own, counts = np.unique(which, return_counts=True)
         structures = [self.structures[i] for i in own]
         system = self.method.system_of_cells(structures, counts.tolist())
-        if self.method.exact:
-            system = system._replace(body=None, own=())
         how = cheaper(system, self.motion, which.size) if own.size == 1 else "arrays"
         cells = (amplitude, self.omega[which], self.eta[which])
         return response(system, self.motion, *cells, peaks=peaks, how=how)
