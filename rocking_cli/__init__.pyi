@@ -43,6 +43,9 @@ from .motions import Motion as Motion
 from .motions import cosine as cosine
 from .motions import pulse as pulse
 from .motions import sine as sine
+from .motions.buildings import Building as Building
+from .motions.buildings import floor_of as floor_of
+from .motions.buildings import parse_building as parse_building
 from .motions.design_spectra import FloorMode as FloorMode
 from .motions.design_spectra import SpectrumFile as SpectrumFile
 from .motions.design_spectra import read_spectrum as read_spectrum
@@ -77,6 +80,8 @@ from .responses.code_check import first_beyond as first_beyond
 from .responses.comparison import compare as compare
 from .responses.history import history as history
 from .responses.shares import ShareOfDraws as ShareOfDraws
+from .responses.sliding import SlideHistory as SlideHistory
+from .responses.sliding import slide_history as slide_history
 from .responses.solving import Boundary as Boundary
 from .responses.solving import boundaries as boundaries
 from .responses.time_history import TimeHistory as TimeHistory

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,6 +20,15 @@ from .segments import Samples, Segments, largest_from
 from .sinusoids import isolated_extremes
 
 LARGEST_SCALE = 1e100  # larger amplitudes may overflow
+
+
+class Floor(NamedTuple):
+    """What the motion of a floor is made of."""
+
+    # what its straight lines miss at most, over its largest acceleration [-]
+    chord: float
+    ground: Motion  # motion of the ground, over the same a_g
+    omega: float  # frequency of the ground's motion [rad/s], 1 of a record
 
 
 @dataclass(frozen=True)
@@ -252,6 +262,18 @@ class Motion:
     def largest(self) -> float:
         """max |s| over the motion."""
         return float(max(self.segments.later_max[0], -self.segments.later_min[0]))
+
+    @property
+    def floor(self) -> Floor | None:
+        """What the motion of a floor of a building is made of; None for the ground."""
+        return None
+
+    @property
+    def ground_peak(self) -> float:
+        """max |s| of the ground: `largest`, but of the motion of a floor that of the
+        ground below its building.
+        """
+        return self.largest
 
     def value(self, phase: np.ndarray | float) -> np.ndarray:
         """Return s at some phases; at a jump the value after it, outside the motion

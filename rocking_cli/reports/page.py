@@ -270,7 +270,7 @@ def write_page(
     text = page(
         subjects,
         found,
-        pulse=None if recordings else shakes[0],
+        pulse=None if shakes[0][0].acceleration is not None else shakes[0],
         recordings=recordings,
         vertical=vertical,
         demand=(

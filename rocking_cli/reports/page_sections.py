@@ -88,9 +88,13 @@ def section(
         "ties": [
             f"{v.motion}: {remark}"
             for v in mine
-            for remark in device_remarks(
-                v.devices, v.first_overturning_a, v.first_overturning_a_free
-            )
+            for remark in [
+                *device_remarks(
+                    v.devices, v.first_overturning_a, v.first_overturning_a_free
+                ),
+                *([v.slide.words] if v.slide else []),
+                *([v.coupling] if v.coupling else []),
+            ]
         ],
         "map": drawn,
         "validity": (

@@ -113,6 +113,9 @@ def verdict_plainly(v: Verdict) -> str:
         said = (
             "Leaves the ground: its later motion is not known, so it counts as falling."
         )
+        said += f" It {v.slide.words}." if v.slide is not None else ""
+    elif v.slide is not None:
+        said = f"Stands: it {v.slide.words}."
     elif v.outcome == Outcome.NO_UPLIFT:
         said = "Stands: it does not lift."
     else:
@@ -130,7 +133,8 @@ def verdict_plainly(v: Verdict) -> str:
         said += " A change of the demand in its last digits changes this."
     return (
         said
-        + " Its base would slide." * v.slides
+        + f" It {v.coupling}." * bool(v.coupling)
+        + " Its base would slide." * (v.slides and not v.coupling)
         + " This is by the linear equation alone." * (v.model == LINEAR.model)
     )
 

@@ -19,13 +19,14 @@ from ..envelopes.intervals import A_MAX
 from ..motions import Motion
 from ..motions.grid import Grid, HasMotion, demand_of
 from ..processes import available_cpus, part_reporter, processes
+from ..structures.friction import friction_that_slides
 from ..structures.mechanics.fourbar import FourBar
 from ..structures.parameters import RockingParameters
 from .force_history import ForceHistory
 from .known_shares import KnownShares
 from .shaken import answer_of, capacity_search, least_acceleration, respond
 from .time_history import time_history
-from .verdict import Verdict
+from .verdict import FLOOR_COLUMNS, Verdict
 
 if TYPE_CHECKING:
     from ..envelopes.lowest_fall import FallSearch
@@ -104,6 +105,12 @@ def outcome_alone(
     structure: RockingParameters, motion: Motion, shaking: Grid
 ) -> Outcome:
     """Return only the outcome of the verdict of `check`."""
+    if friction_that_slides(structure) is not None:
+        from .sliding import slide_history
+
+        slide = slide_history(structure, motion, shaking)
+        assert slide is not None  # it slides
+        return slide.outcome
     _, _, amplitude, omega, method, _ = capacity_search(structure, motion, shaking, 0.0)
     return Outcome(
         int(respond(method, structure, motion, np.array([amplitude]), omega).outcome[0])
@@ -154,6 +161,8 @@ def _standing(
     done: Callable[[float], None],
 ) -> Standing:
     """Return outcome and capacity of the verdict of `_judged`."""
+    if friction_that_slides(structure) is not None:
+        return Standing(outcome_alone(structure, motion, shaking), None)
     answer = answer_of(capacity_search(structure, motion, shaking, a_max or 0.0))
     found = answer.search.capacity(fall_search, done)
     first, _ = answer.lowest(found)
@@ -198,7 +207,7 @@ def _judged(
         float(answer.response.theta_ratio[0]),
         asked.get("friction_needed"),
     )
-    return Verdict(
+    verdict = Verdict(
         structure=structure.name,
         motion=motion.name,
         model=method.model,
@@ -215,7 +224,23 @@ def _judged(
         first_overturning_a_free=least_acceleration(structure, free),
         slides=structure.friction is not None and (needed or 0.0) > structure.friction,
         **asked,
+        **_of_floor(motion, float(structure.ground_acceleration(search.amplitude))),
     )
+    if structure.friction is None:
+        return verdict
+    from .sliding import with_sliding
+
+    return with_sliding(verdict, structure, motion, shaking)
+
+
+def _of_floor(motion: Motion, a_g: float) -> dict[str, Any]:
+    """Return FLOOR_COLUMNS of the motion of a floor at an amplitude [m/s2]; empty on
+    the ground.
+    """
+    if motion.floor is None:
+        return {}
+    values = a_g * motion.largest, motion.floor.chord
+    return dict(zip(FLOOR_COLUMNS, values, strict=True))
 
 
 def verdicts(

@@ -2,6 +2,7 @@
 margin.
 """
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -331,12 +332,13 @@ class _Search:
 
     def _rounded(self, exact: float, low: float, high: float, above: bool) -> float:
         """Return the boundary rounded to the side that stands: the first number of
-        digits that stands, since close by there may be another boundary.
+        digits that stands, since close by there may be another boundary. Where the
+        boundary itself does not stand, as a friction of lambda, a unit away from it.
         """
-        outwards = math.ceil if above else math.floor
-        for digits in range(_DIGITS, 16):
+        outwards, out = (math.ceil, 1) if above else (math.floor, -1)
+        for away, digits in itertools.product((0, out), range(_DIGITS, 16)):
             unit = 10.0 ** (math.floor(math.log10(abs(exact) or 1.0)) - digits + 1)
-            rounded = float(f"{outwards(exact / unit) * unit:.{digits}g}")
+            rounded = float(f"{(outwards(exact / unit) + away) * unit:.{digits}g}")
             value = min(high, max(low, rounded))
             if self.excess(value) >= 0.0:
                 return value

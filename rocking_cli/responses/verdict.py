@@ -2,9 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..dynamics.outcome import Outcome
+
+if TYPE_CHECKING:
+    from .sliding import SlideVerdict
 
 CHECK_KEYS = ("structure", "motion")  # the columns that say which row it is
 CHECK_COLUMNS = (
@@ -31,6 +34,15 @@ TIED_COLUMNS = (
     "permanent",
     "tie_state",
 )
+SLIDE_COLUMNS = (
+    "slide_a",
+    "slide_max",
+    "slide_residual",
+    "slide_speed",
+    "stuck_outcome",
+    "stuck_first_overturning_a",
+)
+FLOOR_COLUMNS = ("floor_pga", "floor_chord")
 
 
 @dataclass(frozen=True)
@@ -67,6 +79,11 @@ class Verdict:
     opens: True if a further hinge opens in an arch, whose mechanism is then another
         one; None for another structure
     searched_to: largest a_g of the search [m/s2]; None without a search
+    coupling: what `slides` means for a body that slides while it rocks, in words
+    slide: the sliding of a body that slides and never rocks; None for another one
+    floor_pga: of a body on a floor of a building: largest acceleration of the floor
+        [m/s2]
+    floor_chord: what its straight lines miss at most, over floor_pga [-]
 
     Examples
     --------
@@ -114,10 +131,20 @@ class Verdict:
     opens: bool | None = None
     # largest a_g of the search [m/s2]; None without a search
     searched_to: float | None = None
+    # what `slides` means for a body that slides while it rocks, in words
+    coupling: str = ""
+    # the sliding of a body that slides and never rocks; None for another one
+    slide: "SlideVerdict | None" = None
+    # of a body on a floor of a building: largest acceleration of the floor [m/s2]
+    floor_pga: float | None = None
+    # what its straight lines miss at most, over floor_pga [-]
+    floor_chord: float | None = None
 
     @property
     def sentence(self) -> str:
         """The outcome in words."""
+        if self.slide is not None and self.outcome == Outcome.SLID:
+            return f"slides {1e3 * self.slide.slide_max:.3g} mm and never rocks"
         return (
             self.outcome.sentence
             + ", on the last digits" * self.unsettled
@@ -162,6 +189,10 @@ class Verdict:
             found["opens"] = self.opens
         if self.share_of_falls:
             found["falls_nearby"] = self.share_of_falls
+        if self.slide is not None:
+            found |= self.slide.row()
+        if self.floor_chord is not None:
+            found |= {key: getattr(self, key) for key in FLOOR_COLUMNS}
         if not self.devices:
             return found
         from .tied_history import columns_of
@@ -184,6 +215,9 @@ def tally(verdicts: Sequence[Verdict]) -> str:
     overturn = (
         f"{sum(v.outcome.overturned for v in verdicts)} of {len(verdicts)} overturn"
     )
+    if slid := sum(v.outcome == Outcome.SLID for v in verdicts):
+        overturn += f", {slid} slide{'s' if slid == 1 else ''} and never rock"
+        overturn += "s" * (slid == 1)
     overturn += (
         f", {lost} lose{'s' if lost == 1 else ''} contact with the ground"
         if lost

@@ -169,14 +169,22 @@ def damping_of(document: Document) -> float:
     )
 
 
-def friction_of(document: Document) -> float | None:
-    """Return the document's coefficient of friction [-], None if absent."""
+def friction_of(document: Document) -> tuple[float | None, float | None]:
+    """Return the document's coefficients of friction (static, kinetic) [-], None where
+    they are not stated: `friction: 0.3`, or `friction: {static: 0.35, kinetic: 0.3}`.
+    """
     where = "a positive number (a coefficient of friction)"
-    return (
-        document.quantity("friction", "number", above=0.0, where=where)
-        if document.has("friction")
-        else None
-    )
+    if not document.has("friction"):
+        return None, None
+    value = document.values["friction"]
+    if not isinstance(value.content, dict):
+        return document.quantity("friction", "number", above=0.0, where=where), None
+    part = document.part("friction", value)
+    static = part.quantity("static", "number", above=0.0, where=where)
+    where = f"a positive number up to the static friction, {static:g}"
+    kinetic = part.quantity("kinetic", "number", above=0.0, most=static, where=where)
+    part.finish()
+    return static, None if kinetic == static else kinetic
 
 
 def mass_of(document: Document) -> float | None:

@@ -220,7 +220,7 @@ def test_a_body_that_needs_more_friction_than_its_document_states_slides():
     """A block of b/h = 1/4 under 0.3 g needs as much as lifts it, 0.25, and little
     more.
     """
-    for stated, slides in ((0.2, True), (0.25, True), (0.28, False)):
+    for stated, slides in ((0.25, True), (0.28, False)):
         verdict = check(
             built(f"kind: block\nwidth: 0.5\nheight: 2\nfriction: {stated}"),
             sine(),

@@ -204,6 +204,8 @@ def _verdict_in_words(v: Verdict) -> str:
         return f"{v.capacity_demand:.2f}  {v.sentence}{words}"
     if v.capacity_above is not None:
         return f"{Above(v.capacity_above).shown(3)}  {v.sentence}"
+    if v.outcome == Outcome.SLID:
+        return v.sentence
     return f"{v.sentence}; no capacity known"
 
 

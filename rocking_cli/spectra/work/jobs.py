@@ -28,6 +28,7 @@ from ...dynamics.response import (
 from ...dynamics.system import System
 from ...motions import Motion
 from ...processes import Run, processes
+from ...structures.friction import friction_that_slides
 from ...structures.parameters import RockingParameters
 from ..scene import CellBand, Scene, Unit
 from ..verification import Answer, Place, Verification, condition_of, reference
@@ -113,9 +114,16 @@ class Job:
         """
         bands = [self._bands(unit) for unit in units]
         batches: dict[Any, list[CellBand]] = {}
-        for band in chain.from_iterable(bands):
-            batches.setdefault(self._batch_of(band), []).append(band)
         found: dict[int, list[Block]] = {}
+        for band in chain.from_iterable(bands):
+            if friction_that_slides(band.structure) is not None:
+                from .sliding_cells import sliding_block
+
+                found[id(band)] = [
+                    sliding_block(s, band, self.quantities) for s in band.sharers
+                ]
+                continue
+            batches.setdefault(self._batch_of(band), []).append(band)
         work = Work()
         for (motion, _), batch in batches.items():
             blocks, own = self._batch_blocks(batch, shared=motion is None)
@@ -155,6 +163,8 @@ class Job:
         cells = np.concatenate([band.cells() for band in batch], axis=1)
         compute = self.under_records if shared else self.together_of
         whole, work = compute(batch, cells)
+        if "slide" in self.quantities:  # a body that rocks does not slide
+            whole["slide_max"] = np.full(cells.shape[1], np.nan)
         found, last = {}, 0
         for band in batch:
             first, last = last, last + band.size

@@ -43,7 +43,11 @@ if TYPE_CHECKING:
     from ...documents.document import Document
     from ..sketch import Sketch
 
-OF_BODIES = ("inset", *RESTRAINTS)  # keys that every rigid kind takes, and no other one
+OF_BODIES = (
+    "inset",
+    "strength",
+    *RESTRAINTS,
+)  # keys that every rigid kind takes, and no other one
 GROUP = "rocking.structures"
 # The keys of all kinds but those inside lists; no column of a table with such a name is
 # a label.
@@ -63,6 +67,7 @@ KEYS = frozenset(
         "dampers",
         "damping",
         "density",
+        "depth",
         "drums",
         "eta",
         "eta_source",
@@ -93,6 +98,7 @@ KEYS = frozenset(
         "rocks_on",
         "sides",
         "span",
+        "strength",
         "structure_kind",
         "tendon",
         "thickness",

@@ -6,6 +6,7 @@ import math
 
 from ...documents.document import Document
 from ..mechanics.single_body import RigidBody, rectangle_body
+from ..mechanics.toe import strip_foot
 
 REPORTS = ("length",)
 SIZES = ("thickness", "height")
@@ -17,17 +18,13 @@ def body(document: Document) -> RigidBody:
     """
     thickness, height = document.length("thickness"), document.length("height")
     details = {"length": document.length("length")} if document.has("length") else {}
-    if document.has("density"):
-        if document.has("mass"):
-            raise document.fault("density", "density together with mass", "one of them")
-        density = document.quantity(
-            "density", "density", above=0.0, where="a positive density"
-        )
-        details["mass"] = density * thickness * height * document.length("length")
+    foot, mass = strip_foot(document, thickness, thickness * height)
+    details |= mass
     limit = "a wall thinner than 1.414 times its height"
     return rectangle_body(
         0.5 * math.hypot(thickness, height),
         math.atan2(thickness, height),
         limit=limit,
         details=details,
+        foot=foot,
     )
