@@ -41,6 +41,7 @@ ELSEWHERE = {
     "Mapping",
     "Path",
     "Sequence",
+    "Structure",
     "Unpack",
     "ndarray",
     "progress",

@@ -16,6 +16,7 @@ from ..dynamics.outcome import Outcome
 from ..errors import UsageError, did_you_mean
 from ..motions.recording import Recording
 from ..spectra.sweep import SweepOptions
+from ..structures.given import Structure, structures_from
 from ..structures.parameters import RockingParameters
 from .bootstrap import Resampling, bootstrap, interval
 from .drawn import DrawnExposure, drawn_exposure
@@ -297,7 +298,7 @@ class Study:
 
 
 def fragility(
-    structures: Sequence[RockingParameters],
+    structures: Structure | Sequence[Structure],
     records: Sequence[Recording],
     levels: Sequence[float] | Array,
     im: str = "PGA",
@@ -315,7 +316,7 @@ def fragility(
     Parameters
     ----------
     structures
-        one or more
+        one or more: parameters, documents, paths, or texts such as "block:0.5x2"
     records
         the records, each scaled to every level; see `load_records`
     levels
@@ -355,6 +356,7 @@ def fragility(
     rocking_cli.errors.UsageError: Column, 0.1, stripes: 1 records; a fit needs at least
     4
     """
+    bodies = structures_from(structures)
     measure, x = measure_of(im), check_levels(np.asarray(levels, dtype=float))
     if hazard is not None and hazard.im != measure.name:
         raise UsageError(
@@ -368,12 +370,12 @@ def fragility(
                 f" {', '.join(METHODS)}{did_you_mean(word, METHODS)}"
             )
     motions = MotionSet(
-        members_of(records), measure, x, method or governing_method(*structures)
+        members_of(records), measure, x, method or governing_method(*bodies)
     )
     exact, sweep = hazard is not None and None in limits, SweepOptions(workers=workers)
     each = list(
         studies(
-            structures,
+            bodies,
             motions,
             methods,
             how or Resampling(),

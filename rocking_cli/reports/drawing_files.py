@@ -5,10 +5,10 @@ TABLES.
 """
 
 from collections.abc import Callable, Sequence
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,10 +16,26 @@ from ..documents.document import Document
 from ..errors import UsageError
 from ..spectra.file.reader import SpectraFile
 from .figures import curves
-from .figures.canvas import FIGURE_UNITS, SOURCE, Axes, Figure, Look, canvas, panels
+from .figures.canvas import (
+    FIGURE_UNITS,
+    SOURCE,
+    Axes,
+    Figure,
+    Look,
+    canvas,
+    panels,
+    require_axes,
+)
 from .figures.capacities import checked
 from .figures.characters import place_of
-from .figures.curves import accuracy, closed_forms, comparison, family, response
+from .figures.curves import (
+    accuracy,
+    closed_forms,
+    comparison,
+    family,
+    response,
+    response_axes,
+)
 from .figures.envelopes import bands
 from .figures.fragility_curves import (
     fragility_curves,
@@ -40,7 +56,7 @@ DRAWN = (
 
 
 def draw(
-    source: str | Path | Sequence[str | Path],
+    source: Any,
     target: str | Path | Axes,
     *,
     structure: str | None = None,
@@ -56,15 +72,17 @@ def draw(
     overwrite: bool = True,
     tell: Callable[[str], None] | None = None,
 ) -> str | Axes | None:
-    """Draw a file of results into a PNG, SVG or PDF file, or into Axes.
+    """Draw results, of a file or in memory, into a PNG, SVG or PDF file, or into Axes.
 
     Parameters
     ----------
     source
         a spectra file, a CSV file of a command ("-": standard input), or the CSV files
-        of several responses
+        of several responses; or a result in memory: of `time_history`, `spectrum`,
+        `check`, `envelope`, `trace_envelope`, `closed_form_curves` or `fragility`
     target
-        the file to write, or Axes of matplotlib
+        the file to write, or Axes of matplotlib, into which a response is drawn
+        without its ground acceleration
     structure
         name of the structure or record of a map, None for the first
     cut
@@ -110,23 +128,18 @@ def draw(
     >>> draw("d.h5", "slice.svg", cut="Omega=5")
     'slice at Omega = 5, the nearest of the file'
     """
-    sources = [
-        Path(x) for x in ([source] if isinstance(source, str | Path) else source)
-    ]
-    source, shown, remark = (
-        sources[0],
-        Units({**FIGURE_UNITS.chosen, **(units.chosen if units else {})}),
-        None,
-    )
-    instead = "; `text` needs nothing" if is_spectra_file(source) else ""
+    shown = Units({**FIGURE_UNITS.chosen, **(units.chosen if units else {})})
+    remark = None
+    opened = opened_source(source)
+    instead = "; `text` needs nothing" if opened.cells else ""
     place: Any
     if isinstance(target, str | Path):
         place = canvas(target, overwrite, look=look, tell=tell, instead=instead)
     else:
-        place = nullcontext(OneAxes(target))
+        place = nullcontext(OneAxes(require_axes(target)))
     with place as figure:
-        if is_spectra_file(source):
-            with SpectraFile(source) as file:
+        if opened.cells is not None:
+            with opened.cells() as file:
                 if cut is not None:
                     found = slice_of(file, cut)
                     axes = [figure.add_subplot()]
@@ -141,12 +154,13 @@ def draw(
         else:
             axes = _table(
                 figure,
-                str(source),
-                _rows(sources),
+                opened.name,
+                opened.rows(),
                 shown,
                 over,
                 partial(phase, body=body) if portrait else None,
                 align,
+                None if isinstance(target, str | Path) else target,
             )
         lines = [
             np.asarray(line.get_xydata()) for one in axes for line in one.get_lines()
@@ -154,7 +168,7 @@ def draw(
         if not any(one.collections or one.patches for one in axes) and not any(
             np.isfinite(x).all(axis=1).any() for x in lines
         ):
-            raise UsageError(f"{source}: holds nothing to draw")
+            raise UsageError(f"{opened.name}: holds nothing to draw")
         for one in axes:
             one.set(**{f"{axis}scale": "log" for axis in log})
     return remark if isinstance(target, str | Path) else target
@@ -186,6 +200,37 @@ class OneAxes:
                 " target"
             )
         return np.array([[self._axes]])
+
+
+class Opened(NamedTuple):
+    """What is drawn: a file, or a result in memory."""
+
+    name: str  # of the file, or of the result, for messages
+    # opens a spectra file, or a spectrum in memory; None for a table
+    cells: Callable[[], AbstractContextManager[SpectraFile]] | None
+    rows: Callable[[], Rows]  # reads the rows of a table
+
+
+def opened_source(source: Any) -> Opened:
+    """Return what a path, several paths or a result in memory hold. Raises UsageError
+    for another thing.
+    """
+    if isinstance(source, str | Path):
+        path = Path(source)
+        cells = partial(SpectraFile, path) if is_spectra_file(path) else None
+        return Opened(str(source), cells, partial(_rows, [path]))
+    paths = isinstance(source, Sequence) and source
+    if paths and all(isinstance(one, str | Path) for one in source):
+        several = [Path(one) for one in source]
+        return Opened(str(several[0]), None, partial(_rows, several))
+
+    from .figures.memory import memory_file, memory_rows
+
+    name = type(source).__name__
+    if (file := memory_file(source)) is not None:
+        return Opened(name, lambda: nullcontext(file), list)
+    rows = memory_rows(source)
+    return Opened(name, None, lambda: rows)
 
 
 def _rows(sources: Sequence[Path]) -> Rows:
@@ -269,7 +314,9 @@ def _table(
     over: str | None,
     portrait: Callable[..., list[Axes]] | None,
     align: bool,
+    alone: Axes | None,
 ) -> list[Axes]:
+    """Draw the rows of a table; alone: the Axes of the caller, None in a figure."""
     there = set(rows[0])
     if "event" in there:
         raise UsageError(
@@ -283,6 +330,8 @@ def _table(
         }:
             return curves.least_amplitudes(figure, rows, units, over)
         if portrait is not None or align or _is_response(rows[0]):
+            if portrait is None and alone is not None:
+                return [response_axes(alone, rows, units, align)]
             return (portrait or partial(response, align=align))(figure, rows, units)
         for wanted, kind in TABLES:
             if wanted <= there:

@@ -4,7 +4,7 @@ and the outcome by the linear equation.
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import chain, repeat
 from typing import TYPE_CHECKING, Any
@@ -21,6 +21,8 @@ from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Grid, HasMotion, demand_of
 from ..processes import available_cpus, part_reporter, processes
+from ..showing import Shown
+from ..structures.given import Structure, structure_from
 from ..structures.mechanics.fourbar import FourBar
 from ..structures.parameters import RockingParameters
 from .force_history import ForceHistory
@@ -71,8 +73,8 @@ TIED_COLUMNS = (
 )
 
 
-@dataclass(frozen=True)
-class Verdict:
+@dataclass(frozen=True, repr=False)
+class Verdict(Shown):
     """The verdict on a structure under a motion, as `check` returns it.
 
     It is that of the governing equation; accelerations are amplitudes a_g of the
@@ -105,6 +107,8 @@ class Verdict:
     opens: True if a further hinge opens in an arch, whose mechanism is then another
         one; None for another structure
     searched_to: largest a_g of the search [m/s2]; None without a search
+    capacity_demand: first_overturning_a over demand_a [-], None if nothing overturns
+        the body
 
     Examples
     --------
@@ -152,6 +156,13 @@ class Verdict:
     opens: bool | None = None
     # largest a_g of the search [m/s2]; None without a search
     searched_to: float | None = None
+    # lowest overturning amplitude over the demand [-]; None if nothing overturns it
+    capacity_demand: float | None = field(init=False)
+
+    def __post_init__(self) -> None:
+        first = self.first_overturning_a
+        capacity = None if first is None else first / self.demand_a
+        object.__setattr__(self, "capacity_demand", capacity)
 
     @property
     def sentence(self) -> str:
@@ -160,17 +171,6 @@ class Verdict:
             self.outcome.sentence
             + ", on the last digits" * self.unsettled
             + ", though its base would slide" * self.slides
-        )
-
-    @property
-    def capacity_demand(self) -> float | None:
-        """The lowest overturning amplitude over the demand; None if nothing overturns
-        the body.
-        """
-        return (
-            None
-            if self.first_overturning_a is None
-            else self.first_overturning_a / self.demand_a
         )
 
     @property
@@ -187,11 +187,19 @@ class Verdict:
         """True if the body overturned, lost contact or rests leaning."""
         return self.outcome.falls
 
+    def _shown(self) -> dict[str, Any]:
+        found = self.row()
+        if self.capacity_demand is not None:  # a limit that was not needed
+            del found["searched_to"]
+        return found
+
+    def _rows(self) -> list[dict[str, Any]]:
+        return [self.row()]
+
     def row(self) -> dict[str, Any]:
         """Return the verdict as `rocking check --json` prints it."""
         own = {
             **vars(self),
-            "capacity_demand": self.capacity_demand,
             "outcome": self.outcome.flag,
             "outcome_linear": self.outcome_linear.flag,
         }
@@ -212,9 +220,9 @@ class Verdict:
 
 
 def check(
-    structure: RockingParameters,
+    structure: Structure,
     motion: Motion | HasMotion,
-    shaking: Grid | None = None,
+    shaking: Grid | str | None = None,
     *,
     a_max: float | None = A_MAX,
     progress: Progress | None = None,
@@ -227,12 +235,12 @@ def check(
     Parameters
     ----------
     structure
-        the structure
+        parameters, a document, a path, or a text such as "block:0.5x2"
     motion
         the motion of the ground
     shaking
-        the demand: amplitude and frequency, a grid of one cell; a record does not need
-        it
+        the demand: amplitude and frequency, a grid of one cell or its text; a record
+        does not need it
     a_max
         A up to which overturning amplitudes are searched [-], or twice the demand if
         that is larger; None: no search
@@ -265,7 +273,8 @@ def check(
     told = _Shares(
         1, lambda done: progress(_STAGES * done, _STAGES) if progress else None
     )
-    return _judged(structure, *demand_of(motion, shaking), a_max, None, told.of(0))
+    body = structure_from(structure)
+    return _judged(body, *demand_of(motion, shaking), a_max, None, told.of(0))
 
 
 def outcome_alone(

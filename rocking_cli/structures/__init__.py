@@ -80,6 +80,7 @@ def build_structure(document: Document) -> RockingParameters:
         labels=labels_of(document),
         remarks=(*size_remarks(document, built), *cut_remarks(document)),
         drawn_from=document if document.uncertain else None,
+        document=document,
     )
 
 

@@ -39,11 +39,7 @@ def response(
     align: the time of each file counts from its largest rotation, or from theta = alpha
     if the body overturns.
     """
-    x, y, ground = (
-        ("t", "theta", "ground_acceleration")
-        if "t" in rows[0]
-        else ("tau", "theta_ratio", "A")
-    )
+    x, ground = ("t", "ground_acceleration") if "t" in rows[0] else ("tau", "A")
     pushes = [
         c
         for c in rows[0]
@@ -54,35 +50,9 @@ def response(
         len(ratios), 1, sharex=True, height_ratios=ratios
     )
     files = groups(rows, SOURCE)
-    for i, (source, some) in enumerate(files.items()):
-        at = values(some, x, units)
-        if align:
-            ratio = column(
-                some, next(c for c in rows[0] if c.startswith("theta_ratio"))
-            )
-            at -= at[np.argmax(np.minimum(np.abs(ratio), 1.0))]
-        for j, name in enumerate(
-            c for c in rows[0] if re.fullmatch(f"{y}(_linear|_nonlinear)?", c)
-        ):
-            model = name.removeprefix(y).strip("_")
-            text = (
-                ", ".join(
-                    [*map(literal, source), *([f"{model} equation"] if model else [])]
-                )
-                or "response"
-            )
-            style = (
-                line_style(j)
-                if len(files) == 1
-                else {"color": f"C{i}", "ls": DASHES[j]}
-            )
-            axes.plot(at, values(some, name, units), label=text, **style)
+    for i, (at, some) in enumerate(rotations(axes, rows, units, align)):
         style = {"color": "0.3" if len(files) == 1 else f"C{i}", "lw": 1.0}
         below.plot(*with_jumps(at, values(some, ground, units)), **style)
-    axes.set(
-        ylabel=label(y, units), title=heading(rows, "structure", "motion", "model")
-    )
-    legend(axes)
     below.set(
         xlabel=label(x, units) + ", 0 at the largest rotation" * align,
         ylabel=label("ground_acceleration" if x == "t" else "A_s", units),
@@ -102,6 +72,49 @@ def response(
         one.set_ylabel("$F/mg$ [-]")
         legend(one)
     return [axes, *between, below]
+
+
+def rotations(
+    axes: Axes, rows: Rows, units: Units, align: bool = False
+) -> list[tuple[np.ndarray, Rows]]:
+    """Draw the rotation for each file and equation; return (times, rows) of each
+    file.
+    """
+    x, y = ("t", "theta") if "t" in rows[0] else ("tau", "theta_ratio")
+    files, found = groups(rows, SOURCE), []
+    for i, (source, some) in enumerate(files.items()):
+        at = values(some, x, units)
+        if align:
+            ratio = column(
+                some, next(c for c in rows[0] if c.startswith("theta_ratio"))
+            )
+            at -= at[np.argmax(np.minimum(np.abs(ratio), 1.0))]
+        for j, name in enumerate(
+            c for c in rows[0] if re.fullmatch(f"{y}(_linear|_nonlinear)?", c)
+        ):
+            model = name.removeprefix(y).strip("_")
+            words = [*map(literal, source), *([f"{model} equation"] if model else [])]
+            text = ", ".join(words) or "response"
+            style = (
+                line_style(j)
+                if len(files) == 1
+                else {"color": f"C{i}", "ls": DASHES[j]}
+            )
+            axes.plot(at, values(some, name, units), label=text, **style)
+        found.append((at, some))
+    axes.set(
+        ylabel=label(y, units), title=heading(rows, "structure", "motion", "model")
+    )
+    legend(axes)
+    return found
+
+
+def response_axes(axes: Axes, rows: Rows, units: Units, align: bool = False) -> Axes:
+    """Draw the rotation alone into Axes, and return them."""
+    rotations(axes, rows, units, align)
+    time = label("t" if "t" in rows[0] else "tau", units)
+    axes.set_xlabel(time + ", 0 at the largest rotation" * align)
+    return axes
 
 
 def with_jumps(t: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
