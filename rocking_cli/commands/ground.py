@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import click
 
@@ -170,6 +170,8 @@ _PULSE = tuple(of.name for of in fields(Source) if of.name != "motion")
 class Motions(Reading, Source):
     """The ground motion: a pulse, a motion document, a record or a set of them."""
 
+    TOPIC: ClassVar[str] = "motions"  # whose page explains these options
+
     scale: float | None = option(
         "--scale",
         "Factor of the motion; a negative one reverses it.",
@@ -277,6 +279,8 @@ class Motions(Reading, Source):
 @dataclass(frozen=True)
 class BothWays(Motions):
     """The ground motion and a vertical one."""
+
+    TOPIC: ClassVar[str] = "motions"
 
     vertical: str | None = option(
         "--vertical", _VERTICAL, type=PulseOrPath(), metavar="MOTION"

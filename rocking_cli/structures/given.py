@@ -4,13 +4,17 @@ takes, a path or a text such as `block:0.5x2`.
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Union
 
-from ..documents.document import Document
 from ..errors import UsageError
 from . import build_structure, load_structures, with_distinct_names
 from .parameters import RockingParameters
 
-Structure = RockingParameters | Document | str | Path
+if TYPE_CHECKING:
+    from ..documents.document import Document
+
+# A document is named only: what has no document does not import their reader.
+Structure = Union[RockingParameters, "Document", str, Path]
 
 
 def structures_from(given: Structure | Sequence[Structure]) -> list[RockingParameters]:
@@ -18,15 +22,19 @@ def structures_from(given: Structure | Sequence[Structure]) -> list[RockingParam
     file; a name that is repeated gets a number where something was read. Raises
     UsageError and DocumentError as `load_structures` does.
     """
-    several = [given] if isinstance(given, Structure) else list(given)
+    several: Sequence[Structure]
+    if isinstance(given, str) or not isinstance(given, Sequence):
+        several = [given]
+    else:
+        several = given
     found: list[RockingParameters] = []
     for one in several:
         if isinstance(one, RockingParameters):
             found.append(one)
-        elif isinstance(one, Document):
-            found.append(build_structure(one))
-        else:
+        elif isinstance(one, str | Path):
             found += load_structures(one)
+        else:
+            found.append(build_structure(one))
     read = any(not isinstance(one, RockingParameters) for one in several)
     return with_distinct_names(found) if read else found
 
