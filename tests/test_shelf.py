@@ -1,4 +1,4 @@
-"""What stands on the shelf beside the program agrees with it: the citation, the tests on
+"""What stands on the shelf beside the program agrees with it: citation, tests on
 other systems, the description of the package.
 """
 

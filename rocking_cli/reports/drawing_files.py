@@ -215,6 +215,8 @@ def opened_source(source: Any) -> Opened:
     """Return what a path, several paths or a result in memory hold. Raises UsageError
     for another thing.
     """
+    if isinstance(source, list | tuple) and len(source) == 1:
+        return opened_source(source[0])
     if isinstance(source, str | Path):
         path = Path(source)
         cells = partial(SpectraFile, path) if is_spectra_file(path) else None

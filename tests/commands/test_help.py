@@ -2,6 +2,7 @@
 runs.
 """
 
+import doctest
 import re
 
 import click
@@ -125,3 +126,16 @@ def test_every_kind_and_every_pulse_stands_in_a_page():
     for words, name in ((KINDS, "documents"), (PULSES, "motions")):
         for word in words:
             assert re.search(rf"^  {word}  ", page(name), re.MULTILINE), word
+
+
+@pytest.mark.slow
+def test_the_examples_of_the_page_on_python_run(tmp_path, monkeypatch, pytestconfig):
+    (tmp_path / "configs").symlink_to(pytestconfig.rootpath / "configs")
+    monkeypatch.chdir(tmp_path)
+    examples = doctest.DocTestParser().get_doctest(
+        page("python"), {}, "rocking help python", None, None
+    )
+    assert len(examples.examples) > 30
+    said: list[str] = []
+    done = doctest.DocTestRunner().run(examples, out=said.append)
+    assert not done.failed, "".join(said)
