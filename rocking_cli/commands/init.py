@@ -34,7 +34,10 @@ def init(
         streams.put(*schema_text().splitlines())
         return
     if kind is None:
-        raise click.UsageError("Missing argument 'KIND', or --schema")
+        kinds = ", ".join(KINDS)
+        raise click.UsageError(
+            f"Missing argument 'KIND'. Choose from: {kinds}; or give --schema"
+        )
     from ..structures.templates import template
 
     streams.put(_FOR_EDITORS, *template(kind).splitlines())
