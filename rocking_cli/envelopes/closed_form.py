@@ -15,6 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
+from ..showing import html_table
+
 # amplitudes at which the margin's sign is computed, between initiation and the
 # no-impact curve
 _SCAN = 600
@@ -39,6 +41,9 @@ class CurvePoint(NamedTuple):
     curve: str  # name of the curve
     omega: float  # Omega [-]
     amplitude: float  # A [-]
+
+    def _repr_html_(self) -> str:
+        return html_table("CurvePoint", self._asdict())
 
 
 PULSES = (

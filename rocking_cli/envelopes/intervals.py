@@ -19,6 +19,8 @@ from ..errors import UsageError
 from ..motions import Motion, pulse
 from ..motions.grid import Axis, HasMotion, parse_axes, scaled_frequency, written_axes
 from ..processes import available_cpus, processes, refuse_endless
+from ..showing import html_table
+from ..structures.given import Structure, structure_from
 from ..structures.parameters import RockingParameters
 from .amplitudes import SCAN_STEP
 from .boundaries import Search, Steps
@@ -83,9 +85,12 @@ class Interval(NamedTuple):
     a_to: float | None  # largest A [-], None beyond the limit of the search
     mode: str  # word of the outcome, as `Outcome.mode` has it
 
+    def _repr_html_(self) -> str:
+        return html_table("Interval", self._asdict())
+
 
 def trace_envelope(
-    structure: RockingParameters,
+    structure: Structure,
     motion: Motion | HasMotion,
     omegas: Sequence[float] | np.ndarray,
     *,
@@ -104,8 +109,8 @@ def trace_envelope(
     Parameters
     ----------
     structure
-        the structure; `dimensionless_oscillator(eta)` is one of which only the
-        restitution is known
+        parameters, a document, a path, or a text such as "block:0.5x2"; of
+        `dimensionless_oscillator(eta)` only the restitution is known
     motion
         the motion of the ground
     omegas
@@ -144,6 +149,7 @@ def trace_envelope(
     1.40357 3.48466
     3.63115 None
     """
+    structure = structure_from(structure)
     motion, omegas = (
         motion if isinstance(motion, Motion) else motion.motion,
         np.atleast_1d(np.asarray(omegas, dtype=float)),

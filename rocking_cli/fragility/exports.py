@@ -191,9 +191,8 @@ def check_export(target: Path, form: str, measure: Measure, overwrite: bool) -> 
         known = measure.name in _DEMANDS or measure.name.startswith("SA(")
         expected = "PGA, PGV or SA(T)"
     else:
-        known = not measure.of_structure and (
-            len(measure.periods) < 2 or "," not in measure.name
-        )
+        own = measure.of_structure or measure.of_record is not None
+        known = not own and (len(measure.periods) < 2 or "," not in measure.name)
         expected = "PGA, PGV, PGD, Arias, CAV, SA(T) or AvgSA(T)"
     if not known:
         raise UsageError(

@@ -16,6 +16,7 @@ from ..dynamics.outcome import Outcome
 from ..errors import UsageError, did_you_mean
 from ..motions.recording import Recording
 from ..spectra.sweep import SweepOptions
+from ..structures.given import Structure, structures_from
 from ..structures.parameters import RockingParameters
 from .bootstrap import Resampling, bootstrap, interval
 from .drawn import DrawnExposure, drawn_exposure
@@ -298,7 +299,7 @@ def _is_lifted(member: MotionMember) -> bool:
 
 
 def fragility(
-    structures: Sequence[RockingParameters],
+    structures: Structure | Sequence[Structure],
     records: Sequence[Recording],
     levels: Sequence[float] | Array,
     im: str = "PGA",
@@ -316,7 +317,7 @@ def fragility(
     Parameters
     ----------
     structures
-        one or more
+        one or more: parameters, documents, paths, or texts such as "block:0.5x2"
     records
         the records, each scaled to every level; see `load_records`
     levels
@@ -356,6 +357,7 @@ def fragility(
     rocking_cli.errors.UsageError: Column, 0.1, stripes: 1 records; a fit needs at least
     4
     """
+    bodies = structures_from(structures)
     measure, x = measure_of(im), check_levels(np.asarray(levels, dtype=float))
     if hazard is not None and hazard.im != measure.name:
         raise UsageError(
@@ -369,12 +371,12 @@ def fragility(
                 f" {', '.join(METHODS)}{did_you_mean(word, METHODS)}"
             )
     motions = MotionSet(
-        members_of(records), measure, x, method or governing_method(*structures)
+        members_of(records), measure, x, method or governing_method(*bodies)
     )
     exact, sweep = hazard is not None and None in limits, SweepOptions(workers=workers)
     each = list(
         studies(
-            structures,
+            bodies,
             motions,
             methods,
             how or Resampling(),

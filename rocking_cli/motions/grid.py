@@ -318,9 +318,11 @@ class HasMotion(Protocol):
         """The motion."""
 
 
-def demand_of(motion: Motion | HasMotion, shaking: Grid | None) -> tuple[Motion, Grid]:
-    """Return the motion and its grid of one cell; a record without a grid has its own
-    amplitude.
+def demand_of(
+    motion: Motion | HasMotion, shaking: Grid | str | None
+) -> tuple[Motion, Grid]:
+    """Return the motion and its grid of one cell, which may be a text; a record without
+    a grid has its own amplitude.
 
     Raises UsageError for another motion without a grid, and for a grid of several
     cells.
@@ -330,12 +332,17 @@ def demand_of(motion: Motion | HasMotion, shaking: Grid | None) -> tuple[Motion,
     return found, grid
 
 
-def with_grid(motion: Motion | HasMotion, grid: Grid | None) -> tuple[Motion, Grid]:
-    """Return the motion and its grid; a record without a grid has its own amplitude.
+def with_grid(
+    motion: Motion | HasMotion, grid: Grid | str | None
+) -> tuple[Motion, Grid]:
+    """Return the motion and its grid, which may be a text; a record without a grid has
+    its own amplitude.
 
     Raises UsageError for another motion without a grid.
     """
     found = motion if isinstance(motion, Motion) else motion.motion
+    if isinstance(grid, str):
+        grid = parse_grid(grid, own_time=found.acceleration is not None)
     if grid is not None:
         return found, grid
     if found.acceleration is None:

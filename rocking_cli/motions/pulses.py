@@ -1,6 +1,13 @@
 """The pulses of the literature by name, over phi = omega_g t; for a pulse with a
 duration, omega_g = 2 pi / duration. A new pulse is one line in PULSES, and a function
 that returns its motion where the line does not hold it.
+
+An installed package adds a pulse by an entry point: a function that returns the Motion,
+with max |s| = 1, from its parameters, among them `cycles`, `gamma` and `phase` of the
+command line. Entry points are read only for a name that is not in PULSES.
+
+    [project.entry-points."rocking.pulses"]
+    gabor = "my_package:gabor"
 """
 
 import math
@@ -10,8 +17,11 @@ from inspect import signature
 import numpy as np
 
 from ..errors import MotionError, did_you_mean
+from ..plugins import blamed, installed
 from .motion import Harmonic, Motion, Piece
 
+GROUP = "rocking.pulses"
+_UNIT = 1e-6  # of max |s|, which must be 1
 MOST_CYCLES = 100_000
 TURN = 2.0 * np.pi
 # a Ricker wavelet and its spectrum are below 1e-13 beyond this distance, in units of x
@@ -163,7 +173,8 @@ def pulse(name: str, **parameters: float) -> Motion:
     ----------
     name
         "sine", "cosine", "half-sine", "rectangular", "rectangular-impulse",
-        "ricker-symmetric", "ricker-antisymmetric" or "mavroeidis-papageorgiou"
+        "ricker-symmetric", "ricker-antisymmetric", "mavroeidis-papageorgiou", or a
+        pulse of an installed package
     parameters
         `cycles` of a sine or cosine; `gamma` (duration over period, from 1) and `phase`
         [rad] of the pulse of Mavroeidis and Papageorgiou
@@ -184,13 +195,32 @@ def pulse(name: str, **parameters: float) -> Motion:
     >>> pulse("half-sine").value([1.0, 4.0]).round(6).tolist()
     [0.841471, 0.0]
     """
-    try:
+    if name in PULSES:
         make = PULSES[name]
-    except KeyError:
+        _require_known(name, make, parameters)
+        return make(**parameters)
+    found = installed(GROUP)
+    if name not in found:
+        words = (*PULSES, *found)
         raise MotionError(
             f"unknown pulse {name!r}; expected"
-            f" {', '.join(PULSES)}{did_you_mean(name, PULSES)}"
-        ) from None
+            f" {', '.join(words)}{did_you_mean(name, words)}"
+        )
+    with blamed(found[name], lambda said: MotionError(f"pulse {said}")):
+        make = found[name].load()
+        _require_known(name, make, parameters)
+        motion = make(**parameters)
+        if not isinstance(motion, Motion):
+            raise TypeError(f"it returns a {type(motion).__name__}, which is no Motion")
+        if not abs(motion.largest - 1.0) <= _UNIT:
+            raise ValueError(f"its largest value is {motion.largest:g}, which is not 1")
+    return motion
+
+
+def _require_known(
+    name: str, make: Callable[..., Motion], parameters: dict[str, float]
+) -> None:
+    """Raise MotionError for a parameter that a pulse does not take."""
     known = list(signature(make).parameters)
     for key in parameters:
         if key not in known:
@@ -198,4 +228,3 @@ def pulse(name: str, **parameters: float) -> Motion:
                 f"{name} pulse: takes no {key}"
                 + (f"; expected {' and '.join(known)}" if known else "")
             )
-    return make(**parameters)

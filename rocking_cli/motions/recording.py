@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+from ..showing import Shown
 from .biaxial import Upwards
 from .blocks import largest
 from .intensity import Intensity, intensity
@@ -19,8 +20,8 @@ if TYPE_CHECKING:
     from .buildings import Building
 
 
-@dataclass(frozen=True, eq=False)
-class Recording:
+@dataclass(frozen=True, eq=False, repr=False)
+class Recording(Shown):
     """A record times a factor, in its own time.
 
     `load_records` makes them. `motion` is its motion, `acceleration` its peak,
@@ -62,6 +63,19 @@ class Recording:
         checked_scale(self.record.label, self.factor)
         if not np.any(self.record.acceleration):
             record_motion(self.record)  # raises the MotionError
+
+    def _shown(self) -> dict[str, Any]:
+        vertical = (
+            {} if self.upwards is None else {"vertical": "with a vertical motion"}
+        )
+        scaled = {"factor": self.factor, "pga": self.acceleration}
+        return {**self.record._shown(), "record": self.label, **scaled, **vertical}
+
+    def _rows(self) -> list[dict[str, float]]:
+        return [
+            {"t": row["t"], "acceleration": self.factor * row["acceleration"]}
+            for row in self.record._rows()
+        ]
 
     @property
     def acceleration(self) -> float:

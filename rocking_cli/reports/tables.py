@@ -333,6 +333,15 @@ def lines(
     return table_lines(units.shown(rows), keys=named, **table)
 
 
+def shown_cells(row: Row, digits: int = 4) -> Iterator[tuple[str, str]]:
+    """Yield (heading with unit, text) of the columns of a row of SI values that have a
+    value.
+    """
+    (shown,) = Units().shown([row])
+    for heading in _headings([shown], ()):
+        yield heading, _text(shown[heading], digits)
+
+
 def _plain(value: Any) -> Any:
     """Return a value as JSON has it, with None for a number that is not finite."""
     if isinstance(value, float) and not math.isfinite(value):

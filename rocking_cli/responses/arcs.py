@@ -2,6 +2,7 @@
 that writes it down during a march.
 """
 
+import math
 from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from ..dynamics.equations.equation import Equation, Point
 from ..dynamics.equations.taylor import TaylorSeries
 from ..dynamics.outcome import LOST, Outcome
 from ..motions.blocks import blocks
+from ..showing import Shown
 
 if TYPE_CHECKING:
     from ..dynamics.tied.devices import Devices
@@ -94,8 +96,8 @@ class DeviceForces(NamedTuple):
         }
 
 
-@dataclass(frozen=True)
-class History:
+@dataclass(frozen=True, repr=False)
+class History(Shown):
     """A response in time, as `history` returns it.
 
     `at` evaluates rotation and speed at any time, `events` lists uplifts, impacts,
@@ -132,6 +134,18 @@ class History:
     devices: tuple[dict[str, Any], ...] = ()  # a row for each tie and tendon
     # forces of the ties and the tendon over time
     device_forces: DeviceForces | None = None
+
+    def _shown(self) -> dict[str, Any]:
+        return {
+            "outcome": self.outcome.flag,
+            "theta_ratio": None if math.isnan(self.highest) else self.highest,
+            "end [tau]": self.end,
+            "arcs": int(self.arcs.side.size),
+            "events": len(self.events),
+        }
+
+    def _rows(self) -> list[dict[str, Any]]:
+        return [event._asdict() for event in self.events]
 
     def at(self, tau: Array) -> tuple[Array, Array]:
         """Return the rotation and its rate at some times.

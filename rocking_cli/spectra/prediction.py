@@ -14,6 +14,7 @@ from ..envelopes.intervals import A_MAX, HIGHEST, trace_envelope
 from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Grid
+from ..structures.given import Structure, structure_from
 from ..structures.parameters import RockingParameters
 from .file.reader import SpectraFile
 
@@ -21,7 +22,7 @@ ETA_TOLERANCE = 1e-6  # restitutions closer than this count as equal
 
 
 def predict(
-    structure: RockingParameters, spectrum: SpectraFile | str | Path, shaking: Grid
+    structure: Structure, spectrum: SpectraFile | str | Path, shaking: Grid
 ) -> dict[str, Any]:
     """Return what a dimensionless spectrum says of a structure (section 4 of the
     paper).
@@ -32,7 +33,7 @@ def predict(
     Parameters
     ----------
     structure
-        the structure
+        parameters, a document, a path, or a text such as "block:0.5x2"
     spectrum
         a linear spectrum over A and Omega that holds the restitution of the structure
         to 1e-6: an open file or its path
@@ -68,6 +69,7 @@ def predict(
     >>> found["outcome"], round(found["theta_ratio"], 6)
     ('rocked', 0.167098)
     """
+    structure = structure_from(structure)
     if not isinstance(spectrum, SpectraFile):
         with SpectraFile(spectrum) as file:
             return predict(structure, file, shaking)

@@ -35,7 +35,7 @@ from ..motions.grid import Axis
 from ..motions.recording import Recording
 from ..motions.records import Record
 from ..processes import available_cpus
-from ..structures.parameters import RockingParameters
+from ..structures.given import Structure, structure_from
 from .record_scene import RecordScene, structures_scene
 
 Array = np.ndarray
@@ -171,7 +171,7 @@ def tracing_rows(
 
 
 def envelope(
-    structure: RockingParameters,
+    structure: Structure,
     motion: Motion | Record | Recording,
     axis: Axis | str | None = None,
     *,
@@ -189,7 +189,7 @@ def envelope(
     Parameters
     ----------
     structure
-        the structure
+        parameters, a document, a path, or a text such as "block:0.5x2"
     motion
         a pulse, or a record, whose scale is varied
     axis
@@ -226,6 +226,7 @@ def envelope(
     >>> [(round(row["a_from"], 3), row["mode"]) for row in rows]
     [(11.734, 'after_impact'), (26.953, 'no_impact')]
     """
+    structure = structure_from(structure)
     axis = frequency_axis(axis) if isinstance(axis, str) else axis
     method = method or governing_method(
         structure, dimensionless=axis is not None and axis.name == "Omega"

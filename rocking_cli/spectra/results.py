@@ -1,7 +1,8 @@
 """The results of a sweep: arrays in memory and a summary."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Outcome, Work
 from ..plugins import require
+from ..showing import Shown
 from .dimensions import VARIABLES
 from .scene import Scene
 from .verification import Validity
@@ -151,8 +153,8 @@ class Summary:
         }
 
 
-@dataclass(frozen=True, eq=False)
-class Spectrum:
+@dataclass(frozen=True, eq=False, repr=False)
+class Spectrum(Shown):
     """A rocking spectrum in memory, as `spectrum` returns it.
 
     All arrays have the dimensions of the scene, such as (structure, frequency,
@@ -185,6 +187,38 @@ class Spectrum:
     summary: Summary  # counts, times and checks of the sweep
     # the requested variables of `QUANTITIES` by name
     quantities: Mapping[str, np.ndarray] = field(default_factory=dict)
+
+    def _shown(self) -> dict[str, Any]:
+        frame, row = self.scene.frame(), {"motion": self.scene.title}
+        for name, values in frame.dimensions.items():
+            first, last = values[0], values[-1]
+            ends = (
+                f"{first}"
+                if len(values) == 1
+                else f"{first} to {last}"
+                if isinstance(first, str)
+                else f"{first:.4g} to {last:.4g}"
+            )
+            row[name] = f"{len(values)}: {ends}"
+        row["model"] = self.scene.method.model
+        codes, counts = np.unique(self.outcome, return_counts=True)
+        for code, number in zip(codes.tolist(), counts.tolist(), strict=True):
+            row[f"cells_{Outcome(code).flag}"] = str(number)
+        return row
+
+    def _rows(self) -> Iterator[dict[str, Any]]:
+        dimensions = self.scene.frame().dimensions
+        arrays = {
+            "theta_ratio": self.theta_ratio,
+            "outcome": self.outcome,
+            "impacts": self.impacts,
+            **self.quantities,
+        }
+        columns = {name: cells.ravel() for name, cells in arrays.items()}
+        for number, place in enumerate(product(*dimensions.values())):
+            cell = {name: values[number].item() for name, values in columns.items()}
+            cell["outcome"] = Outcome(cell["outcome"]).flag
+            yield dict(zip(dimensions, place, strict=True)) | cell
 
     @property
     def velocity_ratio(self) -> np.ndarray | None:

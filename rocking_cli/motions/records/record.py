@@ -5,12 +5,13 @@ lines. The components of a file.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...documents.quantities import DEFAULT_GRAVITY, parse_whole
 from ...errors import DocumentError, MotionError, NoComponent, UsageError
+from ...showing import Shown
 from ..blocks import largest
 from ..motion import checked_scale
 from ..polyline import Polyline
@@ -50,8 +51,8 @@ class Series(NamedTuple):
     remark: str = ""  # a sentence for the user, "" without one
 
 
-@dataclass(frozen=True, eq=False)
-class Record:
+@dataclass(frozen=True, eq=False, repr=False)
+class Record(Shown):
     """One component of a ground motion as recorded.
 
     `read_record` makes one. `motion` is its motion, `npts` and `duration` its length,
@@ -108,6 +109,24 @@ class Record:
                 f" {LARGEST:g} m/s2"
             )
         self.acceleration.flags.writeable = False
+
+    def _shown(self) -> dict[str, Any]:
+        return {
+            "record": self.label,
+            "format": self.format,
+            "npts": self.npts,
+            "dt": self.dt,
+            "duration": self.duration,
+            "pga": largest(self.acceleration),
+            "file_unit": self.unit,
+        }
+
+    def _rows(self) -> list[dict[str, float]]:
+        times = self.dt * np.arange(self.npts)
+        return [
+            {"t": t, "acceleration": a}
+            for t, a in zip(times.tolist(), self.acceleration.tolist(), strict=True)
+        ]
 
     @property
     def npts(self) -> int:
