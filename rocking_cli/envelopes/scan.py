@@ -18,8 +18,9 @@ from ..dynamics.outcome import safe
 from ..dynamics.single.lane import Lane
 from ..dynamics.system import System
 from ..motions.motion import Motion
+from .changes import Brackets, narrowed
 from .record_lines import record_lines
-from .scan_pool import ScanPool
+from .scan_pool import Accuracy, Followed, ScanPool
 
 Array = np.ndarray
 
@@ -31,13 +32,6 @@ _SHARE, _MORE = 1.05, 0.03
 # Longest line [tau], and up to which the lines of several samples are joined: joined
 # to 0.02, the lines of some records moved boundaries by 1e-3 of the amplitude.
 _LONGEST, _JOINED = 0.06, 0.015
-
-
-class Accuracy(NamedTuple):
-    """How closely a scan follows bodies."""
-
-    degree: int  # degree of the series of a step
-    roots: int  # number of steps of Newton's method to an impact
 
 
 # Lines up to `_JOINED` need less: either has boundaries within 1e-6 of the march's.
@@ -60,7 +54,7 @@ class Scanned(NamedTuple):
         )
 
 
-class Scan:
+class Scan(Followed):
     """One body under one record at one Omega, followed approximately."""
 
     def __init__(
@@ -176,3 +170,25 @@ def follow(
             alike, *(np.split(x, ends[:-1]) for x in found), strict=True
         ):
             scans[i].known = scans[i].known.with_more(Scanned(new[i], *own))
+
+
+def changes_by_scan(
+    scans: Sequence[Scan], grid: Array, digits: float, parts: int
+) -> Brackets:
+    """The changes of the outcome between neighbouring amplitudes of a grid, for each
+    body a row, narrowed to the relative width `digits` by sections of `parts`.
+    """
+
+    def by_scan(amplitude: Array, row: Array) -> Array:
+        amplitude, row = np.broadcast_arrays(amplitude, row)
+        masks = [row == i for i in range(len(scans))]
+        follow(scans, [amplitude[some] for some in masks])
+        label = np.empty(row.shape, dtype=np.uint8)
+        for scan, some in zip(scans, masks, strict=True):
+            label[some] = scan.outcomes(amplitude[some])
+        return label
+
+    row = np.repeat(np.arange(len(scans)), grid.size)
+    amplitude = np.tile(grid, len(scans))
+    scanned = Brackets.between(row, amplitude, by_scan(amplitude, row))
+    return narrowed(by_scan, scanned, digits, parts, False)
