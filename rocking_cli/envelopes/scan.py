@@ -3,9 +3,9 @@ search uses them to decide where the march must look.
 
 A lane is a body at an amplitude; the lanes of many bodies move together (`ScanPool`),
 line by line. A line is a sample of the record, a part of one, or a few very short ones
-(`record_lines`). Bounces shorter than a part of a line are averaged. Of 9,400
-amplitudes within a tenth of the first falls of four blocks under records of 0.005 and
-0.02 s, 6 have another outcome by the march; all lie next to a boundary.
+(`record_lines`). Bounces shorter than a part of a line are averaged. Of 4,800
+amplitudes within a tenth of the first falls of four blocks under two records, of 0.005
+and 0.02 s, 6 have another outcome by the march.
 """
 
 from collections.abc import Callable, Sequence
@@ -28,13 +28,11 @@ Array = np.ndarray
 # those of the march: a share of them, and an amount for extremes within a line.
 _SHARE, _MORE = 1.05, 0.03
 
-
 # Longest line [tau], and up to which the lines of several samples are joined: joined
 # to 0.02, the lines of some records moved boundaries by 1e-3 of the amplitude.
 _LONGEST, _JOINED = 0.06, 0.015
 
-
-# Lines up to `_JOINED` need less: either has boundaries within 1e-6 of the march's.
+# Lines up to `_JOINED` need less: of 1,200 outcomes 2 or 3 differ.
 _OF_SHORT, _OF_LONG = Accuracy(4, 2), Accuracy(6, 4)
 
 
