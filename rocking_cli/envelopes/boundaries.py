@@ -147,18 +147,7 @@ class Search:
         of the scan grid, and both sides of every change that the approximate scan of a
         row finds; other changes are bisected.
         """
-        from .scan import follow
-
-        def by_scan(amplitude: Array, row: Array) -> Array:
-            amplitude, row = np.broadcast_arrays(amplitude, row)
-            masks, label = (
-                [row == i for i in all_rows],
-                np.empty(row.shape, dtype=np.uint8),
-            )
-            follow(scans, [amplitude[some] for some in masks])
-            for scan, some in zip(scans, masks, strict=True):
-                label[some] = scan.outcomes(amplitude[some])
-            return label
+        from .scan import changes_by_scan
 
         def by_march(amplitude: Array, row: Array) -> Array:
             return _lifted(
@@ -173,21 +162,12 @@ class Search:
                 ).outcome
             )
 
-        all_rows, grid = (
-            np.arange(omegas.size),
-            self.grid.amplitude(np.arange(self.grid.size)),
-        )
-        row, amplitude = np.repeat(all_rows, grid.size), np.tile(grid, omegas.size)
-        scanned = narrowed(
-            by_scan,
-            Brackets.between(row, amplitude, by_scan(amplitude, row)),
-            self.digits,
-            self.parts,
-            False,
-        )
-        row, amplitude = (
-            np.concatenate([row, scanned.row, scanned.row]),
-            np.concatenate([amplitude, scanned.low, scanned.high]),
+        all_rows = np.arange(omegas.size)
+        grid = self.grid.amplitude(np.arange(self.grid.size))
+        scanned = changes_by_scan(scans, grid, self.digits, self.parts)
+        row = np.concatenate([np.repeat(all_rows, grid.size), scanned.row, scanned.row])
+        amplitude = np.concatenate(
+            [np.tile(grid, omegas.size), scanned.low, scanned.high]
         )
         order = np.lexsort((amplitude, row))
         row, amplitude, label, _ = self._compute(row[order], amplitude[order], omegas)

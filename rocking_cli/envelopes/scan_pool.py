@@ -5,19 +5,17 @@ of `recurrence` on arrays. Lanes of many bodies share the cost of a round, and n
 a lane depends on the others.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ..dynamics.equations.recurrence import motion_terms
 from ..dynamics.outcome import Outcome
+from ..dynamics.single.lane import Lane, LaneEdge
 from ..dynamics.single.series_roots import value
 from .record_lines import RecordLines
-
-if TYPE_CHECKING:
-    from .scan import Scan
 
 Array = np.ndarray
 
@@ -29,6 +27,22 @@ _MOST_ROUNDS = 100  # rounds over lines, after which a lane is left to the march
 _UPLIFT_ROUNDS = 8
 _TOLD_ROUNDS = 128  # rounds between two calls of a function for the progress
 _SEARCH_LINES = 64  # number of lines that one search for the next uplift covers
+
+
+class Accuracy(NamedTuple):
+    """How closely a scan follows bodies."""
+
+    degree: int  # degree of the series of a step
+    roots: int  # number of steps of Newton's method to an impact
+
+
+class Followed:
+    """A body under a record, as a pool follows it."""
+
+    lane: Lane  # the body and the record
+    edges: list[LaneEdge]  # its edges under A = 1
+    lines: RecordLines  # the record as lines
+    accuracy: Accuracy  # how closely it is followed
 
 
 class Struck(NamedTuple):
@@ -60,7 +74,7 @@ class ScanPool:
         "speed",  # largest |y'| at the ends of lines, in the unit of its side
     )
 
-    def __init__(self, scans: "list[Scan]", amplitudes: list[Array]) -> None:
+    def __init__(self, scans: Sequence[Followed], amplitudes: list[Array]) -> None:
         edges = [edge for scan in scans for edge in scan.edges]
         self.scans, self.sides, row = scans, len(scans[0].edges), np.arange(len(edges))
         self.others = row + self.sides - 1 - 2 * (row % self.sides)
