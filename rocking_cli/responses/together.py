@@ -13,6 +13,7 @@ from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import Response, cheaper, response
 from ..motions.grid import Grid
 from ..motions.motion import Motion
+from ..structures.friction import friction_that_slides
 from ..structures.parameters import RockingParameters
 
 Array = np.ndarray
@@ -98,6 +99,8 @@ class Together:
         self.method, self.motion, self.structures = method, motion, structures
         self.omega = omega  # Omega of each structure [-]
         self.eta = np.array([s.eta for s in structures])  # restitution of each [-]
+        # of each structure: its friction if it slides and never rocks
+        self.friction = [friction_that_slides(s) for s in structures]
         groups: dict[object, int] = {}
         self.group = np.array(
             [groups.setdefault(self._shared(s), len(groups)) for s in structures]
@@ -113,11 +116,15 @@ class Together:
         return self.method.shares(structure)
 
     def least_uplifts(self) -> Array:
-        """Return the least amplitude A that lifts each structure."""
+        """Return the least amplitude A that lifts each structure, infinite for one
+        that slides and never rocks.
+        """
         return np.array(
             [
-                self.method.system_of(s).least_uplift(self.motion)
-                for s in self.structures
+                np.inf
+                if friction is not None
+                else self.method.system_of(s).least_uplift(self.motion)
+                for s, friction in zip(self.structures, self.friction, strict=True)
             ]
         )
 
@@ -133,12 +140,29 @@ class Together:
         """
         theta_ratio = np.full(which.size, np.nan)
         outcome = np.zeros(which.size, dtype=np.uint8)
-        for number in np.unique(self.group[which]):
-            at = np.flatnonzero(self.group[which] == number)
+        slide = np.array([self.friction[i] is not None for i in which], dtype=bool)
+        for i in np.unique(which[slide]):
+            at = np.flatnonzero(which == i)
+            outcome[at] = self._of_sliding(int(i), amplitude[at])
+            lost = outcome[at] == Outcome.LOST_CONTACT
+            theta_ratio[at] = np.where(lost | (not peaks), np.nan, 0.0)
+        for number in np.unique(self.group[which[~slide]]):
+            at = np.flatnonzero((self.group[which] == number) & ~slide)
             at = at[np.argsort(which[at], kind="stable")]  # by structure
             got = self._of_group(which[at], amplitude[at], peaks)
             theta_ratio[at], outcome[at] = got.theta_ratio, got.outcome
         return theta_ratio, outcome
+
+    def _of_sliding(self, i: int, amplitude: Array) -> list[Outcome]:
+        """Return the outcomes of a structure that slides at amplitudes A."""
+        from ..dynamics.sliding import Base
+
+        friction, structure = self.friction[i], self.structures[i]
+        assert friction is not None
+        base = Base(self.motion, friction)
+        with np.errstate(divide="ignore"):
+            ratios = structure.gravity / structure.ground_acceleration(amplitude)
+        return [base.under(ratio).outcome for ratio in ratios.tolist()]
 
     def _of_group(self, which: Array, amplitude: Array, peaks: bool) -> Response:
         """Return the responses of cells of one group, which are in the order of their
