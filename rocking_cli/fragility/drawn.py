@@ -13,6 +13,7 @@ from ..responses.together import Together
 from ..structures.draws import Draw, draws
 from ..structures.parameters import RockingParameters
 from .exposure import MotionSet, Progress
+from .fitted_curve import SlideLimit
 from .measures import MotionMember
 
 Array = np.ndarray
@@ -35,6 +36,11 @@ class DrawnExposure:
         """Return the shares of the draws that are known, and that are known and beyond
         a limit state (None: overturning), (members, levels).
         """
+        if isinstance(limit, SlideLimit):
+            raise UsageError(
+                f"limit state {limit}: draws have no displacement; expected a structure"
+                " without a spread"
+            )
         known = self.outcome != Outcome.FAILED
         beyond = falls(self.outcome)
         if limit is not None:
