@@ -51,10 +51,8 @@ def checked(
     does not fit, and for one too many or too few. name, package: under which it is
     public, and can be pickled; public: the names that its annotations may have.
     """
-    of, hints = (
-        signature(function),
-        cache(lambda: typing.get_type_hints(function, localns=_Names(public))),
-    )
+    of = signature(function)
+    hints = cache(lambda: typing.get_type_hints(function, localns=_Names(public)))
 
     @wraps(function)
     def wrapper(*args: Any, **kwargs: Any) -> Any:
@@ -63,10 +61,8 @@ def checked(
         except TypeError as error:
             raise ArgumentError(f"{name}: {_in_words(str(error), of)}") from None
         for argument, value in bound.arguments.items():
-            kind, needed = (
-                of.parameters[argument].kind,
-                of.parameters[argument].default is Parameter.empty,
-            )
+            kind = of.parameters[argument].kind
+            needed = of.parameters[argument].default is Parameter.empty
             if kind is Parameter.VAR_KEYWORD:
                 _check_keywords(name, hints().get(argument, Any), value)
             elif (

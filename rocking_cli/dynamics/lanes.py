@@ -63,9 +63,8 @@ class Arrays:
 
 def _taken(x: Any, at: Any) -> Any:
     if isinstance(x, np.ndarray):
-        return (
-            x[at] if x.ndim == 1 else x.take(at, axis=-1)
-        )  # [..., at] would lie lane by lane
+        # `take` keeps rows of lanes contiguous; x[..., at] would not
+        return x[at] if x.ndim == 1 else x.take(at, axis=-1)
     return x.take(at) if isinstance(x, Arrays) else x
 
 

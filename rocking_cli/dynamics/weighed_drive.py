@@ -149,10 +149,8 @@ def _cut_segments(motion: Motion, right: float, left: float) -> Segments:
     return _weighed(parts, (own.later_max[at], own.later_min[at]), (right, left))
 
 
-_last_segments, _recent_segments = (
-    lru_cache(maxsize=1)(_cut_segments),
-    lru_cache(maxsize=64)(_cut_segments),
-)
+_last_segments = lru_cache(maxsize=1)(_cut_segments)
+_recent_segments = lru_cache(maxsize=64)(_cut_segments)
 
 
 def _distinct(instants: list[float], length: float) -> list[float]:

@@ -88,18 +88,14 @@ class Search:
         """The largest A int |s| dphi/Omega from the first uplift on under which nothing
         overturns (Lemma 9).
         """
-        (amplitude, omega, eta), sides = (
-            self._cells(np.ones(1), np.ones(1)),
-            np.array([1.0, -1.0]),
-        )
+        amplitude, omega, eta = self._cells(np.ones(1), np.ones(1))
+        sides = np.array([1.0, -1.0])
         equation = self.system.equation.on(sides)
-        speed = np.sqrt(
-            equation.barrier / equation.fall(np.zeros(2), np.ones(2))[1]
-        )  # speed at the ground of a body that just overturns
+        # speed at the ground of a body that just overturns
+        speed = np.sqrt(equation.barrier / equation.fall(np.zeros(2), np.ones(2))[1])
         with np.errstate(divide="ignore"):
-            unit = np.array(
-                [1.0, np.clip(1.0, eta[-1, 0], 1.0 / eta[0, 0])]
-            )  # unit of speed in which no impact raises it
+            # unit of speed in which no impact raises it
+            unit = np.array([1.0, np.clip(1.0, eta[-1, 0], 1.0 / eta[0, 0])])
         growth = unit * (amplitude / omega)[:, 0] * equation.bounds[1]
         return float((unit * speed).min() / growth.max())
 
@@ -151,10 +147,8 @@ class Search:
 
         def by_scan(amplitude: Array, row: Array) -> Array:
             amplitude, row = np.broadcast_arrays(amplitude, row)
-            masks, label = (
-                [row == i for i in all_rows],
-                np.empty(row.shape, dtype=np.uint8),
-            )
+            masks = [row == i for i in all_rows]
+            label = np.empty(row.shape, dtype=np.uint8)
             follow(scans, [amplitude[some] for some in masks])
             for scan, some in zip(scans, masks, strict=True):
                 label[some] = scan.outcomes(amplitude[some])
@@ -173,10 +167,8 @@ class Search:
                 ).outcome
             )
 
-        all_rows, grid = (
-            np.arange(omegas.size),
-            self.grid.amplitude(np.arange(self.grid.size)),
-        )
+        all_rows = np.arange(omegas.size)
+        grid = self.grid.amplitude(np.arange(self.grid.size))
         row, amplitude = np.repeat(all_rows, grid.size), np.tile(grid, omegas.size)
         scanned = narrowed(
             by_scan,
@@ -185,10 +177,8 @@ class Search:
             self.parts,
             False,
         )
-        row, amplitude = (
-            np.concatenate([row, scanned.row, scanned.row]),
-            np.concatenate([amplitude, scanned.low, scanned.high]),
-        )
+        row = np.concatenate([row, scanned.row, scanned.row])
+        amplitude = np.concatenate([amplitude, scanned.low, scanned.high])
         order = np.lexsort((amplitude, row))
         row, amplitude, label, _ = self._compute(row[order], amplitude[order], omegas)
         found = narrowed(
@@ -272,10 +262,9 @@ class Search:
         begins, parts = np.empty(omegas.size, dtype=np.uint8), list[Brackets]()
         for begin in range(0, int(starts[-1]), _BATCH):
             end = min(begin + _BATCH, int(starts[-1]))
-            a, b = (
-                max(0, begin - 1 - _AROUND),
-                min(end + _AROUND, int(starts[-1])),
-            )  # including the points around the gaps of this batch
+            # including the points around the gaps of this batch
+            a = max(0, begin - 1 - _AROUND)
+            b = min(end + _AROUND, int(starts[-1]))
             top, bottom = np.searchsorted(starts, [a, b - 1], side="right")
             row = np.repeat(
                 np.arange(top - 1, bottom),
@@ -297,10 +286,8 @@ class Search:
 
     def _compute(self, row: Array, amplitude: Array, omegas: Array) -> ScanPoints:
         """Compute the outcomes at these amplitudes, batch by batch."""
-        label, impacts = (
-            np.empty(row.size, dtype=np.uint8),
-            np.empty(row.size, dtype=np.int32),
-        )
+        label = np.empty(row.size, dtype=np.uint8)
+        impacts = np.empty(row.size, dtype=np.int32)
         for begin in range(0, row.size, _BATCH):
             batch = slice(begin, begin + _BATCH)
             label[batch], impacts[batch] = self._respond(
@@ -343,22 +330,18 @@ class Search:
         above the last.
         """
         scan, segments = self.grid, self.motion.segments
-        first, last = (
-            np.zeros(omegas.size, dtype=np.int64),
-            np.full(omegas.size, scan.size - 1),
-        )
+        first = np.zeros(omegas.size, dtype=np.int64)
+        last = np.full(omegas.size, scan.size - 1)
         if self.system.devices is not None or self.motion.vertical is not None:
             return first, last
-        safe_to = self.system.safe_amplitude(
-            self.motion
-        )  # above it bodies may lose contact
+        # above it bodies may lose contact
+        safe_to = self.system.safe_amplitude(self.motion)
         first = np.minimum(
             self._last_safe_point(omegas), scan.below(np.full(omegas.size, safe_to))
         )
-        start, end = (
-            segments.s_start[0],
-            segments.s_end[0],
-        )  # the largest |s| lifts the body to the same side at any amplitude
+        # the largest |s| lifts the body to the same side at any amplitude
+        start = segments.s_start[0]
+        end = segments.s_end[0]
         at_once = abs(start) == self.motion.largest or (
             abs(end) == self.motion.largest and start * end >= 0.0
         )
@@ -370,25 +353,19 @@ class Search:
         """The last scan point of each row at which Lemma 9 excludes overturning, since
         A int |s| dphi/Omega is at most `safe_impulse`.
         """
-        scan, segments, most = (
-            self.grid,
-            self.motion.segments,
-            (1.0 - 1e-9) * self.safe_impulse * omegas,
-        )
-        if (
-            len(segments) > LONGEST_FINE
-        ):  # under a record the integral is so large that this excludes no amplitude
+        scan = self.grid
+        segments = self.motion.segments
+        most = (1.0 - 1e-9) * self.safe_impulse * omegas
+        # under a record the integral is so large that this excludes no amplitude
+        if len(segments) > LONGEST_FINE:
             return np.zeros(omegas.size, dtype=np.int64)
         from ..dynamics.drive import RemainingImpulse
 
         remaining = RemainingImpulse.of(segments)
-        low, high = (
-            np.zeros(omegas.size, dtype=np.int64),
-            np.full(omegas.size, scan.size),
-        )
-        while np.any(
-            high - low > 1
-        ):  # bisection, since a larger amplitude lifts the body earlier
+        low = np.zeros(omegas.size, dtype=np.int64)
+        high = np.full(omegas.size, scan.size)
+        # bisection, since a larger amplitude lifts the body earlier
+        while np.any(high - low > 1):
             middle, cell = (low + high) // 2, np.arange(omegas.size)
             amplitude = scan.amplitude(middle)
             lift = self.system.contact.uplift(
@@ -423,10 +400,8 @@ class Search:
                 first[:, None],
             )
             step = overturns(points, rows[:, None]).argmax(axis=1)
-            high, low = (
-                points[row, step],
-                np.where(step > 0, points[row, step - 1], low),
-            )
+            high = points[row, step]
+            low = np.where(step > 0, points[row, step - 1], low)
         last[rows] = high
         return last
 

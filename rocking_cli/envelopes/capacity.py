@@ -108,11 +108,9 @@ class CapacitySearch(NamedTuple):
         Changes are traced to `tracing_width`. Raises UsageError if the demand or
         `a_max` is above the limit of a scan.
         """
-        motion, amplitude, system = (
-            self.motion,
-            self.amplitude,
-            self.method.system_of(self.structure),
-        )
+        motion = self.motion
+        amplitude = self.amplitude
+        system = self.method.system_of(self.structure)
         lowest, top = self.ends()
         if not lowest < top:
             return Capacity(None, None, lowest if np.isfinite(lowest) else None)

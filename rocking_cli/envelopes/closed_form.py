@@ -41,11 +41,12 @@ class CurvePoint(NamedTuple):
     amplitude: float  # A [-]
 
 
+# one cycle, half a cycle, and a constant for t_d = 2 pi/omega_g
 PULSES = (
     "sine",
     "half-sine",
     "rectangular",
-)  # one cycle, half a cycle, and a constant for t_d = 2 pi/omega_g
+)
 
 
 def no_impact_amplitude(omega: float, pulse: str = "sine") -> float:
@@ -86,13 +87,10 @@ class _FirstSide:
         self.amplitude, self.omega = a, w
         self.psi: Any = math.asin(1.0 / a) if library is math else np.arcsin(1.0 / a)
         self.duration: Any = (2.0 * math.pi - self.psi) / w
-        self.below: Any = (
-            (math.pi - 2.0 * self.psi) / w
-        )  # time from which the drive is below 1, so that the body cannot rise again
-        self.big, self.s = (
-            w**2 / (1.0 + w**2),
-            w * library.sqrt((a - 1.0) * (a + 1.0)) / (1.0 + w**2),
-        )
+        # time from which the drive is below 1, so that the body cannot rise again
+        self.below: Any = (math.pi - 2.0 * self.psi) / w
+        self.big = w**2 / (1.0 + w**2)
+        self.s = w * library.sqrt((a - 1.0) * (a + 1.0)) / (1.0 + w**2)
         self.q = a / (1.0 + w**2)
 
     def place(self, t: Any) -> Any:
@@ -166,9 +164,8 @@ def after_impact_margin(amplitude: float, omega: float, eta: float) -> float:
     at = first.impact()
     if at is None:
         return eta * math.sqrt(max(0.0, first.energy_left())) - 1.0
-    return (
-        -1.0 if math.isnan(at) else float(first.margin_inside(at, eta))
-    )  # so close to A = 1 the body does not overturn
+    # so close to A = 1 the body does not overturn
+    return -1.0 if math.isnan(at) else float(first.margin_inside(at, eta))
 
 
 def _overturns(amplitude: np.ndarray, omega: float, eta: float) -> np.ndarray:
@@ -208,11 +205,9 @@ def _single_impact(amplitude: float, omega: float, eta: float) -> bool:
     if at is None:
         return True
     t = np.linspace(0.0, first.duration - at, 4001)[1:]
-    phase, q, speed = (
-        first.psi + omega * at,
-        amplitude / (1.0 + omega**2),
-        -eta * first.speed(at),
-    )
+    phase = first.psi + omega * at
+    q = amplitude / (1.0 + omega**2)
+    speed = -eta * first.speed(at)
     sine, cosine = q * math.sin(phase), q * omega * math.cos(phase)
     x = (
         1.0

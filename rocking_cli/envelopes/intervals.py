@@ -26,17 +26,12 @@ from .boundaries import Search, Steps
 A_MAX = 20.0
 NARROWEST = 1e-3  # no interval of this width in A is missed
 HIGHEST = 100_000.0  # largest a_max; a larger scan takes too long
-SIGNS = {
-    "+": (1.0,),
-    "-": (-1.0,),
-    "worse": (1.0, -1.0),
-}  # of the ground acceleration, for bodies with unequal sides
+# signs of the ground acceleration that are tried, for bodies with unequal sides
+SIGNS = {"+": (1.0,), "-": (-1.0,), "worse": (1.0, -1.0)}
 NONE = "none"  # the mode of a body that no amplitude overturns
 BOTH = "both"  # each sign by itself
-NAMED = (
-    "motion",
-    "model",
-)  # columns for programs; a printed table has them only if their values differ
+# columns for programs; a printed table has them only if their values differ
+NAMED = ("motion", "model")
 # The columns that say which row it is: of an interval, and of a point of a curve.
 INTERVAL_KEYS = (
     "record",
@@ -144,10 +139,8 @@ def trace_envelope(
     1.40357 3.48466
     3.63115 None
     """
-    motion, omegas = (
-        motion if isinstance(motion, Motion) else motion.motion,
-        np.atleast_1d(np.asarray(omegas, dtype=float)),
-    )
+    motion = motion if isinstance(motion, Motion) else motion.motion
+    omegas = np.atleast_1d(np.asarray(omegas, dtype=float))
     if (
         motion.acceleration is not None
         and not structure.dimensionless

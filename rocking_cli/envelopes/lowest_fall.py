@@ -22,18 +22,15 @@ if TYPE_CHECKING:
 
 Array = np.ndarray
 
-_FINE = (
-    6e-5  # ratio of neighbouring amplitudes, minus 1, in the tenth below a known fall
-)
-# under a pulse with narrow falls: ratio minus 1, and start of the search over the fall
-_FINEST, _NEAREST = (5e-6, 0.997)
-_NEAR, _ABOVE = (
-    0.9,
-    1.05,
-)  # times the lowest fall: start of the fine search, and end of the count of falls
-_TOGETHER = (
-    64  # parts of a bracket in one cut, if the march computes all amplitudes together
-)
+# ratio of neighbouring amplitudes, minus 1, in the tenth below a known fall
+_FINE = 6e-5
+# The same under a pulse with narrow falls, and where this search starts, over the fall.
+_FINEST = 5e-6
+_NEAREST = 0.997
+_NEAR = 0.9  # start of the fine search, over the lowest fall
+_ABOVE = 1.05  # end of the count of falls, over the lowest fall
+# parts of a bracket in one cut, if the march computes all amplitudes together
+_TOGETHER = 64
 # number of amplitudes on either side of an approximate fall at which the march looks
 # for it
 _NEIGHBOURS = 5
@@ -231,10 +228,8 @@ class FallSearch:
         share = np.arange(1.0, parts)
         while high - low > self.digits * high and low < 0.5 * (low + high) < high:
             between = ((parts - share) * low + share * high) / parts
-            ends, first = (
-                [low, *between.tolist(), high],
-                int(np.argmax(np.append(self.falls(between), True))),
-            )
+            ends = [low, *between.tolist(), high]
+            first = int(np.argmax(np.append(self.falls(between), True)))
             low, high = ends[first], ends[first + 1]
         return high
 

@@ -234,10 +234,8 @@ class ScanPool:
             factors,
             [drive * (s + rise * x), drive * (rise * left)],
         )
-        self.y, self.v = (
-            sum(terms[1:], terms[0]),
-            sum((n * c for n, c in enumerate(terms[2:], 2)), terms[1]) / h,
-        )
+        self.y = sum(terms[1:], terms[0])
+        self.v = sum((n * c for n, c in enumerate(terms[2:], 2)), terms[1]) / h
         self.k, self.x = k + 1, np.zeros_like(x)
         turned = self.y if self.alike else self.y * self.units[self.row]
         np.maximum(self.peak, turned, out=self.peak)

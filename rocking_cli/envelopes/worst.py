@@ -32,9 +32,8 @@ _LADDER = 1.002  # ratio of the amplitudes of this search
 _SCANNED = 0.6  # about the share of the scan of a search
 _HALF = 12  # searches around minima after which half of the rest is taken as done
 _LAST = 0.01  # of a search, which counts when it has come from its process
-_BEYOND = (
-    10.0  # ratio of an end of the range and the last frequency that is tried beyond it
-)
+# ratio of an end of the range and the last frequency that is tried beyond it
+_BEYOND = 10.0
 _TRIED = 48  # frequencies beyond an end
 
 Tell = Callable[[float], None]  # called with the share that is done
@@ -97,10 +96,8 @@ def at_worst_frequency(
     if omega is None:
         return WorstFrequency(low, None, None)
 
-    stated = {
-        begin: low.frequency,
-        end: high.frequency,
-    }  # as they are, without rounding
+    # The ends of the range are used as the user states them, without rounding.
+    stated = {begin: low.frequency, end: high.frequency}
     if (axis := stated.get(omega)) is None:
         axis = (
             Axis("Omega", np.array([omega]))

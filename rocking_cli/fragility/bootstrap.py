@@ -91,10 +91,11 @@ def interval(
     def of(index: Array, axis: int = -1) -> Array:
         return statistic(np.moveaxis(np.asarray(index, dtype=np.int64), axis, -1))
 
+    # SciPy warns if all samples are on one side of the estimate.
     with (
         warnings.catch_warnings(),
         np.errstate(divide="ignore", invalid="ignore"),
-    ):  # if all samples are on one side of the estimate
+    ):
         warnings.simplefilter("ignore", stats.DegenerateDataWarning)
         found = stats.bootstrap(
             (np.arange(records),),

@@ -35,17 +35,16 @@ from .response_spectra import mean_acceleration, periods_of
 
 Taken = TypeVar("Taken")
 
-LONG, _BYTES = (
-    5_000_000,
-    200,
-)  # a record with so many samples gets a remark on memory; bytes for each sample
+LONG = 5_000_000  # a record with so many samples gets a remark on memory
+_BYTES = 200  # memory for each sample
+# dimension of each intensity measure by its name
 MEASURES = {
     "PGA": "acceleration",
     "PGV": "velocity",
     "PGD": "length",
     "Arias": "velocity",
     "CAV": "velocity",
-}  # dimensions by name
+}
 
 
 class MotionChoices(TypedDict, total=False):
@@ -237,11 +236,9 @@ def _recordings(
 
 def _scaled(recording: Recording, given: MotionChoices) -> Recording:
     """The recording with its factor, after its remarks are told."""
-    record, scale, scale_to = (
-        recording.record,
-        given.get("scale"),
-        given.get("scale_to"),
-    )
+    record = recording.record
+    scale = given.get("scale")
+    scale_to = given.get("scale_to")
     if tell := given.get("tell"):
         for remark in record.remarks:
             tell(f"{record.source}: {remark}")
@@ -369,9 +366,8 @@ def read_set(
                 source, raw, unit=unit, dt=dt, column=column, named=named
             )
             if records is None:
-                raise NoRecord(
-                    source, raw, quoted=path in paths
-                )  # a list may name a file that its reader may not see
+                # a list may name a file that its reader may not see
+                raise NoRecord(source, raw, quoted=path in paths)
             taken = take(records)
             if not taken:
                 tell(
@@ -411,9 +407,8 @@ def record_files(
                 for name in os.listdir(path)
                 if not name.startswith(".")
             )
-            files = [
-                x for x in inside if os.path.isfile(x) or not os.path.exists(x)
-            ]  # reading reports a link to nothing
+            # reading reports a link to nothing
+            files = [x for x in inside if os.path.isfile(x) or not os.path.exists(x)]
             if not files:
                 raise UsageError(f"{path}: a directory without files")
             yield from ((x, False, None) for x in files)

@@ -25,9 +25,8 @@ from .records import Record
 Array = np.ndarray
 
 DAMPING = 0.05  # of a spectrum that states none, and of measures
-_STEPS = (
-    12  # in the shortest period, at least: then a step holds one turning point of u
-)
+# in the shortest period, at least: then a step holds one turning point of u
+_STEPS = 12
 _SIZE = 1 << 21  # samples times periods that are computed at once
 _FINEST = 1 << 24  # samples, to which a short period cuts the steps of a record
 _NAME = re.compile(r"(SA|AvgSA)(?:\((.*)\))?", re.IGNORECASE)
@@ -132,10 +131,8 @@ def periods_of(name: str) -> tuple[str, Array] | None:
     """
     if (match := _NAME.fullmatch(name.strip())) is None:
         return None
-    mean, text = (
-        match[1].casefold() != "sa",
-        match[2] or ("1" if match[1].casefold() != "sa" else ""),
-    )
+    mean = match[1].casefold() != "sa"
+    text = match[2] or ("1" if match[1].casefold() != "sa" else "")
     try:
         periods = np.array([parse_quantity(part, "time") for part in text.split(",")])
     except ValueError as error:

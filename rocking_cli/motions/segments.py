@@ -143,12 +143,10 @@ class Segments:
         high, low, start = self._blocks
         found = np.full(k.shape, len(self))
         lanes = np.flatnonzero(k < len(self))
-        at, above, below, level = (
-            k[lanes],
-            above[lanes],
-            below[lanes],
-            np.zeros(lanes.size, dtype=np.int64),
-        )
+        at = k[lanes]
+        above = above[lanes]
+        below = below[lanes]
+        level = np.zeros(lanes.size, dtype=np.int64)
         # to larger blocks while no value is large, then down into the first block with
         # a large value
         while lanes.size:
@@ -168,13 +166,11 @@ class Segments:
                 here = level < 0
                 found[lanes[here]] = at[here]
                 going = ~done
-                lanes, at, above, below, level = (
-                    lanes[going],
-                    at[going],
-                    above[going],
-                    below[going],
-                    level[going],
-                )
+                lanes = lanes[going]
+                at = at[going]
+                above = above[going]
+                below = below[going]
+                level = level[going]
         return found
 
     @cached_property

@@ -103,18 +103,12 @@ class Tracing:
         """Return for each Omega of a task the changes (amplitude, outcome from there
         on), rising; none if no amplitude lifts the body.
         """
-        structure, motion = (
-            self.scene.structures[task.structure],
-            self.scene.recordings[task.record].motion,
-        )
-        system, digits = (
-            self.scene.method.system_of(structure),
-            tracing_width(self.scene.method, motion),
-        )
-        omegas, most = (
-            self.omegas(task.structure)[list(task.omegas)],
-            self.limit(task.structure),
-        )
+        structure = self.scene.structures[task.structure]
+        motion = self.scene.recordings[task.record].motion
+        system = self.scene.method.system_of(structure)
+        digits = tracing_width(self.scene.method, motion)
+        omegas = self.omegas(task.structure)[list(task.omegas)]
+        most = self.limit(task.structure)
         found: list[Steps] = [[] for _ in omegas]
         for factor in (1.0,) if system.alike else SIGNS[task.sign]:
             under = motion if factor > 0.0 else motion.scaled(factor)
@@ -275,10 +269,8 @@ def _rows(
     scene: RecordScene, task: Task, column: int, steps: Steps, first: bool, signed: bool
 ) -> Iterator[dict[str, Any]]:
     """Yield the intervals of one search as rows."""
-    recording, structure = (
-        scene.recordings[task.record],
-        scene.structures[task.structure],
-    )
+    recording = scene.recordings[task.record]
+    structure = scene.structures[task.structure]
     if scene.over_angles:
         of: dict[str, Any] = {
             "record": recording.label,

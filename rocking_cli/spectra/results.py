@@ -205,14 +205,12 @@ class Spectrum:
         require("to_xarray needs", "xarray")
         import xarray as xr
 
-        frame, cells = (
-            self.scene.frame(),
-            {
-                "theta_ratio": self.theta_ratio,
-                "outcome": self.outcome,
-                "impacts": self.impacts,
-            },
-        )
+        frame = self.scene.frame()
+        cells = {
+            "theta_ratio": self.theta_ratio,
+            "outcome": self.outcome,
+            "impacts": self.impacts,
+        }
         along = {
             name: xr.Variable(
                 dimension,

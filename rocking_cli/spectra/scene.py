@@ -169,9 +169,8 @@ class Scene(ABC):
         differ only in restitution.
         """
         scale = (structure.alpha / structure.a_scale,) if self.weighed else ()
-        body = (
-            None if self.method.exact else self.method.body_of(structure)
-        )  # forces of the linear oscillator are computed afterwards
+        # forces of the linear oscillator are computed afterwards
+        body = None if self.method.exact else self.method.body_of(structure)
         return (*self.method.shares(structure), *scale, body)
 
     def runs_with(self, structure: RockingParameters) -> tuple[Any, ...]:

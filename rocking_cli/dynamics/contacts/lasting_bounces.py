@@ -37,10 +37,8 @@ def stays_below_peak(segments: Segments, lanes: Lanes) -> Array:
     and never rise above their peak (Lemma 7). It holds for undamped linear oscillators
     with equal edges.
     """
-    drive, ends = (
-        1.0 + lanes.force,
-        -lanes.side * lanes.amplitude * segments.s_end[lanes.segment],
-    )
+    drive = 1.0 + lanes.force
+    ends = -lanes.side * lanes.amplitude * segments.s_end[lanes.segment]
     left = 1.0 - np.maximum(
         np.maximum(np.abs(drive), np.abs(ends)),
         lanes.amplitude * segments.largest_later[lanes.segment],

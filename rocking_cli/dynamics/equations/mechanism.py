@@ -87,15 +87,13 @@ class MechanismEquation(Equation):
         self, mechanism: Mechanism, tolerance: float = 1e-9, damping: float = 0.0
     ) -> None:
         super().__init__(damping)
-        self.order, self.tolerance = (
-            order_for(tolerance, 0.8),
-            tolerance,
-        )  # fewer terms than for a body: cost ~ terms^3
+        # fewer terms than for a body: cost ~ terms^3
+        self.order = order_for(tolerance, 0.8)
+        self.tolerance = tolerance
         self.table = table = tabulate(mechanism)
         self.limit = float(table.edges[-1])
-        self.top = float(
-            inverse(table, table.turn, np.array([1.0]), self.limit)[0]
-        )  # y at phi = alpha
+        # y at phi = alpha
+        self.top = float(inverse(table, table.turn, np.array([1.0]), self.limit)[0])
         self.barrier = float(table.value(table.work, np.array([self.top]))[0])
         inner = np.linspace(0.0, self.top, 257)
         self.gain = float(
@@ -188,9 +186,8 @@ class MechanismEquation(Equation):
         rows = np.zeros((2, count + _SHIFT, x.size))
         for function, row in zip((self.table.lift, self.table.push), rows, strict=True):
             function[:given].take(at, axis=1, out=row[:given])
-            row[:given] *= _FACTORIALS[
-                :given
-            ]  # k! c_k: term k about y0 is the sum over m of term k + m times x^m/m!
+            # k! c_k: term k about y0 is the sum over m of term k + m times x^m/m!
+            row[:given] *= _FACTORIALS[:given]
         x_m = powers(x, _SHIFT + 1)
         x_m /= _FACTORIALS[: _SHIFT + 1]
         local: Array = np.einsum(
@@ -272,9 +269,8 @@ def _composed(
     terms, lanes).
     """
     count = local.shape[1]
-    power = np.zeros(
-        (count, count, y.array.shape[1])
-    )  # [j, n]: term n of (y - y0)^j; it is zero for n < j
+    # [j, n]: term n of (y - y0)^j; it is zero for n < j
+    power = np.zeros((count, count, y.array.shape[1]))
     found = new(), new()
     for function, series in zip(local, found, strict=True):
         series.append(function[0])
@@ -299,9 +295,8 @@ def _composed_floats(
     local: list[list[float]], y: list[float]
 ) -> tuple[list[float], list[float], Callable[[int], None]]:
     """`along` for one body; local: the series of F and of G about the present y."""
-    power: list[list[float]] = [
-        [] for _ in local[0]
-    ]  # [j]: terms j, j + 1 ... of (y - y0)^j
+    # [j]: terms j, j + 1 ... of (y - y0)^j
+    power: list[list[float]] = [[] for _ in local[0]]
     found = [local[0][0]], [local[1][0]]
 
     def extend(n: int) -> None:

@@ -105,10 +105,8 @@ def inverse(table: Patches, coefficients: Array, value: Array, high: float) -> A
             break
         here = y[lanes]
         gap = table.value(coefficients, here) - value[lanes]
-        a[lanes], b[lanes] = (
-            np.where(gap < 0.0, here, a[lanes]),
-            np.where(gap < 0.0, b[lanes], here),
-        )
+        a[lanes] = np.where(gap < 0.0, here, a[lanes])
+        b[lanes] = np.where(gap < 0.0, b[lanes], here)
         with np.errstate(all="ignore"):
             newton = here - gap / table.slope(coefficients, here)
         inside = (newton >= a[lanes]) & (newton <= b[lanes])
@@ -145,10 +143,8 @@ def _narrowed(wide: Patches) -> Patches:
         (wide.edges[:-1, None] + width[:, None] * (share - 0.5 / _PARTS)).ravel(),
         wide.edges[-1],
     )
-    centre, half = (
-        (wide.edges[:-1, None] + width[:, None] * share).ravel(),
-        wide.half.repeat(_PARTS),
-    )
+    centre = (wide.edges[:-1, None] + width[:, None] * share).ravel()
+    half = wide.half.repeat(_PARTS)
     x = (centre - wide.centre.repeat(_PARTS)) / half
     functions = np.stack(
         [
@@ -199,10 +195,8 @@ class _PatchPath:
         """Rotation at y [rad], by Newton's method; NaN beyond the reach
         of the links.
         """
-        first, last = (
-            self.marks[1] / self.sums[1],
-            (self.marks[-1] - self.marks[-2]) / (self.sums[-1] - self.sums[-2]),
-        )
+        first = self.marks[1] / self.sums[1]
+        last = (self.marks[-1] - self.marks[-2]) / (self.sums[-1] - self.sums[-2])
         phi = (
             np.interp(y, self.sums, self.marks)
             + np.minimum(y, 0.0) * first

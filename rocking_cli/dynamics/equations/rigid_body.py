@@ -91,12 +91,10 @@ class RigidBodyEquation(Equation):
         which it has `own`.
         """
         there = object.__new__(type(self))
-        there.damping, there.order, there.tolerance, there._by_cell = (
-            self.damping,
-            self.order,
-            self.tolerance,
-            self._by_cell,
-        )
+        there.damping = self.damping
+        there.order = self.order
+        there.tolerance = self.tolerance
+        there._by_cell = self._by_cell
         there._take(each, own)
         return there
 
@@ -236,9 +234,8 @@ class RigidBodyEquation(Equation):
             return ((v > 0.0) & (gap <= 0.0)) | on_its_side
         half = np.tan(0.5 * gap)
         half *= half
-        height = (
-            2.0 / self.square * np.sqrt(1.0 + e * e) * (half / (1.0 + half))
-        )  # sin^2 of half the gap
+        # sin^2 of half the gap
+        height = 2.0 / self.square * np.sqrt(1.0 + e * e) * (half / (1.0 + half))
         passes = (v > 0.0) & ((gap <= 0.0) | (0.5 * v * v > height))
         return passes | on_its_side
 

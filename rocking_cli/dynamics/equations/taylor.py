@@ -32,9 +32,8 @@ _LEAST = 1e-3  # tau: the unit of lanes at the end of their line
 # growth rate of lanes up to a little beyond the barrier; the last terms show where it
 # is larger
 _GROWTH = 1.3
-_ROOM = (
-    0.1  # largest size of the first term left out, over the error that a step may have
-)
+# largest size of the first term left out, over the error that a step may have
+_ROOM = 0.1
 
 
 @dataclass
@@ -149,29 +148,23 @@ def drive_series(
 
     rate: fastest change of the body on still ground [1/tau].
     """
-    weighed, here = (
-        segments.weighed,
-        segment_value(segments, lanes.segment, lanes.phase),
-    )
+    weighed = segments.weighed
+    here = segment_value(segments, lanes.segment, lanes.phase)
     w, *up = (
         part.frequency.take(lanes.segment, axis=1) * lanes.omega
         for part in (segments, *((weighed.vertical,) if weighed else ()))
     )
     fastest = rate + np.maximum.reduce([x.max(axis=0, initial=0.0) for x in (w, *up)])
     unit = 1.0 / fastest
-    terms, outward = (
-        np.empty((order + 1, lanes.phase.size)),
-        -lanes.side * lanes.amplitude,
-    )
+    terms = np.empty((order + 1, lanes.phase.size))
+    outward = -lanes.side * lanes.amplitude
     terms[0] = outward * (segments.s_start[lanes.segment] + here[0])
     _fill(terms, segments, lanes, here, outward, w, unit)
     if weighed is None:
         return Drive(Rows.from_array(terms), unit), fastest
     rows, vertical = np.empty(terms.shape), weighed.vertical
-    sway, rise = (
-        weighed.sway(lanes.side, lanes.amplitude),
-        segment_value(vertical, lanes.segment, lanes.phase),
-    )
+    sway = weighed.sway(lanes.side, lanes.amplitude)
+    rise = segment_value(vertical, lanes.segment, lanes.phase)
     change = (
         rise[0]
         if vertical.table is None

@@ -32,9 +32,8 @@ class Windows(NamedTuple):
     segment: Array  # segment of the end
     phase: Array  # phase of the end in its segment [rad]
     supercritical: Array  # True if the drive is supercritical
-    over: (
-        Array  # phase of the whole segments between the present one and `segment` [rad]
-    )
+    # phase of the whole segments between the present one and `segment` [rad]
+    over: Array
 
     def phase_from(self, u: Array) -> Array:
         """The phase from u in the present segment to the end of the window."""
@@ -371,9 +370,8 @@ def _bottom(segments: Segments, lanes: Lanes, result: StepResult, at: Array) -> 
     k, u = lanes.segment[at], lanes.phase[at]
     to_k, to_u = result.step.segment[at], result.step.phase[at]
     to_k = np.where(to_u > 0.0, to_k, to_k - 1)
-    inside = (
-        -lanes.side[at] * (segments.s_end[k] - segments.s_start[k]) < 0.0
-    )  # a step within one falling segment
+    # True where the whole step lies in one falling segment
+    inside = -lanes.side[at] * (segments.s_end[k] - segments.s_start[k]) < 0.0
     bottom = (
         phase_between(segments, k, u, np.maximum(k, to_k), np.zeros(at.size))
         / lanes.omega[at]

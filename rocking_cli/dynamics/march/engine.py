@@ -77,24 +77,19 @@ class Run:
         keep_freed_memory()
         # pool: number of lanes that are advanced together
         # observers: objects that see the motion of the lanes
-        self.batch, self.pool, self.observers = (
-            batch,
-            pool or batch.equation.pool,
-            list(observers),
-        )
+        self.batch = batch
+        self.pool = pool or batch.equation.pool
+        self.observers = list(observers)
         self.closings, self.after_rest = closings_of(batch, bool(observers))
         # results so far, as in `Response`, (cells,)
         self.theta_ratio = np.full(batch.size, 0.0 if batch.peaks else np.nan)
         self.outcome = np.full(batch.size, Outcome.NO_UPLIFT, dtype=np.uint8)
         # bounced: True for damped cells after an impact on still ground, (cells,)
-        self.impacts, self.bounced = (
-            np.zeros(batch.size, dtype=np.int32),
-            np.zeros(batch.size, dtype=bool),
-        )
+        self.impacts = np.zeros(batch.size, dtype=np.int32)
+        self.bounced = np.zeros(batch.size, dtype=bool)
         self.work = Work(cells=batch.size)
-        if (
-            batch.free_fall is not None
-        ):  # a body that leans on its wall loses the ground too
+        # a body that leans on its wall loses the ground too
+        if batch.free_fall is not None:
             self._lose_contact(np.flatnonzero(batch.free_fall.occurs))
 
     def all(self, march: Callable[["Run", Array], None] = by_windows) -> None:
@@ -381,12 +376,10 @@ class Run:
         """Recompute the force on the lanes `at`, which are at the start
         of a segment.
         """
-        seg, side, amplitude, k = (
-            self.batch.segments,
-            lanes.side[at],
-            lanes.amplitude[at],
-            lanes.segment[at],
-        )
+        seg = self.batch.segments
+        side = lanes.side[at]
+        amplitude = lanes.amplitude[at]
+        k = lanes.segment[at]
         weight = seg.weight(side, amplitude, k, lanes.phase[at])
         drive = -side * amplitude * seg.s_start[k]
         lanes.force[at] = self.batch.equation.on(side, lanes.cell[at]).force(

@@ -140,12 +140,10 @@ def turning_point(
             if not keep.size:
                 break
             arc, lanes = arc.take(keep), lanes[keep]
-            low, high, target, inside = (
-                low[keep],
-                high[keep],
-                target[keep],
-                inside[keep],
-            )
+            low = low[keep]
+            high = high[keep]
+            target = target[keep]
+            inside = inside[keep]
         h = np.where(inside, target, 0.5 * (low + high))
     else:
         y_out[lanes] = np.nan

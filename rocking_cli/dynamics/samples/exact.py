@@ -57,18 +57,15 @@ def bounded_response(samples: Array, pace: Array) -> Array:
         far = far * -pace + (k + 1.0) / math.factorial(k + 2)
     far *= pace
     near = total - far
-    decays = np.exp(
-        -pace[:, None] * 2.0 ** np.arange((samples.size - 1).bit_length())
-    )  # over 1, 2, 4 ... samples
+    # over 1, 2, 4 ... samples
+    decays = np.exp(-pace[:, None] * 2.0 ** np.arange((samples.size - 1).bit_length()))
     result = np.empty((pace.size, samples.size), dtype=complex)
     for row, *weights, decay in zip(
         result, near.tolist(), far.tolist(), decays, strict=True
     ):
         decays = decay[decay >= _NEGLIGIBLE].tolist()
-        up, down = (
-            _mode(samples, weights, decays),
-            _mode(samples[::-1], weights, decays)[::-1],
-        )
+        up = _mode(samples, weights, decays)
+        down = _mode(samples[::-1], weights, decays)[::-1]
         row.real, row.imag = 0.5 * (up + down), 0.5 * (up - down)
     return result
 
@@ -120,9 +117,8 @@ def stretches(motions: Sequence[Array], levels: int) -> Stretches:
         for side, outward in zip(own, (-samples, samples), strict=True):
             least = (outward - margin).astype(np.float32)
             for level in range(levels):
-                reach = 1 << max(
-                    level - 1, 0
-                )  # from the front: later entries are still those of the level before
+                # From the front: entries that come later still hold the level before.
+                reach = 1 << max(level - 1, 0)
                 least[:-reach] = np.minimum(least[:-reach], least[reach:])
                 found = np.minimum.reduceat(
                     least, np.arange(0, last + 1, 1 << int(shift[level]))
@@ -185,10 +181,8 @@ class ExactStepper(SampleStepper[ExactLanes]):
         )
         tables, which = np.unique(pairs, return_inverse=True)
         motion, which = tables.real.astype(np.int64), which.reshape(-1, waiting.size)
-        order, begin = (
-            np.argsort(which[0], kind="stable"),
-            np.cumsum(self.sizes[motion]) - self.sizes[motion],
-        )
+        order = np.argsort(which[0], kind="stable")
+        begin = np.cumsum(self.sizes[motion]) - self.sizes[motion]
         for some in _cut(order, begin[which[0][order]], _TABLES // (16 * len(which))):
             mine, row = np.unique(which[:, some], return_inverse=True)
             of = [
@@ -225,10 +219,8 @@ class ExactStepper(SampleStepper[ExactLanes]):
         bounded = self.bounded.take(
             lanes.row + np.minimum(lanes.segment + inside, self.last.take(lanes.cell))
         )
-        y, v = (
-            there.y - 1.0 - lanes.outward * bounded.real,
-            there.v - lanes.outward * bounded.imag,
-        )
+        y = there.y - 1.0 - lanes.outward * bounded.real
+        v = there.v - lanes.outward * bounded.imag
         lanes.up, lanes.down = 0.5 * (y + v), 0.5 * (y - v)
         fall = (
             lanes.v + np.sqrt(lanes.v * lanes.v - 2.0 * lanes.force * lanes.y)
@@ -349,9 +341,8 @@ class ExactStepper(SampleStepper[ExactLanes]):
         y, v, time, end_v = lanes.y[high], lanes.v[high], step.time[high], step.v[high]
         pull = self._strongest(lanes, high) - 1.0
         start, end = y + pull, step.y[high] + pull
-        rises = end_v >= np.maximum(end, 0.0) * (
-            0.5 * time
-        )  # its largest y is at the end
+        # the largest y of the stretch is at its end
+        rises = end_v >= np.maximum(end, 0.0) * (0.5 * time)
         falls = -v >= np.maximum(start, 0.0) * (0.5 * time)
         top = np.where(
             (start < 0.0) & (v > 0.0),

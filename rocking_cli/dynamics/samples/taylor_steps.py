@@ -208,10 +208,8 @@ class WeighedTaylorStepper(TaylorStepper):
             upwards.s_start[:shaken], float(upwards.s_end[shaken - 1])
         )
         self.vertical_gains = gains(self.vertical)
-        self.largest_vertical, self.steepest_vertical = (
-            largest(self.vertical),
-            largest(self.vertical_gains),
-        )
+        self.largest_vertical = largest(self.vertical)
+        self.steepest_vertical = largest(self.vertical_gains)
 
     def march(self, waiting: Array) -> None:
         """March the cells that are lifted before the ground falls away from them;
@@ -235,9 +233,8 @@ class WeighedTaylorStepper(TaylorStepper):
         )
 
     def _ramp(self, k: Array, outward: Array, pace: Array) -> Drive:
-        sway = np.where(outward < 0.0, *self.share) * np.abs(
-            outward
-        )  # zg''/g of s_v = 1
+        # zg''/g of s_v = 1
+        sway = np.where(outward < 0.0, *self.share) * np.abs(outward)
         weight = sway * self.vertical.take(k)
         weight += 1.0
         return (

@@ -14,9 +14,8 @@ from ..equations.taylor import LONGEST, size_limits
 from ..lanes import Cells, Lanes
 from ..system import System
 
-_SAMPLED = (
-    1 << 12
-)  # the longest of the first so many segments gives the number of terms of the series
+# the longest of the first so many segments gives the number of terms of the series
+_SAMPLED = 1 << 12
 _BLOCK = 1 << 15  # segments whose lists are held at once
 
 
@@ -81,11 +80,9 @@ class DriveLists:
     """The segments of a motion, read block by block as lists of floats."""
 
     def __init__(self, segments: Segments) -> None:
-        self.segments, self.straight, self.count = (
-            segments,
-            segments.straight,
-            len(segments),
-        )
+        self.segments = segments
+        self.straight = segments.straight
+        self.count = len(segments)
         self.vertical = None if segments.weighed is None else segments.weighed.vertical
         self.block = Block(0, [], [], [], [], [])
         self._waves: dict[int, tuple[Wave, ...]] = {}
@@ -179,25 +176,20 @@ class Lane:
     def __init__(
         self, system: System, segments: Segments, omega: float, eta: float
     ) -> None:
-        self.omega, self.eta, self.shaken = (
-            np.array([omega]),
-            np.array([eta]),
-            len(segments),
-        )
+        self.omega = np.array([omega])
+        self.eta = np.array([eta])
+        self.shaken = len(segments)
         cells = system.contact.cells(system.equation, np.ones(1), self.omega, self.eta)
-        if (
-            system.equation.damping
-        ):  # no closed form of the free motion: march on over still ground
+        # no closed form of the free motion: march on over still ground
+        if system.equation.damping:
             segments = segments.followed_by_rest(
                 SETTLING
                 * (1.0 + 3.0 * system.equation.damping)
                 * float(cells.omega.max())
             )
-        self.system, self.segments, self.drive_lists = (
-            system,
-            segments,
-            DriveLists(segments),
-        )
+        self.system = system
+        self.segments = segments
+        self.drive_lists = DriveLists(segments)
         self.weighed = segments.weighed is not None
         self.zeta = float(system.equation.damping)
         self.largest_vertical = 0.0
@@ -291,11 +283,9 @@ class Lane:
     def lanes(self, cells: Cells, side: float) -> Lanes:
         """Return a lane for each cell on a side, at rest at the start of the motion."""
         at = np.arange(cells.amplitude.shape[1])
-        sides, zero, count = (
-            np.full(at.size, side),
-            np.zeros(at.size),
-            np.zeros(at.size, dtype=np.int64),
-        )
+        sides = np.full(at.size, side)
+        zero = np.zeros(at.size)
+        count = np.zeros(at.size, dtype=np.int64)
         amplitude, omega, eta = (
             np.broadcast_to(values, cells.amplitude.shape)[cells.row(sides), at].astype(
                 float

@@ -63,13 +63,11 @@ class MarchState:
         listener: Listener | None,
         most: int,
     ) -> None:
-        self.lane, self.cells, self.edges, self.listener, self.most = (
-            lane,
-            cells,
-            edges,
-            listener,
-            most,
-        )
+        self.lane = lane
+        self.cells = cells
+        self.edges = edges
+        self.listener = listener
+        self.most = most
         self.equation, self.contact = lane.system.equation, lane.system.contact
         self.segments, self.drive_lists = lane.segments, lane.drive_lists
         self.watched = peaks or listener is not None
@@ -90,12 +88,10 @@ class MarchState:
     def _lanes(self) -> Lanes:
         """Return this body as `Lanes` with one lane."""
         lanes = self.lane.lanes(self.cells, self.edge.side)
-        lanes.segment[0], lanes.phase[0], lanes.y[0], lanes.v[0] = (
-            self.segment,
-            self.phase,
-            self.y,
-            self.v,
-        )
+        lanes.segment[0] = self.segment
+        lanes.phase[0] = self.phase
+        lanes.y[0] = self.y
+        lanes.v[0] = self.v
         lanes.force[0] = (
             self._net(self.edge, self.segment, self.phase) - 1.0
             if self.force is None
@@ -187,13 +183,11 @@ class MarchState:
             self.cells, self.segments, np.zeros(1, dtype=np.int64), *at
         )
         k, u = place(self.segments, lift.segment, lift.phase)
-        self.segment, self.phase, self.y, self.v, self.force = (
-            int(k[0]),
-            float(u[0]),
-            0.0,
-            0.0,
-            float(lift.force[0]),
-        )
+        self.segment = int(k[0])
+        self.phase = float(u[0])
+        self.y = 0.0
+        self.v = 0.0
+        self.force = float(lift.force[0])
         self.edge = self.edges.get(float(lift.side[0]), self.edge)
         lifts = self.segment < self.drive_lists.count
         if self.listener is not None and before is not None:
@@ -261,9 +255,8 @@ class MarchState:
         (Lemma 8).
         """
         if self.lane.zeta:
-            if (
-                not self._settled()
-            ):  # the march does not test this before if a listener is present
+            # the march does not test this before if a listener is present
+            if not self._settled():
                 self._finish(Outcome.FAILED)
             return
         lanes = self._lanes()

@@ -27,12 +27,10 @@ class Bounces:
     def __init__(
         self, devices: Devices, contact: Contact, equation: Equation, segments: Segments
     ) -> None:
-        self.devices, self.contact, self.equation, self.segments = (
-            devices,
-            contact,
-            equation,
-            segments,
-        )
+        self.devices = devices
+        self.contact = contact
+        self.equation = equation
+        self.segments = segments
         # theta^2 P h/(m g R sin(alpha)) over y, both in the unit in which the held body
         # falls back with acceleration 1 and y < 1/2
         self._levers = (
@@ -65,11 +63,9 @@ class Bounces:
         and theta < 1. The lemma's e covers this loss of moment.
         """
         free, there = self.free(lanes)
-        devices, lowest, falls = (
-            self.devices,
-            np.full(lanes.cell.size, np.inf),
-            np.zeros(lanes.cell.size, dtype=bool),
-        )
+        devices = self.devices
+        lowest = np.full(lanes.cell.size, np.inf)
+        falls = np.zeros(lanes.cell.size, dtype=bool)
         for i, held in enumerate(self.held(lanes)):
             row, whole = np.full(held.size, i), lanes.branch[i] != BROKEN
             limit = np.minimum(
@@ -95,11 +91,9 @@ class Bounces:
         constant forces that they have at the ground. The unit of y is the one in which
         the body at rest falls back with acceleration 1.
         """
-        every, row, there = (
-            self.held(lanes),
-            self.devices.row(lanes.side),
-            self.contact.other_side(lanes),
-        )
+        every = self.held(lanes)
+        row = self.devices.row(lanes.side)
+        there = self.contact.other_side(lanes)
         held = every[row, np.arange(row.size)]
         seg, k = self.segments, np.minimum(lanes.segment, len(self.segments) - 1)
         amplitude = lanes.amplitude / held
@@ -144,10 +138,8 @@ class Bounces:
             side = sense * lanes.side
             row, edge = devices.row(side), body.on(side)
             unit = held[row, lane]  # y of this side over the y of the free body
-            branch, plastic = (
-                lanes.branch[row, :, lane].T,
-                lanes.plastic[row, :, lane].T,
-            )
+            branch = lanes.branch[row, :, lane].T
+            plastic = lanes.plastic[row, :, lane].T
             top = unit * bounds.height
             stretched = devices.largest_pull(row, branch, plastic, top) - devices.pull(
                 row, branch, plastic

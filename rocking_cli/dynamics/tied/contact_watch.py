@@ -28,9 +28,8 @@ from ..lanes import Array, Lanes
 from .devices import Branch, Devices
 from .series import Step
 
-_INSTANTS = np.linspace(
-    0.0, 1.0, 33
-)  # parts of a step at which Fz is computed where the whole step proves nothing
+# parts of a step at which Fz is computed where the whole step proves nothing
+_INSTANTS = np.linspace(0.0, 1.0, 33)
 _TOGETHER = 256  # lanes whose instants are computed together
 # after so many, Fz was positive at every instant computed: it touches zero at most
 _HALVINGS = 30

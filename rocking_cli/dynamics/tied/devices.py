@@ -143,11 +143,9 @@ class Devices:
 
     def elongation(self, row: Array, y: Array) -> Array:
         """The elongation e [m] of each device at y, (devices, lanes)."""
-        theta, h, x = (
-            self.unit[row, 0] * y,
-            self.on(self.height, row),
-            self.on(self.behind, row),
-        )
+        theta = self.unit[row, 0] * y
+        h = self.on(self.height, row)
+        x = self.on(self.behind, row)
         if self.linear:
             return h * theta
         of_tie = x * (2.0 * np.sin(0.5 * theta) ** 2) + h * np.sin(theta)
@@ -161,11 +159,9 @@ class Devices:
         """The y at which each device has the elongation e [m], (devices, lanes);
         infinite where no rotation reaches e.
         """
-        h, x, unit = (
-            self.on(self.height, row),
-            self.on(self.behind, row),
-            self.unit[row, 0],
-        )
+        h = self.on(self.height, row)
+        x = self.on(self.behind, row)
+        unit = self.unit[row, 0]
         if self.linear:
             return e / h / unit
         with np.errstate(invalid="ignore"):
@@ -183,15 +179,11 @@ class Devices:
         """(e from which a device pulls, e at which it yields) with these permanent
         elongations [m]; infinite without stiffness.
         """
-        stiffness, prestress = (
-            self.on(self.stiffness, row),
-            self.on(self.prestress, row),
-        )
+        stiffness = self.on(self.stiffness, row)
+        prestress = self.on(self.prestress, row)
         with np.errstate(divide="ignore", invalid="ignore"):
-            pulls, yields = (
-                plastic - prestress / stiffness,
-                plastic + (self.on(self.force, row) - prestress) / stiffness,
-            )
+            pulls = plastic - prestress / stiffness
+            yields = plastic + (self.on(self.force, row) - prestress) / stiffness
         return np.where(stiffness > 0.0, pulls, -np.inf), np.where(
             stiffness > 0.0, yields, np.inf
         )
@@ -322,10 +314,8 @@ class Devices:
         """The drive at which the restrained body leaves the ground onto each side, over
         that of the free body, before any yield, (sides, 1).
         """
-        rows, none = (
-            np.arange(len(self.stiffness)),
-            np.zeros((len(self.names), len(self.stiffness))),
-        )
+        rows = np.arange(len(self.stiffness))
+        none = np.zeros((len(self.names), len(self.stiffness)))
         return np.asarray(1.0 + self.pull(rows, none, none)[:, None])
 
     def downwards(self, row: Array, now: Branch, y: Array) -> Array:
@@ -384,11 +374,9 @@ class Devices:
         """Coefficients of cos theta, sin theta, cos 2 theta, sin 2 theta and, with a
         tendon, cos(theta/2), sin(theta/2), in y'', (4 or 6, lanes).
         """
-        h, x, tie = (
-            self.on(self.height, row),
-            self.on(self.behind, row),
-            ~self.tendon[:, None],
-        )
+        h = self.on(self.height, row)
+        x = self.on(self.behind, row)
+        tie = ~self.tendon[:, None]
         fixed, rate = now.fixed + now.rate * x, np.where(tie, now.rate, 0.0)
         rows = [
             _added(np.where(tie, fixed * h, 0.0)),

@@ -92,13 +92,11 @@ class HeldBody:
     def __init__(
         self, equation: Equation, devices: Devices, row: Array, now: Branch
     ) -> None:
-        self.equation, self.devices, self.row, self.now, self.damping = (
-            equation,
-            devices,
-            row,
-            now,
-            equation.damping,
-        )
+        self.equation = equation
+        self.devices = devices
+        self.row = row
+        self.now = now
+        self.damping = equation.damping
 
     def part(self, lanes: slice) -> HeldBody:
         """Return the equation of some of the lanes."""
@@ -232,15 +230,13 @@ def _bernstein(arc: TaylorSeries, h: Array) -> tuple[Array, Array, Array]:
     """(shorter steps with at most one turn, direction of the motion at their start,
     True where there is a turn), from the signs of the Bernstein coefficients of y'.
     """
-    terms = np.zeros(
-        (max(len(arc.terms), taylor.MOST_TERMS + 1), h.size)
-    )  # as many as with any neighbours
+    # As many terms as the longest series has: the result must not depend on the
+    # other lanes of the batch.
+    terms = np.zeros((max(len(arc.terms), taylor.MOST_TERMS + 1), h.size))
     terms[: len(arc.terms)] = arc.terms
-    n, share, lanes = (
-        np.arange(1.0, len(terms))[:, None],
-        h / arc.unit,
-        np.arange(h.size),
-    )
+    n = np.arange(1.0, len(terms))[:, None]
+    share = h / arc.unit
+    lanes = np.arange(h.size)
     outward, turns = np.zeros(h.size), np.zeros(h.size, dtype=bool)
     for halving in range(_HALVINGS + 1):
         signs = np.sign(bernstein_form(n * terms[1:, lanes] * share[lanes] ** n))
@@ -270,9 +266,8 @@ def falls(arc: TaylorSeries, low: Array, high: Array) -> tuple[Array, Array]:
     and `high`.
     """
     fall = np.sqrt(np.maximum(arc.v * arc.v - 2.0 * arc.b * arc.y, 0.0))
-    guess = np.where(
-        arc.v < 0.0, 2.0 * arc.y / (fall - arc.v), -(arc.v + fall) / arc.b
-    )  # by the first three terms
+    # first guess of the root by the first three terms of the series
+    guess = np.where(arc.v < 0.0, 2.0 * arc.y / (fall - arc.v), -(arc.v + fall) / arc.b)
     return impact_root(
         arc,
         low,

@@ -77,11 +77,9 @@ class March:
             )
         assert system.devices is not None
         segments = motion.segments
-        self.equation, self.contact, self.devices = (
-            system.equation,
-            system.contact,
-            system.devices,
-        )
+        self.equation = system.equation
+        self.contact = system.contact
+        self.devices = system.devices
         self.cells = self.contact.cells(self.equation, amplitude, omega, eta)
         self.shaken, self.recorder = len(segments), recorder
         self.segments = segments.followed_by_rest(np.inf)
@@ -120,10 +118,8 @@ class March:
             lanes = self._begin(waiting[:0], 0.0)
             while waiting.size or lanes.cell.size:
                 if room := min(waiting.size, _TOGETHER - lanes.cell.size):
-                    lanes, waiting = (
-                        lanes.join(self._begin(waiting[:room], release)),
-                        waiting[room:],
-                    )
+                    lanes = lanes.join(self._begin(waiting[:room], release))
+                    waiting = waiting[room:]
                 lanes = self._round(lanes) if lanes.cell.size else lanes
         return self.found
 
@@ -266,11 +262,9 @@ class March:
         peaked = np.zeros(y.size, dtype=bool)
         peaked[turns] = (step.outward[turns] > 0.0) & ~up[turns]
         through = peaked & ~now.yields & (self.recorder is None)
-        reach[through], y[through], v[through] = (
-            step.h[through],
-            step.end.y[through],
-            step.end.v[through],
-        )
+        reach[through] = step.h[through]
+        y[through] = step.end.y[through]
+        v[through] = step.end.v[through]
         down |= through & (y <= low)
 
         # An end of the branch is passed once, before or after the turn.
@@ -415,10 +409,8 @@ class March:
         ):
             getattr(lanes, name)[at] = getattr(struck, name)
         self.transitions.leave(lanes, at)
-        stops, seen = (
-            struck.v < _STILL,
-            0.0 if self.recorder is None else self.recorder.visible,
-        )
+        stops = struck.v < _STILL
+        seen = 0.0 if self.recorder is None else self.recorder.visible
         low = lanes.take(at)
         ends = ((seen == 0.0) | (struck.v < seen)) & self.bounces.end(low)
         watched = np.flatnonzero(ends & ~low.lost)
@@ -433,11 +425,9 @@ class March:
         if not at.size:
             return lanes
         cell, found, row = lanes.cell[at], self.found, self.devices.row(lanes.side)[at]
-        found.outcome[cell], found.impacts[cell], found.steps[cell] = (
-            outcome[at],
-            lanes.impacts[at],
-            lanes.steps[at],
-        )
+        found.outcome[cell] = outcome[at]
+        found.impacts[cell] = lanes.impacts[at]
+        found.steps[cell] = lanes.steps[at]
         known = np.isin(
             outcome[at], (Outcome.NO_UPLIFT, Outcome.ROCKED, Outcome.LEANING)
         )

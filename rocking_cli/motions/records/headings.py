@@ -105,9 +105,8 @@ _GLUED = {
 _BRACKETS = re.compile(r"[\[({<]([^\[\](){}<>]*)[\])}>]")
 _INNER = re.compile(r"/\(([^()]*)\)|\^[({]([^(){}]*)[)}]")
 _TAIL = re.compile(r"(.*?\S)\s*(?:[,:=|]|\bin\b|\s/)\s*([^,:=|]+)", re.IGNORECASE)
-_DOTS = re.compile(
-    r"[a-zθ](\u0308|\u0307)[ _]?g?[ _]?(?:\(t\))?"
-)  # ẍ, ü_g: two derivatives
+# ẍ, ü_g: two derivatives
+_DOTS = re.compile(r"[a-zθ](\u0308|\u0307)[ _]?g?[ _]?(?:\(t\))?")
 _DERIVED = re.compile(
     r"\b(?:integra(?:l|ted|ls)|squared?|derivative|differentiated|cumulative|cumulated"
     r"|log|ln|deviation|variance)\b"

@@ -12,10 +12,10 @@ from .times import even_step
 
 _ESM_KEY = re.compile(r"\s*([A-Z][A-Z0-9_/^.()-]*)\s*:\s*(.*)")
 _ESM_KINDS = ("ACCELERATION", "PROCESSED ACCELERATION", "UNPROCESSED ACCELERATION")
-_KNET_KEY, _KNET_MEMO = (
-    re.compile(r"(\w[\w. ]*?)\s*(?:\(\w+\)\s*[,;:]?\s*|\s\s+|\s*[,;:]\s*|$)(.*)"),
-    re.compile(r"Memo", re.IGNORECASE),
+_KNET_KEY = re.compile(
+    r"(\w[\w. ]*?)\s*(?:\(\w+\)\s*[,;:]?\s*|\s\s+|\s*[,;:]\s*|$)(.*)"
 )
+_KNET_MEMO = re.compile(r"Memo", re.IGNORECASE)
 _KNET_SCALE = re.compile(r"([\d.]+)\s*\(gal\)\s*/\s*([\d.]+)", re.IGNORECASE)
 _KNET_RATE = re.compile(r"Sampling Freq\.?\s*\((\w+)\)", re.IGNORECASE)
 _AFAD_KEY = re.compile(r"(.+?)\s*(?:\(sec\)\s*)?:(.*)", re.IGNORECASE)

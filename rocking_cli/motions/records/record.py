@@ -167,11 +167,12 @@ def record_of(
     remarks = [series.remark] if series.remark else []
     where = "" if series.component is None else f" of component {series.component}"
     pga, header = largest(acceleration), None
+    # With g the values cannot be too small by their unit: g is the largest unit.
     small = (
         series.pga is None
         and series.unit != "g"
         and 0.0 < pga < _USUAL_PGA[0] * DEFAULT_GRAVITY
-    )  # no unit is larger than g
+    )
     if pga > _USUAL_PGA[1] * DEFAULT_GRAVITY or small:
         remarks.append(
             f"a PGA{where} of {pga / DEFAULT_GRAVITY:.3g} g, where the unit is taken to"
@@ -246,10 +247,8 @@ def chosen(records: Sequence[Record], component: str | None) -> list[Record]:
     the horizontal ones of a station. Raises NoComponent for an unknown name, and
     UsageError for None if more than two are horizontal.
     """
-    source, word = (
-        records[0].source,
-        None if component is None else component.strip().casefold(),
-    )
+    source = records[0].source
+    word = None if component is None else component.strip().casefold()
     if word == ALL:
         return list(records)
     if word in (None, HORIZONTAL):

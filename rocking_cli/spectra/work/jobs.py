@@ -136,10 +136,8 @@ class Job:
         found: dict[int, list[Block]] = {}
         work = Work()
         for key, batch in batches.items():
-            cells, shared = (
-                np.concatenate([band.cells() for band in batch], axis=1),
-                key[0] is None,
-            )
+            cells = np.concatenate([band.cells() for band in batch], axis=1)
+            shared = key[0] is None
             whole, own = (
                 self.under_records(batch, cells)
                 if shared
@@ -170,10 +168,8 @@ class Job:
         """Return (the variables of all cells (A, Omega, eta), the work) for bands of
         one system under several records.
         """
-        counts, structures = (
-            [band.size for band in batch],
-            [band.structure for band in batch],
-        )
+        counts = [band.size for band in batch]
+        structures = [band.structure for band in batch]
         system = self.scene.method.system_of_cells(structures, counts)._replace(
             body=None, own=()
         )
@@ -198,17 +194,14 @@ class Job:
         """Return (the variables of all cells (A, Omega, eta), the work) for bands under
         one motion.
         """
-        method, motion, counts, structures = (
-            self.scene.method,
-            batch[0].motion,
-            [b.size for b in batch],
-            [b.structure for b in batch],
-        )
+        method = self.scene.method
+        motion = batch[0].motion
+        counts = [b.size for b in batch]
+        structures = [b.structure for b in batch]
         system = method.system_of_cells(structures, counts)
         if method.exact:
-            system = system._replace(
-                body=None, own=()
-            )  # structures that share rotations have different bodies
+            # structures that share rotations have different bodies
+            system = system._replace(body=None, own=())
         extra: Block = {}
         known: Response | None = None
         if "velocity_ratio" in self.quantities:
@@ -231,9 +224,8 @@ class Job:
         else:
             got = known or response(system, motion, *cells)
         if "condition" in self.quantities:
-            pairs = method.system_of_cells(
-                structures * 2, counts * 2
-            )  # for several sets of cells in turn
+            # The conditioning is computed from two sets of cells together.
+            pairs = method.system_of_cells(structures * 2, counts * 2)
             if method.exact:
                 pairs = pairs._replace(body=None, own=())
             amplitude, omega, eta = cells
@@ -273,10 +265,8 @@ class Job:
         """Return the block of one structure among those that share rotations, with the
         lost contact of this structure.
         """
-        doubtful, system = (
-            block["outcome"].ravel() == Outcome.ROCKED,
-            self.scene.method.system_of(structure),
-        )
+        doubtful = block["outcome"].ravel() == Outcome.ROCKED
+        system = self.scene.method.system_of(structure)
         theta_ratio, fastest = (
             block[name].ravel() if name in block else None
             for name in ("theta_ratio", "velocity_ratio")
