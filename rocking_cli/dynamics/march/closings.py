@@ -53,6 +53,7 @@ def free_motion(batch: Batch, lanes: Lanes) -> Closed:
     free = batch.contact.free_motion(
         batch.equation, lanes, at, lanes.y[at], lanes.v[at]
     )
+    # A body that overturns on its present arc may have had impacts before.
     before = np.where(
         lanes.impacts[at] > 0,
         Outcome.OVERTURNED_AFTER_IMPACT,
@@ -76,9 +77,12 @@ def damped_settling(batch: Batch, lanes: Lanes) -> Closed:
     at = np.flatnonzero(lanes.segment >= batch.shaken)
     y, v = lanes.y[at], lanes.v[at]
     top = batch.equation.damped_peak(y, v)
+    # Start the comparison from the next peak, where this is known: the body is at rest
+    # there, and has lost the energy that damping takes on the way.
     known = np.flatnonzero(np.isfinite(top))
     y[known], v[known] = top[known], 0.0
     lanes.peak[at] = np.fmax(lanes.peak[at], top)
+    # Without damping every later arc would be higher than it is (Lemma 8).
     most = batch.contact.free_motion(batch.equation, lanes, at, y, v)
     # above the barrier damping may keep the body from falling back
     below = batch.rotation(lanes, at, y) < 1.0
