@@ -147,7 +147,7 @@ class Body(NamedTuple):
             fastest: largest |u'| [rad]
             top: largest u [rad]
         """
-        # The largest -u'' above the ground: c of Lemma 13 times its value at the ground.
+        # c of Lemma 13: the largest -u'' above the ground over its value at the ground.
         steepest = np.cos(np.maximum(edge.alpha - top, 0.0))
         growth = 1.0 if self.linear else steepest / np.cos(edge.alpha)
         force = np.maximum(inward, 0.0) * growth + 2.0 * self.damping * fastest

@@ -115,6 +115,7 @@ class System(NamedTuple):
             A [-] up to which Fz > 0 for a body that does not overturn; infinite if its
             forces are not known
         """
+        # Lemma 13. Without overturning the push bounds the rotation, and so Fz.
         if self.own:
             return min(system.safe_amplitude(motion) for system, _ in self.own)
         if self.body is None or self.scale is None or not motion.largest:

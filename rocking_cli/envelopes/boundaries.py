@@ -91,11 +91,12 @@ class Search:
         amplitude, omega, eta = self._cells(np.ones(1), np.ones(1))
         sides = np.array([1.0, -1.0])
         equation = self.system.equation.on(sides)
-        # speed at the ground of a body that just overturns
+        # W: speed at the ground of a body that just overturns
         speed = np.sqrt(equation.barrier / equation.fall(np.zeros(2), np.ones(2))[1])
         with np.errstate(divide="ignore"):
-            # unit of speed in which no impact raises it
+            # c: unit of speed of each side in which no impact raises the speed
             unit = np.array([1.0, np.clip(1.0, eta[-1, 0], 1.0 / eta[0, 0])])
+        # c A_1 M/Omega_1: growth of c times the speed, over A int |s| dphi/Omega
         growth = unit * (amplitude / omega)[:, 0] * equation.bounds[1]
         return float((unit * speed).min() / growth.max())
 
@@ -177,6 +178,7 @@ class Search:
             self.parts,
             False,
         )
+        # The march decides: at the scan grid, and on both sides of each change.
         row = np.concatenate([row, scanned.row, scanned.row])
         amplitude = np.concatenate([amplitude, scanned.low, scanned.high])
         order = np.lexsort((amplitude, row))
@@ -199,6 +201,7 @@ class Search:
         """(bracket of the lowest change to an unsafe outcome in the scan at one Omega,
         row 0, if any; outcome at `a_max`).
         """
+        # The first amplitude counts too, as a change from rocking to its outcome.
         begins, brackets = self._scan(np.array([omega]))
         start = Brackets(
             *(
@@ -233,6 +236,7 @@ class Search:
             points = scan.amplitude(np.arange(at, min(at + _STRETCH, scan.size)))
             label = self.outcome(points, omegas[going, None])
             falls = ~safe(label)
+            # Rows that have a fall here leave the search, with a bracket below it.
             hit, n = np.flatnonzero(falls.any(axis=1)), falls.argmax(axis=1)
             n = n[hit]
             below = np.full(hit.size, Outcome.ROCKED, dtype=np.uint8)
@@ -306,6 +310,7 @@ class Search:
         changed &= (
             not self.ratio and self.motion.segments.sign_changes > FEW_SIGN_CHANGES
         )
+        # Each gap near a change is cut into equal parts of at most `FINE_STEP`.
         gap = np.flatnonzero(counted & _around(changed) & (width > FINE_STEP))
         cuts = np.ceil(width[gap] / FINE_STEP).astype(np.int64) - 1
         share = (
@@ -315,6 +320,7 @@ class Search:
         inner = self._compute(
             points.row[gap], points.amplitude[gap] + share * width[gap], omegas
         )
+        # Points of both scans in one order, by row and amplitude.
         place = np.concatenate([np.arange(points.row.size), gap + share])
         order = np.argsort(place, kind="stable")
         row, amplitude, label = (
@@ -356,7 +362,7 @@ class Search:
         scan = self.grid
         segments = self.motion.segments
         most = (1.0 - 1e-9) * self.safe_impulse * omegas
-        # under a record the integral is so large that this excludes no amplitude
+        # Under a record the integral is so large that this excludes no amplitude.
         if len(segments) > LONGEST_FINE:
             return np.zeros(omegas.size, dtype=np.int64)
         from ..dynamics.drive import RemainingImpulse
@@ -364,7 +370,8 @@ class Search:
         remaining = RemainingImpulse.of(segments)
         low = np.zeros(omegas.size, dtype=np.int64)
         high = np.full(omegas.size, scan.size)
-        # bisection, since a larger amplitude lifts the body earlier
+        # Bisection: a larger amplitude lifts the body earlier, so both A and the integral
+        # grow from point to point.
         while np.any(high - low > 1):
             middle, cell = (low + high) // 2, np.arange(omegas.size)
             amplitude = scan.amplitude(middle)
@@ -390,6 +397,8 @@ class Search:
                 self.outcome(amplitude, omegas[rows]) == Outcome.OVERTURNED_NO_IMPACT
             ) & (amplitude > self.uplift * (1.0 + 1e-9))
 
+        # Lemma 10: the answer changes once, from False to True, so sections find it. A
+        # row keeps `last` if it does not overturn there.
         rows = np.flatnonzero(overturns(last, np.arange(omegas.size)))
         first, high, row = first[rows], last[rows], np.arange(rows.size)
         low = first - 1

@@ -66,6 +66,7 @@ def no_impact_amplitude(omega: float, pulse: str = "sine") -> float:
         decay = math.exp(-(end - math.asin(1.0 / a)) / omega)
         return math.sqrt((a - 1.0) * (a + 1.0)) - omega + sign * a * decay
 
+    # Enlarge the bracket until the margin is positive: then A overturns.
     high = 2.0 + omega
     while margin(high) <= 0.0:
         high *= 2.0
@@ -116,6 +117,7 @@ class _FirstSide:
         """Time of the impact inside the pulse, None if there is none; NaN if the motion
         is below rounding.
         """
+        # Where the drive is below 1 the body comes down once at most (Lemma 1).
         if self.place(self.duration) > 0.0:
             return None
         if self.place(self.below) <= 0.0:
@@ -204,6 +206,8 @@ def _single_impact(amplitude: float, omega: float, eta: float) -> bool:
     at = first.impact()
     if at is None:
         return True
+    # The motion on the other side from the impact on, with the restitution of Eq. 2.6:
+    # the drive has changed its sign there.
     t = np.linspace(0.0, first.duration - at, 4001)[1:]
     phase = first.psi + omega * at
     q = amplitude / (1.0 + omega**2)

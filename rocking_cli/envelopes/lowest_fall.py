@@ -109,6 +109,7 @@ class FallSearch:
         """
         low, stretch, found = begin, _STRETCH, None
         while found is None and low < end:
+            # Coarse amplitudes tell where to look, stretch by stretch from below.
             high = self._stretch_end(low, end, stretch)
             amplitude, falling = self._coarse(low, high)
             found = next(
@@ -166,6 +167,7 @@ class FallSearch:
         first = near * (1.0 - 2.0 * COARSE if self.by_march else near)
         low, high, lowest = max(begin, first * found), found, None
         while low < high:
+            # Runs of neighbouring falls, from below. At first `found` counts as one.
             amplitude = _scan_amplitudes(low, high, ratio)
             falling = self.approximate_falls(amplitude)
             falling[-1] |= lowest is None
@@ -190,6 +192,8 @@ class FallSearch:
                 if at
                 else float(amplitude[0])
             )
+        # The scan is approximate: the march tries the neighbours below the run, then
+        # some of the run and above it.
         first = np.arange(max(0, run[0] - _NEIGHBOURS), run[0] + 1)
         fallen = first[self.falls(amplitude[first])]
         if not fallen.size:
@@ -198,6 +202,7 @@ class FallSearch:
             fallen = rest[self.falls(amplitude[rest])]
         if not fallen.size:
             return None
+        # Down from this fall by steps that double, to an amplitude at which it stands.
         at, step = int(fallen[0]), 1
         while at and self.falls(amplitude[(below := max(0, at - step)) : below + 1])[0]:
             at, step = below, 2 * step

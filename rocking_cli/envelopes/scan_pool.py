@@ -219,6 +219,7 @@ class ScanPool:
         """Move each lane to the end of its line, or to an impact."""
         k, x, drive = self.k, self.x, self.drive
         left, s, rise = 1.0 - x, self.s[k], self.rise[k]
+        # The Taylor series of the line, over what is left of it.
         lasts = self.length[k] * self.pace
         h = np.maximum(lasts * left, 1e-12)
         square = h * h
@@ -234,6 +235,7 @@ class ScanPool:
             factors,
             [drive * (s + rise * x), drive * (rise * left)],
         )
+        # The state at the end of the line: y and y' are the sums of the terms.
         self.y = sum(terms[1:], terms[0])
         self.v = sum((n * c for n, c in enumerate(terms[2:], 2)), terms[1]) / h
         self.k, self.x = k + 1, np.zeros_like(x)
@@ -288,16 +290,20 @@ class ScanPool:
         """
         at, k, x = struck.at, struck.k, struck.x
         row, drive = self.row[at], self.drive[at]
+        # A bounce under the force f lasts 2 v/f; only short ones are averaged.
         push = self.s[k] + self.rise[k] * (0.5 + 0.5 * x)
         here = 1.0 - drive * push
         averaged = (here > 0.0) & (2.0 * v < _BRIEF * here)
         bounce, cycle_ratio = 2.0 * v / here, self.speed_ratio[row]
         if self.sides == 2:
+            # A cycle has a bounce on each side, as in Lemma 7.
             other = self.others[row]
             bounce = bounce + 2.0 * cycle_ratio * v / np.maximum(
                 1.0 - self.drives[other] * self.amplitude[at] * push, 1e-3
             )
             cycle_ratio = cycle_ratio * self.speed_ratio[other]
+        # A cycle takes the time `bounce` and 1 - q of the speed: under a constant force
+        # the speed falls linearly with the time.
         left = self.length[k] * self.pace[at] * (1.0 - x)
         return v * (1.0 - left * (1.0 - cycle_ratio) / bounce), averaged
 
@@ -309,6 +315,7 @@ class ScanPool:
         """
         x, h = struck.x, struck.h
         y, v, half = terms[:3]
+        # First guess from the first three terms, then Newton's method within the line.
         root = np.sqrt(np.maximum(v * v - 4.0 * half * y, 0.0))
         t = np.where(v > 0.0, -0.5 * (v + root) / half, 2.0 * y / (root - v))
         w = dw = np.zeros_like(x)

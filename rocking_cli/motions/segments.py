@@ -248,8 +248,10 @@ class Chain(Segments):
         return cls(**columns, first=np.cumsum([0, *map(len, rested[:-1])]))
 
     @cached_property
-    def _still(self) -> np.ndarray:
-        """The still ground behind the motion of each segment, (K + 1,)."""
+    def _ground_after(self) -> np.ndarray:
+        """Index of the segment of still ground that follows the motion to which a
+        segment belongs, (K + 1,); 0 for the index K, which is beyond all motions.
+        """
         return np.append(
             np.repeat(
                 np.append(self.first[1:], len(self)) - 1,
@@ -260,7 +262,7 @@ class Chain(Segments):
 
     def ended(self, k: np.ndarray) -> np.ndarray:
         """True also on the still ground between two motions."""
-        return np.asarray(k >= self._still.take(k))
+        return np.asarray(k >= self._ground_after.take(k))
 
     def next_beyond(
         self, k: np.ndarray, above: np.ndarray, below: np.ndarray
@@ -269,7 +271,7 @@ class Chain(Segments):
         `Segments.next_beyond` does.
         """
         found = super().next_beyond(k, above, below)
-        return np.where(found < self._still.take(k), found, len(self))
+        return np.where(found < self._ground_after.take(k), found, len(self))
 
 
 class Samples(NamedTuple):

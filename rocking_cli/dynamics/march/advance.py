@@ -226,8 +226,8 @@ def advance(
     # Lemmas 1 and 2: y <= 0 at the end of the step proves exactly one impact.
     reach = step.h.copy()
     hit = end.y <= 0.0
-    # Lemma 2, a supercritical window entered inwards: y may touch the ground at its only minimum
-    # although both ends are above the ground.
+    # Lemma 2, a supercritical window entered inwards: y may touch the ground at its
+    # only minimum although both ends are above the ground.
     dips = np.flatnonzero(step.supercritical & ~hit & (lanes.v < 0.0) & (end.v > 0.0))
     if dips.size:
         h = step.h[dips]

@@ -148,7 +148,7 @@ class LaneEdge(NamedTuple):
     # largest l up to `limit`, times the largest weight over m g [-]
     largest_lift: float
     largest_push: float  # largest m up to `limit` [-]
-    fall: float  # K of Lemma 12 [-]
+    largest_fall: float  # K of Lemma 12: bound of the inward force -f [-]
     # speed after over speed before the impact that leaves the side [-], each speed in
     # the unit of its side
     speed_ratio: float
@@ -212,20 +212,22 @@ class Lane:
 
     def edges(self, amplitude: float) -> dict[float, LaneEdge]:
         """Return the edges, by the sign of their side, under a motion of this amplitude
-        A.
+        A: those of A = 1 with their drive, sway and bounds of the force scaled.
         """
         edges = {}
         for side, edge in self._unit.items():
             drive, sway = amplitude * edge.drive, amplitude * edge.sway
-            lift = (1.0 + abs(sway) * self.largest_vertical) * edge.largest_lift
+            # Lemma 12: K = w_+ L + M max |a|, with w_+ the largest weight.
+            largest_weight = 1.0 + abs(sway) * self.largest_vertical
+            lift = largest_weight * edge.largest_lift
             fall = lift + edge.largest_push * abs(drive) * self.largest
             edges[side] = edge._replace(
-                drive=drive, sway=sway, largest_lift=lift, fall=fall
+                drive=drive, sway=sway, largest_lift=lift, largest_fall=fall
             )
         return edges
 
     def _edge(self, cells: Cells, side: float) -> LaneEdge:
-        """Return the edge of a side under A = 1; `edges` adds K of Lemma 12."""
+        """Return the edge of a side under A = 1; `edges` sets `largest_fall`."""
         at = np.array([side])
         equation, weighed = self.system.equation.on(at), self.segments.weighed
         amplitude, omega, eta = (_float_of(x[cells.row(at), 0]) for x in cells)
@@ -242,7 +244,7 @@ class Lane:
             sway=sway,
             largest_lift=largest_lift,
             largest_push=largest_push,
-            fall=0.0,
+            largest_fall=0.0,
             speed_ratio=speed_ratio,
             cycle_ratio=cycle_ratio,
             unit=self._unit_of(cells, side),

@@ -115,10 +115,13 @@ class MarchState:
         if self.segment < self.lane.shaken:
             self.impacts += 1
         self.bounced = True
+        # A one-sided body has one edge and comes back onto it.
         to = self.edges.get(-edge.side, edge)
         self.edge, self.y, self.v = to, 0.0, -edge.speed_ratio * v
         fall = 1.0 - self._net(to, self.segment, self.phase)
         self.force = -fall
+        # Ask now and then, each time the number of impacts has doubled, whether they
+        # would never end.
         if (
             self.impacts > 15
             and self.impacts & (self.impacts - 1) == 0
@@ -162,6 +165,8 @@ class MarchState:
             return False
         if v < BELOW_ROUNDING or edge.cycle_ratio >= 1.0:
             return v < BELOW_ROUNDING
+        # 3 v/(1 - q) [1/f + eta r/f_other] must fit into the rest of the segment: the
+        # lemma tries no shorter duration.
         there = self.edges.get(-edge.side)
         lasts = 1.0 / fall
         if there is not None:
@@ -238,6 +243,7 @@ class MarchState:
             self.peak = max(self.peak, float(peak[0]) * self.edge.unit)
         if float(equation.rotation(lanes.y)[0]) >= 1.0:
             return False
+        # Lemma 8: the undamped peaks are above those of this body.
         most = self.contact.free_motion(
             self.equation, lanes, np.array([0]), lanes.y, lanes.v
         )

@@ -205,6 +205,8 @@ class Devices:
         pulls, yields = self.thresholds(row, plastic)
         ultimate, stiffness = self.on(self.ultimate, row), self.on(self.stiffness, row)
         elastic, yielding = branch == ELASTIC, branch == YIELDING
+        # The branch ends upwards where a slack device begins to pull, an elastic one
+        # yields or breaks, and a yielding one breaks.
         high = np.where(
             branch == SLACK,
             pulls,
@@ -214,6 +216,7 @@ class Devices:
                 np.where(yielding, ultimate, np.inf),
             ),
         )
+        # Downwards only an elastic device ends its branch: it becomes slack.
         low = np.where(elastic, pulls, -np.inf)
         fixed = np.where(
             elastic, self.on(self.prestress, row) - stiffness * plastic, 0.0
@@ -278,6 +281,8 @@ class Devices:
         stiffness, height, behind = (
             self.on(x, row) for x in (self.stiffness, self.height, self.behind)
         )
+        # The force grows with the elongation, and the lever of a tie behind the pivot
+        # (x > 0) with the rotation: both have their largest values at y.
         stretched = self.elongation(row, y) - plastic
         force = np.clip(
             self.on(self.prestress, row) + stiffness * np.maximum(stretched, -plastic),

@@ -201,12 +201,15 @@ def one_turn(arc: TaylorSeries, left: Array) -> Step:
     """
     h = np.minimum(arc.longest, left)
     end, chord_errors = arc.at_with_chord_errors(h)
+    # y' and y'' exceed their values at the ends by at most their chord errors.
     kept, monotone = sense(arc, h, end, chord_errors)
     fastest = np.maximum(np.abs(arc.v), np.abs(end.v)) + chord_errors[0] / h
     largest_acceleration = np.maximum(np.abs(arc.b), np.abs(end.b)) + chord_errors[
         1
     ] / (h * h)
     outward = np.sign(np.where(arc.v != 0.0, arc.v, arc.b))
+    # y' is monotone and changes its sign: exactly one turn. Where neither is proved,
+    # the Bernstein coefficients of y' tell, perhaps on a shorter step.
     turns = ~kept & monotone & (arc.v != 0.0) & (end.v * outward <= 0.0)
     doubtful = np.flatnonzero(~kept & ~monotone)
     if doubtful.size:
@@ -219,6 +222,7 @@ def one_turn(arc: TaylorSeries, left: Array) -> Step:
     turn, at = np.full(h.size, np.nan), np.flatnonzero(turns)
     if at.size:
         n = np.arange(1.0, len(arc.terms))[:, None]
+        # The turn is the root of the series of y', with the sign that makes it fall.
         speed = TaylorSeries(
             n * arc.terms[1:, at] * outward[at], arc.unit[at], h[at], arc.fastest[at]
         )

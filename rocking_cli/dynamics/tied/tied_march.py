@@ -153,17 +153,18 @@ class March:
         if not at.size:
             return lanes
         resting = lanes.take(at)
-        held = self.bounces.held(resting)
+        ratios = self.bounces.uplift_ratios(resting)
         bounces = (
             0.0
             if self.recorder is None or first
             else float(self.bounces.time(resting)[0])
         )
+        # The devices hold the body at rest as a larger amplitude of uplift would.
         drive = np.broadcast_to(
             self.cells.amplitude[:, resting.cell], (len(self.cells.amplitude), at.size)
         )
         effective = Cells(
-            np.array([drive[0] / held[0], drive[-1] / held[-1]]),
+            np.array([drive[0] / ratios[0], drive[-1] / ratios[-1]]),
             self.cells.omega,
             self.cells.eta,
         )
@@ -174,6 +175,8 @@ class March:
         lanes.segment[at], lanes.phase[at], lanes.y[at], lanes.v[at] = k, u, 0.0, 0.0
         if not self.one_sided:
             self.contact.turn(self.cells, lanes, at, again.side)
+        # y'' is exactly 0 at an uplift, unless the drive jumps on the way to the next
+        # segment.
         moved = (k != again.segment) & ~self.segments.joins[
             np.minimum(again.segment, len(self.segments) - 1)
         ]
@@ -307,6 +310,7 @@ class March:
         """Apply the events at step ends: a peak on the way, an end of a branch, an
         impact, a turn. Returns the lanes that go on.
         """
+        # A body that passes the limit of y has fallen; one that comes to 0 strikes.
         fallen, hit = ends.up & (high >= self.limit[row]), ends.down & (lanes.y <= 0.0)
         self.transitions.stretch(
             lanes, np.flatnonzero(ends.peaked | ends.up), row, ends.top
@@ -319,12 +323,15 @@ class March:
             lanes.turned[still] |= here | (lanes.turned[still] & here) << 2
             self._note(lanes, "peak", lanes.y, lanes.v)
             self.transitions.unload(lanes, peaked[now.yields[peaked]], row)
+        # Devices whose branch ends here change to the next one.
         for at, limits, sign in (
             (np.flatnonzero(ends.up & ~fallen), now.high, 1.0),
             (np.flatnonzero(ends.down & ~hit), now.low, -1.0),
         ):
             if at.size:
                 self.transitions.pass_end(lanes, at, row, limits, sign)
+        # A body that turned inwards on still ground and turns outwards again above the
+        # ground comes to rest there: its restraints hold it.
         leans = ends.bottom & ((lanes.turned >> (row + self.again)) & 1 > 0)
         falls = fallen | self._certain(lanes, row, now, high)
         failed = (lanes.steps > self.most) | ~np.isfinite(lanes.y + lanes.v)
@@ -332,6 +339,7 @@ class March:
         ended = np.zeros(lanes.cell.size, dtype=bool)
         if impacts.size:
             ended = self._apply_impacts(lanes, impacts, row)
+        # The outcome, 0 while it is open. Later lines outweigh earlier ones.
         outcome = np.where(
             falls,
             np.where(
@@ -369,6 +377,9 @@ class March:
             return falls
         side, k = lanes.side[at], np.minimum(lanes.segment[at], len(self.segments) - 1)
         inward = self.segments.strongest_inward(side, lanes.amplitude[at], k)
+        # Lemma 6. Linear: the devices are too soft for y'' to fall as y grows, and is
+        # positive under the strongest inward drive. Otherwise the lemma of the free
+        # body, if no device pulls any more.
         if self.devices.linear:
             there = Branch(*(x[..., at] for x in now))
             soft = self.devices.linear_terms(row[at], there)[1] <= 1.0
@@ -392,6 +403,8 @@ class March:
         struck.impacts += ~still
         struck.bounced[:] = True
         struck.v = np.minimum(struck.v, 0.0)
+        # Once a body has turned back on every side on still ground, its later peaks are
+        # lower (Lemma 8).
         known = np.zeros(lanes.cell.size, dtype=bool)
         known[at] = still & (struck.turned & self.every == self.every)
         self.contact.impact(self.cells, struck, struck.v, struck.force)
@@ -411,6 +424,7 @@ class March:
         self.transitions.leave(lanes, at)
         stops = struck.v < _STILL
         seen = 0.0 if self.recorder is None else self.recorder.visible
+        # Bounces that end in rest (Lemma 7) and are proved to keep contact (Lemma 13).
         low = lanes.take(at)
         ends = ((seen == 0.0) | (struck.v < seen)) & self.bounces.end(low)
         watched = np.flatnonzero(ends & ~low.lost)
