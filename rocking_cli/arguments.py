@@ -17,7 +17,7 @@ from typing import Any
 
 from .errors import ArgumentError, RockingError, counted, did_you_mean
 
-_MOST_ITEMS = 10_000  # of a list, that are looked at
+_MOST_ITEMS = 10_000  # number of items of a list that are checked
 # The functions that return what another one takes.
 _MADE = {
     "RockingParameters": "load_structures",
@@ -336,7 +336,9 @@ def _many(hint: Any) -> str:
 
 
 def _named(hint: Any) -> str:
-    """Return the name of a type, and the function that returns one."""
+    """Return the name of a type, with the public function that makes such an object
+    where there is one: `Motion (see read_motion)`.
+    """
     options = _options(hint)
     if len(options) > 1 or hint in _PLAIN or typing.get_origin(hint):
         return _wanted(hint)

@@ -26,7 +26,7 @@ Run = Callable[[Iterable[Any]], Iterator[Any]]
 
 _POLL = 0.5  # s between two looks at the parts that the worker processes report
 
-_task: Callable[[Any], Any]  # of a worker process
+_task: Callable[[Any], Any]  # task of a worker process
 _parts: Any = None  # in a worker process: the sum of all parts that were reported
 
 

@@ -370,8 +370,8 @@ class Search:
         remaining = RemainingImpulse.of(segments)
         low = np.zeros(omegas.size, dtype=np.int64)
         high = np.full(omegas.size, scan.size)
-        # Bisection: a larger amplitude lifts the body earlier, so both A and the integral
-        # grow from point to point.
+        # Bisection: a larger amplitude lifts the body earlier, so both A and the
+        # integral grow from point to point.
         while np.any(high - low > 1):
             middle, cell = (low + high) // 2, np.arange(omegas.size)
             amplitude = scan.amplitude(middle)

@@ -392,9 +392,12 @@ def misjudged(
         ]
         return [(r["A_from"], a_max if r["A_to"] is None else r["A_to"]) for r in mine]
 
+    # Lengths in A: where the linear equation stands and the nonlinear one falls, where
+    # the nonlinear one falls, and where the linear one falls and the other one stands.
     unsafe = falls = alarms = 0.0
     for key in {(r["Omega"], r.get("sign")) for r in (*linear, *nonlinear)}:
         both = intervals(linear, key), intervals(nonlinear, key)
+        # Between two neighbouring ends of intervals neither outcome changes.
         edges = np.unique(
             [edge for one in both for interval in one for edge in interval]
         )

@@ -52,7 +52,7 @@ class FallSearch:
 
     # function that returns True for amplitudes at which the body falls, by the march
     falls: Callable[[Array], Array]
-    # the same for many amplitudes, perhaps approximate, to tell where to look
+    # the same question for many amplitudes, perhaps approximate: it tells where to look
     approximate_falls: Callable[[Array], Array]
     digits: float  # relative width of a traced boundary [-]
     scan: Scan | None = None  # the approximate scan, None without one

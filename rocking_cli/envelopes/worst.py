@@ -20,7 +20,8 @@ from .amplitudes import Limit, limit_of
 from .capacity import CapacitySearch
 from .intervals import A_MAX, in_turn, trace_envelope
 
-_RATIO = 1.04  # of neighbouring frequencies of the scan; narrower minima may be missed
+# ratio of neighbouring frequencies of the scan; narrower minima may be missed
+_RATIO = 1.04
 _WITHIN = 1.2  # upper end of the scan over the least amplitude so far
 # relative distance from an end at which a lower amplitude shows that the end is no
 # minimum
@@ -31,7 +32,8 @@ _OUTCOME_REACH = 1.5
 _LADDER = 1.002  # ratio of the amplitudes of this search
 _SCANNED = 0.6  # about the share of the scan of a search
 _HALF = 12  # searches around minima after which half of the rest is taken as done
-_LAST = 0.01  # of a search, which counts when it has come from its process
+# share of a search that counts when its result has come from its process
+_LAST = 0.01
 # ratio of an end of the range and the last frequency that is tried beyond it
 _BEYOND = 10.0
 _TRIED = 48  # frequencies beyond an end

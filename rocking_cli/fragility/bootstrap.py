@@ -19,7 +19,7 @@ class Resampling:
 
     Attributes
     ----------
-    samples: their number, 0 for no band
+    samples: number of samples, 0 for no band
     seed: of the random numbers
     level: of confidence [-]
 
@@ -29,9 +29,9 @@ class Resampling:
     0.95
     """
 
-    samples: int = 1000  # their number, 0 for no band
+    samples: int = 1000  # number of samples, 0 for no band
     seed: int = 0  # of the random numbers
-    level: float = 0.95  # of confidence [-]
+    level: float = 0.95  # level of confidence [-]
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -47,7 +47,7 @@ _SHARE = "running maximum of the exact share of overturning motions"
 class Share:
     """The exact share of overturning motions, straight lines between points."""
 
-    structure: str  # its name
+    structure: str  # name of the structure
     no_damage: float  # level up to which the body stays at rest [SI], 0 if unknown
     x: Array  # intensities of the points [SI], (n,)
     p: Array  # share of the motions at the points [-], (n,)

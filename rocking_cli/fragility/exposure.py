@@ -63,7 +63,7 @@ class MotionSet:
 
     members: Sequence[MotionMember]  # pulses or records
     measure: Measure  # the intensity measure that scales them
-    levels: Array  # of the measure [SI], (n,)
+    levels: Array  # levels of the measure [SI], (n,)
     method: Method  # equation of motion and its tolerance
 
     @property

@@ -36,7 +36,7 @@ class Measure:
     unit: str  # SI unit of its values, "" for a plain number
     dimension: str  # a word of `quantities.UNITS`
     evaluate: Evaluate  # returns it from the intensity of a motion and a structure
-    power: float = 1.0  # of the scale factor [-]
+    power: float = 1.0  # the measure is proportional to factor**power [-]
     of_structure: bool = False  # True if it also depends on the structure
     periods: tuple[float, ...] = ()  # of SA and AvgSA [s]
 
@@ -120,7 +120,7 @@ def compared(members: "Sequence[MotionMember]", own: Measure) -> Collection[Meas
 class MotionMember:
     """A motion of a set: a pulse or a record."""
 
-    label: str  # its name in the set
+    label: str  # name of the record in the set
     acceleration: float  # peak [m/s2]
     omega: float  # circular frequency [rad/s], 1 for a record
     intensity: Intensity  # measures of the unscaled motion

@@ -39,7 +39,7 @@ class Upwards:
     """A vertical motion times `scale`, to be added to horizontal motions."""
 
     vertical: Motion  # the motion, positive upwards
-    scale: float = 1.0  # its factor, with the sign [-]
+    scale: float = 1.0  # factor of the vertical motion, with its sign [-]
 
     def __call__(self, motion: Motion) -> Motion:
         """Return the motion with this vertical one, see `with_vertical`."""

@@ -32,7 +32,7 @@ _SAMPLES = 4000
 _LEVELS = ("S_a", "Sa", "Se")  # headings of the accelerations of a file
 # s, the longest first period of a file, whose S_a is the peak ground acceleration
 _FIRST = 0.03
-_A, _B = 0.8, 1.1  # of T_k: the plateau of a floor spectrum (C7.2.6-8)
+_A, _B = 0.8, 1.1  # ends of the plateau of a floor spectrum, over T_k (C7.2.6-8)
 _FLOOR = "T=TIME,xi=RATIO,gamma_psi=NUMBER"
 _FLOOR_KEYS = {"T": "time", "xi": "number", "gamma_psi": "number"}
 

@@ -15,7 +15,7 @@ from .motion import Harmonic, Motion, Piece
 from .polyline import Polyline
 from .pulses import MOST_CYCLES, TURN
 
-LARGEST = 1e6  # of an acceleration over a_g, and of a phase
+LARGEST = 1e6  # largest acceleration over a_g, and largest phase
 SHORTEST = 1e-9  # periods
 _PIECES = "a list of pieces, each with from, to, and constant, slope or sines"
 _POINTS = "a list of two or more points [t/T_g, acceleration/a_g], in order of time"

@@ -72,9 +72,9 @@ class MotionChoices(TypedDict, total=False):
     """
 
     component: str | None  # by name or number from 1
-    unit: str | None  # of plain numbers
+    unit: str | None  # unit of plain numbers
     dt: float | None  # time step of plain numbers [s]
-    # of plain numbers, from 1; `all` where each line goes on from the last
+    # column of plain numbers, from 1; `all` where each line goes on from the last
     column: str | None
     scale: float | None  # factor, which may be negative [-]
     scale_to: str | None  # instead of `scale`, such as `PGA=0.35g`
@@ -330,7 +330,7 @@ class NoRecord(DocumentError):
 class Stated(TypedDict):
     """What the user states of files of plain numbers."""
 
-    unit: str | None  # of acceleration
+    unit: str | None  # unit of acceleration
     dt: float | None  # time step [s]
     column: str | None  # number of a column from 1, or `all`
 

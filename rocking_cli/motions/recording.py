@@ -41,7 +41,7 @@ class Recording:
 
     record: Record  # as recorded
     factor: float = 1.0  # may be negative [-]
-    label: str = ""  # its name in a set
+    label: str = ""  # name of the record in a set
     upwards: Upwards | None = None  # vertical motion with it, None without one
 
     def __post_init__(self) -> None:

@@ -24,7 +24,7 @@ from .records import Record
 
 Array = np.ndarray
 
-DAMPING = 0.05  # of a spectrum that states none, and of measures
+DAMPING = 0.05  # damping of a spectrum that states none, and of measures
 # in the shortest period, at least: then a step holds one turning point of u
 _STEPS = 12
 _SIZE = 1 << 21  # samples times periods that are computed at once
@@ -179,12 +179,15 @@ def _largest(record: Record, finer: int, w: Array, damping: float) -> Array:
 
 
 def _at_samples(a: Array, h: float, s: Array) -> Array:
-    """z at the samples a (n, 1) [m/s2] of step h [s], for oscillators s, (n,
-    oscillators).
+    """The states of oscillators at the samples, (n, oscillators): z = u' - conj(s) u
+    [m/s], so that z' = s z - a. a: ground acceleration [m/s2], (n, 1), linear over each
+    step h [s]; s: the root of each oscillator [1/s], (oscillators,).
     """
+    # What each step adds to the state ...
     z = np.zeros((len(a), s.size), dtype=complex)
     z[1:] = -a[:-1] * _gain(s, h) - np.diff(a, axis=0) * _rise(s, h)
-    # Sums of all that came before, over twice as many steps each time.
+    # ... and the sums of all that came before, each decayed by exp(s h) a step, over
+    # twice as many steps each time.
     factor, reach = np.exp(s * h), 1
     while reach < len(a):
         z[reach:] += factor * z[:-reach]
@@ -201,9 +204,10 @@ def _include_turns(
     w: Array,
     damping: float,
 ) -> None:
-    """Raise `most` to |u| of oscillators (s, w) where u' = 0 between two samples; z: at
-    the samples.
+    """Raise `most` to |u| of oscillators (s, w) where u' = 0 between two samples; z:
+    their states at the samples (`_at_samples`).
     """
+    # A change of the sign of u' between two samples, and its place on the chord.
     v = z.real - damping * w * z.imag / s.imag
     k, i = np.nonzero(v[:-1] * v[1:] < 0.0)
     a0, slope, s, w = a[k, 0], (a[k + 1, 0] - a[k, 0]) / h, s[i], w[i]
@@ -220,11 +224,14 @@ def _include_turns(
 
 
 def _gain(s: Array, h: Array | float) -> Array:
+    """(exp(s h) - 1)/s: the state after h of an oscillator under a = -1 from rest."""
     return np.expm1(s * h) / s
 
 
 def _rise(s: Array, h: Array | float) -> Array:
-    """(exp(s h) - 1 - s h)/(s^2 h), by its series where s h is small."""
+    """(exp(s h) - 1 - s h)/(s^2 h): the state after h from rest under an a that goes
+    from 0 to -1; by its series where s h is small.
+    """
     x = s * h
     small = np.abs(x) < 1e-3
     safe = np.where(x == 0.0, 1.0, x)

@@ -37,8 +37,8 @@ class Segments:
     sin: np.ndarray
     # cosine of each sinusoid at the start, times its amplitude [-], (harmonics, K)
     cos: np.ndarray
-    frequency: np.ndarray  # of each sinusoid over omega_g [-], (harmonics, K)
-    slope: np.ndarray  # of the linear term [1/rad], (K,)
+    frequency: np.ndarray  # frequency of each sinusoid over omega_g [-], (harmonics, K)
+    slope: np.ndarray  # slope of the linear term [1/rad], (K,)
     joins: np.ndarray  # True if the next segment is of the same piece, (K,)
     # largest s from the segment on, 0 for the ground at rest [-], (K,)
     later_max: np.ndarray

@@ -234,7 +234,9 @@ def _standing(
     fall_search: "FallSearch | None",
     done: Callable[[float], None],
 ) -> Standing:
-    """Return outcome and capacity of the verdict of `_judged`."""
+    """Return the outcome and the capacity over the demand of `check`, without the other
+    fields of its verdict; parameters as of `_judged`.
+    """
     shaken = _shaken(_capacity_search(structure, motion, shaking, a_max or 0.0))
     found = shaken.search.capacity(fall_search, done)
     first, _ = shaken.lowest(found)

@@ -134,7 +134,7 @@ class Frame:
     dimensions: Mapping[str, Values]
     # further lists of values by name, each with its dimension
     extra: Mapping[str, tuple[str, Values]]
-    # of the varied keys of a family, which are not in ABOUT
+    # attributes of the varied keys of a family, which are not in ABOUT
     units: Mapping[str, str] = field(default_factory=dict)
 
     def about(self, name: str) -> About:

@@ -50,10 +50,10 @@ _SMALL = 20_000  # cells below which starting processes takes longer than they s
 class Task:
     """One piece of the work."""
 
-    record: int  # its index
-    structure: int  # its index
+    record: int  # index of the record
+    structure: int  # index of the structure
     omegas: tuple[int, ...]  # indices of some of its Omegas
-    sign: str  # of the ground acceleration
+    sign: str  # sign of the ground acceleration
 
 
 @dataclass(frozen=True)

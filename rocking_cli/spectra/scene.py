@@ -32,8 +32,8 @@ class Unit:
     """
 
     places: tuple[int, ...]  # indices on the first dimension
-    row: int  # of its first cell
-    column: int  # of its first cell
+    row: int  # row of its first cell
+    column: int  # column of its first cell
 
 
 class CellBand(NamedTuple):

@@ -419,7 +419,7 @@ class _Counts:
 
     outcomes: np.ndarray  # number of cells of each `Outcome`
     differences: np.ndarray  # number of cells of each `Difference`
-    work: Work  # of the computed cells
+    work: Work  # counts of the work on the computed cells
     shared: int = 0  # cells that took the result of another structure
 
     def add(self, unit: Unit, report: Report) -> None:

@@ -33,7 +33,7 @@ _ETA = 2
 # of a method with a tolerance, the least change of input, so that its own error stays
 # below the difference
 _TOLERANCES = 100.0
-_CELLS = 64  # that the nonlinear equation judges
+_CELLS = 64  # number of cells that are compared with the nonlinear equation
 _DRAWN = 512  # candidates for cells next to a boundary
 _STRUCTURES = 4  # each structure costs a few further rounds
 _SEED_OF_VALIDITY = 20120925

@@ -19,7 +19,7 @@ from .sequences import OtherSide, sequence_ends, sequence_time
 class Uplift(NamedTuple):
     """The next uplift of bodies at rest. Every array is (lanes,)."""
 
-    segment: Array  # its index; the number of segments if nothing lifts the body
+    segment: Array  # index of the segment; their number if nothing lifts the body
     phase: Array  # phase in the segment [rad]
     side: Array  # +1 right, -1 left
     force: Array  # y'' + 2 zeta y' at uplift, in the unit of the side

@@ -162,10 +162,12 @@ class _Lines(NamedTuple):
 
 
 class _ActionBounds(NamedTuple):
-    """Bounds of the changes of Q from now to the end of the record (Lemma 14)."""
+    """Bounds of the changes of Q, the logarithm of the action, from now to the end of
+    the record (Lemma 14); W is the energy of the bounces.
+    """
 
-    by_speed: float  # sum of those that go with (2 W)^(1/2), over it
-    by_energy: float  # sum of those that go with W, over it
+    by_speed: float  # sum of the terms with the factor (2 W)^(1/2), without it
+    by_energy: float  # sum of the terms with the factor W, without it
     largest: float  # largest |c| [-]
     steepest: float  # largest |c' phi| over (2 W)^(1/2)
 

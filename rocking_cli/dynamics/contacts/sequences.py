@@ -124,7 +124,7 @@ class _Path(NamedTuple):
     later: Array  # phase of the segment after this duration [rad]
     # inward force on bodies at the ground at the start, on this side and on the other
     now: tuple[Array, Array]
-    then: tuple[Array, Array]  # the same after the duration
+    then: tuple[Array, Array]  # inward force after the duration, on both sides
     growth: Array  # bound of later speeds over v, on either side [-]
     gains: Array  # G: bound of the speeds at which arcs on this side begin, over v [-]
     # H: the same on the other side, less what shorter arcs make up for [-]

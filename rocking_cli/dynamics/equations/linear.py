@@ -49,7 +49,7 @@ class LinearEquation(Equation):
 
     gain = 1.0
     limit = np.inf
-    # of a series, where one is used: the terms left out are below rounding
+    # tolerance of a series, where one is used: terms left out are below rounding
     tolerance = 1e-13
     bounds = (1.0, 1.0)
     barrier = 1.0

@@ -11,7 +11,7 @@ import numpy as np
 from ...structures.mechanics.kinematics import Mechanism, linearise
 from ..lanes import Array
 
-DEGREE = 28  # of a patch's series
+DEGREE = 28  # degree of the series of a patch
 _PARTS = 512  # narrow patches that a fitted patch is cut into
 # terms of a narrow patch's series for a value: there x is below 1/1024, and x^6 below
 # 1e-18

@@ -99,8 +99,9 @@ class RigidBodyEquation(Equation):
         return there
 
     def _at(self, lanes: Array | slice) -> Self:
-        """Return the equation with the numbers at these indices, of cells, of edges or
-        of lanes.
+        """Return the equation for a selection of its numbers (alpha, sin(alpha) ...).
+        lanes: indices into the arrays that it has, which are by cell, by edge or by
+        lane.
         """
         each = {key: x[lanes] for key, x in self._each.items()}
         return self._with(each, each)

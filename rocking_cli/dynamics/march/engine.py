@@ -24,7 +24,7 @@ from .closings import FREE_MOTION, Closed, Closing, closings_of, free_motion
 
 AnyLanes = TypeVar("AnyLanes", bound=Lanes)
 
-_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # of mallopt(3)
+_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # parameters of mallopt(3)
 _BLOCK = 32 << 20  # bytes, the largest that it takes
 
 

@@ -42,7 +42,7 @@ class StatePoint(NamedTuple):
 class Path(NamedTuple):
     """The motion on a stretch of time."""
 
-    peaks: list[StatePoint]  # its peaks
+    peaks: list[StatePoint]  # peaks of the rotation
     end: StatePoint  # its last instant
     struck: bool  # True if the body struck the ground at the last instant
     steps: list[StatePoint]  # the ends of all steps

@@ -49,7 +49,7 @@ class Law:
 
     def __init__(self, equation: Equation, devices: Devices) -> None:
         self.equation, self.devices = equation, devices
-        self.tolerance = equation.tolerance  # of y
+        self.tolerance = equation.tolerance  # tolerance of y
         self.order = taylor.order_for(equation.tolerance)
 
     def force(self, row: Array, now: Branch, side: Array, y: Array, a: Array) -> Array:

@@ -377,7 +377,7 @@ class March:
             return falls
         side, k = lanes.side[at], np.minimum(lanes.segment[at], len(self.segments) - 1)
         inward = self.segments.strongest_inward(side, lanes.amplitude[at], k)
-        # Lemma 6. Linear: the devices are too soft for y'' to fall as y grows, and is
+        # Lemma 6. Linear: the devices are too soft for y'' to fall as y grows. It is
         # positive under the strongest inward drive. Otherwise the lemma of the free
         # body, if no device pulls any more.
         if self.devices.linear:

@@ -390,6 +390,7 @@ def _refuse_binary(source: str, raw: bytes) -> None:
         and len(raw) >= 48
     ):
         raise NoAcceleration(f"{source}: miniSEED, which holds {_COUNTS}")
+    # The version of a SAC header (6 or 7), in either order of bytes.
     if len(raw) >= 632 and raw[304:308] in (
         b"\x06\0\0\0",
         b"\0\0\0\x06",
@@ -397,6 +398,7 @@ def _refuse_binary(source: str, raw: bytes) -> None:
         b"\0\0\0\x07",
     ):
         raise NoAcceleration(f"{source}: SAC, which holds {_COUNTS}")
+    # -12345 is the undefined value of a SAC header.
     if (
         raw[:HEAD].split(None, 6)[:5] == [b"-12345.00"] * 5
         or raw[:HEAD].count(b"-12345.00") > 20

@@ -45,8 +45,8 @@ class Series(NamedTuple):
     component: str | None  # as the file calls it, None without a name
     dt: float  # time step [s]
     samples: np.ndarray  # in the unit of the file, (npts,)
-    unit: str  # of the samples
-    pga: str | None = None  # of the header, as printed
+    unit: str  # unit of the samples
+    pga: str | None = None  # PGA of the header, as printed there
     remark: str = ""  # a sentence for the user, "" without one
 
 

@@ -44,7 +44,7 @@ class Title(NamedTuple):
     """A line above the numbers."""
 
     text: str  # the line as the file has it
-    line: int  # its number in the file
+    line: int  # number of the line in the file
 
 
 def titles_of(text: RecordText) -> Iterator[Title]:
