@@ -62,6 +62,7 @@ class ScanPool:
     def __init__(self, scans: "list[Scan]", amplitudes: list[Array]) -> None:
         edges = [edge for scan in scans for edge in scan.edges]
         self.scans, self.sides, row = scans, len(scans[0].edges), np.arange(len(edges))
+        # The row of a body and side; `others`: the row of the other side of the body.
         self.others = row + self.sides - 1 - 2 * (row % self.sides)
         self.drives, self.speed_ratio, self.limit, self.units, omega = (
             np.array([getattr(f, n) for f in edges])
@@ -90,6 +91,8 @@ class ScanPool:
         """Store the lines of the bodies one after the other; after those of each body
         follow lines of length 0, in which lanes wait.
         """
+        # A lane that comes to rest waits there until the next search for uplifts, while
+        # each round moves it one line on.
         still = np.zeros(_UPLIFT_ROUNDS + 1)
         begins = np.cumsum([0] + [lines.s.size + still.size for lines in lines_of])
         self.begin, self.end = begins[:-1], begins[1:] - still.size
@@ -109,6 +112,8 @@ class ScanPool:
         high[self.end] = low[self.end] = np.inf
         self.high, self.low = np.append(high, padding), np.append(low, padding)
 
+        # The residuals of all lines in one array: `count` samples a line, which begin
+        # at `sample`.
         samples = [lines.residual.shape[2] for lines in lines_of]
         residuals = [
             np.pad(lines.residual, ((0, 0), (0, still.size), (0, 0))).reshape(4, -1)

@@ -95,11 +95,13 @@ class MechanismEquation(Equation):
         # y at phi = alpha
         self.top = float(inverse(table, table.turn, np.array([1.0]), self.limit)[0])
         self.barrier = float(table.value(table.work, np.array([self.top]))[0])
+        # bound of |df/dy| up to the equilibrium, for drives |a| <= 1
         inner = np.linspace(0.0, self.top, 257)
         self.gain = float(
             sum(np.abs(table.slope(c, inner)).max() for c in (table.lift, table.push))
         )
         self.bounds = largest(table, table.lift), largest(table, table.push)
+        # y beyond the equilibrium, and the inward drive that has its equilibrium there
         beyond = np.linspace(self.top, self.limit, 4097)
         self.marks = (
             beyond,

@@ -98,6 +98,7 @@ def inverse(table: Patches, coefficients: Array, value: Array, high: float) -> A
     at = np.searchsorted(known[1:-1], value)
     a, b = nodes.take(at), nodes.take(at + 1)
     low, top = known.take(at), known.take(at + 1)
+    # The first guess: the chord between the two nodes around the value.
     y = np.clip(a + (value - low) / (top - low) * (b - a), a, b)
     lanes = np.flatnonzero(~np.isnan(value))
     for _ in range(60):
@@ -167,11 +168,14 @@ class _PatchPath:
 
     def __init__(self, mechanism: Mechanism, alpha: float, stiffness: float) -> None:
         self.mechanism, self.alpha = mechanism, alpha
+        # F and G at rest, over which the table has them.
         at_rest = mechanism.coefficients(0.0)
         root = float(np.sqrt(at_rest.inertia))
         self.lift0, self.push0 = float(at_rest.lift) / root, float(at_rest.push) / root
+        # rounding of the coefficients of Eq. 3.4, as a factor of that of a number near 1
         self.noise = max(1.0, 0.1 * self.push0 / self.lift0)
         self.rate = stiffness / self.lift0  # dy/dphi over sqrt(M)
+        # Rotations, and y at each of them: the integral by Gauss-Legendre quadrature.
         end = _collapse(mechanism, alpha)
         self.marks = np.linspace(0.0, end, 513)
         self.nodes, self.weights = np.polynomial.legendre.leggauss(20)
@@ -202,6 +206,7 @@ class _PatchPath:
             + np.minimum(y, 0.0) * first
             + np.maximum(y - self.length, 0.0) * last
         )
+        # Newton's method from the linear interpolation between the rotations.
         for _ in range(12):
             at = np.clip(
                 np.searchsorted(self.marks, phi, side="right") - 1,
@@ -230,6 +235,7 @@ def _collapse(mechanism: Mechanism, alpha: float) -> float:
     Raises ValueError.
     """
     phi = np.linspace(0.0, mechanism.reach, 20001)[:-1]
+    # lambda(phi) = V'/(g B) must fall and B stay positive, up to the collapse.
     c = mechanism.coefficients(phi)
     with np.errstate(all="ignore"):
         multiplier = np.asarray(c.lift / c.push)
@@ -263,6 +269,7 @@ def _fit(
     for v in values:
         if not np.all(np.isfinite(v)):
             break
+        # The series converges if its last coefficients are at the level of rounding.
         c = np.polynomial.chebyshev.chebfit(x, v, DEGREE + 7)
         small = (
             _SMALL

@@ -47,9 +47,13 @@ class SampleStepper(ABC, Generic[Pooled]):
         self.equation = run.batch.equation
         self.cells = run.batch.cells
         self.segments = run.batch.segments
+        # The samples s of each motion, those of all motions one after the other, and
+        # the increase of s from each sample to the next [-].
         self.values = [one.values for one in samples]
         self.samples = np.concatenate(self.values)
         self.gains = np.concatenate([gains(one) for one in self.values])
+        # Of each cell: its motion, its first and last sample, and the phase between two
+        # samples [rad], (cells,).
         ends = np.cumsum([one.size for one in self.values])
         self.motion = np.searchsorted(ends, run.batch.first, side="right")
         self.first, self.last = run.batch.first, ends[self.motion] - 1

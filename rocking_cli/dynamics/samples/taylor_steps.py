@@ -202,8 +202,10 @@ class WeighedTaylorStepper(TaylorStepper):
     def __init__(self, run: Run, samples: Sequence[Samples]) -> None:
         super().__init__(run, samples)
         segments = run.batch.segments.weighed
+        # zg''/g of s_v = 1 over the outward drive of A = 1, on the right and the left
         self.share, upwards = segments.share, segments.vertical
         shaken = run.batch.shaken
+        # The vertical motion at the samples of the horizontal one.
         self.vertical = followed_by(
             upwards.s_start[:shaken], float(upwards.s_end[shaken - 1])
         )

@@ -81,10 +81,10 @@ class DriveLists:
 
     def __init__(self, segments: Segments) -> None:
         self.segments = segments
-        self.straight = segments.straight
+        self.straight = segments.straight  # True if every segment is a straight line
         self.count = len(segments)
         self.vertical = None if segments.weighed is None else segments.weighed.vertical
-        self.block = Block(0, [], [], [], [], [])
+        self.block = Block(0, [], [], [], [], [])  # the block that was read last
         self._waves: dict[int, tuple[Wave, ...]] = {}
 
     def at(self, k: int) -> Block:
@@ -178,7 +178,7 @@ class Lane:
     ) -> None:
         self.omega = np.array([omega])
         self.eta = np.array([eta])
-        self.shaken = len(segments)
+        self.shaken = len(segments)  # number of segments of the motion itself
         cells = system.contact.cells(system.equation, np.ones(1), self.omega, self.eta)
         # no closed form of the free motion: march on over still ground
         if system.equation.damping:
@@ -192,6 +192,7 @@ class Lane:
         self.drive_lists = DriveLists(segments)
         self.weighed = segments.weighed is not None
         self.zeta = float(system.equation.damping)
+        # The largest |s|, also of the effective motions at the edges, and |s_v|.
         self.largest_vertical = 0.0
         self.largest = max(float(segments.later_max[0]), -float(segments.later_min[0]))
         if (weighed := segments.weighed) is not None:
@@ -203,6 +204,7 @@ class Lane:
                 -float(weighed.vertical.later_min[0]),
             )
         self.longest = float(np.max(segments.length[: min(self.shaken, _SAMPLED)]))
+        # The edges under A = 1. A body that comes back on the same side has one edge.
         self._unit = {
             side: self._edge(cells, side)
             for side in (

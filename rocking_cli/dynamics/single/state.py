@@ -65,24 +65,28 @@ class MarchState:
     ) -> None:
         self.lane = lane
         self.cells = cells
-        self.edges = edges
+        self.edges = edges  # edge of each side, +1 and -1
         self.listener = listener
-        self.most = most
+        self.most = most  # number of steps, and of impacts, that are too many
         self.equation, self.contact = lane.system.equation, lane.system.contact
         self.segments, self.drive_lists = lane.segments, lane.drive_lists
-        self.watched = peaks or listener is not None
+        self.watched = peaks or listener is not None  # True if peaks are followed
+        # The state, as in `Lanes`; the force is None where it follows from the drive.
         self.segment, self.phase, self.y, self.v = 0, 0.0, 0.0, 0.0
         self.force: float | None = None
         self.edge = edges[1.0]
+        # largest sizes for which series of degree 3, 4 ... hold, by side
         self.limits = {
             side: lane.size_limits(edge.omega) for side, edge in edges.items()
         }
+        # Largest y so far; no peak exceeds infinity.
         self.peak = 0.0 if self.watched else math.inf
         self.impacts = self.steps = 0
-        self.bounced = False
-        self.reach = LONGEST
+        self.bounced = False  # True after the first impact
+        self.reach = LONGEST  # longest step that the last series allowed [tau]
+        # largest size of the last terms over the step
         self.least = WITHIN * self.equation.tolerance
-        self.end: Ended | None = None
+        self.end: Ended | None = None  # None while the march goes on
         self.free_fall = FreeFall.of(lane.segments, cells, lane.shaken)
 
     def _lanes(self) -> Lanes:

@@ -94,8 +94,8 @@ class HeldBody:
     ) -> None:
         self.equation = equation
         self.devices = devices
-        self.row = row
-        self.now = now
+        self.row = row  # row of the devices of each lane, (lanes,)
+        self.now = now  # branch of each device of each lane
         self.damping = equation.damping
 
     def part(self, lanes: slice) -> HeldBody:

@@ -82,6 +82,7 @@ class March:
         self.devices = system.devices
         self.cells = self.contact.cells(self.equation, amplitude, omega, eta)
         self.shaken, self.recorder = len(segments), recorder
+        # the motion, and still ground after it without an end
         self.segments = segments.followed_by_rest(np.inf)
         self.one_sided = isinstance(self.contact, OneSided)
         # bits of `turned` to the second turn on a side, and all bits that it needs
@@ -90,6 +91,7 @@ class March:
         self.every = (1 if self.one_sided else 3) << self.again
         sides = np.array([1.0, -1.0])
         self.law = Law(self.equation, self.devices)
+        # y at which a body has fallen, by the row of its side
         self.limit = np.minimum(
             np.broadcast_to(self.equation.on(sides).limit, 2), self.devices.lever_ends()
         )
@@ -106,7 +108,7 @@ class March:
             self.doubtful = float(
                 np.max(self.equation.on(sides).displacement(np.full(2, FALLEN)))
             )
-        self.most = MAX_STEPS + 40 * self.shaken
+        self.most = MAX_STEPS + 40 * self.shaken  # steps beyond which a lane fails
         self.found = Found.empty((*self.devices.stiffness.shape, omega.size))
 
     def run(self, release: float = 0.0) -> Found:

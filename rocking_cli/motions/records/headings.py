@@ -150,6 +150,8 @@ def cell_of(text: str, first: bool = True) -> HeadingCell:
     the first column.
     """
     text = re.sub(r"^[#%](?=[^\W\d_]{2,})", "", text.strip().strip("\"'").strip())
+    # The parts of the heading: units of acceleration, of time, and other (foreign) ones,
+    # and the role that the name states.
     name, units, asides = _parted(text)
     accelerations = [unit for x in units if (unit := unit_of(x))]
     times = [time for x in units if (time := time_unit(x)) is not None]
@@ -168,10 +170,13 @@ def cell_of(text: str, first: bool = True) -> HeadingCell:
         x for x in asides if not is_direction(x) and not _is_neutral(x) and x != "t"
     ]
 
+    # A unit decides what a bare name is.
     if accelerations and role == BARE and not odd:
         role = ACCELERATION
     if times and role == BARE and component is None:
         role = TIME
+    # A text that contradicts the name, or is not understood, makes the column unknown;
+    # `odd` is this text.
     if foreign and role in (ACCELERATION, BARE, UNKNOWN):
         dimension = dimension_of(foreign[0])
         other = dimension not in (None, "unknown") and role != ACCELERATION
