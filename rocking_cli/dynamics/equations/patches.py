@@ -172,7 +172,7 @@ class _PatchPath:
         at_rest = mechanism.coefficients(0.0)
         root = float(np.sqrt(at_rest.inertia))
         self.lift0, self.push0 = float(at_rest.lift) / root, float(at_rest.push) / root
-        # rounding of the coefficients of Eq. 3.4, as a factor of that of a number near 1
+        # rounding of the coefficients of Eq. 3.4, over that of a number near 1
         self.noise = max(1.0, 0.1 * self.push0 / self.lift0)
         self.rate = stiffness / self.lift0  # dy/dphi over sqrt(M)
         # Rotations, and y at each of them: the integral by Gauss-Legendre quadrature.

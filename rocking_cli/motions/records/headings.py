@@ -150,8 +150,8 @@ def cell_of(text: str, first: bool = True) -> HeadingCell:
     the first column.
     """
     text = re.sub(r"^[#%](?=[^\W\d_]{2,})", "", text.strip().strip("\"'").strip())
-    # The parts of the heading: units of acceleration, of time, and other (foreign) ones,
-    # and the role that the name states.
+    # The parts of the heading: units of acceleration, of time, and other (foreign)
+    # ones, and the role that the name states.
     name, units, asides = _parted(text)
     accelerations = [unit for x in units if (unit := unit_of(x))]
     times = [time for x in units if (time := time_unit(x)) is not None]
