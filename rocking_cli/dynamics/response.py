@@ -237,6 +237,9 @@ def _of(cells: Cells, at: Array | slice) -> Cells:
 def _response(
     run: "Run | Found", shape: tuple[int, ...], peaks: bool = True
 ) -> Response:
+    """Return the results of a run in the shape of the cells; peaks: False if no
+    rotations are wanted.
+    """
     theta_ratio = run.theta_ratio if peaks else np.full(run.outcome.size, np.nan)
     return Response(
         theta_ratio.reshape(shape),

@@ -126,6 +126,10 @@ def weighed(motion: Motion, right: float, left: float) -> Segments:
 
 
 def _cut_segments(motion: Motion, right: float, left: float) -> Segments:
+    """Return the segments of a motion with a vertical part, cut where the vertical
+    motion or an effective motion has an extreme. right, left: zg''/g over the outward
+    drive of A = 1 on each edge.
+    """
     assert motion.vertical is not None
     signals = (
         motion,

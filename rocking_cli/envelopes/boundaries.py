@@ -189,6 +189,7 @@ class Search:
         return label[np.searchsorted(row, all_rows)], found
 
     def _steps(self, begins: Array, found: Brackets) -> list[Steps]:
+        """Return the outcome of each row at `lowest` and above every change found."""
         rows = [[(self.lowest, label)] for label in begins.tolist()]
         found = found.take(np.lexsort((found.high, found.row)))
         for row, amplitude, label in zip(

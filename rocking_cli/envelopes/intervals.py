@@ -432,6 +432,9 @@ def check_curves(structure: RockingParameters, motion: Motion, axis: Axis) -> No
 
 
 def _closed_form_of(motion: Motion) -> str:
+    """Return the name of the pulse of `closed_form` that a motion is. Raises UsageError
+    for another motion.
+    """
     from .closed_form import PULSES
 
     forms = {pulse(name).pieces: name for name in PULSES}

@@ -138,6 +138,9 @@ def _drawn(
     x: Array | None,
     rate: Callable[[Array, Array], Array] | None = None,
 ) -> Array:
+    """Return the numbers of resampled curves, (numbers, samples): ln median, beta, the
+    rate if wanted, and the standard score at each intensity x.
+    """
     centre, beta = estimate
     rates = [] if rate is None else [rate(centre, beta)]
     return np.stack(
@@ -151,6 +154,9 @@ def _drawn(
 
 
 def _band(low: Array, high: Array, rated: bool = False) -> Band | None:
+    """Return the band from the low and the high ends of the numbers of `_drawn`, None
+    if one of them is not finite; rated: True if the rate is among them.
+    """
     from scipy.special import ndtr
 
     rate = (

@@ -228,6 +228,7 @@ def _order(limit: str) -> float:
 
 
 def _of_limit(limit: str) -> str:
+    """Return a limit state in the words of an exported file."""
     if limit == "counted":
         return "limit state of the counts"
     return (

@@ -142,6 +142,9 @@ def _under_records(
     path: Path | None,
     sweep: SweepOptions | None,
 ) -> list[Exposure]:
+    """Return the exposures of structures to scaled records, from a sweep; its file is
+    `path`, or it stays in memory.
+    """
     from ..spectra.file.reader import SpectraFile
     from ..spectra.record_scene import structures_scene
 
@@ -225,6 +228,9 @@ def traced(
 def _trace(
     structure: RockingParameters, motions: MotionSet, member: MotionMember
 ) -> list[Interval]:
+    """Return the intervals of the measure [SI] in which one motion overturns a
+    structure, up to the last level; the last one may be open.
+    """
     unit, method = motions.unit(structure, member), motions.method
     long = len(member.motion.segments) > LONGEST_FINE
     search = Search(

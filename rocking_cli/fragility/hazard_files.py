@@ -211,6 +211,9 @@ def _is_at(place: str, site: str, row: dict[str, str]) -> bool:
 
 
 def _two_columns(table: Table, measure: Measure) -> list[HazardPoint]:
+    """Return the points of a table with a column of levels and one of annual rates, or
+    of probabilities in so many years. Raises DocumentError.
+    """
     names, first = table.headings, f"{table.source}, line {table.line}"
     (im, unit), (kind, _) = (
         (split_heading(name) for name in names)
@@ -249,6 +252,7 @@ def _two_columns(table: Table, measure: Measure) -> list[HazardPoint]:
 
 
 def _require_measure(place: str, found: str, wanted: Measure) -> None:
+    """Raise UsageError unless the measure that a file names is the wanted one."""
     try:
         name = measure_of("Arias" if found == "IA" else found).name
     except UsageError:

@@ -274,6 +274,7 @@ def cell(
 def _positive(
     path: str | Path, line: int, row: dict[str, str], column: str, dimension: str
 ) -> float:
+    """Return a positive quantity [SI] of a row of a table. Raises DocumentError."""
     value = cell(path, line, row, column, dimension)
     if not value > 0.0:
         raise DocumentError(

@@ -51,6 +51,7 @@ def build_motion(document: Document) -> Motion:
 
 
 def _children(document: Document, key: str, wanted: str, least: int) -> list[Value]:
+    """Return the items of a list of at least so many items. Raises DocumentError."""
     content = document.values[key].content
     if not isinstance(content, list) or len(content) < least:
         raise document.fault(
@@ -66,6 +67,9 @@ def _children(document: Document, key: str, wanted: str, least: int) -> list[Val
 
 
 def _pieces(document: Document) -> tuple[Piece, ...]:
+    """Return the pieces of a motion document, in which a period of omega_g lasts 1.
+    Raises DocumentError.
+    """
     pieces: list[Piece] = []
     for i, value in enumerate(_children(document, "pieces", _PIECES, 1), 1):
         part = document.part("pieces", value)
@@ -117,6 +121,7 @@ def _pieces(document: Document) -> tuple[Piece, ...]:
 
 
 def _sine(part: Document, value: Value, length: float) -> Harmonic:
+    """Return a sinusoid of a piece. Raises DocumentError."""
     sine = part.part("sines", value)
     amplitude = sine.quantity("amplitude", "number", least=-LARGEST, most=LARGEST)
     highest = MOST_CYCLES / length
@@ -133,6 +138,9 @@ def _sine(part: Document, value: Value, length: float) -> Harmonic:
 
 
 def _lines(document: Document, name: str) -> Motion:
+    """Return the motion of straight lines through the points of a document. Raises
+    DocumentError.
+    """
     points = [
         document.pair("points", value, "number", "point", _POINTS)
         for value in _children(document, "points", _POINTS, 2)

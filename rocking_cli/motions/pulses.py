@@ -125,6 +125,9 @@ def mavroeidis_papageorgiou(gamma: float = 2.0, phase: float = 0.0) -> Motion:
 
 
 def _trigonometric(name: str, cycles: float, phase: float) -> Motion:
+    """Return a pulse of a whole number of half cycles from this phase [rad] on. Raises
+    MotionError.
+    """
     halves = 2.0 * cycles
     if not (1.0 <= halves <= 2.0 * MOST_CYCLES and halves == np.rint(halves)):
         raise MotionError(

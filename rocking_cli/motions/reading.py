@@ -259,6 +259,9 @@ def _scaled(recording: Recording, given: MotionChoices) -> Recording:
 
 
 def _of_document(source: str, raw: bytes, given: MotionChoices) -> Motion:
+    """Return the motion of a motion document, scaled as the user asks. Raises
+    DocumentError, and UsageError for choices that only a record has.
+    """
     try:
         documents = documents_of(source, unpacked(source, raw))
     except DocumentError as error:
@@ -436,6 +439,9 @@ def _listed(file: BinaryIO, folder: str) -> list[str]:
 
 
 def _names(raw: bytes, folder: str) -> list[str]:
+    """Return the paths that a list of files names; empty lines and comments do not
+    count.
+    """
     lines = (
         line.strip().strip('"')
         for line in raw.decode("utf-8", "surrogateescape").splitlines()

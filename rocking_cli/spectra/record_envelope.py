@@ -256,6 +256,9 @@ def envelope(
 
 
 def _tasks(tracing: Tracing, sign: str, shares: int) -> Iterator[Task]:
+    """Yield the tasks of a tracing: for each record, structure and sign, the
+    frequencies in so many shares.
+    """
     for record in range(len(tracing.scene.recordings)):
         for i, structure in enumerate(tracing.scene.structures):
             apart = sign == BOTH and not tracing.scene.method.system_of(structure).alike

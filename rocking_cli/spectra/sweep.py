@@ -220,6 +220,9 @@ def _pulse_scene(
     grid: Grid,
     method: Method | None,
 ) -> PulseScene:
+    """Return the scene of structures under a pulse, by the governing equation unless a
+    method is given.
+    """
     return PulseScene(
         tuple(structures),
         grid,

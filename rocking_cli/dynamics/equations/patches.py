@@ -185,6 +185,9 @@ class _PatchPath:
         self.length = float(self.sums[-1])
 
     def _integral(self, start: Array, stop: Array) -> Array:
+        """The increase of y between rotations [rad]: the integral of dy/dphi, by
+        Gauss-Legendre quadrature.
+        """
         half = 0.5 * (stop - start)
         phi = (0.5 * (start + stop))[..., None] + half[..., None] * self.nodes
         return (

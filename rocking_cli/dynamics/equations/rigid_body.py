@@ -242,6 +242,9 @@ class RigidBodyEquation(Equation):
 
 
 def _numbers(alpha: float) -> dict[str, float]:
+    """Return the numbers of an edge with this critical angle [rad]. Raises ValueError
+    for an angle that no rigid body has.
+    """
     if not LEAST_ALPHA <= alpha < 0.5 * math.pi:
         raise ValueError(
             f"alpha: found {alpha:g} rad; expected an angle of a rigid body from"

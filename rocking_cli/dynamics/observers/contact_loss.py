@@ -211,6 +211,9 @@ class ContactLoss(Observer):
             one, other = one.join(middle), middle.join(other)
 
     def _shaking(self, lanes: Lanes) -> ShakingBounds:
+        """Bounds of the push, of the weight less m g, and of their derivatives, by
+        lane.
+        """
         weighed = self.segments.weighed
         size = self.body.on(lanes.side).uplift * lanes.amplitude
         sway = (

@@ -290,6 +290,9 @@ class MarchState:
             )
 
     def _finish(self, outcome: Outcome) -> Ended:
+        """End the march with this outcome. A body that would rock where the ground
+        falls away from it has lost contact.
+        """
         ratio = math.nan
         if outcome == Outcome.NO_UPLIFT:
             ratio = 0.0

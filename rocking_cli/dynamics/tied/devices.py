@@ -412,6 +412,9 @@ def _columns(
 
 
 def _of_tie(tie: Tie, row: str) -> tuple[float, ...]:
+    """Return the numbers of a tie on one side of the body; zero stiffness if the tie
+    does not act there.
+    """
     if row not in SIDES[tie.side]:
         return 0.0, 0.0, np.inf, np.inf, tie.height, tie.behind
     return (

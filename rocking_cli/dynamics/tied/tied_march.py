@@ -129,6 +129,9 @@ class March:
         return numbers[row, :, np.arange(row.size)].T
 
     def _begin(self, cell: Array, release: float) -> TiedLanes:
+        """Return new lanes for these cells, at their first uplift or released from
+        theta/alpha = release.
+        """
         shape = (*self.devices.stiffness.shape, cell.size)
         amplitude, omega, eta = (
             np.broadcast_to(x, self.cells.omega.shape)[0, cell].copy()

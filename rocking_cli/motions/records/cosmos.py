@@ -93,6 +93,7 @@ def _unit(text: RecordText, word: str, code: str | None) -> str:
 
 
 def _header(text: RecordText, kind: str) -> np.ndarray:
+    """Return the values of the integer or the real header. Raises DocumentError."""
     line = re.compile(
         rf"^\s*(\d+)\s*{kind}-header values follow on\s*\d+\s*lines.*?{FORTRAN}",
         re.IGNORECASE,

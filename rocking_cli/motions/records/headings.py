@@ -345,6 +345,9 @@ def _role(name: str) -> tuple[str, str]:
 
 
 def _role_of_token(token: str) -> str:
+    """Return the role that one word of a heading states: BARE for a neutral word or a
+    direction, UNKNOWN for a word that is not known.
+    """
     if token in NEUTRAL or token.isdecimal():
         return BARE
     stem = token.rstrip("0123456789")

@@ -172,6 +172,10 @@ def units_in(words: str) -> list[str]:
 
 
 def _units_of_tokens(tokens: list[str]) -> list[str]:
+    """Return the units of acceleration among words; a unit has up to three words. A
+    unit of letters alone counts after a word such as `in` only, and a unit after a
+    number belongs to that number.
+    """
     found: list[str] = []
     at = 0
     while at < len(tokens):

@@ -111,6 +111,7 @@ def check_scheduler(address: str) -> None:
 
 
 def _host_and_port(address: str) -> tuple[str, int]:
+    """Return host and port of a scheduler's address. Raises UsageError."""
     found = re.fullmatch(
         r"(?:(?:tcp|tls)://)?(?:\[([0-9A-Fa-f:.]+)\]|([^\s:/\[\]]+)):(\d{1,5})", address
     )
