@@ -55,7 +55,7 @@ def digest(pieces: Iterable[bytes]) -> str:
 
 
 def _digest_of(file: BinaryIO, size: int, ranges: Sequence[tuple[int, int]]) -> str:
-    """Return the digest of a file's size and of ranges (begin, length) of it [bytes]."""
+    """The digest of a file's size and of ranges (begin, length) of it [bytes]."""
     places = (
         (at, min(_BLOCK, begin + length - at))
         for begin, length in ranges
