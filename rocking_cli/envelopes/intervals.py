@@ -240,6 +240,7 @@ def _scan_of(
         )
     if a_max > HIGHEST:
         raise UsageError(f"a-max: found {a_max:g}; expected up to {HIGHEST:g}")
+    # A sign that lifts no body below a_max needs no search.
     searches = [search for search in searches if search.lowest < a_max]
     amplitudes = frequencies * sum(
         (a_max - search.lowest) / SCAN_STEP for search in searches

@@ -302,6 +302,7 @@ class _Search(NamedTuple):
         (low, high), minima = self.ends, []
         around = [low, *firsts, high]
         for before, omega, after in zip(around, firsts, around[2:], strict=False):
+            # A minimum of the scan lies no higher than its neighbours.
             about = firsts[omega]
             if not (
                 math.isfinite(about) and about <= min(firsts[before], firsts[after])
@@ -309,6 +310,7 @@ class _Search(NamedTuple):
                 continue
             first = self._first(omega, most)
             minima.append((first, omega))
+            # At an end of the range: is it lower a little inside?
             inside = omega * (1.0 + _INSIDE if omega == low else 1.0 - _INSIDE)
             if omega in (low, high) and self._first(inside, most) >= first:
                 continue

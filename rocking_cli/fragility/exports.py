@@ -146,6 +146,7 @@ def write(
                 " one method"
             )
         grouped[state.structure][state.limit] = state
+    # A file has the same limit states for every structure; others are left out.
     every = sorted({state.limit for state in states}, key=_order)
     common = [
         limit for limit in every if all(limit in found for found in grouped.values())

@@ -253,6 +253,7 @@ def site_pulses(
         )
     if not members:
         raise DocumentError(f"{path}: holds no pulse")
+    # Only the ratios of the weights count; their mean is 1.
     mean = sum(m.weight for m in members) / len(members)
     return tuple(replace(m, weight=m.weight / mean) for m in members)
 

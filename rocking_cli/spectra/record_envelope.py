@@ -110,6 +110,8 @@ class Tracing:
         omegas = self.omegas(task.structure)[list(task.omegas)]
         most = self.limit(task.structure)
         found: list[Steps] = [[] for _ in omegas]
+        # A body with unequal sides has other outcomes under the reversed record; of two
+        # signs the worse outcome counts.
         for factor in (1.0,) if system.alike else SIGNS[task.sign]:
             under = motion if factor > 0.0 else motion.scaled(factor)
             search = Search(
@@ -152,6 +154,7 @@ def tracing_rows(
         len(task.omegas) * math.log(max(2.0, tracing.limit(task.structure)))
         for task in tasks
     ) / math.log1p(RATIO)
+    # Few tasks are cut into shares of their frequencies, so that all processes work.
     workers = workers or (1 if cells < _SMALL else available_cpus())
     if len(tasks) < 4 * workers:
         tasks = list(_tasks(tracing, sign, workers))
@@ -288,6 +291,7 @@ def _rows(
             if scene.method.system_of(structure).alike
             else int(SIGNS[task.sign][0])
         )
+    # A of the record as it is: the scale is A over it.
     own = float(structure.dimensionless_amplitude(recording.acceleration))
     found: list[tuple[float | None, float | None, str]] = [
         interval[1:] for interval in intervals_of(math.nan, steps)

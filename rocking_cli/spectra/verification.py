@@ -241,6 +241,8 @@ class Verification:
 
     def compared(self) -> Mapping[str, Any]:
         """Return the result of the comparison, by the fields of `Summary`."""
+        # Answers that the reference has, those with the outcome of the sweep, and by
+        # how much theta/alpha of these differs.
         known = {
             place: answer
             for place, answer in self.answers.items()

@@ -150,6 +150,7 @@ def drive_series(
     """
     weighed = segments.weighed
     here = segment_value(segments, lanes.segment, lanes.phase)
+    # The rate of the fastest change is the unit of the series: terms then fall off.
     w, *up = (
         part.frequency.take(lanes.segment, axis=1) * lanes.omega
         for part in (segments, *((weighed.vertical,) if weighed else ()))
@@ -162,6 +163,7 @@ def drive_series(
     _fill(terms, segments, lanes, here, outward, w, unit)
     if weighed is None:
         return Drive(Rows.from_array(terms), unit), fastest
+    # The weight over m g is a series in the same powers: 1 + sway s_v.
     rows, vertical = np.empty(terms.shape), weighed.vertical
     sway = weighed.sway(lanes.side, lanes.amplitude)
     rise = segment_value(vertical, lanes.segment, lanes.phase)
@@ -349,6 +351,7 @@ def line_series(
     that vary linearly.
     """
     unit = drive.unit
+    # A bound of |y''| and of the slope of the drive gives the degree.
     size = 2.0 + np.abs(v)
     for line in (
         (drive.line, drive.weight_line) if drive.weight is not None else (drive.line,)
@@ -366,6 +369,7 @@ def line_series(
         drive.weight,
         force,
     )
+    # The last terms show for how long the series holds.
     last = last_terms(terms, degree * unit.size + np.arange(unit.size), unit)
     with np.errstate(divide="ignore"):
         short = (WITHIN * equation.tolerance * unit / last) ** (1.0 / (degree - 1.0))

@@ -74,6 +74,7 @@ class Extremes:
         self.include(cell, best)
         with np.errstate(all="ignore"):
             for _ in range(_CUTS):
+                # Stretches on which the cubic may exceed the largest value so far.
                 at = np.flatnonzero(_excess(s, one, other, self.largest[cell]) > 0.0)
                 if not at.size:
                     return
@@ -82,6 +83,8 @@ class Extremes:
                 one = one.take(at)
                 other = other.take(at)
                 best = best[at]
+                # Cut at the peak of the cubic, and go on with the part that rises to
+                # it.
                 x = _peak(s, one, other)
                 x = np.where((x > s.low) & (x < s.high), x, 0.5 * (s.low + s.high))
                 there = along(s.own, x)

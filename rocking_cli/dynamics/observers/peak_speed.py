@@ -40,6 +40,8 @@ class PeakSpeed(Observer):
         lanes, arc, reach, y, v, b, _ = arcs
         b = b - 2.0 * arc.damping * v
         self.speed.include(lanes.cell, self._speed(lanes.side, lanes.cell, y, v))
+        # Where y'' changes its sign the speed has an extreme inside the arc. Only arcs
+        # whose bound exceeds the largest speed so far are searched.
         within = np.maximum(np.abs(arc.v), np.abs(v)) + 0.5 * reach * np.maximum(
             np.abs(arc.b), np.abs(b)
         )

@@ -195,6 +195,8 @@ class ReferenceBody:
             vertical.pieces if vertical else (None,) * len(self.motion.pieces),
             strict=True,
         ):
+            # The weight falls to zero where the ground falls away; the body is followed
+            # to this instant.
             self.up = up
             fall = (
                 next_uplift(up, up.start, -self.drive)
@@ -214,6 +216,9 @@ class ReferenceBody:
                     return self.overturned(), math.nan
             if fall is not None and self.theta >= FALLEN * self.here.alpha:
                 return self.overturned(), math.nan
+            # A body that has lost its weight above the unstable equilibrium may or may
+            # not come back: its outcome is not known unless the equation lets it
+            # return.
             if fall is not None:
                 known = self.theta <= self.here.alpha or self.here.returns
                 return Outcome.LOST_CONTACT if known else Outcome.FAILED, math.nan
@@ -337,6 +342,7 @@ class ReferenceBody:
             before = after
             after = acceleration_and_fz(other)
             length = other.time - one.time
+            # The state halfway, by Hermite interpolation, for a third value of Fz.
             theta, w = 0.5 * (one.theta + other.theta), 0.5 * (one.w + other.w)
             theta = theta + 0.125 * length * (one.w - other.w)
             w = w + 0.125 * length * (before[0] - after[0])

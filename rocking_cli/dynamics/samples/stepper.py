@@ -105,10 +105,13 @@ class SampleStepper(ABC, Generic[Pooled]):
         free = np.zeros(taken, dtype=bool)
         ready = self.can_propagate(lanes)
         while lanes.cell.size:
+            # Lanes at a sample are propagated until they stop.
             at = np.flatnonzero(ready)
             for first in range(0, at.size, WIDTH):
                 some = at[first : first + WIDTH]
                 ready[some] = self.propagate(lanes, some)
+            # Stopped lanes take a round of the march, which may end them; the others
+            # come back to their places.
             stopped = np.flatnonzero(~(ready | free))
             going = self._march_round(lanes.take(stopped))
             free[stopped] = True
@@ -116,6 +119,8 @@ class SampleStepper(ABC, Generic[Pooled]):
             free[going.slot], ready[going.slot] = False, self.can_propagate(going)
             fallen = self._overturn(lanes, np.flatnonzero(ready))
             free[fallen], ready[fallen] = True, False
+            # New cells take the places that are free; without new cells the pool
+            # shrinks.
             places = np.flatnonzero(free)
             more = min(places.size, waiting.size - taken)
             if more:

@@ -81,12 +81,14 @@ class _March(MarchState):
             if self.segment >= count:
                 self._free()
                 break
+            # Only damped bodies march on over still ground, until they have settled.
             if (
                 self.segment >= self.lane.shaken
                 and self.listener is None
                 and self._settled()
             ):
                 break
+            # Whole lines of a record if possible, else one step.
             self.steps += 1
             if not (
                 self.drive_lists.straight

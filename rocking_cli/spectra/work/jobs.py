@@ -124,6 +124,7 @@ class Job:
             )
             for u in units
         ]
+        # Bands that one run can compute together, by motion and system.
         batches: dict[Any, list[CellBand]] = {}
         for band in chain.from_iterable(bands):
             shared = self.pooled and chains(
@@ -144,6 +145,8 @@ class Job:
                 else self.together_of(batch, cells)
             )
             work += own
+            # Each band takes its cells of the run. The structures that share them have
+            # the same rotations, but may lose contact at others of their cells.
             last = 0
             for band in batch:
                 first, last = last, last + band.size
@@ -156,6 +159,7 @@ class Job:
                         self._standing(s, band.motion, cells[:, first:last], block)
                         for s in band.sharers
                     ]
+        # The first unit reports the work of all.
         works = chain([work], repeat(Work()))
         return [
             self.report(unit, [found[id(band)] for band in own], w)
