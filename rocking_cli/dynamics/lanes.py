@@ -88,8 +88,8 @@ class Cells(NamedTuple):
 
 @dataclass
 class Lanes(Arrays):
-    """The state of rocking bodies, one body a lane. Every array is (lanes,). The side
-    is stored, never inferred from a sign.
+    """The state of rocking bodies, one body in each lane. Every array is (lanes,). The
+    side is stored, never inferred from a sign.
     """
 
     cell: Array  # index of the cell that the lane computes

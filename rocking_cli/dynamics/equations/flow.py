@@ -39,7 +39,7 @@ _BOTH = np.stack([_ODD, _EVEN], axis=1)[:, :, None, None]
 
 @dataclass
 class LinearFlow(Arrays):
-    """One arc a lane: the state at its start, and the terms of the outward drive."""
+    """An arc for each lane: the state at its start, and the terms of the drive."""
 
     y: Array  # displacement at the start, in the unit of the side, (lanes,)
     v: Array  # velocity y' at the start, by tau, (lanes,)

@@ -177,8 +177,8 @@ class MechanismEquation(Equation):
         )
 
     def _local(self, at: Array, x: Array, count: int) -> Array:
-        """(2, count, lanes): the series of F and G in powers of (y - y0) / half,
-        shifted from the centre of the patch that holds y0.
+        """The series of F and G of Eq. 3.4 in powers of (y - y0)/half, shifted from the
+        centre of the patch that holds y0, (2, count, lanes).
         """
         # NumPy sums a single lane in another order: no digit may depend on a lane's
         # neighbours
@@ -267,8 +267,9 @@ class MechanismEquation(Equation):
 def _composed(
     local: Array, y: Rows, new: Callable[[], Series]
 ) -> tuple[Series, Series, Callable[[int], None]]:
-    """`along` for many lanes; local: the series of F and G about the present y, (2,
-    terms, lanes).
+    """The series of F(y) and G(y) along the series of y, as `Equation.along`, for many
+    lanes; local: those of F and G in powers of y - y0 about the present y0, (2, terms,
+    lanes).
     """
     count = local.shape[1]
     # [j, n]: term n of (y - y0)^j; it is zero for n < j

@@ -85,7 +85,7 @@ def _mode(samples: Array, weights: Sequence[float], decays: Sequence[float]) -> 
 class Stretches(NamedTuple):
     """Lower bounds of the outward drive of A = 1 over stretches: the stretch of level k
     from sample n covers the samples n ... n + 2^k, up to the last one. They take 40
-    bytes a sample.
+    bytes for each sample.
     """
 
     # the bounds [-], (motions x 2 sides x stretches,); the right edge comes first

@@ -20,7 +20,7 @@ _BLOCK = 1 << 15  # segments whose lists are held at once
 
 
 class Block(NamedTuple):
-    """Segments that follow one another, as lists with one number a segment."""
+    """Segments that follow one another, as lists with a number for each."""
 
     first: int  # index of the first segment
     start: list[float]  # s at the start of each segment [-], (segments,)

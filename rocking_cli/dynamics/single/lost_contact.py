@@ -81,7 +81,9 @@ def loses_contact(lane: Lane, amplitude: float, most: int) -> bool:
 def _joined(
     lane: Lane, cells: Cells, arcs: Sequence[Arc]
 ) -> tuple[Lanes, TaylorSeries, Array]:
-    """(lanes, their flow, how long each follows it [tau of the side]), one an arc."""
+    """Put arcs together: (a lane for each arc, their flow, how long each lane follows
+    it [tau of the side]).
+    """
     # Series of different length, filled up with zeros.
     reach, side, h = (
         np.array(column) for column in zip(*(arc[:3] for arc in arcs), strict=True)

@@ -26,7 +26,7 @@ _CWB_COMPONENT = re.compile(r"([A-Z])\s*\([-+]\)")
 
 def _esm(text: RecordText) -> list[Series]:
     """Lines `KEY: value` from EVENT_NAME on (64 in DYNA 1.2, 55 in 1.0, 43 in the first
-    ITACA), then one value a line.
+    ITACA), then one value on each line.
     """
     keys = text.keys(_ESM_KEY)
     kind, line = text.value(keys, "DATA_TYPE", "ACCELERATION")

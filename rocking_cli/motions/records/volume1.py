@@ -78,8 +78,8 @@ def read(text: RecordText) -> list[Series]:
 
 
 def _announced(text: RecordText, count: int) -> tuple[float, str, np.ndarray]:
-    """(step, unit, samples) of a body that a line announces, as of today or of the
-    1990s.
+    """(step [s], unit, samples) of the numbers that a line announces, in its present
+    form or in that of the 1990s.
     """
     line = text.next_line() or ""
     of_1990 = _BODY_OF_1990.search(line)
