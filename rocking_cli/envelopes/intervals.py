@@ -403,16 +403,16 @@ def misjudged(
             [edge for one in both for interval in one for edge in interval]
         )
         middle, width = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
-        said, true = (
+        by_linear, by_nonlinear = (
             sum(
                 ((low < middle) & (middle < high) for low, high in one),
                 np.zeros(middle.shape, dtype=bool),
             )
             for one in both
         )
-        unsafe += float(width[~said & true].sum())
-        falls += float(width[true].sum())
-        alarms += float(width[said & ~true].sum())
+        unsafe += float(width[~by_linear & by_nonlinear].sum())
+        falls += float(width[by_nonlinear].sum())
+        alarms += float(width[by_linear & ~by_nonlinear].sum())
     share = f"{100.0 * unsafe / falls:.3g} %" if falls else "none"
     overturn = f"the amplitudes that overturn up to A = {a_max:g}"
     return (

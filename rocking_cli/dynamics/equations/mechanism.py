@@ -167,8 +167,8 @@ class MechanismEquation(Equation):
 
     @cached_property
     def _marked(self) -> Array:
-        """(2, terms, marks): the series of F and G in powers of y about equal marks up
-        to the limit.
+        """The series of F and G of Eq. 3.4 in powers of y - y0 about equally spaced y0
+        up to the limit, (2, terms, y0).
         """
         at, x = self.table.of(np.linspace(0.0, self.limit, _MARKS + 1))
         count = MOST_TERMS + _NEAR
