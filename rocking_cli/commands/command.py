@@ -102,9 +102,8 @@ def given(*names: str) -> list[str]:
             context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE
         )
         if isinstance(parameter, click.Argument):
-            stated = bool(
-                context.params[name]
-            )  # click 8.2 calls it given where there is none
+            # click 8.2 calls an argument given even where there is none
+            stated = bool(context.params[name])
         if name in names and stated:
             found.append(
                 parameter.opts[-1] if isinstance(parameter, click.Option) else "FILE"

@@ -53,9 +53,8 @@ def help(
             if name.lower() in page(topic).lower().split()
         ]
         begins = any(known.startswith(name.lower()) for known in names)
-        meant = (
-            did_you_mean(name, names) if begins or not pages else ""
-        )  # a word of the pages is not a misspelt command
+        # A word that some page has is not a misspelt command.
+        meant = did_you_mean(name, names) if begins or not pages else ""
         raise click.UsageError(
             f"No such command or topic {name!r}{meant}"
             + (f"; it stands in {', '.join(pages[:3])}" if pages else "")

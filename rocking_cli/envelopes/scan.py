@@ -60,6 +60,7 @@ class Scan(Followed):
     ) -> None:
         self.lane = lane = Lane(system, system.segments(motion.coarsest), omega, eta)
         self.edges = list(lane.edges(1.0).values())
+        # Lines as long as a sample, or as `_JOINED` or `_LONGEST` allow.
         tau = min(edge.omega for edge in self.edges)  # phase in a unit of tau
         sample = float(lane.segments.length[:].max()) / tau
         line = _LONGEST if sample > _LONGEST else max(sample, _JOINED)

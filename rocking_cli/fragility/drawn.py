@@ -25,9 +25,8 @@ class DrawnExposure:
     level of the intensity measure.
     """
 
-    theta_ratio: (
-        Array  # max |theta|/alpha, NaN where it falls [-], (members, levels, n)
-    )
+    # max |theta|/alpha, NaN where it falls [-], (members, levels, n)
+    theta_ratio: Array
     outcome: Array  # codes of `Outcome`, (members, levels, n)
     made: Array  # True for draws that make a structure, (members, n)
     fault: str | None  # why the first of the others makes none

@@ -89,7 +89,7 @@ class Fit(Shown):
     ('Column', 1.5725)
     """
 
-    structure: str  # its name
+    structure: str  # name of the structure
     im: str  # name of the intensity measure
     limit: str  # the limit state, a number of |theta|/alpha or "overturning"
     method: str  # "stripes", "first" or "cloud"

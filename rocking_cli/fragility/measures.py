@@ -53,7 +53,7 @@ class Measure:
     unit: str  # SI unit of its values, "" for a plain number
     dimension: str  # a word of `quantities.UNITS`
     evaluate: Evaluate  # returns it from the intensity of a motion and a structure
-    power: float = 1.0  # of the scale factor [-]
+    power: float = 1.0  # the measure is proportional to factor**power [-]
     of_structure: bool = False  # True if it also depends on the structure
     periods: tuple[float, ...] = ()  # of SA and AvgSA [s]
     # returns it from a record, in place of `value`; None for a measure of this package
@@ -178,7 +178,7 @@ def compared(members: "Sequence[MotionMember]", own: Measure) -> Collection[Meas
 class MotionMember:
     """A motion of a set: a pulse or a record."""
 
-    label: str  # its name in the set
+    label: str  # name of the record in the set
     acceleration: float  # peak [m/s2]
     omega: float  # circular frequency [rad/s], 1 for a record
     intensity: Intensity  # measures of the unscaled motion
@@ -315,6 +315,7 @@ def site_pulses(
         )
     if not members:
         raise DocumentError(f"{path}: holds no pulse")
+    # Only the ratios of the weights count; their mean is 1.
     mean = sum(m.weight for m in members) / len(members)
     return tuple(replace(m, weight=m.weight / mean) for m in members)
 
@@ -336,6 +337,7 @@ def cell(
 def _positive(
     path: str | Path, line: int, row: dict[str, str], column: str, dimension: str
 ) -> float:
+    """Return a positive quantity [SI] of a row of a table. Raises DocumentError."""
     value = cell(path, line, row, column, dimension)
     if not value > 0.0:
         raise DocumentError(

@@ -131,6 +131,9 @@ class Study:
     def _stripes(
         self, exposure: Exposure | DrawnExposure, limit: float | None
     ) -> Fitted:
+        """Fit the shares of motions beyond the limit state at each level: (curve,
+        estimate from resampled motions, share at each level).
+        """
         known, beyond = exposure.counts(limit)
         levels, w = self.motions.levels, self.motions.weight[:, None]
         n, z = w * known, w * beyond
@@ -142,6 +145,9 @@ class Study:
         )
 
     def _first(self, limit: float | None) -> Fitted:
+        """Fit the first overturning levels of the motions: (curve, estimate from
+        resampled motions, share at each level).
+        """
         if limit is not None:
             raise UsageError(
                 f'limit state {limit:g}: the method "first" fits only the limit state'
@@ -159,6 +165,9 @@ class Study:
         )
 
     def _cloud(self, limit: float | None) -> Fitted:
+        """Fit the rotations under unscaled motions: (curve, estimate from resampled
+        motions, no shares).
+        """
         if limit is None or isinstance(limit, SlideLimit):
             raise UsageError(
                 f"limit state {word_of(limit)}: the method cloud needs a rotation"

@@ -86,15 +86,12 @@ def ricker(antisymmetric: bool = False) -> Motion:
     phi_0)/sqrt(3), over its largest value, as 23 sinusoids (to 1e-13). omega_g is the
     predominant frequency.
     """
-    unit, x2, harmonics = (
-        math.sqrt(3.0 if antisymmetric else 2.0),
-        3.0 - math.sqrt(6.0),
-        [],
-    )
+    unit = math.sqrt(3.0 if antisymmetric else 2.0)
+    x2 = 3.0 - math.sqrt(6.0)
+    harmonics = []
     largest = math.sqrt(x2) * (3.0 - x2) * math.exp(-0.5 * x2)
-    for n in range(
-        1, int(_TAIL * _TAIL / np.pi) + 1
-    ):  # the Fourier series on |x| <= _TAIL
+    # the Fourier series on |x| <= _TAIL
+    for n in range(1, int(_TAIL * _TAIL / np.pi) + 1):
         k = n * np.pi / _TAIL
         factor, quarter = (-k / largest, 0.0) if antisymmetric else (1.0, 0.5 * np.pi)
         amplitude = math.sqrt(TURN) / _TAIL * k * k * math.exp(-0.5 * k * k) * factor
@@ -138,6 +135,9 @@ def mavroeidis_papageorgiou(gamma: float = 2.0, phase: float = 0.0) -> Motion:
 
 
 def _trigonometric(name: str, cycles: float, phase: float) -> Motion:
+    """Return a pulse of a whole number of half cycles from this phase [rad] on. Raises
+    MotionError.
+    """
     halves = 2.0 * cycles
     if not (1.0 <= halves <= 2.0 * MOST_CYCLES and halves == np.rint(halves)):
         raise MotionError(
@@ -150,6 +150,7 @@ def _trigonometric(name: str, cycles: float, phase: float) -> Motion:
     )
 
 
+# the motion of each pulse, from its parameters
 PULSES: dict[str, Callable[..., Motion]] = {
     "sine": sine,
     "cosine": cosine,
@@ -163,7 +164,7 @@ PULSES: dict[str, Callable[..., Motion]] = {
     "ricker-symmetric": lambda: ricker(),
     "ricker-antisymmetric": lambda: ricker(antisymmetric=True),
     "mavroeidis-papageorgiou": mavroeidis_papageorgiou,
-}  # the motion of each pulse, from its parameters
+}
 
 
 def pulse(name: str, **parameters: float) -> Motion:

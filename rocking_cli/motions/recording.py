@@ -47,18 +47,19 @@ class Recording(Shown):
 
     record: Record  # as recorded
     factor: float = 1.0  # may be negative [-]
-    label: str = ""  # its name in a set
+    label: str = ""  # name of the record in a set
     upwards: Upwards | None = None  # vertical motion with it, None without one
     # the building on whose floor the motion is; None on the ground. The record,
     # its factor and all measures are those of the ground.
     building: "Building | None" = None
 
     def __post_init__(self) -> None:
+        # file names may not be valid text
         label = (
             (self.label or self.record.label)
             .encode("utf-8", "backslashreplace")
             .decode()
-        )  # file names may not be valid text
+        )
         object.__setattr__(self, "label", label)
         checked_scale(self.record.label, self.factor)
         if not np.any(self.record.acceleration):
@@ -160,9 +161,10 @@ def with_distinct_labels(recordings: Sequence[Recording]) -> tuple[Recording, ..
     taken = set(times)
     for r in recordings:
         if times[r.label] > 1:
+            # a file may have such a name
             label = next(
                 name for n in count(1) if (name := f"{r.label} ({n})") not in taken
-            )  # a file may have such a name
+            )
             taken.add(label)
             r = replace(r, label=label)
         found.append(r)

@@ -18,7 +18,7 @@ from .units import Units
 
 Row = Mapping[str, Any]
 
-WIDTH = 100  # of a table, if no terminal says otherwise
+WIDTH = 100  # columns of a table, if no terminal says otherwise
 _GAP = "  "  # between two columns
 _LEAST = 4  # characters of a column that gives way to others
 _NUMBER = re.compile(r"(?:[<>] ?)?[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?")

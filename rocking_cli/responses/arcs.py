@@ -176,9 +176,8 @@ class History(Shown):
                 )
         over = tau.ravel() > self.end
         ratio[over] = rate[over] = np.nan
-        return (ratio + 0.0).reshape(tau.shape), (rate + 0.0).reshape(
-            tau.shape
-        )  # no -0
+        # Adding 0.0 turns -0.0 into 0.0.
+        return (ratio + 0.0).reshape(tau.shape), (rate + 0.0).reshape(tau.shape)
 
     def sides(self, tau: Array) -> Array:
         """Return the side on which the body is at some times.
@@ -275,27 +274,23 @@ class Writer:
         device: str = "",
     ) -> None:
         """Add an event at y and y', both in the unit of the side."""
-        tau = max(
-            tau, self.events[-1].tau if self.events else 0.0
-        )  # in order, whatever the last digit
+        # Events stay in order even where rounding moves the last digit.
+        tau = max(tau, self.events[-1].tau if self.events else 0.0)
         equation = self.equation.on(np.array([side]))
-        rotation, rate = (
-            equation.rotation(np.array([y])),
-            equation.rotation_rate(np.array([y]), np.array([v])),
-        )
+        rotation = equation.rotation(np.array([y]))
+        rate = equation.rotation_rate(np.array([y]), np.array([v]))
+        # Adding 0.0 turns -0.0 into 0.0.
         numbers = (
             float(side * rotation[0]) + 0.0,
             float(side * rate[0]) * pace + 0.0,
-        )  # no -0
+        )
         self.events.append(Event(tau, event, *numbers, float(side), device))
 
     def arcs(self) -> HistoryArcs:
         """Return the arcs; each series gets as many terms as the longest one."""
         start, reach, side, pace, unit = np.array(self.numbers).reshape(-1, 5).T
-        lengths, most = (
-            np.array(self.lengths, dtype=np.int64),
-            max(self.lengths, default=5),
-        )
+        lengths = np.array(self.lengths, dtype=np.int64)
+        most = max(self.lengths, default=5)
         terms = np.zeros((start.size, most))
         terms[np.arange(most) < lengths[:, None]] = self.terms
         flow = TaylorSeries(

@@ -162,7 +162,9 @@ def _standing(
     fall_search: "FallSearch | None",
     done: Callable[[float], None],
 ) -> Standing:
-    """Return outcome and capacity of the verdict of `_judged`."""
+    """Return the outcome and the capacity over the demand of `check`, without the other
+    fields of its verdict; parameters as of `_judged`.
+    """
     if friction_that_slides(structure) is not None:
         return Standing(outcome_alone(structure, motion, shaking), None)
     answer = answer_of(capacity_search(structure, motion, shaking, a_max or 0.0))

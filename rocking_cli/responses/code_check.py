@@ -351,10 +351,8 @@ def first_beyond(
     system = governing_method(structure, dimensionless=shaking.dimensionless).system_of(
         structure
     )
-    low, top = (
-        system.least_uplift(motion),
-        10.0 * demand if most is None else structure.dimensionless_amplitude(most),
-    )
+    low = system.least_uplift(motion)
+    top = 10.0 * demand if most is None else structure.dimensionless_amplitude(most)
 
     def beyond(amplitude: np.ndarray) -> np.ndarray:
         found = response(system, motion, amplitude, omega, structure.eta, how="floats")

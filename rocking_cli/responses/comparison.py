@@ -108,10 +108,9 @@ def comparison_rows(
     peaks, and for two equations their difference and ratios of quarter periods.
     """
     for r in responses:
-        s, omega = (
-            r.structure,
-            None if r.motion.acceleration is not None else r.omega,
-        )  # a record has no frequency
+        s = r.structure
+        # A record has no frequency.
+        omega = None if r.motion.acceleration is not None else r.omega
         row: dict[str, Any] = {
             "structure": s.name,
             "eta": s.eta,

@@ -27,9 +27,8 @@ from .history import history
 if TYPE_CHECKING:
     from .arch_history import ArchHistory
 
-FREE = (
-    30.0  # tau for which a response is followed after the shaking, unless the user says
-)
+# tau for which a response is followed after the shaking, unless the user says
+FREE = 30.0
 POINTS = 500  # times of a history over its whole length, unless the user says
 MOST_POINTS = 10_000_000
 NAMED = ("structure", "motion", "model")  # columns that are the same in every row

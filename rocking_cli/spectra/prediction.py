@@ -141,17 +141,17 @@ def predict_exactly(
         np.array([omega]),
         structure.eta,
     )
+    # `+`: the motion as it is, not reversed
     falls = trace_envelope(
         structure,
         motion,
         [omega],
         a_max=max(A_MAX, 2.0 * amplitude, 2.0 / motion.largest),
         sign="+",
-    )  # as it is
+    )
     ends = [edge for i in falls for edge in (i.a_from, i.a_to) if edge is not None]
-    edges = [
-        edge for edge in ends if ends.count(edge) == 1
-    ]  # between two overturning modes there is no boundary
+    # between two overturning modes there is no boundary
+    edges = [edge for edge in ends if ends.count(edge) == 1]
     nearest = (
         min(edges, key=lambda edge: abs(edge - amplitude), default=None)
         if amplitude > 0.0

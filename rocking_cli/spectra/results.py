@@ -55,7 +55,7 @@ class Summary:
     misjudged: checked cells whose outcome differs
     resumed_cells: cells from an earlier run
     machine_differences: what its machine does differently
-    records: their number, 0 for a pulse
+    records: number of records, 0 for a pulse
     compared: checked cells of a linear sweep of records that were also computed by the
         nonlinear equation
     differing: those of `compared` that differ in overturning
@@ -74,8 +74,8 @@ class Summary:
     (6, 0)
     """
 
-    structures: int  # their number
-    cells: int  # their number
+    structures: int  # number of structures
+    cells: int  # number of cells
     run_time: float  # [s]
     workers: int  # number of processes
     outcomes: dict[str, int]  # number of cells by the name of the outcome
@@ -90,7 +90,7 @@ class Summary:
     resumed_cells: int = 0  # cells from an earlier run
     machine_differences: str = ""  # what its machine does differently
     model: str = LINEAR.model  # the equation of motion
-    records: int = 0  # their number, 0 for a pulse
+    records: int = 0  # number of records, 0 for a pulse
     # checked cells of a linear sweep of records that were also computed by the
     # nonlinear equation
     compared: int = 0
@@ -239,14 +239,12 @@ class Spectrum(Shown):
         require("to_xarray needs", "xarray")
         import xarray as xr
 
-        frame, cells = (
-            self.scene.frame(),
-            {
-                "theta_ratio": self.theta_ratio,
-                "outcome": self.outcome,
-                "impacts": self.impacts,
-            },
-        )
+        frame = self.scene.frame()
+        cells = {
+            "theta_ratio": self.theta_ratio,
+            "outcome": self.outcome,
+            "impacts": self.impacts,
+        }
         along = {
             name: xr.Variable(
                 dimension,

@@ -221,6 +221,9 @@ def _pulse_scene(
     grid: Grid,
     method: Method | None,
 ) -> PulseScene:
+    """Return the scene of structures under a pulse, by the governing equation unless a
+    method is given.
+    """
     return PulseScene(
         tuple(structures),
         grid,
@@ -422,7 +425,7 @@ class _Counts:
 
     outcomes: np.ndarray  # number of cells of each `Outcome`
     differences: np.ndarray  # number of cells of each `Difference`
-    work: Work  # of the computed cells
+    work: Work  # counts of the work on the computed cells
     shared: int = 0  # cells that took the result of another structure
 
     def add(self, unit: Unit, report: Report) -> None:

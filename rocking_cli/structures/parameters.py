@@ -156,7 +156,7 @@ class RockingParameters(Shown):
     """
 
     name: str  # of the structure, as tables and files call it
-    structure: str  # its kind
+    structure: str  # kind of the structure
     p: float  # frequency parameter [rad/s]
     alpha: float  # critical angle [rad]
     eta: float  # coefficient of restitution [-]; of a one-sided body in (-1, 0]

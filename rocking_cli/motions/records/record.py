@@ -46,8 +46,8 @@ class Series(NamedTuple):
     component: str | None  # as the file calls it, None without a name
     dt: float  # time step [s]
     samples: np.ndarray  # in the unit of the file, (npts,)
-    unit: str  # of the samples
-    pga: str | None = None  # of the header, as printed
+    unit: str  # unit of the samples
+    pga: str | None = None  # PGA of the header, as printed there
     remark: str = ""  # a sentence for the user, "" without one
 
 
@@ -186,11 +186,12 @@ def record_of(
     remarks = [series.remark] if series.remark else []
     where = "" if series.component is None else f" of component {series.component}"
     pga, header = largest(acceleration), None
+    # With g the values cannot be too small by their unit: g is the largest unit.
     small = (
         series.pga is None
         and series.unit != "g"
         and 0.0 < pga < _USUAL_PGA[0] * DEFAULT_GRAVITY
-    )  # no unit is larger than g
+    )
     if pga > _USUAL_PGA[1] * DEFAULT_GRAVITY or small:
         remarks.append(
             f"a PGA{where} of {pga / DEFAULT_GRAVITY:.3g} g, where the unit is taken to"
@@ -265,10 +266,8 @@ def chosen(records: Sequence[Record], component: str | None) -> list[Record]:
     the horizontal ones of a station. Raises NoComponent for an unknown name, and
     UsageError for None if more than two are horizontal.
     """
-    source, word = (
-        records[0].source,
-        None if component is None else component.strip().casefold(),
-    )
+    source = records[0].source
+    word = None if component is None else component.strip().casefold()
     if word == ALL:
         return list(records)
     if word in (None, HORIZONTAL):
