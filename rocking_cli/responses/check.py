@@ -11,13 +11,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from ..dynamics.method import LINEAR, Method, governing_method
-from ..dynamics.outcome import Outcome, safe
-from ..dynamics.response import Response, response
+from ..dynamics.method import LINEAR, Method
+from ..dynamics.outcome import Outcome
 from ..envelopes.amplitudes import LONGEST_FINE, Limit, limit_of
-from ..envelopes.capacity import Capacity, CapacitySearch, fall_searches
+from ..envelopes.capacity import Capacity, fall_searches
 from ..envelopes.intervals import A_MAX
-from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Grid, HasMotion, demand_of
 from ..processes import available_cpus, part_reporter, processes
@@ -26,6 +24,7 @@ from ..structures.mechanics.fourbar import FourBar
 from ..structures.parameters import RockingParameters
 from .force_history import ForceHistory
 from .known_shares import KnownShares
+from .shaken import answer_of, capacity_search, least_acceleration, respond
 from .time_history import time_history
 from .verdict import FLOOR_COLUMNS, Verdict
 
@@ -40,11 +39,6 @@ Judged = TypeVar("Judged")  # what is found of a demand
 
 _STAGES = 3  # of a verdict: responses, search, history
 _SEARCHED = 0.95  # of a verdict whose search is long: about its share
-_SHIFTS = np.array(
-    [0.0, *(sign * 10.0**-n for n in (12, 9, 6) for sign in (-1.0, 1.0))]
-)  # relative changes of a demand
-_SAME = 0.01  # of theta/alpha: rotations under them that differ by less are one
-_DIGITS = 4  # of a capacity where many narrow intervals overturn
 _LAST = 0.01  # of a verdict, which counts when it has come from its process
 _TOGETHER = 12  # demands that share a scan, at most
 _WORTH = 3  # demands under pulses for each process that is started, at least
@@ -117,13 +111,9 @@ def outcome_alone(
         slide = slide_history(structure, motion, shaking)
         assert slide is not None  # it slides
         return slide.outcome
-    _, _, amplitude, omega, method, _ = _capacity_search(
-        structure, motion, shaking, 0.0
-    )
+    _, _, amplitude, omega, method, _ = capacity_search(structure, motion, shaking, 0.0)
     return Outcome(
-        int(
-            _respond(method, structure, motion, np.array([amplitude]), omega).outcome[0]
-        )
+        int(respond(method, structure, motion, np.array([amplitude]), omega).outcome[0])
     )
 
 
@@ -137,7 +127,7 @@ def first_overturning(
     """Return the lowest amplitude that overturns a body [m/s2], None without one; near:
     a guess of it [m/s2], which saves time.
     """
-    asked = _capacity_search(structure, motion, shaking, a_max)
+    asked = capacity_search(structure, motion, shaking, a_max)
     near = min(
         float(structure.dimensionless_amplitude(near)),
         max(asked.amplitude, 0.5 * a_max),
@@ -148,68 +138,6 @@ def first_overturning(
         .first
     )
     return None if found is None else float(structure.ground_acceleration(found))
-
-
-def _capacity_search(
-    structure: RockingParameters, motion: Motion, shaking: Grid, a_max: float
-) -> CapacitySearch:
-    """Return the search for the overturning amplitudes of a demand. Raises UsageError
-    as `check` does.
-    """
-    if structure.dimensionless:
-        raise UsageError("a restitution alone has no units: give a structure document")
-    amplitude, omega = shaking.cell(structure)
-    if not amplitude > 0.0:
-        raise UsageError("the amplitude is 0; expected a positive one")
-    return CapacitySearch(
-        structure,
-        motion,
-        amplitude,
-        omega,
-        governing_method(structure, dimensionless=shaking.dimensionless),
-        a_max,
-    )
-
-
-class _Shaken(NamedTuple):
-    """The answer of a body to a demand and to small changes of it."""
-
-    search: CapacitySearch  # the search for its overturning amplitudes
-    amplitudes: np.ndarray  # A [-]: the demand first, then amplitudes close to it
-    response: Response  # by the governing equation, at these amplitudes
-
-    @property
-    def outcome(self) -> Outcome:
-        """The outcome under the demand."""
-        return Outcome(int(self.response.outcome[0]))
-
-    @property
-    def falling(self) -> np.ndarray:
-        """Those of the amplitudes that overturn the body, (some,)."""
-        outcome = self.response.outcome
-        return self.amplitudes[~safe(outcome) & (outcome != Outcome.FAILED)]
-
-    @property
-    def unsettled(self) -> bool:
-        """True if small changes of the demand change the outcome or the rotation."""
-        stands = safe(self.response.outcome)
-        if not stands.any():
-            return False
-        turned = self.response.theta_ratio[stands]
-        return bool(self.falling.size or np.ptp(turned) > _SAME)
-
-    def lowest(self, found: Capacity) -> tuple[float | None, float | None]:
-        """(lowest overturning amplitude, end of the safe interval around the demand)
-        [m/s2], None without one; found: what the search has found. Where many narrow
-        intervals overturn the body they are rounded down to a few digits.
-        """
-        structure, demand = self.search.structure, self.search.amplitude
-        near = self.falling if self.outcome.safe else self.falling[:0]
-        first = _least_acceleration(structure, found.first, *near)
-        safe_to = _least_acceleration(structure, found.safe_to, *near[near > demand])
-        if not found.share_of_falls:
-            return first, safe_to
-        return _rounded_down(first, _DIGITS), _rounded_down(safe_to, _DIGITS)
 
 
 class Standing(NamedTuple):
@@ -224,15 +152,6 @@ class Standing(NamedTuple):
         return self.outcome.falls
 
 
-def _shaken(search: CapacitySearch) -> _Shaken:
-    shifted = search.amplitude * (1.0 + _SHIFTS)
-    return _Shaken(
-        search,
-        shifted,
-        _respond(search.method, search.structure, search.motion, shifted, search.omega),
-    )
-
-
 def _standing(
     structure: RockingParameters,
     motion: Motion,
@@ -244,11 +163,11 @@ def _standing(
     """Return outcome and capacity of the verdict of `_judged`."""
     if friction_that_slides(structure) is not None:
         return Standing(outcome_alone(structure, motion, shaking), None)
-    shaken = _shaken(_capacity_search(structure, motion, shaking, a_max or 0.0))
-    found = shaken.search.capacity(fall_search, done)
-    first, _ = shaken.lowest(found)
-    demand = float(structure.ground_acceleration(shaken.search.amplitude))
-    return Standing(shaken.outcome, None if first is None else first / demand)
+    answer = answer_of(capacity_search(structure, motion, shaking, a_max or 0.0))
+    found = answer.search.capacity(fall_search, done)
+    first, _ = answer.lowest(found)
+    demand = float(structure.ground_acceleration(answer.search.amplitude))
+    return Standing(answer.outcome, None if first is None else first / demand)
 
 
 def _judged(
@@ -263,10 +182,10 @@ def _judged(
     amplitudes, if one has begun; done: called with the share of the verdict that is
     known.
     """
-    search = _capacity_search(structure, motion, shaking, a_max or 0.0)
-    shaken, method = _shaken(search), search.method
+    search = capacity_search(structure, motion, shaking, a_max or 0.0)
+    answer, method = answer_of(search), search.method
     demand = np.array([search.amplitude])
-    linear = _respond(LINEAR, structure, motion, demand, search.omega)
+    linear = respond(LINEAR, structure, motion, demand, search.omega)
     done(1 / _STAGES)
 
     found, searched, free = Capacity(None, None, None), None, None
@@ -275,34 +194,34 @@ def _judged(
         found = replace(found, uplift=least if math.isfinite(least) else None)
     else:
         found = search.capacity(fall_search, lambda share: done(_SEARCHED * share))
-        searched = _least_acceleration(structure, search.ends()[1])
+        searched = least_acceleration(structure, search.ends()[1])
         if structure.restraints:
             bare = search._replace(structure=replace(structure, restraints=None))
             free = bare.capacity().first
-    first, safe_to = (None, None) if a_max is None else shaken.lowest(found)
+    first, safe_to = (None, None) if a_max is None else answer.lowest(found)
     done(2 / _STAGES)
     asked = _of_history(method, structure, motion, shaking)
     done(1.0)
 
     rotation, needed = (
-        float(shaken.response.theta_ratio[0]),
+        float(answer.response.theta_ratio[0]),
         asked.get("friction_needed"),
     )
     verdict = Verdict(
         structure=structure.name,
         motion=motion.name,
         model=method.model,
-        outcome=shaken.outcome,
+        outcome=answer.outcome,
         theta_ratio=rotation if np.isfinite(rotation) else None,
         demand_a=float(structure.ground_acceleration(search.amplitude)),
-        uplift_a=_least_acceleration(structure, found.uplift),
+        uplift_a=least_acceleration(structure, found.uplift),
         first_overturning_a=first,
         safe_to=safe_to,
         outcome_linear=Outcome(int(linear.outcome[0])),
-        unsettled=shaken.unsettled,
+        unsettled=answer.unsettled,
         share_of_falls=found.share_of_falls,
         searched_to=searched,
-        first_overturning_a_free=_least_acceleration(structure, free),
+        first_overturning_a_free=least_acceleration(structure, free),
         slides=structure.friction is not None and (needed or 0.0) > structure.friction,
         **asked,
         **_of_floor(motion, float(structure.ground_acceleration(search.amplitude))),
@@ -322,24 +241,6 @@ def _of_floor(motion: Motion, a_g: float) -> dict[str, Any]:
         return {}
     values = a_g * motion.largest, motion.floor.chord
     return dict(zip(FLOOR_COLUMNS, values, strict=True))
-
-
-def _least_acceleration(
-    structure: RockingParameters, *amplitudes: float | None
-) -> float | None:
-    """Return the least of these amplitudes A as an acceleration [m/s2], None without
-    one.
-    """
-    least = min((x for x in amplitudes if x is not None), default=None)
-    return None if least is None else float(structure.ground_acceleration(least))
-
-
-def _rounded_down(value: float | None, digits: int) -> float | None:
-    """Return a positive number rounded down to so many digits."""
-    if value is None:
-        return value
-    unit = 10.0 ** (math.floor(math.log10(value)) - digits + 1)
-    return math.floor(value / unit) * unit
 
 
 def verdicts(
@@ -380,23 +281,14 @@ def _dealt(
     progress: Progress | None,
 ) -> Iterator[Judged]:
     """Yield what `judge` says of each demand, in their order; processes share them."""
-    available, done = workers or available_cpus(), progress or _no_progress
-    shared = (
-        any(len(motion.segments) > LONGEST_FINE for _, motion, _ in demands)
-        and a_max is not None
-    )
-    worth = 1 if workers or shared else _WORTH
-    several = max(1, min(available, len(demands) // worth))
-    size = 1
-    if shared:  # groups of one size, as many for each process
-        rounds = math.ceil(len(demands) / (several * _TOGETHER))
-        size = math.ceil(len(demands) / (several * rounds))
-    groups = [demands[i : i + size] for i in range(0, len(demands), size)]
+    done = progress or _no_progress
+    several, groups = _groups(demands, a_max is not None, workers)
     if several == 1:
-        for i, group in enumerate(groups):
-            yield from _each(
-                judge, a_max, group, partial(_after, done, i * size, len(demands))
-            )
+        before = 0
+        for group in groups:
+            told = partial(_after, done, before, len(demands))
+            yield from _each(judge, a_max, group, told)
+            before += len(group)
         return
     known = 0.0  # verdicts, of those under way the parts that are known
 
@@ -413,6 +305,24 @@ def _dealt(
         for i, verdict in enumerate(chain.from_iterable(run(groups)), 1):
             tell(i)
             yield verdict
+
+
+def _groups(
+    demands: Sequence[Demand], searched: bool, workers: int | None
+) -> tuple[int, list[Sequence[Demand]]]:
+    """Return (the number of processes, the demands that each judges at a time): under
+    records the searches of a group share their scans, and all groups have one size.
+    """
+    shared = searched and any(
+        len(motion.segments) > LONGEST_FINE for _, motion, _ in demands
+    )
+    worth = 1 if workers or shared else _WORTH
+    several = max(1, min(workers or available_cpus(), len(demands) // worth))
+    size = 1
+    if shared:
+        rounds = math.ceil(len(demands) / (several * _TOGETHER))
+        size = math.ceil(len(demands) / (several * rounds))
+    return several, [demands[i : i + size] for i in range(0, len(demands), size)]
 
 
 def _no_progress(done: float, total: int) -> None:
@@ -442,7 +352,7 @@ def _each(
     ]
     found = fall_searches(
         [
-            _capacity_search(*demand, a)
+            capacity_search(*demand, a)
             for demand, a in zip(demands, most, strict=True)
             if a is not None
         ],
@@ -493,20 +403,3 @@ def _of_history(
         return top
     asked = found.forces[method.model].summary("tau", 1.0)
     return top | {key: asked[key] for key in ("friction_needed", "fz_min")}
-
-
-def _respond(
-    method: Method,
-    structure: RockingParameters,
-    motion: Motion,
-    amplitude: np.ndarray,
-    omega: float,
-) -> Response:
-    return response(
-        method.system_of(structure),
-        motion,
-        amplitude,
-        omega,
-        structure.eta,
-        how="floats",
-    )

@@ -155,30 +155,7 @@ def boundaries(
     for _, grid in (*shakes, *opposite):
         grid.require_one_cell()
     search = _Search(document, varied, shakes, margin, share, opposite, up_to, workers)
-    values = sorted(varied.values)
-    scanned = []
-    at_once = _AT_ONCE * (workers or available_cpus())
-    for begin in range(0, len(values), at_once):
-        some = values[begin : begin + at_once]
-        scanned += list(zip(some, search.excesses(some), strict=True))
-        if progress is not None:
-            progress(len(scanned), len(values))
-
-    changes = [
-        (a, b, y >= 0.0)
-        for (a, x), (b, y) in pairwise(scanned)
-        if (x >= 0.0) != (y >= 0.0) and not math.isnan(x + y)
-    ]
-    found = [one for change in changes if (one := search.boundary(*change)) is not None]
-    known = [(a, x >= 0.0) for a, x in scanned if not math.isnan(x)]
-    if len({stands for _, stands in known}) == 1:
-        value, stands = known[0]
-        side = "stands everywhere" if stands else "stands nowhere"
-        found = [search.row(value, side, None)]
-        search.remarks.append(
-            f"{'stands' if stands else 'does not stand'} with this margin at any value"
-            " of the scan"
-        )
+    found = search.boundaries(search.scanned(progress))
     return found, list(dict.fromkeys(search.remarks))
 
 
@@ -211,6 +188,38 @@ class _Search:
         self.known: dict[float, float] = {}
         # the ends of the range that are the worst, of each value
         self.at_ends: dict[float, set[str]] = {}
+
+    def scanned(
+        self, progress: Callable[[int, int], None] | None
+    ) -> list[tuple[float, float]]:
+        """Return the values of the range, rising, with the excess of each."""
+        values, found = sorted(self.varied.values), []
+        at_once = _AT_ONCE * (self.workers or available_cpus())
+        for begin in range(0, len(values), at_once):
+            some = values[begin : begin + at_once]
+            found += list(zip(some, self.excesses(some), strict=True))
+            if progress is not None:
+                progress(len(found), len(values))
+        return found
+
+    def boundaries(self, scanned: Sequence[tuple[float, float]]) -> list[Boundary]:
+        """Return the boundaries between neighbours of the scan; a single row without a
+        value if the structure stands, or falls, at all of them.
+        """
+        found = []
+        for (low, x), (high, y) in pairwise(scanned):
+            if (x >= 0.0) != (y >= 0.0) and not math.isnan(x + y):
+                found.append(self.boundary(low, high, y >= 0.0))
+        known = [(value, x >= 0.0) for value, x in scanned if not math.isnan(x)]
+        if len({stands for _, stands in known}) != 1:
+            return [one for one in found if one is not None]
+        value, stands = known[0]
+        self.remarks.append(
+            f"{'stands' if stands else 'does not stand'} with this margin at any value"
+            " of the scan"
+        )
+        side = "stands everywhere" if stands else "stands nowhere"
+        return [self.row(value, side, None)]
 
     def excess(self, value: float) -> float:
         """Return ln(capacity_demand/margin) for a value of the key; NaN if there is no
