@@ -49,9 +49,8 @@ def build_structure(document: Document) -> RockingParameters:
         ) from None
     document.has("labels")  # a key of every kind, also of those of installed packages
     document.finish(KEYS)
-    return replace(
-        built, labels=labels_of(document), remarks=size_remarks(document, built)
-    )
+    remarks = (*built.remarks, *size_remarks(document, built))
+    return replace(built, labels=labels_of(document), remarks=remarks)
 
 
 def read_documents(path: str | Path) -> list[Document]:

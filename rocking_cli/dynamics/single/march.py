@@ -352,7 +352,6 @@ class _March(MarchState):
         """
         if not self.watched:
             return
-        unit = self.edge.unit
         start, stop = terms[1], v * h
         # y' leaves its chord by at most h^2/8 of its second derivative, most of it from
         # the first terms
@@ -367,12 +366,12 @@ class _March(MarchState):
                 return
         if (
             self.listener is None
-            and (terms[0] + sum(map(abs, terms[1:]))) * unit <= self.peak
+            and self._onto_first(terms[0] + sum(map(abs, terms[1:]))) <= self.peak
         ):
             return
         for x in turns(terms, reach / h):
             y, _ = value(terms, x, h)
-            self.peak = max(self.peak, y * unit)
+            self.peak = max(self.peak, self._onto_first(y))
             if y >= self.edge.limit:
                 self._finish(self._overturned())
             elif self.listener is not None:

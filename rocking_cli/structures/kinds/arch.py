@@ -55,10 +55,9 @@ def build(document: Document, name: str) -> RockingParameters:
         raise document.fault("one_sided", "true", "false: an arch sways to both sides")
     mechanism, governing = find_mechanism(document)
     found = linearise(mechanism)
-    gravity = gravity_of(document)
-    eta, source = restitution_of(
-        document, found.eta, "an arch whose mechanism does not throw it backwards"
-    )
+    gravity, (shared, own) = gravity_of(document), mechanism.overlap()
+    limit = "an arch whose mechanism does not throw it backwards"
+    eta, source = restitution_of(document, float(shared / own), limit)
     hinges = [
         {
             "angle": s,

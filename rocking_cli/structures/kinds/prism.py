@@ -39,7 +39,7 @@ def body(document: Document) -> RigidBody:
     """Return a prism from the key `corners`, [[x, z], ...] in order; its lowest corners
     are the base. Raises DocumentError.
     """
-    corners = _corners(document)
+    corners = corners_of(document)
     tolerance = 1e-9 * max(math.dist(a, b) for a in corners for b in corners)
     lowest = min(z for _, z in corners)
     feet = [x for x, z in corners if z - lowest <= tolerance]
@@ -74,7 +74,8 @@ def body(document: Document) -> RigidBody:
     )
 
 
-def _corners(document: Document) -> list[Corner]:
+def corners_of(document: Document) -> list[Corner]:
+    """Return the key `corners`, counterclockwise. Raises DocumentError."""
     wanted = "a list of three or more corners [x, z], lengths in m or with a unit"
     if not document.has("corners"):
         raise document.missing("corners", wanted)

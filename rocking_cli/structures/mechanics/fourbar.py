@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .kinematics import Coefficients
+from .kinematics import Coefficients, slope_by_differences
 from .moments import Moments, Spin, spin_about
 
 INTRADOS, EXTRADOS = "intrados", "extrados"
@@ -205,6 +205,10 @@ class FourBar:
             inertia.reshape(shape), at.lift.reshape(shape), at.push.reshape(shape)
         )
 
+    def lift_slope(self, phi: float) -> float:
+        """Return V''/g at phi [kg m], by differences."""
+        return slope_by_differences(self, phi)
+
     def fields(self) -> list[tuple[float, float, Spin]]:
         """Return (start angle, stop angle, velocity field) of each link at rest, for
         phi' = 1 rad/s.
@@ -220,8 +224,10 @@ class FourBar:
         return list(zip(self.hinges[:-1], self.hinges[1:], spins, strict=True))
 
     def overlap(self) -> tuple[float, float]:
-        """The integrals of `Mechanism.overlap`: this mechanism moves before the impact,
-        its mirror image about the crown after it.
+        """Return (int rho u.w, int rho w.w); u: the velocity field of this mechanism
+        before the impact, w: that of its mirror image about the crown after it. The
+        first integral is over the parts that move in both fields. The ratio of the two
+        is eta from conservation of angular momentum.
         """
         beta = self.ring.angle
         back = [(s, e, Spin(-f.x0, -f.z0, -f.omega)) for s, e, f in self.fields()]

@@ -49,12 +49,7 @@ class Mechanism(Protocol):
         self, phi: Any
     ) -> Coefficients: ...  # M, V'/g and B at rotations phi [rad], of any shape
 
-    def overlap(self) -> tuple[float, float]:
-        """Return (int rho u.w, int rho w.w); u: the velocity field before an impact, w:
-        the one after it. The first integral is over the parts that move in both fields.
-        The ratio of the two is eta from conservation of angular momentum.
-        """
-        ...
+    def lift_slope(self, phi: float) -> float: ...  # V''/g at phi [kg m]
 
 
 class Linearised(NamedTuple):
@@ -65,7 +60,6 @@ class Linearised(NamedTuple):
     stiffness: float  # p^2/g [1/m]
     a_scale: float  # by Eq. 3.9 [-]
     a_scale_3_7: float  # by Eq. 3.7 [-]
-    eta: float  # from angular momentum [-]
 
 
 def linearise(mechanism: Mechanism) -> Linearised:
@@ -79,28 +73,25 @@ def linearise(mechanism: Mechanism) -> Linearised:
             f"does not stand: its uplift acceleration lambda is {uplift:.4g}"
         )
     alpha = equilibrium(mechanism)
-    falling = -_slope_of_lift(mechanism, alpha)
+    falling = -mechanism.lift_slope(alpha)
     if not falling > 0.0:
         raise StructureError(
             "reaches its unstable equilibrium where the links lock, and has no linear"
             " form there"
         )
     there = mechanism.coefficients(alpha)
-    shared, own = mechanism.overlap()
-    eta = float(shared / own)
     return Linearised(
         alpha,
         uplift,
         falling / float(there.inertia),
         alpha / uplift,
         float(there.push) / falling,
-        eta,
     )
 
 
-def _slope_of_lift(mechanism: Mechanism, alpha: float) -> float:
+def slope_by_differences(mechanism: Mechanism, alpha: float) -> float:
     """Return V''(alpha)/g [kg m], or 0 if alpha is too close to the rotation at which
-    the links lock.
+    the links lock. For a mechanism without a derivative in closed form.
     """
     step = 0.01 * min(
         alpha, mechanism.reach - alpha
