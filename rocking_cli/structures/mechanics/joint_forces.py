@@ -34,7 +34,9 @@ class Moving(NamedTuple):
 
 
 class JointForce(NamedTuple):
-    """The force at each joint; compression and shear are NaN where no face is known."""
+    """The force at each joint. Compression and shear are along the normal and the face
+    at rest, NaN where no face is known.
+    """
 
     hinges: Array  # force (x, z) on the first body of each hinge [N], (n, hinges, 2)
     sliders: Array  # force of each slider along J d on its body [N], (n, sliders)
@@ -142,15 +144,13 @@ class JointForces:
         n, count = len(at.q), len(self.hinges)
         hinges = found[:, : 2 * count, 0].reshape(n, count, 2)
         compression, shear = np.full((2, n, count), np.nan)
-        turned = self.linkage.turned(at.q)
         for i, hinge in enumerate(self.hinges):
             if (face := self.face_at(hinge)) is None:
                 continue
             links = [self.linkage.link_of[name] for name in face.bodies]
-            normal = complex(*face.normal) * turned[:, links[1]]
             on_first = links[0] == self.linkage.link_of[hinge.bodies[0]]
             force = (hinges[:, i, 0] + 1j * hinges[:, i, 1]) * (1.0 if on_first else -1)
-            along = np.conj(normal) * force
+            along = np.conj(complex(*face.normal)) * force
             compression[:, i], shear[:, i] = along.real, along.imag
         return JointForce(hinges, found[:, 2 * count :, 0], compression, shear)
 

@@ -192,6 +192,7 @@ class Linkage:
         count = len(self.links)
         if count == 1:
             raise MechanismFault(self.path, _CANNOT_MOVE)
+        self._require_distinct_hinges()
         slopes = self._slopes(np.ones((1, count), dtype=complex))[0]
         sizes, field = np.zeros(0), np.eye(slopes.shape[1])
         if len(slopes):
@@ -212,6 +213,23 @@ class Linkage:
         at = self._coordinate(turns)
         others = np.delete(np.arange(slopes.shape[1]), at)
         return at, others, _independent(slopes[:, others], rank)
+
+    def _require_distinct_hinges(self) -> None:
+        """Raise MechanismFault for a hinge inside a link, or given twice."""
+        seen = set()
+        for i, (a, b, p) in self._between_links().items():
+            where, joint = f"{self.path}.{i}", self.joints[i]
+            assert isinstance(joint, Hinge)
+            one, other = joint.bodies
+            if a == b:
+                raise MechanismFault(
+                    where,
+                    f"{where}: {one!r} and {other!r} move as one already: take the"
+                    " hinge or the rigid group away.",
+                )
+            if (found := (frozenset((a, b)), p)) in seen:
+                raise MechanismFault(where, f"{where}: this hinge is given twice.")
+            seen.add(found)
 
     def _coordinate(self, turns: Array) -> int:
         """Index of the link whose rotation is phi, less one. turns: True for each link
@@ -475,6 +493,24 @@ class Linkage:
         chains, _, _, weight = self.weighed
         at = self.positions(np.array([phi]))
         return float(self.motion(at, chains).drift[0].imag @ weight)
+
+    def acceleration(
+        self, phi: Array, rate: Array, across: Array, up: Array, gravity: float
+    ) -> Array:
+        """Return phi'' [rad/s2] by Eq. 3.4, without damping, at rotations phi and rates
+        phi' under the ground accelerations [m/s2], (n,) each.
+        """
+        (chains, whole, rising, weight), at = self.weighed, self.positions(phi)
+        u, drift = self.motion(at, chains)[1:]
+        count = len(self.links) - 1
+        spins = np.array([m.inertia for m in self.masses])
+        m, lift, push = self._coefficients(at)
+        half_slope = (u.real * drift.real + u.imag * drift.imag) @ whole
+        half_slope += (u.imag * drift.imag) @ rising
+        half_slope += (at.rate[:, :count] * at.drift[:, :count]) @ spins
+        pull = gravity * lift + up * (u.imag @ (whole + rising))
+        found: Array = -(half_slope * rate**2 + pull + push * across) / m
+        return found
 
 
 _CANNOT_MOVE = (

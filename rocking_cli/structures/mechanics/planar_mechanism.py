@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from ...errors import StructureError
 from ..parameters import RockingParameters, Side
 from ..sketch import Point
 from .admissibility import check_opening, check_path, overlapping_at_rest, place
@@ -185,7 +186,12 @@ def _linearised(linkage: Linkage) -> Linearised:
         )
     check_opening(linkage)
     _check_equilibrium(linkage)
-    form = linearise(linkage)
+    try:
+        form = linearise(linkage)
+    except MechanismFault:
+        raise
+    except StructureError:  # at the very place where the links lock
+        raise _locked(linkage) from None
     check_path(linkage, form.alpha)
     return form
 
@@ -201,7 +207,11 @@ def _check_equilibrium(linkage: Linkage) -> None:
             "no unstable equilibrium: the weight brings it back at every rotation up to"
             " 90 deg (it hangs).",
         )
-    raise MechanismFault(
+    raise _locked(linkage)
+
+
+def _locked(linkage: Linkage) -> MechanismFault:
+    return MechanismFault(
         linkage.path,
         f"no unstable equilibrium: it locks at {math.degrees(linkage.reach):.3g} deg,"
         " before its weight stops bringing it back.",
