@@ -155,6 +155,8 @@ def _rows(
             for key, value in row.items()
             if key not in ("ties", "tendon", "stands", OTHERS)
         }
+        below += _joint_rows(row.pop("joints", []), "")
+        below += _joint_rows(row.pop("joints_other", []), "other side, ")
         if "hinges" in row:
             row["hinges [deg]"] = ", ".join(
                 f"{math.degrees(hinge['angle']):.6g}" for hinge in row.pop("hinges")
@@ -166,6 +168,20 @@ def _rows(
     }
     if form is None:
         yield from below
+
+
+def _joint_rows(joints: list[dict[str, Any]], which: str) -> Iterator[dict[str, Any]]:
+    """Yield a row of a table for each joint of a mechanism: its place and forces."""
+    for joint in joints:
+        kind = "hinge" if "hinge" in joint else "slide"
+        bodies = joint[kind] if isinstance(joint[kind], str) else "-".join(joint[kind])
+        x, z = joint["at"]
+        forces = {
+            key: value
+            for key, value in joint.items()
+            if key not in (kind, "at", "along")
+        }
+        yield {"name": f"  {which}{kind} {bodies} at [{x:.4g}, {z:.4g}] m", **forces}
 
 
 def _apart(heading: str, row: dict[str, Any]) -> str:

@@ -223,6 +223,16 @@ class FourBar:
         )
         return list(zip(self.hinges[:-1], self.hinges[1:], spins, strict=True))
 
+    def sway(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return the masses of the links, and the horizontal velocities of their mass
+        centres at rest for phi' = 1, (links,) each.
+        """
+        across = [
+            u.x0 + u.omega * m.z / m.mass
+            for (_, _, u), m in zip(self.fields(), self.links, strict=True)
+        ]
+        return np.array([link.mass for link in self.links]), np.array(across)
+
     def overlap(self) -> tuple[float, float]:
         """Return (int rho u.w, int rho w.w); u: the velocity field of this mechanism
         before the impact, w: that of its mirror image about the crown after it. The

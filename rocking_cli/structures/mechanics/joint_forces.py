@@ -248,10 +248,10 @@ def momentum_restitution(before: Linkage, after: Linkage) -> tuple[float, float]
     changes from `before` to `after`: no impulse does work on the new motion.
     """
     old, new = _Fields(before), _Fields(after)
-    shared = 0.0
+    shared = 0.0  # N of eta = -N/D
     for body in after.assembly.bodies:
         u, w = old.at(body.name, body.centre), new.at(body.name, body.centre)
-        shared += body.mass * (np.conj(u) * w).real
+        shared += body.mass * float((np.conj(u) * w).real)
         shared += body.inertia * old.spin(body.name) * new.spin(body.name)
     for was, load in zip(before.assembly.loads, after.assembly.loads, strict=True):
         if load.inertia == NONE:

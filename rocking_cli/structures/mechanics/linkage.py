@@ -494,13 +494,22 @@ class Linkage:
         at = self.positions(np.array([phi]))
         return float(self.motion(at, chains).drift[0].imag @ weight)
 
+    def sway(self) -> tuple[Array, Array]:
+        """Return the masses of the links that move, with what they carry, and the
+        horizontal velocities of their mass centres at rest for phi' = 1, (links,) each.
+        """
+        count = len(self.masses)
+        rest = self.positions(np.zeros(1))
+        across = self.motion(rest, self.weighed.chains).rate[0, :count].real
+        return self.weighed.whole[:count], across
+
     def acceleration(
         self, phi: Array, rate: Array, across: Array, up: Array, gravity: float
     ) -> Array:
         """Return phi'' [rad/s2] by Eq. 3.4, without damping, at rotations phi and rates
         phi' under the ground accelerations [m/s2], (n,) each.
         """
-        (chains, whole, rising, weight), at = self.weighed, self.positions(phi)
+        (chains, whole, rising, _), at = self.weighed, self.positions(phi)
         u, drift = self.motion(at, chains)[1:]
         count = len(self.links) - 1
         spins = np.array([m.inertia for m in self.masses])
