@@ -175,6 +175,7 @@ class Method:
                 contact_of(structure, equation),
                 scale,
                 self.body_of(structure),
+                springs=any(one.springs for one in _mechanisms(structure)),
             )
             if structure.restraints is None:
                 return system

@@ -232,7 +232,7 @@ class RockingParameters:
             **fields_in(numbers_of(weaker)),
             sides=sides,
             arm=weaker.arm,
-            mechanism=weaker.mechanism,
+            mechanism=(weaker if sides else right).mechanism,
             **more,
         )
 

@@ -24,6 +24,8 @@ class EdgeRocker:
     pivot: float
     shared: Moments | None = None
 
+    springs = False
+
     @property
     def reach(self) -> float:
         """pi/2: the body lies on its side."""

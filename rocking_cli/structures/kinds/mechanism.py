@@ -25,6 +25,7 @@ from ..mechanics.assembly import (
     Slide,
     on_outline,
 )
+from ..mechanics.linkage import Linkage
 from ..mechanics.planar_mechanism import PlanarMechanism, find_mechanism, place
 from ..parameters import RockingParameters
 from ..shared_keys import (
@@ -273,10 +274,11 @@ def sketch(document: Document, built: RockingParameters) -> Sketch:
     """Return a sketch of the bodies at rest and at alpha in the direction that moves
     first, with numbered hinges, loads and sliders.
     """
-    found = _found(document, built.gravity)
-    right = not built.sides or built.sides[1].uplift <= built.sides[0].uplift
-    side = found.right if right or found.left is None else found.left
-    linkage = side.linkage
+    linkage = built.mechanism
+    if not isinstance(linkage, Linkage):  # one rigid body
+        found = _found(document, built.gravity)
+        right = not built.sides or built.sides[1].uplift <= built.sides[0].uplift
+        linkage = (found.right if right else found.left or found.right).linkage
     still, bodies, moved = [], [], []
     at = linkage.positions(np.array([built.alpha]))
     for body in linkage.assembly.bodies:
@@ -290,10 +292,12 @@ def sketch(document: Document, built: RockingParameters) -> Sketch:
         chains = linkage.chains([(body.name, corner) for corner in outline])
         places = linkage.motion(at, chains).place[0]
         moved.append(tuple((float(p.real), float(p.imag)) for p in places))
-    pivots = tuple((str(i), hinge.at) for i, hinge in enumerate(side.hinges, 1))
+    hinges = [joint for joint in linkage.joints if isinstance(joint, Hinge)]
+    sliders = [joint for joint in linkage.joints if isinstance(joint, Slide)]
+    pivots = tuple((str(i), hinge.at) for i, hinge in enumerate(hinges, 1))
     lines = (
         *_load_lines(linkage.assembly, built.gravity),
-        *_slide_lines(side.sliders, linkage.assembly),
+        *_slide_lines(sliders, linkage.assembly),
     )
     return Sketch(
         tuple(bodies),

@@ -19,6 +19,7 @@ from .assembly import (
     Joint,
     MechanismFault,
     PlanarBody,
+    apart,
 )
 from .linkage import Linkage, Positions
 
@@ -210,12 +211,8 @@ def overlapping_at_rest(assembly: Assembly) -> tuple[str, str] | None:
     deep = _DEEP * assembly.size
     outlined = [body for body in assembly.bodies if body.outline]
     for one, other in combinations(outlined, 2):
-        apart = any(
-            max(p[i] for p in a.outline) <= min(p[i] for p in b.outline)
-            for i in (0, 1)
-            for a, b in ((one, other), (other, one))
-        )
-        if not apart and _overlap_at_rest(one, other, deep):
+        parted = apart(one.outline, other.outline, -deep)
+        if not parted and _overlap_at_rest(one, other, deep):
             return one.name, other.name
     return None
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import combinations, pairwise
 from typing import NamedTuple
 
@@ -148,12 +148,8 @@ class Assembly:
         at the level of the ground touch it, and at a hinge on the ground the edge that
         faces down most.
         """
-        near, found = NEAR * self.size, list[Face]()
+        near = NEAR * self.size
         edges = {body.name: _edges(body.outline) for body in self.bodies}
-        for one, other in combinations(self.names, 2):
-            for a, b in ((a, b) for a in edges[one] for b in edges[other]):
-                if ends := _shared(a, b, near):
-                    found.append(Face((one, other), ends, _inward(a)))
         down = {
             (name, edge)
             for name, of_body in edges.items()
@@ -168,7 +164,8 @@ class Assembly:
                 if at:
                     down.add((name, max(at, key=lambda edge: _inward(edge)[1])))
         order = sorted(down, key=lambda found: (self._place(found[0]), found[1]))
-        return found + [Face((n, GROUND), edge, _inward(edge)) for n, edge in order]
+        on_ground = [Face((name, GROUND), edge, _inward(edge)) for name, edge in order]
+        return [*_touching(self.bodies, near), *on_ground]
 
     def images(self, axis: float) -> dict[str, str]:
         """Return the name of the mirror image about x = axis of each body that has
@@ -243,6 +240,31 @@ def _inward(edge: tuple[Point, Point]) -> Point:
     (ax, az), (bx, bz) = edge
     length = math.hypot(bx - ax, bz - az)
     return ((az - bz) / length, (bx - ax) / length)
+
+
+@lru_cache(maxsize=16)
+def _touching(bodies: tuple[PlanarBody, ...], near: float) -> tuple[Face, ...]:
+    """The stretches on which the outlines of bodies touch."""
+    found = []
+    for one, other in combinations([b for b in bodies if b.outline], 2):
+        if apart(one.outline, other.outline, near):
+            continue
+        found += [
+            Face((one.name, other.name), ends, _inward(a))
+            for a in _edges(one.outline)
+            for b in _edges(other.outline)
+            if (ends := _shared(a, b, near))
+        ]
+    return tuple(found)
+
+
+def apart(one: Outline, other: Outline, near: float) -> bool:
+    """True if a vertical or horizontal gap wider than `near` parts two outlines."""
+    return any(
+        max(p[i] for p in a) < min(p[i] for p in b) - near
+        for i in (0, 1)
+        for a, b in ((one, other), (other, one))
+    )
 
 
 def _shared(

@@ -95,6 +95,11 @@ class FourBar:
     # their number, None for a continuous arch; no effect on the mechanism
     voussoirs: int | None = field(default=None, compare=False)
 
+    @property
+    def springs(self) -> bool:
+        """False: it carries its own weight only."""
+        return False
+
     @cached_property
     def points(self) -> np.ndarray:
         """Hinge points at rest [m], shape (4, 2)."""

@@ -49,6 +49,10 @@ class Mechanism(Protocol):
         self, phi: Any
     ) -> Coefficients: ...  # M, V'/g and B at rotations phi [rad], of any shape
 
+    # True if it carries weights without mass, which vertical motion does not change
+    @property
+    def springs(self) -> bool: ...
+
     def lift_slope(self, phi: float) -> float: ...  # V''/g at phi [kg m]
 
 

@@ -435,6 +435,11 @@ class Linkage:
             if load.inertia != BOTH and self.link_of[load.body]
         ]
 
+    @property
+    def springs(self) -> bool:
+        """True if it carries weights without mass."""
+        return any(self.assembly.loads[i].inertia == NONE for i in self.bearings)
+
     @cached_property
     def weighed(self) -> WeighedPoints:
         """The mass centres of the links that move, then the bearings."""
