@@ -34,8 +34,8 @@ def _later_columns(demands: Demands, searched: bool) -> tuple[str, ...]:
     from ..responses.check import TIED_COLUMNS
 
     tied = any(s.restraints for s in demands.structures)
-    arches = any(s.structure == "arch" for s in demands.structures)
+    linked = any(s.mechanism is not None for s in demands.structures)
     narrow = searched and any(
         falls_may_be_narrow(motion) for motion, _ in demands.shakes
     )
-    return TIED_COLUMNS * tied + ("opens",) * arches + ("falls_nearby",) * narrow
+    return TIED_COLUMNS * tied + ("opens",) * linked + ("falls_nearby",) * narrow

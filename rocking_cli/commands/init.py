@@ -11,9 +11,9 @@ from .command import argument, command
 def init(kind: str = argument(type=click.Choice(list(KINDS)), metavar="KIND")) -> None:
     """Print a commented example document for a kind of structure. It is valid as it is.
 
-    KIND is block, point_mass, spire, arch, frame, prism, drum, rigid, stack or wall, or
-    parameters (stated numbers instead of a geometry); rocking help documents lists all
-    keys.
+    KIND is block, point_mass, spire, arch, frame, prism, drum, rigid, stack, wall or
+    mechanism, or parameters (stated numbers instead of a geometry); rocking help
+    documents lists all keys.
     """
     from ..structures.templates import template
 

@@ -117,7 +117,7 @@ COLUMNS = {
     "d_slc": "length",
     "t_slv": "time",
     "t_slc": "time",
-    "force": "force",
+    **dict.fromkeys(("force", "compression", "reaction", "top_reaction"), "force"),
     "tendon_force": "force",
     **dict.fromkeys(
         (

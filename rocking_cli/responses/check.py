@@ -21,7 +21,6 @@ from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Grid, HasMotion, demand_of
 from ..processes import available_cpus, part_reporter, processes
-from ..structures.mechanics.fourbar import FourBar
 from ..structures.parameters import RockingParameters
 from .force_history import ForceHistory
 from .time_history import time_history
@@ -102,8 +101,8 @@ class Verdict:
     first_overturning_a_free: first_overturning_a of the body without ties and tendon
         [m/s2]
     devices: a row for each tie and tendon, see `History.devices`
-    opens: True if a further hinge opens in an arch, whose mechanism is then another
-        one; None for another structure
+    opens: True if a further hinge opens in an arch, or a hinge of another mechanism
+        lifts off, so that another mechanism follows; None for another structure
     searched_to: largest a_g of the search [m/s2]; None without a search
 
     Examples
@@ -147,8 +146,8 @@ class Verdict:
     first_overturning_a_free: float | None = None
     # a row for each tie and tendon, see `History.devices`
     devices: tuple[dict[str, Any], ...] = ()
-    # True if a further hinge opens in an arch, whose mechanism is then another one;
-    # None for another structure
+    # True if a further hinge opens in an arch, or a hinge of another mechanism lifts
+    # off, so that another mechanism follows; None for another structure
     opens: bool | None = None
     # largest a_g of the search [m/s2]; None without a search
     searched_to: float | None = None
@@ -552,11 +551,12 @@ def _all(a_max: float | Limit | None, demands: Sequence[Demand]) -> list[Verdict
 def _of_history(
     method: Method, structure: RockingParameters, motion: Motion, shaking: Grid
 ) -> dict[str, Any]:
-    """Return friction_needed, fz_min, top_displacement and devices, or opens, from the
-    history, which goes on to `FALLEN`.
+    """Return friction_needed, fz_min, top_displacement and devices, or opens (of a
+    mechanism, unless forces are not known), from the history, which goes on to
+    `FALLEN`.
     """
-    arch = (
-        isinstance(structure.mechanism, FourBar)
+    linked = (
+        structure.mechanism is not None
         and method.model == "nonlinear"
         and not structure.damping
     )
@@ -564,14 +564,16 @@ def _of_history(
         structure.arm is None
         and not structure.top
         and not structure.restraints
-        and not arch
+        and not linked
     ):
         return {}
     found = time_history(structure, motion, shaking, [method])
-    if arch:
-        forces = found.forces[method.model]
-        assert not isinstance(forces, ForceHistory)
-        return {"opens": forces.opens()}
+    if linked:
+        try:
+            forces = found.forces[method.model]
+        except UsageError:  # they are not unique
+            return {}
+        return {} if isinstance(forces, ForceHistory) else {"opens": forces.opens()}
     devices = found.histories[method.model].devices
     top: dict[str, Any] = {
         "top_displacement": found.top_displacement(method.model),

@@ -78,7 +78,11 @@ def build_structure(document: Document) -> RockingParameters:
     return replace(
         built,
         labels=labels_of(document),
-        remarks=(*size_remarks(document, built), *cut_remarks(document)),
+        remarks=(
+            *built.remarks,
+            *size_remarks(document, built),
+            *cut_remarks(document),
+        ),
         drawn_from=document if document.uncertain else None,
     )
 
