@@ -62,6 +62,8 @@ SYSTEMS = {
         "kind: block\nwidth: 1.9 m\nheight: 2 m\none_sided: true\nrestitution: -0.4\n"
     ),
     "arch": (CONFIGS / "arch.yaml").read_text(),
+    "mechanism": (CONFIGS / "mechanism.yaml").read_text(),
+    "mechanism of unequal sides": (CONFIGS / "mechanism_portal.yaml").read_text(),
     "frame": (CONFIGS / "frame.yaml").read_text(),
     "point mass": (CONFIGS / "point_mass.yaml").read_text(),
     "parameters": (CONFIGS / "parameters.yaml").read_text(),
@@ -109,7 +111,8 @@ SYSTEMS = {
         STOCKY + "tendon: {stiffness: 1e5 N/m, prestress: 4 kN, rupture: 12 kN}\n"
     ),
 }
-SLOW = ("arch",)  # a spectrum of an arch takes seconds
+# their spectra take seconds
+SLOW = ("arch", "mechanism", "mechanism of unequal sides")
 FEW = (
     "one-sided",
     "stocky, one-sided",

@@ -173,7 +173,7 @@ class JointForces:
         first = len(linkage.masses)
         for k, index in enumerate(linkage.bearings, first):
             load = linkage.assembly.loads[index]
-            rises = gained[:, k].imag if load.inertia == VERTICAL else 0.0
+            rises = gained[:, k].imag * (load.inertia == VERTICAL)
             self._bear(wanted, points.place, k, load.body, load.mass * (g + rises))
         return self._solved(at, wanted.reshape(n, -1))
 

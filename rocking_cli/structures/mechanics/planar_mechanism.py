@@ -291,7 +291,7 @@ class PlanarMechanism:
         sides = {1.0: self.right} | ({-1.0: self.left} if self.left else {})
         etas = self._etas(restitution)
         arms = {s: one.arm()[0] for s, one in sides.items()} if self.whole else {}
-        found = {
+        found: dict[float, dict[str, Any]] = {
             s: {**one.numbers(gravity), "eta": etas[s], "arm": arms.get(s)}
             for s, one in sides.items()
         }
