@@ -41,6 +41,7 @@ from .prism import corners_of, polygon_moments
 REPORTS = (
     "a_scale_3_7",
     "energy_kept",
+    "impulses_inside",
     "joints",
     "joints_other",
     "joints_source",
