@@ -76,6 +76,7 @@ KEYS = frozenset(
         "height",
         "hinges",
         "inertia",
+        "impulses_inside",
         "inset",
         "joints",
         "joints_other",

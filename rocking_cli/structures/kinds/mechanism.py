@@ -10,6 +10,7 @@ import numpy as np
 from ...documents.composition import Value
 from ...documents.document import Document
 from ...errors import DocumentError, did_you_mean
+from ..mechanics.admissibility import place
 from ..mechanics.assembly import (
     BOTH,
     GROUND,
@@ -26,7 +27,7 @@ from ..mechanics.assembly import (
     on_outline,
 )
 from ..mechanics.linkage import Linkage
-from ..mechanics.planar_mechanism import PlanarMechanism, find_mechanism, place
+from ..mechanics.planar_mechanism import PlanarMechanism, find_mechanism
 from ..parameters import RockingParameters
 from ..shared_keys import (
     friction_of,
@@ -40,6 +41,7 @@ from .prism import corners_of, polygon_moments
 REPORTS = (
     "a_scale_3_7",
     "energy_kept",
+    "impulses_inside",
     "joints",
     "joints_other",
     "joints_source",

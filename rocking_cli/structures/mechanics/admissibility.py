@@ -90,7 +90,7 @@ def _faces(linkage: Linkage) -> list[Face]:
     ]
 
 
-def openings(linkage: Linkage, faces: list[Face]) -> tuple[Array, float]:
+def _openings(linkage: Linkage, faces: list[Face]) -> tuple[Array, float]:
     """Return (how fast the ends of faces open at rest, (faces, 2); the fastest
     velocity) for phi' = 1 [m].
     """
@@ -106,10 +106,16 @@ def openings(linkage: Linkage, faces: list[Face]) -> tuple[Array, float]:
     return rates, fastest
 
 
+def opening_ends(linkage: Linkage, faces: list[Face]) -> Array:
+    """True for the ends of faces that open at rest, (faces, 2)."""
+    rates, fastest = _openings(linkage, faces)
+    return rates > _RATE * fastest
+
+
 def _closing(linkage: Linkage, sense: float) -> list[tuple[Face, tuple[float, float]]]:
     """The faces that close at rest, each with the end that closes fastest."""
     faces = _faces(linkage)
-    rates, fastest = openings(linkage, faces)
+    rates, fastest = _openings(linkage, faces)
     return [
         (face, face.ends[int((sense * pair).argmin())])
         for face, pair in zip(faces, rates, strict=True)

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..sketch import Point
-from .assembly import BOTH, NEAR, NONE, VERTICAL, Face, Hinge, PlanarBody, Slide
+from .assembly import BOTH, NEAR, NONE, VERTICAL, Face, Hinge, Slide
 from .linkage import Linkage, Positions
 
 Array = np.ndarray
@@ -173,7 +173,7 @@ class JointForces:
         first = len(linkage.masses)
         for k, index in enumerate(linkage.bearings, first):
             load = linkage.assembly.loads[index]
-            rises = gained[:, k].imag if load.inertia == VERTICAL else 0.0
+            rises = gained[:, k].imag * (load.inertia == VERTICAL)
             self._bear(wanted, points.place, k, load.body, load.mass * (g + rises))
         return self._solved(at, wanted.reshape(n, -1))
 
@@ -196,34 +196,50 @@ class JointForces:
         `before` changes into this one.
         """
         linkage = self.linkage
-        old, new = (_Fields(x) for x in (before, linkage))
-        wanted = np.zeros((1, len(linkage.masses), 3), dtype=float)
-        loads = linkage.assembly.loads
-        for i, (link, mass) in enumerate(
-            zip(linkage.links[1:], linkage.masses, strict=True)
-        ):
-            parts = [linkage.assembly.body(name) for name in link]
-            parts += [
-                PlanarBody(load.body, load.mass, load.at, 0.0)
-                for load in loads
-                if load.inertia == BOTH and load.body in link
-            ]
-            for part in parts:
-                gain = eta * new.at(part.name, part.centre)
-                gain += old.at(part.name, part.centre)
-                turn = eta * new.spin(part.name) + old.spin(part.name)
-                arm = complex(*part.centre) - mass.centre
-                wanted[0, i, :2] += part.mass * gain.real, part.mass * gain.imag
-                wanted[0, i, 2] += part.inertia * turn
-                wanted[0, i, 2] += part.mass * (np.conj(arm) * gain).imag
-        centres = np.array([[m.centre for m in linkage.masses]])
-        for load, was in zip(loads, before.assembly.loads, strict=True):
-            if load.inertia == VERTICAL and linkage.link_of[load.body]:
-                gain = eta * new.at(load.body, load.at) + old.at(was.body, was.at)
-                place = np.append(centres, [[complex(*load.at)]], axis=1)
-                force = np.array([load.mass * gain.imag])
-                self._bear(wanted, place, centres.size, load.body, force)
+        wanted = np.zeros((1, len(linkage.masses), 3))
+        for change in momentum_changes(before, linkage, eta):
+            if link := linkage.link_of[change.body]:
+                arm = change.place - linkage.masses[link - 1].centre
+                wanted[0, link - 1] += change.about(arm)
         return self._solved(linkage.positions(np.zeros(1)), wanted.reshape(1, -1))
+
+
+class MomentumChange(NamedTuple):
+    """The momentum that a body, or a load on it, gains in an impact."""
+
+    body: str  # name of the body
+    place: complex  # its mass centre, or the bearing of the load [m]
+    momentum: complex  # gain [N s]
+    spin: float  # gain of the angular momentum about this place [N m s]
+
+    def about(self, arm: complex) -> Array:
+        """Return (x, z, moment) about a point from which the place is at `arm`."""
+        moment = (np.conj(arm) * self.momentum).imag + self.spin
+        return np.array([self.momentum.real, self.momentum.imag, moment])
+
+
+def momentum_changes(
+    before: Linkage, after: Linkage, eta: float
+) -> list[MomentumChange]:
+    """Return what each body and load gains as the motion -phi' of `before` changes into
+    eta phi' of `after`, for phi' = 1. Of a load that only rises it is vertical.
+    """
+    old, new = _Fields(before), _Fields(after)
+    found = []
+    for body in after.assembly.bodies:
+        name, at = body.name, body.centre
+        gain = eta * new.at(name, at) + old.at(name, at)
+        turn = eta * new.spin(name) + old.spin(name)
+        momentum, spin = body.mass * gain, body.inertia * turn
+        found.append(MomentumChange(name, complex(*at), momentum, spin))
+    for was, load in zip(before.assembly.loads, after.assembly.loads, strict=True):
+        if load.inertia == NONE:
+            continue
+        gain = eta * new.at(load.body, load.at) + old.at(was.body, was.at)
+        gain = gain if load.inertia == BOTH else 1j * gain.imag
+        place = complex(*load.at)
+        found.append(MomentumChange(load.body, place, load.mass * gain, 0.0))
+    return found
 
 
 class _Fields:

@@ -135,11 +135,13 @@ class Linkage:
 
     def _between_links(self) -> dict[int, tuple[int, int, complex]]:
         """(link, link, place) of each hinge, by the index of its joint."""
-        return {
-            i: (*(self.link_of[name] for name in joint.bodies), complex(*joint.at))
-            for i, joint in enumerate(self.joints)
-            if isinstance(joint, Hinge)
-        }
+        found = {}
+        for i, joint in enumerate(self.joints):
+            if isinstance(joint, Hinge):
+                one, other = joint.bodies
+                ends = self.link_of[one], self.link_of[other]
+                found[i] = (*ends, complex(*joint.at))
+        return found
 
     def chain(self, link: int, place: complex) -> tuple[Array, Array]:
         """Return D, (links,), and T, (translations,), of a point of a link."""

@@ -19,7 +19,13 @@ import numpy as np
 from ...errors import StructureError
 from ..parameters import RockingParameters, Side
 from ..sketch import Point
-from .admissibility import check_opening, check_path, overlapping_at_rest, place
+from .admissibility import (
+    check_opening,
+    check_path,
+    opening_ends,
+    overlapping_at_rest,
+    place,
+)
 from .assembly import (
     Assembly,
     Hinge,
@@ -28,7 +34,7 @@ from .assembly import (
     Slide,
     mirror_image,
 )
-from .joint_forces import JointForces, momentum_restitution
+from .joint_forces import JointForces, momentum_changes, momentum_restitution
 from .kinematics import Linearised, linearise
 from .linkage import Linkage
 from .statics import Statics, bodies_alone
@@ -95,6 +101,26 @@ class MechanismSide:
         if found is None:
             return 0.0, []
         return found.uplift, [j.at for j in found.joints if isinstance(j, Hinge)]
+
+    def impulses_inside(self, before: MechanismSide, eta: float) -> bool | None:
+        """True if compression inside the joints can change the motion of `before` into
+        this one: the line of impulse stays inside every joint that stays closed. None
+        if the outline of a body is not known.
+        """
+        assembly, linkage = self.linkage.assembly, self.linkage
+        staying = [n for n in linkage.links[0] if n in before.linkage.links[0]]
+        if any(not b.outline for b in assembly.bodies if b.name not in staying):
+            return None
+        hinges = (*self.hinges, *before.hinges)
+        statics = Statics(
+            assembly, bodies_alone(assembly, staying), tuple(self.sliders), hinges
+        )
+        wanted: dict[str, np.ndarray] = {}
+        for change in momentum_changes(before.linkage, linkage, eta):
+            if change.body not in staying:
+                row = change.about(change.place)
+                wanted[change.body] = wanted.get(change.body, np.zeros(3)) + row
+        return statics.carries(wanted, opening_ends(linkage, statics.faces))
 
     def arm(self) -> tuple[float, float]:
         """Return (R [m], inertia about the hinge [kg m2]) of a single rigid body."""
@@ -291,7 +317,7 @@ class PlanarMechanism:
         sides = {1.0: self.right} | ({-1.0: self.left} if self.left else {})
         etas = self._etas(restitution)
         arms = {s: one.arm()[0] for s, one in sides.items()} if self.whole else {}
-        found = {
+        found: dict[float, dict[str, Any]] = {
             s: {**one.numbers(gravity), "eta": etas[s], "arm": arms.get(s)}
             for s, one in sides.items()
         }
@@ -384,7 +410,22 @@ class PlanarMechanism:
             found["top_reaction"] = reactions[0]
         if self.momentum is not None:
             found["energy_kept"] = self.momentum[0][1]
+        inside = self._impulses_inside()
+        if inside is not None:
+            found["impulses_inside"] = inside
         return found
+
+    def _impulses_inside(self) -> bool | None:
+        """True if compression inside the joints can give the impacts on both sides, as
+        eta from momentum assumes; None if that is not known.
+        """
+        if self.left is None or self.momentum is None:
+            return None
+        (eta, _), (back, _) = self.momentum
+        found = [self.left.impulses_inside(self.right, eta)]
+        if not self.alike:
+            found.append(self.right.impulses_inside(self.left, back))
+        return None if None in found else all(found)
 
     def _governing(self) -> float | None:
         """The least acceleration over g that the faces do not carry in one of the
@@ -571,7 +612,7 @@ def searched_joints(
         raise MechanismFault(
             "bodies",
             "it does not stand: the bodies do not carry their weight without tension at"
-            " a joint.",
+            f" a joint (edges at z = {assembly.ground_level:g} m stand on the ground).",
         )
     if not found.joints:
         raise MechanismFault(

@@ -85,12 +85,12 @@ class Statics:
         return {GROUND: 0} | found
 
     @cached_property
-    def _matrix(self) -> tuple[Array, list[tuple[float | None, None]]]:
+    def _matrix(self) -> tuple[Array, list[tuple[float | None, float | None]]]:
         """(equilibrium of the groups, (3 groups, forces); bounds of the forces): N at
         both ends and T of each face, then pins, then sliders.
         """
         columns: list[Array] = []
-        bounds: list[tuple[float | None, None]] = []
+        bounds: list[tuple[float | None, float | None]] = []
         for face in self.faces:
             one, other = (self._group[name] for name in face.bodies)
             along = (-face.normal[1], face.normal[0])
@@ -237,25 +237,28 @@ class Statics:
     def _sliding(self, whole: list[int]) -> list[Slide]:
         return [s for s in self.sliders if whole[self._group[s.body]] != whole[0]]
 
-    def carries(self, wanted: Array, closed: Sequence[tuple[bool, bool]]) -> bool:
-        """True if compression on the faces can give these sums (x, z, moment about the
-        origin) on the groups, (groups - 1, 3); closed: for each face, whether it is
-        closed at each end.
+    def carries(self, wanted: dict[str, Array], opening: Array) -> bool:
+        """True if compression at the ends of faces that do not open can give these sums
+        (x, z, moment about the origin) on the bodies; opening: for each face, whether
+        it opens at each end, (faces, 2).
         """
         from scipy.optimize import linprog
 
-        matrix, bounds = self._matrix
-        bounds = list(bounds)
-        for i, ends in enumerate(closed):
-            for k, shut in enumerate(ends):
-                if not shut:
-                    bounds[3 * i + k] = (0.0, 0.0)  # type: ignore[assignment]
-        size = self.assembly.size
-        unit = np.abs(wanted / [1.0, 1.0, size]).max() or 1.0
+        matrix, bounds = self._matrix[0], list(self._matrix[1])
+        open_ends = zip(self.faces, opening.tolist(), strict=True)
+        for i, (_, ends) in enumerate(open_ends):
+            none = (0.0, 0.0)
+            pair = [none if opens else (0.0, None) for opens in ends]
+            # a face that is open all along has no shear either
+            bounds[3 * i : 3 * i + 3] = [*pair, none if all(ends) else (None, None)]
+        sums = np.zeros((len(self.groups), 3))
+        for name, row in wanted.items():
+            sums[self._group[name]] += row / [1.0, 1.0, self.assembly.size]
+        rows = sums[1:].ravel()
         found = linprog(
             np.zeros(matrix.shape[1]),
             A_eq=matrix,
-            b_eq=(wanted / [1.0, 1.0, size]).ravel() / unit,
+            b_eq=rows / (np.abs(rows).max() or 1.0),
             bounds=bounds,
             method="highs",
         )

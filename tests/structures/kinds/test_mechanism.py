@@ -61,6 +61,7 @@ def test_the_shipped_documents(pytestconfig):
             [0.183109419, 1.755042214, 0.170273877, 1.075381750, 0.950684220],
         )
     ]
+    assert wall.details["impulses_inside"] is portal.details["impulses_inside"] is True
     assert wall.details["top_reaction"] == pytest.approx(5339.22, abs=1e-6)
     assert wall.details["lambda_governing"] == pytest.approx(wall.uplift, rel=1e-12)
 
@@ -148,6 +149,7 @@ def test_hinges_are_found_from_outlines():
         {"v1", "right"},
     ]
     assert found.details["joints_source"] == "searched"
+    assert found.details["impulses_inside"] is False
     assert found.details["lambda_governing"] == pytest.approx(found.uplift, rel=1e-9)
 
 
