@@ -66,6 +66,17 @@ def restitution_of(
     return momentum, "momentum"
 
 
+def given_restitution(document: Document) -> float | None:
+    """Return the document's restitution; None if it follows from momentum. Raises
+    DocumentError for a number out of range.
+    """
+    if not _given(document):
+        return None
+    if document.flag("one_sided"):
+        return one_sided_restitution_of(document, (1.0, 1.0), None)[0]
+    return restitution_of(document, 0.0, "")[0]
+
+
 def one_sided_restitution_of(
     document: Document, base: tuple[float, float], backing: float | None
 ) -> tuple[float, str]:

@@ -21,6 +21,8 @@ class Sketch:
     pivots: tuple[tuple[str, Point], ...] = ()  # name and place
     centre: Point | None = None  # mass centre of the rocking body, None for a linkage
     lines: Lines = ()  # label and points of other lines, such as a crack
+    # label, tail and head of arrows, such as a load
+    arrows: tuple[tuple[str, tuple[Point, Point]], ...] = ()
 
 
 def rocker(

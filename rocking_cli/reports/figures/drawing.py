@@ -93,6 +93,7 @@ def structure_axes(
     unit, metre = units.of("length")
     _fill_outlines(axes, sketch, metre)
     _plot_lines(axes, sketch, metre)
+    _draw_arrows(axes, sketch, metre)
     _mark_pivots(axes, sketch, metre)
     base = min(z for outline in (*sketch.bodies, *sketch.still) for _, z in outline)
     axes.axhline(base / metre, color=INK, lw=1.2, zorder=0.5)
@@ -167,6 +168,27 @@ def _plot_lines(axes: Axes, sketch: Sketch, metre: float) -> None:
                 color=ACCENT,
                 fontsize="small",
             )
+
+
+def _draw_arrows(axes: Axes, sketch: Sketch, metre: float) -> None:
+    """Draw the arrows, such as loads, each with its text at the tail."""
+    for label, ends in sketch.arrows:
+        tail, head = _in_unit(ends, metre)
+        axes.plot(*zip(tail, head, strict=True), color=ACCENT, lw=1.6, label=label)
+        axes.annotate(
+            "",
+            head,
+            xytext=tail,
+            arrowprops={"arrowstyle": "-|>", "color": ACCENT, "shrinkB": 0.0},
+        )
+        axes.annotate(
+            label,
+            tail,
+            xytext=(4, 2),
+            textcoords="offset points",
+            color=ACCENT,
+            fontsize="small",
+        )
 
 
 def _mark_pivots(axes: Axes, sketch: Sketch, metre: float) -> None:

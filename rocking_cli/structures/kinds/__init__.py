@@ -110,6 +110,7 @@ KEYS = frozenset(
         "thickness",
         "ties",
         "tip_height",
+        "top",
         "top_reaction",
         "top_radius",
         "voussoirs",
@@ -243,8 +244,8 @@ def sketch_of(document: Document, built: RockingParameters) -> Sketch:
     """
     kind = _module(word := str(document.values["kind"].content))
     if hasattr(kind, "body"):
-        drawing: Sketch = kind.body(document).moved_in(document)[1].drawing
-        return built.restraints.drawn(drawing) if built.restraints else drawing
+        drawing: Sketch = kind.body(document).sketch(document, built)
+        return drawing
     if not hasattr(kind, "sketch"):
         raise document.fault(
             "kind",

@@ -10,6 +10,7 @@ import numpy as np
 from ...documents.composition import Value
 from ...documents.document import Document
 from ...errors import DocumentError, did_you_mean
+from ..load_keys import load_arrows, mass_of_load, require_still
 from ..mechanics.admissibility import place
 from ..mechanics.assembly import (
     BOTH,
@@ -31,9 +32,8 @@ from ..mechanics.planar_mechanism import PlanarMechanism, find_mechanism
 from ..parameters import RockingParameters
 from ..shared_keys import (
     friction_of,
+    given_restitution,
     gravity_of,
-    one_sided_restitution_of,
-    restitution_of,
 )
 from ..sketch import Lines, Outline, Point, Sketch, circle
 from .prism import corners_of, polygon_moments
@@ -65,7 +65,7 @@ def build(document: Document, name: str) -> RockingParameters:
             name,
             "mechanism",
             gravity=gravity,
-            restitution=_restitution(document),
+            restitution=given_restitution(document),
             friction=friction,
         )
     except MechanismFault as fault:
@@ -103,17 +103,6 @@ def _found(document: Document, gravity: float) -> PlanarMechanism:
         other_coordinate=_turning(document, "rotation_of_other", assembly),
         one_sided=one_sided,
     )
-
-
-def _restitution(document: Document) -> float | None:
-    """Return the given restitution, None if it follows from momentum."""
-    if not document.has("restitution"):
-        return None
-    if document.values["restitution"].content == "auto":
-        return None
-    if document.flag("one_sided"):
-        return one_sided_restitution_of(document, (1.0, 1.0), None)[0]
-    return restitution_of(document, 0.0, "")[0]
 
 
 def _optional_length(document: Document, key: str) -> float | None:
@@ -207,23 +196,10 @@ def _loads(
         inertia = part.choice("inertia", INERTIAS)
         mirrored = part.flag("mirrored")
         if mirrored and inertia == BOTH:
-            raise DocumentError(
-                f"{part.values['mirrored'].place}: loads.{i}: a carried load (inertia:"
-                " both) cannot change its place; leave out mirrored."
-            )
-        mass = _mass_of_load(part, gravity)
+            require_still(part, f"loads.{i}", "mirrored")
+        mass = mass_of_load(part, gravity)
         found.append(Load(body, _point(part, "at"), mass, inertia, mirrored))
     return tuple(found)
-
-
-def _mass_of_load(part: Document, gravity: float) -> float:
-    """Return the weight of a load over g [kg]. Raises DocumentError."""
-    if not part.has("weight"):
-        return part.quantity("mass", "mass", above=0.0, where="a positive mass")
-    if part.has("mass"):
-        raise part.fault("weight", "weight together with mass", "one of them")
-    weight = part.quantity("weight", "force", above=0.0, where="a positive weight")
-    return weight / gravity
 
 
 def _joints(document: Document, key: str, assembly: Assembly) -> tuple[Joint, ...]:
@@ -281,8 +257,17 @@ def sketch(document: Document, built: RockingParameters) -> Sketch:
         found = _found(document, built.gravity)
         right = not built.sides or built.sides[1].uplift <= built.sides[0].uplift
         linkage = (found.right if right else found.left or found.right).linkage
+    return linkage_sketch(linkage, built.alpha, built.gravity)
+
+
+def linkage_sketch(
+    linkage: Linkage, alpha: float, gravity: float, slides: str = "slides"
+) -> Sketch:
+    """Return a sketch of a mechanism at rest and at alpha, with numbered hinges, loads,
+    and sliders with a text.
+    """
     still, bodies, moved = [], [], []
-    at = linkage.positions(np.array([built.alpha]))
+    at = linkage.positions(np.array([alpha]))
     for body in linkage.assembly.bodies:
         outline = body.outline or circle(
             body.centre, math.sqrt(body.inertia / body.mass)
@@ -296,38 +281,24 @@ def sketch(document: Document, built: RockingParameters) -> Sketch:
         moved.append(tuple((float(p.real), float(p.imag)) for p in places))
     hinges = [joint for joint in linkage.joints if isinstance(joint, Hinge)]
     sliders = [joint for joint in linkage.joints if isinstance(joint, Slide)]
+    loads = linkage.assembly.loads
     pivots = tuple((str(i), hinge.at) for i, hinge in enumerate(hinges, 1))
-    lines = (
-        *_load_lines(linkage.assembly, built.gravity),
-        *_slide_lines(sliders, linkage.assembly),
-    )
     return Sketch(
         tuple(bodies),
         still=tuple(still),
         moved=tuple(moved),
         pivots=pivots,
-        lines=lines,
+        lines=_slide_lines(sliders, linkage.assembly, slides),
+        arrows=load_arrows(loads, gravity, 0.08 * linkage.assembly.size),
     )
 
 
-def _load_lines(assembly: Assembly, gravity: float) -> Lines:
-    """A line above the bearing of each load."""
-    height = 0.08 * assembly.size
-    return tuple(
-        (
-            f"{load.mass * gravity / 1e3:.4g} kN",
-            (load.at, (load.at[0], load.at[1] + height)),
-        )
-        for load in assembly.loads
-    )
-
-
-def _slide_lines(sliders: Sequence[Slide], assembly: Assembly) -> Lines:
+def _slide_lines(sliders: Sequence[Slide], assembly: Assembly, label: str) -> Lines:
     """A line along the direction of each slider."""
     found: list[tuple[str, Outline]] = []
     for slider in sliders:
         scale = 0.04 * assembly.size / math.hypot(*slider.along)
         x, z = scale * slider.along[0], scale * slider.along[1]
         ends = tuple((slider.at[0] + s * x, slider.at[1] + s * z) for s in (-1.0, 1.0))
-        found.append(("slides", ends))
+        found.append((label, ends))
     return tuple(found)

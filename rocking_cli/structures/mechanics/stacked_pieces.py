@@ -237,6 +237,12 @@ def _lowest_rocking(
             f"0 for its base, or the number from below of the {word} on which it"
             f" rocks: {held[0]} hold each interface differently, so check each one",
         )
+    if document.has("loads"):
+        raise document.missing(
+            "rocks_on",
+            f"0 for its base, or the number from below of the {word} on which it"
+            " rocks, with the mass above it: loads hold each interface differently",
+        )
     return weakest
 
 
