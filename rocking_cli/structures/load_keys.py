@@ -265,8 +265,14 @@ def drawn_with_loads(
     loads = loads_of(document, top_of(drawing), 0.5 * (left[0] + right[0])).right
     alpha = built.sides[1].alpha if built.sides else built.alpha
     size = max(z for outline in drawing.bodies for _, z in outline)
+    assert drawing.centre is not None
+    carried = [(load.mass, load.at) for load in loads if load.inertia == BOTH]
+    parts = [(built.details["mass"], drawing.centre), *carried]
+    whole = math.fsum(mass for mass, _ in parts)
+    x, z = (math.fsum(mass * at[i] for mass, at in parts) / whole for i in (0, 1))
     return replace(
         drawing,
+        centre=(x, z),
         moved=tuple(turned(outline, right, alpha) for outline in drawing.bodies),
         arrows=load_arrows(loads, built.gravity, 0.12 * size),
     )

@@ -100,7 +100,8 @@ def structure_axes(
     if built.one_sided:
         _hatch_backing(axes, sketch, base / metre, metre)
     radius = ""
-    if sketch.centre is not None:
+    # under a load that it does not carry a body turns by another angle than that of R
+    if sketch.centre is not None and built.mechanism is None:
         radius = f", $R$ = {_mass_centre(axes, built, sketch, metre):.3g} {unit}"
     axes.set_aspect("equal")
     axes.margins(0.08)
