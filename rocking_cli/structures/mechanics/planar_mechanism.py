@@ -323,7 +323,7 @@ class PlanarMechanism:
         }
         if self.alike:
             found[-1.0] = found[1.0]
-        rows = self._rows(gravity, etas)
+        rows = self._rows(gravity, etas if restitution is None else {})
         more: dict[str, Any] = {
             "eta_source": "momentum" if restitution is None else "given",
             "gravity": gravity,
@@ -379,11 +379,13 @@ class PlanarMechanism:
     def _rows(
         self, gravity: float, etas: dict[float, float]
     ) -> dict[str, list[dict[str, Any]]]:
-        """The joints of each side, one side if both are alike."""
+        """The joints of each side, one side if both are alike; etas: of the impacts
+        from momentum, empty without.
+        """
         right, left = self.right, self.left
         rows = {"right": right.joint_rows(gravity, left, etas.get(-1.0))}
         if left is not None and not self.alike:
-            rows["left"] = left.joint_rows(gravity, right, etas[1.0])
+            rows["left"] = left.joint_rows(gravity, right, etas.get(1.0))
         return rows
 
     def _details(self, rows: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:
@@ -458,16 +460,15 @@ class PlanarMechanism:
                 for row in of_joints
                 if "hinge" in row and _on_onset(row, friction)
             ]
-            if all(
-                "compression" not in row and "reaction" not in row for row in of_joints
-            ):
+            if not JointForces(side.linkage, gravity).unique:
                 found.append(
                     "the forces at the joints are not unique (more than two columns);"
                     " none are printed."
                 )
+            eta = etas.get(-1.0 if which == "right" else 1.0, 0.0)  # onto this side
             found += [
                 f"at the impact the joint at {place(row['at'])} would have to pull: eta"
-                f" = {next(iter(etas.values())):.2g} from momentum holds it closed."
+                f" = {eta:.2g} from momentum holds it closed."
                 for row in of_joints
                 if row.get("friction_at_impact", 0.0) is None
             ]
@@ -670,5 +671,10 @@ def _named(linkage: Linkage, stated: str | None, turning: str) -> Linkage:
     direction, if this body turns here.
     """
     if stated is not None:
+        if not linkage.turns(stated):
+            raise MechanismFault(
+                "rotation_of_other",
+                f"rotation_of_other: {stated!r} does not rotate: name another body.",
+            )
         return replace(linkage, coordinate=stated)
     return replace(linkage, coordinate=turning) if linkage.turns(turning) else linkage

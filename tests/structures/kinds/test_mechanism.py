@@ -222,6 +222,8 @@ def test_forces_of_many_columns_are_not_printed():
     }
     found = built(json.dumps(document))
     assert "not unique" in found.remarks[0]
+    bare = built(one(body="{mass: 1000, centre: [0.25, 1], gyration: 0.6}"))
+    assert not bare.remarks  # no outline: no faces, so no compression either
     assert all("compression" not in joint for joint in found.details["joints"])
 
 
