@@ -16,7 +16,8 @@ import numpy as np
 
 from ..sketch import Point
 from .assembly import BOTH, NEAR, NONE, VERTICAL, Face, Hinge, Slide
-from .linkage import Linkage, Positions
+from .linkage import Linkage
+from .loop_closure import Positions
 
 Array = np.ndarray
 
