@@ -1,0 +1,62 @@
+"""The sketch of a mechanism in one direction."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..sketch import Lines, Outline, Sketch, circle
+from .assembly import Assembly, Hinge, Slide
+from .linkage import Linkage
+
+
+def drawn(linkage: Linkage, alpha: float, gravity: float) -> Sketch:
+    """Return a sketch of the bodies at rest and at phi = alpha [rad], with numbered
+    hinges, sliders, and the loads in kN for this gravity [m/s2]. A body without an
+    outline is the circle of its radius of gyration.
+    """
+    assembly, still, bodies, moved = linkage.assembly, [], [], []
+    at = linkage.positions(np.array([alpha]))
+    for body in assembly.bodies:
+        outline = body.outline or circle(
+            body.centre, math.sqrt(body.inertia / body.mass)
+        )
+        if not linkage.link_of[body.name]:
+            still.append(outline)
+            continue
+        bodies.append(outline)
+        chains = linkage.chains([(body.name, corner) for corner in outline])
+        places = linkage.motion(at, chains).place[0]
+        moved.append(tuple((float(p.real), float(p.imag)) for p in places))
+    hinges = [joint for joint in linkage.joints if isinstance(joint, Hinge)]
+    sliders = [joint for joint in linkage.joints if isinstance(joint, Slide)]
+    return Sketch(
+        tuple(bodies),
+        still=tuple(still),
+        moved=tuple(moved),
+        pivots=tuple((str(i), hinge.at) for i, hinge in enumerate(hinges, 1)),
+        lines=(*_load_lines(assembly, gravity), *_slide_lines(sliders, assembly)),
+    )
+
+
+def _load_lines(assembly: Assembly, gravity: float) -> Lines:
+    """A line above the bearing of each load."""
+    height = 0.08 * assembly.size
+    return tuple(
+        (
+            f"{load.mass * gravity / 1e3:.4g} kN",
+            (load.at, (load.at[0], load.at[1] + height)),
+        )
+        for load in assembly.loads
+    )
+
+
+def _slide_lines(sliders: Sequence[Slide], assembly: Assembly) -> Lines:
+    """A line along the direction of each slider."""
+    found: list[tuple[str, Outline]] = []
+    for slider in sliders:
+        scale = 0.04 * assembly.size / math.hypot(*slider.along)
+        x, z = scale * slider.along[0], scale * slider.along[1]
+        ends = tuple((slider.at[0] + s * x, slider.at[1] + s * z) for s in (1.0, -1.0))
+        found.append(("slides", ends))
+    return tuple(found)
