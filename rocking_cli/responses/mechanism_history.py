@@ -98,7 +98,8 @@ class MechanismHistory:
     def columns(self, tau: Array) -> dict[str, Array]:
         """Return arrays by column name at times tau: the least N and the largest |T|/N
         at the hinges, then N and T of each hinge and the force of each slider, all over
-        the weight of what moves. Values are NaN at rest, where the bodies are
+        the weight of what moves; load_min is the least force of a load that is not
+        carried, over its weight. Values are NaN at rest, where the bodies are
         statically indeterminate, and after the end.
         """
         hinges = max(len(forces.hinges) for forces in self._forces.values())
@@ -106,6 +107,8 @@ class MechanismHistory:
         names = ["thrust_min", "shear_ratio"]
         names += [f"hinge{n}_{x}" for n in range(1, hinges + 1) for x in ("n", "t")]
         names += [f"slider{n}" for n in range(1, sliders + 1)]
+        if any(forces.linkage.bearings for forces in self._forces.values()):
+            names.append("load_min")
         found = {name: np.full(tau.shape, np.nan) for name in names}
         moving, arcs = self.found.arcs.at(tau)
         for side in self._forces:
@@ -124,6 +127,8 @@ class MechanismHistory:
                 found[f"hinge{i}_t"][inside] = t / self._weight
             for i, force in enumerate(at.sliders.T, 1):
                 found[f"slider{i}"][inside] = force / self._weight
+            if at.loads.size:
+                found["load_min"][inside] = at.loads.min(axis=1)
         return found
 
     @cached_property
@@ -159,13 +164,15 @@ class MechanismHistory:
         return worst
 
     def opens(self) -> bool:
-        """True if a hinge loses its compression: it lifts off, and another mechanism
-        follows.
+        """True if a hinge loses its compression, or a load leaves its body: another
+        mechanism follows.
         """
         starts, stops, *_ = self.found.arcs
         share = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, 25)))[1:-1]
         tau = (starts + np.multiply.outer(share, stops - starts)).ravel()
-        return bool(np.any(self.columns(tau)["thrust_min"] < 0.0))
+        found = self.columns(tau)
+        least = [found[name] for name in ("thrust_min", "load_min") if name in found]
+        return any(bool(np.any(values < 0.0)) for values in least)
 
     def summary(self, when: str, time: float) -> dict[str, Any]:
         """Return the extremes as a row; `when`: suffix of the columns of times, `time`:
@@ -179,7 +186,7 @@ class MechanismHistory:
             row[f"{name}_side"], row[f"{name}_hinge"] = side, hinge
             row[f"{name}_{when}"] = None if tau is None else tau * time
         friction, thrust = (self.extremes.get(k) for k in ("friction", "thrust_min"))
-        row["opens"] = thrust is not None and thrust.value <= 0.0
+        row["opens"] = self.opens() or (thrust is not None and thrust.value <= 0.0)
         if self.structure.friction is not None:
             limit = self.structure.friction
             row["slides"] = friction is not None and friction.value > limit

@@ -19,7 +19,9 @@ from .mechanics.assembly import (
     PlanarBody,
 )
 from .mechanics.linkage import Linkage
-from .mechanics.planar_mechanism import MechanismSide, PlanarMechanism
+from .mechanics.linkage_drawing import load_arrows
+from .mechanics.mechanism_side import MechanismSide
+from .mechanics.planar_mechanism import PlanarMechanism
 from .shared_keys import given_restitution, gravity_of, restraints_in
 from .sketch import Point, Sketch, turned
 
@@ -275,19 +277,4 @@ def drawn_with_loads(
         centre=(x, z),
         moved=tuple(turned(outline, right, alpha) for outline in drawing.bodies),
         arrows=load_arrows(loads, built.gravity, 0.12 * size),
-    )
-
-
-def load_arrows(
-    loads: Sequence[Load], gravity: float, length: float
-) -> tuple[tuple[str, tuple[Point, Point]], ...]:
-    """Return an arrow of this length [m] down to the bearing of each load, with its
-    weight in words.
-    """
-    return tuple(
-        (
-            f"{load.mass * gravity / 1e3:.4g} kN",
-            ((load.at[0], load.at[1] + length), load.at),
-        )
-        for load in loads
     )

@@ -5,12 +5,10 @@ loads, in both directions.
 import math
 from collections.abc import Sequence
 
-import numpy as np
-
 from ...documents.composition import Value
 from ...documents.document import Document
 from ...errors import DocumentError, did_you_mean
-from ..load_keys import load_arrows, mass_of_load, require_still
+from ..load_keys import mass_of_load, require_still
 from ..mechanics.admissibility import place
 from ..mechanics.assembly import (
     BOTH,
@@ -28,6 +26,7 @@ from ..mechanics.assembly import (
     on_outline,
 )
 from ..mechanics.linkage import Linkage
+from ..mechanics.linkage_drawing import drawn
 from ..mechanics.planar_mechanism import PlanarMechanism, find_mechanism
 from ..parameters import RockingParameters
 from ..shared_keys import (
@@ -35,7 +34,7 @@ from ..shared_keys import (
     given_restitution,
     gravity_of,
 )
-from ..sketch import Lines, Outline, Point, Sketch, circle
+from ..sketch import Point, Sketch
 from .prism import corners_of, polygon_moments
 
 REPORTS = (
@@ -257,48 +256,4 @@ def sketch(document: Document, built: RockingParameters) -> Sketch:
         found = _found(document, built.gravity)
         right = not built.sides or built.sides[1].uplift <= built.sides[0].uplift
         linkage = (found.right if right else found.left or found.right).linkage
-    return linkage_sketch(linkage, built.alpha, built.gravity)
-
-
-def linkage_sketch(
-    linkage: Linkage, alpha: float, gravity: float, slides: str = "slides"
-) -> Sketch:
-    """Return a sketch of a mechanism at rest and at alpha, with numbered hinges, loads,
-    and sliders with a text.
-    """
-    still, bodies, moved = [], [], []
-    at = linkage.positions(np.array([alpha]))
-    for body in linkage.assembly.bodies:
-        outline = body.outline or circle(
-            body.centre, math.sqrt(body.inertia / body.mass)
-        )
-        if not linkage.link_of[body.name]:
-            still.append(outline)
-            continue
-        bodies.append(outline)
-        chains = linkage.chains([(body.name, corner) for corner in outline])
-        places = linkage.motion(at, chains).place[0]
-        moved.append(tuple((float(p.real), float(p.imag)) for p in places))
-    hinges = [joint for joint in linkage.joints if isinstance(joint, Hinge)]
-    sliders = [joint for joint in linkage.joints if isinstance(joint, Slide)]
-    loads = linkage.assembly.loads
-    pivots = tuple((str(i), hinge.at) for i, hinge in enumerate(hinges, 1))
-    return Sketch(
-        tuple(bodies),
-        still=tuple(still),
-        moved=tuple(moved),
-        pivots=pivots,
-        lines=_slide_lines(sliders, linkage.assembly, slides),
-        arrows=load_arrows(loads, gravity, 0.08 * linkage.assembly.size),
-    )
-
-
-def _slide_lines(sliders: Sequence[Slide], assembly: Assembly, label: str) -> Lines:
-    """A line along the direction of each slider."""
-    found: list[tuple[str, Outline]] = []
-    for slider in sliders:
-        scale = 0.04 * assembly.size / math.hypot(*slider.along)
-        x, z = scale * slider.along[0], scale * slider.along[1]
-        ends = tuple((slider.at[0] + s * x, slider.at[1] + s * z) for s in (-1.0, 1.0))
-        found.append((label, ends))
-    return tuple(found)
+    return drawn(linkage, built.alpha, built.gravity)

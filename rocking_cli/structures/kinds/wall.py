@@ -12,13 +12,13 @@ from ...documents.document import Document
 from ..load_keys import SideLoads, Top, loads_of, parameters_of
 from ..mechanics.held_wall import HeldWall
 from ..mechanics.linkage import Linkage
+from ..mechanics.linkage_drawing import drawn
 from ..mechanics.single_body import RigidBody, rectangle_body
 from ..parameters import RockingParameters
 from ..shared_keys import friction_of
 from ..sketch import Sketch
 from . import OF_BODIES
 from .mechanism import REPORTS as OF_MECHANISM
-from .mechanism import linkage_sketch
 
 REPORTS = ("length", "crack_height", *OF_MECHANISM)
 SIZES = ("thickness", "height")
@@ -111,7 +111,7 @@ class WallBetweenFloors:
         """Return the wall at rest and as it bulges at alpha."""
         linkage = built.mechanism
         assert isinstance(linkage, Linkage)
-        return linkage_sketch(linkage, built.alpha, built.gravity, "held")
+        return drawn(linkage, built.alpha, built.gravity, "held")
 
     def _wall(self, document: Document, mass: float) -> HeldWall:
         """The wall with its loads. Far is the face about which no part turns at the

@@ -21,7 +21,8 @@ from .assembly import (
     PlanarBody,
     apart,
 )
-from .linkage import Linkage, Positions
+from .linkage import Linkage
+from .loop_closure import Positions
 
 Array = np.ndarray
 

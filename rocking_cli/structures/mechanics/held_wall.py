@@ -23,7 +23,8 @@ from dataclasses import dataclass
 from ..sketch import Outline, Point, rectangle
 from .assembly import GROUND, Assembly, Hinge, Joint, Load, PlanarBody, Slide
 from .linkage import Linkage
-from .planar_mechanism import MechanismSide, PlanarMechanism
+from .mechanism_side import MechanismSide
+from .planar_mechanism import PlanarMechanism
 
 LOWER, UPPER = "lower", "upper"
 _LOWEST_CRACK = 0.25  # of the height: a lower crack is not searched

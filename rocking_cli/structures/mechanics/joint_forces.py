@@ -16,7 +16,8 @@ import numpy as np
 
 from ..sketch import Point
 from .assembly import BOTH, NEAR, NONE, VERTICAL, Face, Hinge, Slide
-from .linkage import Linkage, Positions
+from .linkage import Linkage
+from .loop_closure import Positions
 
 Array = np.ndarray
 
@@ -42,6 +43,8 @@ class JointForce(NamedTuple):
     sliders: Array  # force of each slider along J d on its body [N], (n, sliders)
     compression: Array  # N at each hinge [N], (n, hinges)
     shear: Array  # T at each hinge [N], (n, hinges)
+    # force of each load that is not carried, over its weight [-], (n, bearings)
+    loads: Array
 
 
 @dataclass(frozen=True)
@@ -152,7 +155,8 @@ class JointForces:
             force = (hinges[:, i, 0] + 1j * hinges[:, i, 1]) * (1.0 if on_first else -1)
             along = np.conj(complex(*face.normal)) * force
             compression[:, i], shear[:, i] = along.real, along.imag
-        return JointForce(hinges, found[:, 2 * count :, 0], compression, shear)
+        sliders = found[:, 2 * count :, 0]
+        return JointForce(hinges, sliders, compression, shear, np.ones((n, 0)))
 
     def during(self, moving: Moving) -> JointForce:
         """Return the forces at instants of the motion."""
@@ -171,11 +175,14 @@ class JointForces:
             wanted[:, i, 1] = mass.mass * (gained[:, i].imag + g)
             wanted[:, i, 2] = mass.inertia * spin
         first = len(linkage.masses)
-        for k, index in enumerate(linkage.bearings, first):
+        press = np.ones((n, len(linkage.bearings)))
+        for k, index in enumerate(linkage.bearings):
             load = linkage.assembly.loads[index]
-            rises = gained[:, k].imag * (load.inertia == VERTICAL)
-            self._bear(wanted, points.place, k, load.body, load.mass * (g + rises))
-        return self._solved(at, wanted.reshape(n, -1))
+            if load.inertia == VERTICAL:
+                press[:, k] += gained[:, first + k].imag / g
+            force = load.mass * g * press[:, k]
+            self._bear(wanted, points.place, first + k, load.body, force)
+        return self._solved(at, wanted.reshape(n, -1))._replace(loads=press)
 
     def _bear(
         self, wanted: Array, places: Array, k: int, body: str, force: Array

@@ -222,6 +222,8 @@ def test_forces_of_many_columns_are_not_printed():
     }
     found = built(json.dumps(document))
     assert "not unique" in found.remarks[0]
+    bare = built(one(body="{mass: 1000, centre: [0.25, 1], gyration: 0.6}"))
+    assert not bare.remarks  # no outline: no faces, so no compression either
     assert all("compression" not in joint for joint in found.details["joints"])
 
 
@@ -267,6 +269,18 @@ def test_forces_at_the_joints_in_a_pulse():
         weight = 1800.0 * 0.9 * 9.81
         assert weight * np.nanmin(n) == pytest.approx(least, rel=1e-8)
         assert np.nanmax(np.abs(t) / n) == pytest.approx(friction, abs=1e-7)
+    # the bearing rises as the upper part shortens: at uplift by u_z theta_dotdot
+    loaded = built(
+        WALL
+        + FOOT
+        + CRACK
+        + TOP
+        + "loads: [{body: upper, at: [0.15, 3], weight: 15 kN,"
+        " inertia: vertical}]"
+    )
+    pressed = time_history(loaded, sine(), parse_grid("a_g=12,T_g=0.4"))
+    column = pressed.forces["nonlinear"].columns(np.linspace(0.3, 4.0, 400))
+    assert 0.0 < np.nanmin(column["load_min"]) < 1.0
     summary = forces.summary("t", 1.0 / wall.p)
     assert summary["opens"] is False
     assert summary["friction_needed"] == pytest.approx(0.2624618, abs=1e-6)
