@@ -427,8 +427,8 @@ test_what_is_refused = refuses(
         (one("loads: [{body: block, at: [0, 2], mass: 9}]"), "no key 'inertia'"),
         (
             one(
-                body=BLOCK
-                + "\n  far: {corners: [[3, 0], [3.5, 0], [3.5, 2], [3, 2]], density: 1}",
+                body=BLOCK + "\n  far: {corners: [[3, 0], [3.5, 0], [3.5, 2], [3, 2]],"
+                " density: 1}",
                 joints="",
             ),
             "joints: two mechanisms move from 0.25 g on; list the joints of one of"
