@@ -283,4 +283,4 @@ def momentum_restitution(before: Linkage, after: Linkage) -> tuple[float, float]
         across = u.real * w.real if load.inertia == BOTH else 0.0
         shared += load.mass * (across + u.imag * w.imag)
     old_m, new_m = before.at_rest.inertia, after.at_rest.inertia
-    return -shared / new_m, shared * shared / (old_m * new_m)
+    return 0.0 - shared / new_m, shared * shared / (old_m * new_m)

@@ -22,7 +22,9 @@ def remarks_on(
     its rows; friction: that of the document; eta: from momentum, of the impact with
     which this motion begins.
     """
-    yield from _on_governing(side, side.numbers(1.0)["uplift"])
+    uplift = side.numbers(1.0)["uplift"]
+    yield from _on_governing(side, uplift)
+    yield from _on_sliding(side, uplift, friction)
     yield from _on_hardening(side)
     for row in joints:
         if "hinge" in row and (text := _on_onset(row, friction)):
@@ -52,6 +54,24 @@ def _on_governing(side: MechanismSide, uplift: float) -> list[str]:
     return [
         f"it moves from {least:.3g} g on, in another mechanism (hinges at {where});"
         f" lambda = {uplift:.3g} is that of the joints given."
+    ]
+
+
+def _on_sliding(
+    side: MechanismSide, uplift: float, friction: float | None
+) -> list[str]:
+    """A sentence on bodies that slide before they turn, with the friction of the
+    document or of 1.
+    """
+    given = 1.0 if friction is None else friction
+    limit = side.slides_from(given)
+    if limit is None or side.governing is None:
+        return []
+    if not limit < min(uplift, side.governing[0]) * (1.0 - _GOVERNS):
+        return []
+    return [
+        f"with a friction of {given:g} at its joints it slides from {limit:.3g} g on,"
+        f" or before; lambda = {uplift:.3g} is that without sliding."
     ]
 
 

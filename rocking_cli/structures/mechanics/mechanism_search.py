@@ -10,8 +10,9 @@ from dataclasses import replace
 
 from .assembly import Assembly, Hinge, Joint, MechanismFault, Slide, mirror_image
 from .linkage import Linkage
-from .statics import Statics
+from .statics import Governing, Statics, bodies_alone
 
+_SAME = 1e-8  # relative difference of lambda of two mechanisms that govern together
 _EQUAL = 1e-10  # relative difference of lambda of two mechanisms that are one
 
 
@@ -39,7 +40,27 @@ def searched_joints(
             "joints: the bodies cannot move: take a joint away, or a rigid group"
             " apart.",
         )
+    _require_one(assembly, sliders, found, side)
     return found.joints
+
+
+def _require_one(
+    assembly: Assembly, sliders: tuple[Slide, ...], found: Governing, side: float
+) -> None:
+    """Raise MechanismFault if other bodies move from the same lambda on."""
+    links = assembly.links(found.joints)
+    moving = [name for link in links[1:] for name in link]
+    rest = [name for name in links[0] if assembly.body(name).outline]
+    groups = bodies_alone(assembly, [n for n in assembly.names if n in moving])
+    if not rest:
+        return
+    others = Statics(assembly, groups, sliders).governing(side)
+    if others is not None and others.uplift <= found.uplift * (1.0 + _SAME):
+        raise MechanismFault(
+            "joints",
+            f"joints: two mechanisms move from {found.uplift:.4g} g on; list the joints"
+            " of one of them.",
+        )
 
 
 def mirrored_joints(

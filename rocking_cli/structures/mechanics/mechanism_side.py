@@ -65,20 +65,33 @@ class MechanismSide:
         """(largest lambda that the faces carry, hinges of the mechanism in which they
         fail then); None if the outline of a body is not known.
         """
-        linkage, assembly = self.linkage, self.linkage.assembly
-        staying = linkage.links[0]
+        if self._statics is None:
+            return None
+        found = self._statics.governing(self.linkage.direction)
+        if found is None:
+            return 0.0, []
+        return found.uplift, [j.at for j in found.joints if isinstance(j, Hinge)]
+
+    def slides_from(self, friction: float) -> float | None:
+        """Return the lambda beyond which the faces cannot carry the weights with this
+        friction, None if the outline of a body is not known.
+        """
+        if self._statics is None:
+            return None
+        return self._statics.with_friction(self.linkage.direction, friction)
+
+    @cached_property
+    def _statics(self) -> Statics | None:
+        """Its bodies on their faces, each alone; None if an outline is not known."""
+        assembly, staying = self.linkage.assembly, self.linkage.links[0]
         if any(not b.outline for b in assembly.bodies if b.name not in staying):
             return None
-        statics = Statics(
+        return Statics(
             assembly,
             bodies_alone(assembly, staying),
             tuple(self.sliders),
             tuple(self.hinges),
         )
-        found = statics.governing(linkage.direction)
-        if found is None:
-            return 0.0, []
-        return found.uplift, [j.at for j in found.joints if isinstance(j, Hinge)]
 
     def impulses_inside(self, before: MechanismSide, eta: float) -> bool | None:
         """True if compression inside the joints can change the motion of `before` into

@@ -161,7 +161,17 @@ class Statics:
         """
         return self._programme(-side).status in (0, 3)
 
-    def _programme(self, side: float) -> Any:
+    def with_friction(self, side: float, friction: float) -> float:
+        """Return the largest lambda that the faces carry with |T| <= friction (N_1 +
+        N_2), an upper bound of that at which something slides or turns; 0 if they do
+        not carry the weight.
+        """
+        found = self._programme(side, friction)
+        if found.status == 3:
+            return float(np.inf)
+        return float(-found.fun) if found.status == 0 else 0.0
+
+    def _programme(self, side: float, friction: float | None = None) -> Any:
         """The solution of the programme in one direction; lambda >= 0 is its last
         unknown.
         """
@@ -169,8 +179,17 @@ class Statics:
 
         matrix, bounds = self._matrix
         push, press = self._weights()
+        slides = None
+        if friction is not None and self.faces:
+            slides = np.zeros((2 * len(self.faces), matrix.shape[1] + 1))
+            for i in range(len(self.faces)):
+                for k, sign in enumerate((1.0, -1.0)):
+                    row = slides[2 * i + k]
+                    row[3 * i : 3 * i + 3] = -friction, -friction, sign
         return linprog(
             np.append(np.zeros(matrix.shape[1]), -1.0),
+            A_ub=slides,
+            b_ub=None if slides is None else np.zeros(len(slides)),
             A_eq=np.column_stack([matrix, side * push]),
             b_eq=-press,
             bounds=[*bounds, (0.0, None)],

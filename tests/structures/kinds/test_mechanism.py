@@ -177,6 +177,8 @@ def test_joints_that_do_not_govern_are_remarked():
 def test_a_hinge_that_would_pull_and_one_that_would_slide_are_remarked():
     found = built(WALL + FOOT + CRACK + TOP + "friction: 0.1\nname: w")
     assert found.remarks == (
+        "w: with a friction of 0.1 at its joints it slides from 0.18 g on, or before;"
+        f" lambda = {found.uplift:.3g} is that without sliding.",
         "w: the joint at [0.3, 0] needs a friction of 0.2 at the onset.",
     )
     # a beam that overhangs its right column pulls the left one up
@@ -196,6 +198,15 @@ restitution: -0.2
     (pulls,) = [text for text in remarks if "in tension" in text]
     assert pulls.startswith("b: the hinge at [0, 3] is in tension at the onset (-")
     assert pulls.endswith(" kN): it lifts off before.")
+
+
+def test_bodies_side_by_side_slide_before_they_turn_as_one():
+    # the right block alone turns at 0.25 g; without sliding both turn as one at 0.5 g
+    second = "{corners: [[0.5, 0], [1, 0], [1, 2], [0.5, 2]], density: 2000}"
+    found = built(one(body=f"{BLOCK}\n  second: {second}", joints=""))
+    assert found.uplift == pytest.approx(0.5, rel=1e-12)
+    (remark,) = found.remarks
+    assert "with a friction of 1 at its joints it slides from 0.429 g on" in remark
 
 
 def test_forces_of_many_columns_are_not_printed():
@@ -414,6 +425,15 @@ test_what_is_refused = refuses(
             "no key 'body'",
         ),
         (one("loads: [{body: block, at: [0, 2], mass: 9}]"), "no key 'inertia'"),
+        (
+            one(
+                body=BLOCK + "\n  far: {corners: [[3, 0], [3.5, 0], [3.5, 2], [3, 2]],"
+                " density: 1}",
+                joints="",
+            ),
+            "joints: two mechanisms move from 0.25 g on; list the joints of one of"
+            " them.",
+        ),
         (one("colour: red"), "unknown key 'colour'"),
         (one(body=BLOCK.replace("2000", "2000, colour: 1")), "unknown key 'colour'"),
     ],
