@@ -89,7 +89,8 @@ class Verdict:
         [m/s2], None if it falls or no larger a_g overturns it
     outcome_linear: by the linear equation
     friction_needed: friction that the motion needs, impacts apart [-]; only of a rigid
-        body whose mass centre is known, None if it loses contact
+        body whose mass centre is known, and of a mechanism that states a friction; None
+        if it loses contact
     fz_min: least vertical force over the weight [-], of the same bodies
     unsettled: True if changes of the demand by 1e-12 to 1e-6 of it change the outcome,
         or theta_ratio by 0.01
@@ -129,7 +130,8 @@ class Verdict:
     safe_to: float | None
     outcome_linear: Outcome  # by the linear equation
     # friction that the motion needs, impacts apart [-]; only of a rigid body whose mass
-    # centre is known, None if it loses contact
+    # centre is known, and of a mechanism that states a friction; None if it loses
+    # contact
     friction_needed: float | None = None
     # least vertical force over the weight [-], of the same bodies
     fz_min: float | None = None
@@ -551,8 +553,8 @@ def _all(a_max: float | Limit | None, demands: Sequence[Demand]) -> list[Verdict
 def _of_history(
     method: Method, structure: RockingParameters, motion: Motion, shaking: Grid
 ) -> dict[str, Any]:
-    """Return friction_needed, fz_min, top_displacement and devices, or opens (of a
-    mechanism, unless forces are not known), from the history, which goes on to
+    """Return friction_needed, fz_min, top_displacement and devices, or opens and
+    friction_needed (of a mechanism, unless forces are not known), from the history, which goes on to
     `FALLEN`.
     """
     linked = (
@@ -569,11 +571,19 @@ def _of_history(
         return {}
     found = time_history(structure, motion, shaking, [method])
     if linked:
+        from .mechanism_history import MechanismHistory
+
         try:
             forces = found.forces[method.model]
         except UsageError:  # they are not unique
             return {}
-        return {} if isinstance(forces, ForceHistory) else {"opens": forces.opens()}
+        if isinstance(forces, ForceHistory):
+            return {}
+        opens: dict[str, Any] = {"opens": forces.opens()}
+        if isinstance(forces, MechanismHistory) and structure.friction is not None:
+            row = forces.summary("tau", 1.0)
+            opens["friction_needed"] = row["friction_needed"]
+        return opens
     devices = found.histories[method.model].devices
     top: dict[str, Any] = {
         "top_displacement": found.top_displacement(method.model),

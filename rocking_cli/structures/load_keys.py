@@ -22,7 +22,7 @@ from .mechanics.linkage import Linkage
 from .mechanics.linkage_drawing import load_arrows
 from .mechanics.mechanism_side import MechanismSide
 from .mechanics.planar_mechanism import PlanarMechanism
-from .shared_keys import given_restitution, gravity_of, restraints_in
+from .shared_keys import given_restitution, gravity_of, has_loads, restraints_in
 from .sketch import Point, Sketch, turned
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def loads_of(document: Document, top: Top | None, axis: float) -> SideLoads:
     """Return the loads of a body. Raises DocumentError. top: None for a body without a
     flat top; axis: x of the mirror of bearings [m].
     """
-    if not document.has("loads") or document.values["loads"].content == []:
+    if not has_loads(document):
         return SideLoads((), ())
     gravity = gravity_of(document)
     pairs = [
@@ -70,7 +70,7 @@ def loads_of(document: Document, top: Top | None, axis: float) -> SideLoads:
 
 def weight_of_loads(document: Document) -> float:
     """Return the weight of all loads of a body [N], which its base carries."""
-    if not document.has("loads"):
+    if not has_loads(document):
         return 0.0
     gravity = gravity_of(document)
     parts = document.parts("loads", _LOADS)
@@ -201,8 +201,7 @@ def _mechanism(document: Document, body: RigidBody, mass: float) -> PlanarMechan
     """Return a rigid body with its loads as a mechanism. Raises DocumentError."""
     (_, left), *_, (_, right) = body.drawing.pivots
     edge, centre = body.edges(1.0)[1], body.drawing.centre
-    assert centre is not None
-    if edge.arm is None:
+    if edge.arm is None or centre is None:
         raise document.fault(
             "loads",
             "loads on a body with other parts on each edge",

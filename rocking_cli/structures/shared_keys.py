@@ -42,6 +42,15 @@ def restraints_in(document: Document) -> list[str]:
     return [key for key in RESTRAINTS if document.has(key)]
 
 
+def has_loads(document: Document) -> bool:
+    """True if the document has loads. Raises DocumentError for the key without a value,
+    which would silently leave them out.
+    """
+    if not document.has("loads") and "loads" in document.values:
+        raise document.fault("loads", "nothing", "the loads, or no such key")
+    return document.has("loads") and document.values["loads"].content != []
+
+
 def restitution_of(
     document: Document, momentum: float, limit: str
 ) -> tuple[float, str]:

@@ -26,6 +26,7 @@ from ...documents.document import Document
 from ..parameters import RockingParameters, Side
 from ..shared_keys import (
     gravity_of,
+    has_loads,
     mass_of,
     one_sided_restitution_of,
     restitution_of,
@@ -88,7 +89,7 @@ class RigidBody:
             "details": self._details(document, inset, body),
             "top": body._top_arms(),
         }
-        if document.has("loads"):
+        if has_loads(document):
             from ..load_keys import loaded
 
             return loaded(document, body, more)
@@ -199,7 +200,7 @@ class RigidBody:
         Raises DocumentError.
         """
         drawing = self.moved_in(document)[1].drawing
-        if document.has("loads"):
+        if has_loads(document):
             from ..load_keys import drawn_with_loads
 
             return drawn_with_loads(document, drawing, built)

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from ...documents.document import Document
 from ...errors import DocumentError
-from ..shared_keys import gravity_of, restraints_in
+from ..shared_keys import gravity_of, has_loads, restraints_in
 from ..sketch import Outline, Point, Sketch, rocker
 from .moments import Moments
 from .single_body import RigidBody, body_on_edges, edges_of, symmetric_body
@@ -237,7 +237,7 @@ def _lowest_rocking(
             f"0 for its base, or the number from below of the {word} on which it"
             f" rocks: {held[0]} hold each interface differently, so check each one",
         )
-    if document.has("loads"):
+    if has_loads(document):
         raise document.missing(
             "rocks_on",
             f"0 for its base, or the number from below of the {word} on which it"
