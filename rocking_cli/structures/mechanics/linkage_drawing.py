@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..sketch import Lines, Outline, Sketch, circle
-from .assembly import Assembly, Hinge, Slide
+from .assembly import Assembly, Slide
 from .linkage import Linkage
 
 
@@ -28,14 +28,15 @@ def drawn(linkage: Linkage, alpha: float, gravity: float) -> Sketch:
         chains = linkage.chains([(body.name, corner) for corner in outline])
         places = linkage.motion(at, chains).place[0]
         moved.append(tuple((float(p.real), float(p.imag)) for p in places))
-    hinges = [joint for joint in linkage.joints if isinstance(joint, Hinge)]
-    sliders = [joint for joint in linkage.joints if isinstance(joint, Slide)]
     return Sketch(
         tuple(bodies),
         still=tuple(still),
         moved=tuple(moved),
-        pivots=tuple((str(i), hinge.at) for i, hinge in enumerate(hinges, 1)),
-        lines=(*_load_lines(assembly, gravity), *_slide_lines(sliders, assembly)),
+        pivots=tuple((str(i), hinge.at) for i, hinge in enumerate(linkage.hinges, 1)),
+        lines=(
+            *_load_lines(assembly, gravity),
+            *_slide_lines(linkage.sliders, assembly),
+        ),
     )
 
 
