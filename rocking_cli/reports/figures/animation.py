@@ -112,13 +112,13 @@ def animate(
         canvas.draw()
         figure.set_layout_engine("none")  # what stays needs no new layout in each frame
         for now, angle, share, x in zip(times, turn, lean, ground, strict=True):
-            stone.set_verts(
-                [
-                    np.add(outline, (x, 0.0))
-                    for outline in shape_at(sketch, float(angle), float(share))
-                ]
+            posed = sketch.pose(float(angle)) if sketch.pose else None
+            moving, staying = posed or (
+                shape_at(sketch, float(angle), float(share)),
+                list(sketch.still),
             )
-            still.set_verts([np.add(outline, (x, 0.0)) for outline in sketch.still])
+            stone.set_verts([np.add(outline, (x, 0.0)) for outline in moving])
+            still.set_verts([np.add(outline, (x, 0.0)) for outline in staying])
             floor.set_data(ticks + x, np.full(ticks.size, low))
             clock.set_text(f"{now:.1f} s")
             canvas.draw()
