@@ -102,8 +102,8 @@ class MechanismHistory:
         carried, over its weight. Values are NaN at rest, where the bodies are
         statically indeterminate, and after the end.
         """
-        hinges = max(len(forces.hinges) for forces in self._forces.values())
-        sliders = max(len(forces.sliders) for forces in self._forces.values())
+        hinges = max(len(forces.linkage.hinges) for forces in self._forces.values())
+        sliders = max(len(forces.linkage.sliders) for forces in self._forces.values())
         names = ["thrust_min", "shear_ratio"]
         names += [f"hinge{n}_{x}" for n in range(1, hinges + 1) for x in ("n", "t")]
         names += [f"slider{n}" for n in range(1, sliders + 1)]
@@ -140,7 +140,7 @@ class MechanismHistory:
         starts, stops, sides, *_ = self.found.arcs
         for arc in np.flatnonzero(stops > starts).tolist():
             side = float(sides[arc])
-            for i in range(len(self._forces[side].hinges)):
+            for i in range(len(self._forces[side].linkage.hinges)):
                 for name, sign in (("thrust_min", -1.0), ("friction", 1.0)):
 
                     def value(

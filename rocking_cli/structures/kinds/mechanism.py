@@ -251,9 +251,26 @@ def sketch(document: Document, built: RockingParameters) -> Sketch:
     """Return a sketch of the bodies at rest and at alpha in the direction that moves
     first, with numbered hinges, loads and sliders.
     """
-    linkage = built.mechanism
-    if not isinstance(linkage, Linkage):  # one rigid body
+    if isinstance(built.mechanism, Linkage):
+        left, right = (side.mechanism for side in built.sides or (built, built))
+        left = left if built.sides else None
+    else:  # one rigid body
         found = _found(document, built.gravity)
-        right = not built.sides or built.sides[1].uplift <= built.sides[0].uplift
-        linkage = (found.right if right else found.left or found.right).linkage
-    return drawn(linkage, built.alpha, built.gravity)
+        right = found.right.linkage
+        left = found.left.linkage if found.left else None
+    assert isinstance(right, Linkage)
+    assert left is None or isinstance(left, Linkage)
+    first = right
+    if left is not None and built.sides:
+        first = min(
+            (left, right), key=lambda one: one.at_rest.lift / abs(one.at_rest.push)
+        )
+    axis = _optional_length(document, "axis")
+    return drawn(
+        first,
+        built.alpha,
+        built.gravity,
+        right=right,
+        left=left,
+        axis=right.assembly.middle if axis is None else axis,
+    )

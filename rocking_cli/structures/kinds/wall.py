@@ -110,8 +110,19 @@ class WallBetweenFloors:
     def sketch(self, document: Document, built: RockingParameters) -> Sketch:
         """Return the wall at rest and as it bulges at alpha."""
         linkage = built.mechanism
+        left, right = (side.mechanism for side in built.sides or (built, built))
         assert isinstance(linkage, Linkage)
-        return drawn(linkage, built.alpha, built.gravity, "held")
+        assert isinstance(right, Linkage)
+        assert isinstance(left, Linkage)
+        return drawn(
+            linkage,
+            built.alpha,
+            built.gravity,
+            right=right,
+            left=left if built.sides else None,
+            axis=0.0,
+            slides="held",
+        )
 
     def _wall(self, document: Document, mass: float) -> HeldWall:
         """The wall with its loads. Far is the face about which no part turns at the

@@ -81,16 +81,6 @@ def place(point: tuple[float, float]) -> str:
     return f"[{x:.6g}, {z:.6g}]"
 
 
-def _faces(linkage: Linkage) -> list[Face]:
-    """The faces between different links."""
-    hinges = [joint for joint in linkage.joints if isinstance(joint, Hinge)]
-    return [
-        face
-        for face in linkage.assembly.faces(hinges)
-        if linkage.link_of[face.bodies[0]] != linkage.link_of[face.bodies[1]]
-    ]
-
-
 def _openings(linkage: Linkage, faces: list[Face]) -> tuple[Array, float]:
     """Return (how fast the ends of faces open at rest, (faces, 2); the fastest
     velocity) for phi' = 1 [m].
@@ -115,7 +105,7 @@ def opening_ends(linkage: Linkage, faces: list[Face]) -> Array:
 
 def _closing(linkage: Linkage, sense: float) -> list[tuple[Face, tuple[float, float]]]:
     """The faces that close at rest, each with the end that closes fastest."""
-    faces = _faces(linkage)
+    faces = linkage.faces
     rates, fastest = _openings(linkage, faces)
     return [
         (face, face.ends[int((sense * pair).argmin())])
@@ -147,7 +137,7 @@ def _gaps_close(linkage: Linkage, at: Positions) -> list[tuple[int, str, str]]:
     """(first position, body, body) of each face that has closed again."""
     found = []
     turned = linkage.turned(at.q)
-    for face in _faces(linkage):
+    for face in linkage.faces:
         one, other = face.bodies
         normal = np.conj(complex(*face.normal) * turned[:, linkage.link_of[other]])
         ends = [(name, end) for name in face.bodies for end in face.ends]

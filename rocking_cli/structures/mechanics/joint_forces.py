@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..sketch import Point
-from .assembly import BOTH, NEAR, NONE, VERTICAL, Face, Hinge, Slide
+from .assembly import BOTH, NEAR, NONE, VERTICAL, Face, Hinge
 from .linkage import Linkage
 from .loop_closure import Positions
 
@@ -54,21 +54,6 @@ class JointForces:
     linkage: Linkage  # the mechanism
     gravity: float  # g [m/s2]
 
-    @cached_property
-    def hinges(self) -> list[Hinge]:
-        """The hinges between links, in the order of the forces."""
-        return [joint for joint in self.linkage.joints if isinstance(joint, Hinge)]
-
-    @cached_property
-    def sliders(self) -> list[Slide]:
-        """The sliders, in the order of the forces."""
-        return [joint for joint in self.linkage.joints if isinstance(joint, Slide)]
-
-    @cached_property
-    def faces(self) -> list[Face]:
-        """The stretches on which outlines touch."""
-        return self.linkage.assembly.faces(self.hinges)
-
     def face_at(self, hinge: Hinge) -> Face | None:
         """Return the face at whose end a hinge is: one of its own two bodies, or else
         of their links; None if there is none.
@@ -77,7 +62,7 @@ class JointForces:
         links = {link_of[name] for name in hinge.bodies}
         found = [
             face
-            for face in self.faces
+            for face in self.linkage.faces
             if min(np.hypot(*np.subtract(end, hinge.at)) for end in face.ends) <= near
             and {link_of[name] for name in face.bodies} == links
         ]
@@ -90,11 +75,15 @@ class JointForces:
         """
         linkage, count = self.linkage, len(self.linkage.links) - 1
         centres = self._centres(at)
-        joints = [(h.bodies[0], h.at) for h in self.hinges]
-        joints += [(s.body, s.at) for s in self.sliders]
+        joints = [(h.bodies[0], h.at) for h in self.linkage.hinges]
+        joints += [(s.body, s.at) for s in self.linkage.sliders]
         places = linkage.motion(at, linkage.chains(joints)).place
         system = np.zeros(
-            (len(at.q), 3 * count, 2 * len(self.hinges) + len(self.sliders))
+            (
+                len(at.q),
+                3 * count,
+                2 * len(self.linkage.hinges) + len(self.linkage.sliders),
+            )
         )
 
         def act(link: int, column: int, place: Array, force: complex) -> None:
@@ -106,14 +95,14 @@ class JointForces:
                 system[:, row + 2, column] += arm.real * force.imag
                 system[:, row + 2, column] -= arm.imag * force.real
 
-        for i, hinge in enumerate(self.hinges):
+        for i, hinge in enumerate(self.linkage.hinges):
             first, second = (linkage.link_of[name] for name in hinge.bodies)
             for axis, force in enumerate((1.0 + 0.0j, 1.0j)):
                 act(first, 2 * i + axis, places[:, i], force)
                 act(second, 2 * i + axis, places[:, i], -force)
-        for i, slider in enumerate(self.sliders, len(self.hinges)):
+        for i, slider in enumerate(self.linkage.sliders, len(self.linkage.hinges)):
             along = complex(*slider.along)
-            column = i + len(self.hinges)
+            column = i + len(self.linkage.hinges)
             link = linkage.link_of[slider.body]
             act(link, column, places[:, i], 1j * along / abs(along))
         return system
@@ -144,10 +133,10 @@ class JointForces:
             np.linalg.pinv(self._system(at) / scale[:, None])
             @ ((wanted / scale)[:, :, None])
         )
-        n, count = len(at.q), len(self.hinges)
+        n, count = len(at.q), len(self.linkage.hinges)
         hinges = found[:, : 2 * count, 0].reshape(n, count, 2)
         compression, shear = np.full((2, n, count), np.nan)
-        for i, hinge in enumerate(self.hinges):
+        for i, hinge in enumerate(self.linkage.hinges):
             if (face := self.face_at(hinge)) is None:
                 continue
             links = [self.linkage.link_of[name] for name in face.bodies]

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..sketch import Point
-from .assembly import GROUND, Assembly, Hinge, Joint, MechanismFault, Slide
+from .assembly import GROUND, Assembly, Face, Hinge, Joint, MechanismFault, Slide
 
 Array = np.ndarray
 
@@ -65,6 +65,25 @@ class LoopClosure:
     # name of the body whose rotation is phi; None for the first one that turns
     coordinate: str | None = None
     path: str = "joints"  # path of the key that states the joints
+
+    @cached_property
+    def hinges(self) -> list[Hinge]:
+        """The hinges, in the order of the joints."""
+        return [joint for joint in self.joints if isinstance(joint, Hinge)]
+
+    @cached_property
+    def sliders(self) -> list[Slide]:
+        """The sliders, in the order of the joints."""
+        return [joint for joint in self.joints if isinstance(joint, Slide)]
+
+    @cached_property
+    def faces(self) -> list[Face]:
+        """The stretches on which bodies of different links touch at rest."""
+        return [
+            face
+            for face in self.assembly.faces(self.hinges)
+            if self.link_of[face.bodies[0]] != self.link_of[face.bodies[1]]
+        ]
 
     @cached_property
     def links(self) -> list[list[str]]:
@@ -135,13 +154,12 @@ class LoopClosure:
             (one, t_one), (other, t_other) = self.chain(a, p), self.chain(b, p)
             rows += [one - other, -1j * (one - other)]
             moved += [t_one - t_other, -1j * (t_one - t_other)]
-        for joint in self.joints:
-            if isinstance(joint, Slide):
-                row, t = self.chain(self.link_of[joint.body], complex(*joint.at))
-                along = complex(*joint.along)
-                across = np.conj(1j * along / abs(along))
-                rows.append(across * row)
-                moved.append(across * t)
+        for slider in self.sliders:
+            row, t = self.chain(self.link_of[slider.body], complex(*slider.at))
+            along = complex(*slider.along)
+            across = np.conj(1j * along / abs(along))
+            rows.append(across * row)
+            moved.append(across * t)
         shape = len(self.links), self._chains[1].shape[1]
         size = self.assembly.size
         return (

@@ -14,7 +14,7 @@ import numpy as np
 from ...errors import StructureError
 from ..sketch import Point
 from .admissibility import check_opening, check_path, opening_ends
-from .assembly import Hinge, MechanismFault, Slide
+from .assembly import Hinge, MechanismFault
 from .joint_forces import JointForces, momentum_changes
 from .kinematics import Linearised, linearise
 from .linkage import Linkage
@@ -46,19 +46,8 @@ class MechanismSide:
         """True for one rigid body that turns about a hinge on the ground and carries no
         load but masses that are fixed to it.
         """
-        joints = [joint for joint in self.linkage.joints if isinstance(joint, Slide)]
-        one = len(self.linkage.links) == 2 and not joints
-        return one and not self.linkage.bearings
-
-    @property
-    def hinges(self) -> list[Hinge]:
-        """Its hinges."""
-        return [joint for joint in self.linkage.joints if isinstance(joint, Hinge)]
-
-    @property
-    def sliders(self) -> list[Slide]:
-        """Its sliders."""
-        return [joint for joint in self.linkage.joints if isinstance(joint, Slide)]
+        linkage = self.linkage
+        return len(linkage.links) == 2 and not (linkage.sliders or linkage.bearings)
 
     @cached_property
     def governing(self) -> tuple[float, list[Point]] | None:
@@ -89,8 +78,8 @@ class MechanismSide:
         return Statics(
             assembly,
             bodies_alone(assembly, staying),
-            tuple(self.sliders),
-            tuple(self.hinges),
+            tuple(self.linkage.sliders),
+            tuple(self.linkage.hinges),
         )
 
     def impulses_inside(self, before: MechanismSide, eta: float) -> bool | None:
@@ -102,9 +91,12 @@ class MechanismSide:
         staying = [n for n in linkage.links[0] if n in before.linkage.links[0]]
         if any(not b.outline for b in assembly.bodies if b.name not in staying):
             return None
-        hinges = (*self.hinges, *before.hinges)
+        hinges = (*self.linkage.hinges, *before.linkage.hinges)
         statics = Statics(
-            assembly, bodies_alone(assembly, staying), tuple(self.sliders), hinges
+            assembly,
+            bodies_alone(assembly, staying),
+            tuple(self.linkage.sliders),
+            hinges,
         )
         wanted: dict[str, np.ndarray] = {}
         for change in momentum_changes(before.linkage, linkage, eta):
@@ -115,7 +107,7 @@ class MechanismSide:
 
     def arm(self) -> tuple[float, float]:
         """Return (R [m], inertia about the hinge [kg m2]) of a single rigid body."""
-        (hinge,), (mass,) = self.hinges[:1], self.linkage.masses
+        (hinge,), (mass,) = self.linkage.hinges[:1], self.linkage.masses
         radius = abs(mass.centre - complex(*hinge.at))
         return radius, mass.inertia + mass.mass * radius**2
 
@@ -131,7 +123,7 @@ class MechanismSide:
             }
         radius, inertia = self.arm()
         (mass,) = self.linkage.masses
-        off = mass.centre - complex(*self.hinges[0].at)
+        off = mass.centre - complex(*self.linkage.hinges[0].at)
         return {
             "p": math.sqrt(gravity * radius * mass.mass / inertia),
             "alpha": math.atan2(abs(off.real), off.imag),
@@ -151,7 +143,7 @@ class MechanismSide:
         if onset is not None and before is not None and eta is not None:
             struck = forces.impulses(before.linkage, eta)
         rows: list[dict[str, Any]] = []
-        for i, hinge in enumerate(forces.hinges):
+        for i, hinge in enumerate(self.linkage.hinges):
             row: dict[str, Any] = {"hinge": list(hinge.bodies), "at": list(hinge.at)}
             if onset is not None and np.isfinite(onset.compression[0, i]):
                 n, t = float(onset.compression[0, i]), float(onset.shear[0, i])
@@ -160,7 +152,7 @@ class MechanismSide:
                 n, t = float(struck.compression[0, i]), float(struck.shear[0, i])
                 row |= {"friction_at_impact": _over(t, n)}
             rows.append(row)
-        for i, slide in enumerate(forces.sliders):
+        for i, slide in enumerate(self.linkage.sliders):
             row = {
                 "slide": slide.body,
                 "at": list(slide.at),

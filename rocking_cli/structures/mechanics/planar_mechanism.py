@@ -249,7 +249,9 @@ class PlanarMechanism:
         points = [p for body in bodies for p in body.outline]
         highest = max((z for _, z in points), default=0.0)
         top = [p for p in points if highest - p[1] <= 1e-9 * linkage.assembly.size]
-        hinges = [side.hinges[0].at for side in (self.left or self.right, self.right)]
+        hinges = [
+            side.linkage.hinges[0].at for side in (self.left or self.right, self.right)
+        ]
         return tuple(max(math.dist(at, p) for p in top) for at in hinges if top)
 
 

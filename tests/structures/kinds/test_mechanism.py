@@ -11,13 +11,16 @@ from support.refusals import refuses
 
 from rocking_cli import (
     DocumentError,
+    build_structure,
     check,
     load_structures,
+    parse_documents,
     parse_grid,
     sine,
     time_history,
 )
 from rocking_cli.dynamics.method import Method
+from rocking_cli.structures.kinds import sketch_of
 
 BLOCK = "{corners: [[0, 0], [0.5, 0], [0.5, 2], [0, 2]], density: 2000}"
 WALL = """
@@ -236,6 +239,17 @@ def test_forces_of_many_columns_are_not_printed():
     bare = built(one(body="{mass: 1000, centre: [0.25, 1], gyration: 0.6}"))
     assert not bare.remarks  # no outline: no faces, so no compression either
     assert all("compression" not in joint for joint in found.details["joints"])
+
+
+def test_a_sketch_moves_in_both_directions():
+    (document,) = parse_documents(WALL + FOOT + CRACK + TOP, "f.yaml")
+    wall = build_structure(document)
+    pose = sketch_of(document, wall).pose
+    there, back = (pose(sign * 0.5 * wall.alpha)[0] for sign in (1.0, -1.0))
+    for one, other in zip(there, back, strict=True):
+        image = [(0.3 - x, z) for x, z in one]
+        assert np.array(other) == pytest.approx(np.array(image), abs=1e-12)
+    assert max(x for x, _ in there[0]) > 0.31
 
 
 def test_vertical_motion_needs_loads_with_mass():

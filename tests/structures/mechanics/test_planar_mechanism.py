@@ -132,7 +132,7 @@ PORTAL = {
 LEFT, RIGHT = (0.0, 0.7, 0.0, 3.5), (3.0, 3.6, -0.6, 3.5)
 
 
-def portal():
+def portal(**more):
     bodies = (
         rectangle("left", *LEFT, 2000.0),
         rectangle("right", *RIGHT, 2000.0),
@@ -151,6 +151,7 @@ def portal():
         Assembly(bodies),
         joints((0.7, 0.0), (0.0, 3.5), (3.0, 3.5), (3.6, -0.6)),
         other=joints((0.0, 0.0), (0.7, 3.5), (3.6, 3.5), (3.0, -0.6)),
+        **more,
     )
 
 
@@ -162,6 +163,23 @@ def test_a_portal_whose_directions_differ():
         numbers = side.numbers(G)
         own = (numbers["uplift"], numbers["alpha"], numbers["p"], eta[0])
         assert own == pytest.approx(PORTAL[name], abs=6e-10)
+
+
+def test_a_side_may_be_measured_by_another_body():
+    # eta of one side then exceeds 1; the motion and the product of both stay
+    one, other = portal(), portal(coordinate="left", other_coordinate="right")
+    (here, _), (there, _) = other.momentum
+    assert max(here, there) > 1.0
+    assert here * there == pytest.approx(
+        one.momentum[0][0] * one.momentum[1][0], rel=1e-12
+    )
+    cell = np.linspace(1.1, 4.0, 30), np.full(30, 3.0)
+    bodies = [x.parameters("portal", "mechanism", gravity=G) for x in (one, other)]
+    found = [
+        response(Method("nonlinear").system_of(body), sine(), *cell, body.eta)
+        for body in bodies
+    ]
+    assert (found[0].outcome == found[1].outcome).all()
 
 
 def _portal_oracle():
