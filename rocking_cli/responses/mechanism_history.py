@@ -102,14 +102,7 @@ class MechanismHistory:
         carried, over its weight. Values are NaN at rest, where the bodies are
         statically indeterminate, and after the end.
         """
-        hinges = max(len(forces.linkage.hinges) for forces in self._forces.values())
-        sliders = max(len(forces.linkage.sliders) for forces in self._forces.values())
-        names = ["thrust_min", "shear_ratio"]
-        names += [f"hinge{n}_{x}" for n in range(1, hinges + 1) for x in ("n", "t")]
-        names += [f"slider{n}" for n in range(1, sliders + 1)]
-        if any(forces.linkage.bearings for forces in self._forces.values()):
-            names.append("load_min")
-        found = {name: np.full(tau.shape, np.nan) for name in names}
+        found = {name: np.full(tau.shape, np.nan) for name in self._names()}
         moving, arcs = self.found.arcs.at(tau)
         for side in self._forces:
             here = self.found.arcs.side[arcs] == side
@@ -118,8 +111,10 @@ class MechanismHistory:
                 continue
             stop = self.found.arcs.stop[arc]
             at = self._during(side, arc, np.minimum(tau[inside], stop))
-            found["thrust_min"][inside] = at.compression.min(axis=1) / self._weight
-            found["shear_ratio"][inside] = _ratio(at).max(axis=1)
+            if known := self._known(side):
+                least = at.compression[:, known].min(axis=1)
+                found["thrust_min"][inside] = least / self._weight
+                found["shear_ratio"][inside] = _ratio(at)[:, known].max(axis=1)
             for i, (n, t) in enumerate(
                 zip(at.compression.T, at.shear.T, strict=True), 1
             ):
@@ -131,16 +126,33 @@ class MechanismHistory:
                 found["load_min"][inside] = at.loads.min(axis=1)
         return found
 
+    def _names(self) -> list[str]:
+        """The names of the columns."""
+        linkages = [forces.linkage for forces in self._forces.values()]
+        hinges = max(len(linkage.hinges) for linkage in linkages)
+        sliders = max(len(linkage.sliders) for linkage in linkages)
+        names = ["thrust_min", "shear_ratio"]
+        names += [f"hinge{n}_{x}" for n in range(1, hinges + 1) for x in ("n", "t")]
+        names += [f"slider{n}" for n in range(1, sliders + 1)]
+        bear = any(linkage.bearings for linkage in linkages)
+        return [*names, "load_min"] if bear else names
+
+    def _known(self, side: float) -> list[int]:
+        """Indices of the hinges on a known face, whose N and T are known."""
+        forces = self._forces[side]
+        hinges = enumerate(forces.linkage.hinges)
+        return [i for i, hinge in hinges if forces.face_at(hinge) is not None]
+
     @cached_property
     def extremes(self) -> dict[str, WorstHinge]:
         """The least N over the weight of what moves (thrust_min) and the largest |T|/N
-        (friction) over all hinges and in time; empty if nothing moved.
+        (friction) over all hinges on known faces and in time; empty if nothing moved.
         """
         worst: dict[str, WorstHinge] = {}
         starts, stops, sides, *_ = self.found.arcs
         for arc in np.flatnonzero(stops > starts).tolist():
             side = float(sides[arc])
-            for i in range(len(self._forces[side].linkage.hinges)):
+            for i in self._known(side):
                 for name, sign in (("thrust_min", -1.0), ("friction", 1.0)):
 
                     def value(
@@ -163,16 +175,20 @@ class MechanismHistory:
                         worst[name] = WorstHinge(sign * most, which, i + 1, when)
         return worst
 
-    def opens(self) -> bool:
+    def opens(self) -> bool | None:
         """True if a hinge loses its compression, or a load leaves its body: another
-        mechanism follows.
+        mechanism follows. None if that is not known of every hinge.
         """
         starts, stops, *_ = self.found.arcs
         share = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, 25)))[1:-1]
         tau = (starts + np.multiply.outer(share, stops - starts)).ravel()
         found = self.columns(tau)
         least = [found[name] for name in ("thrust_min", "load_min") if name in found]
-        return any(bool(np.any(values < 0.0)) for values in least)
+        if any(bool(np.any(values < 0.0)) for values in least):
+            return True
+        sides = self._forces.items()
+        every = all(len(self._known(s)) == len(f.linkage.hinges) for s, f in sides)
+        return False if every else None
 
     def summary(self, when: str, time: float) -> dict[str, Any]:
         """Return the extremes as a row; `when`: suffix of the columns of times, `time`:
@@ -186,7 +202,8 @@ class MechanismHistory:
             row[f"{name}_side"], row[f"{name}_hinge"] = side, hinge
             row[f"{name}_{when}"] = None if tau is None else tau * time
         friction, thrust = (self.extremes.get(k) for k in ("friction", "thrust_min"))
-        row["opens"] = self.opens() or (thrust is not None and thrust.value <= 0.0)
+        lifted = thrust is not None and thrust.value <= 0.0
+        row["opens"] = True if lifted else self.opens()
         if self.structure.friction is not None:
             limit = self.structure.friction
             row["slides"] = friction is not None and friction.value > limit
@@ -201,8 +218,10 @@ class MechanismHistory:
 
     def words(self) -> str:
         """Return a sentence on the extreme forces."""
-        if not self.extremes:
+        if not self.found.arcs.start.size:
             return "the mechanism never moved"
+        if not self.extremes:
+            return "N and T are not known without outlines that touch at the hinges"
         thrust, friction = self.extremes["thrust_min"], self.extremes["friction"]
         text = f"least N {thrust.value:.4g} of the weight at hinge {thrust.hinge}"
         text += f" ({thrust.side}), largest |T|/N {friction.value:.4g} at hinge"

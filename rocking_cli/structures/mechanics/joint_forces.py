@@ -73,39 +73,35 @@ class JointForces:
         """The matrix of the unknowns in the equations of the links, (n, 3 links,
         unknowns).
         """
-        linkage, count = self.linkage, len(self.linkage.links) - 1
-        centres = self._centres(at)
-        joints = [(h.bodies[0], h.at) for h in self.linkage.hinges]
-        joints += [(s.body, s.at) for s in self.linkage.sliders]
+        linkage, centres = self.linkage, self._centres(at)
+        joints = [(hinge.bodies[0], hinge.at) for hinge in linkage.hinges]
+        joints += [(slider.body, slider.at) for slider in linkage.sliders]
         places = linkage.motion(at, linkage.chains(joints)).place
-        system = np.zeros(
-            (
-                len(at.q),
-                3 * count,
-                2 * len(self.linkage.hinges) + len(self.linkage.sliders),
-            )
-        )
-
-        def act(link: int, column: int, place: Array, force: complex) -> None:
-            if link:
-                arm = place - centres[:, link - 1]
-                row = 3 * (link - 1)
-                system[:, row, column] += force.real
-                system[:, row + 1, column] += force.imag
-                system[:, row + 2, column] += arm.real * force.imag
-                system[:, row + 2, column] -= arm.imag * force.real
-
-        for i, hinge in enumerate(self.linkage.hinges):
-            first, second = (linkage.link_of[name] for name in hinge.bodies)
-            for axis, force in enumerate((1.0 + 0.0j, 1.0j)):
-                act(first, 2 * i + axis, places[:, i], force)
-                act(second, 2 * i + axis, places[:, i], -force)
-        for i, slider in enumerate(self.linkage.sliders, len(self.linkage.hinges)):
+        columns = [
+            self._column(centres, places[:, i], unit, *hinge.bodies)
+            for i, hinge in enumerate(linkage.hinges)
+            for unit in (1.0 + 0.0j, 1.0j)
+        ]
+        for i, slider in enumerate(linkage.sliders, len(linkage.hinges)):
             along = complex(*slider.along)
-            column = i + len(self.linkage.hinges)
-            link = linkage.link_of[slider.body]
-            act(link, column, places[:, i], 1j * along / abs(along))
-        return system
+            across = 1j * along / abs(along)
+            columns.append(self._column(centres, places[:, i], across, slider.body))
+        return np.stack(columns, axis=-1)
+
+    def _column(
+        self, centres: Array, place: Array, force: complex, body: str, other: str = ""
+    ) -> Array:
+        """A force on a body at a place, and its reaction on another one, in the
+        equations of the links, (n, 3 links).
+        """
+        column = np.zeros((*centres.shape, 3))
+        for name, sign in ((body, 1.0), (other, -1.0)):
+            if name and (link := self.linkage.link_of[name]):
+                arm = place - centres[:, link - 1]
+                column[:, link - 1, 0] += sign * force.real
+                column[:, link - 1, 1] += sign * force.imag
+                column[:, link - 1, 2] += sign * (np.conj(arm) * force).imag
+        return column.reshape(len(column), -1)
 
     def _centres(self, at: Positions) -> Array:
         """Mass centres of the links, (n, links)."""

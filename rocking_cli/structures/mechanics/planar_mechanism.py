@@ -57,6 +57,8 @@ class PlanarMechanism:
         if not math.isclose(one, other, rel_tol=_EQUAL, abs_tol=_EQUAL):
             return False
         phi = _SHARES * min(self.right.form.alpha, self.left.form.alpha)
+        reach = min(self.right.linkage.reach, self.left.linkage.reach)
+        phi = np.minimum(phi, (1.0 - 1e-6) * reach)
         pairs = zip(
             self.right.linkage.coefficients(phi),
             self.left.linkage.coefficients(phi),

@@ -204,21 +204,7 @@ class Statics:
         """The joints of the mechanism with these velocities (x, z at the origin, and
         rotation times the size) of the groups, (groups, 3).
         """
-        size = self.assembly.size
-
-        def velocity(group: int, at: Point) -> Array:
-            x, z, turn = moved[group]
-            return np.array([x - at[1] * turn / size, z + at[0] * turn / size])
-
-        rates = []
-        for face in self.faces:
-            one, other = (self._group[name] for name in face.bodies)
-            rates.append(
-                [
-                    float(np.dot(face.normal, velocity(one, p) - velocity(other, p)))
-                    for p in face.ends
-                ]
-            )
+        size, rates = self.assembly.size, self._rates(moved)
         fastest = max((abs(x) for pair in rates for x in pair), default=0.0)
         opens = [[x > _STILL * fastest for x in pair] for pair in rates]
         whole = _joined(
@@ -237,6 +223,17 @@ class Statics:
                 hinges.setdefault((groups, _rounded(at, size)), Hinge(face.bodies, at))
         order = sorted(hinges.values(), key=lambda hinge: hinge.at)
         return (*order, *self._rigid(whole), *self._sliding(whole))
+
+    def _rates(self, moved: Array) -> list[list[float]]:
+        """How fast both ends of each face open at these velocities."""
+        rates = []
+        for face in self.faces:
+            one, other = (moved[self._group[name]] for name in face.bodies)
+            x, z, turn = one - other
+            turn /= self.assembly.size
+            ends = [(x - at[1] * turn, z + at[0] * turn) for at in face.ends]
+            rates.append([float(np.dot(face.normal, u)) for u in ends])
+        return rates
 
     def _rigid(self, whole: list[int]) -> list[Rigid]:
         """The groups of bodies that move as one; those that stay, with the ground."""
