@@ -95,6 +95,8 @@ bench: $(STAMPS)/dev ## Speed and error of every scene
 	.venv/bin/python tests/bench/bench.py
 	PYTHONPATH=tests .venv/bin/python tests/support/shown_commands.py
 	.venv/bin/python tests/bench/left_out.py
+	rm -rf out/base && mkdir -p out/base && git archive $(BASE) rocking_cli | tar -x -C out/base
+	PYTHONPATH=tests:$(CURDIR) .venv/bin/python tests/bench/waiting.py --base out/base
 
 # Records at the scale of a database, minutes: 200 x 10^4 cells, the nonlinear equation, first and all intervals of overturning.
 database: $(STAMPS)/dev ## Records at the scale of a database, minutes

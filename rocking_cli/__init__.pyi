@@ -43,6 +43,9 @@ from .motions import Motion as Motion
 from .motions import cosine as cosine
 from .motions import pulse as pulse
 from .motions import sine as sine
+from .motions.buildings import Building as Building
+from .motions.buildings import floor_of as floor_of
+from .motions.buildings import parse_building as parse_building
 from .motions.design_spectra import FloorMode as FloorMode
 from .motions.design_spectra import SpectrumFile as SpectrumFile
 from .motions.design_spectra import read_spectrum as read_spectrum
@@ -70,7 +73,6 @@ from .reports.units import Units as Units
 from .reports.work_precision import accuracy as accuracy
 from .responses.arcs import History as History
 from .responses.check import Progress as Progress
-from .responses.check import Verdict as Verdict
 from .responses.check import check as check
 from .responses.code_check import CodeCheck as CodeCheck
 from .responses.code_check import code_check as code_check
@@ -78,12 +80,15 @@ from .responses.code_check import first_beyond as first_beyond
 from .responses.comparison import compare as compare
 from .responses.history import history as history
 from .responses.shares import ShareOfDraws as ShareOfDraws
+from .responses.sliding import SlideHistory as SlideHistory
+from .responses.sliding import slide_history as slide_history
 from .responses.solving import Boundary as Boundary
 from .responses.solving import boundaries as boundaries
 from .responses.time_history import TimeHistory as TimeHistory
 from .responses.time_history import time_history as time_history
 from .responses.uncertainty import DrawnVerdict as DrawnVerdict
 from .responses.uncertainty import drawn_verdict as drawn_verdict
+from .responses.verdict import Verdict as Verdict
 from .spectra.file.merging import Merged as Merged
 from .spectra.file.merging import merge as merge
 from .spectra.file.reader import SpectraFile as SpectraFile

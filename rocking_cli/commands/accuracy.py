@@ -1,6 +1,6 @@
 """`rocking accuracy`: error against run time for a scene."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import click
 
@@ -56,6 +56,7 @@ def accuracy(
     """
     from ..motions.grid import parse_grid
     from ..reports.work_precision import work_precision
+    from ..responses.sliding import stuck_in_words
     from ..spectra.scene import PulseScene
 
     motion = motions.one().motion
@@ -64,6 +65,8 @@ def accuracy(
     structures, _ = options.structures_of(files, sizeless.etas)
     if len(structures) > 1:
         raise click.UsageError(f"found {len(structures)} structures; expected one")
+    note(*stuck_in_words(structures))
+    structures = [replace(s, friction=None, kinetic_friction=None) for s in structures]
     methods = model.methods(structures, grid.dimensionless)
     note(*model.in_words(methods, structures, grid.dimensionless))
     note(

@@ -19,7 +19,8 @@ from .progress import ProgressLine
 if TYPE_CHECKING:
     from ..dynamics.outcome import Outcome
     from ..envelopes.amplitudes import Limit
-    from ..responses.check import Demand, Verdict
+    from ..responses.check import Demand
+    from ..responses.verdict import Verdict
     from .check_demands import Demands
     from .code_rows import CodeRows
 
@@ -77,8 +78,9 @@ class CheckOptions:
     sort: str | None = options.sort()
     fail_on: str | None = option(
         "--fail-on",
-        "Exit code 5 if a structure falls or loses contact, in either direction.",
-        type=click.Choice(["overturning"]),
+        "Exit code 5 if a structure falls or loses contact, in either direction; or"
+        " slides further than a length, such as slide=50mm.",
+        metavar="overturning|slide=LENGTH",
     )
     output: Path | None = options.output("Draw the capacities: .png, .svg or .pdf.")
     overwrite: bool = options.overwrite()
@@ -125,7 +127,12 @@ def check(
     stated = stated_demands(files, asked, wanted.vary, wanted.sign)
     if drawn.draws is not None:
         require_spreads(stated.structures)
+    most_slide = _slide_limit(wanted.fail_on, stated)
     by_code = of_code.rows(wanted.verdict_only)
+    if by_code is not None and asked.building:
+        from ..motions.buildings import parse_building
+
+        by_code.stand_on(parse_building(asked.building))
     if wanted.output is not None:
         options.check_target(wanted.output, wanted.overwrite)
     if by_code and of_code.spectrum and not stated.shakes:
@@ -152,8 +159,42 @@ def check(
     note(*of_draws.said, *_lines(judged, demands, wanted, by_code, opposite))
     outcomes = [*(v.outcome for v in judged), *(outcome for _, outcome in opposite)]
     partly(Outcome.FAILED in outcomes)
-    overturning = any(outcome.falls for outcome in outcomes)
-    return 5 if wanted.fail_on and overturning else 0
+    if wanted.fail_on and any(outcome.falls for outcome in outcomes):
+        return 5
+    return 5 if _slid_too_far(judged, most_slide) else 0
+
+
+def _slide_limit(fail_on: str | None, stated: Demands) -> float | None:
+    """Return the length of --fail-on slide=LENGTH [m], None without it. Raises
+    UsageError, also for a structure whose sliding is not known.
+    """
+    if fail_on is None or fail_on == "overturning":
+        return None
+    from ..responses.sliding import parse_slide
+    from ..structures.friction import covers_sliding
+
+    most = parse_slide("--fail-on", fail_on, "overturning or slide=LENGTH")
+    for one in stated.structures:
+        if one.friction is None or not covers_sliding(one):
+            raise click.UsageError(
+                f"--fail-on {fail_on}: the sliding of {one.name} is not known; expected"
+                " rigid bodies on two edges, without ties, whose documents state"
+                " friction"
+            )
+    return most
+
+
+def _slid_too_far(judged: list[Verdict], most: float | None) -> bool:
+    """Return True if a body slides further than a length [m], or if its sliding is not
+    followed.
+    """
+    if most is None:
+        return False
+    unknown = [v.structure for v in judged if v.slides]
+    if unknown:
+        note(f"--fail-on slide: how far they slide is not known: {', '.join(unknown)}")
+    far = [v.slide is not None and v.slide.slide_max > most for v in judged]
+    return bool(unknown) or any(far)
 
 
 def _judge_and_print(
@@ -165,7 +206,8 @@ def _judge_and_print(
     """Print a row for each demand and return the verdicts: JSON and CSV as soon as each
     is known, a table when all are.
     """
-    from ..responses.check import CHECK_COLUMNS, CHECK_KEYS, verdicts
+    from ..responses.check import verdicts
+    from ..responses.verdict import CHECK_COLUMNS, CHECK_KEYS
     from .check_rows import UNSEEN, row_of
 
     found: Iterable[tuple[Verdict, Demand]] = zip(

@@ -93,6 +93,12 @@ def at_worst(demands: Demands, limit: Limit | None, workers: int | None) -> Dema
 
     limit: the largest amplitude of the search, None if only outcomes are wanted.
     """
+    from ..structures.friction import refuse_range
+
+    if demands.azimuths is not None and demands.azimuths.size > 1:
+        refuse_range(demands.structures, "--azimuth with several directions")
+    if demands.up_to is not None:
+        refuse_range(demands.structures, "a range of frequencies")
     if demands.azimuths is not None:
         demands = _at_worst_azimuth(demands, demands.azimuths, workers)
     if demands.up_to is not None:

@@ -10,11 +10,12 @@ from .progress import ProgressLine
 if TYPE_CHECKING:
     from ..envelopes.amplitudes import Limit
     from ..envelopes.worst import BeyondTheEnd
-    from ..responses.check import Verdict
+    from ..responses.verdict import Verdict
     from ..structures import RockingParameters
     from .check_demands import Demands
 
 _NAMED = 3  # structures that a line names
+_SENTENCES = 8  # bodies that slide with a line each, at most
 
 
 def remarks(verdicts: list[Verdict]) -> list[str]:
@@ -34,6 +35,7 @@ def remarks(verdicts: list[Verdict]) -> list[str]:
     for words, holds in _conditions():
         if names_of := named(filter(holds, verdicts)):
             lines.append(f"{words}: {', '.join(names_of)}")
+    lines += sliding_remarks(verdicts, named)
     for v in verdicts:
         if v.devices:
             from ..responses.tied_history import remarks as of_ties
@@ -95,13 +97,37 @@ def _conditions() -> list[tuple[str, Callable[[Verdict], Any]]]:
         ),
         (
             "would slide, because their friction is below friction_needed",
-            lambda v: v.slides,
+            lambda v: v.slides and not v.coupling,
         ),
         (
             "stand by the linear equation, which is wrong",
             lambda v: v.falls and v.outcome_linear.safe,
         ),
     ]
+
+
+def sliding_remarks(
+    verdicts: list[Verdict], named: Callable[[Iterable[Verdict]], list[str]]
+) -> list[str]:
+    """Return a line for each of a few bodies that slide and never rock, one for many,
+    and one for each way in which bodies slide while they rock.
+    """
+    slid = [v for v in verdicts if v.slide is not None]
+    lines = [
+        f"{name}: {v.slide.words}"
+        for name, v in zip(named(slid), slid, strict=True)
+        if v.slide is not None
+    ]
+    if len(slid) > _SENTENCES:
+        lines = [
+            "slide before they could rock, and cannot overturn while their friction"
+            f" stays below lambda: {', '.join(named(slid))}"
+        ]
+    ways = dict.fromkeys(v.coupling for v in verdicts if v.coupling)
+    for way in ways:
+        names = ", ".join(named(v for v in verdicts if v.coupling == way))
+        lines.append(f"{names}: {way}")
+    return lines
 
 
 def worst_at_an_end(

@@ -8,7 +8,7 @@ from ..reports.tables import Above
 from .printing import form
 
 if TYPE_CHECKING:
-    from ..responses.check import Verdict
+    from ..responses.verdict import Verdict
     from .check_demands import Demands
 
 
@@ -31,11 +31,14 @@ def row_of(
 def _later_columns(demands: Demands, searched: bool) -> tuple[str, ...]:
     """The columns that a later row may have and the first one lacks."""
     from ..envelopes.capacity import falls_may_be_narrow
-    from ..responses.check import TIED_COLUMNS
+    from ..responses.verdict import SLIDE_COLUMNS, TIED_COLUMNS
+    from ..structures.friction import sliders
 
     tied = any(s.restraints for s in demands.structures)
     linked = any(s.mechanism is not None for s in demands.structures)
     narrow = searched and any(
         falls_may_be_narrow(motion) for motion, _ in demands.shakes
     )
-    return TIED_COLUMNS * tied + ("opens",) * linked + ("falls_nearby",) * narrow
+    slid = bool(sliders(demands.structures))
+    other = ("opens",) * linked + ("falls_nearby",) * narrow
+    return SLIDE_COLUMNS * slid + TIED_COLUMNS * tied + other

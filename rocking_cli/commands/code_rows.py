@@ -6,10 +6,12 @@ from typing import Any
 
 from ..dynamics.method import governing_method
 from ..errors import UsageError
+from ..motions.buildings import Building
 from ..motions.design_spectra import parse_floor, read_spectrum
 from ..reports.figures.capacities import draw_capacity_curves
-from ..responses.check import CHECK_KEYS, Demand, Verdict
+from ..responses.check import Demand
 from ..responses.code_check import SLC, SLV, CodeCheck, code_check, first_beyond
+from ..responses.verdict import CHECK_KEYS, Verdict
 from ..structures import RockingParameters
 from ..structures.mechanics.capacity_curve import require_geometry
 from .printing import emit, note
@@ -33,8 +35,24 @@ class CodeRows:
         # describes the body)
         self.checks: dict[tuple[str, str], tuple[CodeCheck, Demand, bool]] = {}
         self.lines: list[str] = []  # remarks to print below the table
+        self.building: Building | None = None  # below the body in the dynamics
         # of each structure
         self.verdicts: dict[str, list[Verdict]] = {}
+
+    def stand_on(self, building: Building | None) -> None:
+        """Take the building of the dynamics. Raises UsageError if --floor states
+        another one.
+        """
+        self.building = building
+        floor = self.given["floor"]
+        if building is None or not floor:
+            return
+        own = {(m.period, m.damping, m.gamma_psi) for m in floor}
+        if own != set(map(tuple, building.modes)):
+            raise UsageError(
+                "--floor and --building state two floors; expected the same modes in"
+                " both, for the code and for the dynamics"
+            )
 
     def alone(
         self,
@@ -90,7 +108,7 @@ class CodeRows:
         self.verdicts.setdefault(verdict.structure, []).append(verdict)
         beyond = (
             first_beyond(*demand, most=verdict.first_overturning_a)
-            if searched
+            if searched and verdict.slide is None
             else None
         )
         several = (
@@ -167,9 +185,20 @@ class CodeRows:
             f"code: Circolare 7/2019 C8.7.1, FC = {self.given['confidence']:g},"
             f" spectrum of {on}{where}",
         )
-        if where:
+        if where and self.building is None:
             self.lines.append(
                 "the dynamics are those under the motion of the ground, not of the"
+                " floor"
+            )
+        elif where:
+            self.lines.append(
+                "the row of the code and the dynamics describe the same floor: the code"
+                " by its floor spectrum, the dynamics by the motion of the floor"
+            )
+        elif self.building is not None and self.given["site"] is not None:
+            self.lines.append(
+                "the row of the code is that of the spectrum on the ground, the"
+                " dynamics are those on the floor; --floor gives the code the same"
                 " floor"
             )
         if broken := dict.fromkeys(

@@ -37,6 +37,7 @@ def compare(
     """
     from ..dynamics.method import direction_in_words
     from ..responses import comparison
+    from ..responses.sliding import stuck_in_words
 
     shaken = shaking.of(motions.one())
     structures, _ = options.structures_of(files)
@@ -56,6 +57,7 @@ def compare(
     note(
         *model.in_words(methods, structures, shaken.grid.dimensionless),
         *direction_in_words(*structures),
+        *stuck_in_words(structures),
     )
     for method in methods:
         if len(structures) > 1:

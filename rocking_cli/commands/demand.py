@@ -7,7 +7,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import click
 
@@ -76,7 +76,7 @@ class Shaking:
         _require_single(stated)
         grid = _grid(stated, own_time=own is not None or bool(ground.recordings))
         remark_on(grid=grid)
-        return replace(ground, grid=grid)
+        return ground.with_grid(grid)
 
 
 def _require_single(stated: Mapping[str, str]) -> None:
@@ -113,6 +113,8 @@ def _grid(stated: Mapping[str, str], own_time: bool) -> Grid:
 class Demand(Shaking, BothWays):
     """The ground motion, a vertical one, and the demand."""
 
+    takes_demand: ClassVar[bool] = True
+
     def ends(self) -> list[Demand]:
         """Return the demands at both ends of a range of frequencies FROM:TO, if there
         is one. Raises click.UsageError.
@@ -132,6 +134,10 @@ class Demand(Shaking, BothWays):
             for key, text in given.items()
             if text and text.count(":") == 1
         }
+        if of and self.building:
+            raise click.UsageError(
+                "--building does not go with a range of frequencies: give one"
+            )
         return [replace(self, **{key: end}) for key, ends in of.items() for end in ends]
 
 
@@ -183,11 +189,26 @@ def note_demand(shakes: Sequence[tuple[Motion, Grid]]) -> None:
 
     asked = click.get_current_context().params
     note(
-        f"demand: {demand_in_words(shakes)}",
+        f"demand: {demand_in_words(shakes)}{_floor_in_words(shakes)}",
         *bare_remarks(
             f"a_g={asked['a_g']}" if asked["a_g"] else asked.get("scale_to") or ""
         ),
     )
+
+
+def _floor_in_words(shakes: Sequence[tuple[Motion, Grid]]) -> str:
+    """Return what a floor makes of the demand in words; empty on the ground."""
+    from ..documents.quantities import DEFAULT_GRAVITY
+
+    peaks = [
+        float(grid.amplitude.values[0]) * motion.largest / DEFAULT_GRAVITY
+        for motion, grid in shakes
+        if motion.floor is not None
+    ]
+    if not peaks:
+        return ""
+    span = " to ".join(dict.fromkeys(f"{x:.4g}" for x in (min(peaks), max(peaks))))
+    return f", of the ground; {span} g on the floor of the building"
 
 
 def note_governing(

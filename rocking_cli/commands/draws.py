@@ -23,11 +23,11 @@ class Draws:
 
     draws: int | None = option(
         "--draws",
-        "Draw numbers with a spread, such as width: 0.5 m +- 10 mm, this many times.",
+        "Draw numbers with a spread, such as width: 0.5 m +- 10 mm, so many times.",
         type=click.IntRange(2, 1 << 20),
     )
     seed: int = option(
-        "--seed", "Seed of the draws.", type=click.IntRange(0), default=0
+        "--seed", "Seed of the random numbers.", type=click.IntRange(0), default=0
     )
 
     def rows(self, structures: Iterable[RockingParameters]) -> Iterator[dict[str, Any]]:

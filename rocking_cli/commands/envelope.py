@@ -128,7 +128,10 @@ def envelope(
         unseen=NAMED[: 1 if len(methods) > 1 else 2],
         varied=varied,
     )
+    from ..responses.sliding import stuck_in_words
+
     lines = model.in_words(methods, structures, axis.name == "Omega")
+    lines += stuck_in_words(structures)
     lines += _remarks(tracings, len(methods), wanted)
     failed = sum(tracing.count("failed") for tracing in tracings)
     _closing(lines, f"{NARROWEST:g} in A", failed)
@@ -242,6 +245,7 @@ def _of_records(
     from ..dynamics.method import model_in_words
     from ..envelopes.capacity import RATIO
     from ..envelopes.intervals import INTERVAL_KEYS, NAMED, NONE
+    from ..responses.sliding import stuck_in_words
     from ..spectra.record_envelope import Tracing, overturning_spectrum, tracing_rows
     from ..spectra.record_scene import scene_of_words
 
@@ -288,6 +292,7 @@ def _of_records(
             varied=varied,
         )
     lines = [model_in_words(scene.method, *structures, model=model.models[0])]
+    lines += stuck_in_words(structures)
     if modes[NONE]:
         lines.append(f"no overturning up to {tracing.most} in {modes[NONE]} searches")
     lines.append(

@@ -103,12 +103,12 @@ class FragilityOptions:
     )
     draws: int | None = option(
         "--draws",
-        "Draws of numbers with a spread for each motion, such as 64.",
+        "Draw numbers with a spread, such as width: 0.5 m +- 10 mm, so many times.",
         type=click.IntRange(2, 1 << 20),
     )
     seed: int = option(
         "--seed",
-        "Seed of the bootstrap and of the draws.",
+        "Seed of the random numbers.",
         type=click.IntRange(0),
         default=0,
     )
@@ -155,7 +155,7 @@ class FragilityOptions:
         """Return the limit states of --limit: values of |theta|/alpha, None for
         overturning. Raises click.UsageError.
         """
-        expected = "positive values of |theta|/alpha, or overturning"
+        expected = "positive values of |theta|/alpha, overturning, or slide=LENGTH"
         return list(dict.fromkeys(_each("--limit", self.limits, _limit, expected)))
 
     def limit_of_counts(self) -> float | None:
@@ -211,9 +211,14 @@ def _each(
 
 
 def _limit(text: str) -> float | None:
-    """Return the limit state that a text states: a value of |theta|/alpha, or None for
-    overturning. Raises ValueError.
+    """Return the limit state that a text states: a value of |theta|/alpha, None for
+    overturning, or a displacement such as slide=50mm. Raises ValueError, UsageError.
     """
+    if text.startswith("slide"):
+        from ..fragility.fitted_curve import SlideLimit
+        from ..responses.sliding import parse_slide
+
+        return SlideLimit(parse_slide("--limit", text, "slide=LENGTH"))
     value = None if text == "overturning" else float(text)
     if value is not None and not 0.0 < value < 1e3:
         raise ValueError

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import click
 
@@ -17,8 +17,11 @@ from .parameter_types import NUMBER, PULSE, STATION, InputPath, PulseOrPath, qua
 from .printing import note, warn
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from ..motions import Motion
     from ..motions.biaxial import Upwards
+    from ..motions.buildings import Building
     from ..motions.grid import Grid
     from ..motions.recording import Recording
 
@@ -55,6 +58,16 @@ def named(**names: str) -> Iterator[None]:
         raise
 
 
+def building() -> Any:
+    """The option for the building below a body."""
+    return option(
+        "--building",
+        "A mode of a linear building on whose floor the body stands; repeatable.",
+        multiple=True,
+        metavar="T=…,xi=…,gamma_psi=…",
+    )
+
+
 @dataclass(frozen=True)
 class Reading:
     """The options for reading records."""
@@ -83,6 +96,9 @@ class Ground:
     recordings: tuple[Recording, ...] = ()  # the set of records
     grid: Grid | None = None  # one cell, the demand; None without one
     upwards: Upwards | None = None  # vertical motion that the motions have already
+    # of a pulse whose amplitude and frequency are not stated yet; None for a motion
+    # that is that of a floor already, and without one
+    building: Building | None = None
 
     @property
     def shakes(self) -> list[tuple[Motion, Grid]]:
@@ -131,6 +147,55 @@ class Ground:
             upwards=upwards,
         )
 
+    def on_floor(self, building: Building | None) -> Ground:
+        """Return the motions on a floor of a building; that of a pulse waits for its
+        amplitude and frequency.
+        """
+        if building is None:
+            return self
+        from ..motions.buildings import floor_of
+
+        for r in self.recordings:
+            note(*ends_abruptly(r.label, r.record.acceleration))
+        recordings = tuple(r.on_floor(building) for r in self.recordings)
+        if self.motion is None or self.motion.acceleration is None:
+            waits = None if self.motion is None else building
+            return replace(self, recordings=recordings, building=waits)
+        note(*ends_abruptly(self.motion.name, self.motion.segments.s_end))
+        return replace(self, motion=floor_of(self.motion, building))
+
+    def with_grid(self, grid: Grid) -> Ground:
+        """Return the motions with their demand. Raises click.UsageError for a pulse on
+        a floor whose amplitude or frequency is dimensionless.
+        """
+        if self.building is None or self.motion is None:
+            return replace(self, grid=grid)
+        if grid.dimensionless or grid.amplitude.name != "a_g":
+            raise click.UsageError(
+                "--building goes with an amplitude and a frequency that have units:"
+                " give --a-g and --f-g, --T-g or --omega-g"
+            )
+        from ..motions.buildings import floor_of
+        from ..motions.grid import as_recorded
+
+        a_g = float(grid.amplitude.values[0])
+        omega = float(grid.frequency.values[0])
+        moved = floor_of(self.motion, self.building, a_g, omega)
+        return replace(self, motion=moved, grid=as_recorded(a_g), building=None)
+
+
+def ends_abruptly(label: str, acceleration: np.ndarray) -> list[str]:
+    """Return a line on a record that ends with a part of its peak; none for another.
+    acceleration: its samples, in any unit.
+    """
+    share = abs(float(acceleration[-1])) / float(abs(acceleration).max() or 1.0)
+    if share <= 1e-3:
+        return []
+    return [
+        f"{label}: the record ends with {100.0 * share:.2g} % of its PGA, and the"
+        " building then vibrates freely"
+    ]
+
 
 @dataclass(frozen=True)
 class Source:
@@ -170,6 +235,9 @@ _PULSE = tuple(of.name for of in fields(Source) if of.name != "motion")
 class Motions(Reading, Source):
     """The ground motion: a pulse, a motion document, a record or a set of them."""
 
+    # True if an amplitude and a frequency are stated beside it
+    takes_demand: ClassVar[bool] = False
+
     scale: float | None = option(
         "--scale",
         "Factor of the motion; a negative one reverses it.",
@@ -181,11 +249,30 @@ class Motions(Reading, Source):
         "Scale a record to an intensity measure, such as PGA=0.35g.",
         metavar="IM=VALUE",
     )
+    building: tuple[str, ...] = building()
+
+    def floor(self, ground: Ground, waits: bool) -> Ground:
+        """Return the motions on the floor that --building states; waits: an amplitude
+        and a frequency of a pulse follow. Raises UsageError.
+        """
+        if not self.building:
+            return ground
+        from ..motions.buildings import parse_building
+
+        found = ground.on_floor(parse_building(self.building))
+        if found.building is not None and not waits:
+            raise click.UsageError(
+                "--building goes with records here, as the motion of a floor under a"
+                " pulse depends on its frequency: rocking check, response, solve and"
+                " report take one pulse"
+            )
+        return found
 
     def one(self) -> Ground:
         """Return the motion that the options describe. Raises UsageError for a set of
         records.
         """
+        waits = self.takes_demand
         from ..motions.reading import read_motion
 
         if len(self.motion) > 1 or any(map(os.path.isdir, self.motion)):
@@ -194,11 +281,13 @@ class Motions(Reading, Source):
             )
         upwards, station = self.upwards()
         if not self.motion:
-            return Ground(self._pulse(station)).with_upwards(upwards)
+            found = Ground(self._pulse(station)).with_upwards(upwards)
+            return self.floor(found, waits)
         with named(dt="motion_dt"):
-            return Ground(
-                read_motion(self.motion[0], **self._choices(station))
-            ).with_upwards(upwards)
+            found = Ground(read_motion(self.motion[0], **self._choices(station)))
+        if found.motion is not None and found.motion.acceleration is None:
+            return self.floor(found.with_upwards(upwards), waits)
+        return self.floor(found, waits).with_upwards(upwards)
 
     def several(
         self, files: tuple[str, ...], one_upwards: bool = False
@@ -210,8 +299,10 @@ class Motions(Reading, Source):
         --motion works. Raises UsageError.
         """
         upwards, station = self.upwards()
+        waits = self.takes_demand
         if not self.motion:
-            return files, Ground(self._pulse(station)).with_upwards(upwards)
+            pulse = Ground(self._pulse(station)).with_upwards(upwards)
+            return files, self.floor(pulse, waits)
         from ..motions.reading import holds_records, read_motions
 
         own = [path for path in files if holds_records(path)]
@@ -230,8 +321,10 @@ class Motions(Reading, Source):
                 "--vertical goes with one pulse or motion document here, not with a set"
                 " of records"
             )
-        ground = Ground(None, found) if isinstance(found, tuple) else Ground(found)
-        return files, ground.with_upwards(upwards)
+        if isinstance(found, tuple):
+            placed = self.floor(Ground(None, found), waits)
+            return files, placed.with_upwards(upwards)
+        return files, self.floor(Ground(found).with_upwards(upwards), waits)
 
     def upwards(self) -> tuple[Upwards | None, float | None]:
         """Return (the vertical motion of a pulse or a file, the factor of the vertical

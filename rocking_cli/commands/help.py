@@ -11,6 +11,7 @@ from .parameter_types import Registered
 
 TOPICS = {
     "documents": "Structure documents: every kind and every key.",
+    "base": "Sliding, crushing toes, floors of buildings: keys, limits, figures.",
     "spreads": "Numbers with a spread, draws, shares and their intervals.",
     "ties": "Ties, tendons and dampers of rigid bodies: keys, forces, columns.",
     "motions": "Pulses, motion documents and records as motions.",

@@ -42,6 +42,7 @@ def predict(
     """
     from ..dynamics.method import direction_in_words, has_direction
     from ..dynamics.outcome import Outcome
+    from ..responses.sliding import stuck_in_words
     from ..spectra.file.reader import SpectraFile
     from ..spectra.prediction import check_linear, predict_exactly
     from ..spectra.prediction import predict as read_off
@@ -68,6 +69,7 @@ def predict(
     note(
         "model: linear, as the spectrum's",
         *direction_in_words(*structures, opposite="the other sign of `a_g`"),
+        *stuck_in_words(structures),
     )
     if failed := sum(r["outcome"] == Outcome.FAILED.flag for r in rows):
         note(f"{counted(failed, 'structure')} could not be decided (outcome failed)")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -57,6 +58,9 @@ class RecordsOptions:
         "Damping ratio of the spectrum (default 0.05 for 5 %).",
         type=NUMBER,
     )
+    building: tuple[str, ...] = ground.building()
+    output: Path | None = options.output("Write the one record as PEER AT2.")
+    overwrite: bool = options.overwrite()
 
 
 @command("rocking records configs/motions/synthetic.at2", printed)
@@ -75,7 +79,10 @@ def records(
     header_difference the relative excess of the peak of the samples over it, unit the
     unit of the file. --export-spectrum: the largest displacement S_d of an oscillator
     of period T, also between samples and after the record, and S_a = (2 pi/T)^2 S_d.
+    --building: the absolute acceleration of a floor in place of the record, with
+    floor_chord, the share of its peak that straight lines between its samples may miss.
     """
+    from ..motions.buildings import floor_record, parse_building
     from ..motions.reading import read_set
     from ..motions.records.record import ALL, chosen
 
@@ -83,16 +90,28 @@ def records(
         raise click.UsageError("no record: give FILE, or - for standard input")
     if not wanted.export_spectrum:
         refuse("goes with --export-spectrum", "periods", "damping")
+    if wanted.output is not None:
+        options.check_target(wanted.output, wanted.overwrite, (".at2",))
+    house = parse_building(wanted.building)
     notes: list[str] = []
     unread: list[str] = []
+    taken_records: list[Record] = []
+    chords: dict[int, float] = {}
 
     def rows(found: list[Record]) -> list[dict[str, Any]]:
         records = chosen(found, reading.component or ALL)
+        if house is not None:
+            for record in records:
+                notes.extend(ground.ends_abruptly(record.label, record.acceleration))
+            floors = [floor_record(record, house) for record in records]
+            records = [record for record, _ in floors]
+            chords.update({id(record): chord for record, chord in floors})
+        taken_records.extend(records)
         for record in records:
             notes.extend(f"{record.source}: {remark}" for remark in record.remarks)
         if wanted.export_spectrum:
             return [row for record in records for row in _spectrum(record, wanted)]
-        return [_row(record) for record in records]
+        return [_row(record, chords.get(id(record))) for record in records]
 
     with ground.named(dt="motion_dt"):
         taken = list(
@@ -106,6 +125,8 @@ def records(
                 unread=unread.append,
             )
         )
+    if wanted.output is not None:
+        _write(wanted.output, taken_records, wanted.overwrite)
     if wanted.export_spectrum:
         emit(taken, SPECTRUM_COLUMNS, keys=(*KEYS, "T"))
     else:
@@ -130,7 +151,20 @@ def _spectrum(record: Record, wanted: RecordsOptions) -> list[dict[str, Any]]:
     ]
 
 
-def _row(record: Record) -> dict[str, Any]:
+def _write(output: Path, records: list[Record], overwrite: bool) -> None:
+    """Write the one record of a call. Raises click.UsageError for several."""
+    from ..motions.records.writing import at2_text
+    from ..publishing import published
+
+    if len(records) != 1:
+        raise click.UsageError(
+            f"-o: found {len(records)} records; expected one (--component chooses it)"
+        )
+    with published(output, overwrite) as file:
+        file.write(at2_text(records[0]).encode("ascii"))
+
+
+def _row(record: Record, chord: float | None = None) -> dict[str, Any]:
     from ..motions.intensity import intensity
 
     measured = intensity(record)
@@ -145,4 +179,5 @@ def _row(record: Record) -> dict[str, Any]:
         "header_pga": record.header_pga,
         "header_difference": difference,
         "unit": record.unit,
+        **({} if chord is None else {"floor_chord": chord}),
     }

@@ -57,7 +57,7 @@ def report(
     from ..dynamics.outcome import Outcome
     from ..reports.page import WRITTEN_WITH, write_page
     from ..reports.page_sections import Subject
-    from ..responses.check import tally
+    from ..responses.verdict import tally
     from ..structures import build_structure, with_distinct_names
 
     options.check_target(wanted.output, overwrite, PAGES, packages=WRITTEN_WITH)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import chain
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..errors import UsageError
 from . import demand, equations, ground, options
@@ -14,6 +15,9 @@ from .printing import computed, emit, form, note, printed
 
 if TYPE_CHECKING:
     from ..responses.time_history import TimeHistory
+
+if TYPE_CHECKING:
+    from ..responses.sliding import SlideHistory
 
 
 @dataclass(frozen=True)
@@ -84,7 +88,9 @@ def response(
 
     FILE holds one structure. An overturning body is followed to 3 alpha, or until it
     lies on its side or its linkage has collapsed. The speed of an impact in the events
-    is the speed before it. With --json the last row of each model is a summary.
+    is the speed before it. With --json the last row of each model is a summary. A body
+    whose friction is below lambda slides and never rocks: its rows are t, slide [m],
+    slide_velocity [m/s] and ground_acceleration, its events slide and stop.
     """
     from ..responses.time_history import time_history
 
@@ -101,6 +107,15 @@ def response(
         )
     wanted.check()
     bare = shaken.grid is not None and shaken.grid.dimensionless
+    if shaken.grid is not None and not wanted.release:
+        from ..responses.sliding import slide_history
+
+        slid = slide_history(structures[0], *shaken.shakes[0])
+        if slid is not None:
+            _print_sliding(slid, wanted)
+            demand.note_demand(shaken.shakes)
+            note(f"{structures[0].name}: {slid.words}")
+            return
     methods = model.methods(structures, bare)
     found = time_history(
         structures[0],
@@ -115,6 +130,10 @@ def response(
         demand.note_demand(shaken.shakes)
     note(*model.in_words(methods, structures, bare))
     note(*found.summary(forces=wanted.forces))
+    if wanted.release:
+        from ..responses.sliding import stuck_in_words
+
+        note(*stuck_in_words(structures))
     partly(found.failed)
 
 
@@ -133,6 +152,24 @@ def _shaken(asked: OneMotion) -> ground.Ground:
     recordings = asked.several(())[1].recordings
     directed = at_azimuth(recordings, float(azimuths[0]))
     return asked.of(ground.Ground(directed.motion))
+
+
+def _print_sliding(slid: SlideHistory, wanted: ResponseOptions) -> None:
+    """Print the rows or the events of a body that slides."""
+    from ..responses.time_history import EVENT_KEYS, KEYS, NAMED
+
+    refuse(f"does not go with {slid.structure.name}, which slides", "dimensionless")
+    if not wanted.events:
+        rows = slid.rows(
+            dt=wanted.dt,
+            steps=wanted.steps,
+            duration=wanted.duration,
+            forces=wanted.forces,
+        )
+        emit(rows, keys=KEYS, unseen=NAMED)
+        return
+    closing: Iterable[dict[str, Any]] = [slid.summary()] if form() == "json" else ()
+    emit(chain(slid.events(), closing), ("model", "event"), keys=EVENT_KEYS)
 
 
 def _print(found: TimeHistory, wanted: ResponseOptions) -> None:

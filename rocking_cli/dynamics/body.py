@@ -29,7 +29,9 @@ from .lanes import Array
 # parts of the path from the ground to the peak; on each part the bound takes the worst
 # value of every term
 _PARTS = 32
-_PUSHES = np.geomspace(1e-2, 1e2, 256)  # pushes [g] for which the proof is tried
+_ACCELERATIONS = np.geomspace(
+    1e-2, 1e2, 256
+)  # ground accelerations [g] for which the proof is tried
 _LOWEST = -0.5 * np.pi  # least z for which the bound is computed
 
 
@@ -226,16 +228,16 @@ class Body(NamedTuple):
 
 
 @lru_cache(maxsize=4096)
-def safe_push(body: Body, edge: int, ratio: float) -> float:
-    """Return the largest push [g], of either sign, under which a body that does not
-    overturn is proved to keep contact (Fz > 0). edge: 0 right, 1 left; ratio: the
-    largest |w - 1| over the largest push, w the weight over m g.
+def safe_acceleration(body: Body, edge: int, ratio: float) -> float:
+    """Return the largest ground acceleration [g], times a_scale, of either sign, under
+    which a body that does not overturn is proved to keep contact (Fz > 0). edge: 0
+    right, 1 left; ratio: the largest |w - 1| over this acceleration, w the weight over
+    m g.
     """
-    sway = ratio * _PUSHES
+    sway = ratio * _ACCELERATIONS
     with np.errstate(all="ignore"):
-        slope = np.where(
-            sway < 1.0, _PUSHES / (1.0 - sway), np.inf
-        )  # without overturning u stays below the equilibrium
+        # Without overturning u stays below the equilibrium.
+        slope = np.where(sway < 1.0, _ACCELERATIONS / (1.0 - sway), np.inf)
         turn = body.alpha[edge] + (slope if body.linear else np.arctan(slope))
-        kept = body.contact_proved(body.edges[edge], _PUSHES, turn, sway)
-    return float(np.append(0.0, _PUSHES)[int(np.argmin(np.append(kept, False)))])
+        kept = body.contact_proved(body.edges[edge], _ACCELERATIONS, turn, sway)
+    return float(np.append(0.0, _ACCELERATIONS)[int(np.argmin(np.append(kept, False)))])

@@ -117,33 +117,35 @@ def _bracketed_crossing(
     """
     start, end = segments.s_start[k], segments.s_end[k]
     low, high = np.zeros_like(length), length.copy()
-    # The first guess is exact between two extremes of one sinusoid.
-    rise = np.where(end == start, 1.0, end - start)
-    share = np.clip((level - start) / rise, 0.0, 1.0)
-    u = length * (2.0 / np.pi) * np.arcsin(np.sqrt(share))
-    np.minimum(u, length, out=u)
-
+    u = _between_extremes(start, end, level, length)
     lanes = np.flatnonzero((level != start) & (length > 0.0))
-    sense = np.where(end > start, 1.0, -1.0)
     for _ in range(80):
         if not lanes.size:
             break
         there = u[lanes]
-        change, rate, second_derivative = _change_at(segments, k[lanes], there)
+        change, *derivatives = _change_at(segments, k[lanes], there)
         gap = start[lanes] + change - level[lanes]
-        before = sense[lanes] * gap < 0.0
+        before = np.where(end[lanes] > start[lanes], gap, -gap) < 0.0
         low[lanes] = np.where(before, there, low[lanes])
         high[lanes] = np.where(before, high[lanes], there)
 
-        # Halley's step, or the middle of the bracket where it leaves the bracket.
-        target, short = _halley(there, gap, rate, second_derivative)
+        target, close = _halley(there, gap, *derivatives)
         inside = (target >= low[lanes]) & (target <= high[lanes])
-        middle = 0.5 * (low[lanes] + high[lanes])
-        following = np.where(gap == 0.0, there, np.where(inside, target, middle))
-        u[lanes] = following
-        still = np.abs(following - there) <= 2e-16 * length[lanes]
-        lanes = lanes[~((inside & short) | still)]
+        target = np.where(inside, target, 0.5 * (low[lanes] + high[lanes]))
+        u[lanes] = np.where(gap == 0.0, there, target)
+        still = np.abs(u[lanes] - there) <= 2e-16 * length[lanes]
+        lanes = lanes[~((inside & close) | still)]
     return u
+
+
+def _between_extremes(start: Array, end: Array, level: Array, length: Array) -> Array:
+    """The phase at which a segment meets a level if it runs from start to end between
+    two extremes of one sinusoid: a first guess for the others.
+    """
+    rise = np.where(end == start, 1.0, end - start)
+    share = np.clip((level - start) / rise, 0.0, 1.0)
+    u = length * (2.0 / np.pi) * np.arcsin(np.sqrt(share))
+    return np.minimum(u, length, out=u)
 
 
 def _halley(

@@ -64,6 +64,7 @@ class Outcome(_Code):
     FAILED = 5, "failed", "#000000", "!"
     LOST_CONTACT = 6, "loses contact with the ground", "#CC79A7", "^"
     LEANING = 7, "comes to rest leaning, held by its ties", "#009E73", "/"
+    SLID = 8, "slides and never rocks", "#F0E442", "~"
 
     @property
     def mode(self) -> str:
@@ -87,9 +88,9 @@ class Outcome(_Code):
     @property
     def safe(self) -> bool:
         """True if the body is known to have stayed upright, whether it lifted off or
-        not.
+        not, or slid.
         """
-        return self in (Outcome.NO_UPLIFT, Outcome.ROCKED)
+        return self in (Outcome.NO_UPLIFT, Outcome.ROCKED, Outcome.SLID)
 
 
 class Difference(_Code):

@@ -8,7 +8,7 @@ import numpy as np
 from ..errors import UsageError
 from ..motions.motion import Motion
 from ..motions.segments import Segments
-from .body import Body, safe_push
+from .body import Body, safe_acceleration
 from .contacts.contact import Contact, Symmetric
 from .equations.equation import Equation
 
@@ -135,12 +135,13 @@ class System(NamedTuple):
             0.0 if motion.vertical is None else motion.vertical.largest / motion.largest
         )
         scales = self.body.a_scale or (1.0,) * len(self.body.alpha)
-        pushes = [
-            safe_push(self.body, i, sway / scale) for i, scale in enumerate(scales)
+        accelerations = [
+            safe_acceleration(self.body, i, sway / scale)
+            for i, scale in enumerate(scales)
         ]
-        return min(push / scale for push, scale in zip(pushes, scales, strict=True)) / (
-            self.scale * motion.largest
-        )
+        return min(
+            a / scale for a, scale in zip(accelerations, scales, strict=True)
+        ) / (self.scale * motion.largest)
 
     def least_uplift(self, motion: Motion) -> float:
         """Return the least amplitude that lifts the body (Eqs. 2.2, 3.8).

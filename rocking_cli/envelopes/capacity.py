@@ -108,37 +108,33 @@ class CapacitySearch(NamedTuple):
         Changes are traced to `tracing_width`. Raises UsageError if the demand or
         `a_max` is above the limit of a scan.
         """
-        motion, amplitude, system = (
-            self.motion,
-            self.amplitude,
-            self.method.system_of(self.structure),
-        )
         lowest, top = self.ends()
         if not lowest < top:
             return Capacity(None, None, lowest if np.isfinite(lowest) else None)
         fall_search = fall_search or fall_searches([self])[0]
-        if fall_search is not None:
-            if progress is not None:
-                told = _told_by_marches(fall_search.falls, progress)
-                fall_search = replace(fall_search, falls=told)
-            stands = (
-                amplitude <= lowest or not fall_search.falls(np.array([amplitude]))[0]
-            )
-            below = (
-                fall_search.first(lowest, min(amplitude, top))
-                if lowest < amplitude
-                else None
-            )
-            above = fall_search.first(max(lowest, amplitude), top) if stands else None
-            first = below or (
-                above if stands else fall_search.lowest(lowest, amplitude)
-            )
-            return Capacity(
-                first,
-                above,
-                lowest,
-                0.0 if first is None else fall_search.share_of_falls(first),
-            )
+        if fall_search is None:
+            return self._by_windows(lowest, top)
+        if progress is not None:
+            told = _told_by_marches(fall_search.falls, progress)
+            fall_search = replace(fall_search, falls=told)
+        return self._by_falls(fall_search, lowest, top)
+
+    def _by_falls(self, falls: FallSearch, lowest: float, top: float) -> Capacity:
+        """The capacity under a record: the lowest falls below and above the demand."""
+        demand = self.amplitude
+        stands = demand <= lowest or not falls.falls(np.array([demand]))[0]
+        below = falls.first(lowest, min(demand, top)) if lowest < demand else None
+        above = falls.first(max(lowest, demand), top) if stands else None
+        first = below or (above if stands else falls.lowest(lowest, demand))
+        share = 0.0 if first is None else falls.share_of_falls(first)
+        return Capacity(first, above, lowest, share)
+
+    def _by_windows(self, lowest: float, top: float) -> Capacity:
+        """The capacity under a pulse: one window of amplitudes after the other, until
+        the outcome at the demand and the next fall above it are known.
+        """
+        motion, demand = self.motion, self.amplitude
+        system = self.method.system_of(self.structure)
         search = Search(
             system,
             motion,
@@ -147,33 +143,25 @@ class CapacitySearch(NamedTuple):
             digits=tracing_width(self.method, motion),
             parts=_PARTS,
         )
-        brackets: list[
-            Brackets
-            # one window after the other, until the outcome at the demand and the next
-            # fall above it are known
-        ] = []
+        brackets: list[Brackets] = []
         above_demand = False
-        for begin, end in _windows(lowest, amplitude, top, at_once=system.bounded):
+        for begin, end in _windows(lowest, demand, top, at_once=system.bounded):
             fall, last = replace(search, a_min=begin, a_max=end).fall(self.omega)
             brackets += [fall] if fall.row.size else []
-            above_demand = begin >= amplitude and fall.row.size > 0
-            if above_demand or (end <= amplitude and not Outcome(last).safe):
+            above_demand = begin >= demand and fall.row.size > 0
+            if above_demand or (end <= demand and not Outcome(last).safe):
                 break
-        found = (
-            search.first_falls_in(self.omega, Brackets.joined(brackets))
-            if brackets
-            else []
-        )
-        first, share_of_falls = min(found, default=None), 0.0
-        if first is not None and falls_may_be_narrow(motion):
+        if not brackets:
+            return Capacity(None, None, lowest)
+
+        found = search.first_falls_in(self.omega, Brackets.joined(brackets))
+        first, share_of_falls = min(found), 0.0
+        if falls_may_be_narrow(motion):
             first, share_of_falls = self.fall_search().lowest_and_share(lowest, first)
-        safe_to = found[-1] if above_demand else None
-        return Capacity(
-            first,
-            safe_to if first is None or safe_to is None or first < amplitude else first,
-            lowest,
-            share_of_falls,
-        )
+        if not above_demand:
+            return Capacity(first, None, lowest, share_of_falls)
+        safe_to = found[-1] if first < demand else first
+        return Capacity(first, safe_to, lowest, share_of_falls)
 
 
 def fall_searches(

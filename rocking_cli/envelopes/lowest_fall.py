@@ -22,9 +22,8 @@ if TYPE_CHECKING:
 
 Array = np.ndarray
 
-_FINE = (
-    6e-5  # ratio of neighbouring amplitudes, minus 1, in the tenth below a known fall
-)
+# ratio of neighbouring amplitudes, minus 1, in the tenth below a known fall
+_FINE = 6e-5
 # under a pulse with narrow falls: ratio minus 1, and start of the search over the fall
 _FINEST, _NEAREST = (5e-6, 0.997)
 _NEAR, _ABOVE = (
@@ -36,7 +35,7 @@ _TOGETHER = (
 )
 # number of amplitudes on either side of an approximate fall at which the march looks
 # for it
-_NEIGHBOURS = 5
+_NEIGHBOURS = 2
 # number of amplitudes that the march computes, below a fall and around an approximate
 # one
 _CHECKED = 5
@@ -247,7 +246,7 @@ class FallSearch:
             (first < self.computed[0]) & (self.computed[0] < _ABOVE * first)
         ].tolist()
         single = sum(one != other for one, other in pairwise([True, *falls])) <= 1
-        return 0.0 if single else 0.5 * sum(falls) / len(falls)
+        return 0.0 if single else sum(falls) / len(falls)
 
 
 def _scan_amplitudes(low: float, high: float, ratio: float) -> Array:
@@ -286,15 +285,22 @@ def scan_together(
         ],
         lambda share: progress(0.5 * share),
     )
-    fine = [
-        [_below(scan, lowest, demand), _below(scan, demand, top)]
-        for scan, lowest, demand, top in scanned
-    ]
     follow(
         scans,
-        [np.unique(np.concatenate(parts)) for parts in fine],
+        [_fine_amplitudes(*one) for one in scanned],
         lambda share: progress(0.5 + 0.5 * share),
     )
+
+
+def _fine_amplitudes(scan: Scan, lowest: float, demand: float, top: float) -> Array:
+    """The amplitudes below the lowest falls on either side of the demand; if the body
+    falls under the demand, below it only.
+    """
+    below = _below(scan, lowest, demand)
+    falls, _ = scan.falls(np.array([demand]))
+    if falls[0]:
+        return below
+    return np.unique(np.append(below, _below(scan, demand, top)))
 
 
 def _below(scan: Scan, begin: float, end: float) -> Array:

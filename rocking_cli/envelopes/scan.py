@@ -23,9 +23,9 @@ from .scan_pool import ScanPool
 
 Array = np.ndarray
 
-# The peak of a scan may be this far below that of the march: a share of it, and an
-# amount for its turning point within a line.
-_PEAK_SHARE, _PEAK_MORE = 1.05, 0.03
+# The largest rotation and speed at the ends of lines, over alpha, may be this far below
+# those of the march: a share of them, and an amount for extremes within a line.
+_SHARE, _MORE = 1.05, 0.03
 
 
 # Longest line [tau], and up to which the lines of several samples are joined: joined
@@ -50,6 +50,7 @@ class Scanned(NamedTuple):
     amplitude: Array  # A [-], rising
     outcome: Array  # codes of `Outcome`, ROCKED for every body that stands
     peak: Array  # largest y at the ends of lines, in the unit of the first side
+    speed: Array  # largest |y'| at the ends of lines, in the unit of its side
 
     def with_more(self, more: "Scanned") -> "Scanned":
         """Return these amplitudes with others."""
@@ -81,7 +82,9 @@ class Scan:
             self.lines.residual.size > 0,
             self.accuracy,
         )
-        self.known = Scanned(np.zeros(0), np.zeros(0, dtype=np.uint8), np.zeros(0))
+        self.known = Scanned(
+            np.zeros(0), np.zeros(0, dtype=np.uint8), np.zeros(0), np.zeros(0)
+        )
 
     @staticmethod
     def supports(system: System, motion: Motion) -> bool:
@@ -109,7 +112,7 @@ class Scan:
         lifts = np.zeros(amplitude.size, dtype=bool)
         if doubtful.size:
             lifts[doubtful] = ~self._contact_proved(
-                amplitude[doubtful], found.peak[doubtful]
+                Scanned(*(x[doubtful] for x in found))
             )
         return falls, lifts
 
@@ -127,21 +130,24 @@ class Scan:
         at = np.searchsorted(self.known.amplitude, amplitude)
         return Scanned(*(x[at] for x in self.known))
 
-    def _contact_proved(self, amplitude: Array, peak: Array) -> Array:
-        """True where Fz > 0 is proved at an amplitude for every rotation up to the peak
-        y of a scan and what it may have missed.
+    def _contact_proved(self, found: "Scanned") -> Array:
+        """True where Fz > 0 is proved for every rotation and speed up to those of the
+        scan and what it may have missed.
         """
         from ..dynamics.observers.contact_loss import ContactLoss
 
-        lane = self.lane
-        system, zero = lane.system, np.zeros(amplitude.size)
-        assert system.body is not None  # without it contact is never in doubt
-        cells = amplitude, zero + lane.omega, zero + lane.eta
-        batch = Batch.of(system, system.segments(self.motion), *cells, peaks=False)
-        turned = system.equation.on(np.ones(amplitude.size)).rotation(peak)
-        loss = ContactLoss(system.body, batch)
-        return loss.contact_proved(
-            np.arange(amplitude.size), _PEAK_SHARE * turned + _PEAK_MORE
+        system, lanes = self.lane.system, found.amplitude.size
+        assert system.body is not None  # the safe amplitude of others is infinite
+        omega, eta = self.lane.omega.repeat(lanes), self.lane.eta.repeat(lanes)
+        segments = system.segments(self.motion)
+        batch = Batch.of(system, segments, found.amplitude, omega, eta, peaks=False)
+        first = system.equation.on(np.ones(lanes))
+        turned = first.rotation(found.peak)
+        fastest = first.rotation_rate(found.peak, found.speed)
+        return ContactLoss(system.body, batch).contact_proved(
+            np.arange(lanes),
+            _SHARE * turned + _MORE,
+            (_SHARE * fastest + _MORE) * system.body.edges[0].alpha,
         )
 
 

@@ -57,6 +57,7 @@ class ScanPool:
         "pace",  # tau over the phase [1/rad]
         "rested",  # line after the one in which the lane came to rest, -1 for others
         "peak",  # largest y at the ends of lines, in the unit of the first side
+        "speed",  # largest |y'| at the ends of lines, in the unit of its side
     )
 
     def __init__(self, scans: "list[Scan]", amplitudes: list[Array]) -> None:
@@ -77,14 +78,13 @@ class ScanPool:
         self.number = np.arange(body.size)
         self.amplitude, self.row = np.concatenate(amplitudes), body * self.sides
         self.k, self.rested = self.end[body], self.begin[body]
-        self.x, self.y, self.v, self.drive, self.pace, self.peak = np.zeros(
-            (6, body.size)
-        )
+        self.x, self.y, self.v, self.drive, self.pace = np.zeros((5, body.size))
+        self.peak, self.speed = np.zeros((2, body.size))
         # of every lane, as far as they are known: the outcome, True after an impact,
-        # and the largest y, in the unit of the first side
+        # and the largest y and |y'|, as those of lanes that still move
         self.outcome = np.full(body.size, Outcome.ROCKED, dtype=np.uint8)
         self.bounced = np.zeros(body.size, dtype=bool)
-        self.peaks = np.zeros(body.size)
+        self.peaks, self.speeds = np.zeros((2, body.size))
 
     def _store_lines(self, lines_of: list[RecordLines]) -> None:
         """Store the lines of the bodies one after the other; after those of each body
@@ -120,9 +120,9 @@ class ScanPool:
 
     def march(
         self, progress: Callable[[float], None] | None = None
-    ) -> tuple[Array, Array]:
+    ) -> tuple[Array, Array, Array]:
         """March all lanes; returns (the outcome, the largest y in the unit of the first
-        side) of each lane.
+        side, the largest |y'|) of each lane.
         """
         rounds, most = 0, _MOST_ROUNDS * self.s.size
         while self.number.size and rounds < most:
@@ -133,8 +133,7 @@ class ScanPool:
             self._round()
             rounds += 1
         self.outcome[self.number] = Outcome.FAILED
-        self.peaks[self.number] = np.inf
-        return self.outcome, self.peaks
+        return self.outcome, self.peaks, self.speeds
 
     def _done(self) -> float:
         """The share of their records that the lanes that still move
@@ -153,9 +152,10 @@ class ScanPool:
         )
 
     def _keep(self, stay: Array) -> None:
-        """Go on with some of the lanes only; store the peaks of the others."""
+        """Go on with some of the lanes only; store the extremes of the others."""
         leave = ~stay
         self.peaks[self.number[leave]] = self.peak[leave]
+        self.speeds[self.number[leave]] = self.speed[leave]
         for name in self._EACH:
             setattr(self, name, getattr(self, name)[stay])
         self.equation = self.equations.on(self.row, self.row)
@@ -241,6 +241,7 @@ class ScanPool:
         self.k, self.x = k + 1, np.zeros_like(x)
         turned = self.y if self.alike else self.y * self.units[self.row]
         np.maximum(self.peak, turned, out=self.peak)
+        np.maximum(self.speed, np.abs(self.v), out=self.speed)
 
         hit = np.flatnonzero(self.y <= 0.0)
         if hit.size:

@@ -21,7 +21,9 @@ from ..errors import UsageError
 from ..motions.grid import Axis
 from ..processes import available_cpus
 from ..spectra.sweep import SweepOptions, spectrum_of, write_scene
+from ..structures.friction import friction_that_slides
 from ..structures.parameters import RockingParameters
+from .fitted_curve import SlideLimit
 from .measures import Measure, MotionMember
 
 Array = np.ndarray
@@ -37,6 +39,9 @@ class Exposure:
 
     theta_ratio: Array  # max |theta|/alpha, NaN where it falls [-], (members, levels)
     outcome: Array  # codes of `Outcome`, (members, levels)
+    # largest displacement of a body that slides [m], (members, levels); None for a body
+    # that rocks
+    slide_max: Array | None = None
 
     def beyond(self, limit: float | None) -> tuple[Array, Array]:
         """Return (beyond, known), both (members, levels). beyond: True if |theta|/alpha
@@ -48,6 +53,13 @@ class Exposure:
         known = ~failed & (self.outcome != Outcome.NOT_COMPUTED)
         if limit is None:
             return fallen, known
+        if isinstance(limit, SlideLimit):
+            if self.slide_max is None:
+                raise UsageError(
+                    f"limit state {limit}: a body that rocks; expected one whose"
+                    " friction is below lambda, which slides and never rocks"
+                )
+            return fallen | (np.nan_to_num(self.slide_max) > limit), known
         with np.errstate(invalid="ignore"):
             return fallen | (self.theta_ratio > limit), known
 
@@ -90,7 +102,7 @@ class MotionSet:
         """
         own = (
             float(structure.dimensionless_amplitude(member.acceleration))
-            / member.motion.largest
+            / member.motion.ground_peak
         )
         return own * self.factor(structure, member)
 
@@ -157,6 +169,7 @@ def _under_records(
     if path is None:
         found = spectrum_of(scene, options)
         theta, outcome = found.theta_ratio, found.outcome
+        slide_max = found.quantities.get("slide_max")
     else:
         if not (options.resume and path.is_file()):
             write_scene(scene, path, options)
@@ -170,13 +183,24 @@ def _under_records(
                     " `overwrite`"
                 )
             theta, outcome = file.array("theta_ratio"), file.array("outcome")
-    return [Exposure(theta[:, i], outcome[:, i]) for i in range(len(structures))]
+            slide_max = file.array("slide_max") if "slide_max" in file.names else None
+    slides = [friction_that_slides(s) is not None for s in structures]
+    return [
+        Exposure(
+            theta[:, i],
+            outcome[:, i],
+            None if slide_max is None or not slides[i] else slide_max[:, i],
+        )
+        for i in range(len(structures))
+    ]
 
 
 def _under_each(
     structure: RockingParameters, motions: MotionSet, amplitudes: Sequence[Array]
 ) -> Exposure:
     """Return the exposure of a structure to each motion at its amplitudes A."""
+    if friction_that_slides(structure) is not None:
+        return _sliding_under_each(structure, motions, amplitudes)
     system = motions.method.system_of(structure)
     pairs = zip(motions.members, amplitudes, strict=True)
     found = [
@@ -188,12 +212,40 @@ def _under_each(
     )
 
 
+def _sliding_under_each(
+    structure: RockingParameters, motions: MotionSet, amplitudes: Sequence[Array]
+) -> Exposure:
+    """Return `_under_each` of a structure that slides and never rocks."""
+    from ..spectra.scene import CellBand
+    from ..spectra.work.sliding_cells import sliding_block
+
+    found = [
+        sliding_block(
+            structure,
+            CellBand(
+                structure,
+                m.motion,
+                (1, a.size),
+                a,
+                np.array([m.omega / structure.p]),
+                (structure,),
+            ),
+            ("slide",),
+        )
+        for m, a in zip(motions.members, amplitudes, strict=True)
+    ]
+    names = "theta_ratio", "outcome", "slide_max"
+    return Exposure(*(np.array([f[name][0] for f in found]) for name in names))
+
+
 def as_recorded(structure: RockingParameters, motions: MotionSet) -> Exposure:
     """Return the exposure of a structure to each unscaled motion, as if
     at one level.
     """
     own = [
-        structure.dimensionless_amplitude(np.array([m.acceleration / m.motion.largest]))
+        structure.dimensionless_amplitude(
+            np.array([m.acceleration / m.motion.ground_peak])
+        )
         for m in motions.members
     ]
     return _under_each(structure, motions, own)
@@ -225,6 +277,8 @@ def traced(
 def _trace(
     structure: RockingParameters, motions: MotionSet, member: MotionMember
 ) -> list[Interval]:
+    if friction_that_slides(structure) is not None:
+        return []  # it never overturns
     unit, method = motions.unit(structure, member), motions.method
     long = len(member.motion.segments) > LONGEST_FINE
     search = Search(

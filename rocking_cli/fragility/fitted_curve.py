@@ -42,8 +42,17 @@ CURVE_COLUMNS = (
 HAZARD_COLUMNS = ("hazard", "deaggregation", "annual_rate")  # of the points of a curve
 
 
+class SlideLimit(float):
+    """A limit state of a body that slides: its displacement over the ground [m]."""
+
+    def __str__(self) -> str:
+        return f"slide={1e3 * self:g}mm"
+
+
 def word_of(limit: float | None) -> str:
     """Return the printed text of a limit state."""
+    if isinstance(limit, SlideLimit):
+        return str(limit)
     return "overturning" if limit is None else f"{limit:g}"
 
 

@@ -35,6 +35,7 @@ from .fits import FEWEST, Curve, check_levels, fit_cloud, fit_first, fit_stripes
 from .fitted_curve import (
     FRAGILITY_COLUMNS,
     Fit,
+    SlideLimit,
     drawn_at,
     hazard_points,
     rate_of,
@@ -80,7 +81,7 @@ class Study:
     @property
     def no_damage(self) -> float:
         """The level [SI] of uplift by the equation of the study for PGA without a
-        vertical motion, otherwise 0.
+        vertical motion and a building, otherwise 0.
         """
         if self.motions.measure.name != "PGA" or any(
             map(_is_lifted, self.motions.members)
@@ -157,9 +158,9 @@ class Study:
         )
 
     def _cloud(self, limit: float | None) -> Fitted:
-        if limit is None:
+        if limit is None or isinstance(limit, SlideLimit):
             raise UsageError(
-                "limit state overturning: the method cloud needs a rotation"
+                f"limit state {word_of(limit)}: the method cloud needs a rotation"
             )
         assert self.recorded is not None
         x, w = self.own(self.motions.measure), self.motions.weight
@@ -289,9 +290,10 @@ class Study:
 
 
 def _is_lifted(member: MotionMember) -> bool:
-    """True if a motion has a vertical part."""
+    """True if a motion has a vertical part, or is that of a floor."""
     if member.recording:
-        return member.recording.upwards is not None
+        record = member.recording
+        return record.upwards is not None or record.building is not None
     return member.motion.vertical is not None
 
 

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,6 +20,15 @@ from .segments import Samples, Segments, largest_from
 from .sinusoids import isolated_extremes
 
 LARGEST_SCALE = 1e100  # larger amplitudes may overflow
+
+
+class Floor(NamedTuple):
+    """What the motion of a floor is made of."""
+
+    # what its straight lines miss at most, over its largest acceleration [-]
+    chord: float
+    ground: Motion  # motion of the ground, over the same a_g
+    omega: float  # frequency of the ground's motion [rad/s], 1 of a record
 
 
 @dataclass(frozen=True)
@@ -253,6 +263,18 @@ class Motion:
         """max |s| over the motion."""
         return float(max(self.segments.later_max[0], -self.segments.later_min[0]))
 
+    @property
+    def floor(self) -> Floor | None:
+        """What the motion of a floor of a building is made of; None for the ground."""
+        return None
+
+    @property
+    def ground_peak(self) -> float:
+        """max |s| of the ground: `largest`, but of the motion of a floor that of the
+        ground below its building.
+        """
+        return self.largest
+
     def value(self, phase: np.ndarray | float) -> np.ndarray:
         """Return s at some phases; at a jump the value after it, outside the motion
         zero.
@@ -293,42 +315,24 @@ class Motion:
         Segments
             on each of which s is monotone
         """
-        marks = [
-            [piece.start, *within, piece.stop]
-            for piece, within in zip(self.pieces, inner, strict=True)
-        ]
-        index = np.repeat(np.arange(len(marks)), [len(m) - 1 for m in marks])
-        start, stop = (
-            np.concatenate([m[:-1] for m in marks]),
-            np.concatenate([m[1:] for m in marks]),
-        )
+        index, start, stop = self._cuts(inner)
         shape = max(len(p.harmonics) for p in self.pieces), start.size
-        sin, cos, frequency, s_start, s_end = (
-            np.zeros(shape),
-            np.zeros(shape),
-            np.ones(shape),
-            np.empty(start.size),
-            np.empty(start.size),
-        )
+        sin, cos, frequency = np.zeros(shape), np.zeros(shape), np.ones(shape)
+        s_start, s_end = np.empty(start.size), np.empty(start.size)
         length = stop - start
         for i, piece in enumerate(self.pieces):
             mine = np.flatnonzero(index == i)
-            s_start[mine], s_end[mine] = (
-                _exact_value(piece, start[mine]),
-                _exact_value(piece, stop[mine]),
-            )
+            s_start[mine] = _exact_value(piece, start[mine])
+            s_end[mine] = _exact_value(piece, stop[mine])
             for j, h in enumerate(piece.harmonics):
                 sin[j, mine], cos[j, mine] = _sin_cos(h, start[mine])
                 frequency[j, mine] = h.frequency
-            # exact between quarter turns, as the sines: the rounding of phases adds up
-            # over many cycles
+            # Exact between quarter turns, as the sines: the rounding of phases adds up
+            # over many cycles.
             if len(piece.harmonics) == 1:
-                (first, rest), (last, left) = (
-                    _quarters(h, start[mine]),
-                    _quarters(h, stop[mine]),
-                )
-                exact = (rest == 0.0) & (left == 0.0) & (last > first)
-                length[mine[exact]] = (last - first)[exact] * (np.pi / 2) / h.frequency
+                h = piece.harmonics[0]
+                quarters, exact = _whole_quarters(h, start[mine], stop[mine])
+                length[mine[exact]] = quarters[exact] * (np.pi / 2) / h.frequency
         return Segments(
             start=start,
             length=length,
@@ -340,9 +344,23 @@ class Motion:
             slope=np.array([p.slope for p in self.pieces])[index],
             joins=np.append(index[1:] == index[:-1], False),
             later_max=largest_from(np.maximum(s_start, s_end)),
-            later_min=0.0
-            - largest_from(-np.minimum(s_start, s_end)),  # no negative zero
+            # no negative zero
+            later_min=0.0 - largest_from(-np.minimum(s_start, s_end)),
         )
+
+    def _cuts(
+        self, inner: Sequence[Sequence[float]]
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """(index of the piece, start [rad], stop [rad]) of each segment; inner: as of
+        `cut`.
+        """
+        marks = [
+            [piece.start, *within, piece.stop]
+            for piece, within in zip(self.pieces, inner, strict=True)
+        ]
+        index = np.repeat(np.arange(len(marks)), [len(m) - 1 for m in marks])
+        start = np.concatenate([m[:-1] for m in marks])
+        return index, start, np.concatenate([m[1:] for m in marks])
 
 
 def extremes(piece: Piece) -> list[float]:
@@ -392,6 +410,16 @@ def _quarters(h: Harmonic, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return quarter, np.where(
         np.abs(rest) < 4e-16 * np.maximum(1.0, np.abs(argument)), 0.0, rest
     )
+
+
+def _whole_quarters(
+    h: Harmonic, start: np.ndarray, stop: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """(quarter turns of a sinusoid between two phases, True where both phases are at
+    quarter turns).
+    """
+    (first, rest), (last, left) = _quarters(h, start), _quarters(h, stop)
+    return last - first, (rest == 0.0) & (left == 0.0) & (last > first)
 
 
 def _sin_cos(h: Harmonic, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import MotionError
 from .blocks import largest
-from .motion import Motion, Piece, upwards
+from .motion import Floor, Motion, Piece, upwards
 from .segments import Samples, Segments, largest_from
 
 Array = np.ndarray
@@ -30,6 +30,7 @@ class Polyline(Motion):
     stop: Array  # phase at the end of each interval [rad], (n,)
     constant: Array  # s at the start of each interval [-], (n,)
     slope: Array  # [1/rad], (n,)
+    _floor: Floor | None  # see `floor`
 
     def __init__(
         self,
@@ -40,6 +41,7 @@ class Polyline(Motion):
         slope: Array,
         acceleration: float | None = None,
         vertical: Motion | None = None,
+        floor: Floor | None = None,
     ) -> None:
         arrays = {"start": start, "stop": stop, "constant": constant, "slope": slope}
         if not start.size:
@@ -57,6 +59,7 @@ class Polyline(Motion):
             **arrays,
             "acceleration": acceleration,
             "vertical": vertical,
+            "_floor": floor,
         }.items():
             object.__setattr__(self, key, value)
 
@@ -71,6 +74,16 @@ class Polyline(Motion):
             Piece(start, stop, (), constant, slope)
             for start, stop, constant, slope in rows
         )
+
+    @property
+    def floor(self) -> Floor | None:
+        """See `Motion.floor`."""
+        return self._floor
+
+    @property
+    def ground_peak(self) -> float:
+        """See `Motion.ground_peak`."""
+        return self.largest if self.floor is None else self.floor.ground.largest
 
     @property
     def duration(self) -> float:
@@ -108,6 +121,8 @@ class Polyline(Motion):
             factor * self.constant,
             factor * self.slope,
             vertical=up,
+            floor=self.floor
+            and self.floor._replace(ground=self.floor.ground.scaled(factor)),
         )
 
     @property
@@ -125,7 +140,9 @@ class Polyline(Motion):
         )
         slope = np.where(moves, self.slope[i], 0.0)
         name = self.name.removesuffix(upwards(vertical)) + upwards(vertical)
-        return Polyline(name, start, stop, constant, slope, self.acceleration, vertical)
+        return Polyline(
+            name, start, stop, constant, slope, self.acceleration, vertical, self.floor
+        )
 
     @cached_property
     def samples(self) -> Samples | None:
@@ -167,6 +184,7 @@ class Polyline(Motion):
             s[:-1:spacing],
             np.diff(s[::spacing]) / (stop - start),
             self.acceleration,
+            floor=self.floor,
         )
 
     @cached_property

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import count
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from .blocks import largest
 from .intensity import Intensity, intensity
 from .motion import Motion, checked_scale
 from .records.record import Record, record_motion
+
+if TYPE_CHECKING:
+    from .buildings import Building
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +33,8 @@ class Recording:
     factor: may be negative [-]
     label: its name in a set
     upwards: vertical motion with it, None without one
+    building: the building on whose floor the motion is; None on the ground. The record,
+        its factor and all measures are those of the ground.
 
     Examples
     --------
@@ -43,6 +48,9 @@ class Recording:
     factor: float = 1.0  # may be negative [-]
     label: str = ""  # its name in a set
     upwards: Upwards | None = None  # vertical motion with it, None without one
+    # the building on whose floor the motion is; None on the ground. The record,
+    # its factor and all measures are those of the ground.
+    building: "Building | None" = None
 
     def __post_init__(self) -> None:
         label = (
@@ -84,6 +92,21 @@ class Recording:
         )
         return replace(self, factor=self.factor * factor, upwards=up)
 
+    def on_floor(self, building: "Building") -> Self:
+        """Return the recording on a floor of a building; its label names it.
+
+        Parameters
+        ----------
+        building
+            the modes that move the floor
+
+        Returns
+        -------
+        Recording
+        """
+        label = f"{self.label}, {building.name}"
+        return replace(self, building=building, label=label)
+
     @property
     def motion(self) -> Motion:
         """The motion in its own time (omega_g = 1 rad/s). Only the last two motions are
@@ -93,19 +116,27 @@ class Recording:
 
     def identity(self) -> list[Any]:
         """The data on which a result depends: label, hash of the file, component, dt
-        [s], unit in the file, factor, vertical motion.
+        [s], unit in the file, factor, vertical motion, building.
         """
-        r, up = self.record, [] if self.upwards is None else [self.upwards.identity()]
-        return [self.label, r.sha256, r.component, r.dt, r.unit, self.factor, *up]
+        r, more = self.record, list[Any]()
+        if self.upwards is not None:
+            more.append(self.upwards.identity())
+        if self.building is not None:
+            more.append({"building": self.building.identity()})
+        return [self.label, r.sha256, r.component, r.dt, r.unit, self.factor, *more]
 
 
 @lru_cache(maxsize=2)
 def _motion(recording: Recording) -> Motion:
-    across = record_motion(
+    across: Motion = record_motion(
         recording.record,
         recording.factor,
         recording.label + ", times -1" * (recording.factor < 0.0),
     )
+    if recording.building is not None:
+        from .buildings import floor_of
+
+        across = floor_of(across, recording.building, name=across.name)
     return across if recording.upwards is None else recording.upwards(across)
 
 

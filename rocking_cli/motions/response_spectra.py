@@ -172,38 +172,54 @@ def _largest(record: Record, finer: int, w: Array, damping: float) -> Array:
         np.arange(steps + 1) / finer, np.arange(record.npts), record.acceleration
     )[:, None]
     h, s = record.dt / finer, w * complex(-damping, math.sqrt(1.0 - damping**2))
-    z = np.zeros((steps + 1, w.size), dtype=complex)
+    z = _at_samples(a, h, s)
+    most = np.abs(z.imag / s.imag).max(axis=0)
+    _include_turns(most, a, h, z, s, w, damping)
+
+    # The first turn after the record.
+    turn = np.mod(-np.angle(z[-1] * s), math.pi) / s.imag
+    return np.maximum(most, np.abs((z[-1] * np.exp(s * turn)).imag) / s.imag)
+
+
+def _at_samples(a: Array, h: float, s: Array) -> Array:
+    """z at the samples a (n, 1) [m/s2] of step h [s], for oscillators s, (n,
+    oscillators).
+    """
+    z = np.zeros((len(a), s.size), dtype=complex)
     z[1:] = -a[:-1] * _gain(s, h) - np.diff(a, axis=0) * _rise(s, h)
+    # Sums of all that came before, over twice as many steps each time.
     factor, reach = np.exp(s * h), 1
-    while (
-        reach <= steps
-    ):  # sums of all that came before, over twice as many steps each time
+    while reach < len(a):
         z[reach:] += factor * z[:-reach]
         factor, reach = factor * factor, 2 * reach
-    u, v = z.imag / s.imag, z.real - damping * w * z.imag / s.imag
-    most = np.abs(u).max(axis=0)
+    return z
+
+
+def _include_turns(
+    most: Array,
+    a: Array,
+    h: float,
+    z: Array,
+    s: Array,
+    w: Array,
+    damping: float,
+) -> None:
+    """Raise `most` to |u| of oscillators (s, w) where u' = 0 between two samples; z: at
+    the samples.
+    """
+    v = z.real - damping * w * z.imag / s.imag
     k, i = np.nonzero(v[:-1] * v[1:] < 0.0)
-    a0, slope, oscillator, wi = a[k, 0], (a[k + 1, 0] - a[k, 0]) / h, s[i], w[i]
+    a0, slope, s, w = a[k, 0], (a[k + 1, 0] - a[k, 0]) / h, s[i], w[i]
     t = h * v[k, i] / (v[k, i] - v[k + 1, i])
-    for _ in range(4):  # Newton's method for u' = 0
-        there = (
-            np.exp(oscillator * t) * z[k, i]
-            - a0 * _gain(oscillator, t)
-            - slope * t * _rise(oscillator, t)
-        )
-        displacement, speed = (
-            there.imag / oscillator.imag,
-            there.real - damping * wi * there.imag / oscillator.imag,
-        )
-        acceleration = (
-            -2.0 * damping * wi * speed - wi**2 * displacement - a0 - slope * t
-        )
+    for _ in range(4):  # Newton's method
+        there = np.exp(s * t) * z[k, i] - a0 * _gain(s, t) - slope * t * _rise(s, t)
+        displacement = there.imag / s.imag
+        speed = there.real - damping * w * there.imag / s.imag
+        acceleration = -2.0 * damping * w * speed - w**2 * displacement - a0 - slope * t
         t = np.clip(
             t - speed / np.where(acceleration == 0.0, np.inf, acceleration), 0.0, h
         )
     np.maximum.at(most, i, np.abs(displacement))
-    turn = np.mod(-np.angle(z[-1] * s), math.pi) / s.imag  # the first after the record
-    return np.maximum(most, np.abs((z[-1] * np.exp(s * turn)).imag) / s.imag)
 
 
 def _gain(s: Array, h: Array | float) -> Array:

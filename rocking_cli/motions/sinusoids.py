@@ -36,34 +36,35 @@ def isolated_extremes(start: float, stop: float, slope: float, waves: Array) -> 
     """Return the phases [rad] of the extremes of s; slope: of the ramp [1/rad]; waves:
     amplitude, frequency, phase [rad], (sinusoids, 3).
     """
-    edges = np.linspace(
-        start,
-        stop,
-        math.ceil((stop - start) * waves[:, 1].max() / (2.0 * math.pi) * _CELLS) + 2,
-    )
+    periods = (stop - start) * waves[:, 1].max() / (2.0 * math.pi)
+    edges = np.linspace(start, stop, math.ceil(periods * _CELLS) + 2)
     low, high = edges[:-1], edges[1:]
     ends = [edges]
-    n = np.arange(float(_TERMS))[:, None]
     for _ in range(_HALVINGS):
-        terms, rest, rounding = _series(slope, waves, low, high)
-        size = np.abs(terms)
-        free = size[0] > size[1:].sum(axis=0) + rest + rounding[0]
-        monotone = size[1] > (n * size)[2:].sum(axis=0) + _TERMS * rest + rounding[1]
-        flat = size.sum(axis=0) + rest <= 4.0 * rounding[0]
-        open_ = ~(free | monotone | flat)
+        open_ = _undecided(*_series(slope, waves, low, high))
         if not open_.any():
             break
         middle = 0.5 * (low[open_] + high[open_])
         ends.append(middle)
-        low, high = (
-            np.concatenate([low[open_], middle]),
-            np.concatenate([middle, high[open_]]),
-        )
+        low = np.concatenate([low[open_], middle])
+        high = np.concatenate([middle, high[open_]])
+
+    # The signs of r at all ends, except where r is zero within rounding.
     at = np.unique(np.concatenate(ends))
     terms, _, rounding = _series(slope, waves, at, at)
     at, rises = (x[np.abs(terms[0]) > rounding[0]] for x in (at, terms[0] > 0.0))
     change = np.flatnonzero(rises[1:] != rises[:-1])
     return _bisected(slope, waves, at[change], at[change + 1])
+
+
+def _undecided(terms: Array, rest: Array, rounding: Array) -> Array:
+    """True for intervals that pass none of the tests free, monotone and flat."""
+    n = np.arange(float(_TERMS))[:, None]
+    size = np.abs(terms)
+    free = size[0] > size[1:].sum(axis=0) + rest + rounding[0]
+    monotone = size[1] > (n * size)[2:].sum(axis=0) + _TERMS * rest + rounding[1]
+    flat = size.sum(axis=0) + rest <= 4.0 * rounding[0]
+    return np.asarray(~(free | monotone | flat))
 
 
 def _series(
@@ -155,30 +156,17 @@ class PolynomialTable:
 
 def table_of(segments: Any) -> PolynomialTable | None:
     """Return the table of `Segments`; None if the table would be too large."""
-    size, w = np.hypot(segments.sin, segments.cos), segments.frequency  # (harmonics, K)
-    length = np.where(
-        np.isinf(segments.length), 1.0, segments.length
-    )  # ground that stays at rest has polynomials of zeros
-    largest = max(segments.later_max[0], -segments.later_min[0])
-    counts, over = (
-        np.ones(segments.length.size, dtype=np.int64),
-        float(np.prod(np.arange(2.0, DEGREE + 2.0))),
-    )
-    for _ in range(64):
-        half = 0.5 * length / counts
-        wide = (size * (w * half) ** (DEGREE + 1)).sum(
-            axis=0
-        ) > 1e-17 * largest * over  # the remainder
-        if not wide.any():
-            break
-        counts[wide] = counts[wide] * 5 // 4 + 1
-        if counts.sum() > _MOST_PATCHES:
-            return None
+    # Ground that stays at rest has polynomials of zeros.
+    length = np.where(np.isinf(segments.length), 1.0, segments.length)
+    counts = _patches(segments, length)
+    if counts is None:
+        return None
     half = 0.5 * length / counts
-    k = np.repeat(np.arange(segments.length.size), counts)
+    k = np.repeat(np.arange(length.size), counts)
     last = np.cumsum(counts) - 1
     first = last - counts + 1
     centre = (2.0 * (np.arange(k.size) - first[k]) + 1.0) * half[k]
+
     terms = np.zeros((DEGREE + 1, k.size))
     for s, c, f in zip(
         segments.sin[:, k], segments.cos[:, k], segments.frequency[:, k], strict=True
@@ -187,10 +175,29 @@ def table_of(segments: Any) -> PolynomialTable | None:
         now, grows = s * cos + c * sin, c * cos - s * sin
         factor = np.ones(k.size)
         for n in range(DEGREE + 1):
-            terms[n] += factor * (
-                now - s if n == 0 else (now, grows, -now, -grows)[n % 4]
-            )
+            derivative = now - s if n == 0 else (now, grows, -now, -grows)[n % 4]
+            terms[n] += factor * derivative
             factor *= f * half[k] / (n + 1)
     terms[0] += segments.slope[k] * centre
     terms[1] += segments.slope[k] * half[k]
     return PolynomialTable(first, last, half, terms)
+
+
+def _patches(segments: Any, length: Array) -> Array | None:
+    """The number of patches of each segment with which the remainders are below
+    rounding, (K,); None if they are too many.
+    """
+    size = np.hypot(segments.sin, segments.cos)
+    largest = max(segments.later_max[0], -segments.later_min[0])
+    factorial = float(np.prod(np.arange(2.0, DEGREE + 2.0)))
+    counts = np.ones(length.size, dtype=np.int64)
+    for _ in range(64):
+        half = 0.5 * length / counts
+        remainder = (size * (segments.frequency * half) ** (DEGREE + 1)).sum(axis=0)
+        wide = remainder > 1e-17 * largest * factorial
+        if not wide.any():
+            break
+        counts[wide] = counts[wide] * 5 // 4 + 1
+        if counts.sum() > _MOST_PATCHES:
+            return None
+    return counts

@@ -29,6 +29,7 @@ from .figures.fragility_curves import (
 from .figures.maps import outcome_map
 from .figures.phase import phase
 from .figures.slices import of_record, record_spectra, slice_of, spectrum_lines
+from .figures.sliding import slide_history
 from .rows import Rows, rows_of
 from .units import Units
 
@@ -269,6 +270,7 @@ TABLES: tuple[Kind, ...] = (
     ({"method", "time_per_cell", "error_max"}, accuracy),
     ({"im", "limit_state", "probability", "fraction"}, fragility_curves),
     ({"pga", "pgv_pga", "outcome"}, two_measures),
+    ({"t", "slide", "slide_velocity", "ground_acceleration"}, slide_history),
     ({"p", "pga_ratio_16", "pga_ratio_50", "pga_ratio_84"}, overturning_spectra),
 )
 """Columns and figure of each table; the first entry whose columns are all there

@@ -26,8 +26,9 @@ from ..motions.recording import Recording
 from ..motions.records import Record
 from ..plugins import require
 from ..publishing import check_target, published
-from ..responses.check import Progress, Verdict, outcome_alone, tally, verdicts
+from ..responses.check import Progress, outcome_alone, verdicts
 from ..responses.inset import effects
+from ..responses.verdict import Verdict, tally
 from ..structures import (
     RockingParameters,
     build_structure,
@@ -269,7 +270,7 @@ def write_page(
     text = page(
         subjects,
         found,
-        pulse=None if recordings else shakes[0],
+        pulse=None if shakes[0][0].acceleration is not None else shakes[0],
         recordings=recordings,
         vertical=vertical,
         demand=(

@@ -26,10 +26,10 @@ from ..fragility.study import LIMITS, Study
 from ..motions import Motion
 from ..motions.grid import Axis, Grid, demand_of
 from ..motions.recording import Recording
-from ..responses.check import Verdict
 from ..responses.shares import ShareOfDraws
 from ..responses.tied_history import remarks as device_remarks
 from ..responses.uncertainty import drawn_verdict, share_curve
+from ..responses.verdict import Verdict
 from ..spectra.file.reader import SpectraFile
 from ..spectra.sweep import SweepOptions, write_spectrum
 from ..structures import RockingParameters
@@ -88,9 +88,13 @@ def section(
         "ties": [
             f"{v.motion}: {remark}"
             for v in mine
-            for remark in device_remarks(
-                v.devices, v.first_overturning_a, v.first_overturning_a_free
-            )
+            for remark in [
+                *device_remarks(
+                    v.devices, v.first_overturning_a, v.first_overturning_a_free
+                ),
+                *([v.slide.words] if v.slide else []),
+                *([v.coupling] if v.coupling else []),
+            ]
         ],
         "map": drawn,
         "validity": (

@@ -26,6 +26,7 @@ SI = {
     "gravity": "m/s2",
     "frequency": "Hz",
     "force": "N",
+    "stress": "Pa",
     "stiffness": "N/m",
     "moment": "N m",
     "annual rate": "1/yr",
@@ -62,14 +63,20 @@ COLUMNS = {
             *(f"first_overturning_a_q{share}" for share in ("05", "50", "95")),
             "safe_to",
             "searched_to",
+            "slide_a",
+            "stuck_first_overturning_a",
         ),
         "acceleration",
     ),
     "first_overturning_a_free": "acceleration",
+    **dict.fromkeys(("slide", "slide_max", "slide_residual"), "length"),
+    **dict.fromkeys(
+        ("slide_velocity", "slide_velocity_max", "slide_speed"), "velocity"
+    ),
     "tie_elongation": "length",
     "permanent": "length",
     **dict.fromkeys(
-        ("ground_acceleration", "pga", "header_pga", "S_a", "sa", "avgsa"),
+        ("ground_acceleration", "pga", "header_pga", "floor_pga", "S_a", "sa", "avgsa"),
         "acceleration",
     ),
     **dict.fromkeys(
@@ -118,6 +125,7 @@ COLUMNS = {
     "t_slv": "time",
     "t_slc": "time",
     **dict.fromkeys(("force", "compression", "reaction", "top_reaction"), "force"),
+    "base_stress": "stress",
     "tendon_force": "force",
     **dict.fromkeys(
         (

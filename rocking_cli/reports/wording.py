@@ -12,7 +12,7 @@ from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Outcome
 from ..motions import Motion
 from ..motions.grid import Grid
-from ..responses.check import Verdict
+from ..responses.verdict import Verdict
 from ..structures import RockingParameters, Side
 
 if TYPE_CHECKING:
@@ -113,6 +113,9 @@ def verdict_plainly(v: Verdict) -> str:
         said = (
             "Leaves the ground: its later motion is not known, so it counts as falling."
         )
+        said += f" It {v.slide.words}." if v.slide is not None else ""
+    elif v.slide is not None:
+        said = f"Stands: it {v.slide.words}."
     elif v.outcome == Outcome.NO_UPLIFT:
         said = "Stands: it does not lift."
     else:
@@ -130,7 +133,8 @@ def verdict_plainly(v: Verdict) -> str:
         said += " A change of the demand in its last digits changes this."
     return (
         said
-        + " Its base would slide." * v.slides
+        + f" It {v.coupling}." * bool(v.coupling)
+        + " Its base would slide." * (v.slides and not v.coupling)
         + " This is by the linear equation alone." * (v.model == LINEAR.model)
     )
 

@@ -15,7 +15,8 @@ from ..errors import UsageError, counted
 from ..motions.grid import as_recorded
 from ..motions.recording import Recording
 from ..structures.parameters import RockingParameters
-from .check import Demand, Progress, Verdict, verdicts
+from .check import Demand, Progress, verdicts
+from .verdict import Verdict
 
 
 def at_azimuth(pair: Sequence[Recording], azimuth: float) -> Recording:
@@ -45,7 +46,9 @@ def at_azimuth(pair: Sequence[Recording], azimuth: float) -> Recording:
         acceleration=math.cos(azimuth) * both[0] + math.sin(azimuth) * both[1],
         header_pga=None,
     )
-    return Recording(turned, pair[0].factor, upwards=pair[0].upwards)
+    found = Recording(turned, pair[0].factor, upwards=pair[0].upwards)
+    building = pair[0].building
+    return found if building is None else found.on_floor(building)
 
 
 def worst_azimuths(

@@ -83,7 +83,7 @@ class CodeCheck:
     slc: limit state of collapse
     curve: of the mechanism
     spectrum: of the demand
-    on_floor: True for the spectrum of a floor
+    on_floor: True for the spectrum of a floor, if the dynamics are on the ground
 
     Examples
     --------
@@ -102,7 +102,8 @@ class CodeCheck:
     slc: Reached  # limit state of collapse
     curve: CapacityCurve  # of the mechanism
     spectrum: Spectrum  # of the demand
-    on_floor: bool  # True for the spectrum of a floor
+    # True for the spectrum of a floor, if the dynamics are on the ground
+    on_floor: bool
 
     def row(self, beyond: float | None = None) -> dict[str, Any]:
         """Return the columns that `rocking check --code` adds.
@@ -230,6 +231,9 @@ def code_check(
             " 1.35"
         )
     demand: Spectrum
+    apart = bool(floor)  # from the dynamics, which are those on the ground
+    if isinstance(motion, Motion) and motion.floor is not None:
+        apart = False
     if site is not None:
         demand, name, amplitude = site, site.name, site.pga
     elif motion is not None:
@@ -238,7 +242,10 @@ def code_check(
         name, amplitude = motion.name, float(structure.ground_acceleration(a))
         if not amplitude > 0.0:
             raise UsageError("the amplitude is 0; expected a positive one")
-        demand = MotionSpectrum.of(motion, amplitude, omega * structure.p)
+        ground, pace = motion, omega * structure.p
+        if floor and motion.floor is not None:  # the code makes its own floor
+            ground, pace = motion.floor.ground, motion.floor.omega
+        demand = MotionSpectrum.of(ground, amplitude, pace)
     else:
         raise UsageError("no demand; expected a motion, or the spectrum of a site")
     demand = FloorSpectrum(demand, tuple(floor)) if floor else demand
@@ -261,7 +268,7 @@ def code_check(
                 slc,
                 curve,
                 demand,
-                bool(floor),
+                apart,
             )
         )
     weakest = min(found, key=lambda one: one.slv.amplitude)

@@ -2,6 +2,7 @@
 inside the edges.
 """
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 
 from ..envelopes.amplitudes import Limit, limit_of
@@ -9,17 +10,21 @@ from ..motions import Motion
 from ..motions.grid import Grid
 from ..structures.mechanics.worn_edges import worn
 from ..structures.parameters import RockingParameters
-from .check import Demand, Verdict, first_overturning
+from .check import Demand, first_overturning
+from .verdict import Verdict
 
 INSET = 0.05  # of the width
 
 
 def may_be_worn(verdicts: Sequence[Verdict], demands: Sequence[Demand]) -> bool:
     """True if a body stands whose capacity worn edges would lower, and its document
-    states no inset.
+    states no inset and no strength.
     """
     stands = {v.structure for v in verdicts if v.outcome.safe and v.first_overturning_a}
-    return any(s.name in stands and _inset_of(s) is not None for s, _, _ in demands)
+    return any(
+        s.name in stands and not _crushes(s) and _inset_of(s) is not None
+        for s, _, _ in demands
+    )
 
 
 def effects(
@@ -68,8 +73,15 @@ def _effect(
     other = first_overturning(body, motion, grid, limit_of(a_max, body), known)
     if other is None:
         return None
-    change = 100.0 * (other / known - 1.0)
     pivots = f"pivots {1000.0 * inset:.3g} mm inside the edges"
+    if _crushes(structure):  # the other body is the one with sharp edges
+        change = 100.0 * (known / other - 1.0)
+        does = "take" if change <= 0.0 else "add"
+        return (
+            f"{structure.name}: {pivots} (its strength: the toe crushes) {does}"
+            f" {abs(change):.2g} % of the capacity on sharp edges"
+        )
+    change = 100.0 * (other / known - 1.0)
     why = f"({100.0 * INSET:g} % of the width: rounding, wear)"
     does = "take" if change <= 0.0 else "add"
     return (
@@ -79,7 +91,25 @@ def _effect(
 
 
 def _inset_of(structure: RockingParameters) -> tuple[float, RockingParameters] | None:
-    """Return (inset [m], the body with it), None if the body has an inset
-    or no edges.
+    """Return (inset [m], the body with it), None if the body has an inset or no edges;
+    of a body whose strength gives its inset (that, the body on its sharp edges).
     """
+    if _crushes(structure):
+        inset = float(structure.details["inset"])
+        return _on_sharp_edges(structure, inset)
     return None if "inset" in structure.details else worn(structure, INSET)
+
+
+def _crushes(structure: RockingParameters) -> bool:
+    """True if the strength of a body gives its inset."""
+    return "base_stress" in structure.details
+
+
+def _on_sharp_edges(
+    structure: RockingParameters, inset: float
+) -> tuple[float, RockingParameters] | None:
+    """Return (inset [m], the body with its pivots moved back to its edges)."""
+    sides = structure.sides or (structure, structure)
+    width = sum(math.sin(side.alpha) * (side.arm or 0.0) for side in sides)
+    found = worn(structure, -inset / width) if width else None
+    return None if found is None else (inset, found[1])

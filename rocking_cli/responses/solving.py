@@ -2,11 +2,11 @@
 margin.
 """
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import cache
-from itertools import pairwise
+from itertools import islice, pairwise
 from typing import Any
 
 import numpy as np
@@ -19,9 +19,10 @@ from ..envelopes.worst import at_worst_frequency
 from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Grid
+from ..processes import available_cpus
 from ..structures.family import Variation, family
 from ..structures.parameters import RockingParameters
-from .check import verdicts
+from .check import Demand, Standing, standings
 
 _DIGITS = (
     6  # significant digits of a boundary, which is rounded to the side that stands
@@ -30,6 +31,7 @@ _DIGITS = (
 # this one
 _BEYOND = 2.0
 _EXACT = 1e-8  # of a boundary before it is rounded
+_AT_ONCE = 3  # values of the scan for each process, which are judged together
 
 
 @dataclass(frozen=True)
@@ -145,8 +147,6 @@ def boundaries(
     >>> found.side, f"{found.value:.5f} m", round(found.capacity_demand, 4)
     ('stands above', '0.62312 m', 1.0)
     """
-    from scipy.optimize import brentq
-
     if not (0.0 < share <= 1.0 and margin > 0.0):
         raise UsageError(
             f"found `share` {share:g} and `margin` {margin:g}; expected a share above 0"
@@ -154,135 +154,213 @@ def boundaries(
         )
     for _, grid in (*shakes, *opposite):
         grid.require_one_cell()
-    most = max(float(grid.amplitude.values[0]) for _, grid in shakes)
-    reach = Limit(_BEYOND * margin * most, shakes[0][1].amplitude.name == "a_g")
-    remarks: list[str] = []
-    at_ends: dict[
-        float, set[str]
-    ] = {}  # the ends of the range that are the worst, of each value
+    search = _Search(document, varied, shakes, margin, share, opposite, up_to, workers)
+    found = search.boundaries(search.scanned(progress))
+    return found, list(dict.fromkeys(search.remarks))
 
-    def own_name(member: RockingParameters) -> str:
-        return member.name[: member.name.rindex(f" {varied.key}=")]
 
-    @cache
-    def excess(value: float) -> float:
-        """Return ln(capacity_demand/margin) for a value of the key; NaN if there is no
-        such structure, or no verdict.
+class _Search:
+    """The capacities of a structure for values of a key, each computed once, and the
+    boundaries between them.
+    """
+
+    def __init__(
+        self,
+        document: Document,
+        varied: Variation,
+        shakes: Sequence[tuple[Motion, Grid]],
+        margin: float,
+        share: float,
+        opposite: Sequence[tuple[Motion, Grid]],
+        up_to: Grid | None,
+        workers: int | None,
+    ) -> None:
+        # as the arguments of `boundaries`
+        self.document, self.varied, self.shakes = document, varied, shakes
+        self.margin, self.share, self.opposite = margin, share, opposite
+        self.up_to, self.workers = up_to, workers
+        most = max(float(grid.amplitude.values[0]) for _, grid in shakes)
+        in_units = shakes[0][1].amplitude.name == "a_g"
+        self.reach = Limit(_BEYOND * margin * most, in_units)
+        self.remarks: list[str] = []
+        # ln(capacity_demand/margin) of each value, NaN if there is no such structure,
+        # or no verdict
+        self.known: dict[float, float] = {}
+        # the ends of the range that are the worst, of each value
+        self.at_ends: dict[float, set[str]] = {}
+
+    def scanned(
+        self, progress: Callable[[int, int], None] | None
+    ) -> list[tuple[float, float]]:
+        """Return the values of the range, rising, with the excess of each."""
+        values, found = sorted(self.varied.values), []
+        at_once = _AT_ONCE * (self.workers or available_cpus())
+        for begin in range(0, len(values), at_once):
+            some = values[begin : begin + at_once]
+            found += list(zip(some, self.excesses(some), strict=True))
+            if progress is not None:
+                progress(len(found), len(values))
+        return found
+
+    def boundaries(self, scanned: Sequence[tuple[float, float]]) -> list[Boundary]:
+        """Return the boundaries between neighbours of the scan; a single row without a
+        value if the structure stands, or falls, at all of them.
         """
-        members = list(family(document, [varied._replace(values=(value,))], each=True))
-        structures = [
-            member.parameters for member in members if member.parameters is not None
-        ]
-        if not structures:
-            remarks.append(
-                f"no solution for {varied.key} = {value:g}: {members[0].fault}"
-            )
-            return math.nan
-        for one in () if opposite else structures:
-            remarks.extend(
-                direction_in_words(
-                    replace(one, name=own_name(one)), opposite="the other `sign`"
-                )
-            )
-        demands = [
-            (one, *shake) for shake in (*shakes, *opposite) for one in structures
-        ]
-        if up_to is not None:
-            found_at = [
-                at_worst_frequency(s, motion, low, up_to, reach)
-                for s, motion, low in demands
-            ]
-            demands = [
-                (s, motion, worst.grid)
-                for (s, motion, _), worst in zip(demands, found_at, strict=True)
-            ]
-            ends = {
-                f"{worst.end} end of the range, {worst.frequency:.4g} Hz"
-                for worst in found_at
-                if worst.end
-            }
-            at_ends[value] = ends
-        found = list(verdicts(demands, a_max=reach, workers=workers))
-        if any(v.outcome == Outcome.FAILED for v in found):
-            remarks.append(f"no verdict for {varied.key} = {value:g}")
-            return math.nan
-        least = [
-            min(
-                _BEYOND * margin,
-                math.inf if (c := v.capacity_demand) is None else c,
-                math.nextafter(1.0, 0.0) if v.falls else math.inf,
-            )
-            for v in found
-        ]
-        capacities = np.sort(
-            np.reshape(least, (-1, len(shakes), len(structures))).min(axis=(0, 2))
-        )  # of each motion
-        return math.log(
-            capacities[math.floor(len(capacities) * (1.0 - share) + 1e-9)] / margin
-        )
-
-    def boundary(low: float, high: float, above: bool) -> Boundary | None:
-        outwards = math.ceil if above else math.floor
-        try:
-            exact = brentq(excess, low, high, xtol=_EXACT * abs(high), rtol=_EXACT)
-        except (
-            ValueError
-        ):  # a value without a structure or a verdict, which is remarked on
-            return None
-        for digits in range(
-            _DIGITS, 16
-        ):  # the first that stands: close by there may be another boundary
-            unit = 10.0 ** (math.floor(math.log10(abs(exact) or 1.0)) - digits + 1)
-            value = min(
-                high, max(low, float(f"{outwards(exact / unit) * unit:.{digits}g}"))
-            )
-            if excess(value) >= 0.0:
-                break
-        else:
-            value = high if above else low
-        for end in sorted(at_ends.get(value, ())):
-            beyond = "slower" if end.startswith("lower") else "faster"
-            remarks.append(
-                f"the worst frequency at this boundary is the {end}; {beyond} motions"
-                " may overturn it"
-            )
-        return row(
-            value,
-            "stands above" if above else "stands below",
-            margin * math.exp(excess(value)),
-        )
-
-    def row(value: float, side: str, capacity_demand: float | None) -> Boundary:
-        """Return the row of a value, which it does not state if capacity_demand is
-        None.
-        """
-        (member,) = family(document, [varied._replace(values=(value,))])
-        assert member.parameters is not None
-        name, known = own_name(member.parameters), capacity_demand is not None
-        at, shown = (
-            member.varied[varied.key] if known else None,
-            {key: x if known else None for key, x in member.shown.items()},
-        )
-        unit = member.parameters.details["varied_units"][varied.key]
-        return Boundary(name, varied.key, at, side, capacity_demand, shown, unit)
-
-    scanned = []
-    for i, value in enumerate(sorted(varied.values), 1):
-        scanned.append((value, excess(value)))
-        if progress is not None:
-            progress(i, len(varied.values))
-    changes = [
-        (a, b, y >= 0.0)
-        for (a, x), (b, y) in pairwise(scanned)
-        if (x >= 0.0) != (y >= 0.0) and not math.isnan(x + y)
-    ]
-    found = [one for change in changes if (one := boundary(*change)) is not None]
-    known = [(a, x >= 0.0) for a, x in scanned if not math.isnan(x)]
-    if len({stands for _, stands in known}) == 1:
+        found = []
+        for (low, x), (high, y) in pairwise(scanned):
+            if (x >= 0.0) != (y >= 0.0) and not math.isnan(x + y):
+                found.append(self.boundary(low, high, y >= 0.0))
+        known = [(value, x >= 0.0) for value, x in scanned if not math.isnan(x)]
+        if len({stands for _, stands in known}) != 1:
+            return [one for one in found if one is not None]
         value, stands = known[0]
-        found = [row(value, "stands everywhere" if stands else "stands nowhere", None)]
-        remarks.append(
+        self.remarks.append(
             f"{'stands' if stands else 'does not stand'} with this margin at any value"
             " of the scan"
         )
-    return found, list(dict.fromkeys(remarks))
+        side = "stands everywhere" if stands else "stands nowhere"
+        return [self.row(value, side, None)]
+
+    def excess(self, value: float) -> float:
+        """Return ln(capacity_demand/margin) for a value of the key; NaN if there is no
+        such structure, or no verdict.
+        """
+        return self.excesses([value])[0]
+
+    def excesses(self, values: Sequence[float]) -> list[float]:
+        """Return `excess` for each value; processes share what is new."""
+        new = {
+            value: demands
+            for value in dict.fromkeys(values)
+            if value not in self.known and (demands := self._demands(value))
+        }
+        found = iter(
+            standings(
+                [demand for demands in new.values() for demand in demands],
+                a_max=self.reach,
+                workers=self.workers,
+            )
+        )
+        for value, demands in new.items():
+            self.known[value] = self._excess_of(
+                value, list(islice(found, len(demands)))
+            )
+        return [self.known[value] for value in values]
+
+    def _demands(self, value: float) -> list[Demand]:
+        """Return the demands on the structures of a value of the key, one motion after
+        the other; none without a structure.
+        """
+        varied = self.varied._replace(values=(value,))
+        members = list(family(self.document, [varied], each=True))
+        structures = [x.parameters for x in members if x.parameters is not None]
+        if not structures:
+            self.known[value] = math.nan
+            self.remarks.append(
+                f"no solution for {varied.key} = {value:g}: {members[0].fault}"
+            )
+        for one in () if self.opposite else structures:
+            named = replace(one, name=self._own_name(one))
+            self.remarks.extend(direction_in_words(named, opposite="the other `sign`"))
+        demands = [
+            (one, *shake)
+            for shake in (*self.shakes, *self.opposite)
+            for one in structures
+        ]
+        return demands if self.up_to is None else self._at_worst(value, demands)
+
+    def _at_worst(self, value: float, demands: Sequence[Demand]) -> list[Demand]:
+        """Return the demands at the worst frequency of the range."""
+        assert self.up_to is not None  # a range is stated
+        worst = [
+            at_worst_frequency(structure, motion, low, self.up_to, self.reach)
+            for structure, motion, low in demands
+        ]
+        self.at_ends[value] = {
+            f"{one.end} end of the range, {one.frequency:.4g} Hz"
+            for one in worst
+            if one.end
+        }
+        return [
+            (structure, motion, one.grid)
+            for (structure, motion, _), one in zip(demands, worst, strict=True)
+        ]
+
+    def _excess_of(self, value: float, found: Sequence[Standing]) -> float:
+        """Return ln(capacity_demand/margin) of the required share of the motions;
+        found: what stands under the demands of a value.
+        """
+        if any(one.outcome == Outcome.FAILED for one in found):
+            self.remarks.append(f"no verdict for {self.varied.key} = {value:g}")
+            return math.nan
+        least = [
+            min(
+                _BEYOND * self.margin,
+                math.inf if one.capacity_demand is None else one.capacity_demand,
+                math.nextafter(1.0, 0.0) if one.falls else math.inf,
+            )
+            for one in found
+        ]
+        motions = len(self.shakes)
+        directions = 2 if self.opposite else 1
+        structures = len(found) // (motions * directions)
+        capacities = np.sort(
+            np.reshape(least, (directions, motions, structures)).min(axis=(0, 2))
+        )  # of each motion
+        which = math.floor(motions * (1.0 - self.share) + 1e-9)
+        return math.log(capacities[which] / self.margin)
+
+    def boundary(self, low: float, high: float, above: bool) -> Boundary | None:
+        """Return the boundary between two values; above: True if the structure stands
+        above it. None next to a value without a structure or a verdict.
+        """
+        from scipy.optimize import brentq
+
+        try:
+            exact = brentq(self.excess, low, high, xtol=_EXACT * abs(high), rtol=_EXACT)
+        except ValueError:  # such a value is remarked on
+            return None
+        value = self._rounded(exact, low, high, above)
+        for end in sorted(self.at_ends.get(value, ())):
+            beyond = "slower" if end.startswith("lower") else "faster"
+            self.remarks.append(
+                f"the worst frequency at this boundary is the {end}; {beyond} motions"
+                " may overturn it"
+            )
+        side = "stands above" if above else "stands below"
+        return self.row(value, side, self.margin * math.exp(self.excess(value)))
+
+    def _rounded(self, exact: float, low: float, high: float, above: bool) -> float:
+        """Return the boundary rounded to the side that stands: the first number of
+        digits that stands, since close by there may be another boundary. Where the
+        boundary itself does not stand, as a friction of lambda, a unit away from it.
+        """
+        outwards, out = (math.ceil, 1) if above else (math.floor, -1)
+        for away, digits in itertools.product((0, out), range(_DIGITS, 16)):
+            unit = 10.0 ** (math.floor(math.log10(abs(exact) or 1.0)) - digits + 1)
+            rounded = float(f"{(outwards(exact / unit) + away) * unit:.{digits}g}")
+            value = min(high, max(low, rounded))
+            if self.excess(value) >= 0.0:
+                return value
+        return high if above else low
+
+    def row(self, value: float, side: str, capacity_demand: float | None) -> Boundary:
+        """Return the row of a value, which it does not state if capacity_demand is
+        None.
+        """
+        key = self.varied.key
+        (member,) = family(self.document, [self.varied._replace(values=(value,))])
+        assert member.parameters is not None
+        known = capacity_demand is not None
+        return Boundary(
+            self._own_name(member.parameters),
+            key,
+            member.varied[key] if known else None,
+            side,
+            capacity_demand,
+            {heading: x if known else None for heading, x in member.shown.items()},
+            member.parameters.details["varied_units"][key],
+        )
+
+    def _own_name(self, member: RockingParameters) -> str:
+        return member.name[: member.name.rindex(f" {self.varied.key}=")]

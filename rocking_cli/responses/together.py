@@ -11,8 +11,10 @@ import numpy as np
 from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import Response, cheaper, response
+from ..dynamics.sliding import Base
 from ..motions.grid import Grid
 from ..motions.motion import Motion
+from ..structures.friction import friction_that_slides
 from ..structures.parameters import RockingParameters
 
 Array = np.ndarray
@@ -98,10 +100,17 @@ class Together:
         self.method, self.motion, self.structures = method, motion, structures
         self.omega = omega  # Omega of each structure [-]
         self.eta = np.array([s.eta for s in structures])  # restitution of each [-]
+        # of bodies that slide and never rock, None for the others
+        self.bases = [self._base(s) for s in structures]
+        self.slides = np.array([base is not None for base in self.bases])
         groups: dict[object, int] = {}
         self.group = np.array(
             [groups.setdefault(self._shared(s), len(groups)) for s in structures]
         )
+
+    def _base(self, structure: RockingParameters) -> Base | None:
+        friction = friction_that_slides(structure)
+        return None if friction is None else Base(self.motion, friction)
 
     def _shared(self, structure: RockingParameters) -> object:
         """Return what the structures of one march have in common: nothing for plain
@@ -133,12 +142,23 @@ class Together:
         """
         theta_ratio = np.full(which.size, np.nan)
         outcome = np.zeros(which.size, dtype=np.uint8)
-        for number in np.unique(self.group[which]):
-            at = np.flatnonzero(self.group[which] == number)
+        sliding = self.slides[which]
+        for i in np.flatnonzero(sliding).tolist():
+            outcome[i] = self._sliding(int(which[i]), float(amplitude[i]))
+            theta_ratio[i] = 0.0 if Outcome(int(outcome[i])).safe else np.nan
+        for number in np.unique(self.group[which[~sliding]]):
+            at = np.flatnonzero((self.group[which] == number) & ~sliding)
             at = at[np.argsort(which[at], kind="stable")]  # by structure
             got = self._of_group(which[at], amplitude[at], peaks)
             theta_ratio[at], outcome[at] = got.theta_ratio, got.outcome
         return theta_ratio, outcome
+
+    def _sliding(self, i: int, amplitude: float) -> Outcome:
+        """Return the outcome of structure i, which slides, at an amplitude A."""
+        base, structure = self.bases[i], self.structures[i]
+        assert base is not None  # it slides
+        a_g = float(structure.ground_acceleration(amplitude))
+        return base.under(structure.gravity / a_g).outcome
 
     def _of_group(self, which: Array, amplitude: Array, peaks: bool) -> Response:
         """Return the responses of cells of one group, which are in the order of their
@@ -147,8 +167,6 @@ class Together:
         own, counts = np.unique(which, return_counts=True)
         structures = [self.structures[i] for i in own]
         system = self.method.system_of_cells(structures, counts.tolist())
-        if self.method.exact:
-            system = system._replace(body=None, own=())
         how = cheaper(system, self.motion, which.size) if own.size == 1 else "arrays"
         cells = (amplitude, self.omega[which], self.eta[which])
         return response(system, self.motion, *cells, peaks=peaks, how=how)
@@ -159,7 +177,9 @@ class Together:
         """
         first = np.full(lowest.size, np.inf)
         stands = lowest.copy()  # largest amplitude up to which no rung overturns
-        climbing = np.flatnonzero(np.isfinite(lowest) & (lowest < highest))
+        # A body that slides never overturns.
+        climbs = np.isfinite(lowest) & (lowest < highest) & ~self.slides
+        climbing = np.flatnonzero(climbs)
         while climbing.size:
             largest = int(np.bincount(self.group[climbing]).max())
             window = int(np.clip(_CELLS // largest, _FEWEST, _MOST))

@@ -294,6 +294,12 @@ VARIABLES: dict[str, Variable] = {
     "difference": _coded(
         "how the linear equation judges what the nonlinear one decides", Difference
     ),
+    "slide_max": _real(
+        "largest displacement over the ground of a body that slides",
+        "max over time of abs(u) for a body whose friction is below lambda, which"
+        " slides and never rocks; NaN for another body, and where contact is lost",
+        units="m",
+    ),
 }
 """A file has theta_ratio and outcome, and others on request, in this order; a chunk's
 checksum runs over them in the same order. friction and fz_min stand in files of version
@@ -304,5 +310,6 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
     "velocity_ratio": ("velocity_ratio",),
     "condition": ("condition",),
     "linear": ("theta_ratio_linear", "outcome_linear", "difference"),
+    "slide": ("slide_max",),
 }
 """The quantities that may be asked for, each with its variables."""

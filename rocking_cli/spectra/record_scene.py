@@ -101,9 +101,9 @@ class RecordScene(Scene):
     @property
     def quantities(self) -> tuple[str, ...]:
         """The quantities that the scene always has: velocity_ratio for a rocking
-        spectrum over alpha and T.
+        spectrum over alpha and T, slide if a structure slides and never rocks.
         """
-        return ("velocity_ratio",) if self.over_angles else ()
+        return ("velocity_ratio",) if self.over_angles else super().quantities
 
     @property
     def over_angles(self) -> bool:
@@ -121,7 +121,10 @@ class RecordScene(Scene):
 
     @property
     def segments(self) -> int:
-        return max(r.record.npts for r in self.recordings) - 1
+        return max(
+            r.record.npts - 1 if r.building is None else len(r.motion.segments)
+            for r in self.recordings
+        )
 
     @property
     def title(self) -> str:

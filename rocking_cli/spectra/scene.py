@@ -19,6 +19,7 @@ from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Grid
+from ..structures.friction import friction_that_slides
 from ..structures.parameters import RockingParameters
 from .dimensions import Frame, structure_lists, varied_units
 
@@ -119,8 +120,11 @@ class Scene(ABC):
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """The names of QUANTITIES that the result always has."""
-        return ()
+        """The names of QUANTITIES that the result always has: slide if a structure
+        slides and never rocks.
+        """
+        slides = any(friction_that_slides(s) is not None for s in self.structures)
+        return ("slide",) * slides
 
     def cell(self, place: int, row: int, column: int) -> SceneCell:
         """Return the cell at these indices on the three dimensions."""
@@ -172,7 +176,9 @@ class Scene(ABC):
         body = (
             None if self.method.exact else self.method.body_of(structure)
         )  # forces of the linear oscillator are computed afterwards
-        return (*self.method.shares(structure), *scale, body)
+        slides = friction_that_slides(structure)
+        own = () if slides is None else (slides, structure.uplift)
+        return (*self.method.shares(structure), *scale, body, *own)
 
     def runs_with(self, structure: RockingParameters) -> tuple[Any, ...]:
         """Return a key of a structure. One run of the engine computes all structures

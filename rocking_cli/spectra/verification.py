@@ -16,6 +16,7 @@ import numpy as np
 from ..dynamics.method import Method
 from ..dynamics.outcome import Difference, Outcome, difference, falls, safe
 from ..dynamics.response import Response, response
+from ..structures.friction import friction_that_slides
 from ..structures.parameters import RockingParameters
 from .scene import PulseScene, Scene, Unit
 
@@ -110,6 +111,8 @@ def sampled_cells(scene: Scene, check: int, seed: int = _SEED) -> Array:
 
     def uplifts(at: Place) -> bool:
         cell = scene.cell(*at)
+        if friction_that_slides(cell.structure) is not None:
+            return False
         key = id(cell.structure)
         if key not in uplift:
             uplift[key] = _uplift_amplitude(scene, cell.structure)
@@ -184,7 +187,12 @@ def _candidates(scene: Scene) -> Array:
     one = sampled_cells(scene, 1, _SEED + 1)
     if not len(one):
         return one
-    row = max(range(scene.shape[1]), key=lambda i: abs(scene.structures[i].eta))
+    rocks = [
+        i
+        for i in range(scene.shape[1])
+        if friction_that_slides(scene.structures[i]) is None
+    ]
+    row = max(rocks, key=lambda i: abs(scene.structures[i].eta))
     columns = (
         np.linspace(0, scene.shape[2] - 1, min(_CANDIDATES, scene.shape[2]))
         .round()
@@ -306,7 +314,11 @@ def validity(scene: Scene, tolerance: float = 1e-6) -> Validity | None:
     nonlinear = Method("nonlinear", tolerance)
     if not (isinstance(scene, PulseScene) and scene.method.exact):
         return None
-    known = [s for s in scene.structures if nonlinear.serves(s)]
+    known = [
+        s
+        for s in scene.structures
+        if nonlinear.serves(s) and friction_that_slides(s) is None
+    ]
     count = min(_STRUCTURES, len(known))
     some = [known[i] for i in np.linspace(0, len(known) - 1, count).astype(int)]
     judged = [

@@ -64,10 +64,12 @@ def build_structure(document: Document) -> RockingParameters:
     )
     try:
         built = build(document, name)
+        static, kinetic = friction_of(document)
         built = replace(
             built,
             damping=damping_of(document) + built.damping,
-            friction=friction_of(document),
+            friction=static,
+            kinetic_friction=kinetic,
         )
     except StructureError as error:
         raise DocumentError(
@@ -75,14 +77,11 @@ def build_structure(document: Document) -> RockingParameters:
         ) from None
     document.has("labels")  # a key of every kind, also of those of installed packages
     document.finish(KEYS)
+    sized = (*size_remarks(document, built), *cut_remarks(document))
     return replace(
         built,
         labels=labels_of(document),
-        remarks=(
-            *built.remarks,
-            *size_remarks(document, built),
-            *cut_remarks(document),
-        ),
+        remarks=(*built.remarks, *sized),
         drawn_from=document if document.uncertain else None,
     )
 

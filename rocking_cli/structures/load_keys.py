@@ -22,7 +22,15 @@ from .mechanics.linkage import Linkage
 from .mechanics.linkage_drawing import load_arrows
 from .mechanics.mechanism_side import MechanismSide
 from .mechanics.planar_mechanism import PlanarMechanism
-from .shared_keys import given_restitution, gravity_of, has_loads, restraints_in
+from .shared_keys import (
+    LOADS,
+    friction_of,
+    given_restitution,
+    gravity_of,
+    has_loads,
+    mass_of_load,
+    restraints_in,
+)
 from .sketch import Point, Sketch, turned
 
 if TYPE_CHECKING:
@@ -33,10 +41,6 @@ if TYPE_CHECKING:
 BODY = "body"  # name of a rigid body among the bodies of a mechanism
 FAR, CENTRE, NEAR_EDGE = BEARINGS = ("far", "centre", "near")
 _POINT = "a point [x, z], lengths in m or with a unit"
-_LOADS = (
-    "a list of loads, each with weight or mass, bearing or at, and inertia (both,"
-    " vertical or none)"
-)
 
 
 class Top(NamedTuple):
@@ -62,29 +66,10 @@ def loads_of(document: Document, top: Top | None, axis: float) -> SideLoads:
     gravity = gravity_of(document)
     pairs = [
         _load(part, f"loads.{i}", gravity, top, axis)
-        for i, part in enumerate(document.parts("loads", _LOADS))
+        for i, part in enumerate(document.parts("loads", LOADS))
     ]
     right, left = (tuple(pair[i] for pair in pairs) for i in (0, 1))
     return SideLoads(right, left)
-
-
-def weight_of_loads(document: Document) -> float:
-    """Return the weight of all loads of a body [N], which its base carries."""
-    if not has_loads(document):
-        return 0.0
-    gravity = gravity_of(document)
-    parts = document.parts("loads", _LOADS)
-    return gravity * sum(mass_of_load(part, gravity) for part in parts)
-
-
-def mass_of_load(part: Document, gravity: float) -> float:
-    """Return the weight of a load over g [kg]. Raises DocumentError."""
-    if not part.has("weight"):
-        return part.quantity("mass", "mass", above=0.0, where="a positive mass")
-    if part.has("mass"):
-        raise part.fault("weight", "weight together with mass", "one of them")
-    weight = part.quantity("weight", "force", above=0.0, where="a positive weight")
-    return weight / gravity
 
 
 def require_still(part: Document, path: str, key: str) -> None:
@@ -165,7 +150,8 @@ def loaded(
         raise document.missing("mass", "the mass [kg] of the body, which loads need")
     planar = _mechanism(document, body, mass)
     found = parameters_of(document, planar, more["name"], more["structure"])
-    return replace(found, details=more["details"], remarks=(), top=more["top"])
+    remarks = (*more.get("remarks", ()), *found.remarks)
+    return replace(found, details=more["details"], remarks=remarks, top=more["top"])
 
 
 def parameters_of(
@@ -173,13 +159,12 @@ def parameters_of(
     planar: PlanarMechanism,
     name: str,
     structure: str,
-    friction: float | None = None,
 ) -> RockingParameters:
     """Return the parameters of a mechanism that a document of another kind describes,
-    with its gravity and restitution; the other arguments are those of
-    `PlanarMechanism.parameters`. Raises DocumentError.
+    with its gravity, restitution and friction; name, structure: as
+    `PlanarMechanism.parameters` takes them. Raises DocumentError.
     """
-    restitution = given_restitution(document)
+    restitution, (friction, _) = given_restitution(document), friction_of(document)
     try:
         planar.right.require()
         if planar.left is not None:

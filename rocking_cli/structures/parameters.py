@@ -134,7 +134,9 @@ class RockingParameters:
     one_sided: True if it rocks on its right edge only; eta includes the impact on its
         backing
     damping: zeta of the moment -2 zeta p theta' [-]
-    friction: coefficient of the base or joints [-], None if not stated
+    friction: static coefficient of the base or joints [-], None if not stated
+    kinetic_friction: coefficient of a base that slides [-], at most the static one,
+        None for the same
     arm: R, distance from the edge to the mass centre [m], only for one rigid body;
         without R the ground forces are not known
     top: distances from the left and the right edge to the farthest point of the top
@@ -174,7 +176,7 @@ class RockingParameters:
     # True if it rocks on its right edge only; eta includes the impact on its backing
     one_sided: bool = False
     damping: float = 0.0  # zeta of the moment -2 zeta p theta' [-]
-    # coefficient of the base or joints [-], None if not stated
+    # static coefficient of the base or joints [-], None if not stated
     friction: float | None = None
     # R, distance from the edge to the mass centre [m], only for one rigid body; without
     # R the ground forces are not known
@@ -189,6 +191,8 @@ class RockingParameters:
     labels: Mapping[str, str] = field(default_factory=dict, repr=False, compare=False)
     # sentences on numbers that are probably wrong
     remarks: tuple[str, ...] = field(default=(), repr=False, compare=False)
+    # coefficient of a base that slides [-], at most the static one, None for the same
+    kinetic_friction: float | None = None
     # the document, if it holds numbers with a spread, at whose means all numbers hold
     drawn_from: Document | None = field(default=None, repr=False, compare=False)
 
@@ -215,6 +219,14 @@ class RockingParameters:
                 self.friction,
                 self.friction > 0.0,
                 "a positive finite number",
+            )
+        if self.kinetic_friction is not None:
+            most = self.friction or 0.0
+            _require(
+                "kinetic friction",
+                self.kinetic_friction,
+                0.0 < self.kinetic_friction <= most,
+                f"a positive number up to the static one, {most:g}",
             )
         if not self.sides:
             return
@@ -315,6 +327,9 @@ class RockingParameters:
             for key in ("one_sided", "damping", "friction", "arm")
             if key in row
         }
+        if isinstance(friction := row.get("friction"), Mapping):
+            more["friction"] = friction["static"]
+            more["kinetic_friction"] = friction["kinetic"]
         more |= {"eta_source": row["eta_source"], "gravity": row["gravity"]}
         if "ties" in row or "tendon" in row:
             more["restraints"] = Restraints.from_row(row)
@@ -387,6 +402,9 @@ class RockingParameters:
             for key in ("one_sided", "damping", "friction", "arm")
             if getattr(self, key)
         }
+        if self.kinetic_friction is not None:
+            both = {"static": self.friction, "kinetic": self.kinetic_friction}
+            more["friction"] = both
         sides = {"sides": [side.row() for side in self.sides]} if self.sides else {}
         more |= self.restraints.row() if self.restraints else {}
         more |= {"labels": dict(self.labels)} if self.labels else {}

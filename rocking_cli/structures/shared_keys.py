@@ -19,6 +19,10 @@ RESTRAINTS = ("ties", "tendon", "dampers")
 ONE_SIDED_RESTITUTION = (
     "a number above -1 and up to 0 (one_sided: it returns to the side it came from)"
 )
+LOADS = (
+    "a list of loads, each with weight or mass, bearing or at, and inertia (both,"
+    " vertical or none)"
+)
 
 
 def gravity_of(document: Document) -> float:
@@ -49,6 +53,25 @@ def has_loads(document: Document) -> bool:
     if not document.has("loads") and "loads" in document.values:
         raise document.fault("loads", "nothing", "the loads, or no such key")
     return document.has("loads") and document.values["loads"].content != []
+
+
+def weight_of_loads(document: Document) -> float:
+    """Return the weight of all loads of a body [N], which its base carries."""
+    if not has_loads(document):
+        return 0.0
+    gravity = gravity_of(document)
+    parts = document.parts("loads", LOADS)
+    return gravity * sum(mass_of_load(part, gravity) for part in parts)
+
+
+def mass_of_load(part: Document, gravity: float) -> float:
+    """Return the weight of a load over g [kg]. Raises DocumentError."""
+    if not part.has("weight"):
+        return part.quantity("mass", "mass", above=0.0, where="a positive mass")
+    if part.has("mass"):
+        raise part.fault("weight", "weight together with mass", "one of them")
+    weight = part.quantity("weight", "force", above=0.0, where="a positive weight")
+    return weight / gravity
 
 
 def restitution_of(
@@ -189,14 +212,22 @@ def damping_of(document: Document) -> float:
     )
 
 
-def friction_of(document: Document) -> float | None:
-    """Return the document's coefficient of friction [-], None if absent."""
+def friction_of(document: Document) -> tuple[float | None, float | None]:
+    """Return the document's coefficients of friction (static, kinetic) [-], None where
+    they are not stated: `friction: 0.3`, or `friction: {static: 0.35, kinetic: 0.3}`.
+    """
     where = "a positive number (a coefficient of friction)"
-    return (
-        document.quantity("friction", "number", above=0.0, where=where)
-        if document.has("friction")
-        else None
-    )
+    if not document.has("friction"):
+        return None, None
+    value = document.values["friction"]
+    if not isinstance(value.content, dict):
+        return document.quantity("friction", "number", above=0.0, where=where), None
+    part = document.part("friction", value)
+    static = part.quantity("static", "number", above=0.0, where=where)
+    where = f"a positive number up to the static friction, {static:g}"
+    kinetic = part.quantity("kinetic", "number", above=0.0, most=static, where=where)
+    part.finish()
+    return static, None if kinetic == static else kinetic
 
 
 def mass_of(document: Document) -> float | None:

@@ -1,10 +1,11 @@
 """`rocking solve` at the shell: what it finds is right by itself."""
 
-from types import SimpleNamespace
+from itertools import cycle
 
 import pytest
 
 from rocking_cli import Outcome
+from rocking_cli.responses.check import Standing
 
 SHAKING = ("--a-g", "0.4g", "--f-g", "1")
 
@@ -46,20 +47,18 @@ def judged(monkeypatch):
     """
 
     def by(*capacities):
-        def verdicts(demands, **_):
+        def standings(demands, **_):
             heights = [
                 next(iter(structure.details["varied"].values()))
                 for structure, _, _ in demands
             ]
             found = [
-                capacity(h) for capacity, h in zip(capacities, heights, strict=True)
+                capacity(h)
+                for capacity, h in zip(cycle(capacities), heights, strict=False)
             ]
-            return [
-                SimpleNamespace(outcome=Outcome.ROCKED, falls=False, capacity_demand=c)
-                for c in found
-            ]
+            return [Standing(Outcome.ROCKED, c) for c in found]
 
-        monkeypatch.setattr("rocking_cli.responses.solving.verdicts", verdicts)
+        monkeypatch.setattr("rocking_cli.responses.solving.standings", standings)
 
     return by
 

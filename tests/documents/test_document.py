@@ -99,7 +99,7 @@ REFUSED = [
     ),
     (
         "kind: point_mass\nradius: 1\nalpha: 46 deg",
-        "restitution of .* alpha up to 45 deg",
+        "restitution .* alpha up to 45 deg",
     ),
     (
         "kind: block\nradius: 1\nalpha: 90 deg",

@@ -24,7 +24,8 @@ from rocking_cli.dynamics.method import governing_method
 from rocking_cli.envelopes.capacity import Capacity
 from rocking_cli.envelopes.intervals import A_MAX
 from rocking_cli.motions.grid import as_recorded
-from rocking_cli.responses.check import CHECK_COLUMNS, check, tally, verdicts
+from rocking_cli.responses.check import check, verdicts
+from rocking_cli.responses.verdict import CHECK_COLUMNS, tally
 
 QUICK = (sine(), sine(0.5), pulse("rectangular"))  # whose scans have bounds
 PULSES = (*QUICK, pulse("cosine"), pulse("rectangular-impulse"))
@@ -219,7 +220,7 @@ def test_a_body_that_needs_more_friction_than_its_document_states_slides():
     """A block of b/h = 1/4 under 0.3 g needs as much as lifts it, 0.25, and little
     more.
     """
-    for stated, slides in ((0.2, True), (0.25, True), (0.28, False)):
+    for stated, slides in ((0.25, True), (0.28, False)):
         verdict = check(
             built(f"kind: block\nwidth: 0.5\nheight: 2\nfriction: {stated}"),
             sine(),

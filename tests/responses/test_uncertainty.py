@@ -123,3 +123,24 @@ def test_a_draw_has_the_verdict_that_it_has_alone(text):
         alone = rk.check(structure, motion, grid)
         assert code == alone.outcome
         assert amplitude == pytest.approx(alone.first_overturning_a, rel=2e-6)
+
+
+def test_a_draw_that_leaves_the_ground_falls_by_the_linear_equation_too():
+    structures, _ = drawn("block:0.5+-0.05x0.6,restitution=0.6..0.9", 16)
+    grid = rk.parse_grid("A=3,Omega=6")
+    codes = outcomes_at(structures, rk.sine(), grid)
+    assert rk.Outcome.LOST_CONTACT in codes
+    for structure, code in zip(structures, codes, strict=True):
+        assert code == rk.check(structure, rk.sine(), grid, a_max=None).outcome
+
+
+def test_a_draw_that_slides_never_falls():
+    """lambda is 0.25: half of the frictions keep the block from rocking."""
+    structures, _ = drawn("block:0.5x2,friction=0.2..0.3", 64)
+    grid = rk.parse_grid("a_g=0.5g,f_g=1")
+    codes = outcomes_at(structures, rk.sine(), grid)
+    first = first_overturning_of(structures, rk.sine(), grid, [20.0] * 64)
+    for structure, code, amplitude in zip(structures, codes, first, strict=True):
+        slides = structure.friction < 0.25
+        assert safe(code) == slides
+        assert np.isinf(amplitude) == slides

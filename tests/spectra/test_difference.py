@@ -90,7 +90,7 @@ def test_every_quantity_asked_for_at_once_is_read_as_it_was_computed(tmp_path):
     """In whatever order they are asked for: a chunk's checksum runs over its variables
     in one order.
     """
-    wanted, grid = ["linear", "condition"], parse_grid("A=1.5:5:2,Omega=4")
+    wanted, grid = ["linear", "condition", "slide"], parse_grid("A=1.5:5:2,Omega=4")
     assert {*wanted, "velocity_ratio"} == set(QUANTITIES)  # the latter of records alone
     path = tmp_path / "all.h5"
     write_spectrum(

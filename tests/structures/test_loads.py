@@ -26,7 +26,7 @@ from rocking_cli.dynamics.outcome import Outcome
 from rocking_cli.dynamics.response import response
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.structures.kinds import sketch_of
-from rocking_cli.structures.load_keys import weight_of_loads
+from rocking_cli.structures.shared_keys import weight_of_loads
 
 G = 9.81
 BLOCK = "kind: block\nwidth: 0.5\nheight: 2\nmass: 2000\nname: b\n"
@@ -250,6 +250,20 @@ def test_friction_is_compared_with_the_forces_under_the_load():
     found = time_history(loaded(*load), sine(), shaking).forces["nonlinear"]
     assert slides.friction_needed == pytest.approx(
         found.summary("tau", 1.0)["friction_needed"], rel=1e-9
+    )
+
+
+def test_friction_and_strength_carry_the_weight_of_the_load():
+    # it slides at mu (1 + k): the floor presses and does not push
+    slides = loaded("vertical", more="friction: 0.2")
+    assert "it slides from 0.4 g on, or before; lambda = 0.5" in slides.remarks[0]
+    holds = loaded("vertical", more="friction: 0.3")
+    assert holds.remarks == ()
+    # the toe crushes under both weights over 2 f L
+    crushed = loaded("vertical", more="depth: 1 m\nstrength: 2 MPa")
+    assert crushed.details["inset"] == pytest.approx(2.0 * 19620.0 / 4e6, rel=1e-12)
+    assert crushed.uplift == pytest.approx(
+        2.0 * (0.25 - crushed.details["inset"]), rel=1e-12
     )
 
 

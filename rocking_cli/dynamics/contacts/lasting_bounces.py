@@ -198,8 +198,6 @@ def _action_bounds(
     now: |c| now.
     """
     k, amplitude = int(lane.segment[0]), float(lane.amplitude[0])
-    largest_s = max(float(segments.later_max[0]), -float(segments.later_min[0]))
-    jump = _JOINED * amplitude * largest_s
     by_speed = by_energy = most = steepest = 0.0
     end = now  # c at the end of the line before
     slope = phi = 0.0  # c' and the bound of phi on the line before
@@ -207,10 +205,7 @@ def _action_bounds(
         at = slice(k + part.start, k + part.stop)
         first = not part.start
         ends = np.append(end, amplitude * segments.s_end[at])
-        jumps = np.abs(amplitude * segments.s_start[at] - ends[:-1])[
-            1 if first else 0 :
-        ]
-        if jumps.max(initial=0.0) > jump:
+        if _jumps(segments, at, ends, amplitude, 1 if first else 0):
             return None
         lines = _lines(segments, lane, at, ends, first)
         if first:
@@ -225,6 +220,17 @@ def _action_bounds(
         steepest = max(steepest, float((np.abs(lines.slope) * lines.phi).max()))
         end, slope, phi = float(ends[-1]), float(lines.slope[-1]), float(lines.phi[-1])
     return _ActionBounds(by_speed, by_energy, most, steepest)
+
+
+def _jumps(
+    segments: Segments, at: slice, ends: Array, amplitude: float, skipped: int
+) -> bool:
+    """True if c jumps at the start of one of these lines, except the first `skipped`;
+    ends: c at the end of the line before each, and of the last one.
+    """
+    largest = max(float(segments.later_max[0]), -float(segments.later_min[0]))
+    jumps = np.abs(amplitude * segments.s_start[at] - ends[:-1])[skipped:]
+    return bool(jumps.max(initial=0.0) > _JOINED * amplitude * largest)
 
 
 def _lines(

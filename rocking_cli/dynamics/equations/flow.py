@@ -115,13 +115,12 @@ def _add_sinusoid(
     sinw, cosm = turn(wh)
     w2 = w * w
     over = 1.0 / (w2 + 1.0)
-    f2 = (cosm + cosh1) * w * over  # derivative of F3
     f3, f4 = (w * sinh - sinw) * over, (w2 * cosh1 - cosm) * over
     (small,) = (np.maximum(h, wh) < SMALL).nonzero()
     f3[small], f4[small] = _series(w[small], h[small])
     y += s * f3
     y -= c * f4
-    v += s * f2
+    v += s * ((cosm + cosh1) * w * over)  # derivative of F3
     v -= c * (f3 * w)
     drive += s * sinw
     drive -= c * cosm

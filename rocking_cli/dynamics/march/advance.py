@@ -6,7 +6,7 @@ window with a < 1 ends at any inner maximum of a, so that a falls and then rises
 along it (Lemma 3). Boundaries are the crossings of a = 1 and the ends of pieces.
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from ..equations.equation import Equation, Flow, Point
 from ..equations.taylor import TaylorSeries
 from ..lanes import Array, Lanes
 from .roots import falls_through_zero, hidden_turn, impact_root, sense, turning_point
+
+if TYPE_CHECKING:
+    from ..weighed_drive import WeighedSegments
 
 # a bound counts if it holds with this much room, which is more than rounding needs
 _SAFE_SHARE = 1.0 - 1e-9
@@ -46,14 +49,7 @@ def window_end(
     drive on the body's side.
     """
     if (weighed := segments.weighed) is not None:
-        offset = weighed.offset(side)
-        there = _beyond_cuts(
-            weighed.edges,
-            window_end(weighed.edges, k + offset, u, side, amplitude),
-            side,
-            amplitude,
-        )
-        return there._replace(segment=there.segment - offset)
+        return _weighed_window_end(weighed, k, u, side, amplitude)
     # a at both ends of the segment, over the amplitude; above the level a > 1.
     level, length = 1.0 / amplitude, segments.length[k]
     from_a, to_a = -side * segments.s_start[k], -side * segments.s_end[k]
@@ -67,15 +63,31 @@ def window_end(
     before = u < cut
     supercritical = np.where(before, start, end)
     before &= crosses
-    phase = np.where(before, cut, length)
-    window = Windows(k, phase, supercritical, np.zeros(length.shape))
+    window = Windows(
+        k, np.where(before, cut, length), supercritical, np.zeros(length.shape)
+    )
 
     # Past the crossing (or without one) it runs to the segment's end. It continues into
     # the next segment if that segment has the same closed form and brings the drive
     # back towards a = 1.
-    falling = to_a < from_a
-    on = np.flatnonzero(~before & segments.joins[k] & (supercritical != falling))
+    on = np.flatnonzero(
+        ~before & segments.joins[k] & (supercritical != (to_a < from_a))
+    )
     return _into_next(segments, window, on, side, level) if on.size else window
+
+
+def _weighed_window_end(
+    weighed: "WeighedSegments", k: Array, u: Array, side: Array, amplitude: Array
+) -> Windows:
+    """As `window_end`, of the net drive."""
+    offset = weighed.offset(side)
+    there = _beyond_cuts(
+        weighed.edges,
+        window_end(weighed.edges, k + offset, u, side, amplitude),
+        side,
+        amplitude,
+    )
+    return there._replace(segment=there.segment - offset)
 
 
 def _into_next(

@@ -40,7 +40,6 @@ def impact_root(
     h_out, v_out = np.empty_like(low), np.empty_like(low)
     lanes = np.arange(low.size)
     low, high, h = low.copy(), high.copy(), guess.copy()
-    fastest = arc.fastest
     for _ in range(_ROUNDS if lanes.size else 0):
         f = arc.at(h)
         step = _householder_step(f)
@@ -50,7 +49,7 @@ def impact_root(
         inside = (f.v < 0.0) & (target > low) & (target <= high)
         inside &= (target <= h) == after
         exact = np.abs(step) <= 4e-16 * h
-        settled = inside & _is_close(f, h, step, fastest)
+        settled = inside & _is_close(f, h, step, arc.fastest)
         settled |= exact & (f.v < 0.0)
 
         # Few lanes go on: only their brackets are narrowed.
@@ -72,7 +71,7 @@ def impact_root(
             )
             if not keep.size:
                 break
-            arc, lanes, fastest = arc.take(keep), lanes[keep], fastest[keep]
+            arc, lanes = arc.take(keep), lanes[keep]
         h = np.where(inside[keep], target[keep], 0.5 * (low + high))
     else:
         h_out[lanes] = np.nan

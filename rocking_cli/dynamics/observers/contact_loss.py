@@ -1,8 +1,8 @@
 """Lost contact: `ContactLoss` tests whether Fz > 0 all along the march, for cells for
 which `body` does not prove it beforehand.
 
-A cell is marched once more, and then watched, if neither its push (`body.safe_push`)
-nor its largest rotation proves Fz > 0.
+A cell is marched once more, and then watched, if neither its ground acceleration
+(`body.safe_acceleration`) nor its largest rotation proves Fz > 0.
 
 Along a step Fz stays above its chord less the chord error. A stretch for which this
 does not prove Fz > 0 is halved; if Fz <= 0 at an end of a stretch, the body has lost
@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..batch import Batch
-from ..body import Body, Edge, ground_reaction, safe_push
+from ..body import Body, Edge, ground_reaction, safe_acceleration
 from ..contacts.sequences import STILL, sequence_bounds
 from ..lanes import Array, Arrays, Lanes
 from .observer import Arcs, Observer
@@ -69,30 +69,17 @@ def chord_errors(
     4 zeta^2) |u'|, for the nonlinear equation with |sin z| for |z|; the linear one has
     no P |u'|.
     """
-    zeta2, heavy, eighth = 2.0 * body.damping, 1.0 + s.sway, 0.125 * h * h
-    flat, steep, by_turn = (
-        s.push1 + zeta2 * s.push,
-        heavy + zeta2 * zeta2,
-        s.sway1 + zeta2 * heavy,
-    )
-    if body.linear:
-        flat, steep = (
-            flat + by_turn * (edge.alpha + 0.5 * (one.u + other.u)),
-            steep + by_turn * 0.5 * h,
-        )
-    else:
-        flat, steep = flat + by_turn, steep + s.push
-    room = 1.0 - eighth * steep
-    v = (np.maximum(np.abs(one.v), np.abs(other.v)) + eighth * flat) / np.maximum(
-        room, _ROOM
-    )  # the fastest |u'|
-    v = np.where(room > _ROOM, v, np.inf)
-    turn = np.abs(edge.alpha - 0.5 * (one.u + other.u)) + 0.5 * v * h
+    zeta2, heavy = 2.0 * body.damping, 1.0 + s.sway
+    v, turn = _largest_speed(body, edge, s, h, one, other)
     sin = np.sin(np.minimum(turn, 0.5 * np.pi))
     lean = turn if body.linear else sin
+
+    # B and J, bounds of the second and of the third derivative of u.
     b = s.push + heavy * lean + zeta2 * v
     j = s.push1 + (s.push * sin + heavy) * v + s.sway1 * lean + zeta2 * b
     b = np.minimum(b, 0.5 * (np.abs(one.b) + np.abs(other.b) + j * h))
+
+    # T = Q + 6 V^2 B, with Q the bound of the fourth derivative, and S.
     square = v * v
     q = (
         s.push2
@@ -102,7 +89,29 @@ def chord_errors(
     )
     q += s.sway2 * lean + zeta2 * j + 6.0 * square * b
     rest = 4.0 * v * j + 3.0 * b * b + square * square
-    return eighth * (s.sway2 + edge.kappa * (q * sin + rest))
+    return 0.125 * h * h * (s.sway2 + edge.kappa * (q * sin + rest))
+
+
+def _largest_speed(
+    body: Body, edge: Edge, s: ShakingBounds, h: Array, one: Ends, other: Ends
+) -> tuple[Array, Array]:
+    """(V, a bound of |u'| on each stretch, infinite where the stretch is too long; a
+    bound of |z|).
+    """
+    zeta2, heavy, eighth = 2.0 * body.damping, 1.0 + s.sway, 0.125 * h * h
+    flat, steep = s.push1 + zeta2 * s.push, heavy + zeta2 * zeta2
+    by_turn, mean_u = s.sway1 + zeta2 * heavy, 0.5 * (one.u + other.u)
+    # The third derivative of u is at most flat + steep |u'|.
+    if body.linear:
+        flat = flat + by_turn * (edge.alpha + mean_u)
+        steep = steep + by_turn * 0.5 * h
+    else:
+        flat, steep = flat + by_turn, steep + s.push
+    room = 1.0 - eighth * steep
+    at_ends = np.maximum(np.abs(one.v), np.abs(other.v))
+    v = (at_ends + eighth * flat) / np.maximum(room, _ROOM)
+    v = np.where(room > _ROOM, v, np.inf)
+    return v, np.abs(edge.alpha - mean_u) + 0.5 * v * h
 
 
 class ContactLoss(Observer):
@@ -135,12 +144,14 @@ class ContactLoss(Observer):
             for r, e in zip(share, body.edges, strict=False)
         )
         safe = np.array(
-            [safe_push(body, i, ratio) for i, ratio in enumerate(self.sway)]
+            [safe_acceleration(body, i, ratio) for i, ratio in enumerate(self.sway)]
         )[:, None]
-        pushes = batch.cells.amplitude * (
+        accelerations = batch.cells.amplitude * (
             np.array([e.uplift for e in body.edges])[:, None] * self.across[0]
         )
-        self.open = np.any(pushes > safe, axis=0)  # True for cells without a proof
+        self.open = np.any(
+            accelerations > safe, axis=0
+        )  # True for cells without a proof
         self._lost = np.zeros(self.open.size, dtype=bool)
 
     def contact_proved(
@@ -153,10 +164,10 @@ class ContactLoss(Observer):
             np.ones(at.size, dtype=bool),
             np.inf if fastest is None or not self.body.alike else _MARGIN * fastest,
         )
-        for pushes, edge, ratio in zip(
+        for accelerations, edge, ratio in zip(
             self.batch.cells.amplitude, self.body.edges, self.sway, strict=True
         ):
-            push = pushes[at] * (edge.uplift * self.across[0])
+            push = accelerations[at] * (edge.uplift * self.across[0])
             kept &= self.body.contact_proved(
                 edge, push, edge.alpha * theta_ratio, ratio * push, speed
             )

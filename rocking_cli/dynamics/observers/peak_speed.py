@@ -85,27 +85,30 @@ class PeakSpeed(Observer):
         """Take in the speeds at the ends of Taylor steps; reject steps that may hold a
         larger speed inside.
         """
-        cell, side, equation, (y, v), (end_y, end_v), ramp = steps
-        drive, gain = ramp.line
-        lift, push = equation.bounds
-        steepest = lift + push * np.maximum(0.0, -np.minimum(drive, drive + gain))
-        within = (np.maximum(np.abs(v), np.abs(end_v)) + steepest * ramp.unit) * np.exp(
-            2.0 * equation.damping * ramp.unit
-        )
+        cell, side, equation = steps.cell, steps.side, steps.equation
+        end_y, end_v = steps.end
         speed = np.abs(self.contact.speed(side, equation.rotation_rate(end_y, end_v)))
+
+        # Steps whose bound of the speed allows a larger one, where the acceleration
+        # changes its sign.
+        within = _largest_rate(steps)
         highest = self.contact.speed(side, equation.rotation_rate(end_y, within))
-        at, drag = (
-            np.flatnonzero(
-                go & (highest > speed) & self.speed.can_exceed(cell, highest)
-            ),
-            2.0 * equation.damping,
+        at = np.flatnonzero(
+            go & (highest > speed) & self.speed.can_exceed(cell, highest)
         )
         if at.size:
-            there = self.equation.on(side[at], cell[at])
-            first = there.force(y[at], drive[at]) - drag * v[at]
-            last = there.force(end_y[at], drive[at] + gain[at]) - drag * end_v[at]
+            first, last = self._accelerations(steps, at)
             go[at[first * last < 0.0]] = False
         self.speed.include(cell[go], speed[go])
+
+    def _accelerations(self, steps: TaylorSteps, at: Array) -> tuple[Array, Array]:
+        """The accelerations y'' at the start and at the end of these steps."""
+        (y, v), (end_y, end_v) = steps.start, steps.end
+        drive, gain = steps.ramp.line
+        there = self.equation.on(steps.side[at], steps.cell[at])
+        drag = 2.0 * steps.equation.damping
+        first = there.force(y[at], drive[at]) - drag * v[at]
+        return first, there.force(end_y[at], drive[at] + gain[at]) - drag * end_v[at]
 
     def propagates(
         self,
@@ -157,3 +160,15 @@ class PeakSpeed(Observer):
         return ~(
             (lanes.segment >= self.shaken) & (lanes.y > 0.0) & ~bounced[lanes.cell]
         )
+
+
+def _largest_rate(steps: TaylorSteps) -> Array:
+    """A bound of |y'| on each step, by y'' >= -K (Lemma 12)."""
+    (_, v), (_, end_v), ramp = steps.start, steps.end, steps.ramp
+    drive, gain = ramp.line
+    lift, push = steps.equation.bounds
+    steepest = lift + push * np.maximum(0.0, -np.minimum(drive, drive + gain))
+    growth = np.exp(2.0 * steps.equation.damping * ramp.unit)
+    return np.asarray(
+        (np.maximum(np.abs(v), np.abs(end_v)) + steepest * ramp.unit) * growth
+    )

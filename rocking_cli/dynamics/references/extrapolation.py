@@ -9,32 +9,21 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-Rate = Callable[
-    [float, float, float], tuple[float, float]
-]  # (theta', w') of (time, theta, w)
+# (theta', w') of (time, theta, w)
+Rate = Callable[[float, float, float], tuple[float, float]]
 
-_PARTS = (
-    2,
-    4,
-    6,
-    8,
-    10,
-    12,
-    14,
-    16,
-)  # numbers of parts of a step, in the successive midpoint rules
+# numbers of parts of a step, in the successive midpoint rules
+_PARTS = (2, 4, 6, 8, 10, 12, 14, 16)
 # difference of the last two extrapolations over the state; the error of the last one is
 # (length/2)^2 times as large
 _TOLERANCE = 1e-11
 # difference that is always accepted: a force that hardly lifts a body is a difference
 # of terms of order one
 _LEAST = 1e-15
-_PIECES = (
-    5  # least number of steps of a stretch; signs are compared at the ends of steps
-)
-_BOUNCES = (
-    8.0  # first step from an impact over speed/force: four times as long as the bounce
-)
+# least number of steps of a stretch; signs are compared at the ends of steps
+_PIECES = 5
+# first step from an impact over speed/force: four times as long as the bounce
+_BOUNCES = 8.0
 _SHORTEST = 1e-12  # least step, over the length of the stretch
 # a motion from rest back to the ground that is shorter, over the stretch, is ignored
 _HOP = 1e-6
@@ -64,35 +53,19 @@ def step(rate: Rate, start: StatePoint, length: float) -> StatePoint | None:
     extrapolations to agree.
     """
     time, theta, w = start
-    table: list[
-        tuple[float, float]
-    ] = []  # the last row: the rule itself, then extrapolated once, twice, ...
-    with suppress(
-        ArithmeticError, ValueError
-    ):  # a midpoint has left the range of doubles, or of the equation
+    last: list[tuple[float, float]] = []  # the row before in the table
+    # A midpoint may leave the range of doubles, or of the equation.
+    with suppress(ArithmeticError, ValueError):
         first = rate(time, theta, w)
         for k, parts in enumerate(_PARTS):
-            h = length / parts
-            before, here = (theta, w), (theta + h * first[0], w + h * first[1])
-            for i in range(1, parts):
-                speed, force = rate(time + i * h, *here)
-                before, here = (
-                    here,
-                    (before[0] + 2.0 * h * speed, before[1] + 2.0 * h * force),
-                )
-            speed, force = rate(time + length, *here)
-            row = [
-                (
-                    0.5 * (before[0] + here[0] + h * speed),
-                    0.5 * (before[1] + here[1] + h * force),
-                )
-            ]
+            # The rule itself, then extrapolated once, twice, ...
+            row = [_midpoint_rule(rate, start, first, length, parts)]
             for j in range(k):
                 over = (parts / _PARTS[k - 1 - j]) ** 2 - 1.0
                 row.append(
                     (
-                        row[j][0] + (row[j][0] - table[j][0]) / over,
-                        row[j][1] + (row[j][1] - table[j][1]) / over,
+                        row[j][0] + (row[j][0] - last[j][0]) / over,
+                        row[j][1] + (row[j][1] - last[j][1]) / over,
                     )
                 )
             if k > 2 and all(
@@ -101,8 +74,34 @@ def step(rate: Rate, start: StatePoint, length: float) -> StatePoint | None:
                 for a, b, c, d in zip(row[-1], row[-2], (theta, w), first, strict=True)
             ):
                 return StatePoint(time + length, *row[-1])
-            table = row
+            last = row
     return None
+
+
+def _midpoint_rule(
+    rate: Rate,
+    start: StatePoint,
+    first: tuple[float, float],
+    length: float,
+    parts: int,
+) -> tuple[float, float]:
+    """(theta, w) after a step of this length, by the modified midpoint rule in so many
+    parts; first: the rates at the start.
+    """
+    time, theta, w = start
+    h = length / parts
+    before, here = (theta, w), (theta + h * first[0], w + h * first[1])
+    for i in range(1, parts):
+        speed, force = rate(time + i * h, *here)
+        before, here = (
+            here,
+            (before[0] + 2.0 * h * speed, before[1] + 2.0 * h * force),
+        )
+    speed, force = rate(time + length, *here)
+    return (
+        0.5 * (before[0] + here[0] + h * speed),
+        0.5 * (before[1] + here[1] + h * force),
+    )
 
 
 def path(rate: Rate, start: StatePoint, stop: float, limit: float) -> Path:

@@ -23,9 +23,8 @@ from .extrapolation import Path, Rate, StatePoint, path, step
 # limit of the number of stretches of a cell: a constant, and an addition for each
 # segment of the motion
 _MOST, _A_SEGMENT = (5_000, 50)
-_SCRIPT_STRETCH = (
-    10.0  # tau between two tests of overturning where the solver chooses its steps
-)
+# tau between two tests of overturning where the solver chooses its steps
+_SCRIPT_STRETCH = 10.0
 _AT_REST = 1e-11
 # the least force of a step is searched for if it may be below the first plus the second
 # times its variation
@@ -276,11 +275,30 @@ class ReferenceBody:
 
     def move(self, piece: Piece, end: float) -> None:
         """Move the body over one stretch, or to the impact in it."""
-        of, start, push = (
-            self.here.of,
-            StatePoint(self.time, self.theta, self.w),
-            self.side * self.drive,
+        start = StatePoint(self.time, self.theta, self.w)
+        rate = self._rate(piece)
+        fastest = max((h.frequency for h in piece.harmonics), default=0.0)
+        stretch = 0.5 / (1.0 + self.omega * fastest)
+        if self.solver is not path:
+            stretch = _SCRIPT_STRETCH
+        stop = min(end, self.time + stretch)
+        limit = self.here.limit * (1.0 + 1e-9)  # surely beyond it
+        peaks, there, hits, steps = self.cut(
+            rate, self.solver(rate, start, stop, limit)
         )
+        self.check_contact(rate, steps)
+        for peak in peaks:
+            speed, force = rate(*peak)
+            height = (peak.theta - 0.5 * speed * peak.w / force) / self.here.alpha
+            self.peak, self.turns = max(self.peak, height), self.turns + 1
+        if hits:
+            self._land(piece, there, rate, math.nextafter(start.time, math.inf))
+        else:
+            self.time, self.theta, self.w = there
+
+    def _rate(self, piece: Piece) -> Rate:
+        """The rates (theta', w') on this side under a piece of the motion."""
+        of, push = self.here.of, self.side * self.drive
 
         def rate(t: float, theta: float, w: float) -> tuple[float, float]:
             return (
@@ -289,45 +307,24 @@ class ReferenceBody:
                 else of(theta, w, 0.0, 1.0)
             )
 
-        stretch = 0.5 / (
-            1.0 + self.omega * max((h.frequency for h in piece.harmonics), default=0.0)
-        )
-        stop = min(
-            end, self.time + (stretch if self.solver is path else _SCRIPT_STRETCH)
-        )
-        peaks, there, struck, steps = self.cut(
-            rate, self.solver(rate, start, stop, self.here.limit * (1.0 + 1e-9))
-        )  # surely beyond it
-        self.check_contact(rate, steps)
-        for peak in peaks:
-            speed, force = rate(*peak)
-            self.peak, self.turns = (
-                max(
-                    self.peak,
-                    (peak.theta - 0.5 * speed * peak.w / force) / self.here.alpha,
-                ),
-                self.turns + 1,
-            )
-        if not struck:
-            self.time, self.theta, self.w = there
-            return
+        return rate
+
+    def _land(
+        self, piece: Piece, there: StatePoint, rate: Rate, earliest: float
+    ) -> None:
+        """Apply the impact next to the instant `there`, not before `earliest`; a body
+        that is too slow to bounce rests.
+        """
+        # A tangent step to the impact.
         speed, force = rate(*there)
         miss, eta = -there.theta / speed if speed < 0.0 else 0.0, self.eta[self.side]
-        self.time, self.bounced = (
-            max(there.time, math.nextafter(start.time, math.inf)) + miss,
-            True,
-        )
+        self.time, self.bounced = max(there.time, earliest) + miss, True
         self.turns = 0
         self.side = -self.side if -self.side in self.edges else self.side
-        self.here, self.theta, self.w = (
-            self.edges[self.side],
-            0.0,
-            -eta * (there.w + miss * force),
-        )
-        push, weight = (
-            self.drive * value(piece, self.omega * self.time),
-            self.weight(self.time),
-        )
+        self.here, self.theta = self.edges[self.side], 0.0
+        self.w = -eta * (there.w + miss * force)
+        push = self.drive * value(piece, self.omega * self.time)
+        weight = self.weight(self.time)
         lifted = any(
             -side * push >= edge.uplift * weight for side, edge in self.edges.items()
         )

@@ -51,7 +51,7 @@ class OneByOne:
 
     def loses_contact(self, i: int) -> bool:
         """True if the undamped body of cell i loses the ground."""
-        from .contact_watch import loses_contact
+        from .lost_contact import loses_contact
 
         return loses_contact(self._lane(i), self.amplitude[i], self.most)
 

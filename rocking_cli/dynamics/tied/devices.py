@@ -89,7 +89,6 @@ class Devices:
         if not columns:
             return None
         numbers = np.array(list(columns.values())).transpose(2, 1, 0)
-        stiffness, prestress, force, ultimate, height, behind = numbers
 
         # The rotation of y = 1, and the moment that gives y'' the unit 1.
         sides = np.array([1.0, -1.0])
@@ -102,12 +101,12 @@ class Devices:
         if body is not None and arm is not None:
             weight = restraints.stands[0].moment / arm
         return cls(
-            stiffness=stiffness,
-            prestress=prestress,
-            force=force,
-            ultimate=ultimate,
-            height=height,
-            behind=behind,
+            stiffness=numbers[0],
+            prestress=numbers[1],
+            force=numbers[2],
+            ultimate=numbers[3],
+            height=numbers[4],
+            behind=numbers[5],
             unit=unit,
             moment=moment,
             tendon=np.array([name == TENDON for name in columns]),

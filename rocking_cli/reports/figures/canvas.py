@@ -69,6 +69,8 @@ SYMBOLS = {
     "theta_ratio": r"$\theta/\alpha$",
     "theta_max_ratio": r"$\theta_{max}/\alpha$",
     "ground_acceleration": r"$\ddot{x}_g$",
+    "slide": "slide $u$",
+    "slide_velocity": r"$\dot{u}$",
     "A_s": r"$A\,s$",
     "p": "$p$",
     "alpha": r"$\alpha$",

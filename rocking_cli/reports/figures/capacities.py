@@ -16,8 +16,8 @@ from ..tables import Above
 from .canvas import Axes, Figure, Look, canvas, literal, panels
 
 if TYPE_CHECKING:
-    from ...responses.check import Verdict
     from ...responses.code_check import CodeCheck
+    from ...responses.verdict import Verdict
     from ..rows import Rows
     from ..units import Units
 
@@ -80,7 +80,7 @@ def checked(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
 
 def _verdict(row: dict[str, str]) -> Verdict:
     """Return the verdict of a row of the CSV of check."""
-    from ...responses.check import Verdict
+    from ...responses.verdict import Verdict
 
     name = row.get("structure") or row["name"]
     theta, demand, uplift, first, safe_to, ratio, searched_to = (
@@ -204,6 +204,8 @@ def _verdict_in_words(v: Verdict) -> str:
         return f"{v.capacity_demand:.2f}  {v.sentence}{words}"
     if v.capacity_above is not None:
         return f"{Above(v.capacity_above).shown(3)}  {v.sentence}"
+    if v.outcome == Outcome.SLID:
+        return v.sentence
     return f"{v.sentence}; no capacity known"
 
 

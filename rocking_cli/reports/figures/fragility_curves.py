@@ -71,7 +71,7 @@ def fragility_curves(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
 
 def _limit_in_words(limit: str) -> str:
     """Return a limit state as the legend names it."""
-    return limit if limit == "overturning" else f"θ/α > {limit}"
+    return limit if limit.startswith(("overturning", "slide")) else f"θ/α > {limit}"
 
 
 def _plot_curve(

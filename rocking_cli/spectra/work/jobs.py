@@ -25,8 +25,10 @@ from ...dynamics.response import (
     response_under_records,
     response_with_speed,
 )
+from ...dynamics.system import System
 from ...motions import Motion
 from ...processes import Run, processes
+from ...structures.friction import friction_that_slides
 from ...structures.parameters import RockingParameters
 from ..scene import CellBand, Scene, Unit
 from ..verification import Answer, Place, Verification, condition_of, reference
@@ -110,59 +112,72 @@ class Job:
         """Compute some units. Bands of one system under one motion, or under records
         that chain, form one batch.
         """
-        scene = self.scene
-        _, rows, columns = scene.shape
-        bands = [
-            list(
-                scene.bands(
-                    u,
-                    (
-                        min(self.chunk[0], rows - u.row),
-                        min(self.chunk[1], columns - u.column),
-                    ),
-                )
-            )
-            for u in units
-        ]
+        bands = [self._bands(unit) for unit in units]
         batches: dict[Any, list[CellBand]] = {}
-        for band in chain.from_iterable(bands):
-            shared = self.pooled and chains(
-                scene.method.system_of(band.structure), band.motion
-            )
-            batches.setdefault(
-                (None if shared else id(band.motion), scene.runs_with(band.structure)),
-                [],
-            ).append(band)
         found: dict[int, list[Block]] = {}
+        for band in chain.from_iterable(bands):
+            if friction_that_slides(band.structure) is not None:
+                from .sliding_cells import sliding_block
+
+                found[id(band)] = [
+                    sliding_block(s, band, self.quantities) for s in band.sharers
+                ]
+                continue
+            batches.setdefault(self._batch_of(band), []).append(band)
         work = Work()
-        for key, batch in batches.items():
-            cells, shared = (
-                np.concatenate([band.cells() for band in batch], axis=1),
-                key[0] is None,
-            )
-            whole, own = (
-                self.under_records(batch, cells)
-                if shared
-                else self.together_of(batch, cells)
-            )
+        for (motion, _), batch in batches.items():
+            blocks, own = self._batch_blocks(batch, shared=motion is None)
+            found |= blocks
             work += own
-            last = 0
-            for band in batch:
-                first, last = last, last + band.size
-                block = {
-                    name: x[first:last].reshape(band.shape) for name, x in whole.items()
-                }
-                found[id(band)] = [block] * len(band.sharers)
-                if shared or scene.method.exact:
-                    found[id(band)] = [
-                        self._standing(s, band.motion, cells[:, first:last], block)
-                        for s in band.sharers
-                    ]
         works = chain([work], repeat(Work()))
         return [
             self.report(unit, [found[id(band)] for band in own], w)
             for unit, own, w in zip(units, bands, works, strict=False)
         ]
+
+    def _bands(self, unit: Unit) -> list[CellBand]:
+        """Return the bands of a unit, in the order of their rows."""
+        _, rows, columns = self.scene.shape
+        size = (
+            min(self.chunk[0], rows - unit.row),
+            min(self.chunk[1], columns - unit.column),
+        )
+        return list(self.scene.bands(unit, size))
+
+    def _batch_of(self, band: CellBand) -> tuple[int | None, Any]:
+        """Return a key of the batch of a band: (its motion, None if cells under other
+        records share the run; what its structure runs with).
+        """
+        scene = self.scene
+        shared = self.pooled and chains(
+            scene.method.system_of(band.structure), band.motion
+        )
+        return None if shared else id(band.motion), scene.runs_with(band.structure)
+
+    def _batch_blocks(
+        self, batch: Sequence[CellBand], shared: bool
+    ) -> tuple[dict[int, list[Block]], Work]:
+        """Return (the blocks of the structures of each band, by the id of the band; the
+        work) of a batch; shared: True if it is under several records.
+        """
+        cells = np.concatenate([band.cells() for band in batch], axis=1)
+        compute = self.under_records if shared else self.together_of
+        whole, work = compute(batch, cells)
+        if "slide" in self.quantities:  # a body that rocks does not slide
+            whole["slide_max"] = np.full(cells.shape[1], np.nan)
+        found, last = {}, 0
+        for band in batch:
+            first, last = last, last + band.size
+            block = {
+                name: x[first:last].reshape(band.shape) for name, x in whole.items()
+            }
+            found[id(band)] = [block] * len(band.sharers)
+            if shared or self.scene.method.exact:
+                found[id(band)] = [
+                    self._standing(s, band.motion, cells[:, first:last], block)
+                    for s in band.sharers
+                ]
+        return found, work
 
     def under_records(
         self, batch: Sequence[CellBand], cells: np.ndarray
@@ -198,44 +213,28 @@ class Job:
         """Return (the variables of all cells (A, Omega, eta), the work) for bands under
         one motion.
         """
-        method, motion, counts, structures = (
-            self.scene.method,
-            batch[0].motion,
-            [b.size for b in batch],
-            [b.structure for b in batch],
-        )
-        system = method.system_of_cells(structures, counts)
-        if method.exact:
-            system = system._replace(
-                body=None, own=()
-            )  # structures that share rotations have different bodies
+        method, motion = self.scene.method, batch[0].motion
+        counts, structures = [b.size for b in batch], [b.structure for b in batch]
+        system = self._joined_system(structures, counts)
         extra: Block = {}
-        known: Response | None = None
         if "velocity_ratio" in self.quantities:
-            known, rate = response_with_speed(system, motion, *cells)
+            got, rate = response_with_speed(system, motion, *cells)
             extra["velocity_ratio"] = rate * np.repeat(
                 [s.alpha for s in structures], counts
             )
-        if known is None and self.one_by_one:
-            ends = np.cumsum(counts)
-            parts = [
-                response(
-                    method.system_of(s),
-                    motion,
-                    *cells[:, end - count : end],
-                    how="floats",
-                )
-                for s, count, end in zip(structures, counts, ends.tolist(), strict=True)
-            ]
-            got = Response.joined(parts)
+        elif self.one_by_one:
+            parts = np.split(cells, np.cumsum(counts)[:-1], axis=1)
+            got = Response.joined(
+                [
+                    response(method.system_of(s), motion, *own, how="floats")
+                    for s, own in zip(structures, parts, strict=True)
+                ]
+            )
         else:
-            got = known or response(system, motion, *cells)
+            got = response(system, motion, *cells)
         if "condition" in self.quantities:
-            pairs = method.system_of_cells(
-                structures * 2, counts * 2
-            )  # for several sets of cells in turn
-            if method.exact:
-                pairs = pairs._replace(body=None, own=())
+            # for several sets of cells in turn
+            pairs = self._joined_system(structures * 2, counts * 2)
             amplitude, omega, eta = cells
             condition = condition_of(
                 partial(response, pairs, motion),
@@ -262,6 +261,17 @@ class Job:
             "impacts": got.impacts,
             **extra,
         }, got.work
+
+    def _joined_system(
+        self, structures: Sequence[RockingParameters], counts: Sequence[int]
+    ) -> System:
+        """Return one system for so many cells of each structure."""
+        method = self.scene.method
+        system = method.system_of_cells(structures, counts)
+        if method.exact:
+            # structures that share rotations have different bodies
+            system = system._replace(body=None, own=())
+        return system
 
     def _standing(
         self,

@@ -43,7 +43,11 @@ if TYPE_CHECKING:
     from ...documents.document import Document
     from ..sketch import Sketch
 
-OF_BODIES = ("inset", *RESTRAINTS)  # keys that every rigid kind takes, and no other one
+OF_BODIES = (
+    "inset",
+    "strength",
+    *RESTRAINTS,
+)  # keys that every rigid kind takes, and no other one
 GROUP = "rocking.structures"
 # The keys of all kinds but those inside lists; no column of a table with such a name is
 # a label.
@@ -65,6 +69,7 @@ KEYS = frozenset(
         "dampers",
         "damping",
         "density",
+        "depth",
         "drums",
         "energy_kept",
         "eta",
@@ -105,6 +110,7 @@ KEYS = frozenset(
         "rotation_of_other",
         "sides",
         "span",
+        "strength",
         "structure_kind",
         "tendon",
         "thickness",

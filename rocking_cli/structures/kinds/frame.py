@@ -57,6 +57,7 @@ def _frame(
         eta=eta,
         whole=False,
         limit="more slender columns",
+        foot="a frame, whose columns share the weight of the beam",
         details={"cap_ratio": gamma},
         drawing=drawing,
         inset_by=inset_by,

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from ...documents.composition import Value
 from ...documents.document import Document
 from ...errors import DocumentError, did_you_mean
-from ..load_keys import mass_of_load, require_still
+from ..load_keys import require_still
 from ..mechanics.admissibility import place
 from ..mechanics.assembly import (
     BOTH,
@@ -33,6 +33,7 @@ from ..shared_keys import (
     friction_of,
     given_restitution,
     gravity_of,
+    mass_of_load,
 )
 from ..sketch import Point, Sketch
 from .prism import corners_of, polygon_moments
@@ -58,7 +59,7 @@ def build(document: Document, name: str) -> RockingParameters:
     """Return the parameters of a mechanism. Raises DocumentError. Keys: bodies, joints,
     other_side, loads, rotation_of, rotation_of_other, ground, axis.
     """
-    gravity, friction = gravity_of(document), friction_of(document)
+    gravity, (friction, _) = gravity_of(document), friction_of(document)
     try:
         return _found(document, gravity).parameters(
             name,

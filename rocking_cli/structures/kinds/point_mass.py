@@ -25,5 +25,6 @@ def body(document: Document) -> RigidBody:
         alpha,
         1.0,
         limit="a point mass with alpha up to 45 deg",
+        foot="a point mass, whose struts have no contact area",
         drawing=drawing,
     )

@@ -11,6 +11,7 @@ from itertools import combinations, pairwise
 from ...documents.document import Document
 from ..mechanics.moments import Moments
 from ..mechanics.single_body import RigidBody, body_on_edges
+from ..mechanics.toe import strip_foot
 from ..sketch import rocker
 
 REPORTS = ("direction",)
@@ -37,7 +38,8 @@ def polygon_moments(corners: Sequence[Corner]) -> Moments:
 
 def body(document: Document) -> RigidBody:
     """Return a prism from the key `corners`, [[x, z], ...] in order; its lowest corners
-    are the base. Raises DocumentError.
+    are the base. density and length (across the rocking) give its mass. Raises
+    DocumentError.
     """
     corners = corners_of(document)
     lowest = min(z for _, z in corners)
@@ -59,6 +61,7 @@ def body(document: Document) -> RigidBody:
         (right, lowest),
         (section.x / section.mass, section.z / section.mass),
     )
+    foot, details = strip_foot(document, right - left, moments.mass)
     highest = max(z for _, z in placed)
     return body_on_edges(
         moments,
@@ -66,6 +69,8 @@ def body(document: Document) -> RigidBody:
         top=min(corner for corner in placed if highest - corner[1] <= tolerance),
         limit="a section more slender than this one",
         drawing=drawing,
+        foot=foot,
+        details=details,
     )
 
 

@@ -5,6 +5,7 @@ import math
 from ...documents.document import Document
 from ..mechanics.moments import Moments
 from ..mechanics.single_body import RigidBody, body_on_edges
+from ..mechanics.toe import Foot, Strip
 from ..shared_keys import mass_of
 from ..sketch import circle, rocker
 
@@ -19,6 +20,7 @@ def body(document: Document) -> RigidBody:
     DocumentError. Keys: left, right: horizontal distance from each edge to the mass
     centre; height of the mass centre above the edges; gyration: radius of gyration
     about the mass centre, or inertia about it and mass; mass is optional with gyration.
+    length: of its base across the rocking, for `strength`.
     The drawing shows the base, and the circle of the radius of gyration in place of an
     outline.
     """
@@ -37,9 +39,19 @@ def body(document: Document) -> RigidBody:
     moments = Moments(1.0, x, height, gyration**2 + x * x + height * height)
     outlines = [circle((0.0, height), gyration), ((-left, 0.0), (right, 0.0))]
     drawing = rocker(outlines, (-left, 0.0), (right, 0.0), (0.0, height))
+    length, mass = (
+        document.length("length") if document.has("length") else None,
+        mass_of(document),
+    )
+    foot = Foot(
+        Strip(left + right, length or 1.0),
+        None if length is None else mass,
+        missing="mass" if mass is None else "length",
+    )
     return body_on_edges(
         moments,
         half,
+        foot=foot,
         crown=math.inf,
         limit="a body more slender than this one",
         drawing=drawing,

@@ -17,6 +17,8 @@ import numpy as np
 from ...documents.document import Document
 from ..mechanics.moments import Moments, spin_about
 from ..mechanics.single_body import RigidBody, symmetric_body
+from ..mechanics.toe import Foot, Ring, density_of
+from ..shared_keys import mass_of
 from ..sketch import Point, Sketch, rocker
 
 REPORTS = ("tip_height", "crack_height")
@@ -172,10 +174,13 @@ def body(document: Document) -> RigidBody:
     spire = _read(document)
     moments, radius = spire.rocking(), spire.base_radius
     drawing = _drawing(spire, (moments.x / moments.mass, moments.z / moments.mass))
+    foot, mass = _foot(document, spire, moments.mass)
     more: dict[str, Any] = {
         "drawing": drawing,
         "limit": "a spire more slender, or cracked lower",
         "eta": spire.restitution(),
+        "foot": foot,
+        "details": mass,
     }
     if not spire.crack_height:
         return symmetric_body(moments, radius, top=(0.0, spire.height), **more)
@@ -185,11 +190,10 @@ def body(document: Document) -> RigidBody:
             "inset", "an inset of a cracked spire", "no inset, or crack: none"
         )
 
-    details = {"tip_height": spire.tip_height, "crack_height": spire.crack_height}
+    heights = {"tip_height": spire.tip_height, "crack_height": spire.crack_height}
+    more |= {"details": heights | mass, "inset_by": refused}
     # Another part of the spire rocks on each edge.
-    return symmetric_body(
-        moments, radius, whole=False, details=details, inset_by=refused, **more
-    )
+    return symmetric_body(moments, radius, whole=False, **more)
 
 
 def _drawing(spire: Spire, centre: Point) -> Sketch:
@@ -214,6 +218,23 @@ def _drawing(spire: Spire, centre: Point) -> Sketch:
             ("its mirror image", (left, (-windward[0], crack))),
         ),
     )
+
+
+def _foot(
+    document: Document, spire: Spire, volume: float
+) -> tuple[Foot | str, dict[str, float]]:
+    """Return (the foot of a spire, its mass as a detail if a density gives it); volume:
+    of the part that rocks [m3]. Raises DocumentError.
+    """
+    density, mass = density_of(document), mass_of(document)
+    if spire.crack_height:
+        return "a cracked spire, which stands on another part on each edge", {}
+    if not spire.thickness:
+        return "a spire with a thin wall, whose contact area is not known", {}
+    area = Ring(spire.base_radius, spire.base_radius - spire.thickness)
+    if density is None:
+        return Foot(area, mass), {}
+    return Foot(area, density * volume), {"mass": density * volume}
 
 
 def _read(document: Document) -> Spire:

@@ -29,7 +29,7 @@ def body(document: Document) -> RigidBody:
             "a density of some pieces only",
             "density for every piece, or for none",
         )
-    return stacked(document, "pieces", "piece", pieces)
+    return stacked(document, "pieces", "piece", pieces, dense=bool(dense))
 
 
 def _piece(part: Document) -> StackPiece:
@@ -53,11 +53,12 @@ def _cuboid(part: Document) -> StackPiece:
                 "width and depth of a rectangular piece, or radii of a round one",
             )
     width, height = part.length("width"), part.length("height")
-    mass = width * (part.length("depth") if part.has("depth") else width) * height
+    depth = part.length("depth") if part.has("depth") else width
+    mass = width * depth * height
     moments = Moments(
         mass,
         0.0,
         0.5 * mass * height,
         mass * (width * width / 12.0 + height * height / 3.0),
     )
-    return StackPiece(0.5 * width, 0.5 * width, height, offset_of(part), moments)
+    return StackPiece(0.5 * width, 0.5 * width, height, offset_of(part), moments, depth)

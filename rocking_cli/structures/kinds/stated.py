@@ -21,6 +21,7 @@ REPORTS = ()
 DIMENSIONS = {
     "mass": "mass",
     "alpha_geometric": "angle",
+    "base_stress": "stress",
     **dict.fromkeys(("inset", "length", "tip_height", "crack_height"), "length"),
 }
 """The dimension of each detail that has a unit."""
@@ -86,7 +87,8 @@ def _details(document: Document, structure: str) -> dict[str, Any]:
     from . import reports_of
 
     # The stated alpha is that with the inset.
-    inset = ("inset", "alpha_geometric") if document.has("alpha_geometric") else ()
+    moved = ("inset", "alpha_geometric", "base_stress")
+    inset = moved if document.has("alpha_geometric") else ()
     reported = (*reports_of(structure), "mass", OTHERS, *inset, *VARIED)
     details = {
         key: document.values[key].plain()

@@ -14,8 +14,8 @@ from ..mechanics.held_wall import HeldWall
 from ..mechanics.linkage import Linkage
 from ..mechanics.linkage_drawing import drawn
 from ..mechanics.single_body import RigidBody, rectangle_body
+from ..mechanics.toe import strip_foot
 from ..parameters import RockingParameters
-from ..shared_keys import friction_of
 from ..sketch import Sketch
 from . import OF_BODIES
 from .mechanism import REPORTS as OF_MECHANISM
@@ -31,13 +31,8 @@ def body(document: Document) -> "RigidBody | WallBetweenFloors":
     """
     thickness, height = document.length("thickness"), document.length("height")
     details = {"length": document.length("length")} if document.has("length") else {}
-    if document.has("density"):
-        if document.has("mass"):
-            raise document.fault("density", "density together with mass", "one of them")
-        density = document.quantity(
-            "density", "density", above=0.0, where="a positive density"
-        )
-        details["mass"] = density * thickness * height * document.length("length")
+    foot, mass = strip_foot(document, thickness, thickness * height)
+    details |= mass
     if document.choice("top", ("held", "free"), "free") == "held":
         return WallBetweenFloors(thickness, height, details)
     if document.has("crack_height"):
@@ -52,6 +47,7 @@ def body(document: Document) -> "RigidBody | WallBetweenFloors":
         math.atan2(thickness, height),
         limit=limit,
         details=details,
+        foot=foot,
     )
 
 
@@ -91,7 +87,6 @@ class WallBetweenFloors:
             wall.mechanism(crack, not _stated(document), both),
             name,
             "wall",
-            friction_of(document),
         )
         details |= {"crack_height": crack, **found.details}
         if least is None:

@@ -34,6 +34,7 @@ from ..shared_keys import (
 )
 from ..sketch import Point, Sketch, rectangle, redrawn, rocker
 from .moments import Moments, spin_about
+from .toe import Foot, toe_of
 
 
 class EdgeParameters(NamedTuple):
@@ -64,6 +65,8 @@ class RigidBody:
     inset_by: Callable[[float], RigidBody]
     limit: str  # the bodies for which the momentum model holds
     drawing: Sketch  # its geometry
+    # its contact area, for `strength`; a text says whose is not known
+    foot: Foot | str = "such a body, whose contact area is not known"
     radius: float | None = None  # R of two equal edges [m]
     # (x, z) of the impact point on a backing, from the middle of the base [m]; None if
     # the geometry does not define it
@@ -89,6 +92,8 @@ class RigidBody:
             "details": self._details(document, inset, body),
             "top": body._top_arms(),
         }
+        if document.has("strength"):
+            more["remarks"] = toe_of(document, self.foot).remarks
         if has_loads(document):
             from ..load_keys import loaded
 
@@ -110,9 +115,11 @@ class RigidBody:
         mass = mass_of(document)
         if mass is not None:
             details["mass"] = mass
-        if document.has("inset"):
+        if document.has("inset") or document.has("strength"):
             weaker = min(self.edges(1.0), key=lambda edge: edge.uplift)
             details |= {"inset": inset, "alpha_geometric": weaker.alpha}
+        if document.has("strength"):
+            details["base_stress"] = toe_of(document, self.foot).stress
         return details
 
     def _one_sided(
@@ -184,8 +191,18 @@ class RigidBody:
 
     def moved_in(self, document: Document) -> tuple[float, RigidBody]:
         """Return the document's inset (the distance of the pivots inside the edges [m],
-        default 0), and the body on these pivots. Raises DocumentError.
+        default 0, or that of its strength), and the body on these pivots. Raises
+        DocumentError.
         """
+        if document.has("strength"):
+            inset = toe_of(document, self.foot).inset
+            if not inset < self.lever:
+                raise document.fault(
+                    "strength",
+                    f"a strength whose pivots lie {inset:.4g} m inside the edges",
+                    f"a larger one: the mass centre is {self.lever:.4g} m from an edge",
+                )
+            return inset, self.inset_by(inset)
         where = (
             f"a length from 0 to below {self.lever:g} m, beyond which the mass centre"
             " is not above the base"

@@ -12,11 +12,11 @@ from itertools import accumulate
 from typing import Any, NamedTuple
 
 from ...documents.document import Document
-from ...errors import DocumentError
-from ..shared_keys import gravity_of, has_loads, restraints_in
+from ..shared_keys import gravity_of, has_loads, mass_of, restraints_in
 from ..sketch import Outline, Point, Sketch, rocker
 from .moments import Moments
 from .single_body import RigidBody, body_on_edges, edges_of, symmetric_body
+from .toe import Foot, Ring, Strip, toe_of
 
 
 class StackPiece(NamedTuple):
@@ -27,6 +27,7 @@ class StackPiece(NamedTuple):
     height: float  # [m]
     axis: float  # x of its axis [m]
     body: Moments  # its moments about the middle of its base
+    depth: float | None = None  # across the rocking [m], None for a round piece
 
 
 def frustum_moments(low: float, high: float, height: float) -> Moments:
@@ -118,18 +119,27 @@ def stacked(
     word: str,
     pieces: Sequence[StackPiece],
     inset: float = 0.0,
+    *,
+    dense: bool = False,
 ) -> RigidBody:
     """Return the body that rocks on the interface of the key `rocks_on`, by default on
     the one with the least margin, on the lowest one of equal margins. pieces: from
     below; key: of their list in the document; word: for one of them; inset: from the
-    edges of every interface [m]. Raises DocumentError if a piece does not stand on the
-    one below it, or the stack does not stand, or if it has restraints and no
-    `rocks_on`: they hold each interface in another way, so that the least margin does
-    not tell which one overturns first.
+    edges of every interface [m], of a body with `strength` that of its toe there;
+    dense: true if the pieces have densities. Raises DocumentError if a piece does not
+    stand on the one below it, or the stack does not stand, or if it has restraints and
+    no `rocks_on`: they hold each interface in another way, so that the least margin
+    does not tell which one overturns first.
     """
-    interfaces = _interfaces(document, key, word, pieces, inset)
+    whole = _interfaces(document, key, word, pieces)
+    feet = [_foot(document, pieces, i, one, dense) for i, one in enumerate(whole)]
+    insets = _insets(document, word, feet, inset)
+    interfaces = [
+        _moved_in(document, word, i, one, inwards)
+        for i, (one, inwards) in enumerate(zip(whole, insets, strict=True))
+    ]
     lowest = _weakest_standing(document, key, word, interfaces, inset)
-    details = {}
+    details: dict[str, Any] = {}
     if len(pieces) > 1:
         lowest = _lowest_rocking(document, word, interfaces, lowest)
         supports = _supports(word, len(interfaces))
@@ -137,7 +147,11 @@ def stacked(
             "rocks_on": supports[lowest],
             "interfaces": _interface_rows(document, supports, interfaces),
         }
-    interface = interfaces[lowest]
+    if dense and document.has("strength"):
+        details["mass"] = whole[lowest].body.mass
+    # Without an inset the body is the geometry itself.
+    interface = interfaces[lowest] if inset else whole[lowest]
+    inset = insets[lowest] if inset else 0.0
 
     # A mass centre in the middle has the closed forms of Eqs. 2.2 and 2.6.
     rock = body_on_edges if interface.centred.x else symmetric_body
@@ -148,16 +162,75 @@ def stacked(
         limit=f"a {word} more slender than this one",
         details=details,
         drawing=_drawing(pieces, lowest, interface, inset),
-        inset_by=partial(stacked, document, key, word, pieces),
+        inset_by=partial(stacked, document, key, word, pieces, dense=dense),
+        foot=feet[lowest],
     )
 
 
-def _interfaces(
+def _foot(
     document: Document,
-    key: str,
-    word: str,
     pieces: Sequence[StackPiece],
-    inset: float,
+    i: int,
+    interface: Interface,
+    dense: bool,
+) -> Foot | str:
+    """Return the foot on an interface: the smaller one of its two faces; a text where
+    it is not known.
+    """
+    faces = [(pieces[i].foot, pieces[i].depth)]
+    faces += [(pieces[i - 1].head, pieces[i - 1].depth)] if i else []
+    offset = i > 0 and pieces[i].axis != pieces[i - 1].axis
+    depths = [depth for _, depth in faces if depth is not None]
+    radii = [half for half, depth in faces if depth is None]
+    area: Strip | Ring = Strip(2.0 * interface.half, min(depths, default=1.0))
+    if radii and offset:
+        return "a stack with a round piece that is offset from the one below it"
+    if radii and not depths:
+        area = Ring(min(radii))
+    elif radii:
+        half = next(half for half, depth in faces if depth is not None)
+        if radii[0] <= min(half, 0.5 * depths[0]):
+            area = Ring(radii[0])
+        elif radii[0] < math.hypot(half, 0.5 * depths[0]):
+            return (
+                "a stack of round and rectangular pieces that cover each other partly"
+            )
+    if dense:
+        return Foot(area, interface.body.mass)
+    return Foot(area, mass_of(document) if len(pieces) == 1 else None)
+
+
+def _insets(
+    document: Document, word: str, feet: Sequence[Foot | str], inset: float
+) -> list[float]:
+    """Return the inset of each interface [m]: that of its toe, or the one of all."""
+    if not document.has("strength"):
+        return [inset] * len(feet)
+    supports = _supports(word, len(feet))
+    return [
+        toe_of(document, foot, name).inset
+        for foot, name in zip(feet, supports, strict=True)
+    ]
+
+
+def _moved_in(
+    document: Document, word: str, i: int, interface: Interface, inwards: float
+) -> Interface:
+    """Return the interface with its pivots inside its edges by a length [m]. Raises
+    DocumentError.
+    """
+    left, right = interface.left + inwards, interface.right - inwards
+    if not right > left:
+        raise document.fault(
+            "inset",
+            f"an inset beyond half the base of {word} {i + 1} from below",
+            "a shorter one",
+        )
+    return interface._replace(left=left, right=right)
+
+
+def _interfaces(
+    document: Document, key: str, word: str, pieces: Sequence[StackPiece]
 ) -> list[Interface]:
     """Return the interfaces from below. Raises DocumentError if a piece does not stand
     on the one below it.
@@ -168,9 +241,12 @@ def _interfaces(
         piece = pieces[i]
         above = piece.body.shifted(x=piece.axis).plus(above.shifted(z=piece.height))
         left, right = _overlap(pieces, i)
-        left, right = left + inset, right - inset
         if not right > left:
-            raise _no_base(document, key, word, i, inset)
+            raise document.fault(
+                key,
+                f"{word} {i + 1} from below apart from the one below it",
+                f"{word}s that stand on each other",
+            )
         found.insert(0, Interface(left, right, above))
     return found
 
@@ -183,25 +259,6 @@ def _overlap(pieces: Sequence[StackPiece], i: int) -> tuple[float, float]:
         return left, right
     below = pieces[i - 1]
     return max(left, below.axis - below.head), min(right, below.axis + below.head)
-
-
-def _no_base(
-    document: Document, key: str, word: str, i: int, inset: float
-) -> DocumentError:
-    """Return the error for an interface without width: it is the fault of the inset
-    where there is one.
-    """
-    if inset:
-        return document.fault(
-            "inset",
-            f"an inset beyond half the base of {word} {i + 1} from below",
-            "a shorter one",
-        )
-    return document.fault(
-        key,
-        f"{word} {i + 1} from below apart from the one below it",
-        f"{word}s that stand on each other",
-    )
 
 
 def _weakest_standing(
@@ -219,7 +276,8 @@ def _weakest_standing(
         found = (
             f"{word} {weakest + 1} from below, with the pieces on it, beyond its edge"
         )
-        raise document.fault("inset" if inset else key, found, "a stack that stands")
+        moved = "strength" if document.has("strength") else "inset" if inset else key
+        raise document.fault(moved, found, "a stack that stands")
     return weakest
 
 

@@ -10,15 +10,15 @@ import numpy as np
 
 from ..batch import Batch
 from ..equations.taylor import TaylorSeries
+from ..lanes import Array, Cells, Lanes
 from ..observers.contact_loss import ContactLoss
 from ..observers.observer import Arcs
 from .lane import Lane
 from .march import march
 from .state import Listener
 
-Arc = tuple[
-    float, float, float, Sequence[float]
-]  # reach [tau of the side], side, h and Taylor terms in (t/h)^n
+# reach [tau of the side], side, h and Taylor terms in (t/h)^n
+Arc = tuple[float, float, float, Sequence[float]]
 
 
 def loses_contact(lane: Lane, amplitude: float, most: int) -> bool:
@@ -69,19 +69,24 @@ def loses_contact(lane: Lane, amplitude: float, most: int) -> bool:
             lambda lanes: loss.may_close(lanes)[0],
         ),
     )
-    reach, side, h = (
-        np.array(column) for column in zip(*(arc[:3] for arc in arcs), strict=True)
-    )
-    terms = np.array(list(zip_longest(*(arc[3] for arc in arcs), fillvalue=0.0)))
-    lanes = (
-        lane.lanes(cells, 1.0)
-        .join(lane.lanes(cells, -1.0))
-        .take((side < 0.0).astype(np.int64))
-    )
-    flow = TaylorSeries(terms, h, reach, np.zeros(reach.size))
-    lanes.y, lanes.v, lanes.force = flow.y, flow.v, flow.b
+    lanes, flow, reach = _joined(lane, cells, arcs)
     there = flow.at(reach)
     loss.arcs(
         Arcs(lanes, flow, reach, there.y, there.v, there.b, np.arange(reach.size))
     )
     return bool(loss.lost(np.zeros(1, dtype=np.int64))[0])
+
+
+def _joined(
+    lane: Lane, cells: Cells, arcs: Sequence[Arc]
+) -> tuple[Lanes, TaylorSeries, Array]:
+    """(lanes, their flow, how long each follows it [tau of the side]), one an arc."""
+    reach, side, h = (
+        np.array(column) for column in zip(*(arc[:3] for arc in arcs), strict=True)
+    )
+    terms = np.array(list(zip_longest(*(arc[3] for arc in arcs), fillvalue=0.0)))
+    both = lane.lanes(cells, 1.0).join(lane.lanes(cells, -1.0))
+    lanes = both.take((side < 0.0).astype(np.int64))
+    flow = TaylorSeries(terms, h, reach, np.zeros(reach.size))
+    lanes.y, lanes.v, lanes.force = flow.y, flow.v, flow.b
+    return lanes, flow, reach

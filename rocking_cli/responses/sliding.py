@@ -1,0 +1,437 @@
+"""A body that slides and never rocks under a motion: its history, and its verdict
+beside that of the same body on a base that does not slide.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..dynamics.outcome import LOST, Outcome
+from ..dynamics.sliding import Base, Slide, Sliding
+from ..errors import UsageError
+from ..motions import Motion
+from ..motions.grid import Grid, HasMotion, demand_of
+from ..structures.friction import (
+    Friction,
+    covers_sliding,
+    friction_that_slides,
+    least_lambda,
+    sliders,
+)
+from ..structures.parameters import RockingParameters
+from .verdict import SLIDE_COLUMNS, Verdict
+
+POINTS = 500  # times of a history over its whole length, unless the user says
+MOST_POINTS = 10_000_000
+COUPLED = (
+    "slides while it rocks: this motion is not followed; the verdict is that of a base"
+    " that does not slide"
+)
+ONE_WAY = (
+    "slides one way and rocks the other: this is not covered; the verdict is that of a"
+    " base that does not slide"
+)
+
+
+@dataclass(frozen=True, eq=False)
+class SlideHistory:
+    """The sliding of one structure under one motion.
+
+    Attributes
+    ----------
+    structure: the one that slides
+    motion: the ground motion
+    demand_a: a_g [m/s2]
+    omega: omega_g [rad/s]
+    friction: static and kinetic coefficient of its base [-]
+    sliding: its slides, in phases
+
+    Examples
+    --------
+    >>> (block,) = load_structures("block:0.5x2,friction=0.2")
+    >>> found = slide_history(block, sine(), parse_grid("a_g=0.4g,f_g=1"))
+    >>> found.outcome.flag, f"{found.slide_speed:.3f} m/s"
+    ('slid', '0.428 m/s')
+    """
+
+    structure: RockingParameters  # the one that slides
+    motion: Motion  # the ground motion
+    demand_a: float  # a_g [m/s2]
+    omega: float  # omega_g [rad/s]
+    friction: Friction  # of its base
+    sliding: Sliding  # its slides, in phases
+
+    @property
+    def outcome(self) -> Outcome:
+        """Slid, no uplift for a body that sticks, or lost contact."""
+        return self.sliding.outcome
+
+    @property
+    def slide_a(self) -> float:
+        """mu_s g, the ground acceleration from which it slides [m/s2]."""
+        return self.friction.static * self.structure.gravity
+
+    @property
+    def slide_max(self) -> float:
+        """Largest displacement over the ground [m]."""
+        return self.sliding.largest * self._length
+
+    @property
+    def slide_residual(self) -> float:
+        """Displacement over the ground at the end [m], positive with +x_g."""
+        return self.sliding.residual * self._length
+
+    @property
+    def slide_speed(self) -> float:
+        """Largest speed over the ground [m/s]."""
+        return self.sliding.speed * self.demand_a / self.omega
+
+    @property
+    def lost_at(self) -> float | None:
+        """The time at which the ground falls away [s], None if it never does."""
+        lost = self.sliding.lost
+        return lost / self.omega if math.isfinite(lost) else None
+
+    @property
+    def _length(self) -> float:
+        return self.demand_a / self.omega**2
+
+    @cached_property
+    def end(self) -> float:
+        """The time [s] at which the motion is over and the body rests, or at which the
+        ground falls away.
+        """
+        if self.lost_at is not None:
+            return self.lost_at
+        stops = [one.stop for one in self.sliding.slides[-1:]]
+        return (
+            max(self.motion.duration, *stops) / self.omega
+            if stops
+            else (self.motion.duration / self.omega)
+        )
+
+    def times(
+        self, dt: float | None, steps: bool, duration: float | None
+    ) -> np.ndarray:
+        """Return the times of the rows [s].
+
+        Parameters
+        ----------
+        dt
+            time between two rows [s]; None for the samples of a record with the starts
+            and stops, or the ends of POINTS equal intervals for a pulse
+        steps
+            True for the starts and stops of the slides alone
+        duration
+            the time that is shown [s], None for the motion and the last slide
+
+        Returns
+        -------
+        ndarray
+            (n,)
+
+        Raises
+        ------
+        UsageError
+            for too many rows
+        """
+        end = self.end if duration is None or self.lost_at is not None else duration
+        if duration is not None:
+            end = min(end, duration)
+        if dt is not None:
+            if not end / dt <= MOST_POINTS:
+                raise UsageError(
+                    f"`dt`: found {dt:g} s; expected a time that gives up to"
+                    f" {MOST_POINTS} points"
+                )
+            return dt * np.arange(math.floor(end / dt * (1.0 + 1e-12)) + 1)
+        slides = self.sliding.slides
+        marks = np.array([x for s in slides for x in (s.start, s.stop)]) / self.omega
+        if self.motion.acceleration is not None and not steps:
+            marks = np.concatenate([marks, self.motion.marks / self.omega])
+        elif not steps:
+            return np.linspace(0.0, end, POINTS + 1)
+        times = np.unique(np.concatenate([[0.0], marks]))
+        return np.append(times[times < end], end)
+
+    def rows(
+        self,
+        *,
+        dt: float | None = None,
+        steps: bool = False,
+        duration: float | None = None,
+        forces: bool = False,
+    ) -> Iterator[dict[str, Any]]:
+        """Yield a row for each time: t [s], slide [m], slide_velocity [m/s],
+        ground_acceleration [m/s2].
+
+        Parameters
+        ----------
+        dt
+            as of `times`
+        steps
+            as of `times`
+        duration
+            as of `times`
+        forces
+            True for those on the ground over m g as well
+
+        Yields
+        ------
+        dict
+        """
+        times = self.times(dt, steps, duration)
+        phase = times * self.omega
+        u, v = self.sliding.course(phase)
+        ground = self.demand_a * self.motion.value(phase)
+        weight = np.ones(times.shape)
+        if self.motion.vertical is not None:
+            up = self.demand_a * self.motion.vertical.value(phase)
+            weight += up / self.structure.gravity
+        kinetic = -np.sign(v) * self.friction.kinetic * weight
+        most = self.friction.static * weight  # also in the instant of a start
+        held = np.clip(ground / self.structure.gravity, -most, most)
+        across = np.where(v == 0.0, held, kinetic)
+        columns = [times, u * self._length, v * self.demand_a / self.omega, ground]
+        for t, slide, speed, a, fx, fz in zip(*columns, across, weight, strict=True):
+            yield {
+                "t": float(t),
+                "slide": float(slide),
+                "slide_velocity": float(speed) + 0.0,  # no negative zero
+                **({"fx_ratio": float(fx), "fz_ratio": float(fz)} if forces else {}),
+                "ground_acceleration": float(a),
+                "structure": self.structure.name,
+                "motion": self.motion.name,
+                "model": "sliding",
+            }
+
+    def events(self) -> Iterator[dict[str, Any]]:
+        """Yield a row for each start and stop of a slide, and for the loss of contact:
+        t [s], slide [m].
+        """
+        for one in self.sliding.slides:
+            yield self._event("slide", one.start, one.begins, one)
+            if one.stop < self.sliding.lost:
+                yield self._event("stop", one.stop, one.ends, one)
+        if self.lost_at is not None:
+            yield self._event(LOST, self.sliding.lost, self.sliding.residual, None)
+
+    def _event(
+        self, word: str, phase: float, u: float, one: Slide | None
+    ) -> dict[str, Any]:
+        speed = None if one is None else one.side * self.sliding.speed_of(one)
+        return {
+            "model": "sliding",
+            "event": word,
+            "t": phase / self.omega,
+            "slide": u * self._length,
+            "slide_velocity_max": (
+                None if speed is None else speed * self.demand_a / self.omega
+            ),
+        }
+
+    def summary(self) -> dict[str, Any]:
+        """Return the last row of the events: the largest values and the outcome."""
+        return {
+            "model": "sliding",
+            "event": "summary",
+            "demand_a": self.demand_a,
+            **{key: getattr(self, key) for key in SLIDE_COLUMNS[:4]},
+            "fz_min": self.sliding.least_weight,
+            "theta_ratio": None if self.lost_at is not None else 0.0,
+            "outcome": self.outcome.flag,
+        }
+
+    @property
+    def words(self) -> str:
+        """What it does, and why it does not overturn, in words."""
+        least = least_lambda(self.structure)
+        start = (
+            f"from {self.friction.static:.4g} g on, before it could rock (lambda"
+            f" {least:.4g})"
+        )
+        if self.slide_max > 0.0:
+            said = f"slides {start}: {1e3 * self.slide_max:.3g} mm at most"
+            said += f", {_at_the_end(self.slide_residual)}"
+        else:
+            said = f"sticks under this motion; it slides {start}"
+        if self.lost_at is not None:
+            return (
+                f"{said}; the ground falls away at {self.lost_at:.2f} s; what follows"
+                " is not followed"
+            )
+        return f"{said}. It cannot overturn while its friction stays below {least:.4g}"
+
+
+def _at_the_end(residual: float) -> str:
+    """Return where a body stands at the end of its slides, in words."""
+    if abs(residual) < 5e-7:
+        return "back in its place at the end"
+    side = "left" if residual < 0.0 else "right"
+    return f"{1e3 * abs(residual):.3g} mm to the {side} at the end"
+
+
+def slide_history(
+    structure: RockingParameters,
+    motion: Motion | HasMotion,
+    shaking: Grid | None = None,
+) -> SlideHistory | None:
+    """Return the sliding of a structure whose friction keeps it from rocking, None for
+    another structure.
+
+    Parameters
+    ----------
+    structure
+        a rigid body on two edges; it slides and never rocks if its static friction is
+        below lambda of each edge, of a stack of each interface
+    motion
+        the motion of the ground, with its vertical one
+    shaking
+        a grid of one cell, which a record does not need
+
+    Returns
+    -------
+    SlideHistory or None
+        displacements [m], speeds [m/s] and the outcome; its rows and events
+
+    Raises
+    ------
+    UsageError
+        without a demand of one cell, and for an amplitude of zero
+
+    Examples
+    --------
+    >>> (block,) = load_structures('block:0.5x2,friction=0.2')
+    >>> found = slide_history(block, sine(), parse_grid('a_g=0.4g,f_g=1'))
+    >>> round(found.slide_max, 6), round(found.slide_residual, 6)
+    (0.125812, 0.006298)
+    """
+    moved, grid = demand_of(motion, shaking)
+    friction = friction_that_slides(structure)
+    if friction is None:
+        return None
+    amplitude, omega = grid.cell(structure)
+    a_g = float(structure.ground_acceleration(amplitude))
+    if not a_g > 0.0:
+        raise UsageError("the amplitude is 0; expected a positive one")
+    sliding = Base(moved, friction).under(structure.gravity / a_g)
+    pace = omega * structure.p
+    return SlideHistory(structure, moved, a_g, pace, friction, sliding)
+
+
+@dataclass(frozen=True)
+class SlideVerdict:
+    """What a verdict on a body that slides adds; its rocking answer is that of the same
+    body on a base that does not slide.
+    """
+
+    slide_a: float  # mu_s g, the ground acceleration from which it slides [m/s2]
+    slide_max: float  # largest displacement over the ground [m]
+    slide_residual: float  # displacement at the end [m], positive with +x_g
+    slide_speed: float  # largest speed over the ground [m/s]
+    stuck_outcome: Outcome  # of the base that does not slide
+    # lowest a_g that overturns the body on that base [m/s2], None if none does
+    stuck_first_overturning_a: float | None
+    words: str  # what the body does, in words
+
+    def row(self) -> dict[str, Any]:
+        """Return the columns SLIDE_COLUMNS."""
+        own = asdict(self) | {"stuck_outcome": self.stuck_outcome.flag}
+        return {key: own[key] for key in SLIDE_COLUMNS}
+
+
+def with_sliding(
+    verdict: Verdict,
+    structure: RockingParameters,
+    motion: Motion,
+    shaking: Grid,
+) -> Verdict:
+    """Return the verdict on a body whose friction its document states. A body that
+    slides and never rocks gets its sliding, and `verdict` stands beside it.
+    """
+    found = slide_history(structure, motion, shaking)
+    if found is None:
+        return replace(verdict, coupling=coupling_of(structure) * verdict.slides)
+    first = verdict.first_overturning_a
+    stuck = f"rocks: it {verdict.outcome.sentence}"
+    if verdict.outcome == Outcome.NO_UPLIFT:
+        stuck = "does not lift under this motion"
+    if first is not None:
+        stuck += f" (first_overturning_a {first / structure.gravity:.3g} g)"
+    own = SlideVerdict(
+        found.slide_a,
+        found.slide_max,
+        found.slide_residual,
+        found.slide_speed,
+        verdict.outcome,
+        first,
+        f"{found.words}. With more friction it {stuck}",
+    )
+    lost = found.lost_at is not None
+    return replace(
+        verdict,
+        outcome=found.outcome,
+        outcome_linear=found.outcome,
+        theta_ratio=None if lost else 0.0,
+        top_displacement=None if lost else found.slide_max,
+        uplift_a=None,
+        first_overturning_a=None,
+        safe_to=None,
+        searched_to=None,
+        fz_min=found.sliding.least_weight,
+        unsettled=False,
+        share_of_falls=0.0,
+        slides=False,
+        slide=own,
+    )
+
+
+def coupling_of(structure: RockingParameters) -> str:
+    """Return the words on a body that slips while it rocks, empty for one whose sliding
+    is not covered at all.
+    """
+    if structure.friction is None or not covers_sliding(structure):
+        return ""
+    one_way = structure.sides and structure.friction < max(
+        side.uplift for side in structure.sides
+    )
+    return ONE_WAY if one_way else COUPLED
+
+
+def parse_slide(place: str, text: str, wanted: str) -> float:
+    """Return the length of a text such as `slide=50mm` [m], positive; place, wanted:
+    the option and what it takes, in words. Raises UsageError.
+    """
+    from ..documents.quantities import parse_quantity, split_quantity
+
+    word, _, length = (part.strip() for part in text.partition("="))
+    parts = split_quantity(length)
+    try:
+        value = parse_quantity(length, "length")
+    except ValueError:
+        value = 0.0
+    if word != "slide" or not value > 0.0 or parts is None or not parts[1]:
+        raise UsageError(
+            f"{place}: found {text!r}; expected {wanted}, a positive length with its"
+            " unit, such as slide=50mm"
+        )
+    return value
+
+
+def stuck_in_words(structures: Iterable[RockingParameters]) -> list[str]:
+    """Return the line for a result that holds for bases that do not slide; none if no
+    structure slides instead.
+    """
+    if not (names := [s.name for s in sliders(structures)]):
+        return []
+    more = " and others" * (len(names) > 3)
+    return [
+        "the base is taken not to slide, though by its friction, which is below lambda,"
+        f" it slides and never rocks: {', '.join(names[:3])}{more}; see rocking check"
+    ]

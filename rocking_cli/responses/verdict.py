@@ -1,0 +1,230 @@
+"""The verdict on a structure under one motion, as a record and as a row."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from ..dynamics.outcome import Outcome
+
+if TYPE_CHECKING:
+    from .sliding import SlideVerdict
+
+CHECK_KEYS = ("structure", "motion")  # the columns that say which row it is
+CHECK_COLUMNS = (
+    "structure",
+    "motion",
+    "model",
+    "outcome",
+    "theta_ratio",
+    "top_displacement",
+    "demand_a",
+    "uplift_a",
+    "first_overturning_a",
+    "capacity_demand",
+    "safe_to",
+    "searched_to",
+    "outcome_linear",
+    "friction_needed",
+    "fz_min",
+)
+TIED_COLUMNS = (
+    "first_overturning_a_free",
+    "tie_force",
+    "tie_elongation",
+    "permanent",
+    "tie_state",
+)
+SLIDE_COLUMNS = (
+    "slide_a",
+    "slide_max",
+    "slide_residual",
+    "slide_speed",
+    "stuck_outcome",
+    "stuck_first_overturning_a",
+)
+FLOOR_COLUMNS = ("floor_pga", "floor_chord")
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The verdict on a structure under a motion, as `check` returns it.
+
+    It is that of the governing equation; accelerations are amplitudes a_g of the
+    motion. `capacity_demand` is the lowest overturning amplitude over the demand,
+    `falls` and `sentence` state the outcome, `row` is what `rocking check --json`
+    prints.
+
+    Attributes
+    ----------
+    theta_ratio: max |theta|/alpha [-], None if the body falls
+    demand_a: the demand [m/s2]
+    uplift_a: lowest a_g that lifts the body [m/s2], None if none does
+    first_overturning_a: lowest a_g that overturns the body [m/s2], None if none does
+    safe_to: upper end of the interval around the demand in which the body stands
+        [m/s2], None if it falls or no larger a_g overturns it
+    outcome_linear: by the linear equation
+    friction_needed: friction that the motion needs, impacts apart [-]; only of a rigid
+        body whose mass centre is known, and of a mechanism that states a friction; None
+        if it loses contact
+    fz_min: least vertical force over the weight [-], of the same bodies
+    unsettled: True if changes of the demand by 1e-12 to 1e-6 of it change the outcome,
+        or theta_ratio by 0.01
+    share_of_falls: if many narrow intervals overturn the body, the share of overturning
+        amplitudes within 5 % above the first one [-]
+    slides: True if friction_needed exceeds the friction of the document
+    top_displacement: largest displacement of the top [m], None without a geometry or if
+        the body falls
+    first_overturning_a_free: first_overturning_a of the body without ties and tendon
+        [m/s2]
+    devices: a row for each tie and tendon, see `History.devices`
+    opens: True if a further hinge opens in an arch, or a hinge of another mechanism
+        lifts off, so that another mechanism follows; None for another structure
+    searched_to: largest a_g of the search [m/s2]; None without a search
+    coupling: what `slides` means for a body that slides while it rocks, in words
+    slide: the sliding of a body that slides and never rocks; None for another one
+    floor_pga: of a body on a floor of a building: largest acceleration of the floor
+        [m/s2]
+    floor_chord: what its straight lines miss at most, over floor_pga [-]
+
+    Examples
+    --------
+    >>> (column,) = load_structures("configs/block.yaml")
+    >>> verdict = check(column, sine(), parse_grid("a_g=0.35g,f_g=1.5"))
+    >>> verdict.outcome.flag, verdict.falls, f"{verdict.theta_ratio:.4f}"
+    ('rocked', False, '0.4629')
+    >>> f"{verdict.first_overturning_a:.4f} m/s2"
+    '3.8278 m/s2'
+    """
+
+    structure: str  # name of the structure
+    motion: str  # name of the motion
+    model: str  # the governing equation
+    outcome: Outcome  # by the governing equation
+    theta_ratio: float | None  # max |theta|/alpha [-], None if the body falls
+    demand_a: float  # the demand [m/s2]
+    uplift_a: float | None  # lowest a_g that lifts the body [m/s2], None if none does
+    # lowest a_g that overturns the body [m/s2], None if none does
+    first_overturning_a: float | None
+    # upper end of the interval around the demand in which the body stands [m/s2], None
+    # if it falls or no larger a_g overturns it
+    safe_to: float | None
+    outcome_linear: Outcome  # by the linear equation
+    # friction that the motion needs, impacts apart [-]; only of a rigid body whose mass
+    # centre is known, and of a mechanism that states a friction; None if it loses
+    # contact
+    friction_needed: float | None = None
+    # least vertical force over the weight [-], of the same bodies
+    fz_min: float | None = None
+    # True if changes of the demand by 1e-12 to 1e-6 of it change the outcome, or
+    # theta_ratio by 0.01
+    unsettled: bool = False
+    # if many narrow intervals overturn the body, the share of overturning amplitudes
+    # within 5 % above the first one [-]
+    share_of_falls: float = 0.0
+    slides: bool = False  # True if friction_needed exceeds the friction of the document
+    # largest displacement of the top [m], None without a geometry or if the body falls
+    top_displacement: float | None = None
+    # first_overturning_a of the body without ties and tendon [m/s2]
+    first_overturning_a_free: float | None = None
+    # a row for each tie and tendon, see `History.devices`
+    devices: tuple[dict[str, Any], ...] = ()
+    # True if a further hinge opens in an arch, or a hinge of another mechanism lifts
+    # off, so that another mechanism follows; None for another structure
+    opens: bool | None = None
+    # largest a_g of the search [m/s2]; None without a search
+    searched_to: float | None = None
+    # what `slides` means for a body that slides while it rocks, in words
+    coupling: str = ""
+    # the sliding of a body that slides and never rocks; None for another one
+    slide: "SlideVerdict | None" = None
+    # of a body on a floor of a building: largest acceleration of the floor [m/s2]
+    floor_pga: float | None = None
+    # what its straight lines miss at most, over floor_pga [-]
+    floor_chord: float | None = None
+
+    @property
+    def sentence(self) -> str:
+        """The outcome in words."""
+        if self.slide is not None and self.outcome == Outcome.SLID:
+            return f"slides {1e3 * self.slide.slide_max:.3g} mm and never rocks"
+        return (
+            self.outcome.sentence
+            + ", on the last digits" * self.unsettled
+            + ", though its base would slide" * self.slides
+        )
+
+    @property
+    def capacity_demand(self) -> float | None:
+        """The lowest overturning amplitude over the demand; None if nothing overturns
+        the body.
+        """
+        return (
+            None
+            if self.first_overturning_a is None
+            else self.first_overturning_a / self.demand_a
+        )
+
+    @property
+    def capacity_above(self) -> float | None:
+        """If the search found no overturning: the number that `capacity_demand`
+        exceeds.
+        """
+        if self.first_overturning_a is not None or self.searched_to is None:
+            return None
+        return self.searched_to / self.demand_a
+
+    @property
+    def falls(self) -> bool:
+        """True if the body overturned, lost contact or rests leaning."""
+        return self.outcome.falls
+
+    def row(self) -> dict[str, Any]:
+        """Return the verdict as `rocking check --json` prints it."""
+        own = {
+            **vars(self),
+            "capacity_demand": self.capacity_demand,
+            "outcome": self.outcome.flag,
+            "outcome_linear": self.outcome_linear.flag,
+        }
+        found = {key: own[key] for key in CHECK_COLUMNS}
+        if self.opens is not None:
+            found["opens"] = self.opens
+        if self.share_of_falls:
+            found["falls_nearby"] = self.share_of_falls
+        if self.slide is not None:
+            found |= self.slide.row()
+        if self.floor_chord is not None:
+            found |= {key: getattr(self, key) for key in FLOOR_COLUMNS}
+        if not self.devices:
+            return found
+        from .tied_history import columns_of
+
+        return (
+            found
+            | {"first_overturning_a_free": self.first_overturning_a_free}
+            | columns_of(self.devices)
+        )
+
+
+def tally(verdicts: Sequence[Verdict]) -> str:
+    """Return a text with the number of structures that overturn, and, if there are any,
+    of those that lose contact or lean.
+    """
+    lost, leans = (
+        sum(v.outcome == outcome for v in verdicts)
+        for outcome in (Outcome.LOST_CONTACT, Outcome.LEANING)
+    )
+    overturn = (
+        f"{sum(v.outcome.overturned for v in verdicts)} of {len(verdicts)} overturn"
+    )
+    if slid := sum(v.outcome == Outcome.SLID for v in verdicts):
+        overturn += f", {slid} slide{'s' if slid == 1 else ''} and never rock"
+        overturn += "s" * (slid == 1)
+    overturn += (
+        f", {lost} lose{'s' if lost == 1 else ''} contact with the ground"
+        if lost
+        else ""
+    )
+    return overturn + (
+        f", {leans} come{'s' if leans == 1 else ''} to rest leaning" if leans else ""
+    )

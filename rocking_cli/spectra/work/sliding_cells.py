@@ -1,0 +1,55 @@
+"""The cells of structures that slide and never rock.
+
+The slides of a body depend on g/a_g alone: in the phase of the motion they are the same
+at every frequency, with lengths over a_g/omega_g^2. So each amplitude is computed once.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...dynamics.outcome import Difference, Outcome
+from ...dynamics.sliding import Base
+from ...structures.friction import friction_that_slides
+from ...structures.parameters import RockingParameters
+from ..dimensions import QUANTITIES
+from ..scene import CellBand
+
+Array = np.ndarray
+
+
+def sliding_block(
+    structure: RockingParameters, band: CellBand, quantities: Sequence[str]
+) -> dict[str, Array]:
+    """Return the variables of the cells of a band for a structure that slides; its
+    theta_ratio is 0, and NaN where contact is lost, as slide_max is. quantities: names
+    of those of `QUANTITIES` that are wanted.
+    """
+    friction = friction_that_slides(structure)
+    assert friction is not None  # the caller says so
+    base = Base(band.motion, friction)
+    cells = [np.broadcast_to(x, band.shape) for x in (band.amplitude, band.omega)]
+    peaks, place = np.unique(cells[0], return_inverse=True)
+    a_g = np.asarray(structure.ground_acceleration(peaks), dtype=float)
+    with np.errstate(divide="ignore"):
+        found = [base.under(ratio) for ratio in (structure.gravity / a_g).tolist()]
+    place = place.reshape(band.shape)
+    outcome = np.array([one.outcome for one in found], dtype=np.uint8)[place]
+    largest = np.array([one.largest for one in found])
+    length = (a_g * largest)[place] / (cells[1] * structure.p) ** 2
+    lost = outcome == Outcome.LOST_CONTACT
+    still = np.where(lost, np.nan, 0.0)
+    every = {
+        "theta_ratio": still,
+        "outcome": outcome,
+        "impacts": np.zeros(band.shape, dtype=np.int32),
+        "velocity_ratio": still,
+        "condition": np.full(band.shape, np.nan),
+        "theta_ratio_linear": still,
+        "outcome_linear": outcome,
+        "difference": np.full(band.shape, Difference.AGREES, dtype=np.uint8),
+        "slide_max": np.where(lost, np.nan, length),
+    }
+    wanted = {name for key in quantities for name in QUANTITIES[key]}
+    left_out = {name for names in QUANTITIES.values() for name in names} - wanted
+    return {name: every[name] for name in every.keys() - left_out}
