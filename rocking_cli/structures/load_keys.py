@@ -23,7 +23,6 @@ from .mechanics.linkage_drawing import load_arrows
 from .mechanics.mechanism_side import MechanismSide
 from .mechanics.planar_mechanism import PlanarMechanism
 from .shared_keys import (
-    LOADS,
     friction_of,
     given_restitution,
     gravity_of,
@@ -40,6 +39,10 @@ if TYPE_CHECKING:
 
 BODY = "body"  # name of a rigid body among the bodies of a mechanism
 FAR, CENTRE, NEAR_EDGE = BEARINGS = ("far", "centre", "near")
+_LOADS = (
+    "a list of loads, each with weight or mass, bearing or at, and inertia (both,"
+    " vertical or none)"
+)
 _POINT = "a point [x, z], lengths in m or with a unit"
 
 
@@ -66,7 +69,7 @@ def loads_of(document: Document, top: Top | None, axis: float) -> SideLoads:
     gravity = gravity_of(document)
     pairs = [
         _load(part, f"loads.{i}", gravity, top, axis)
-        for i, part in enumerate(document.parts("loads", LOADS))
+        for i, part in enumerate(document.parts("loads", _LOADS))
     ]
     right, left = (tuple(pair[i] for pair in pairs) for i in (0, 1))
     return SideLoads(right, left)

@@ -19,10 +19,6 @@ RESTRAINTS = ("ties", "tendon", "dampers")
 ONE_SIDED_RESTITUTION = (
     "a number above -1 and up to 0 (one_sided: it returns to the side it came from)"
 )
-LOADS = (
-    "a list of loads, each with weight or mass, bearing or at, and inertia (both,"
-    " vertical or none)"
-)
 
 
 def gravity_of(document: Document) -> float:
@@ -60,7 +56,12 @@ def weight_of_loads(document: Document) -> float:
     if not has_loads(document):
         return 0.0
     gravity = gravity_of(document)
-    parts = document.parts("loads", LOADS)
+    content = document.values["loads"].content
+    # without their other keys, which `loads_of` reads and checks
+    parts = [
+        document.part("loads", child, f"loads.{i}")
+        for i, child in enumerate(content if isinstance(content, list) else ())
+    ]
     return gravity * sum(mass_of_load(part, gravity) for part in parts)
 
 
