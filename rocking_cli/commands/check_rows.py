@@ -35,10 +35,10 @@ def _later_columns(demands: Demands, searched: bool) -> tuple[str, ...]:
     from ..structures.friction import sliders
 
     tied = any(s.restraints for s in demands.structures)
-    arches = any(s.structure == "arch" for s in demands.structures)
+    linked = any(s.mechanism is not None for s in demands.structures)
     narrow = searched and any(
         falls_may_be_narrow(motion) for motion, _ in demands.shakes
     )
     slid = bool(sliders(demands.structures))
-    other = ("opens",) * arches + ("falls_nearby",) * narrow
+    other = ("opens",) * linked + ("falls_nearby",) * narrow
     return SLIDE_COLUMNS * slid + TIED_COLUMNS * tied + other

@@ -2,7 +2,7 @@
 
 import click
 
-from ..structures.kinds import KINDS
+from ..structures.templates import TEMPLATES
 from . import streams
 from .command import argument, command, flag
 
@@ -13,7 +13,7 @@ _FOR_EDITORS = f"# yaml-language-server: $schema={SCHEMA}"
 @command("rocking init arch > arch.yaml")
 def init(
     kind: str | None = argument(
-        type=click.Choice(list(KINDS)), metavar="KIND", required=False
+        type=click.Choice(list(TEMPLATES)), metavar="KIND", required=False
     ),
     schema: bool = flag(
         "--schema", "Print a JSON Schema of structure documents, for editors."
@@ -21,8 +21,9 @@ def init(
 ) -> None:
     """Print a commented example document for a kind of structure. It is valid as it is.
 
-    KIND is block, point_mass, spire, arch, frame, prism, drum, rigid, stack or wall, or
-    parameters (stated numbers instead of a geometry); rocking help documents lists all
+    KIND is block, point_mass, spire, arch, frame, prism, drum, rigid, stack, wall or
+    mechanism, or parameters (stated numbers instead of a geometry), or
+    wall_between_floors, a wall whose top is held; rocking help documents lists all
     keys. Its first line names rocking.schema.json, which `rocking init --schema >
     rocking.schema.json` writes beside it: editors then complete and check its keys.
     """
@@ -34,7 +35,7 @@ def init(
         streams.put(*schema_text().splitlines())
         return
     if kind is None:
-        kinds = ", ".join(KINDS)
+        kinds = ", ".join(TEMPLATES)
         raise click.UsageError(
             f"Missing argument 'KIND'. Choose from: {kinds}; or give --schema"
         )

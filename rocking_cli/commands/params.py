@@ -203,12 +203,28 @@ def _table_rows(
         {"name": f"  restrained, {one['side']}", **one}
         for one in row.pop("restrained", [])
     ]
+    below += _joint_rows(row.pop("joints", []), "")
+    below += _joint_rows(row.pop("joints_other", []), "other side, ")
     hidden = ("ties", "tendon", "stands", OTHERS)
     row = {key: value for key, value in row.items() if key not in hidden}
     if "hinges" in row:
         angles = [math.degrees(hinge["angle"]) for hinge in row.pop("hinges")]
         row["hinges [deg]"] = ", ".join(f"{angle:.6g}" for angle in angles)
     return row, below
+
+
+def _joint_rows(joints: list[dict[str, Any]], which: str) -> Iterator[dict[str, Any]]:
+    """Yield a row of a table for each joint of a mechanism: its place and forces."""
+    for joint in joints:
+        kind = "hinge" if "hinge" in joint else "slide"
+        bodies = joint[kind] if isinstance(joint[kind], str) else "-".join(joint[kind])
+        x, z = joint["at"]
+        forces = {
+            key: value
+            for key, value in joint.items()
+            if key not in (kind, "at", "along")
+        }
+        yield {"name": f"  {which}{kind} {bodies} at [{x:.4g}, {z:.4g}] m", **forces}
 
 
 def _apart(heading: str, row: dict[str, Any]) -> str:

@@ -19,6 +19,7 @@ from .system import System
 
 if TYPE_CHECKING:
     from ..motions.motion import Motion
+    from ..structures.mechanics.kinematics import Mechanism
     from .outcome import Outcome
     from .references.general_solver import Problem
 
@@ -67,9 +68,19 @@ def _rigid_body(structure: RockingParameters, tolerance: float) -> Equation:
 
 def _mechanism(structure: RockingParameters, tolerance: float) -> Equation:
     from .equations.mechanism import MechanismEquation
+    from .equations.two_mechanisms import TwoMechanisms
 
-    assert structure.mechanism is not None  # `serves` says so
-    return MechanismEquation(structure.mechanism, tolerance, structure.damping)
+    found = [
+        MechanismEquation(one, tolerance, structure.damping)
+        for one in _mechanisms(structure)
+    ]
+    return TwoMechanisms(found) if structure.sides else found[0]
+
+
+def _mechanisms(structure: RockingParameters) -> list["Mechanism"]:
+    """The mechanisms of a structure, of the right side first."""
+    edges: list[Side | RockingParameters] = [*reversed(structure.sides)] or [structure]
+    return [edge.mechanism for edge in edges if edge.mechanism is not None]
 
 
 EQUATIONS = (
@@ -80,7 +91,7 @@ EQUATIONS = (
         "nonlinear",
         lambda s: s.mechanism is not None,
         _mechanism,
-        lambda s: s.mechanism,
+        lambda s: tuple(_mechanisms(s)),
         "mechanism_rates",
     ),
     EquationKind(  # a rigid body, Eq. 2.3
@@ -220,6 +231,7 @@ class Method:
                 contact_of(structure, equation),
                 scale,
                 self.body_of(structure),
+                springs=any(one.springs for one in _mechanisms(structure)),
             )
             if structure.restraints is None:
                 return system
@@ -469,7 +481,7 @@ def contact_of(structure: RockingParameters, equation: Equation) -> Contact:
     there = equation.on(np.array([1.0, -1.0]))
     turns, lifts = (
         np.broadcast_to(x, 2).tolist()
-        for x in (there.rotation(np.ones(2)), there.uplift_amplitude)
+        for x in (there.rotation_rate(np.zeros(2), np.ones(2)), there.uplift_amplitude)
     )
     # speed of rotation theta' of each side for y' = 1
     unit = [
@@ -486,6 +498,7 @@ def contact_of(structure: RockingParameters, equation: Equation) -> Contact:
         omega=(structure.p / right.p, structure.p / left.p),
         eta=(right.eta * onto_left, left.eta * onto_right),
         rotation=(turns[0], turns[1]),
+        equation=None if there.proportional else equation,
         pace=(
             right.alpha * right.p / (structure.alpha * structure.p),
             left.alpha * left.p / (structure.alpha * structure.p),

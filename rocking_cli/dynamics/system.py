@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ..errors import UsageError
 from ..motions.motion import Motion
 from ..motions.segments import Segments
 from .body import Body, safe_acceleration
@@ -36,6 +37,8 @@ class System(NamedTuple):
         there are several structures
     devices
         ties and a tendon, None without them
+    springs
+        True if it carries weights without mass: a vertical motion is then refused
 
     Examples
     --------
@@ -53,6 +56,7 @@ class System(NamedTuple):
     # (system, number of cells), (structures,)
     own: tuple[tuple["System", int], ...] = ()
     devices: "Devices | None" = None  # ties and a tendon
+    springs: bool = False  # True if it carries weights without mass
 
     @property
     def alike(self) -> bool:
@@ -83,9 +87,17 @@ class System(NamedTuple):
         ------
         ValueError
             for a motion with a vertical part if `scale` is None
+        UsageError
+            for such a motion of weights without mass, which do not follow it
         """
         if motion.vertical is None:
             return motion.segments
+        if self.springs:
+            raise UsageError(
+                f"{motion.name}: found a vertical motion, and loads of inertia: none,"
+                " whose weight it does not change; expected a motion without a vertical"
+                " part, or loads of inertia both or vertical"
+            )
         if self.scale is None:
             raise ValueError(
                 "a vertical motion needs the scale of A: the ground acceleration over g"

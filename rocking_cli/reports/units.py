@@ -124,7 +124,7 @@ COLUMNS = {
     "d_slc": "length",
     "t_slv": "time",
     "t_slc": "time",
-    "force": "force",
+    **dict.fromkeys(("force", "compression", "reaction", "top_reaction"), "force"),
     "base_stress": "stress",
     "tendon_force": "force",
     **dict.fromkeys(

@@ -16,12 +16,12 @@ from ..dynamics.outcome import Outcome
 from ..envelopes.amplitudes import LONGEST_FINE, Limit, limit_of
 from ..envelopes.capacity import Capacity, fall_searches
 from ..envelopes.intervals import A_MAX
+from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Grid, HasMotion, demand_of
 from ..processes import available_cpus, part_reporter, processes
 from ..structures.friction import friction_that_slides
 from ..structures.given import Structure, structure_from
-from ..structures.mechanics.fourbar import FourBar
 from ..structures.parameters import RockingParameters
 from .force_history import ForceHistory
 from .known_shares import KnownShares
@@ -378,11 +378,12 @@ def _all(
 def _of_history(
     method: Method, structure: RockingParameters, motion: Motion, shaking: Grid
 ) -> dict[str, Any]:
-    """Return friction_needed, fz_min, top_displacement and devices, or opens, from the
-    history, which goes on to `FALLEN`.
+    """Return friction_needed, fz_min, top_displacement and devices, or opens and
+    friction_needed (of a mechanism, unless forces are not known), from the history,
+    which goes on to `FALLEN`.
     """
-    arch = (
-        isinstance(structure.mechanism, FourBar)
+    linked = (
+        structure.mechanism is not None
         and method.model == "nonlinear"
         and not structure.damping
     )
@@ -390,14 +391,24 @@ def _of_history(
         structure.arm is None
         and not structure.top
         and not structure.restraints
-        and not arch
+        and not linked
     ):
         return {}
     found = time_history(structure, motion, shaking, [method])
-    if arch:
-        forces = found.forces[method.model]
-        assert not isinstance(forces, ForceHistory)
-        return {"opens": forces.opens()}
+    if linked:
+        from .mechanism_history import MechanismHistory
+
+        try:
+            forces = found.forces[method.model]
+        except UsageError:  # they are not unique
+            return {}
+        if isinstance(forces, ForceHistory):
+            return {}
+        opens: dict[str, Any] = {"opens": forces.opens()}
+        if isinstance(forces, MechanismHistory) and structure.friction is not None:
+            row = forces.summary("tau", 1.0)
+            opens["friction_needed"] = row["friction_needed"]
+        return opens
     devices = found.histories[method.model].devices
     top: dict[str, Any] = {
         "top_displacement": found.top_displacement(method.model),

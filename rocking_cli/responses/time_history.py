@@ -26,6 +26,7 @@ from .history import history
 
 if TYPE_CHECKING:
     from .arch_history import ArchHistory
+    from .mechanism_history import MechanismHistory
 
 # tau for which a response is followed after the shaking, unless the user says
 FREE = 30.0
@@ -159,9 +160,9 @@ class TimeHistory(Shown):
         return [np.zeros(1), stops, after, np.array(turns)]
 
     @cached_property
-    def forces(self) -> "dict[str, ForceHistory | ArchHistory]":
+    def forces(self) -> "dict[str, ForceHistory | ArchHistory | MechanismHistory]":
         """The forces for each equation of motion: between a rigid body and the ground,
-        or at the hinges and joints of an arch. Raises UsageError.
+        or at the joints of a mechanism. Raises UsageError.
         """
         s = self.structure
         if any(found.devices for found in self.histories.values()):
@@ -175,24 +176,35 @@ class TimeHistory(Shown):
             self.omega,
         )
         if s.mechanism is not None:
-            from ..structures.mechanics.fourbar import FourBar
-            from .arch_history import ArchHistory
-
-            if isinstance(s.mechanism, FourBar):
-                if any(model != "nonlinear" for model in self.histories):
-                    raise UsageError(
-                        f"{s.name}: the forces in an arch follow from the nonlinear"
-                        " equation: give `model` nonlinear"
-                    )
-                return {
-                    model: ArchHistory(s, ground, found)
-                    for model, found in self.histories.items()
-                }
+            return {
+                model: self._forces_of_mechanism(model, ground, found)
+                for model, found in self.histories.items()
+            }
         edges = edges_of(s)
         return {
             model: ForceHistory(s, edges, ground, found)
             for model, found in self.histories.items()
         }
+
+    def _forces_of_mechanism(
+        self, model: str, ground: GroundMotion, found: History
+    ) -> "ForceHistory | ArchHistory | MechanismHistory":
+        """The forces in an arch, or at the joints of another mechanism."""
+        from ..structures.mechanics.fourbar import FourBar
+        from ..structures.mechanics.linkage import Linkage
+        from .arch_history import ArchHistory
+        from .mechanism_history import MechanismHistory
+
+        s = self.structure
+        of_arch = isinstance(s.mechanism, FourBar)
+        if not (of_arch or isinstance(s.mechanism, Linkage)):
+            return ForceHistory(s, edges_of(s), ground, found)
+        if model != "nonlinear":
+            raise UsageError(
+                f"{s.name}: the forces in {'an arch' if of_arch else 'a mechanism'}"
+                " follow from the nonlinear equation: give `model` nonlinear"
+            )
+        return (ArchHistory if of_arch else MechanismHistory)(s, ground, found)
 
     def top_displacement(self, model: str) -> float | None:
         """Return the largest displacement of the top from its rest position.

@@ -65,7 +65,8 @@ class Verdict(Shown):
         [m/s2], None if it falls or no larger a_g overturns it
     outcome_linear: by the linear equation
     friction_needed: friction that the motion needs, impacts apart [-]; only of a rigid
-        body whose mass centre is known, None if it loses contact
+        body whose mass centre is known, and of a mechanism that states a friction; None
+        if it loses contact
     fz_min: least vertical force over the weight [-], of the same bodies
     unsettled: True if changes of the demand by 1e-12 to 1e-6 of it change the outcome,
         or theta_ratio by 0.01
@@ -77,8 +78,8 @@ class Verdict(Shown):
     first_overturning_a_free: first_overturning_a of the body without ties and tendon
         [m/s2]
     devices: a row for each tie and tendon, see `History.devices`
-    opens: True if a further hinge opens in an arch, whose mechanism is then another
-        one; None for another structure
+    opens: True if a further hinge opens in an arch, or a hinge of another mechanism
+        lifts off, so that another mechanism follows; None for another structure
     searched_to: largest a_g of the search [m/s2]; None without a search
     capacity_demand: first_overturning_a over demand_a [-], None if nothing overturns
         the body
@@ -112,7 +113,8 @@ class Verdict(Shown):
     safe_to: float | None
     outcome_linear: Outcome  # by the linear equation
     # friction that the motion needs, impacts apart [-]; only of a rigid body whose mass
-    # centre is known, None if it loses contact
+    # centre is known, and of a mechanism that states a friction; None if it loses
+    # contact
     friction_needed: float | None = None
     # least vertical force over the weight [-], of the same bodies
     fz_min: float | None = None
@@ -129,8 +131,8 @@ class Verdict(Shown):
     first_overturning_a_free: float | None = None
     # a row for each tie and tendon, see `History.devices`
     devices: tuple[dict[str, Any], ...] = ()
-    # True if a further hinge opens in an arch, whose mechanism is then another one;
-    # None for another structure
+    # True if a further hinge opens in an arch, or a hinge of another mechanism lifts
+    # off, so that another mechanism follows; None for another structure
     opens: bool | None = None
     # largest a_g of the search [m/s2]; None without a search
     searched_to: float | None = None

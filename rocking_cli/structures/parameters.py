@@ -77,12 +77,16 @@ class Side:
     eta: float
     # R, distance from the edge to the mass centre [m]; None if not known
     arm: float | None = None
+    # for the nonlinear model, None for a rigid body
+    mechanism: Mechanism | None = field(default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if self.side not in ("left", "right"):
             raise StructureError(f"side is {self.side!r}; expected left or right")
         _check_numbers(self)
-        _require("eta", self.eta, 0.0 <= self.eta <= 1.0, "a number from 0 to 1")
+        # the rotations of a mechanism on its sides may be those of different bodies
+        most, wanted = (1.0, " to 1") if self.a_scale == 1.0 else (math.inf, "")
+        _require("eta", self.eta, 0.0 <= self.eta <= most, f"a number from 0{wanted}")
 
     def row(self) -> dict[str, Any]:
         """Return the parameters as `rocking params --json` prints them."""
@@ -202,7 +206,7 @@ class RockingParameters(Shown):
                 -1.0 < self.eta <= 0.0,
                 "a number above -1 and up to 0 for a one-sided body",
             )
-        else:
+        elif not self.sides:
             _require("eta", self.eta, 0.0 <= self.eta <= 1.0, "a number from 0 to 1")
         _require(
             "damping",
@@ -234,6 +238,12 @@ class RockingParameters(Shown):
             )
         if self.one_sided:
             raise StructureError("a one-sided body has one side")
+        _require(
+            "the product of the two eta",
+            (both := self.sides[0].eta * self.sides[1].eta),
+            both <= 1.0 + 1e-12,
+            "a number from 0 to 1",
+        )
         weaker = weaker_side(self.sides)
         if numbers_of(weaker) != numbers_of(self):
             raise StructureError(
@@ -277,6 +287,7 @@ class RockingParameters(Shown):
             **fields_in(numbers_of(weaker)),
             sides=sides,
             arm=weaker.arm,
+            mechanism=(weaker if sides else right).mechanism,
             **more,
         )
 

@@ -42,6 +42,39 @@ def restraints_in(document: Document) -> list[str]:
     return [key for key in RESTRAINTS if document.has(key)]
 
 
+def has_loads(document: Document) -> bool:
+    """True if the document has loads. Raises DocumentError for the key without a value,
+    which would silently leave them out.
+    """
+    if not document.has("loads") and "loads" in document.values:
+        raise document.fault("loads", "nothing", "the loads, or no such key")
+    return document.has("loads") and document.values["loads"].content != []
+
+
+def weight_of_loads(document: Document) -> float:
+    """Return the weight of all loads of a body [N], which its base carries."""
+    if not has_loads(document):
+        return 0.0
+    gravity = gravity_of(document)
+    content = document.values["loads"].content
+    # without their other keys, which `loads_of` reads and checks
+    parts = [
+        document.part("loads", child, f"loads.{i}")
+        for i, child in enumerate(content if isinstance(content, list) else ())
+    ]
+    return gravity * sum(mass_of_load(part, gravity) for part in parts)
+
+
+def mass_of_load(part: Document, gravity: float) -> float:
+    """Return the weight of a load over g [kg]. Raises DocumentError."""
+    if not part.has("weight"):
+        return part.quantity("mass", "mass", above=0.0, where="a positive mass")
+    if part.has("mass"):
+        raise part.fault("weight", "weight together with mass", "one of them")
+    weight = part.quantity("weight", "force", above=0.0, where="a positive weight")
+    return weight / gravity
+
+
 def restitution_of(
     document: Document, momentum: float, limit: str
 ) -> tuple[float, str]:
@@ -64,6 +97,17 @@ def restitution_of(
         expected = f"{limit}; or give restitution, a number from 0 to 1"
         raise document.fault(None, found, expected)
     return momentum, "momentum"
+
+
+def given_restitution(document: Document) -> float | None:
+    """Return the document's restitution; None if it follows from momentum. Raises
+    DocumentError for a number out of range.
+    """
+    if not _given(document):
+        return None
+    if document.flag("one_sided"):
+        return one_sided_restitution_of(document, (1.0, 1.0), None)[0]
+    return restitution_of(document, 0.0, "")[0]
 
 
 def one_sided_restitution_of(

@@ -1,8 +1,8 @@
 """The geometry of a structure for a drawing."""
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 Point = tuple[float, float]
@@ -21,6 +21,13 @@ class Sketch:
     pivots: tuple[tuple[str, Point], ...] = ()  # name and place
     centre: Point | None = None  # mass centre of the rocking body, None for a linkage
     lines: Lines = ()  # label and points of other lines, such as a crack
+    # label, tail and head of arrows, such as a load
+    arrows: tuple[tuple[str, tuple[Point, Point]], ...] = ()
+    # function of theta [rad] that returns the outlines of the bodies that then move and
+    # of those that stay; None for a body, or for a linkage that is its own mirror image
+    pose: Callable[[float], tuple[list[Outline], list[Outline]]] | None = field(
+        default=None, repr=False, compare=False
+    )
 
 
 def rocker(

@@ -6,6 +6,10 @@ from importlib.resources import files
 from pathlib import Path
 
 from ..errors import UsageError
+from .kinds import KINDS
+
+# The kinds, and shapes of a kind with a document of their own.
+TEMPLATES = (*KINDS, "wall_between_floors")
 
 
 def template(kind: str) -> str:
@@ -14,7 +18,7 @@ def template(kind: str) -> str:
     Parameters
     ----------
     kind
-        such as "block", "arch" or "stack"
+        such as "block", "arch" or "stack", or "wall_between_floors"
 
     Returns
     -------

@@ -12,7 +12,7 @@ from rocking_cli.structures import KINDS, read_documents
 from rocking_cli.structures.kinds import sketch_of
 from rocking_cli.structures.mechanics.worn_edges import worn
 
-RIGID = [kind for kind in KINDS if kind not in ("arch", "parameters")]
+RIGID = [kind for kind in KINDS if kind not in ("arch", "mechanism", "parameters")]
 
 
 def same(found, wanted, **tolerance):

@@ -24,6 +24,8 @@ class EdgeRocker:
     pivot: float
     shared: Moments | None = None
 
+    springs = False
+
     @property
     def reach(self) -> float:
         """pi/2: the body lies on its side."""
@@ -39,9 +41,14 @@ class EdgeRocker:
             z * cos + x * sin,
         )
 
+    def lift_slope(self, phi: float) -> float:
+        """V''/g at phi [kg m]."""
+        x, z = self.pivot * self.body.mass - self.body.x, self.body.z
+        return -x * math.sin(phi) - z * math.cos(phi)
+
     def overlap(self) -> tuple[float, float]:
-        """The integrals of `Mechanism.overlap`: a rotation about one edge before the
-        impact, about the other edge after it.
+        """(int rho u.w, int rho w.w): u is a rotation about one edge before the
+        impact, w one about the other edge after it.
         """
         before, after = (
             spin_about(self.pivot, 0.0, -1.0),

@@ -90,6 +90,12 @@ class Contact(ABC):
         """
         lanes.side[at] = side
 
+    def converted(self, y: Array, side: Array, to: Array) -> Array:
+        """Return the displacements on the sides `to` that are as large a part of alpha
+        as the displacements y on these sides.
+        """
+        return y
+
     def speed(self, side: Array, rate: Array) -> Array:
         """Convert rates d(|theta|/alpha)/dtau on these sides to the alpha and p of the
         reference edge, as A and Omega are.
@@ -131,9 +137,12 @@ class Contact(ABC):
         after = ~overturns & ((across > there.barrier) | (again > here.barrier))
         # A body that moves inwards has the peak of its present arc behind it.
         outward = np.where(v > 0.0, here.peak(energy), y)
-        peak = np.maximum(
-            np.maximum(outward, here.peak(again)), there.peak(across) * unit
-        )
+        beyond = there.peak(across)
+        if equation.proportional or here is there:
+            beyond = beyond * unit
+        else:
+            beyond = here.displacement(there.rotation(beyond))
+        peak = np.maximum(np.maximum(outward, here.peak(again)), beyond)
         return FreeMotion(overturns, after, np.where(overturns | after, np.nan, peak))
 
 
@@ -292,7 +301,10 @@ class Unequal(Contact):
     # |y'| after over |y'| before the impact that leaves the edge [-], each in the units
     # of its side: one of the two may exceed 1, their product may not
     eta: tuple[float, float]
-    rotation: tuple[float, float]  # |theta|/alpha at y = 1 [-]
+    # |theta|/alpha at y = 1 [-], if they are proportional; else its slope at rest
+    rotation: tuple[float, float]
+    # of both sides, if |theta|/alpha is not proportional to y
+    equation: Equation | None = None
     # alpha p of the edge over alpha p of the reference edge [-]
     pace: tuple[float, float] = (1.0, 1.0)
 
@@ -328,14 +340,19 @@ class Unequal(Contact):
         """Put lanes on a side: drive, time and restitution become those of the side,
         and the peak is converted to its unit.
         """
-        lanes.peak[at] *= self._of(self.rotation, lanes.side[at]) / self._of(
-            self.rotation, side
-        )
+        lanes.peak[at] = self.converted(lanes.peak[at], lanes.side[at], side)
         lanes.side[at] = side
         row, cell = cells.row(side), lanes.cell[at]
         lanes.amplitude[at], lanes.omega[at], lanes.eta[at] = (
             values[row, cell] for values in cells
         )
+
+    def converted(self, y: Array, side: Array, to: Array) -> Array:
+        if self.equation is None:
+            return y * (self._of(self.rotation, side) / self._of(self.rotation, to))
+        known = np.isfinite(y)
+        turned = self.equation.on(side).rotation(np.where(known, y, 0.0))
+        return np.where(known, self.equation.on(to).displacement(turned), y)
 
     def speed(self, side: Array, rate: Array) -> Array:
         return rate * self._of(self.pace, side)
@@ -357,4 +374,6 @@ class Unequal(Contact):
             self._of(pair, there) / self._of(pair, here)
             for pair in (self.drive, self.omega, self.rotation)
         )
+        if self.equation is not None:  # an upper bound
+            rotation = rotation * self.equation.spread
         return OtherSide(drive, omega, lanes.eta, self._of(self.eta, there), rotation)

@@ -123,6 +123,10 @@ class Equation(ABC):
     composed: int | None = None
     # True if the search for overturning amplitudes may use Lemmas 9 and 10
     bounded = False
+    proportional = True  # False if |theta| is no constant times y
+    # if not: its largest slope by y up to the unstable equilibrium over its least one,
+    # or the product of these ratios of both sides
+    spread = 1.0
     per_y: Any = 1.0  # |theta|/alpha at y = 1 [-], if they are proportional
     per_rotation: Any = 1.0  # y at |theta|/alpha = 1, if they are proportional
     # lanes that the march advances together: fewer rounds against arrays that no longer

@@ -13,9 +13,10 @@ structure has collapsed.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from operator import mul
+from typing import Any, Self
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -82,6 +83,7 @@ class MechanismEquation(Equation):
     """
 
     composed = 12
+    proportional = False
 
     def __init__(
         self, mechanism: Mechanism, tolerance: float = 1e-9, damping: float = 0.0
@@ -100,6 +102,8 @@ class MechanismEquation(Equation):
         self.gain = float(
             sum(np.abs(table.slope(c, inner)).max() for c in (table.lift, table.push))
         )
+        turns = table.slope(table.turn, inner)
+        self.spread = float(turns.max() / turns.min())
         self.bounds = largest(table, table.lift), largest(table, table.push)
         # y beyond the equilibrium, and the inward drive that has its equilibrium there
         beyond = np.linspace(self.top, self.limit, 4097)
@@ -114,10 +118,10 @@ class MechanismEquation(Equation):
             return line_flow(self, segments, lanes)
         y, fastest = series_flow(self, segments, lanes, self.order)
         return TaylorSeries(
-            y, 1.0 / fastest, self._longest(y, fastest), fastest, self.damping
+            y, 1.0 / fastest, self.longest(y, fastest), fastest, self.damping
         )
 
-    def _longest(self, terms: Array, fastest: Array) -> Array:
+    def longest(self, terms: Array, fastest: Array) -> Array:
         """The longest step [tau] that the tolerance allows and on which y stays where
         its patch was fitted.
         """
@@ -136,7 +140,15 @@ class MechanismEquation(Equation):
         """
         if isinstance(y, list):
             return _composed_floats(self._about(y[0]), y)
-        return _composed(self._near(y[0], len(y.array) - 2), y, new)
+        return composed(self.near(y[0], len(y.array) - 2), y, new)
+
+    def joined(self, others: Sequence[Self]) -> Any:
+        every = (self, *others)
+        if all(one.table is self.table for one in others):
+            return self
+        from .two_mechanisms import TwoMechanisms
+
+        return TwoMechanisms(every, np.arange(len(every)), by_cell=True)
 
     def room(self, y: float) -> float:
         """The distance from y up to which the series about y hold."""
@@ -151,7 +163,7 @@ class MechanismEquation(Equation):
         ).tolist()
         return rows
 
-    def _near(self, y: Array, count: int) -> Array:
+    def near(self, y: Array, count: int) -> Array:
         """(2, count, lanes): the series of F and G in powers of y - y0, shifted from
         the nearest of many marks.
         """
@@ -264,7 +276,7 @@ class MechanismEquation(Equation):
         return np.interp(e, self.marks[1], self.marks[0])
 
 
-def _composed(
+def composed(
     local: Array, y: Rows, new: Callable[[], Series]
 ) -> tuple[Series, Series, Callable[[int], None]]:
     """The series of F(y) and G(y) along the series of y, as `Equation.along`, for many

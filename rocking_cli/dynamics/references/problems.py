@@ -58,14 +58,15 @@ def rigid_body_rates(structure: RockingParameters, edge: Edge) -> Rates:
 
 
 def mechanism_rates(structure: RockingParameters, edge: Edge) -> Rates:
-    """The rates of Eq. 3.4: theta' = w/sqrt(M), w' = -(L + push B)/sqrt(M) - 2 zeta w,
-    over p^2/g, with the mechanism's coefficients.
+    """The rates of Eq. 3.4 on a side: theta' = w/sqrt(M), w' = -(L + push B)/sqrt(M) -
+    2 zeta w, over p^2/g, with the mechanism's coefficients, time by p of the side.
     """
     from ...structures.mechanics.kinematics import linearise
 
-    assert structure.mechanism is not None  # called only for mechanisms
-    mechanism = structure.mechanism
-    form = linearise(structure.mechanism)
+    assert edge.mechanism is not None  # called only for mechanisms
+    mechanism = edge.mechanism
+    form = linearise(mechanism)
+    pace = edge.p / structure.p
     damping = structure.damping
 
     def rates(
@@ -75,11 +76,12 @@ def mechanism_rates(structure: RockingParameters, edge: Edge) -> Rates:
         root = math.sqrt(c.inertia)
         return (
             w / root,
-            -float(weight * c.lift + push * c.push) / root / form.stiffness
-            - 2.0 * damping * w,
+            -(pace**2) * float(weight * c.lift + push * c.push) / root / form.stiffness
+            - 2.0 * damping * pace * w,
         )
 
-    return Rates(form.alpha, form.uplift, 0.5 * math.pi, rates, returns=False)
+    end = min(0.5 * math.pi, mechanism.reach)
+    return Rates(form.alpha, form.uplift, end, rates, returns=False)
 
 
 def problem_of(
@@ -106,10 +108,18 @@ def problem_of(
             linear=rates is linear_rates,
         )
     if sides:
+        # w of Eq. 3.4 is sqrt(M) theta', so M at rest of both sides enters its ratio
+        root = dict.fromkeys(sides, 1.0)
+        if rates is mechanism_rates:
+            root = {
+                i: math.sqrt(float(s.mechanism.coefficients(0.0).inertia))
+                for i, s in sides.items()
+                if s.mechanism is not None
+            }
         return Problem(
             {i: rates(structure, s) for i, s in sides.items()},
             scale,
-            {i: s.eta for i, s in sides.items()},
+            {i: s.eta * (root[-i] / root[i]) for i, s in sides.items()},
             arms,
             body,
         )

@@ -388,7 +388,6 @@ class _March(MarchState):
         """
         if not self.watched:
             return
-        unit = self.edge.unit
         start, stop = terms[1], v * h
 
         # No turn: h y' keeps its sign. It leaves its chord by at most h^2/8 of its
@@ -404,13 +403,13 @@ class _March(MarchState):
                 return
 
         # No turn of interest: the step stays below the peak so far.
-        highest = (terms[0] + sum(map(abs, terms[1:]))) * unit
+        highest = self._onto_first(terms[0] + sum(map(abs, terms[1:])))
         if self.listener is None and highest <= self.peak:
             return
 
         for x in turns(terms, reach / h):
             y, _ = value(terms, x, h)
-            self.peak = max(self.peak, y * unit)
+            self.peak = max(self.peak, self._onto_first(y))
             if y >= self.edge.limit:
                 self._finish(self._overturned())
             elif self.listener is not None:

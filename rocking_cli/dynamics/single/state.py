@@ -101,8 +101,28 @@ class MarchState:
             if self.force is None
             else self.force
         )
-        lanes.peak[0] = self.peak / self.edge.unit
+        lanes.peak[0] = self._from_first(self.peak)
         return lanes
+
+    def _onto_first(self, y: float) -> float:
+        """The displacement on the first side that is as large a part of alpha as y on
+        the present side.
+        """
+        if self.equation.proportional:
+            return y * self.edge.unit
+        return self._between(y, self.edge.side, 1.0)
+
+    def _from_first(self, y: float) -> float:
+        """The inverse of `_onto_first`."""
+        if self.equation.proportional:
+            return y / self.edge.unit
+        return self._between(y, 1.0, self.edge.side)
+
+    def _between(self, y: float, side: float, to: float) -> float:
+        if side == to:
+            return y
+        at = (np.array([x]) for x in (y, side, to))
+        return float(self.contact.converted(*at)[0])
 
     def _net(self, edge: LaneEdge, k: int, u: float) -> float:
         """The net drive c at phase u of segment k; 0 on the still ground after the
@@ -244,7 +264,7 @@ class MarchState:
         peak = equation.damped_peak(lanes.y, lanes.v)
         if np.isfinite(peak[0]):
             lanes.y[:], lanes.v[:] = peak, 0.0
-            self.peak = max(self.peak, float(peak[0]) * self.edge.unit)
+            self.peak = max(self.peak, self._onto_first(float(peak[0])))
         if float(equation.rotation(lanes.y)[0]) >= 1.0:
             return False
         # Lemma 8: the undamped peaks are above those of this body.
@@ -254,7 +274,7 @@ class MarchState:
         if (
             most.overturns[0]
             or most.overturns_after_impact[0]
-            or float(most.peak[0]) * self.edge.unit > self.peak
+            or self._onto_first(float(most.peak[0])) > self.peak
         ):
             return False
         self._finish(Outcome.ROCKED)
@@ -280,7 +300,7 @@ class MarchState:
         elif free.overturns_after_impact[0]:
             self._finish(Outcome.OVERTURNED_AFTER_IMPACT)
         else:
-            self.peak = max(self.peak, float(free.peak[0]) * self.edge.unit)
+            self.peak = max(self.peak, self._onto_first(float(free.peak[0])))
             self._finish(Outcome.ROCKED)
 
     def _note(self, event: str, y: float, v: float) -> None:

@@ -136,11 +136,13 @@ class _Stage:
 
     def show(self, time: float, theta: float, ratio: float, x: float) -> None:
         """Show the body at theta = ratio alpha on ground displaced by x [m]."""
-        outlines = shape_at(self.sketch, theta, ratio)
-        self.stone.set_verts([np.add(outline, (x, 0.0)) for outline in outlines])
-        self.still.set_verts(
-            [np.add(outline, (x, 0.0)) for outline in self.sketch.still]
+        posed = self.sketch.pose(theta) if self.sketch.pose else None
+        moving, staying = posed or (
+            shape_at(self.sketch, theta, ratio),
+            list(self.sketch.still),
         )
+        self.stone.set_verts([np.add(outline, (x, 0.0)) for outline in moving])
+        self.still.set_verts([np.add(outline, (x, 0.0)) for outline in staying])
         self.floor.set_data(self.ticks + x, np.full(self.ticks.size, self.low))
         self.clock.set_text(f"{time:.1f} s")
 

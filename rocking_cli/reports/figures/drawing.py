@@ -115,13 +115,15 @@ def structure_axes(
     unit, metre = units.of("length")
     _fill_outlines(axes, sketch, metre)
     _plot_lines(axes, sketch, metre)
+    _draw_arrows(axes, sketch, metre)
     _mark_pivots(axes, sketch, metre)
     base = min(z for outline in (*sketch.bodies, *sketch.still) for _, z in outline)
     axes.axhline(base / metre, color=INK, lw=1.2, zorder=0.5)
     if built.one_sided:
         _hatch_backing(axes, sketch, base / metre, metre)
     radius = ""
-    if sketch.centre is not None:
+    # under a load that it does not carry a body turns by another angle than that of R
+    if sketch.centre is not None and built.mechanism is None:
         radius = f", $R$ = {_mass_centre(axes, built, sketch, metre):.3g} {unit}"
     axes.set_aspect("equal")
     axes.margins(0.08)
@@ -189,6 +191,27 @@ def _plot_lines(axes: Axes, sketch: Sketch, metre: float) -> None:
                 color=ACCENT,
                 fontsize="small",
             )
+
+
+def _draw_arrows(axes: Axes, sketch: Sketch, metre: float) -> None:
+    """Draw the arrows, such as loads, each with its text at the tail."""
+    for label, ends in sketch.arrows:
+        tail, head = _in_unit(ends, metre)
+        axes.plot(*zip(tail, head, strict=True), color=ACCENT, lw=1.6, label=label)
+        axes.annotate(
+            "",
+            head,
+            xytext=tail,
+            arrowprops={"arrowstyle": "-|>", "color": ACCENT, "shrinkB": 0.0},
+        )
+        axes.annotate(
+            label,
+            tail,
+            xytext=(4, 2),
+            textcoords="offset points",
+            color=ACCENT,
+            fontsize="small",
+        )
 
 
 def _mark_pivots(axes: Axes, sketch: Sketch, metre: float) -> None:

@@ -58,7 +58,9 @@ KEYS = frozenset(
         "alpha_geometric",
         "angle",
         "arm",
+        "axis",
         "base_radius",
+        "bodies",
         "cap_ratio",
         "columns",
         "corners",
@@ -69,26 +71,34 @@ KEYS = frozenset(
         "density",
         "depth",
         "drums",
+        "energy_kept",
         "eta",
         "eta_source",
         "friction",
         "gravity",
+        "ground",
         "gyration",
         "height",
         "hinges",
         "inertia",
+        "impulses_inside",
         "inset",
+        "joints",
+        "joints_other",
+        "joints_source",
         "kind",
         "labels",
         "lambda",
         "left",
         "length",
+        "loads",
         "mass",
         "measured",
         "name",
         "offset",
         "one_sided",
         "other_interfaces",
+        "other_side",
         "p",
         "pieces",
         "radius",
@@ -96,6 +106,8 @@ KEYS = frozenset(
         "right",
         "rise",
         "rocks_on",
+        "rotation_of",
+        "rotation_of_other",
         "sides",
         "span",
         "strength",
@@ -104,6 +116,8 @@ KEYS = frozenset(
         "thickness",
         "ties",
         "tip_height",
+        "top",
+        "top_reaction",
         "top_radius",
         "voussoirs",
         "width",
@@ -120,6 +134,7 @@ KINDS = (
     "rigid",
     "stack",
     "wall",
+    "mechanism",
     "parameters",
 )
 
@@ -257,8 +272,8 @@ def _sketched(
     makes none.
     """
     if hasattr(kind, "body"):
-        drawing: Sketch = kind.body(document).moved_in(document)[1].drawing
-        return built.restraints.drawn(drawing) if built.restraints else drawing
+        drawing: Sketch = kind.body(document).sketch(document, built)
+        return drawing
     if not hasattr(kind, "sketch"):
         raise document.fault(
             "kind",

@@ -57,9 +57,9 @@ def build(document: Document, name: str) -> RockingParameters:
     mechanism, governing = find_mechanism(document)
     found = linearise(mechanism)
     gravity = gravity_of(document)
-    eta, source = restitution_of(
-        document, found.eta, "an arch whose mechanism does not throw it backwards"
-    )
+    shared, own = mechanism.overlap()
+    limit = "an arch whose mechanism does not throw it backwards"
+    eta, source = restitution_of(document, float(shared / own), limit)
     # from the centre of the ring
     hinges = [
         {

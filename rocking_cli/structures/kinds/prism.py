@@ -41,7 +41,7 @@ def body(document: Document) -> RigidBody:
     are the base. density and length (across the rocking) give its mass. Raises
     DocumentError.
     """
-    corners = _corners(document)
+    corners = corners_of(document)
     lowest = min(z for _, z in corners)
     tolerance = 1e-9 * max(math.dist(a, b) for a in corners for b in corners)
     left, right = _base(document, corners, lowest, tolerance)
@@ -91,7 +91,7 @@ def _base(
     return left, right
 
 
-def _corners(document: Document) -> list[Corner]:
+def corners_of(document: Document) -> list[Corner]:
     """Return the corners counterclockwise. Raises DocumentError for a section that is
     not a polygon with an area.
     """

@@ -145,10 +145,10 @@ def _check_varied(document: Document, details: dict[str, Any]) -> None:
 
 
 def _numbers(
-    document: Document, gravity: float, one_sided: bool = False
+    document: Document, gravity: float, one_sided: bool = False, most: float = 1.0
 ) -> dict[str, Any]:
-    """Read p, alpha, eta, uplift, a_scale and arm of a body or of one of its sides.
-    Raises DocumentError.
+    """Read p, alpha, eta, uplift, a_scale and arm of a body or of one of its sides;
+    most: the largest eta. Raises DocumentError.
     """
     p = document.quantity(
         "p", "frequency parameter", least=1.0 / LARGEST_P, most=LARGEST_P, where=P_RANGE
@@ -165,9 +165,8 @@ def _numbers(
             "eta", "number", above=-1.0, most=0.0, where=ONE_SIDED_RESTITUTION
         )
     else:
-        eta = document.quantity(
-            "eta", "number", least=0.0, most=1.0, where="a number from 0 to 1"
-        )
+        where = "a number from 0" + (" to 1" if most == 1.0 else "")
+        eta = document.quantity("eta", "number", least=0.0, most=most, where=where)
     given = [key for key in ("lambda", "a_scale") if document.has(key)]
     ratios = {
         key: document.quantity(key, "number", above=0.0, where="a positive number")
@@ -214,7 +213,7 @@ def _sides(document: Document, gravity: float) -> tuple[Side, Side]:
     for child in value.content:
         part = document.part("sides", child)
         side = part.choice("side", ["left", "right"])
-        found[side] = Side(side, **_numbers(part, gravity))
+        found[side] = Side(side, **_numbers(part, gravity, most=math.inf))
         part.finish()
     if len(found) < 2:
         raise document.fault("sides", f"the {next(iter(found))} side twice", wanted)

@@ -1,25 +1,46 @@
-"""A wall that rocks out of its plane, as a block as wide as the wall is thick; without
-openings and without bonded walls.
+"""A wall that rocks out of its plane: as a block as wide as the wall is thick if its
+top is free, or as two bodies that bulge between its base and its top if a floor holds
+it there; without openings and without bonded walls.
 """
 
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
 
 from ...documents.document import Document
+from ..load_keys import SideLoads, Top, loads_of, parameters_of
+from ..mechanics.held_wall import HeldWall
+from ..mechanics.linkage import Linkage
+from ..mechanics.linkage_drawing import drawn
 from ..mechanics.single_body import RigidBody, rectangle_body
 from ..mechanics.toe import strip_foot
+from ..parameters import RockingParameters
+from ..sketch import Sketch
+from . import OF_BODIES
+from .mechanism import REPORTS as OF_MECHANISM
 
-REPORTS = ("length",)
+REPORTS = ("length", "crack_height", *OF_MECHANISM)
 SIZES = ("thickness", "height")
+_LESS = 1e-6  # of lambda: a smaller difference is not told
 
 
-def body(document: Document) -> RigidBody:
+def body(document: Document) -> "RigidBody | WallBetweenFloors":
     """Return a wall from thickness, height, and length; density and length give its
-    mass. Raises DocumentError.
+    mass. top: held makes it a wall between two floors. Raises DocumentError.
     """
     thickness, height = document.length("thickness"), document.length("height")
     details = {"length": document.length("length")} if document.has("length") else {}
     foot, mass = strip_foot(document, thickness, thickness * height)
     details |= mass
+    if document.choice("top", ("held", "free"), "free") == "held":
+        return WallBetweenFloors(thickness, height, details)
+    if document.has("crack_height"):
+        raise document.fault(
+            "crack_height",
+            "crack_height of a wall whose top is free, which turns about its base",
+            "top: held, or no crack_height",
+        )
     limit = "a wall thinner than 1.414 times its height"
     return rectangle_body(
         0.5 * math.hypot(thickness, height),
@@ -28,3 +49,142 @@ def body(document: Document) -> RigidBody:
         details=details,
         foot=foot,
     )
+
+
+@dataclass(frozen=True)
+class WallBetweenFloors:
+    """A wall whose top is held, as its document describes it."""
+
+    thickness: float  # [m]
+    height: float  # [m]
+    details: Mapping[str, Any]  # see `RockingParameters`
+
+    def parameters(self, document: Document, name: str) -> RockingParameters:
+        """Return the parameters, with the crack of the least lambda unless
+        `crack_height` states it. Raises DocumentError.
+        """
+        for key in OF_BODIES:
+            if document.has(key):
+                raise document.fault(
+                    key,
+                    f"{key} of a wall whose top is held",
+                    f"no {key}, or top: free",
+                )
+        details = dict(self.details)
+        if document.has("mass"):
+            details["mass"] = document.quantity(
+                "mass", "mass", above=0.0, where="a positive mass"
+            )
+        if "mass" not in details:
+            raise document.missing("mass", "mass, or density and length")
+        wall = self._wall(document, details["mass"])
+        on_top = all(load.at[1] == self.height for load in wall.right)
+        least = self._weakest(document, wall) if on_top else None
+        crack, remark = self._crack(document, least)
+        both = not document.flag("one_sided")
+        found = parameters_of(
+            document,
+            wall.mechanism(crack, not _stated(document), both),
+            name,
+            "wall",
+        )
+        details |= {"crack_height": crack, **found.details}
+        if least is None:
+            details.pop("lambda_governing", None)
+        else:
+            details["lambda_governing"] = min(least[1], found.uplift)
+            if least[1] < found.uplift * (1.0 - _LESS):
+                remark = (
+                    f"it moves from {least[1]:.3g} g on, in another mechanism (a crack"
+                    f" at {least[0]:.3g} m); lambda = {found.uplift:.3g} is that of the"
+                    " crack given."
+                )
+        remarks = (*found.remarks, *([f"{name}: {remark}"] if remark else []))
+        return replace(found, details=details, remarks=remarks)
+
+    def sketch(self, document: Document, built: RockingParameters) -> Sketch:
+        """Return the wall at rest and as it bulges at alpha."""
+        linkage = built.mechanism
+        left, right = (side.mechanism for side in built.sides or (built, built))
+        assert isinstance(linkage, Linkage)
+        assert isinstance(right, Linkage)
+        assert isinstance(left, Linkage)
+        return drawn(
+            linkage,
+            built.alpha,
+            built.gravity,
+            right=right,
+            left=left if built.sides else None,
+            axis=0.0,
+            slides="held",
+        )
+
+    def _wall(self, document: Document, mass: float) -> HeldWall:
+        """The wall with its loads. Far is the face about which no part turns at the
+        crack.
+        """
+        half = 0.5 * self.thickness
+        loads: SideLoads = loads_of(document, Top((half, -half), self.height), 0.0)
+        for i, load in enumerate(loads.right):
+            x, z = load.at
+            if not (abs(x) <= half and 0.0 <= z <= self.height):
+                raise document.fault(
+                    "loads",
+                    f"loads.{i} at [{x:g}, {z:g}] m",
+                    f"a load on the wall, with x from {-half:g} to {half:g} m and z"
+                    f" from 0 to {self.height:g} m",
+                )
+        return HeldWall(self.thickness, self.height, mass, loads.right, loads.left)
+
+    def _weakest(
+        self, document: Document, wall: HeldWall
+    ) -> tuple[float, float, bool] | None:
+        """The crack of the least lambda; None for a stated crack in a wall that has no
+        range of heights to search. Raises DocumentError.
+        """
+        low, high = wall.crack_range
+        if low < high:
+            return wall.weakest_crack(not document.flag("one_sided"))
+        if _stated(document):
+            return None
+        raise document.fault(
+            "thickness",
+            f"{self.thickness:g} m, above 3/4 of the height",
+            "a thinner wall: a crack is searched between height/4 and height -"
+            " thickness; or crack_height",
+        )
+
+    def _crack(
+        self, document: Document, least: tuple[float, float, bool] | None
+    ) -> tuple[float, str]:
+        """The height of the crack [m], and a remark on a search that ends on a bound of
+        its range. Raises DocumentError.
+        """
+        if _stated(document):
+            where = f"a length between 0 and the height, {self.height:g} m; or auto"
+            crack = document.quantity(
+                "crack_height", "length", above=0.0, below=self.height, where=where
+            )
+            return crack, ""
+        if least is None:
+            raise document.missing(
+                "crack_height",
+                "its height: it is searched only for loads on the top, at z ="
+                f" {self.height:g} m",
+            )
+        crack, _, bound = least
+        if not bound:
+            return crack, ""
+        lowest = crack < 0.5 * self.height
+        where = "a quarter of the height" if lowest else "height - thickness"
+        return crack, (
+            f"the search for crack_height ends on its bound, {crack:.4g} m ({where}):"
+            " lambda still falls there; state crack_height where the wall can crack."
+        )
+
+
+def _stated(document: Document) -> bool:
+    """True if the document states the height of the crack."""
+    if not document.has("crack_height"):
+        return False
+    return document.values["crack_height"].content != "auto"

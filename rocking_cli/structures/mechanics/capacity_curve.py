@@ -9,7 +9,7 @@ of the forces F of ties:
 
 The control point is the mass centre of all that moves. So d = d_C sum P
 delta_x^2/(delta_C sum P delta_x) (C8.7.1.4) is d_C/e*. The weight of a body acts at its
-mass centre: e* = 1 for one body, and an arch has three weights, those of its links.
+mass centre: e* = 1 for one body, and a mechanism has the weights of its links.
 """
 
 import math
@@ -66,9 +66,10 @@ def require_geometry(structures: Sequence[RockingParameters]) -> None:
     geometry is not known.
     """
     from .fourbar import FourBar
+    from .linkage import Linkage
 
     def known(structure: RockingParameters) -> bool:
-        return isinstance(structure.mechanism, FourBar) or all(
+        return isinstance(structure.mechanism, FourBar | Linkage) or all(
             edge.arm is not None for edge in structure.sides or (structure,)
         )
 
@@ -77,7 +78,7 @@ def require_geometry(structures: Sequence[RockingParameters]) -> None:
     ]:
         found_text = f"found {', '.join(found)} without the place of one mass centre"
         raise UsageError(
-            f"{found_text}; expected the geometry of a rigid body or of an arch"
+            f"{found_text}; expected the geometry of a rigid body or of a mechanism"
         )
 
 
@@ -89,11 +90,10 @@ def capacity_curves(structure: RockingParameters) -> list[CapacityCurve]:
     >>> curve.e_star, curve.vanishes, float(curve.multiplier[0])
     (1.0, 0.25, 0.25)
     """
-    from .fourbar import FourBar
-
     require_geometry([structure])
-    if isinstance(structure.mechanism, FourBar):
-        return [_of_arch(structure.mechanism, structure.alpha)]
+    if structure.mechanism is not None:
+        edges: Sequence[Side | RockingParameters] = structure.sides or [structure]
+        return [_of_mechanism(edge.mechanism, edge.alpha) for edge in edges]
     if structure.sides:
         return [_of_body(side, side.side, structure) for side in structure.sides]
     ties = structure.restraints.ties if structure.restraints else ()
@@ -134,19 +134,14 @@ def _of_body(
     )
 
 
-def _of_arch(mechanism: Any, alpha: float) -> CapacityCurve:
+def _of_mechanism(mechanism: Any, alpha: float) -> CapacityCurve:
     """Return the curve of a linkage up to its unstable equilibrium; d of its mass
-    centre is the integral of push over the mass.
+    centre is the integral of push over the mass. Loads that only rise, or have no mass,
+    are part of the multiplier and not of e*.
     """
     phi = np.linspace(0.0, alpha, _POINTS)
     _, lift, push = mechanism.coefficients(phi)
-    masses = np.array([link.mass for link in mechanism.links])
-    across = np.array(
-        [
-            u.x0 + u.omega * m.z / m.mass
-            for (_, _, u), m in zip(mechanism.fields(), mechanism.links, strict=True)
-        ]
-    )
+    masses, across = mechanism.sway()
     e_star = float((masses @ across) ** 2 / (masses.sum() * (masses @ across**2)))
     steps = 0.5 * (push[1:] + push[:-1]) * np.diff(phi)
     d = np.concatenate([[0.0], np.cumsum(steps)]) / (masses.sum() * e_star)

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .kinematics import Coefficients
+from .kinematics import Coefficients, slope_by_differences
 from .moments import Moments, Spin, spin_about
 
 INTRADOS, EXTRADOS = "intrados", "extrados"
@@ -112,6 +112,11 @@ class FourBar:
     hinges: tuple[float, ...]  # angles of the four hinges [rad], rising
     # number of voussoirs, None for a continuous arch; no effect on the mechanism
     voussoirs: int | None = field(default=None, compare=False)
+
+    @property
+    def springs(self) -> bool:
+        """False: it carries its own weight only."""
+        return False
 
     @cached_property
     def points(self) -> np.ndarray:
@@ -222,6 +227,10 @@ class FourBar:
         )
         return inertia + at.third**2 * three.about(*self.points[3])
 
+    def lift_slope(self, phi: float) -> float:
+        """Return V''/g at phi [kg m], by differences."""
+        return slope_by_differences(self, phi)
+
     def fields(self) -> list[tuple[float, float, Spin]]:
         """Return (start angle, stop angle, velocity field) of each link at rest, for
         phi' = 1 rad/s.
@@ -236,9 +245,21 @@ class FourBar:
         )
         return list(zip(self.hinges[:-1], self.hinges[1:], spins, strict=True))
 
+    def sway(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return the masses of the links, and the horizontal velocities of their mass
+        centres at rest for phi' = 1, (links,) each.
+        """
+        across = [
+            u.x0 + u.omega * m.z / m.mass
+            for (_, _, u), m in zip(self.fields(), self.links, strict=True)
+        ]
+        return np.array([link.mass for link in self.links]), np.array(across)
+
     def overlap(self) -> tuple[float, float]:
-        """The integrals of `Mechanism.overlap`: this mechanism moves before the impact,
-        its mirror image about the crown after it.
+        """Return (int rho u.w, int rho w.w); u: the velocity field of this mechanism
+        before the impact, w: that of its mirror image about the crown after it. The
+        first integral is over the parts that move in both fields. The ratio of the two
+        is eta from conservation of angular momentum.
         """
         beta = self.ring.angle
         back = [(s, e, Spin(-f.x0, -f.z0, -f.omega)) for s, e, f in self.fields()]

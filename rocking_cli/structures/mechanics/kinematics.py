@@ -43,12 +43,11 @@ class Mechanism(Protocol):
         """Return M, V'/g and B at rotations phi [rad], of any shape."""
         ...
 
-    def overlap(self) -> tuple[float, float]:
-        """Return (int rho u.w, int rho w.w); u: the velocity field before an impact, w:
-        the one after it. The first integral is over the parts that move in both fields.
-        The ratio of the two is eta from conservation of angular momentum.
-        """
-        ...
+    # True if it carries weights without mass, which vertical motion does not change
+    @property
+    def springs(self) -> bool: ...
+
+    def lift_slope(self, phi: float) -> float: ...  # V''/g at phi [kg m]
 
 
 class Linearised(NamedTuple):
@@ -59,7 +58,6 @@ class Linearised(NamedTuple):
     stiffness: float  # p^2/g [1/m]
     a_scale: float  # by Eq. 3.9 [-]
     a_scale_3_7: float  # by Eq. 3.7 [-]
-    eta: float  # from angular momentum [-]
 
 
 def linearise(mechanism: Mechanism) -> Linearised:
@@ -73,27 +71,25 @@ def linearise(mechanism: Mechanism) -> Linearised:
             f"does not stand: its uplift acceleration lambda is {uplift:.4g}"
         )
     alpha = equilibrium(mechanism)
-    negative_stiffness = -_slope_of_lift(mechanism, alpha)
+    negative_stiffness = -mechanism.lift_slope(alpha)
     if not negative_stiffness > 0.0:
         raise StructureError(
             "reaches its unstable equilibrium where the links lock, and has no linear"
             " form there"
         )
     there = mechanism.coefficients(alpha)
-    shared, own = mechanism.overlap()
     return Linearised(
         alpha=alpha,
         uplift=uplift,  # Eq. 3.8: V'/(g B) at rest
         stiffness=negative_stiffness / float(there.inertia),  # Eq. 3.5
         a_scale=alpha / uplift,  # Eq. 3.9: the linear form lifts at lambda too
         a_scale_3_7=float(there.push) / negative_stiffness,
-        eta=float(shared / own),
     )
 
 
-def _slope_of_lift(mechanism: Mechanism, alpha: float) -> float:
+def slope_by_differences(mechanism: Mechanism, alpha: float) -> float:
     """Return V''(alpha)/g [kg m], or 0 if alpha is too close to the rotation at which
-    the links lock.
+    the links lock. For a mechanism without a derivative in closed form.
     """
     # V' is smooth between rest and the locked position.
     step = 0.01 * min(alpha, mechanism.reach - alpha)

@@ -26,6 +26,7 @@ from ...documents.document import Document
 from ..parameters import RockingParameters, Side
 from ..shared_keys import (
     gravity_of,
+    has_loads,
     mass_of,
     one_sided_restitution_of,
     restitution_of,
@@ -91,9 +92,13 @@ class RigidBody:
             "details": self._details(document, inset, body),
             "top": body._top_arms(),
         }
-        left, right = body.edges(gravity)
         if document.has("strength"):
             more["remarks"] = toe_of(document, self.foot).remarks
+        if has_loads(document):
+            from ..load_keys import loaded
+
+            return loaded(document, body, more)
+        left, right = body.edges(gravity)
         if document.flag("one_sided"):
             found = body._one_sided(document, left, right, more)
         else:
@@ -206,6 +211,17 @@ class RigidBody:
             "inset", "length", least=0.0, below=self.lever, where=where, default=0.0
         )
         return inset, self.inset_by(inset) if inset else self
+
+    def sketch(self, document: Document, built: RockingParameters) -> Sketch:
+        """Return the geometry for a drawing, with what the document puts on the body.
+        Raises DocumentError.
+        """
+        drawing = self.moved_in(document)[1].drawing
+        if has_loads(document):
+            from ..load_keys import drawn_with_loads
+
+            return drawn_with_loads(document, drawing, built)
+        return built.restraints.drawn(drawing) if built.restraints else drawing
 
     def _top_arms(self) -> tuple[float, ...]:
         """The distances from the left and the right edge to the farthest point of the

@@ -12,7 +12,7 @@ from itertools import accumulate
 from typing import Any, NamedTuple
 
 from ...documents.document import Document
-from ..shared_keys import gravity_of, mass_of, restraints_in
+from ..shared_keys import gravity_of, has_loads, mass_of, restraints_in
 from ..sketch import Outline, Point, Sketch, rocker
 from .moments import Moments
 from .single_body import RigidBody, body_on_edges, edges_of, symmetric_body
@@ -294,6 +294,12 @@ def _lowest_rocking(
             "rocks_on",
             f"0 for its base, or the number from below of the {word} on which it"
             f" rocks: {held[0]} hold each interface differently, so check each one",
+        )
+    if has_loads(document):
+        raise document.missing(
+            "rocks_on",
+            f"0 for its base, or the number from below of the {word} on which it"
+            " rocks, with the mass above it: loads hold each interface differently",
         )
     return weakest
 

@@ -17,7 +17,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
-from ..shared_keys import gravity_of, mass_of
+from ..shared_keys import gravity_of, mass_of, weight_of_loads
 
 if TYPE_CHECKING:
     from ...documents.composition import Value
@@ -157,20 +157,22 @@ class Toe(NamedTuple):
 
 
 def vertical_force(document: Document, foot: Foot) -> float:
-    """Return the force N on a foot [N]: the weight of the body and the prestress of its
-    tendon. Raises DocumentError.
+    """Return the force N on a foot [N]: the weight of the body and of its loads, and
+    the prestress of its tendon. Raises DocumentError.
     """
     mass = foot.mass
     if mass is None:
         key = foot.missing
         raise document.missing(key, f"{key}, which gives the weight on the toe")
-    force = mass * gravity_of(document)
+    loads = weight_of_loads(document)
+    force = mass * gravity_of(document) + loads
+    if foot.per_metre and (loads or document.has("tendon")):
+        raise document.missing(
+            "length",
+            "the length across the rocking, as the forces of loads and of a tendon need"
+            " it",
+        )
     if document.has("tendon"):
-        if foot.per_metre:
-            raise document.missing(
-                "length",
-                "the length across the rocking, as the tendon's force needs it",
-            )
         part = document.part("tendon", document.values["tendon"])
         force += part.quantity("prestress", "force", least=0.0, default=0.0)
     return force

@@ -137,7 +137,7 @@ test_a_body_without_geometry_is_refused = refuses(
             text,
             (
                 "without the place of one mass centre; expected the geometry of a rigid"
-                " body or of an arch"
+                " body or of a mechanism"
             ),
         )
         for text in (

@@ -1,0 +1,277 @@
+"""Any planar mechanism of rigid bodies with one degree of freedom: bodies, joints and
+loads, in both directions.
+"""
+
+import math
+from collections.abc import Sequence
+
+from ...documents.composition import Value
+from ...documents.document import Document
+from ...errors import DocumentError, did_you_mean
+from ..load_keys import require_still
+from ..mechanics.admissibility import place
+from ..mechanics.assembly import (
+    BOTH,
+    GROUND,
+    INERTIAS,
+    NEAR,
+    Assembly,
+    Hinge,
+    Joint,
+    Load,
+    MechanismFault,
+    PlanarBody,
+    Rigid,
+    Slide,
+    on_outline,
+)
+from ..mechanics.linkage import Linkage
+from ..mechanics.linkage_drawing import drawn
+from ..mechanics.planar_mechanism import PlanarMechanism, find_mechanism
+from ..parameters import RockingParameters
+from ..shared_keys import (
+    friction_of,
+    given_restitution,
+    gravity_of,
+    mass_of_load,
+)
+from ..sketch import Point, Sketch
+from .prism import corners_of, polygon_moments
+
+REPORTS = (
+    "a_scale_3_7",
+    "energy_kept",
+    "impulses_inside",
+    "joints",
+    "joints_other",
+    "joints_source",
+    "lambda_governing",
+    "top_reaction",
+)
+_JOINTS = (
+    "a list of joints: {hinge: [a, b], at: [x, z]}, {slide: a, at: [x, z], along: [x,"
+    " z]} or {rigid: [a, b, ...]}"
+)
+_POINT = "a point [x, z], lengths in m or with a unit"
+
+
+def build(document: Document, name: str) -> RockingParameters:
+    """Return the parameters of a mechanism. Raises DocumentError. Keys: bodies, joints,
+    other_side, loads, rotation_of, rotation_of_other, ground, axis.
+    """
+    gravity, (friction, _) = gravity_of(document), friction_of(document)
+    try:
+        return _found(document, gravity).parameters(
+            name,
+            "mechanism",
+            gravity=gravity,
+            restitution=given_restitution(document),
+            friction=friction,
+        )
+    except MechanismFault as fault:
+        raise _placed(document, fault) from None
+
+
+def _placed(document: Document, fault: MechanismFault) -> DocumentError:
+    """Return the error for a fault, at the place of the key that states it."""
+    value, key = document.value_at(fault.path), fault.path.partition(".")[0]
+    where = value.place if value else document.keys.get(key, document.place)
+    return DocumentError(f"{where}: {fault}")
+
+
+def _found(document: Document, gravity: float) -> PlanarMechanism:
+    """Return the mechanism of a document. Raises DocumentError and MechanismFault."""
+    bodies = _bodies(document)
+    level = _optional_length(document, "ground")
+    assembly = Assembly(bodies, _loads(document, bodies, gravity), level)
+    joints = _joints(document, "joints", assembly) if document.has("joints") else ()
+    one_sided = document.flag("one_sided")
+    stated = document.has("other_side")
+    if stated and one_sided:
+        raise document.fault(
+            "other_side", "a one-sided mechanism", "other_side or one_sided, not both"
+        )
+    other = None
+    if stated and document.values["other_side"].content != "mirrored":
+        other = _joints(document, "other_side", assembly)
+    return find_mechanism(
+        assembly,
+        joints,
+        other=other,
+        axis=_optional_length(document, "axis"),
+        coordinate=_turning(document, "rotation_of", assembly),
+        other_coordinate=_turning(document, "rotation_of_other", assembly),
+        one_sided=one_sided,
+    )
+
+
+def _optional_length(document: Document, key: str) -> float | None:
+    return document.quantity(key, "length") if document.has(key) else None
+
+
+def _turning(document: Document, key: str, assembly: Assembly) -> str | None:
+    """Return the name of a body that a key states, None without it."""
+    if not document.has(key):
+        return None
+    return _body_name(document, key, document.values[key], assembly.names)
+
+
+def _body_name(document: Document, key: str, value: Value, names: Sequence[str]) -> str:
+    word = value.content
+    if not isinstance(word, str) or word not in names:
+        hint = did_you_mean(word, names) if isinstance(word, str) else ""
+        raise DocumentError(
+            f"{value.place}: {key}: found {value}; expected a body, one of"
+            f" {', '.join(names)}{hint}"
+        )
+    return word
+
+
+def _bodies(document: Document) -> tuple[PlanarBody, ...]:
+    """Return the bodies of a document. Raises DocumentError."""
+    wanted = "a mapping of names to bodies, each with corners and density"
+    if not document.has("bodies"):
+        raise document.missing("bodies", wanted)
+    value = document.values["bodies"]
+    if not isinstance(value.content, dict) or not value.content:
+        raise document.fault("bodies", str(value), wanted)
+    found = []
+    for name, child in value.content.items():
+        if name == GROUND or not name.strip() or "." in name:
+            raise DocumentError(
+                f"{child.place}: bodies: found the name {name!r}; expected another"
+                f" name, without dots: {GROUND} is what the bodies stand on"
+            )
+        part = document.part("bodies", child, f"bodies.{name}")
+        document.inner.append(part)
+        found.append(_body(part, name))
+    return tuple(found)
+
+
+def _body(part: Document, name: str) -> PlanarBody:
+    """Return a body from corners, density and length, or from mass, centre and
+    gyration.
+    """
+    outline = tuple(corners_of(part)) if part.has("corners") else ()
+    if part.has("mass"):
+        if part.has("density"):
+            raise part.fault("density", "density together with mass", "one of them")
+        mass = part.quantity("mass", "mass", above=0.0, where="a positive mass")
+        centre, gyration = _point(part, "centre"), part.length("gyration")
+        return PlanarBody(name, mass, centre, mass * gyration**2, outline)
+    if not outline:
+        raise part.missing("corners", "the outline, with density; or mass and centre")
+    density = part.quantity("density", "density", above=0.0, where="a positive density")
+    length = part.length("length") if part.has("length") else 1.0
+    section = polygon_moments(outline)
+    x, z = section.x / section.mass, section.z / section.mass
+    # moments about the centroid lose digits far from it: move the outline there
+    central = polygon_moments([(a - x, b - z) for a, b in outline])
+    x, z = x + central.x / central.mass, z + central.z / central.mass
+    scale = density * length
+    return PlanarBody(
+        name, scale * central.mass, (x, z), scale * central.polar, outline
+    )
+
+
+def _point(part: Document, key: str) -> Point:
+    if not part.has(key):
+        raise part.missing(key, _POINT)
+    return part.pair(key, part.values[key], "length", "point", _POINT)
+
+
+def _loads(
+    document: Document, bodies: Sequence[PlanarBody], gravity: float
+) -> tuple[Load, ...]:
+    """Return the loads of a document. Raises DocumentError."""
+    if not document.has("loads") or document.values["loads"].content == []:
+        return ()
+    names = [body.name for body in bodies]
+    wanted = "a list of loads, each with body, at, weight and inertia"
+    found = []
+    for i, part in enumerate(document.parts("loads", wanted)):
+        if not part.has("body"):
+            raise part.missing("body", "the body on which the load bears")
+        body = _body_name(document, f"loads.{i}.body", part.values["body"], names)
+        inertia = part.choice("inertia", INERTIAS)
+        mirrored = part.flag("mirrored")
+        if mirrored and inertia == BOTH:
+            require_still(part, f"loads.{i}", "mirrored")
+        mass = mass_of_load(part, gravity)
+        found.append(Load(body, _point(part, "at"), mass, inertia, mirrored))
+    return tuple(found)
+
+
+def _joints(document: Document, key: str, assembly: Assembly) -> tuple[Joint, ...]:
+    """Return the joints of a key. Raises DocumentError."""
+    return tuple(
+        _joint(part, f"{key}.{i}", assembly)
+        for i, part in enumerate(document.parts(key, _JOINTS))
+    )
+
+
+def _joint(part: Document, path: str, assembly: Assembly) -> Joint:
+    kinds = [key for key in ("hinge", "slide", "rigid") if part.has(key)]
+    if len(kinds) != 1:
+        raise part.fault(
+            None, f"{path} with {' and '.join(kinds) or 'no kind'}", _JOINTS
+        )
+    (kind,) = kinds
+    value = part.values[kind]
+    if kind == "slide":
+        body = _body_name(part, f"{path}.slide", value, assembly.names)
+        along = (0.0, 1.0)
+        if part.has("along"):
+            wanted = "a direction [x, z] that is not [0, 0]"
+            along = part.pair("along", part.values["along"], "number", "pair", wanted)
+            if not math.hypot(*along) > 0.0:
+                raise part.fault("along", str(part.values["along"]), wanted)
+        return Slide(body, _point(part, "at"), along)
+    names = (GROUND, *assembly.names)
+    listed = value.content if isinstance(value.content, list) else []
+    bodies = tuple(_body_name(part, f"{path}.{kind}", v, names) for v in listed)
+    if len(set(bodies)) != len(bodies) or len(bodies) < 2:
+        raise part.fault(kind, str(value), "a list of two or more different bodies")
+    if kind == "rigid":
+        return Rigid(bodies)
+    if len(bodies) != 2:
+        raise part.fault(kind, str(value), "two bodies")
+    at = _point(part, "at")
+    for name in bodies:
+        if name != GROUND and not on_outline(
+            assembly.body(name), at, NEAR * assembly.size
+        ):
+            raise DocumentError(
+                f"{part.values['at'].place}: {path}.at: {place(at)} is not on the"
+                f" outline of {name!r}."
+            )
+    return Hinge((bodies[0], bodies[1]), at)
+
+
+def sketch(document: Document, built: RockingParameters) -> Sketch:
+    """Return a sketch of the bodies at rest and at alpha in the direction that moves
+    first, with numbered hinges, loads and sliders.
+    """
+    if isinstance(built.mechanism, Linkage):
+        left, right = (side.mechanism for side in built.sides or (built, built))
+        left = left if built.sides else None
+    else:  # one rigid body
+        found = _found(document, built.gravity)
+        right = found.right.linkage
+        left = found.left.linkage if found.left else None
+    assert isinstance(right, Linkage)
+    assert left is None or isinstance(left, Linkage)
+    first = right
+    if left is not None and built.sides:
+        first = min(
+            (left, right), key=lambda one: one.at_rest.lift / abs(one.at_rest.push)
+        )
+    axis = _optional_length(document, "axis")
+    return drawn(
+        first,
+        built.alpha,
+        built.gravity,
+        right=right,
+        left=left,
+        axis=right.assembly.middle if axis is None else axis,
+    )

@@ -1,0 +1,113 @@
+"""A wall whose top a floor holds horizontally: it cracks and bulges between its base
+and its top, as two bodies with one degree of freedom.
+
+While it bulges towards +x the lower body turns about the right edge of the base, the
+crack opens at the right face and turns about the left one, and the top moves up and
+down only. With h1 the height of the crack, r = h1/(h - h1), W the weight of the wall
+and P each load at x from the left face of the upper body (small rotations are exact at
+rest):
+
+    lambda = 2 [W t + sum P (t + r x)]/(W h1)
+           = (2/h) [a/beta + b/(1 - beta)]      a = t (1 + sum P/W), b = sum P x/W
+
+which is least at beta = h1/h = 1/(1 + sqrt(b/a)). Without loads, or with loads over the
+left face alone, it falls up to the top.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ..sketch import Outline, Point, rectangle
+from .assembly import GROUND, Assembly, Hinge, Joint, Load, PlanarBody, Slide
+from .linkage import Linkage
+from .mechanism_side import MechanismSide
+from .planar_mechanism import PlanarMechanism
+
+LOWER, UPPER = "lower", "upper"
+_LOWEST_CRACK = 0.25  # of the height: a lower crack is not searched
+
+
+@dataclass(frozen=True)
+class HeldWall:
+    """A wall on the ground whose top moves up and down only; x is from its middle."""
+
+    thickness: float  # t [m]
+    height: float  # h [m]
+    mass: float  # [kg]
+    right: tuple[Load, ...]  # loads, at their bearings while it bulges towards +x
+    left: tuple[Load, ...]  # the same loads while it bulges towards -x
+
+    @property
+    def crack_range(self) -> tuple[float, float]:
+        """The heights between which a crack is searched [m]: h/4 and h - t."""
+        return _LOWEST_CRACK * self.height, self.height - self.thickness
+
+    def weakest_crack(self, both: bool) -> tuple[float, float, bool]:
+        """Return (height of the crack of the least lambda within `crack_range` [m],
+        this lambda, True if it ends on a bound of the range). All loads must bear on
+        the top. Of two directions it is the one with the smaller lambda; both: False if
+        it bulges towards +x only.
+        """
+        low, high = self.crack_range
+        found = []
+        for side, loads in ((1.0, self.right), (-1.0, self.left))[: 1 + both]:
+            a, b = self._shares(side, loads)
+            free = self.height / (1.0 + math.sqrt(b / a))
+            crack = min(max(free, low), high)
+            beta = crack / self.height
+            uplift = 2.0 / self.height * (a / beta + b / (1.0 - beta))
+            found.append((uplift, crack, crack != free))
+        uplift, crack, bound = min(found)
+        return crack, uplift, bound
+
+    def _shares(self, side: float, loads: Sequence[Load]) -> tuple[float, float]:
+        """a and b of lambda(beta) [m]."""
+        shares = [(load.mass / self.mass, load.at[0] * side) for load in loads]
+        half = 0.5 * self.thickness
+        weight = math.fsum(share for share, _ in shares)
+        moment = math.fsum(share * (x + half) for share, x in shares)
+        return self.thickness * (1.0 + weight), moment
+
+    def mechanism(self, crack: float, searched: bool, both: bool) -> PlanarMechanism:
+        """Return the wall with its crack at this height [m] as a mechanism; both: False
+        if it bulges towards +x only.
+        """
+        return PlanarMechanism(
+            self._side(crack, 1.0, self.right),
+            self._side(crack, -1.0, self.left) if both else None,
+            searched,
+        )
+
+    def _side(
+        self, crack: float, side: float, loads: tuple[Load, ...]
+    ) -> MechanismSide:
+        """The wall while it bulges towards +x (side = 1) or -x. Its top is held at the
+        bearing of the first load on it, or else at the corner that rises.
+        """
+        half = 0.5 * self.thickness
+        placed = tuple(
+            load._replace(body=UPPER if load.at[1] > crack else LOWER) for load in loads
+        )
+        on_top = [load.at for load in loads if load.at[1] == self.height]
+        held: Point = on_top[0] if on_top else (side * half, self.height)
+        joints: tuple[Joint, ...] = (
+            Hinge((GROUND, LOWER), (side * half, 0.0)),
+            Hinge((LOWER, UPPER), (-side * half, crack)),
+            Slide(UPPER, held),
+        )
+        bodies = (
+            self._part(LOWER, 0.0, crack),
+            self._part(UPPER, crack, self.height),
+        )
+        return MechanismSide(Linkage(Assembly(bodies, placed), joints, LOWER))
+
+    def _part(self, name: str, low: float, high: float) -> PlanarBody:
+        """The part of the wall between two levels [m]."""
+        half, depth = 0.5 * self.thickness, high - low
+        mass = self.mass * depth / self.height
+        inertia = mass * (self.thickness**2 + depth**2) / 12.0
+        outline: Outline = rectangle(-half, half, low, high)
+        return PlanarBody(name, mass, (0.0, 0.5 * (low + high)), inertia, outline)

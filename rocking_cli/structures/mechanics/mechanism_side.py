@@ -1,0 +1,227 @@
+"""A mechanism in one direction, with its numbers, the forces at its joints, and the
+checks that it stands, rocks, and opens its joints.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ...errors import StructureError
+from ..sketch import Point
+from .admissibility import check_opening, check_path, opening_ends
+from .assembly import Hinge, MechanismFault
+from .joint_forces import JointForces, momentum_changes
+from .kinematics import Linearised, linearise
+from .linkage import Linkage
+from .statics import Statics, bodies_alone
+
+# of the work of all weights: a smaller V' or B is zero
+_WORK = 1e-9
+
+
+@dataclass(frozen=True)
+class MechanismSide:
+    """A mechanism in one direction."""
+
+    linkage: Linkage  # its motion
+
+    def require(self) -> None:
+        """Raise MechanismFault if the mechanism does not stand, does not rock, or its
+        joints do not open.
+        """
+        assert self.form.alpha > 0.0
+
+    @cached_property
+    def form(self) -> Linearised:
+        """The mechanism at its unstable equilibrium. Raises MechanismFault."""
+        return _linearised(self.linkage)
+
+    @cached_property
+    def single(self) -> bool:
+        """True for one rigid body that turns about a hinge on the ground and carries no
+        load but masses that are fixed to it.
+        """
+        linkage = self.linkage
+        return len(linkage.links) == 2 and not (linkage.sliders or linkage.bearings)
+
+    @cached_property
+    def governing(self) -> tuple[float, list[Point]] | None:
+        """(largest lambda that the faces carry, hinges of the mechanism in which they
+        fail then); None if the outline of a body is not known.
+        """
+        if self._statics is None:
+            return None
+        found = self._statics.governing(self.linkage.direction)
+        if found is None:
+            return 0.0, []
+        return found.uplift, [j.at for j in found.joints if isinstance(j, Hinge)]
+
+    def slides_from(self, friction: float) -> float | None:
+        """Return the lambda beyond which the faces cannot carry the weights with this
+        friction, None if the outline of a body is not known.
+        """
+        if self._statics is None:
+            return None
+        return self._statics.with_friction(self.linkage.direction, friction)
+
+    @cached_property
+    def _statics(self) -> Statics | None:
+        """Its bodies on their faces, each alone; None if an outline is not known."""
+        assembly, staying = self.linkage.assembly, self.linkage.links[0]
+        if any(not b.outline for b in assembly.bodies if b.name not in staying):
+            return None
+        return Statics(
+            assembly,
+            bodies_alone(assembly, staying),
+            tuple(self.linkage.sliders),
+            tuple(self.linkage.hinges),
+        )
+
+    def impulses_inside(self, before: MechanismSide, eta: float) -> bool | None:
+        """True if compression inside the joints can change the motion of `before` into
+        this one: the line of impulse stays inside every joint that stays closed. None
+        if the outline of a body is not known.
+        """
+        assembly, linkage = self.linkage.assembly, self.linkage
+        staying = [n for n in linkage.links[0] if n in before.linkage.links[0]]
+        if any(not b.outline for b in assembly.bodies if b.name not in staying):
+            return None
+        hinges = (*self.linkage.hinges, *before.linkage.hinges)
+        statics = Statics(
+            assembly,
+            bodies_alone(assembly, staying),
+            tuple(self.linkage.sliders),
+            hinges,
+        )
+        wanted: dict[str, np.ndarray] = {}
+        for change in momentum_changes(before.linkage, linkage, eta):
+            if change.body not in staying:
+                row = change.about(change.place)
+                wanted[change.body] = wanted.get(change.body, np.zeros(3)) + row
+        return statics.carries(wanted, opening_ends(linkage, statics.faces))
+
+    def arm(self) -> tuple[float, float]:
+        """Return (R [m], inertia about the hinge [kg m2]) of a single rigid body."""
+        (hinge,), (mass,) = self.linkage.hinges[:1], self.linkage.masses
+        radius = abs(mass.centre - complex(*hinge.at))
+        return radius, mass.inertia + mass.mass * radius**2
+
+    def numbers(self, gravity: float) -> dict[str, float]:
+        """Return p, alpha, uplift and a_scale."""
+        if not self.single:
+            form = self.form
+            return {
+                "p": math.sqrt(gravity * form.stiffness),
+                "alpha": form.alpha,
+                "uplift": form.uplift,
+                "a_scale": form.a_scale,
+            }
+        radius, inertia = self.arm()
+        (mass,) = self.linkage.masses
+        off = mass.centre - complex(*self.linkage.hinges[0].at)
+        return {
+            "p": math.sqrt(gravity * radius * mass.mass / inertia),
+            "alpha": math.atan2(abs(off.real), off.imag),
+            "uplift": abs(off.real) / off.imag,
+            "a_scale": 1.0,
+        }
+
+    def joint_rows(
+        self, gravity: float, before: MechanismSide | None, eta: float | None
+    ) -> list[dict[str, Any]]:
+        """Return a row for each hinge and slider, with the forces at the onset and of
+        the impact with which the motion of `before` changes into this one.
+        """
+        forces = JointForces(self.linkage, gravity)
+        onset = forces.at_onset() if forces.unique else None
+        struck = None
+        if onset is not None and before is not None and eta is not None:
+            struck = forces.impulses(before.linkage, eta)
+        rows: list[dict[str, Any]] = []
+        for i, hinge in enumerate(self.linkage.hinges):
+            row: dict[str, Any] = {"hinge": list(hinge.bodies), "at": list(hinge.at)}
+            if onset is not None and np.isfinite(onset.compression[0, i]):
+                n, t = float(onset.compression[0, i]), float(onset.shear[0, i])
+                row |= {"compression": n, "friction_needed": _over(t, n)}
+            if struck is not None and np.isfinite(struck.compression[0, i]):
+                n, t = float(struck.compression[0, i]), float(struck.shear[0, i])
+                row |= {"friction_at_impact": _over(t, n)}
+            rows.append(row)
+        for i, slide in enumerate(self.linkage.sliders):
+            row = {
+                "slide": slide.body,
+                "at": list(slide.at),
+                "along": list(slide.along),
+            }
+            if onset is not None:
+                row["reaction"] = abs(float(onset.sliders[0, i]))
+            rows.append(row)
+        return rows
+
+
+def _over(shear: float, compression: float) -> float | None:
+    """|T|/N, None without compression."""
+    return abs(shear) / compression if compression > 0.0 else None
+
+
+def _linearised(linkage: Linkage) -> Linearised:
+    """Return the mechanism at its unstable equilibrium, and check that it stands, is
+    driven by the ground, and that its joints open. Raises MechanismFault.
+    """
+    rest, path = linkage.at_rest, linkage.path
+    if not linkage.reach > 1e-6:
+        raise MechanismFault(
+            path,
+            "joints: the bodies move only infinitely little: take a joint away, or a"
+            " rigid group apart.",
+        )
+    rates = linkage.motion(linkage.positions(np.zeros(1)), linkage.weighed.chains).rate
+    work = float(np.abs(rates[0]) @ linkage.weighed.weight)
+    if abs(rest.push) <= _WORK * work:
+        raise MechanismFault(
+            path,
+            "joints: horizontal motion of the ground does not move this mechanism.",
+        )
+    if abs(rest.lift) <= _WORK * work:
+        raise MechanismFault(
+            path,
+            "joints: the weight does not resist this mechanism (it rises by nothing at"
+            " rest).",
+        )
+    check_opening(linkage)
+    _check_equilibrium(linkage)
+    try:
+        form = linearise(linkage)
+    except MechanismFault:
+        raise
+    except StructureError:  # at the very place where the links lock
+        raise _locked(linkage) from None
+    check_path(linkage, form.alpha)
+    return form
+
+
+def _check_equilibrium(linkage: Linkage) -> None:
+    """Raise MechanismFault if the weight resists the mechanism to the end."""
+    phi = np.linspace(0.0, linkage.reach, 513)
+    if np.any(linkage.coefficients(phi).lift <= 0.0):
+        return
+    if linkage.reach >= 0.5 * math.pi:
+        raise MechanismFault(
+            linkage.path,
+            "no unstable equilibrium: the weight brings it back at every rotation up to"
+            " 90 deg (it hangs).",
+        )
+    raise _locked(linkage)
+
+
+def _locked(linkage: Linkage) -> MechanismFault:
+    return MechanismFault(
+        linkage.path,
+        f"no unstable equilibrium: it locks at {math.degrees(linkage.reach):.3g} deg,"
+        " before its weight stops bringing it back.",
+    )
