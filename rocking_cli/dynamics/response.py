@@ -173,11 +173,14 @@ def response(
         return _response(March(system, motion.coarsest, *cells).run(), shape, peaks)
     if how == "floats":
         return _one_by_one(system, motion, cells, shape, peaks)
-    # the peaks may prove that Fz > 0
-    prove = bool(cells[0].max(initial=0.0) > system.safe_amplitude(motion))
-    run = _marched(
-        system, motion, cells, _batch(system, motion, cells, peaks or prove), pool=pool
-    )
+    # The peaks may prove that Fz > 0. The safe amplitudes of many bodies cost more than
+    # the peaks.
+    peaks_wanted = peaks or bool(system.own)
+    if not peaks_wanted:
+        largest = cells[0].max(initial=0.0)
+        peaks_wanted = bool(largest > system.safe_amplitude(motion))
+    batch = _batch(system, motion, cells, peaks_wanted)
+    run = _marched(system, motion, cells, batch, pool=pool)
     return _response(run, shape, peaks)
 
 
