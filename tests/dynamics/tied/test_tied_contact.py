@@ -11,7 +11,17 @@ from oracles.tied_body import Device, TiedBody
 from support.bodies import shaking
 from support.documents import built
 
-from rocking_cli import DocumentError, Method, Motion, Outcome, history, response, sine
+from rocking_cli import (
+    DocumentError,
+    Method,
+    Motion,
+    Outcome,
+    history,
+    parse_grid,
+    response,
+    sine,
+    time_history,
+)
 
 GRAVITY, METHOD = 9.81, Method("nonlinear")
 Drawn = tuple[str, Motion, float, float]  # document, motion, a_g [m/s2], period [s]
@@ -144,7 +154,14 @@ def agree(text: str, motion: Motion, a_g: float, period: float) -> Outcome | Non
     assert followed.outcome == swept.outcome, text
     if followed.theta_ratio is not None and np.isfinite(swept.theta_ratio):
         assert followed.theta_ratio == pytest.approx(float(swept.theta_ratio), abs=1e-9)
-    return Outcome(int(swept.outcome))
+    outcome, events = Outcome(int(swept.outcome)), [e.event for e in followed.events]
+    ends = [e for e in events if e in ("lost contact", "overturning")]
+    lost = outcome == Outcome.LOST_CONTACT
+    assert ends == ["lost contact"] * lost + ["overturning"] * outcome.overturned, text
+    if outcome.overturned:
+        after_impact = outcome == Outcome.OVERTURNED_AFTER_IMPACT
+        assert ("impact" in events) == after_impact, text
+    return outcome
 
 
 def lowest_fz(
@@ -185,6 +202,41 @@ def test_bounces_that_lose_the_ground_are_followed(at):
     text, (sign, a_g, period) = document_of(*drawn[:5]), drawn[5:]
     assert agree(text, sine().scaled(sign), a_g, period) == Outcome.LOST_CONTACT
     assert lowest_fz(*drawn) < 0.0
+
+
+@pytest.mark.parametrize(
+    ("a_g", "expected"),
+    [
+        (
+            25.0,
+            [
+                ("uplift", 0.051083),
+                ("rupture", 0.299281),
+                ("peak", 0.420681),  # Fz = 0 at 0.494455 s
+                ("impact", 0.575045),
+                ("overturning", 1.625884),
+            ],
+        ),
+        (
+            60.0,  # Fz = 0 at 0.223577 s
+            [("uplift", 0.020601), ("rupture", 0.165734), ("overturning", 0.455289)],
+        ),
+    ],
+)
+def test_the_events_of_a_body_that_overturns_go_on_to_its_fall(a_g, expected):
+    """It has Fz <= 0 on its way, and overturns whatever its Fz. Times by an independent
+    program, 2026: scipy's DOP853 with rtol = 1e-12.
+    """
+    text = (
+        "kind: block\nwidth: 1.3\nheight: 2\nmass: 500\n"
+        "tendon: {stiffness: 1e5, prestress: 4e3, rupture: 12e3}\n"
+    )
+    shaken = parse_grid(f"a_g={a_g},f_g=1.5")
+    found = time_history(built(text), sine(), shaken, [METHOD])
+    events = [(row["event"], row["t"]) for row in found.events()]
+    assert [event for event, _ in events] == [event for event, _ in expected]
+    times = [t for _, t in expected]
+    assert [t for _, t in events] == pytest.approx(times, abs=1e-6)
 
 
 @pytest.mark.slow
