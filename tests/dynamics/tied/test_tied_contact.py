@@ -18,6 +18,7 @@ from rocking_cli import (
     Outcome,
     history,
     parse_grid,
+    pulse,
     response,
     sine,
     time_history,
@@ -237,6 +238,30 @@ def test_the_events_of_a_body_that_overturns_go_on_to_its_fall(a_g, expected):
     assert [event for event, _ in events] == [event for event, _ in expected]
     times = [t for _, t in expected]
     assert [t for _, t in events] == pytest.approx(times, abs=1e-6)
+
+
+@pytest.mark.parametrize("a_g", [12.8, 14.0, 15.4, 16.9, 18.561062364723465, 20.4])
+def test_a_constant_push_leads_back_to_a_touch_without_an_impact(a_g):
+    """The energy says that the speed is 0 on the ground, and how far the body turns:
+    m g R [cos(alpha - u) - cos alpha] + P0 e + K e^2/2 = m a_g R [sin alpha -
+    sin(alpha - u)], e = h sin u.
+    """
+    body = built(
+        "kind: block\nwidth: 1.3\nheight: 2\nmass: 500\n"
+        "ties: [{height: 2, stiffness: 2e5, prestress: 1e3, side: both}]\n"
+    )
+    shaken = parse_grid(f"a_g={a_g},f_g=1.5")
+    found = time_history(body, pulse("rectangular-impulse"), shaken, [METHOD])
+    pushed = [row for row in found.events() if row["t"] < 1.0 / 1.5 - 1e-9]
+    peaks = np.array([abs(row["theta"]) for row in pushed if row["event"] == "peak"])
+    assert {row["event"] for row in pushed} <= {"uplift", "peak"}
+    assert peaks.size >= 2
+
+    alpha, radius, e = body.alpha, body.arm, 2.0 * np.sin(peaks)
+    raised = 500 * GRAVITY * radius * (np.cos(alpha - peaks) - np.cos(alpha))
+    pulled = 1e3 * e + 1e5 * e**2
+    given = 500 * a_g * radius * (np.sin(alpha) - np.sin(alpha - peaks))
+    np.testing.assert_allclose((raised + pulled) / given, 1.0, rtol=1e-9)
 
 
 @pytest.mark.slow
