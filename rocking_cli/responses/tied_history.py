@@ -9,7 +9,7 @@ import numpy as np
 
 from ..dynamics.equations.taylor import TaylorSeries
 from ..dynamics.lanes import Lanes
-from ..dynamics.outcome import Outcome
+from ..dynamics.outcome import LOST, Outcome
 from ..dynamics.system import System
 from ..dynamics.tied.devices import BROKEN, YIELDING, Branch
 from ..dynamics.tied.tied_lanes import TiedLanes
@@ -112,6 +112,12 @@ class _Recorder(Writer):
         if lifts:
             self.note(after, "uplift", 0.0, 0.0)
 
+    def forget_lost_contact(self) -> None:
+        """Drop the loss of contact, which would end the history before the fall of a
+        body that overturns.
+        """
+        self.events = [e for e in self.events if e.event != LOST]
+
     def forces(self) -> DeviceForces:
         """Return the forces of the devices over time."""
         start, row, fixed, rate = (np.array(x) for x in zip(*self.laws, strict=True))
@@ -141,6 +147,9 @@ def tied_history(
     )
     found = march.run(release)
     outcome, rows = Outcome(int(found.outcome[0])), tuple(device_rows(system, march))
+    # A body that overturns has overturned whatever its Fz, as a body without ties.
+    if outcome != Outcome.LOST_CONTACT:
+        recorder.forget_lost_contact()
     history = recorder.history(
         recorder.arcs(), duration, outcome, float(found.theta_ratio[0])
     )

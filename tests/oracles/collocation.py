@@ -28,6 +28,7 @@ NODES, FINE = 14, 48
 # of alpha p: bounces this slow have ended if they end before the next uplift, or in any
 # case
 SLOW, REST = (1e-9, 1e-12)
+TOUCH = 1e-13  # of the largest u of a step: so deep a dip may be rounding
 LONGEST = 0.75  # of 1/p, and of a radian of the motion's phase
 
 _x, _w = legendre.leggauss(NODES)
@@ -296,7 +297,9 @@ def _events(step: Step) -> tuple[float | None, float]:
             -v[i], v[i + 1]
         ):
             dip = zero(step.speed, a, b)
-            hit = zero(step.height, a, dip) if step.height(dip) <= 0.0 else None
+            # A dip within rounding touches the ground without an impact.
+            deep = step.height(dip) <= -TOUCH * u.max()
+            hit = zero(step.height, a, dip) if deep else None
         if hit is not None:
             return hit, highest
     return None, max(highest, float(u.max()))

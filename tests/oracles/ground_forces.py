@@ -57,8 +57,13 @@ class Asked(NamedTuple):
     fz_min: float
 
 
-def asked(body: Body, arm: float, shaking: Shaking) -> Asked:
-    """Of a body at rest; arm: from its edges to its mass centre [m]."""
+def asked(
+    body: Body, arm: float, shaking: Shaking, left_arm: float | None = None
+) -> Asked:
+    """Of a body at rest; arm: from its edges to its mass centre [m], left_arm: from the
+    left one if that is another.
+    """
+    arms = {1: arm, -1: arm if left_arm is None else left_arm}
     least = {"fz": 1.0, "grip": 0.0}  # Fz/(m g) and -|Fx|/Fz
 
     def take(
@@ -85,10 +90,10 @@ def asked(body: Body, arm: float, shaking: Shaking) -> Asked:
             across, up = shaking.at(t)
             u, v = step(t)
             angular, z = body.acceleration(side, u, v, across, up), edge.alpha - u
-            fx = across + side * arm * (angular * np.cos(z) + v * v * np.sin(z))
-            return fx, body.gravity + up + arm * (
-                angular * np.sin(z) - v * v * np.cos(z)
-            )
+            along = angular * np.cos(z) + v * v * np.sin(z)
+            rise = angular * np.sin(z) - v * v * np.cos(z)
+            fx = across + side * arms[side] * along
+            return fx, body.gravity + up + arms[side] * rise
 
         take(forces, step.t, step.t + step.h, 12 + int(30.0 * edge.p * step.h))
 

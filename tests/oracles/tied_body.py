@@ -191,6 +191,8 @@ class TiedBody(Body):
 
     def begins(self, side: int, u: float, v: float) -> None:
         """Keep the largest elongations, and change the laws that end here."""
+        if u <= 0.0:  # after a touch, which rounding may place below the ground
+            u, v = 0.0, max(0.0, v)
         rest = (
             1e-6 * self.right.alpha * self.right.p
         )  # so slow, it goes no further that would count

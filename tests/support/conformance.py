@@ -8,13 +8,15 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import yaml
-from oracles.collocation import Body, Edge, Shaking, integrate
+from oracles.collocation import Body, Edge, Shaking, Step, integrate
 from oracles.ground_forces import asked
 from oracles.tied_body import Device, TiedBody
+from scipy.optimize import brentq
 from support.bodies import shaking
 from support.documents import built
 
@@ -377,7 +379,7 @@ def body_of(swept: Sweep) -> Body:
 
 def integrated(swept: Sweep, i: int) -> tuple[str, float]:
     """(flag of the outcome, largest |theta|/alpha) of an amplitude by the integration;
-    a body whose Fz vanishes before it overturns has lost contact.
+    a body that does not overturn and whose Fz vanishes has lost contact.
     """
     s, motion, pace = swept.structure, swept.motion, swept.omega or 1.0
     body, a_g = body_of(swept), float(swept.a_g[i])
@@ -388,10 +390,48 @@ def integrated(swept: Sweep, i: int) -> tuple[str, float]:
     if s.arm is None:
         answer, least = integrate(body, ground), 1.0
     else:
-        answer, _, least = asked(body, s.arm, ground)
+        answer, _, least = asked(
+            body, s.arm, ground, s.sides[0].arm if s.sides else None
+        )
     lost = answer.outcome in ("rocked", "no_uplift") and least <= 0.0
+    if motion.vertical is not None:
+        lost |= _ground_falls_away(body, ground)
     flag = Outcome.LOST_CONTACT.flag if lost else answer.outcome
     return flag, math.nan if lost else answer.rotation
+
+
+def _ground_falls_away(body: Body, ground: Shaking) -> bool:
+    """True if g + zg <= 0 occurs before the body has turned by 3 alpha."""
+    instant = _first_weightless(body.gravity, ground)
+    if instant is None:
+        return False
+    turned: list[float] = []  # |theta|/alpha at the instant, or from rest after it
+
+    def seen(side: int, step: Step) -> None:
+        if step.t + step.h > instant:
+            part = max(0.0, (instant - step.t) / step.h)
+            turned.append(float(step.height(part)) / body.edge(side).alpha)
+
+    answer = integrate(body, ground, seen=seen)
+    return turned[0] < 3.0 if turned else not answer.outcome.startswith("overturned")
+
+
+def _first_weightless(gravity: float, ground: Shaking) -> float | None:
+    """The first instant with g + zg <= 0; None without one."""
+
+    def weight(t: Any) -> Any:
+        return gravity + ground.up(t)
+
+    for start, stop in pairwise((0.0, *ground.marks)):
+        inset = 1e-13 * (stop - start)
+        times = np.linspace(start + inset, stop - inset, 65)
+        below = weight(times) <= 0.0
+        if below[0]:
+            return start
+        if below.any():
+            i = int(np.argmax(below))
+            return float(brentq(weight, times[i - 1], times[i]))
+    return None
 
 
 def _tied(body: TiedBody, fresh: list[Device], ground: Shaking) -> tuple[str, float]:

@@ -6,6 +6,11 @@ turn, the step ends there: the bracket holds one root. So a step cannot miss an
 engagement, a yield, a slack, a rupture or an impact. A peak ends a step only if a
 restraint yields there.
 
+Under a constant drive an elastic body comes back to the ground with the speed 0, by its
+energy: it touches the ground without an impact, and turns outwards again. Computed, it
+turns a rounding above or below the ground. So a turn outwards within the error of y
+from the ground is a touch.
+
 After the shaking the body goes on over still ground until its outcome is proved. The
 energy that a body needs to come back to a peak, from which it has returned, is what it
 had there. Impacts, damping, yielding and ruptures only take energy: a tendon that
@@ -53,6 +58,8 @@ from .transitions import Transitions
 # by far less than rounding
 _STILL = 1e-20
 _TOGETHER = 8192  # lanes
+# largest |y| of a touch over the peak: this part of the tolerance of y, or rounding
+_TOUCH, _ROUNDING = 1e-2, 1e-13
 
 
 class March:
@@ -108,6 +115,7 @@ class March:
             self.doubtful = float(
                 np.max(self.equation.on(sides).displacement(np.full(2, FALLEN)))
             )
+        self.touch = max(_ROUNDING, _TOUCH * self.equation.tolerance)
         self.most = MAX_STEPS + 40 * self.shaken  # steps beyond which a lane fails
         self.found = Found.empty((*self.devices.stiffness.shape, omega.size))
 
@@ -225,7 +233,7 @@ class March:
         joined = seg.joins[k]
         left = self._time_left(lanes, joined)
         step = one_turn(self.law.flow(seg, lanes, row, now, lanes.exact), left)
-        cut = self._cut(step, now, low, high)
+        cut = self._cut(step, now, low, high, self.touch * lanes.peak)
         if self.recorder is not None:
             self.recorder.keep(lanes, step.arc, float(cut.reach[0]), now)
         self._watch_contact(lanes, row, now, step, cut.reach)
@@ -253,9 +261,11 @@ class March:
         rest = seg.length[k] - lanes.phase
         return (rest + np.where(joined, following, 0.0)) / lanes.omega
 
-    def _cut(self, step: Step, now: Branch, low: Array, high: Array) -> CutStep:
+    def _cut(
+        self, step: Step, now: Branch, low: Array, high: Array, touch: Array
+    ) -> CutStep:
         """Cut steps where an event ends them: at an end (low, high) of the branch, or
-        at a peak where a restraint yields.
+        at a peak where a restraint yields; touch: the largest |y| of a touch.
         """
         arc, turns = step.arc, np.flatnonzero(step.turn > 0.0)
         reach, y, v = step.h.copy(), step.end.y.copy(), step.end.v.copy()
@@ -263,8 +273,15 @@ class March:
         # Up to the turn, if there is one, y is monotone.
         reach[turns], v[turns] = step.turn[turns], 0.0
         y[turns] = arc.take(turns).at(step.turn[turns]).y
+        touches = turns[
+            (step.outward[turns] < 0.0)
+            & (low[turns] <= 0.0)
+            & (np.abs(y[turns]) < touch[turns])
+        ]
+        y[touches] = 0.0
         top = y.copy()
         up, down = (step.outward > 0.0) & (y >= high), (step.outward < 0.0) & (y <= low)
+        down[touches] = False
 
         # A peak at which nothing yields ends no branch: such a step goes on to its end.
         peaked = np.zeros(y.size, dtype=bool)

@@ -11,7 +11,18 @@ from oracles.tied_body import Device, TiedBody
 from support.bodies import shaking
 from support.documents import built
 
-from rocking_cli import DocumentError, Method, Motion, Outcome, history, response, sine
+from rocking_cli import (
+    DocumentError,
+    Method,
+    Motion,
+    Outcome,
+    history,
+    parse_grid,
+    pulse,
+    response,
+    sine,
+    time_history,
+)
 
 GRAVITY, METHOD = 9.81, Method("nonlinear")
 Drawn = tuple[str, Motion, float, float]  # document, motion, a_g [m/s2], period [s]
@@ -144,7 +155,14 @@ def agree(text: str, motion: Motion, a_g: float, period: float) -> Outcome | Non
     assert followed.outcome == swept.outcome, text
     if followed.theta_ratio is not None and np.isfinite(swept.theta_ratio):
         assert followed.theta_ratio == pytest.approx(float(swept.theta_ratio), abs=1e-9)
-    return Outcome(int(swept.outcome))
+    outcome, events = Outcome(int(swept.outcome)), [e.event for e in followed.events]
+    ends = [e for e in events if e in ("lost contact", "overturning")]
+    lost = outcome == Outcome.LOST_CONTACT
+    assert ends == ["lost contact"] * lost + ["overturning"] * outcome.overturned, text
+    if outcome.overturned:
+        after_impact = outcome == Outcome.OVERTURNED_AFTER_IMPACT
+        assert ("impact" in events) == after_impact, text
+    return outcome
 
 
 def lowest_fz(
@@ -185,6 +203,65 @@ def test_bounces_that_lose_the_ground_are_followed(at):
     text, (sign, a_g, period) = document_of(*drawn[:5]), drawn[5:]
     assert agree(text, sine().scaled(sign), a_g, period) == Outcome.LOST_CONTACT
     assert lowest_fz(*drawn) < 0.0
+
+
+@pytest.mark.parametrize(
+    ("a_g", "expected"),
+    [
+        (
+            25.0,
+            [
+                ("uplift", 0.051083),
+                ("rupture", 0.299281),
+                ("peak", 0.420681),  # Fz = 0 at 0.494455 s
+                ("impact", 0.575045),
+                ("overturning", 1.625884),
+            ],
+        ),
+        (
+            60.0,  # Fz = 0 at 0.223577 s
+            [("uplift", 0.020601), ("rupture", 0.165734), ("overturning", 0.455289)],
+        ),
+    ],
+)
+def test_the_events_of_a_body_that_overturns_go_on_to_its_fall(a_g, expected):
+    """It has Fz <= 0 on its way, and overturns whatever its Fz. Times by an independent
+    program, 2026: scipy's DOP853 with rtol = 1e-12.
+    """
+    text = (
+        "kind: block\nwidth: 1.3\nheight: 2\nmass: 500\n"
+        "tendon: {stiffness: 1e5, prestress: 4e3, rupture: 12e3}\n"
+    )
+    shaken = parse_grid(f"a_g={a_g},f_g=1.5")
+    found = time_history(built(text), sine(), shaken, [METHOD])
+    events = [(row["event"], row["t"]) for row in found.events()]
+    assert [event for event, _ in events] == [event for event, _ in expected]
+    times = [t for _, t in expected]
+    assert [t for _, t in events] == pytest.approx(times, abs=1e-6)
+
+
+@pytest.mark.parametrize("a_g", [12.8, 14.0, 15.4, 16.9, 18.561062364723465, 20.4])
+def test_a_constant_push_leads_back_to_a_touch_without_an_impact(a_g):
+    """The energy says that the speed is 0 on the ground, and how far the body turns:
+    m g R [cos(alpha - u) - cos alpha] + P0 e + K e^2/2 = m a_g R [sin alpha -
+    sin(alpha - u)], e = h sin u.
+    """
+    body = built(
+        "kind: block\nwidth: 1.3\nheight: 2\nmass: 500\n"
+        "ties: [{height: 2, stiffness: 2e5, prestress: 1e3, side: both}]\n"
+    )
+    shaken = parse_grid(f"a_g={a_g},f_g=1.5")
+    found = time_history(body, pulse("rectangular-impulse"), shaken, [METHOD])
+    pushed = [row for row in found.events() if row["t"] < 1.0 / 1.5 - 1e-9]
+    peaks = np.array([abs(row["theta"]) for row in pushed if row["event"] == "peak"])
+    assert {row["event"] for row in pushed} <= {"uplift", "peak"}
+    assert peaks.size >= 2
+
+    alpha, radius, e = body.alpha, body.arm, 2.0 * np.sin(peaks)
+    raised = 500 * GRAVITY * radius * (np.cos(alpha - peaks) - np.cos(alpha))
+    pulled = 1e3 * e + 1e5 * e**2
+    given = 500 * a_g * radius * (np.sin(alpha) - np.sin(alpha - peaks))
+    np.testing.assert_allclose((raised + pulled) / given, 1.0, rtol=1e-9)
 
 
 @pytest.mark.slow
