@@ -5,7 +5,7 @@ CODE := $(shell find rocking_cli -type f -not -path '*/__pycache__/*')
 CONFIGS := $(shell find configs -type f)
 TESTS := $(shell find tests -type f -not -path '*/__pycache__/*')
 
-.PHONY: help demo test lint quick figures study code-study bench database golden trace soak ladder mutants readers validate clean
+.PHONY: help demo test lint quick docs figures study code-study bench database golden trace soak ladder mutants readers validate clean
 
 .DEFAULT_GOAL := help
 # Two processes of tests have two cores: threads of OpenBLAS would wait for each other.
@@ -53,6 +53,10 @@ $(STAMPS)/lint: $(STAMPS)/dev $(CODE) $(TESTS)
 	.venv/bin/ruff check .
 	.venv/bin/mypy
 	touch $@
+
+docs: $(STAMPS)/dev ## The documentation site of the help pages and docstrings, out/docs
+	.venv/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	.venv/bin/python .ci/site.py out/docs
 
 # Figs. 2 to 8 of the paper: Fig. 4 over r_b/H, Fig. 6 for a continuous arch with beta = 150 to 180 deg and t/r = 0.12 to 0.2.
 ROCKING := .venv/bin/rocking

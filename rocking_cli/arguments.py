@@ -17,7 +17,7 @@ from typing import Any
 
 from .errors import ArgumentError, RockingError, counted, did_you_mean
 
-_MOST_ITEMS = 10_000  # of a list, that are looked at
+_MOST_ITEMS = 10_000  # number of items of a list that are checked
 # The functions that return what another one takes.
 _MADE = {
     "RockingParameters": "load_structures",
@@ -51,10 +51,8 @@ def checked(
     does not fit, and for one too many or too few. name, package: under which it is
     public, and can be pickled; public: the names that its annotations may have.
     """
-    of, hints = (
-        signature(function),
-        cache(lambda: typing.get_type_hints(function, localns=_Names(public))),
-    )
+    of = signature(function)
+    hints = cache(lambda: typing.get_type_hints(function, localns=_Names(public)))
 
     @wraps(function)
     def wrapper(*args: Any, **kwargs: Any) -> Any:
@@ -63,10 +61,8 @@ def checked(
         except TypeError as error:
             raise ArgumentError(f"{name}: {_in_words(str(error), of)}") from None
         for argument, value in bound.arguments.items():
-            kind, needed = (
-                of.parameters[argument].kind,
-                of.parameters[argument].default is Parameter.empty,
-            )
+            kind = of.parameters[argument].kind
+            needed = of.parameters[argument].default is Parameter.empty
             if kind is Parameter.VAR_KEYWORD:
                 _check_keywords(name, hints().get(argument, Any), value)
             elif (
@@ -340,7 +336,9 @@ def _many(hint: Any) -> str:
 
 
 def _named(hint: Any) -> str:
-    """Return the name of a type, and the function that returns one."""
+    """Return the name of a type, with the public function that makes such an object
+    where there is one: `Motion (see read_motion)`.
+    """
     options = _options(hint)
     if len(options) > 1 or hint in _PLAIN or typing.get_origin(hint):
         return _wanted(hint)

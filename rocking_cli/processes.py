@@ -26,7 +26,7 @@ Run = Callable[[Iterable[Any]], Iterator[Any]]
 
 _POLL = 0.5  # s between two looks at the parts that the worker processes report
 
-_task: Callable[[Any], Any]  # of a worker process
+_task: Callable[[Any], Any]  # task of a worker process
 _parts: Any = None  # in a worker process: the sum of all parts that were reported
 
 
@@ -123,9 +123,8 @@ def processes(
         while parts is not None and reported is not None and not future.done():
             with suppress(TimeoutError):
                 future.exception(timeout=_POLL)
-            parts(
-                reported.get_obj().value
-            )  # without its lock, which a process may have died with
+            # The value is read without its lock: a process may have died with it.
+            parts(reported.get_obj().value)
         return future.result()
 
     try:
@@ -133,10 +132,11 @@ def processes(
             pool = ProcessPoolExecutor(
                 workers, context, _begin, (task, os.getpid(), reported)
             )
+            # numpy's idle arithmetic threads are no danger to a fork
             with (
                 _stops_held(),
                 warnings.catch_warnings(),
-            ):  # numpy's idle arithmetic threads are no danger to a fork
+            ):
                 warnings.simplefilter("ignore", DeprecationWarning)
                 pool.submit(int)  # starts them
         except OSError as error:
@@ -151,6 +151,7 @@ def processes(
             )
         except BrokenProcessPool:
             pool.shutdown()
+            # exit code of the process that died: the pool ended the others by SIGTERM
             code = next(
                 (
                     p.exitcode
@@ -158,15 +159,14 @@ def processes(
                     if p.exitcode not in (None, 0, -signal.SIGTERM)
                 ),
                 -signal.SIGTERM,
-            )  # the pool ends others
+            )
             how = f"by signal {-code}" if code < 0 else f"with exit code {code}"
             raise OutputError(
                 f"a worker process died {how} (out of memory?); {advice}"
             ) from None
     finally:
-        for process in (
-            set(active_children()) - before
-        ):  # a pool that is shut down waits for ever if a process dies just then
+        # a pool that is shut down waits for ever if a process dies just then
+        for process in set(active_children()) - before:
             process.kill()  # it holds nothing that could be lost
         if pool is not None:
             pool.shutdown(cancel_futures=True)
@@ -191,9 +191,8 @@ def _begin(task: Callable[[Any], Any], parent: int, parts: Any) -> None:
     """Called first in a worker process."""
     global _task, _parts
     _task, _parts = task, parts
-    signal.signal(
-        signal.SIGINT, signal.SIG_IGN
-    )  # Ctrl-C reaches the whole group; the parent alone decides
+    # Ctrl-C reaches the whole group; the parent alone decides
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     if sys.platform == "linux":
         signal.pthread_sigmask(signal.SIG_UNBLOCK, _STOPS)
@@ -214,6 +213,5 @@ def _answer(item: Any) -> Any:
             words = f"{type(fault).__name__}: {fault}; from {error!r}"
         else:
             raise
-    raise RuntimeError(
-        words
-    )  # out here it has no context, which some packages pickle too
+    # out here it has no context, which some packages pickle too
+    raise RuntimeError(words)

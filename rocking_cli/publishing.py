@@ -114,9 +114,8 @@ def published(
                 file.close()
                 put_in_place(partial, target, overwrite)
             except BaseException:
-                with suppress(
-                    OSError
-                ):  # what could not be written before cannot be written now
+                # after a failed write `close` tries it again and fails again
+                with suppress(OSError):
                     file.close()
                 with suppress(OSError):
                     partial.unlink()
@@ -133,16 +132,14 @@ def put_in_place(partial: Path, target: Path, overwrite: bool) -> None:
     """
     if not overwrite:
         try:
-            os.link(
-                partial, target
-            )  # fails where the name is taken; a rename would replace the file there
+            # A link fails where the name is taken; a rename would replace the file.
+            os.link(partial, target)
         except FileExistsError:
             raise OutputError(
                 f"{target}: has appeared meanwhile; use `overwrite` to replace it"
             ) from None
-        except (
-            OSError
-        ):  # a file system without links: an empty file of this name is taken first
+        except OSError:
+            # A file system without links: an empty file reserves the name first.
             try:
                 open(target, "xb").close()
             except FileExistsError:

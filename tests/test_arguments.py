@@ -139,26 +139,23 @@ GRID = parse_grid("a_g=0.3g,f_g=1")
 SENTENCES = [
     (
         lambda: rocking_cli.check("column.yaml", sine(), GRID),
-        "check: `structure`: found the text 'column.yaml'; expected a RockingParam",
+        "column.yaml: cannot be read",
     ),
     (
         lambda: rocking_cli.check([BLOCK], sine(), GRID),
         "`structure`: found a list of 1 item; .* write structure.0.",
     ),
     (
-        lambda: rocking_cli.spectrum(BLOCK, sine(), GRID),
-        "`structures`: found a RockingParameters; .* write .structures.",
+        lambda: rocking_cli.spectrum(0.5, sine(), GRID),
+        "`structures`: found the number 0.5; expected a path .* or a list of",
     ),
     (
-        lambda: rocking_cli.spectrum(["a.yaml"], sine(), GRID),
-        (
-            "found a list with the text 'a.yaml' in it; expected a list of"
-            " RockingParameters"
-        ),
+        lambda: rocking_cli.spectrum([BLOCK, None], sine(), GRID),
+        "found a list with None in it; expected a path",
     ),
     (
         lambda: rocking_cli.check(BLOCK, sine(), 0.3),
-        "`shaking`: found the number 0.3; expected a Grid .see parse_grid. or None",
+        "`shaking`: found the number 0.3; expected a Grid .see parse_grid. or a text",
     ),
     (lambda: rocking_cli.check(BLOCK), "check: missing a required argument: 'motion'"),
     (

@@ -210,9 +210,8 @@ def main(arguments: list[str] | None = None) -> Any:
     """Run the command line. A failure prints one sentence on standard error and ends
     with its documented exit code.
     """
-    os.environ.setdefault(
-        "OPENBLAS_NUM_THREADS", "1"
-    )  # others wait for work that never comes, at full speed, from NumPy's import on
+    # More threads of OpenBLAS would wait at full speed for work that never comes.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     gc.set_threshold(_COLLECTED)
     listen()
     with streams.guarded(), progress.reporting():
@@ -235,9 +234,8 @@ def main(arguments: list[str] | None = None) -> Any:
                     "motion"
                 ):
                     said = f"{said.rstrip('.')}; expected one FILE after each --motion"
-                if isinstance(
-                    error, click.MissingParameter
-                ):  # its choices stand in lines of their own
+                # click puts the choices of the parameter into lines of their own
+                if isinstance(error, click.MissingParameter):
                     said = " ".join(said.split())
                 streams.say(f"{error.ctx.command_path}: {said} (see --help)")
             else:

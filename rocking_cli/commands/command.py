@@ -6,12 +6,50 @@ from collections.abc import Callable
 from dataclasses import Field, field, fields
 from functools import wraps
 from inspect import signature
+from textwrap import wrap
 from typing import Any
 
 import click
 
 F = Callable[..., Any]
 _PARTLY = f"{__name__}.partly"
+
+
+class Command(click.Command):
+    """A command whose help names the options of some topics together, in place of a
+    line for each; the page of the topic explains them.
+    """
+
+    topics: dict[str, str]  # topic by the name of the parameter
+
+    def format_options(
+        self, ctx: click.Context, formatter: click.HelpFormatter
+    ) -> None:
+        """Write the options, and then those of each topic."""
+        apart: dict[str, list[str]] = {}
+        rows = []
+        for one in self.get_params(ctx):
+            topic = self.topics.get(one.name or "")
+            if topic is not None:
+                apart.setdefault(topic, []).append(one.opts[-1])
+            elif isinstance(one, click.Option) and (row := one.get_help_record(ctx)):
+                rows.append(row)
+        with formatter.section("Options"):
+            formatter.write_dl(rows)
+        for topic, names in apart.items():
+            with formatter.section(f"Options of {topic} (rocking help {topic})"):
+                room = formatter.width - formatter.current_indent
+                for line in wrap(", ".join(names), room, break_on_hyphens=False):
+                    formatter.write(f"{'':{formatter.current_indent}}{line}\n")
+
+    def rows_of(self, topic: str, ctx: click.Context) -> list[tuple[str, str]]:
+        """Return (option, help) of each option of a topic."""
+        found = [
+            one.get_help_record(ctx)
+            for one in self.params
+            if self.topics.get(one.name or "") == topic
+        ]
+        return [row for row in found if row is not None]
 
 
 def option(flags: str, help: str, **settings: Any) -> Any:
@@ -36,9 +74,20 @@ def argument(**settings: Any) -> Any:
 
 def group(of: type) -> Any:
     """A parameter of a command: an object of this frozen dataclass, whose fields are
-    options.
+    options. If the class, or one that it inherits from, states a TOPIC, the page of
+    this topic explains the fields that this one has.
     """
     return field(metadata={"group": of})
+
+
+def _topics(of: type) -> dict[str, str]:
+    """Return the topic of each field of a group that belongs to one."""
+    return {
+        one.name: base.__dict__["TOPIC"]
+        for base in of.__mro__
+        if "TOPIC" in base.__dict__
+        for one in fields(base)
+    }
 
 
 def given(*names: str) -> list[str]:
@@ -53,9 +102,8 @@ def given(*names: str) -> list[str]:
             context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE
         )
         if isinstance(parameter, click.Argument):
-            stated = bool(
-                context.params[name]
-            )  # click 8.2 calls it given where there is none
+            # click 8.2 calls an argument given even where there is none
+            stated = bool(context.params[name])
         if name in names and stated:
             found.append(
                 parameter.opts[-1] if isinstance(parameter, click.Option) else "FILE"
@@ -130,6 +178,8 @@ def command(example: str, *shared: Callable[[F], F]) -> Callable[[F], click.Comm
             *(one.metadata["click"](name) for name, one in reversed(options.items())),
         ):
             wanted = decorator(wanted)
-        return click.command(epilog=f"Example: {example}")(wanted)
+        made = click.command(cls=Command, epilog=f"Example: {example}")(wanted)
+        made.topics = {k: v for of in groups.values() for k, v in _topics(of).items()}
+        return made
 
     return decorate

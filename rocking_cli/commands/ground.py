@@ -235,6 +235,7 @@ _PULSE = tuple(of.name for of in fields(Source) if of.name != "motion")
 class Motions(Reading, Source):
     """The ground motion: a pulse, a motion document, a record or a set of them."""
 
+    TOPIC: ClassVar[str] = "motions"  # whose page explains these options
     # True if an amplitude and a frequency are stated beside it
     takes_demand: ClassVar[bool] = False
 
@@ -370,6 +371,8 @@ class Motions(Reading, Source):
 @dataclass(frozen=True)
 class BothWays(Motions):
     """The ground motion and a vertical one."""
+
+    TOPIC: ClassVar[str] = "motions"
 
     vertical: str | None = option(
         "--vertical", _VERTICAL, type=PulseOrPath(), metavar="MOTION"

@@ -6,7 +6,7 @@ import click
 
 from ..errors import did_you_mean
 from . import COMMANDS, streams
-from .command import argument, command
+from .command import Command, argument, command, option
 from .parameter_types import Registered
 
 TOPICS = {
@@ -30,11 +30,21 @@ _NAMES = Registered("commands.help.TOPICS", *COMMANDS)
 @command("rocking help documents")
 def help(
     name: str | None = argument(required=False, type=_NAMES, metavar="[COMMAND|TOPIC]"),
+    search: str | None = option(
+        "--search",
+        "Print the lines of all pages that hold these words.",
+        metavar="WORD",
+    ),
 ) -> None:
     """Print the reference of a command, its options and examples, or of a topic.
 
     Without a name, list the commands and the topics.
     """
+    if search is not None:
+        if name is not None:
+            raise click.UsageError(f"--search looks in all pages: leave out {name}")
+        streams.put(*_found(search))
+        return
     if name is not None and name not in COMMANDS | TOPICS:
         names = dict.fromkeys(["words", *TOPICS, *COMMANDS])  # the glossary first
         pages = [
@@ -43,9 +53,8 @@ def help(
             if name.lower() in page(topic).lower().split()
         ]
         begins = any(known.startswith(name.lower()) for known in names)
-        meant = (
-            did_you_mean(name, names) if begins or not pages else ""
-        )  # a word of the pages is not a misspelt command
+        # A word that some page has is not a misspelt command.
+        meant = did_you_mean(name, names) if begins or not pages else ""
         raise click.UsageError(
             f"No such command or topic {name!r}{meant}"
             + (f"; it stands in {', '.join(pages[:3])}" if pages else "")
@@ -64,10 +73,51 @@ def help(
     else:
         text = page(name)
         assert isinstance(group.command, click.Group)
+        if rows := _rows_of(name, group):
+            formatter = group.make_formatter()
+            with formatter.section("OPTIONS"):
+                formatter.write_dl(rows)
+            text += f"\n{formatter.getvalue()}"
         if command := group.command.get_command(group, name):
             context = click.Context(command, parent=group, info_name=name)
             text = f"{command.get_help(context)}\n\n{text}"
     streams.put(*text.rstrip().splitlines())
+
+
+def _rows_of(topic: str, group: click.Context) -> list[tuple[str, str]]:
+    """Return (option, help) of each option of a topic, of all commands."""
+    found: dict[str, str] = {}
+    if topic not in TOPICS:
+        return []
+    assert isinstance(group.command, click.Group)
+    for name in COMMANDS:
+        command = group.command.get_command(group, name)
+        assert isinstance(command, Command)
+        found |= dict(command.rows_of(topic, click.Context(command, info_name=name)))
+    return list(found.items())
+
+
+def _found(words: str) -> list[str]:
+    """Return the lines of all pages, and the options of all commands, that hold these
+    words, each after the name of its page. Raises click.UsageError for no line.
+    """
+    wanted = words.casefold().split()
+    group = click.get_current_context().find_root()
+    assert isinstance(group.command, click.Group)
+    found: dict[str, None] = {}
+    for name in (*TOPICS, *COMMANDS):
+        lines = page(name).splitlines()
+        if command := group.command.get_command(group, name):
+            context = click.Context(command, info_name=name)
+            options = [one for one in command.params if isinstance(one, click.Option)]
+            records = [one.get_help_record(context) for one in options]
+            lines += ["  ".join(record) for record in records if record is not None]
+        for line in lines:
+            if all(word in line.casefold() for word in wanted):
+                found[f"{name:11} {' '.join(line.split())}"] = None
+    if not wanted or not found:
+        raise click.UsageError(f"--search: found no line with {words!r} in any page")
+    return list(found)
 
 
 def page(name: str) -> str:

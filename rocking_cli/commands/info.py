@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from ..spectra.file.reader import SpectraFile
 
 _MOST_NAMES = 12
+# options that change no cell of the spectrum
 _OF_THE_RUN = (
     "output",
     "overwrite",
@@ -29,7 +30,7 @@ _OF_THE_RUN = (
     "quiet",
     "form",
     "json_",
-)  # what changes no cell
+)
 
 
 @command(

@@ -18,7 +18,14 @@ import click
 
 from ..errors import DocumentError
 from .command import argument, flag, option, partly, refuse
-from .parameter_types import InputPath, OutputPath, Parsed, limit, quantity
+from .parameter_types import (
+    InputPath,
+    OutputPath,
+    Parsed,
+    VariedKey,
+    limit,
+    quantity,
+)
 from .printing import below, form, keep_labels, note
 from .streams import printable
 
@@ -73,6 +80,7 @@ vary = partial(
     "--vary",
     "Vary a key: a family; repeatable, all combinations.",
     multiple=True,
+    type=VariedKey(),
     metavar="KEY=START:STOP:N",
 )
 inset_effect = partial(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.shell_completion import CompletionItem
 
-from ..errors import UsageError
+from ..errors import RockingError, UsageError
 
 if TYPE_CHECKING:
     from ..envelopes.amplitudes import Limit
@@ -77,6 +77,59 @@ class Registered(click.ParamType):
         return [
             CompletionItem(word) for word in self.words() if word.startswith(incomplete)
         ]
+
+
+class VariedKey(click.ParamType):
+    """The text KEY=START:STOP:N; the keys that are quantities of the given structures
+    are completed, those of all kinds without one.
+    """
+
+    name = "text"
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        from ..structures import build_structure, read_documents
+        from ..structures.kinds import KEYS
+
+        known: dict[str, None] = {}
+        for path in _given_files(ctx):
+            with suppress(RockingError):
+                for document in read_documents(path):
+                    build_structure(document)
+                    known |= dict.fromkeys(document.dimensions)
+        return [
+            CompletionItem(f"{key}=")
+            for key in known or sorted(KEYS)
+            if key.startswith(incomplete)
+        ]
+
+
+class NameInFile(click.ParamType):
+    """The name of a structure or record in the given spectra files, which are
+    completed.
+    """
+
+    name = "text"
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        from ..spectra.file.reader import SpectraFile
+
+        names: dict[str, None] = {}
+        for path in _given_files(ctx):
+            with suppress(RockingError), SpectraFile(path) as file:
+                places = next(iter(file.frame.dimensions.values()))
+                names |= dict.fromkeys(map(str, places))
+        return [CompletionItem(name) for name in names if name.startswith(incomplete)]
+
+
+def _given_files(ctx: click.Context) -> list[str]:
+    """Return the files that a call states so far."""
+    given = [*(ctx.params.get(name) for name in ("files", "file")), *ctx.args]
+    several = [one if isinstance(one, tuple) else (one,) for one in given if one]
+    return [str(path) for paths in several for path in paths if str(path) != "-"]
 
 
 class Parsed(click.ParamType):

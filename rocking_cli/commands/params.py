@@ -20,12 +20,13 @@ if TYPE_CHECKING:
     from ..structures.family import Variation
 
 KEYS = ("name",)  # the column that says which row it is
+# keys that only some members of a family have, with the value for the others
 SHARED = {
     "one_sided": False,
     "damping": 0.0,
     "friction": None,
     "arm": None,
-}  # keys that some members have, and what stands for none
+}
 
 
 @command("rocking params configs/block.yaml --json | jq .p", printed)

@@ -10,7 +10,7 @@ import click
 
 from . import options, streams
 from .command import argument, command, flag, group, option, refuse, refuse_together
-from .parameter_types import InputPath, OutputPath
+from .parameter_types import InputPath, NameInFile, OutputPath
 from .printing import note, quiet, units, units_of
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ class PlotOptions:
     structure: str | None = option(
         "--structure",
         "Structure (or record) of the map (default: the first).",
+        type=NameInFile(),
         metavar="NAME",
     )
     every: bool = flag(

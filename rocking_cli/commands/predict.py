@@ -54,9 +54,8 @@ def predict(
         shaken = shaking.of(ground.Ground(motion))
         if shaken.motion is None or shaken.grid is None:
             raise ground.no_shaking("--A and --Omega")
-        held = (
-            not exact and shaken.motion is motion
-        )  # the spectrum has its own direction only
+        # The cells of a spectrum hold for the motion in its own direction only.
+        held = not exact and shaken.motion is motion
         rows = [
             (
                 read_off(s, file, shaken.grid)

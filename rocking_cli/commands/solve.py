@@ -9,6 +9,7 @@ import click
 
 from . import demand, options
 from .command import command, group, option, partly
+from .parameter_types import VariedKey
 from .printing import emit, form, note, printed
 from .progress import ProgressLine
 
@@ -27,6 +28,7 @@ class SolveOptions:
         "--vary",
         "The key and its range, scanned at N values (default 17).",
         required=True,
+        type=VariedKey(),
         metavar="KEY=START:STOP[:N]",
     )
     margin: float = option(

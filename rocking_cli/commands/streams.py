@@ -29,9 +29,8 @@ def printable(text: str) -> str:
 lock = RLock()  # of the writers: the program, and the thread that shows its progress
 silent = False  # True in a call with --quiet: no progress
 _renewed = False  # True while a line stands on the terminal that `renew` will replace
-if hasattr(
-    os, "register_at_fork"
-):  # a worker process must not inherit a lock that the thread holds
+# A worker process must not inherit a lock that the thread of the progress holds.
+if hasattr(os, "register_at_fork"):
     os.register_at_fork(
         before=lock.acquire, after_in_parent=lock.release, after_in_child=lock.release
     )
@@ -136,9 +135,8 @@ class _Stream:
     def write(self, text: str | bytes) -> int:
         if isinstance(text, bytes):
             if not text:
-                raise TypeError(
-                    "a stream of text"
-                )  # click tests a text stream in this way
+                # click tests in this way whether a stream takes text
+                raise TypeError("a stream of text")
             text = text.decode()  # click writes what completes a word as bytes
         try:
             if self._stream is None:

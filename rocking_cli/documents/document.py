@@ -602,11 +602,9 @@ class Document:
 
     def _unknown(self, key: str) -> DocumentError:
         """Return the error for a key that no method asked for."""
-        place, known, (base, unit) = (
-            self.keys[key],
-            sorted(self.asked),
-            split_heading(key),
-        )
+        place = self.keys[key]
+        known = sorted(self.asked)
+        base, unit = split_heading(key)
         if unit and self.cells and (base in self.asked or base in self.dimensions):
             return DocumentError(
                 f"{place}: {base}: found the unit {unit!r} in the heading; expected one"

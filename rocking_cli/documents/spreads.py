@@ -164,6 +164,9 @@ def parse_spread(text: str, dimension: str) -> Spread:
 
 
 def _normal(mean: str, sd: str, dimension: str) -> Spread:
+    """Return a normal spread from the texts of its mean and its standard deviation,
+    which may be in % of the mean. Raises ValueError.
+    """
     middle = parse_quantity(mean, dimension)
     percent = split_quantity(sd)
     if percent is not None and percent[1] == "%":

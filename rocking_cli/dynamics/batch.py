@@ -17,9 +17,8 @@ from .system import System
 SETTLING = 250.0
 # a cell with more steps than this plus 40 for each segment of the motion fails
 MAX_STEPS = 120_000
-_INSTANT = (
-    1e-9  # tau: this close to a free fall of the ground the weight counts as zero
-)
+# tau: this close to a free fall of the ground the weight counts as zero
+_INSTANT = 1e-9
 
 
 class FreeFall:
@@ -28,12 +27,10 @@ class FreeFall:
     def __init__(self, segments: Segments, first: Uplift, occurs: Array) -> None:
         # k, u: segment and phase [rad] of this instant, (cells,)
         # occurs: True if there is such an instant, (cells,)
-        self.segments, self.segment, self.phase, self.occurs = (
-            segments,
-            first.segment,
-            first.phase,
-            occurs,
-        )
+        self.segments = segments
+        self.segment = first.segment
+        self.phase = first.phase
+        self.occurs = occurs
 
     @classmethod
     def of(cls, segments: Segments, cells: Cells, shaken: int) -> Self | None:
@@ -55,9 +52,8 @@ class FreeFall:
         """
         k, start = self.segment[lanes.cell], self.segments.start
         last = len(self.segments) - 1
-        ahead = (
-            start[np.minimum(k, last)] - start[np.minimum(lanes.segment, last)]
-        )  # its rounding is far below `_INSTANT`
+        # The rounding error of this difference is far below `_INSTANT`.
+        ahead = start[np.minimum(k, last)] - start[np.minimum(lanes.segment, last)]
         until = (ahead + (self.phase[lanes.cell] - lanes.phase)) / lanes.omega
         return np.where(
             self.occurs[lanes.cell], np.where(lanes.segment > k, 0.0, until), np.inf

@@ -29,9 +29,8 @@ from .lanes import Array
 # parts of the path from the ground to the peak; on each part the bound takes the worst
 # value of every term
 _PARTS = 32
-_ACCELERATIONS = np.geomspace(
-    1e-2, 1e2, 256
-)  # ground accelerations [g] for which the proof is tried
+# ground accelerations [g] for which the proof is tried
+_ACCELERATIONS = np.geomspace(1e-2, 1e2, 256)
 _LOWEST = -0.5 * np.pi  # least z for which the bound is computed
 
 
@@ -148,6 +147,7 @@ class Body(NamedTuple):
             fastest: largest |u'| [rad]
             top: largest u [rad]
         """
+        # c of Lemma 13: the largest -u'' above the ground over its value at the ground.
         steepest = np.cos(np.maximum(edge.alpha - top, 0.0))
         growth = 1.0 if self.linear else steepest / np.cos(edge.alpha)
         force = np.maximum(inward, 0.0) * growth + 2.0 * self.damping * fastest

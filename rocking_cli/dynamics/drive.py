@@ -76,9 +76,10 @@ def segment_value(segments: Segments, k: Array, u: Array) -> tuple[Array, Array,
     """s - s(segment start), and the harmonics' sine and cosine parts (harmonics,
     lanes), at phase u of segment k.
     """
+    # `take` keeps rows of lanes contiguous; x[:, k] would not
     sin, cos, w = (
         x.take(k, axis=1) for x in (segments.sin, segments.cos, segments.frequency)
-    )  # [:, k] would lie lane by lane
+    )
     sinw, cosm = turn(w * u)
     into, from_ = cos * sinw, sin * cosm
     change = summed(into - from_)

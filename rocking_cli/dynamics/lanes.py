@@ -63,9 +63,8 @@ class Arrays:
 
 def _taken(x: Any, at: Any) -> Any:
     if isinstance(x, np.ndarray):
-        return (
-            x[at] if x.ndim == 1 else x.take(at, axis=-1)
-        )  # [..., at] would lie lane by lane
+        # `take` keeps rows of lanes contiguous; x[..., at] would not
+        return x[at] if x.ndim == 1 else x.take(at, axis=-1)
     return x.take(at) if isinstance(x, Arrays) else x
 
 
@@ -89,8 +88,8 @@ class Cells(NamedTuple):
 
 @dataclass
 class Lanes(Arrays):
-    """The state of rocking bodies, one body a lane. Every array is (lanes,). The side
-    is stored, never inferred from a sign.
+    """The state of rocking bodies, one body in each lane. Every array is (lanes,). The
+    side is stored, never inferred from a sign.
     """
 
     cell: Array  # index of the cell that the lane computes

@@ -84,16 +84,16 @@ def _mechanisms(structure: RockingParameters) -> list["Mechanism"]:
 
 
 EQUATIONS = (
-    EquationKind(
+    EquationKind(  # Eqs. 2.4 and 3.6
         "linear", lambda s: True, _linear, lambda s: None, "linear_rates", exact=True
-    ),  # Eqs. 2.4 and 3.6
-    EquationKind(
+    ),
+    EquationKind(  # a mechanism of several pieces, Eq. 3.4
         "nonlinear",
         lambda s: s.mechanism is not None,
         _mechanism,
         lambda s: tuple(_mechanisms(s)),
         "mechanism_rates",
-    ),  # Eq. 3.4
+    ),
     EquationKind(  # a rigid body, Eq. 2.3
         "nonlinear",
         lambda s: s.a_scale == 1.0 and not s.dimensionless,
@@ -269,10 +269,8 @@ class Method:
         UsageError
             if the model does not hold for a structure
         """
-        one, of_cells = (
-            self.system_of(structures[0]),
-            self.kind_of(structures[0]).of_cells,
-        )
+        one = self.system_of(structures[0])
+        of_cells = self.kind_of(structures[0]).of_cells
         if len({(*self.shares(s), self.body_of(s)) for s in structures}) == 1:
             return one
         own = tuple(
@@ -485,10 +483,11 @@ def contact_of(structure: RockingParameters, equation: Equation) -> Contact:
         np.broadcast_to(x, 2).tolist()
         for x in (there.rotation_rate(np.zeros(2), np.ones(2)), there.uplift_amplitude)
     )
+    # speed of rotation theta' of each side for y' = 1
     unit = [
         side.alpha * side.p * turn
         for side, turn in zip((right, left), turns, strict=True)
-    ]  # theta' of y' = 1
+    ]
     onto_left, onto_right = reciprocal_ratios(*unit)
     drive = [
         (side.a_scale / side.alpha) / (structure.a_scale / structure.alpha) / x

@@ -27,12 +27,10 @@ class _Code(IntEnum):
         cls, code: int, sentence: str = "", colour: str = "", sign: str = ""
     ) -> Self:
         member = int.__new__(cls, code)
-        member._value_, member.sentence, member.colour, member.sign = (
-            code,
-            sentence,
-            colour,
-            sign,
-        )
+        member._value_ = code
+        member.sentence = sentence
+        member.colour = colour
+        member.sign = sign
         return member
 
     @property

@@ -173,9 +173,8 @@ def response(
         return _response(March(system, motion.coarsest, *cells).run(), shape, peaks)
     if how == "floats":
         return _one_by_one(system, motion, cells, shape, peaks)
-    prove = bool(
-        cells[0].max(initial=0.0) > system.safe_amplitude(motion)
-    )  # the peaks may prove that Fz > 0
+    # the peaks may prove that Fz > 0
+    prove = bool(cells[0].max(initial=0.0) > system.safe_amplitude(motion))
     run = _marched(
         system, motion, cells, _batch(system, motion, cells, peaks or prove), pool=pool
     )
@@ -238,6 +237,9 @@ def _of(cells: Cells, at: Array | slice) -> Cells:
 def _response(
     run: "Run | Found", shape: tuple[int, ...], peaks: bool = True
 ) -> Response:
+    """Return the results of a run in the shape of the cells; peaks: False if no
+    rotations are wanted.
+    """
     theta_ratio = run.theta_ratio if peaks else np.full(run.outcome.size, np.nan)
     return Response(
         theta_ratio.reshape(shape),
@@ -296,9 +298,8 @@ def _march_of(
     if len(samples) < len(motions) or (weighed and not propagation):
         return by_windows, pool
     equal = all(motion.samples is not None for motion in motions)
-    if (
-        propagation and not weighed and equal and system.equation.bounded
-    ):  # linear, undamped, equal steps
+    # linear, undamped, equal steps
+    if propagation and not weighed and equal and system.equation.bounded:
         from .samples.exact import LANES, ExactStepper
 
         return (

@@ -127,6 +127,7 @@ class System(NamedTuple):
             A [-] up to which Fz > 0 for a body that does not overturn; infinite if its
             forces are not known
         """
+        # Lemma 13. Without overturning the push bounds the rotation, and so Fz.
         if self.own:
             return min(system.safe_amplitude(motion) for system, _ in self.own)
         if self.body is None or self.scale is None or not motion.largest:
@@ -157,16 +158,13 @@ class System(NamedTuple):
             A [-] at which the body lifts off or the ground falls away; infinite if
             there is none
         """
-        one, segments = (
-            self.contact.cells(self.equation, np.ones(1), np.ones(1), np.zeros(1)),
-            self.segments(motion),
-        )
+        one = self.contact.cells(self.equation, np.ones(1), np.ones(1), np.zeros(1))
+        segments = self.segments(motion)
         if self.devices is not None:
             one = one._replace(amplitude=one.amplitude / self.devices.held_at_first())
         strongest = float(self.contact.strongest(one, segments)[0])
-        if (
-            (weighed := segments.weighed) is not None
-        ):  # w < 0 above 1/|w - 1| of A = 1, also where a wall holds the body
+        # w < 0 above 1/|w - 1| of A = 1, also where a wall holds the body
+        if (weighed := segments.weighed) is not None:
             strongest = max(
                 strongest,
                 1.0

@@ -126,6 +126,10 @@ def weighed(motion: Motion, right: float, left: float) -> Segments:
 
 
 def _cut_segments(motion: Motion, right: float, left: float) -> Segments:
+    """Return the segments of a motion with a vertical part, cut where the vertical
+    motion or an effective motion has an extreme. right, left: zg''/g over the outward
+    drive of A = 1 on each edge.
+    """
     assert motion.vertical is not None
     signals = (
         motion,
@@ -149,10 +153,8 @@ def _cut_segments(motion: Motion, right: float, left: float) -> Segments:
     return _weighed(parts, (own.later_max[at], own.later_min[at]), (right, left))
 
 
-_last_segments, _recent_segments = (
-    lru_cache(maxsize=1)(_cut_segments),
-    lru_cache(maxsize=64)(_cut_segments),
-)
+_last_segments = lru_cache(maxsize=1)(_cut_segments)
+_recent_segments = lru_cache(maxsize=64)(_cut_segments)
 
 
 def _distinct(instants: list[float], length: float) -> list[float]:

@@ -96,9 +96,8 @@ class ScanGrid:
         if there is none.
         """
         there = np.searchsorted(self.near, amplitude, side="right") - 1
-        top = self.start + self.step * (
-            self.size - self.near.size + 1
-        )  # larger scan numbers overflow a whole number
+        # larger scan numbers overflow a whole number
+        top = self.start + self.step * (self.size - self.near.size + 1)
         beyond = (
             np.floor((np.minimum(amplitude, top) - self.start) / self.step).astype(
                 np.int64

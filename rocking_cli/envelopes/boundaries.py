@@ -88,18 +88,15 @@ class Search:
         """The largest A int |s| dphi/Omega from the first uplift on under which nothing
         overturns (Lemma 9).
         """
-        (amplitude, omega, eta), sides = (
-            self._cells(np.ones(1), np.ones(1)),
-            np.array([1.0, -1.0]),
-        )
+        amplitude, omega, eta = self._cells(np.ones(1), np.ones(1))
+        sides = np.array([1.0, -1.0])
         equation = self.system.equation.on(sides)
-        speed = np.sqrt(
-            equation.barrier / equation.fall(np.zeros(2), np.ones(2))[1]
-        )  # speed at the ground of a body that just overturns
+        # W: speed at the ground of a body that just overturns
+        speed = np.sqrt(equation.barrier / equation.fall(np.zeros(2), np.ones(2))[1])
         with np.errstate(divide="ignore"):
-            unit = np.array(
-                [1.0, np.clip(1.0, eta[-1, 0], 1.0 / eta[0, 0])]
-            )  # unit of speed in which no impact raises it
+            # c: unit of speed of each side in which no impact raises the speed
+            unit = np.array([1.0, np.clip(1.0, eta[-1, 0], 1.0 / eta[0, 0])])
+        # c A_1 M/Omega_1: growth of c times the speed, over A int |s| dphi/Omega
         growth = unit * (amplitude / omega)[:, 0] * equation.bounds[1]
         return float((unit * speed).min() / growth.max())
 
@@ -147,18 +144,7 @@ class Search:
         of the scan grid, and both sides of every change that the approximate scan of a
         row finds; other changes are bisected.
         """
-        from .scan import follow
-
-        def by_scan(amplitude: Array, row: Array) -> Array:
-            amplitude, row = np.broadcast_arrays(amplitude, row)
-            masks, label = (
-                [row == i for i in all_rows],
-                np.empty(row.shape, dtype=np.uint8),
-            )
-            follow(scans, [amplitude[some] for some in masks])
-            for scan, some in zip(scans, masks, strict=True):
-                label[some] = scan.outcomes(amplitude[some])
-            return label
+        from .scan import changes_by_scan
 
         def by_march(amplitude: Array, row: Array) -> Array:
             return _lifted(
@@ -173,21 +159,12 @@ class Search:
                 ).outcome
             )
 
-        all_rows, grid = (
-            np.arange(omegas.size),
-            self.grid.amplitude(np.arange(self.grid.size)),
-        )
-        row, amplitude = np.repeat(all_rows, grid.size), np.tile(grid, omegas.size)
-        scanned = narrowed(
-            by_scan,
-            Brackets.between(row, amplitude, by_scan(amplitude, row)),
-            self.digits,
-            self.parts,
-            False,
-        )
-        row, amplitude = (
-            np.concatenate([row, scanned.row, scanned.row]),
-            np.concatenate([amplitude, scanned.low, scanned.high]),
+        all_rows = np.arange(omegas.size)
+        grid = self.grid.amplitude(np.arange(self.grid.size))
+        scanned = changes_by_scan(scans, grid, self.digits, self.parts)
+        row = np.concatenate([np.repeat(all_rows, grid.size), scanned.row, scanned.row])
+        amplitude = np.concatenate(
+            [np.tile(grid, omegas.size), scanned.low, scanned.high]
         )
         order = np.lexsort((amplitude, row))
         row, amplitude, label, _ = self._compute(row[order], amplitude[order], omegas)
@@ -197,6 +174,7 @@ class Search:
         return label[np.searchsorted(row, all_rows)], found
 
     def _steps(self, begins: Array, found: Brackets) -> list[Steps]:
+        """Return the outcome of each row at `lowest` and above every change found."""
         rows = [[(self.lowest, label)] for label in begins.tolist()]
         found = found.take(np.lexsort((found.high, found.row)))
         for row, amplitude, label in zip(
@@ -209,6 +187,7 @@ class Search:
         """(bracket of the lowest change to an unsafe outcome in the scan at one Omega,
         row 0, if any; outcome at `a_max`).
         """
+        # The first amplitude counts too, as a change from rocking to its outcome.
         begins, brackets = self._scan(np.array([omega]))
         start = Brackets(
             *(
@@ -243,6 +222,7 @@ class Search:
             points = scan.amplitude(np.arange(at, min(at + _STRETCH, scan.size)))
             label = self.outcome(points, omegas[going, None])
             falls = ~safe(label)
+            # Rows that have a fall here leave the search, with a bracket below it.
             hit, n = np.flatnonzero(falls.any(axis=1)), falls.argmax(axis=1)
             n = n[hit]
             below = np.full(hit.size, Outcome.ROCKED, dtype=np.uint8)
@@ -272,10 +252,9 @@ class Search:
         begins, parts = np.empty(omegas.size, dtype=np.uint8), list[Brackets]()
         for begin in range(0, int(starts[-1]), _BATCH):
             end = min(begin + _BATCH, int(starts[-1]))
-            a, b = (
-                max(0, begin - 1 - _AROUND),
-                min(end + _AROUND, int(starts[-1])),
-            )  # including the points around the gaps of this batch
+            # including the points around the gaps of this batch
+            a = max(0, begin - 1 - _AROUND)
+            b = min(end + _AROUND, int(starts[-1]))
             top, bottom = np.searchsorted(starts, [a, b - 1], side="right")
             row = np.repeat(
                 np.arange(top - 1, bottom),
@@ -297,10 +276,8 @@ class Search:
 
     def _compute(self, row: Array, amplitude: Array, omegas: Array) -> ScanPoints:
         """Compute the outcomes at these amplitudes, batch by batch."""
-        label, impacts = (
-            np.empty(row.size, dtype=np.uint8),
-            np.empty(row.size, dtype=np.int32),
-        )
+        label = np.empty(row.size, dtype=np.uint8)
+        impacts = np.empty(row.size, dtype=np.int32)
         for begin in range(0, row.size, _BATCH):
             batch = slice(begin, begin + _BATCH)
             label[batch], impacts[batch] = self._respond(
@@ -319,6 +296,7 @@ class Search:
         changed &= (
             not self.ratio and self.motion.segments.sign_changes > FEW_SIGN_CHANGES
         )
+        # Each gap near a change is cut into equal parts of at most `FINE_STEP`.
         gap = np.flatnonzero(counted & _around(changed) & (width > FINE_STEP))
         cuts = np.ceil(width[gap] / FINE_STEP).astype(np.int64) - 1
         share = (
@@ -328,6 +306,7 @@ class Search:
         inner = self._compute(
             points.row[gap], points.amplitude[gap] + share * width[gap], omegas
         )
+        # Points of both scans in one order, by row and amplitude.
         place = np.concatenate([np.arange(points.row.size), gap + share])
         order = np.argsort(place, kind="stable")
         row, amplitude, label = (
@@ -343,22 +322,18 @@ class Search:
         above the last.
         """
         scan, segments = self.grid, self.motion.segments
-        first, last = (
-            np.zeros(omegas.size, dtype=np.int64),
-            np.full(omegas.size, scan.size - 1),
-        )
+        first = np.zeros(omegas.size, dtype=np.int64)
+        last = np.full(omegas.size, scan.size - 1)
         if self.system.devices is not None or self.motion.vertical is not None:
             return first, last
-        safe_to = self.system.safe_amplitude(
-            self.motion
-        )  # above it bodies may lose contact
+        # above it bodies may lose contact
+        safe_to = self.system.safe_amplitude(self.motion)
         first = np.minimum(
             self._last_safe_point(omegas), scan.below(np.full(omegas.size, safe_to))
         )
-        start, end = (
-            segments.s_start[0],
-            segments.s_end[0],
-        )  # the largest |s| lifts the body to the same side at any amplitude
+        # the largest |s| lifts the body to the same side at any amplitude
+        start = segments.s_start[0]
+        end = segments.s_end[0]
         at_once = abs(start) == self.motion.largest or (
             abs(end) == self.motion.largest and start * end >= 0.0
         )
@@ -370,25 +345,20 @@ class Search:
         """The last scan point of each row at which Lemma 9 excludes overturning, since
         A int |s| dphi/Omega is at most `safe_impulse`.
         """
-        scan, segments, most = (
-            self.grid,
-            self.motion.segments,
-            (1.0 - 1e-9) * self.safe_impulse * omegas,
-        )
-        if (
-            len(segments) > LONGEST_FINE
-        ):  # under a record the integral is so large that this excludes no amplitude
+        scan = self.grid
+        segments = self.motion.segments
+        most = (1.0 - 1e-9) * self.safe_impulse * omegas
+        # Under a record the integral is so large that this excludes no amplitude.
+        if len(segments) > LONGEST_FINE:
             return np.zeros(omegas.size, dtype=np.int64)
         from ..dynamics.drive import RemainingImpulse
 
         remaining = RemainingImpulse.of(segments)
-        low, high = (
-            np.zeros(omegas.size, dtype=np.int64),
-            np.full(omegas.size, scan.size),
-        )
-        while np.any(
-            high - low > 1
-        ):  # bisection, since a larger amplitude lifts the body earlier
+        low = np.zeros(omegas.size, dtype=np.int64)
+        high = np.full(omegas.size, scan.size)
+        # Bisection: a larger amplitude lifts the body earlier, so both A and the
+        # integral grow from point to point.
+        while np.any(high - low > 1):
             middle, cell = (low + high) // 2, np.arange(omegas.size)
             amplitude = scan.amplitude(middle)
             lift = self.system.contact.uplift(
@@ -413,6 +383,8 @@ class Search:
                 self.outcome(amplitude, omegas[rows]) == Outcome.OVERTURNED_NO_IMPACT
             ) & (amplitude > self.uplift * (1.0 + 1e-9))
 
+        # Lemma 10: the answer changes once, from False to True, so sections find it. A
+        # row keeps `last` if it does not overturn there.
         rows = np.flatnonzero(overturns(last, np.arange(omegas.size)))
         first, high, row = first[rows], last[rows], np.arange(rows.size)
         low = first - 1
@@ -423,10 +395,8 @@ class Search:
                 first[:, None],
             )
             step = overturns(points, rows[:, None]).argmax(axis=1)
-            high, low = (
-                points[row, step],
-                np.where(step > 0, points[row, step - 1], low),
-            )
+            high = points[row, step]
+            low = np.where(step > 0, points[row, step - 1], low)
         last[rows] = high
         return last
 

@@ -38,7 +38,7 @@ _STATED = 1e-4  # relative width of falls that may be missed in the tenth below 
 # range of A in the first batch, whose cells cost about as much as one round of the
 # march
 _FIRST_WINDOW = 1.5
-_SCANNED = 0.4  # of a search under a record: about the share of its scan
+_SCANNED = 0.4  # share of its scan in a search under a record, for the progress
 _HALF = 60  # marches after which half of the rest of the search is taken as done
 # parts of a bracket in one cut: there are few brackets, and a batch costs the same for
 # any size

@@ -64,6 +64,7 @@ def narrowed(
         brackets = brackets.take(np.flatnonzero(~closed))
         if not brackets.row.size:
             return Brackets.joined(done)
+        # Compute the outcome at equal parts of each bracket.
         count = parts if first or lowest else min(parts, _PARTS_OF_MANY)
         share = np.arange(1, count) / count
         inner = brackets.low[:, None] + (brackets.high - brackets.low)[:, None] * share
@@ -71,6 +72,7 @@ def narrowed(
         labels = np.column_stack(
             [brackets.below, outcome(inner, brackets.row[:, None]), brackets.above]
         )
+        # Keep the sections whose two ends differ, as new brackets.
         if first and lowest:
             of = np.arange(len(labels))
             at = (labels[:, 1:] != labels[:, :1]).argmax(axis=1)
@@ -110,6 +112,7 @@ def _one_way(labels: Array) -> tuple[Array, Array]:
     of, now = np.arange(len(labels)), labels[:, 0]
     found, places = [], []
     while of.size:
+        # The last place that still has this label: the change after it is kept.
         at = labels.shape[1] - 1 - (labels[of, ::-1] == now[:, None]).argmax(axis=1)
         found.append(of)
         places.append(at)

@@ -15,6 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
+from ..showing import html_table
+
 # amplitudes at which the margin's sign is computed, between initiation and the
 # no-impact curve
 _SCAN = 600
@@ -40,12 +42,16 @@ class CurvePoint(NamedTuple):
     omega: float  # Omega [-]
     amplitude: float  # A [-]
 
+    def _repr_html_(self) -> str:
+        return html_table("CurvePoint", self._asdict())
 
+
+# one cycle, half a cycle, and a constant for t_d = 2 pi/omega_g
 PULSES = (
     "sine",
     "half-sine",
     "rectangular",
-)  # one cycle, half a cycle, and a constant for t_d = 2 pi/omega_g
+)
 
 
 def no_impact_amplitude(omega: float, pulse: str = "sine") -> float:
@@ -65,6 +71,7 @@ def no_impact_amplitude(omega: float, pulse: str = "sine") -> float:
         decay = math.exp(-(end - math.asin(1.0 / a)) / omega)
         return math.sqrt((a - 1.0) * (a + 1.0)) - omega + sign * a * decay
 
+    # Enlarge the bracket until the margin is positive: then A overturns.
     high = 2.0 + omega
     while margin(high) <= 0.0:
         high *= 2.0
@@ -86,13 +93,10 @@ class _FirstSide:
         self.amplitude, self.omega = a, w
         self.psi: Any = math.asin(1.0 / a) if library is math else np.arcsin(1.0 / a)
         self.duration: Any = (2.0 * math.pi - self.psi) / w
-        self.below: Any = (
-            (math.pi - 2.0 * self.psi) / w
-        )  # time from which the drive is below 1, so that the body cannot rise again
-        self.big, self.s = (
-            w**2 / (1.0 + w**2),
-            w * library.sqrt((a - 1.0) * (a + 1.0)) / (1.0 + w**2),
-        )
+        # time from which the drive is below 1, so that the body cannot rise again
+        self.below: Any = (math.pi - 2.0 * self.psi) / w
+        self.big = w**2 / (1.0 + w**2)
+        self.s = w * library.sqrt((a - 1.0) * (a + 1.0)) / (1.0 + w**2)
         self.q = a / (1.0 + w**2)
 
     def place(self, t: Any) -> Any:
@@ -118,6 +122,7 @@ class _FirstSide:
         """Time of the impact inside the pulse, None if there is none; NaN if the motion
         is below rounding.
         """
+        # Where the drive is below 1 the body comes down once at most (Lemma 1).
         if self.place(self.duration) > 0.0:
             return None
         if self.place(self.below) <= 0.0:
@@ -166,9 +171,8 @@ def after_impact_margin(amplitude: float, omega: float, eta: float) -> float:
     at = first.impact()
     if at is None:
         return eta * math.sqrt(max(0.0, first.energy_left())) - 1.0
-    return (
-        -1.0 if math.isnan(at) else float(first.margin_inside(at, eta))
-    )  # so close to A = 1 the body does not overturn
+    # so close to A = 1 the body does not overturn
+    return -1.0 if math.isnan(at) else float(first.margin_inside(at, eta))
 
 
 def _overturns(amplitude: np.ndarray, omega: float, eta: float) -> np.ndarray:
@@ -207,12 +211,12 @@ def _single_impact(amplitude: float, omega: float, eta: float) -> bool:
     at = first.impact()
     if at is None:
         return True
+    # The motion on the other side from the impact on, with the restitution of Eq. 2.6:
+    # the drive has changed its sign there.
     t = np.linspace(0.0, first.duration - at, 4001)[1:]
-    phase, q, speed = (
-        first.psi + omega * at,
-        amplitude / (1.0 + omega**2),
-        -eta * first.speed(at),
-    )
+    phase = first.psi + omega * at
+    q = amplitude / (1.0 + omega**2)
+    speed = -eta * first.speed(at)
     sine, cosine = q * math.sin(phase), q * omega * math.cos(phase)
     x = (
         1.0

@@ -19,6 +19,8 @@ from ..errors import UsageError
 from ..motions import Motion, pulse
 from ..motions.grid import Axis, HasMotion, parse_axes, scaled_frequency, written_axes
 from ..processes import available_cpus, processes, refuse_endless
+from ..showing import html_table
+from ..structures.given import Structure, structure_from
 from ..structures.parameters import RockingParameters
 from .amplitudes import SCAN_STEP
 from .boundaries import Search, Steps
@@ -26,17 +28,12 @@ from .boundaries import Search, Steps
 A_MAX = 20.0
 NARROWEST = 1e-3  # no interval of this width in A is missed
 HIGHEST = 100_000.0  # largest a_max; a larger scan takes too long
-SIGNS = {
-    "+": (1.0,),
-    "-": (-1.0,),
-    "worse": (1.0, -1.0),
-}  # of the ground acceleration, for bodies with unequal sides
+# signs of the ground acceleration that are tried, for bodies with unequal sides
+SIGNS = {"+": (1.0,), "-": (-1.0,), "worse": (1.0, -1.0)}
 NONE = "none"  # the mode of a body that no amplitude overturns
 BOTH = "both"  # each sign by itself
-NAMED = (
-    "motion",
-    "model",
-)  # columns for programs; a printed table has them only if their values differ
+# columns for programs; a printed table has them only if their values differ
+NAMED = ("motion", "model")
 # The columns that say which row it is: of an interval, and of a point of a curve.
 INTERVAL_KEYS = (
     "record",
@@ -83,9 +80,12 @@ class Interval(NamedTuple):
     a_to: float | None  # largest A [-], None beyond the limit of the search
     mode: str  # word of the outcome, as `Outcome.mode` has it
 
+    def _repr_html_(self) -> str:
+        return html_table("Interval", self._asdict())
+
 
 def trace_envelope(
-    structure: RockingParameters,
+    structure: Structure,
     motion: Motion | HasMotion,
     omegas: Sequence[float] | np.ndarray,
     *,
@@ -104,8 +104,8 @@ def trace_envelope(
     Parameters
     ----------
     structure
-        the structure; `dimensionless_oscillator(eta)` is one of which only the
-        restitution is known
+        parameters, a document, a path, or a text such as "block:0.5x2"; of
+        `dimensionless_oscillator(eta)` only the restitution is known
     motion
         the motion of the ground
     omegas
@@ -144,10 +144,9 @@ def trace_envelope(
     1.40357 3.48466
     3.63115 None
     """
-    motion, omegas = (
-        motion if isinstance(motion, Motion) else motion.motion,
-        np.atleast_1d(np.asarray(omegas, dtype=float)),
-    )
+    structure = structure_from(structure)
+    motion = motion if isinstance(motion, Motion) else motion.motion
+    omegas = np.atleast_1d(np.asarray(omegas, dtype=float))
     if (
         motion.acceleration is not None
         and not structure.dimensionless
@@ -247,6 +246,7 @@ def _scan_of(
         )
     if a_max > HIGHEST:
         raise UsageError(f"a-max: found {a_max:g}; expected up to {HIGHEST:g}")
+    # A sign that lifts no body below a_max needs no search.
     searches = [search for search in searches if search.lowest < a_max]
     amplitudes = frequencies * sum(
         (a_max - search.lowest) / SCAN_STEP for search in searches
@@ -399,23 +399,26 @@ def misjudged(
         ]
         return [(r["A_from"], a_max if r["A_to"] is None else r["A_to"]) for r in mine]
 
+    # Lengths in A: where the linear equation stands and the nonlinear one falls, where
+    # the nonlinear one falls, and where the linear one falls and the other one stands.
     unsafe = falls = alarms = 0.0
     for key in {(r["Omega"], r.get("sign")) for r in (*linear, *nonlinear)}:
         both = intervals(linear, key), intervals(nonlinear, key)
+        # Between two neighbouring ends of intervals neither outcome changes.
         edges = np.unique(
             [edge for one in both for interval in one for edge in interval]
         )
         middle, width = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
-        said, true = (
+        by_linear, by_nonlinear = (
             sum(
                 ((low < middle) & (middle < high) for low, high in one),
                 np.zeros(middle.shape, dtype=bool),
             )
             for one in both
         )
-        unsafe += float(width[~said & true].sum())
-        falls += float(width[true].sum())
-        alarms += float(width[said & ~true].sum())
+        unsafe += float(width[~by_linear & by_nonlinear].sum())
+        falls += float(width[by_nonlinear].sum())
+        alarms += float(width[by_linear & ~by_nonlinear].sum())
     share = f"{100.0 * unsafe / falls:.3g} %" if falls else "none"
     overturn = f"the amplitudes that overturn up to A = {a_max:g}"
     return (
@@ -436,6 +439,9 @@ def check_curves(structure: RockingParameters, motion: Motion, axis: Axis) -> No
 
 
 def _closed_form_of(motion: Motion) -> str:
+    """Return the name of the pulse of `closed_form` that a motion is. Raises UsageError
+    for another motion.
+    """
     from .closed_form import PULSES
 
     forms = {pulse(name).pieces: name for name in PULSES}

@@ -24,15 +24,13 @@ Array = np.ndarray
 
 # ratio of neighbouring amplitudes, minus 1, in the tenth below a known fall
 _FINE = 6e-5
-# under a pulse with narrow falls: ratio minus 1, and start of the search over the fall
-_FINEST, _NEAREST = (5e-6, 0.997)
-_NEAR, _ABOVE = (
-    0.9,
-    1.05,
-)  # times the lowest fall: start of the fine search, and end of the count of falls
-_TOGETHER = (
-    64  # parts of a bracket in one cut, if the march computes all amplitudes together
-)
+# The same under a pulse with narrow falls, and where this search starts, over the fall.
+_FINEST = 5e-6
+_NEAREST = 0.997
+_NEAR = 0.9  # start of the fine search, over the lowest fall
+_ABOVE = 1.05  # end of the count of falls, over the lowest fall
+# parts of a bracket in one cut, if the march computes all amplitudes together
+_TOGETHER = 64
 # number of amplitudes on either side of an approximate fall at which the march looks
 # for it
 _NEIGHBOURS = 2
@@ -54,7 +52,7 @@ class FallSearch:
 
     # function that returns True for amplitudes at which the body falls, by the march
     falls: Callable[[Array], Array]
-    # the same for many amplitudes, perhaps approximate, to tell where to look
+    # the same question for many amplitudes, perhaps approximate: it tells where to look
     approximate_falls: Callable[[Array], Array]
     digits: float  # relative width of a traced boundary [-]
     scan: Scan | None = None  # the approximate scan, None without one
@@ -111,6 +109,7 @@ class FallSearch:
         """
         low, stretch, found = begin, _STRETCH, None
         while found is None and low < end:
+            # Coarse amplitudes tell where to look, stretch by stretch from below.
             high = self._stretch_end(low, end, stretch)
             amplitude, falling = self._coarse(low, high)
             found = next(
@@ -168,6 +167,7 @@ class FallSearch:
         first = near * (1.0 - 2.0 * COARSE if self.by_march else near)
         low, high, lowest = max(begin, first * found), found, None
         while low < high:
+            # Runs of neighbouring falls, from below. At first `found` counts as one.
             amplitude = _scan_amplitudes(low, high, ratio)
             falling = self.approximate_falls(amplitude)
             falling[-1] |= lowest is None
@@ -192,6 +192,8 @@ class FallSearch:
                 if at
                 else float(amplitude[0])
             )
+        # The scan is approximate: the march tries the neighbours below the run, then
+        # some of the run and above it.
         first = np.arange(max(0, run[0] - _NEIGHBOURS), run[0] + 1)
         fallen = first[self.falls(amplitude[first])]
         if not fallen.size:
@@ -200,6 +202,7 @@ class FallSearch:
             fallen = rest[self.falls(amplitude[rest])]
         if not fallen.size:
             return None
+        # Down from this fall by steps that double, to an amplitude at which it stands.
         at, step = int(fallen[0]), 1
         while at and self.falls(amplitude[(below := max(0, at - step)) : below + 1])[0]:
             at, step = below, 2 * step
@@ -230,10 +233,8 @@ class FallSearch:
         share = np.arange(1.0, parts)
         while high - low > self.digits * high and low < 0.5 * (low + high) < high:
             between = ((parts - share) * low + share * high) / parts
-            ends, first = (
-                [low, *between.tolist(), high],
-                int(np.argmax(np.append(self.falls(between), True))),
-            )
+            ends = [low, *between.tolist(), high]
+            first = int(np.argmax(np.append(self.falls(between), True)))
             low, high = ends[first], ends[first + 1]
         return high
 

@@ -3,9 +3,9 @@ search uses them to decide where the march must look.
 
 A lane is a body at an amplitude; the lanes of many bodies move together (`ScanPool`),
 line by line. A line is a sample of the record, a part of one, or a few very short ones
-(`record_lines`). Bounces shorter than a part of a line are averaged. Of 9,400
-amplitudes within a tenth of the first falls of four blocks under records of 0.005 and
-0.02 s, 6 have another outcome by the march; all lie next to a boundary.
+(`record_lines`). Bounces shorter than a part of a line are averaged. Of 4,800
+amplitudes within a tenth of the first falls of four blocks under two records, of 0.005
+and 0.02 s, 6 have another outcome by the march.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,8 +18,9 @@ from ..dynamics.outcome import safe
 from ..dynamics.single.lane import Lane
 from ..dynamics.system import System
 from ..motions.motion import Motion
+from .changes import Brackets, narrowed
 from .record_lines import record_lines
-from .scan_pool import ScanPool
+from .scan_pool import Accuracy, Followed, ScanPool
 
 Array = np.ndarray
 
@@ -27,20 +28,11 @@ Array = np.ndarray
 # those of the march: a share of them, and an amount for extremes within a line.
 _SHARE, _MORE = 1.05, 0.03
 
-
 # Longest line [tau], and up to which the lines of several samples are joined: joined
 # to 0.02, the lines of some records moved boundaries by 1e-3 of the amplitude.
 _LONGEST, _JOINED = 0.06, 0.015
 
-
-class Accuracy(NamedTuple):
-    """How closely a scan follows bodies."""
-
-    degree: int  # degree of the series of a step
-    roots: int  # number of steps of Newton's method to an impact
-
-
-# Lines up to `_JOINED` need less: either has boundaries within 1e-6 of the march's.
+# Lines up to `_JOINED` need less: of 1,200 outcomes 2 or 3 differ.
 _OF_SHORT, _OF_LONG = Accuracy(4, 2), Accuracy(6, 4)
 
 
@@ -60,7 +52,7 @@ class Scanned(NamedTuple):
         )
 
 
-class Scan:
+class Scan(Followed):
     """One body under one record at one Omega, followed approximately."""
 
     def __init__(
@@ -68,6 +60,7 @@ class Scan:
     ) -> None:
         self.lane = lane = Lane(system, system.segments(motion.coarsest), omega, eta)
         self.edges = list(lane.edges(1.0).values())
+        # Lines as long as a sample, or as `_JOINED` or `_LONGEST` allow.
         tau = min(edge.omega for edge in self.edges)  # phase in a unit of tau
         sample = float(lane.segments.length[:].max()) / tau
         line = _LONGEST if sample > _LONGEST else max(sample, _JOINED)
@@ -176,3 +169,25 @@ def follow(
             alike, *(np.split(x, ends[:-1]) for x in found), strict=True
         ):
             scans[i].known = scans[i].known.with_more(Scanned(new[i], *own))
+
+
+def changes_by_scan(
+    scans: Sequence[Scan], grid: Array, digits: float, parts: int
+) -> Brackets:
+    """The changes of the outcome between neighbouring amplitudes of a grid, for each
+    body a row, narrowed to the relative width `digits` by sections of `parts`.
+    """
+
+    def by_scan(amplitude: Array, row: Array) -> Array:
+        amplitude, row = np.broadcast_arrays(amplitude, row)
+        masks = [row == i for i in range(len(scans))]
+        follow(scans, [amplitude[some] for some in masks])
+        label = np.empty(row.shape, dtype=np.uint8)
+        for scan, some in zip(scans, masks, strict=True):
+            label[some] = scan.outcomes(amplitude[some])
+        return label
+
+    row = np.repeat(np.arange(len(scans)), grid.size)
+    amplitude = np.tile(grid, len(scans))
+    scanned = Brackets.between(row, amplitude, by_scan(amplitude, row))
+    return narrowed(by_scan, scanned, digits, parts, False)

@@ -5,19 +5,17 @@ of `recurrence` on arrays. Lanes of many bodies share the cost of a round, and n
 a lane depends on the others.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ..dynamics.equations.recurrence import motion_terms
 from ..dynamics.outcome import Outcome
+from ..dynamics.single.lane import Lane, LaneEdge
 from ..dynamics.single.series_roots import value
 from .record_lines import RecordLines
-
-if TYPE_CHECKING:
-    from .scan import Scan
 
 Array = np.ndarray
 
@@ -29,6 +27,22 @@ _MOST_ROUNDS = 100  # rounds over lines, after which a lane is left to the march
 _UPLIFT_ROUNDS = 8
 _TOLD_ROUNDS = 128  # rounds between two calls of a function for the progress
 _SEARCH_LINES = 64  # number of lines that one search for the next uplift covers
+
+
+class Accuracy(NamedTuple):
+    """How closely a scan follows bodies."""
+
+    degree: int  # degree of the series of a step
+    roots: int  # number of steps of Newton's method to an impact
+
+
+class Followed:
+    """A body under a record, as a pool follows it."""
+
+    lane: Lane  # the body and the record
+    edges: list[LaneEdge]  # its edges under A = 1
+    lines: RecordLines  # the record as lines
+    accuracy: Accuracy  # how closely it is followed
 
 
 class Struck(NamedTuple):
@@ -60,9 +74,10 @@ class ScanPool:
         "speed",  # largest |y'| at the ends of lines, in the unit of its side
     )
 
-    def __init__(self, scans: "list[Scan]", amplitudes: list[Array]) -> None:
+    def __init__(self, scans: Sequence[Followed], amplitudes: list[Array]) -> None:
         edges = [edge for scan in scans for edge in scan.edges]
         self.scans, self.sides, row = scans, len(scans[0].edges), np.arange(len(edges))
+        # The row of a body and side; `others`: the row of the other side of the body.
         self.others = row + self.sides - 1 - 2 * (row % self.sides)
         self.drives, self.speed_ratio, self.limit, self.units, omega = (
             np.array([getattr(f, n) for f in edges])
@@ -90,6 +105,8 @@ class ScanPool:
         """Store the lines of the bodies one after the other; after those of each body
         follow lines of length 0, in which lanes wait.
         """
+        # A lane that comes to rest waits there until the next search for uplifts, while
+        # each round moves it one line on.
         still = np.zeros(_UPLIFT_ROUNDS + 1)
         begins = np.cumsum([0] + [lines.s.size + still.size for lines in lines_of])
         self.begin, self.end = begins[:-1], begins[1:] - still.size
@@ -109,6 +126,8 @@ class ScanPool:
         high[self.end] = low[self.end] = np.inf
         self.high, self.low = np.append(high, padding), np.append(low, padding)
 
+        # The residuals of all lines in one array: `count` samples a line, which begin
+        # at `sample`.
         samples = [lines.residual.shape[2] for lines in lines_of]
         residuals = [
             np.pad(lines.residual, ((0, 0), (0, still.size), (0, 0))).reshape(4, -1)
@@ -219,6 +238,7 @@ class ScanPool:
         """Move each lane to the end of its line, or to an impact."""
         k, x, drive = self.k, self.x, self.drive
         left, s, rise = 1.0 - x, self.s[k], self.rise[k]
+        # The Taylor series of the line, over what is left of it.
         lasts = self.length[k] * self.pace
         h = np.maximum(lasts * left, 1e-12)
         square = h * h
@@ -234,10 +254,9 @@ class ScanPool:
             factors,
             [drive * (s + rise * x), drive * (rise * left)],
         )
-        self.y, self.v = (
-            sum(terms[1:], terms[0]),
-            sum((n * c for n, c in enumerate(terms[2:], 2)), terms[1]) / h,
-        )
+        # The state at the end of the line: y and y' are the sums of the terms.
+        self.y = sum(terms[1:], terms[0])
+        self.v = sum((n * c for n, c in enumerate(terms[2:], 2)), terms[1]) / h
         self.k, self.x = k + 1, np.zeros_like(x)
         turned = self.y if self.alike else self.y * self.units[self.row]
         np.maximum(self.peak, turned, out=self.peak)
@@ -291,16 +310,20 @@ class ScanPool:
         """
         at, k, x = struck.at, struck.k, struck.x
         row, drive = self.row[at], self.drive[at]
+        # A bounce under the force f lasts 2 v/f; only short ones are averaged.
         push = self.s[k] + self.rise[k] * (0.5 + 0.5 * x)
         here = 1.0 - drive * push
         averaged = (here > 0.0) & (2.0 * v < _BRIEF * here)
         bounce, cycle_ratio = 2.0 * v / here, self.speed_ratio[row]
         if self.sides == 2:
+            # A cycle has a bounce on each side, as in Lemma 7.
             other = self.others[row]
             bounce = bounce + 2.0 * cycle_ratio * v / np.maximum(
                 1.0 - self.drives[other] * self.amplitude[at] * push, 1e-3
             )
             cycle_ratio = cycle_ratio * self.speed_ratio[other]
+        # A cycle takes the time `bounce` and 1 - q of the speed: under a constant force
+        # the speed falls linearly with the time.
         left = self.length[k] * self.pace[at] * (1.0 - x)
         return v * (1.0 - left * (1.0 - cycle_ratio) / bounce), averaged
 
@@ -312,6 +335,7 @@ class ScanPool:
         """
         x, h = struck.x, struck.h
         y, v, half = terms[:3]
+        # First guess from the first three terms, then Newton's method within the line.
         root = np.sqrt(np.maximum(v * v - 4.0 * half * y, 0.0))
         t = np.where(v > 0.0, -0.5 * (v + root) / half, 2.0 * y / (root - v))
         w = dw = np.zeros_like(x)

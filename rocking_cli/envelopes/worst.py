@@ -20,7 +20,8 @@ from .amplitudes import Limit, limit_of
 from .capacity import CapacitySearch
 from .intervals import A_MAX, in_turn, trace_envelope
 
-_RATIO = 1.04  # of neighbouring frequencies of the scan; narrower minima may be missed
+# ratio of neighbouring frequencies of the scan; narrower minima may be missed
+_RATIO = 1.04
 _WITHIN = 1.2  # upper end of the scan over the least amplitude so far
 # relative distance from an end at which a lower amplitude shows that the end is no
 # minimum
@@ -31,10 +32,10 @@ _OUTCOME_REACH = 1.5
 _LADDER = 1.002  # ratio of the amplitudes of this search
 _SCANNED = 0.6  # about the share of the scan of a search
 _HALF = 12  # searches around minima after which half of the rest is taken as done
-_LAST = 0.01  # of a search, which counts when it has come from its process
-_BEYOND = (
-    10.0  # ratio of an end of the range and the last frequency that is tried beyond it
-)
+# share of a search that counts when its result has come from its process
+_LAST = 0.01
+# ratio of an end of the range and the last frequency that is tried beyond it
+_BEYOND = 10.0
 _TRIED = 48  # frequencies beyond an end
 
 Tell = Callable[[float], None]  # called with the share that is done
@@ -97,10 +98,8 @@ def at_worst_frequency(
     if omega is None:
         return WorstFrequency(low, None, None)
 
-    stated = {
-        begin: low.frequency,
-        end: high.frequency,
-    }  # as they are, without rounding
+    # The ends of the range are used as the user states them, without rounding.
+    stated = {begin: low.frequency, end: high.frequency}
     if (axis := stated.get(omega)) is None:
         axis = (
             Axis("Omega", np.array([omega]))
@@ -303,6 +302,7 @@ class _Search(NamedTuple):
         (low, high), minima = self.ends, []
         around = [low, *firsts, high]
         for before, omega, after in zip(around, firsts, around[2:], strict=False):
+            # A minimum of the scan lies no higher than its neighbours.
             about = firsts[omega]
             if not (
                 math.isfinite(about) and about <= min(firsts[before], firsts[after])
@@ -310,6 +310,7 @@ class _Search(NamedTuple):
                 continue
             first = self._first(omega, most)
             minima.append((first, omega))
+            # At an end of the range: is it lower a little inside?
             inside = omega * (1.0 + _INSIDE if omega == low else 1.0 - _INSIDE)
             if omega in (low, high) and self._first(inside, most) >= first:
                 continue

@@ -19,7 +19,7 @@ class Resampling:
 
     Attributes
     ----------
-    samples: their number, 0 for no band
+    samples: number of samples, 0 for no band
     seed: of the random numbers
     level: of confidence [-]
 
@@ -29,9 +29,9 @@ class Resampling:
     0.95
     """
 
-    samples: int = 1000  # their number, 0 for no band
+    samples: int = 1000  # number of samples, 0 for no band
     seed: int = 0  # of the random numbers
-    level: float = 0.95  # of confidence [-]
+    level: float = 0.95  # level of confidence [-]
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -91,10 +91,11 @@ def interval(
     def of(index: Array, axis: int = -1) -> Array:
         return statistic(np.moveaxis(np.asarray(index, dtype=np.int64), axis, -1))
 
+    # SciPy warns if all samples are on one side of the estimate.
     with (
         warnings.catch_warnings(),
         np.errstate(divide="ignore", invalid="ignore"),
-    ):  # if all samples are on one side of the estimate
+    ):
         warnings.simplefilter("ignore", stats.DegenerateDataWarning)
         found = stats.bootstrap(
             (np.arange(records),),
@@ -137,6 +138,9 @@ def _drawn(
     x: Array | None,
     rate: Callable[[Array, Array], Array] | None = None,
 ) -> Array:
+    """Return the numbers of resampled curves, (numbers, samples): ln median, beta, the
+    rate if wanted, and the standard score at each intensity x.
+    """
     centre, beta = estimate
     rates = [] if rate is None else [rate(centre, beta)]
     return np.stack(
@@ -150,6 +154,9 @@ def _drawn(
 
 
 def _band(low: Array, high: Array, rated: bool = False) -> Band | None:
+    """Return the band from the low and the high ends of the numbers of `_drawn`, None
+    if one of them is not finite; rated: True if the rate is among them.
+    """
     from scipy.special import ndtr
 
     rate = (

@@ -27,12 +27,12 @@ class Counts:
     """The counts of a file, (k,) levels."""
 
     source: str  # the file
-    measure: Measure | None  # of the levels; None if the file states no unit
+    measure: Measure | None  # measure of the levels; None if the file states no unit
     x: Array  # levels, in SI; in the unit of the file without a measure
     n: Array  # motions at each level
     z: Array  # motions beyond the limit state
     remark: str | None = None  # says in which unit levels without one are read
-    unit: str = ""  # of the levels, as the file states it
+    unit: str = ""  # unit of the levels, as the file states it
 
 
 def read_counts(

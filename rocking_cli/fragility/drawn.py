@@ -13,6 +13,7 @@ from ..responses.together import Together
 from ..structures.draws import Draw, draws
 from ..structures.parameters import RockingParameters
 from .exposure import MotionSet, Progress
+from .fitted_curve import SlideLimit
 from .measures import MotionMember
 
 Array = np.ndarray
@@ -24,9 +25,8 @@ class DrawnExposure:
     level of the intensity measure.
     """
 
-    theta_ratio: (
-        Array  # max |theta|/alpha, NaN where it falls [-], (members, levels, n)
-    )
+    # max |theta|/alpha, NaN where it falls [-], (members, levels, n)
+    theta_ratio: Array
     outcome: Array  # codes of `Outcome`, (members, levels, n)
     made: Array  # True for draws that make a structure, (members, n)
     fault: str | None  # why the first of the others makes none
@@ -35,6 +35,11 @@ class DrawnExposure:
         """Return the shares of the draws that are known, and that are known and beyond
         a limit state (None: overturning), (members, levels).
         """
+        if isinstance(limit, SlideLimit):
+            raise UsageError(
+                f"limit state {limit}: draws have no displacement; expected a structure"
+                " without a spread"
+            )
         known = self.outcome != Outcome.FAILED
         beyond = falls(self.outcome)
         if limit is not None:

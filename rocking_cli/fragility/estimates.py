@@ -191,8 +191,8 @@ def _likeliest(start: Array, slope: Array, sample: _Sample) -> Estimate:
 
 
 def _newton_step(start: Array, slope: Array, sample: _Sample) -> list[Array]:
-    """Return the changes of start and slope in a full step of Newton's method; zero
-    where the likelihood is not concave.
+    """Return the changes of start (-mu/beta) and slope (1/beta) in a full step of
+    Newton's method for the likelihood; zero where the likelihood is not concave.
     """
     (g0, g1), (h00, h01, h11) = sample.derivatives(start, slope)
     with np.errstate(all="ignore"):

@@ -47,7 +47,7 @@ _SHARE = "running maximum of the exact share of overturning motions"
 class Share:
     """The exact share of overturning motions, straight lines between points."""
 
-    structure: str  # its name
+    structure: str  # name of the structure
     no_damage: float  # level up to which the body stays at rest [SI], 0 if unknown
     x: Array  # intensities of the points [SI], (n,)
     p: Array  # share of the motions at the points [-], (n,)
@@ -146,6 +146,7 @@ def write(
                 " one method"
             )
         grouped[state.structure][state.limit] = state
+    # A file has the same limit states for every structure; others are left out.
     every = sorted({state.limit for state in states}, key=_order)
     common = [
         limit for limit in every if all(limit in found for found in grouped.values())
@@ -191,9 +192,8 @@ def check_export(target: Path, form: str, measure: Measure, overwrite: bool) -> 
         known = measure.name in _DEMANDS or measure.name.startswith("SA(")
         expected = "PGA, PGV or SA(T)"
     else:
-        known = not measure.of_structure and (
-            len(measure.periods) < 2 or "," not in measure.name
-        )
+        own = measure.of_structure or measure.of_record is not None
+        known = not own and (len(measure.periods) < 2 or "," not in measure.name)
         expected = "PGA, PGV, PGD, Arias, CAV, SA(T) or AvgSA(T)"
     if not known:
         raise UsageError(
@@ -228,6 +228,7 @@ def _order(limit: str) -> float:
 
 
 def _of_limit(limit: str) -> str:
+    """Return a limit state in the words of an exported file."""
     if limit == "counted":
         return "limit state of the counts"
     return (

@@ -75,7 +75,7 @@ class MotionSet:
 
     members: Sequence[MotionMember]  # pulses or records
     measure: Measure  # the intensity measure that scales them
-    levels: Array  # of the measure [SI], (n,)
+    levels: Array  # levels of the measure [SI], (n,)
     method: Method  # equation of motion and its tolerance
 
     @property
@@ -154,6 +154,9 @@ def _under_records(
     path: Path | None,
     sweep: SweepOptions | None,
 ) -> list[Exposure]:
+    """Return the exposures of structures to scaled records, from a sweep; its file is
+    `path`, or it stays in memory.
+    """
     from ..spectra.file.reader import SpectraFile
     from ..spectra.record_scene import structures_scene
 
@@ -277,6 +280,9 @@ def traced(
 def _trace(
     structure: RockingParameters, motions: MotionSet, member: MotionMember
 ) -> list[Interval]:
+    """Return the intervals of the measure [SI] in which one motion overturns a
+    structure, up to the last level; the last one may be open.
+    """
     if friction_that_slides(structure) is not None:
         return []  # it never overturns
     unit, method = motions.unit(structure, member), motions.method

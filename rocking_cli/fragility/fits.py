@@ -1,10 +1,11 @@
 """Fits of fragility curves to data that support one; `estimates` has the methods."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
 from ..errors import UsageError, counted
+from ..showing import Shown
 from .estimates import MOST, Estimate, cloud, first_overturning, stripes
 
 Array = np.ndarray
@@ -12,8 +13,8 @@ Array = np.ndarray
 FEWEST = 4  # least number of records for a fit
 
 
-@dataclass(frozen=True)
-class Curve:
+@dataclass(frozen=True, repr=False)
+class Curve(Shown):
     """A fragility curve: a lognormal distribution of the capacity.
 
     P(x) = Phi(ln(x/median)/beta). `fit_stripes`, `fit_first` and `fit_cloud` return
@@ -35,6 +36,9 @@ class Curve:
     median: float  # in the unit of the intensity measure
     beta: float  # dispersion [-]
     n: float  # number of records
+
+    def _shown(self) -> dict[str, float]:
+        return asdict(self)
 
     def __call__(self, x: Array | float) -> Array:
         """Return the probability at intensities x, in the shape of x."""

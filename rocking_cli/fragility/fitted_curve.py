@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..showing import Shown
 from .bootstrap import Band
 from .fits import Curve
 from .hazard import HazardCurve, Rate
@@ -56,8 +57,8 @@ def word_of(limit: float | None) -> str:
     return "overturning" if limit is None else f"{limit:g}"
 
 
-@dataclass(frozen=True, eq=False)
-class Fit:
+@dataclass(frozen=True, eq=False, repr=False)
+class Fit(Shown):
     """A fitted fragility curve with its band, and with a hazard curve its annual rate.
 
     `fragility` returns one for each structure, limit state and method; `row` and
@@ -88,7 +89,7 @@ class Fit:
     ('Column', 1.5725)
     """
 
-    structure: str  # its name
+    structure: str  # name of the structure
     im: str  # name of the intensity measure
     limit: str  # the limit state, a number of |theta|/alpha or "overturning"
     method: str  # "stripes", "first" or "cloud"
@@ -106,6 +107,12 @@ class Fit:
     # dispersion of the motions alone, at the means of numbers with a spread [-]; None
     # without draws
     beta_motions: float | None = None
+
+    def _shown(self) -> dict[str, Any]:
+        return self.row()
+
+    def _rows(self) -> Iterator[dict[str, Any]]:
+        return self.points_of_curve()
 
     def row(self) -> dict[str, Any]:
         """Return the fit as one row."""

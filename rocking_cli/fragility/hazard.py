@@ -221,7 +221,7 @@ class Rate:
         Parameters
         ----------
         years
-            their number
+            length of time [years]
 
         Returns
         -------

@@ -22,9 +22,8 @@ _OPENQUAKE = {
     "CAV": ("g s", DEFAULT_GRAVITY),
 }
 _LEVEL = "poe-"  # what the columns of OpenQuake begin with
-_IMT = re.compile(
-    r"""\bimt\s*=\s*["']*([A-Za-z]\w*(?:\([^)]*\))?)"""
-)  # quoted in several ways, by version
+# the name of the measure; versions of OpenQuake quote it in different ways
+_IMT = re.compile(r"""\bimt\s*=\s*["']*([A-Za-z]\w*(?:\([^)]*\))?)""")
 _TIME = re.compile(r"""\binvestigation_time\s*=\s*["']*([\d.eE+-]+)""")
 _TABLE = "a measure with its unit, and annual_rate or p_50_years: PGA [g],annual_rate"
 
@@ -212,6 +211,9 @@ def _is_at(place: str, site: str, row: dict[str, str]) -> bool:
 
 
 def _two_columns(table: Table, measure: Measure) -> list[HazardPoint]:
+    """Return the points of a table with a column of levels and one of annual rates, or
+    of probabilities in so many years. Raises DocumentError.
+    """
     names, first = table.headings, f"{table.source}, line {table.line}"
     (im, unit), (kind, _) = (
         (split_heading(name) for name in names)
@@ -232,9 +234,8 @@ def _two_columns(table: Table, measure: Measure) -> list[HazardPoint]:
     found = []
     for at, (cell, rate) in table.full_rows():
         place, text = f"{table.source}, line {at}", with_unit(cell, unit)
-        if (
-            text == cell and is_bare(cell) and measure.unit
-        ):  # m/s2 would be the rule, g is what everybody means
+        # The program would read m/s2 here, but most people mean g.
+        if text == cell and is_bare(cell) and measure.unit:
             raise DocumentError(
                 f"{place}: found the level {cell} without a unit; expected {_TABLE}"
             )
@@ -251,13 +252,13 @@ def _two_columns(table: Table, measure: Measure) -> list[HazardPoint]:
 
 
 def _require_measure(place: str, found: str, wanted: Measure) -> None:
+    """Raise UsageError unless the measure that a file names is the wanted one."""
     try:
         name = measure_of("Arias" if found == "IA" else found).name
     except UsageError:
         name = ""
-    if (
-        found == "AvgSA" or name != wanted.name
-    ):  # that of OpenQuake has periods that the file does not state
+    # AvgSA of OpenQuake averages over periods that the file does not state.
+    if found == "AvgSA" or name != wanted.name:
         raise UsageError(
             f"{place}: found levels of {found}; expected levels of {wanted.name}, the"
             " measure `im`"

@@ -3,24 +3,41 @@
 A measure that depends on the structure is dimensionless: PGA/(lambda g), p PGV/(g tan
 alpha), p^2 PGD/(g tan alpha). Each measure is proportional to a power of the scale
 factor of a motion.
+
+An installed package adds a measure of records by an entry point: a module, or an
+object, with DIMENSION (a word of `quantities.UNITS`), `value(record)`, which returns it
+for a Record in SI, and if it is not proportional to the record its POWER. Entry points
+are read only for a name that is not in MEASURES.
+
+    [project.entry-points."rocking.measures"]
+    CAV5 = "my_package.cav5"
 """
 
 import math
 from collections.abc import Callable, Collection, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..documents.quantities import DEFAULT_GRAVITY, quantity_at
+from ..documents.quantities import DEFAULT_GRAVITY, UNITS, quantity_at, si_unit
 from ..documents.table import named_rows
 from ..errors import DocumentError, UsageError, did_you_mean
 from ..motions import Motion, pulse
 from ..motions.biaxial import Upwards
 from ..motions.intensity import Intensity
 from ..motions.recording import Recording
+from ..motions.records import Record
 from ..motions.response_spectra import mean_acceleration, periods_of
+from ..plugins import blamed, installed
 from ..structures.parameters import RockingParameters
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+GROUP = "rocking.measures"
 
 # of a motion and a structure
 Evaluate = Callable[[Intensity, RockingParameters], float]
@@ -36,9 +53,11 @@ class Measure:
     unit: str  # SI unit of its values, "" for a plain number
     dimension: str  # a word of `quantities.UNITS`
     evaluate: Evaluate  # returns it from the intensity of a motion and a structure
-    power: float = 1.0  # of the scale factor [-]
+    power: float = 1.0  # the measure is proportional to factor**power [-]
     of_structure: bool = False  # True if it also depends on the structure
     periods: tuple[float, ...] = ()  # of SA and AvgSA [s]
+    # returns it from a record, in place of `value`; None for a measure of this package
+    of_record: Callable[[Record], float] | None = None
 
     def in_words(self, value: float) -> str:
         """Return a value of the measure [SI] in words; accelerations are in g."""
@@ -96,12 +115,51 @@ def measure_of(name: str) -> Measure:
         (m for key, m in MEASURES.items() if key.casefold() == name.strip().casefold()),
         None,
     )
-    if found is None:
+    if found is not None:
+        return found
+    added = installed(GROUP)
+    if name not in added:
+        words = (*MEASURES, *added)
         raise UsageError(
-            f"`im`: found {name!r}; expected {', '.join(MEASURES)}, SA(T),"
-            f" AvgSA(T){did_you_mean(name, MEASURES)}"
+            f"`im`: found {name!r}; expected {', '.join(words)}, SA(T),"
+            f" AvgSA(T){did_you_mean(name, words)}"
         )
-    return found
+    return _added(added[name])
+
+
+def _added(entry: "EntryPoint") -> Measure:
+    """Return the measure of an installed package. Raises UsageError."""
+    with _blamed(entry):
+        found = entry.load()
+        dimension, value = (getattr(found, key, None) for key in ("DIMENSION", "value"))
+        power = getattr(found, "POWER", 1.0)
+        if not (isinstance(dimension, str) and dimension in UNITS and callable(value)):
+            raise TypeError(
+                f"{entry.value} needs a DIMENSION ({', '.join(UNITS)}) and a function"
+                " value(record)"
+            )
+        if not (isinstance(power, int | float) and 0.0 < power < math.inf):
+            raise TypeError(f"its POWER is {power!r}, which is no positive number")
+
+    def of_record(record: Record) -> float:
+        with _blamed(entry):
+            number = value(record)
+            if not isinstance(number, int | float | np.floating):
+                raise TypeError(f"value returns {type(number).__name__}, not a number")
+        return float(number)
+
+    return Measure(
+        entry.name,
+        si_unit(dimension),
+        dimension,
+        lambda i, s: math.nan,
+        power=float(power),
+        of_record=of_record,
+    )
+
+
+def _blamed(entry: "EntryPoint") -> AbstractContextManager[None]:
+    return blamed(entry, lambda said: UsageError(f"`im`: the measure {said}"))
 
 
 def compared(members: "Sequence[MotionMember]", own: Measure) -> Collection[Measure]:
@@ -120,7 +178,7 @@ def compared(members: "Sequence[MotionMember]", own: Measure) -> Collection[Meas
 class MotionMember:
     """A motion of a set: a pulse or a record."""
 
-    label: str  # its name in the set
+    label: str  # name of the record in the set
     acceleration: float  # peak [m/s2]
     omega: float  # circular frequency [rad/s], 1 for a record
     intensity: Intensity  # measures of the unscaled motion
@@ -138,15 +196,19 @@ class MotionMember:
 
     def measured(self, measure: Measure, structure: RockingParameters) -> float:
         """Return the measure of the unscaled motion. Raises UsageError unless it is
-        positive, and for SA or AvgSA of a pulse.
+        positive, and for SA, AvgSA or a measure of a package of a pulse.
         """
-        if not measure.periods:
+        of_record = measure.of_record
+        if not measure.periods and of_record is None:
             value = measure.evaluate(self.intensity, structure)
         elif self.recording is None:
             raise UsageError(
                 f"{self.label}: found {measure.name} of a pulse; expected a record, or"
                 " another measure"
             )
+        elif of_record is not None:
+            factor = abs(self.recording.factor) ** measure.power
+            value = factor * of_record(self.recording.record)
         else:
             value = abs(self.recording.factor) * mean_acceleration(
                 self.recording.record, np.array(measure.periods)
@@ -253,6 +315,7 @@ def site_pulses(
         )
     if not members:
         raise DocumentError(f"{path}: holds no pulse")
+    # Only the ratios of the weights count; their mean is 1.
     mean = sum(m.weight for m in members) / len(members)
     return tuple(replace(m, weight=m.weight / mean) for m in members)
 
@@ -274,6 +337,7 @@ def cell(
 def _positive(
     path: str | Path, line: int, row: dict[str, str], column: str, dimension: str
 ) -> float:
+    """Return a positive quantity [SI] of a row of a table. Raises DocumentError."""
     value = cell(path, line, row, column, dimension)
     if not value > 0.0:
         raise DocumentError(

@@ -16,6 +16,7 @@ from ..dynamics.outcome import Outcome
 from ..errors import UsageError, did_you_mean
 from ..motions.recording import Recording
 from ..spectra.sweep import SweepOptions
+from ..structures.given import Structure, structures_from
 from ..structures.parameters import RockingParameters
 from .bootstrap import Resampling, bootstrap, interval
 from .drawn import DrawnExposure, drawn_exposure
@@ -130,6 +131,9 @@ class Study:
     def _stripes(
         self, exposure: Exposure | DrawnExposure, limit: float | None
     ) -> Fitted:
+        """Fit the shares of motions beyond the limit state at each level: (curve,
+        estimate from resampled motions, share at each level).
+        """
         known, beyond = exposure.counts(limit)
         levels, w = self.motions.levels, self.motions.weight[:, None]
         n, z = w * known, w * beyond
@@ -141,6 +145,9 @@ class Study:
         )
 
     def _first(self, limit: float | None) -> Fitted:
+        """Fit the first overturning levels of the motions: (curve, estimate from
+        resampled motions, share at each level).
+        """
         if limit is not None:
             raise UsageError(
                 f'limit state {limit:g}: the method "first" fits only the limit state'
@@ -158,6 +165,9 @@ class Study:
         )
 
     def _cloud(self, limit: float | None) -> Fitted:
+        """Fit the rotations under unscaled motions: (curve, estimate from resampled
+        motions, no shares).
+        """
         if limit is None or isinstance(limit, SlideLimit):
             raise UsageError(
                 f"limit state {word_of(limit)}: the method cloud needs a rotation"
@@ -298,7 +308,7 @@ def _is_lifted(member: MotionMember) -> bool:
 
 
 def fragility(
-    structures: Sequence[RockingParameters],
+    structures: Structure | Sequence[Structure],
     records: Sequence[Recording],
     levels: Sequence[float] | Array,
     im: str = "PGA",
@@ -316,7 +326,7 @@ def fragility(
     Parameters
     ----------
     structures
-        one or more
+        one or more: parameters, documents, paths, or texts such as "block:0.5x2"
     records
         the records, each scaled to every level; see `load_records`
     levels
@@ -356,6 +366,7 @@ def fragility(
     rocking_cli.errors.UsageError: Column, 0.1, stripes: 1 records; a fit needs at least
     4
     """
+    bodies = structures_from(structures)
     measure, x = measure_of(im), check_levels(np.asarray(levels, dtype=float))
     if hazard is not None and hazard.im != measure.name:
         raise UsageError(
@@ -369,12 +380,12 @@ def fragility(
                 f" {', '.join(METHODS)}{did_you_mean(word, METHODS)}"
             )
     motions = MotionSet(
-        members_of(records), measure, x, method or governing_method(*structures)
+        members_of(records), measure, x, method or governing_method(*bodies)
     )
     exact, sweep = hazard is not None and None in limits, SweepOptions(workers=workers)
     each = list(
         studies(
-            structures,
+            bodies,
             motions,
             methods,
             how or Resampling(),

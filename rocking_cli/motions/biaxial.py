@@ -39,7 +39,7 @@ class Upwards:
     """A vertical motion times `scale`, to be added to horizontal motions."""
 
     vertical: Motion  # the motion, positive upwards
-    scale: float = 1.0  # its factor, with the sign [-]
+    scale: float = 1.0  # factor of the vertical motion, with its sign [-]
 
     def __call__(self, motion: Motion) -> Motion:
         """Return the motion with this vertical one, see `with_vertical`."""
@@ -51,9 +51,8 @@ class Upwards:
         """
         lines, found = self.vertical, hashlib.sha256()
         if isinstance(lines, Polyline):
-            for part in blocks(
-                lines.start.size
-            ):  # one after the other, as in files of earlier versions
+            # The digest takes the columns block by block, as earlier versions did.
+            for part in blocks(lines.start.size):
                 for column in (lines.start, lines.stop, lines.constant, lines.slope):
                     found.update(np.ascontiguousarray(column[part]).tobytes())
         return [lines.name, found.hexdigest(), lines.acceleration, self.scale]
@@ -64,10 +63,8 @@ def combined(motion: Motion, factor: float) -> Motion:
     up = motion.vertical
     assert up is not None
     if isinstance(motion, Polyline) and isinstance(up, Polyline):
-        constant, slope = (
-            motion.constant + factor * up.constant,
-            motion.slope + factor * up.slope,
-        )
+        constant = motion.constant + factor * up.constant
+        slope = motion.slope + factor * up.slope
         return Polyline(motion.name, motion.start, motion.stop, constant, slope)
     return Motion(
         motion.name,

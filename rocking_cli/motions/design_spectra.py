@@ -32,11 +32,9 @@ _SAMPLES = 4000
 _LEVELS = ("S_a", "Sa", "Se")  # headings of the accelerations of a file
 # s, the longest first period of a file, whose S_a is the peak ground acceleration
 _FIRST = 0.03
-_A, _B = 0.8, 1.1  # of T_k: the plateau of a floor spectrum (C7.2.6-8)
-_FLOOR, _FLOOR_KEYS = (
-    "T=TIME,xi=RATIO,gamma_psi=NUMBER",
-    {"T": "time", "xi": "number", "gamma_psi": "number"},
-)
+_A, _B = 0.8, 1.1  # ends of the plateau of a floor spectrum, over T_k (C7.2.6-8)
+_FLOOR = "T=TIME,xi=RATIO,gamma_psi=NUMBER"
+_FLOOR_KEYS = {"T": "time", "xi": "number", "gamma_psi": "number"}
 
 
 @dataclass(frozen=True)
@@ -181,9 +179,10 @@ class SpectrumFile:
             for a period beyond the last one of the file
         """
         slope = np.diff(self.values) / np.diff(self.periods)
+        # period at which a falling line would reach zero [s]
         tops = self.periods[:-1] - self.values[:-1] / np.where(
             slope < 0.0, slope, np.nan
-        )  # where a line falls to zero
+        )
         periods = np.concatenate([self.periods, 2.0 / 3.0 * tops, [period]])
         periods = periods[periods <= period]
         return float(

@@ -54,6 +54,7 @@ MEANT = {
     "t": "T_g",
 }
 _FORM = "NAME=START:STOP:N[:log] or NAME=VALUE"
+# units and long name of each axis in a file
 AXES = {
     "A": ("1", "dimensionless amplitude a_scale a_g / (alpha g)"),
     "Omega": ("1", "dimensionless frequency omega_g / p"),
@@ -62,13 +63,10 @@ AXES = {
     "scale": ("1", "factor of the records"),
     "T": ("s", "2 pi / p, a measure of size and no period"),
     "alpha": ("rad", "critical angle"),
-}  # units and long name of each axis in a file
+}
 _FROM_ZERO = ("A", "a_g", "scale")
-_PAIRS = (
-    ("A", "Omega"),
-    ("a_g", "omega_g"),
-    ("A", "omega_g"),
-)  # the last one for records
+# axes that go together; the last pair is that of records
+_PAIRS = (("A", "Omega"), ("a_g", "omega_g"), ("A", "omega_g"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -290,9 +288,8 @@ def written_axes(text: str) -> str:
     return " and ".join(part.partition("=")[0].strip() for part in text.split(","))
 
 
-OWN_TIME = Axis(
-    "omega_g", np.array([1.0])
-)  # rad/s; then the phase of a record is its time in s
+# rad/s; then the phase of a record is its time in s
+OWN_TIME = Axis("omega_g", np.array([1.0]))
 
 
 def as_recorded(acceleration: float) -> Grid:
@@ -318,9 +315,11 @@ class HasMotion(Protocol):
         """The motion."""
 
 
-def demand_of(motion: Motion | HasMotion, shaking: Grid | None) -> tuple[Motion, Grid]:
-    """Return the motion and its grid of one cell; a record without a grid has its own
-    amplitude.
+def demand_of(
+    motion: Motion | HasMotion, shaking: Grid | str | None
+) -> tuple[Motion, Grid]:
+    """Return the motion and its grid of one cell, which may be a text; a record without
+    a grid has its own amplitude.
 
     Raises UsageError for another motion without a grid, and for a grid of several
     cells.
@@ -330,12 +329,17 @@ def demand_of(motion: Motion | HasMotion, shaking: Grid | None) -> tuple[Motion,
     return found, grid
 
 
-def with_grid(motion: Motion | HasMotion, grid: Grid | None) -> tuple[Motion, Grid]:
-    """Return the motion and its grid; a record without a grid has its own amplitude.
+def with_grid(
+    motion: Motion | HasMotion, grid: Grid | str | None
+) -> tuple[Motion, Grid]:
+    """Return the motion and its grid, which may be a text; a record without a grid has
+    its own amplitude.
 
     Raises UsageError for another motion without a grid.
     """
     found = motion if isinstance(motion, Motion) else motion.motion
+    if isinstance(grid, str):
+        grid = parse_grid(grid, own_time=found.acceleration is not None)
     if grid is not None:
         return found, grid
     if found.acceleration is None:

@@ -78,16 +78,14 @@ def intensity(record: Record) -> Intensity:
     energy = _sums(dt / 3.0 * (a0**2 + a0 * a1 + a1**2))
     total = np.abs(a0) + np.abs(a1)
     i, areas = np.flatnonzero(a0 * a1 < 0.0), 0.5 * dt * total
-    areas[i] = (
-        0.5 * dt * (a0[i] ** 2 + a1[i] ** 2) / total[i]
-    )  # two triangles where a changes its sign, else a trapezoid
+    # two triangles where a changes its sign, else a trapezoid
+    areas[i] = 0.5 * dt * (a0[i] ** 2 + a1[i] ** 2) / total[i]
     at_5, at_75, at_95 = (_reached(a, dt, energy, part) for part in (0.05, 0.75, 0.95))
+    # The velocity has an extreme where the acceleration changes its sign.
     return Intensity(
         pga=largest(a),
         pga_time=int(np.abs(a).argmax()) * dt,
-        pgv=max(
-            largest(v), largest(v[i] + 0.5 * dt * a[i] ** 2 / (a[i] - a[i + 1]))
-        ),  # an extreme where a changes its sign
+        pgv=max(largest(v), largest(v[i] + 0.5 * dt * a[i] ** 2 / (a[i] - a[i + 1]))),
         pgd=_largest_displacement(a, v, d, dt),
         arias=math.pi / (2.0 * DEFAULT_GRAVITY) * float(energy[-1]),
         cav=float(areas.sum()),
@@ -130,15 +128,12 @@ def _reached(a: Array, dt: float, energy: Array, part: float) -> float:
     if not target > 0.0:
         return 0.0
     i = int(np.searchsorted(energy, target)) - 1
-    a0, rise, wanted = (
-        float(a[i]),
-        float(a[i + 1] - a[i]) / dt,
-        target - float(energy[i]),
-    )
+    a0 = float(a[i])
+    rise = float(a[i + 1] - a[i]) / dt
+    wanted = target - float(energy[i])
     low, high = 0.0, dt
-    for _ in range(
-        60
-    ):  # bisection of a rising function; 60 steps reach double precision
+    # bisection of a rising function; 60 steps reach double precision
+    for _ in range(60):
         middle = 0.5 * (low + high)
         gained = middle * (a0 * a0 + middle * (a0 * rise + middle * rise * rise / 3.0))
         low, high = (low, middle) if gained >= wanted else (middle, high)

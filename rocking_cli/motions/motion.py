@@ -247,6 +247,9 @@ class Motion:
         )
 
     def _scaled_name(self, factor: float) -> tuple[str, Motion | None]:
+        """Return the name and the vertical part of this motion times a factor. The
+        vertical part keeps its sign.
+        """
         own = (
             f"{self.name.removesuffix(upwards(self.vertical))}, times"
             f" {checked_scale(self.name, factor):g}"

@@ -15,7 +15,7 @@ from .motion import Harmonic, Motion, Piece
 from .polyline import Polyline
 from .pulses import MOST_CYCLES, TURN
 
-LARGEST = 1e6  # of an acceleration over a_g, and of a phase
+LARGEST = 1e6  # largest acceleration over a_g, and largest phase
 SHORTEST = 1e-9  # periods
 _PIECES = "a list of pieces, each with from, to, and constant, slope or sines"
 _POINTS = "a list of two or more points [t/T_g, acceleration/a_g], in order of time"
@@ -51,6 +51,7 @@ def build_motion(document: Document) -> Motion:
 
 
 def _children(document: Document, key: str, wanted: str, least: int) -> list[Value]:
+    """Return the items of a list of at least so many items. Raises DocumentError."""
     content = document.values[key].content
     if not isinstance(content, list) or len(content) < least:
         raise document.fault(
@@ -66,6 +67,9 @@ def _children(document: Document, key: str, wanted: str, least: int) -> list[Val
 
 
 def _pieces(document: Document) -> tuple[Piece, ...]:
+    """Return the pieces of a motion document, in which a period of omega_g lasts 1.
+    Raises DocumentError.
+    """
     pieces: list[Piece] = []
     for i, value in enumerate(_children(document, "pieces", _PIECES, 1), 1):
         part = document.part("pieces", value)
@@ -117,6 +121,7 @@ def _pieces(document: Document) -> tuple[Piece, ...]:
 
 
 def _sine(part: Document, value: Value, length: float) -> Harmonic:
+    """Return a sinusoid of a piece. Raises DocumentError."""
     sine = part.part("sines", value)
     amplitude = sine.quantity("amplitude", "number", least=-LARGEST, most=LARGEST)
     highest = MOST_CYCLES / length
@@ -133,6 +138,9 @@ def _sine(part: Document, value: Value, length: float) -> Harmonic:
 
 
 def _lines(document: Document, name: str) -> Motion:
+    """Return the motion of straight lines through the points of a document. Raises
+    DocumentError.
+    """
     points = [
         document.pair("points", value, "number", "point", _POINTS)
         for value in _children(document, "points", _POINTS, 2)

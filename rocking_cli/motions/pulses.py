@@ -1,6 +1,13 @@
 """The pulses of the literature by name, over phi = omega_g t; for a pulse with a
 duration, omega_g = 2 pi / duration. A new pulse is one line in PULSES, and a function
 that returns its motion where the line does not hold it.
+
+An installed package adds a pulse by an entry point: a function that returns the Motion,
+with max |s| = 1, from its parameters, among them `cycles`, `gamma` and `phase` of the
+command line. Entry points are read only for a name that is not in PULSES.
+
+    [project.entry-points."rocking.pulses"]
+    gabor = "my_package:gabor"
 """
 
 import math
@@ -10,8 +17,11 @@ from inspect import signature
 import numpy as np
 
 from ..errors import MotionError, did_you_mean
+from ..plugins import blamed, installed
 from .motion import Harmonic, Motion, Piece
 
+GROUP = "rocking.pulses"
+_UNIT = 1e-6  # of max |s|, which must be 1
 MOST_CYCLES = 100_000
 TURN = 2.0 * np.pi
 # a Ricker wavelet and its spectrum are below 1e-13 beyond this distance, in units of x
@@ -76,15 +86,12 @@ def ricker(antisymmetric: bool = False) -> Motion:
     phi_0)/sqrt(3), over its largest value, as 23 sinusoids (to 1e-13). omega_g is the
     predominant frequency.
     """
-    unit, x2, harmonics = (
-        math.sqrt(3.0 if antisymmetric else 2.0),
-        3.0 - math.sqrt(6.0),
-        [],
-    )
+    unit = math.sqrt(3.0 if antisymmetric else 2.0)
+    x2 = 3.0 - math.sqrt(6.0)
+    harmonics = []
     largest = math.sqrt(x2) * (3.0 - x2) * math.exp(-0.5 * x2)
-    for n in range(
-        1, int(_TAIL * _TAIL / np.pi) + 1
-    ):  # the Fourier series on |x| <= _TAIL
+    # the Fourier series on |x| <= _TAIL
+    for n in range(1, int(_TAIL * _TAIL / np.pi) + 1):
         k = n * np.pi / _TAIL
         factor, quarter = (-k / largest, 0.0) if antisymmetric else (1.0, 0.5 * np.pi)
         amplitude = math.sqrt(TURN) / _TAIL * k * k * math.exp(-0.5 * k * k) * factor
@@ -128,6 +135,9 @@ def mavroeidis_papageorgiou(gamma: float = 2.0, phase: float = 0.0) -> Motion:
 
 
 def _trigonometric(name: str, cycles: float, phase: float) -> Motion:
+    """Return a pulse of a whole number of half cycles from this phase [rad] on. Raises
+    MotionError.
+    """
     halves = 2.0 * cycles
     if not (1.0 <= halves <= 2.0 * MOST_CYCLES and halves == np.rint(halves)):
         raise MotionError(
@@ -140,6 +150,7 @@ def _trigonometric(name: str, cycles: float, phase: float) -> Motion:
     )
 
 
+# the motion of each pulse, from its parameters
 PULSES: dict[str, Callable[..., Motion]] = {
     "sine": sine,
     "cosine": cosine,
@@ -153,7 +164,7 @@ PULSES: dict[str, Callable[..., Motion]] = {
     "ricker-symmetric": lambda: ricker(),
     "ricker-antisymmetric": lambda: ricker(antisymmetric=True),
     "mavroeidis-papageorgiou": mavroeidis_papageorgiou,
-}  # the motion of each pulse, from its parameters
+}
 
 
 def pulse(name: str, **parameters: float) -> Motion:
@@ -163,7 +174,8 @@ def pulse(name: str, **parameters: float) -> Motion:
     ----------
     name
         "sine", "cosine", "half-sine", "rectangular", "rectangular-impulse",
-        "ricker-symmetric", "ricker-antisymmetric" or "mavroeidis-papageorgiou"
+        "ricker-symmetric", "ricker-antisymmetric", "mavroeidis-papageorgiou", or a
+        pulse of an installed package
     parameters
         `cycles` of a sine or cosine; `gamma` (duration over period, from 1) and `phase`
         [rad] of the pulse of Mavroeidis and Papageorgiou
@@ -184,13 +196,32 @@ def pulse(name: str, **parameters: float) -> Motion:
     >>> pulse("half-sine").value([1.0, 4.0]).round(6).tolist()
     [0.841471, 0.0]
     """
-    try:
+    if name in PULSES:
         make = PULSES[name]
-    except KeyError:
+        _require_known(name, make, parameters)
+        return make(**parameters)
+    found = installed(GROUP)
+    if name not in found:
+        words = (*PULSES, *found)
         raise MotionError(
             f"unknown pulse {name!r}; expected"
-            f" {', '.join(PULSES)}{did_you_mean(name, PULSES)}"
-        ) from None
+            f" {', '.join(words)}{did_you_mean(name, words)}"
+        )
+    with blamed(found[name], lambda said: MotionError(f"pulse {said}")):
+        make = found[name].load()
+        _require_known(name, make, parameters)
+        motion = make(**parameters)
+        if not isinstance(motion, Motion):
+            raise TypeError(f"it returns a {type(motion).__name__}, which is no Motion")
+        if not abs(motion.largest - 1.0) <= _UNIT:
+            raise ValueError(f"its largest value is {motion.largest:g}, which is not 1")
+    return motion
+
+
+def _require_known(
+    name: str, make: Callable[..., Motion], parameters: dict[str, float]
+) -> None:
+    """Raise MotionError for a parameter that a pulse does not take."""
     known = list(signature(make).parameters)
     for key in parameters:
         if key not in known:
@@ -198,4 +229,3 @@ def pulse(name: str, **parameters: float) -> Motion:
                 f"{name} pulse: takes no {key}"
                 + (f"; expected {' and '.join(known)}" if known else "")
             )
-    return make(**parameters)

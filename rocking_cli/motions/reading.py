@@ -35,17 +35,16 @@ from .response_spectra import mean_acceleration, periods_of
 
 Taken = TypeVar("Taken")
 
-LONG, _BYTES = (
-    5_000_000,
-    200,
-)  # a record with so many samples gets a remark on memory; bytes for each sample
+LONG = 5_000_000  # a record with so many samples gets a remark on memory
+_BYTES = 200  # memory for each sample
+# dimension of each intensity measure by its name
 MEASURES = {
     "PGA": "acceleration",
     "PGV": "velocity",
     "PGD": "length",
     "Arias": "velocity",
     "CAV": "velocity",
-}  # dimensions by name
+}
 
 
 class MotionChoices(TypedDict, total=False):
@@ -73,9 +72,9 @@ class MotionChoices(TypedDict, total=False):
     """
 
     component: str | None  # by name or number from 1
-    unit: str | None  # of plain numbers
+    unit: str | None  # unit of plain numbers
     dt: float | None  # time step of plain numbers [s]
-    # of plain numbers, from 1; `all` where each line goes on from the last
+    # column of plain numbers, from 1; `all` where each line goes on from the last
     column: str | None
     scale: float | None  # factor, which may be negative [-]
     scale_to: str | None  # instead of `scale`, such as `PGA=0.35g`
@@ -237,11 +236,9 @@ def _recordings(
 
 def _scaled(recording: Recording, given: MotionChoices) -> Recording:
     """The recording with its factor, after its remarks are told."""
-    record, scale, scale_to = (
-        recording.record,
-        given.get("scale"),
-        given.get("scale_to"),
-    )
+    record = recording.record
+    scale = given.get("scale")
+    scale_to = given.get("scale_to")
     if tell := given.get("tell"):
         for remark in record.remarks:
             tell(f"{record.source}: {remark}")
@@ -262,6 +259,9 @@ def _scaled(recording: Recording, given: MotionChoices) -> Recording:
 
 
 def _of_document(source: str, raw: bytes, given: MotionChoices) -> Motion:
+    """Return the motion of a motion document, scaled as the user asks. Raises
+    DocumentError, and UsageError for choices that only a record has.
+    """
     try:
         documents = documents_of(source, unpacked(source, raw))
     except DocumentError as error:
@@ -333,7 +333,7 @@ class NoRecord(DocumentError):
 class Stated(TypedDict):
     """What the user states of files of plain numbers."""
 
-    unit: str | None  # of acceleration
+    unit: str | None  # unit of acceleration
     dt: float | None  # time step [s]
     column: str | None  # number of a column from 1, or `all`
 
@@ -369,9 +369,8 @@ def read_set(
                 source, raw, unit=unit, dt=dt, column=column, named=named
             )
             if records is None:
-                raise NoRecord(
-                    source, raw, quoted=path in paths
-                )  # a list may name a file that its reader may not see
+                # a list may name a file that its reader may not see
+                raise NoRecord(source, raw, quoted=path in paths)
             taken = take(records)
             if not taken:
                 tell(
@@ -411,9 +410,8 @@ def record_files(
                 for name in os.listdir(path)
                 if not name.startswith(".")
             )
-            files = [
-                x for x in inside if os.path.isfile(x) or not os.path.exists(x)
-            ]  # reading reports a link to nothing
+            # reading reports a link to nothing
+            files = [x for x in inside if os.path.isfile(x) or not os.path.exists(x)]
             if not files:
                 raise UsageError(f"{path}: a directory without files")
             yield from ((x, False, None) for x in files)
@@ -441,6 +439,9 @@ def _listed(file: BinaryIO, folder: str) -> list[str]:
 
 
 def _names(raw: bytes, folder: str) -> list[str]:
+    """Return the paths that a list of files names; empty lines and comments do not
+    count.
+    """
     lines = (
         line.strip().strip('"')
         for line in raw.decode("utf-8", "surrogateescape").splitlines()

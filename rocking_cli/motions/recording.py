@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+from ..showing import Shown
 from .biaxial import Upwards
 from .blocks import largest
 from .intensity import Intensity, intensity
@@ -19,8 +20,8 @@ if TYPE_CHECKING:
     from .buildings import Building
 
 
-@dataclass(frozen=True, eq=False)
-class Recording:
+@dataclass(frozen=True, eq=False, repr=False)
+class Recording(Shown):
     """A record times a factor, in its own time.
 
     `load_records` makes them. `motion` is its motion, `acceleration` its peak,
@@ -46,22 +47,36 @@ class Recording:
 
     record: Record  # as recorded
     factor: float = 1.0  # may be negative [-]
-    label: str = ""  # its name in a set
+    label: str = ""  # name of the record in a set
     upwards: Upwards | None = None  # vertical motion with it, None without one
     # the building on whose floor the motion is; None on the ground. The record,
     # its factor and all measures are those of the ground.
     building: "Building | None" = None
 
     def __post_init__(self) -> None:
+        # file names may not be valid text
         label = (
             (self.label or self.record.label)
             .encode("utf-8", "backslashreplace")
             .decode()
-        )  # file names may not be valid text
+        )
         object.__setattr__(self, "label", label)
         checked_scale(self.record.label, self.factor)
         if not np.any(self.record.acceleration):
             record_motion(self.record)  # raises the MotionError
+
+    def _shown(self) -> dict[str, Any]:
+        vertical = (
+            {} if self.upwards is None else {"vertical": "with a vertical motion"}
+        )
+        scaled = {"factor": self.factor, "pga": self.acceleration}
+        return {**self.record._shown(), "record": self.label, **scaled, **vertical}
+
+    def _rows(self) -> list[dict[str, float]]:
+        return [
+            {"t": row["t"], "acceleration": self.factor * row["acceleration"]}
+            for row in self.record._rows()
+        ]
 
     @property
     def acceleration(self) -> float:
@@ -146,9 +161,10 @@ def with_distinct_labels(recordings: Sequence[Recording]) -> tuple[Recording, ..
     taken = set(times)
     for r in recordings:
         if times[r.label] > 1:
+            # a file may have such a name
             label = next(
                 name for n in count(1) if (name := f"{r.label} ({n})") not in taken
-            )  # a file may have such a name
+            )
             taken.add(label)
             r = replace(r, label=label)
         found.append(r)

@@ -24,10 +24,9 @@ from .records import Record
 
 Array = np.ndarray
 
-DAMPING = 0.05  # of a spectrum that states none, and of measures
-_STEPS = (
-    12  # in the shortest period, at least: then a step holds one turning point of u
-)
+DAMPING = 0.05  # damping of a spectrum that states none, and of measures
+# in the shortest period, at least: then a step holds one turning point of u
+_STEPS = 12
 _SIZE = 1 << 21  # samples times periods that are computed at once
 _FINEST = 1 << 24  # samples, to which a short period cuts the steps of a record
 _NAME = re.compile(r"(SA|AvgSA)(?:\((.*)\))?", re.IGNORECASE)
@@ -132,10 +131,8 @@ def periods_of(name: str) -> tuple[str, Array] | None:
     """
     if (match := _NAME.fullmatch(name.strip())) is None:
         return None
-    mean, text = (
-        match[1].casefold() != "sa",
-        match[2] or ("1" if match[1].casefold() != "sa" else ""),
-    )
+    mean = match[1].casefold() != "sa"
+    text = match[2] or ("1" if match[1].casefold() != "sa" else "")
     try:
         periods = np.array([parse_quantity(part, "time") for part in text.split(",")])
     except ValueError as error:
@@ -182,12 +179,15 @@ def _largest(record: Record, finer: int, w: Array, damping: float) -> Array:
 
 
 def _at_samples(a: Array, h: float, s: Array) -> Array:
-    """z at the samples a (n, 1) [m/s2] of step h [s], for oscillators s, (n,
-    oscillators).
+    """The states of oscillators at the samples, (n, oscillators): z = u' - conj(s) u
+    [m/s], so that z' = s z - a. a: ground acceleration [m/s2], (n, 1), linear over each
+    step h [s]; s: the root of each oscillator [1/s], (oscillators,).
     """
+    # What each step adds to the state ...
     z = np.zeros((len(a), s.size), dtype=complex)
     z[1:] = -a[:-1] * _gain(s, h) - np.diff(a, axis=0) * _rise(s, h)
-    # Sums of all that came before, over twice as many steps each time.
+    # ... and the sums of all that came before, each decayed by exp(s h) a step, over
+    # twice as many steps each time.
     factor, reach = np.exp(s * h), 1
     while reach < len(a):
         z[reach:] += factor * z[:-reach]
@@ -204,9 +204,10 @@ def _include_turns(
     w: Array,
     damping: float,
 ) -> None:
-    """Raise `most` to |u| of oscillators (s, w) where u' = 0 between two samples; z: at
-    the samples.
+    """Raise `most` to |u| of oscillators (s, w) where u' = 0 between two samples; z:
+    their states at the samples (`_at_samples`).
     """
+    # A change of the sign of u' between two samples, and its place on the chord.
     v = z.real - damping * w * z.imag / s.imag
     k, i = np.nonzero(v[:-1] * v[1:] < 0.0)
     a0, slope, s, w = a[k, 0], (a[k + 1, 0] - a[k, 0]) / h, s[i], w[i]
@@ -223,11 +224,14 @@ def _include_turns(
 
 
 def _gain(s: Array, h: Array | float) -> Array:
+    """(exp(s h) - 1)/s: the state after h of an oscillator under a = -1 from rest."""
     return np.expm1(s * h) / s
 
 
 def _rise(s: Array, h: Array | float) -> Array:
-    """(exp(s h) - 1 - s h)/(s^2 h), by its series where s h is small."""
+    """(exp(s h) - 1 - s h)/(s^2 h): the state after h from rest under an a that goes
+    from 0 to -1; by its series where s h is small.
+    """
     x = s * h
     small = np.abs(x) < 1e-3
     safe = np.where(x == 0.0, 1.0, x)

@@ -37,8 +37,8 @@ class Segments:
     sin: np.ndarray
     # cosine of each sinusoid at the start, times its amplitude [-], (harmonics, K)
     cos: np.ndarray
-    frequency: np.ndarray  # of each sinusoid over omega_g [-], (harmonics, K)
-    slope: np.ndarray  # of the linear term [1/rad], (K,)
+    frequency: np.ndarray  # frequency of each sinusoid over omega_g [-], (harmonics, K)
+    slope: np.ndarray  # slope of the linear term [1/rad], (K,)
     joins: np.ndarray  # True if the next segment is of the same piece, (K,)
     # largest s from the segment on, 0 for the ground at rest [-], (K,)
     later_max: np.ndarray
@@ -143,12 +143,10 @@ class Segments:
         high, low, start = self._blocks
         found = np.full(k.shape, len(self))
         lanes = np.flatnonzero(k < len(self))
-        at, above, below, level = (
-            k[lanes],
-            above[lanes],
-            below[lanes],
-            np.zeros(lanes.size, dtype=np.int64),
-        )
+        at = k[lanes]
+        above = above[lanes]
+        below = below[lanes]
+        level = np.zeros(lanes.size, dtype=np.int64)
         # to larger blocks while no value is large, then down into the first block with
         # a large value
         while lanes.size:
@@ -168,13 +166,11 @@ class Segments:
                 here = level < 0
                 found[lanes[here]] = at[here]
                 going = ~done
-                lanes, at, above, below, level = (
-                    lanes[going],
-                    at[going],
-                    above[going],
-                    below[going],
-                    level[going],
-                )
+                lanes = lanes[going]
+                at = at[going]
+                above = above[going]
+                below = below[going]
+                level = level[going]
         return found
 
     @cached_property
@@ -252,8 +248,10 @@ class Chain(Segments):
         return cls(**columns, first=np.cumsum([0, *map(len, rested[:-1])]))
 
     @cached_property
-    def _still(self) -> np.ndarray:
-        """The still ground behind the motion of each segment, (K + 1,)."""
+    def _ground_after(self) -> np.ndarray:
+        """Index of the segment of still ground that follows the motion to which a
+        segment belongs, (K + 1,); 0 for the index K, which is beyond all motions.
+        """
         return np.append(
             np.repeat(
                 np.append(self.first[1:], len(self)) - 1,
@@ -264,7 +262,7 @@ class Chain(Segments):
 
     def ended(self, k: np.ndarray) -> np.ndarray:
         """True also on the still ground between two motions."""
-        return np.asarray(k >= self._still.take(k))
+        return np.asarray(k >= self._ground_after.take(k))
 
     def next_beyond(
         self, k: np.ndarray, above: np.ndarray, below: np.ndarray
@@ -273,7 +271,7 @@ class Chain(Segments):
         `Segments.next_beyond` does.
         """
         found = super().next_beyond(k, above, below)
-        return np.where(found < self._still.take(k), found, len(self))
+        return np.where(found < self._ground_after.take(k), found, len(self))
 
 
 class Samples(NamedTuple):

@@ -74,11 +74,9 @@ def _series(
     r and r' d (2, intervals).
     """
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
-    terms, rest, rounding = (
-        np.zeros((_TERMS, middle.size)),
-        np.zeros(middle.size),
-        np.zeros((2, middle.size)),
-    )
+    terms = np.zeros((_TERMS, middle.size))
+    rest = np.zeros(middle.size)
+    rounding = np.zeros((2, middle.size))
     terms[0] = slope
     for amplitude, w, f in waves:
         argument, x = w * middle + f, w * half
@@ -135,11 +133,9 @@ class PolynomialTable:
         x -= 1.0
         patch += self.first[k]
         rows = self.terms.take(patch, axis=1)
-        value, rate, second_derivative = (
-            rows[-1].copy(),
-            np.zeros(x.shape),
-            np.zeros(x.shape),
-        )
+        value = rows[-1].copy()
+        rate = np.zeros(x.shape)
+        second_derivative = np.zeros(x.shape)
         for row in rows[-2::-1]:  # Horner's rule for the value and both derivatives
             second_derivative *= x
             second_derivative += rate

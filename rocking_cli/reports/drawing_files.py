@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,10 +16,26 @@ from ..documents.document import Document
 from ..errors import UsageError
 from ..spectra.file.reader import SpectraFile
 from .figures import curves
-from .figures.canvas import FIGURE_UNITS, SOURCE, Axes, Figure, Look, canvas, panels
+from .figures.canvas import (
+    FIGURE_UNITS,
+    SOURCE,
+    Axes,
+    Figure,
+    Look,
+    canvas,
+    panels,
+    require_axes,
+)
 from .figures.capacities import checked
 from .figures.characters import place_of
-from .figures.curves import accuracy, closed_forms, comparison, family, response
+from .figures.curves import (
+    accuracy,
+    closed_forms,
+    comparison,
+    family,
+    response,
+    response_axes,
+)
 from .figures.envelopes import bands
 from .figures.fragility_curves import (
     fragility_curves,
@@ -40,8 +56,17 @@ DRAWN = (
 )
 
 
+class Opened(NamedTuple):
+    """What is drawn: a file, or a result in memory."""
+
+    name: str  # of the file, or of the result, for messages
+    # opens a spectra file, or a spectrum in memory; None for a table
+    cells: Callable[[], AbstractContextManager[SpectraFile]] | None
+    rows: Callable[[], Rows]  # reads the rows of a table
+
+
 def draw(
-    source: str | Path | Sequence[str | Path],
+    source: Any,
     target: str | Path | Axes,
     *,
     structure: str | None = None,
@@ -57,15 +82,17 @@ def draw(
     overwrite: bool = True,
     tell: Callable[[str], None] | None = None,
 ) -> str | Axes | None:
-    """Draw a file of results into a PNG, SVG or PDF file, or into Axes.
+    """Draw results, of a file or in memory, into a PNG, SVG or PDF file, or into Axes.
 
     Parameters
     ----------
     source
         a spectra file, a CSV file of a command ("-": standard input), or the CSV files
-        of several responses
+        of several responses; or a result in memory: of `time_history`, `spectrum`,
+        `check`, `envelope`, `trace_envelope`, `closed_form_curves` or `fragility`
     target
-        the file to write, or Axes of matplotlib
+        the file to write, or Axes of matplotlib, into which a response is drawn
+        without its ground acceleration
     structure
         name of the structure or record of a map, None for the first
     cut
@@ -111,18 +138,21 @@ def draw(
     >>> draw("d.h5", "slice.svg", cut="Omega=5")
     'slice at Omega = 5, the nearest of the file'
     """
-    sources = _paths(source)
+    opened = opened_source(source)
+    alone = None if isinstance(target, str | Path) else target
     shown = Units({**FIGURE_UNITS.chosen, **(units.chosen if units else {})})
     remark = None
-    with _place(target, sources[0], overwrite, look, tell) as figure:
-        if not is_spectra_file(sources[0]):
+    with _place(target, opened, overwrite, look, tell) as figure:
+        if opened.cells is None:
             lines = partial(phase, body=body) if portrait else None
-            axes = _table(figure, sources, shown, over, lines, align)
-        elif cut is not None:
-            axes, remark = _cut(figure, sources[0], cut, shown)
+            axes = _table(figure, opened, shown, over, lines, align, alone)
         else:
-            axes = _places(figure, sources[0], structure, every, shown)
-        _require_marks(axes, sources[0])
+            with opened.cells() as file:
+                if cut is not None:
+                    axes, remark = _cut(figure, file, cut, shown)
+                else:
+                    axes = _places(figure, file, structure, every, shown)
+        _require_marks(axes, opened.name)
         _set_logarithmic(axes, log)
     return remark if isinstance(target, str | Path) else target
 
@@ -133,14 +163,9 @@ def _set_logarithmic(axes: Sequence[Axes], log: str) -> None:
         one.set(**{f"{axis}scale": "log" for axis in log})
 
 
-def _paths(source: str | Path | Sequence[str | Path]) -> list[Path]:
-    """Return the files of `draw` as a list."""
-    return [Path(x) for x in ([source] if isinstance(source, str | Path) else source)]
-
-
 def _place(
     target: str | Path | Axes,
-    source: Path,
+    source: Opened,
     overwrite: bool,
     look: Look | None,
     tell: Callable[[str], None] | None,
@@ -149,19 +174,18 @@ def _place(
     caller.
     """
     if not isinstance(target, str | Path):
-        return nullcontext(OneAxes(target))
-    instead = "; `text` needs nothing" if is_spectra_file(source) else ""
+        return nullcontext(OneAxes(require_axes(target)))
+    instead = "; `text` needs nothing" if source.cells else ""
     return canvas(target, overwrite, look=look, tell=tell, instead=instead)
 
 
 def _cut(
-    figure: Figure, source: Path, cut: str, units: Units
+    figure: Figure, file: SpectraFile, cut: str, units: Units
 ) -> tuple[list[Axes], str]:
     """Draw a slice of a spectra file; return its axes and a sentence that states its
     place.
     """
-    with SpectraFile(source) as file:
-        found = slice_of(file, cut)
+    found = slice_of(file, cut)
     axes = figure.add_subplot()
     spectrum_lines(axes, found, units)
     name, unit, factor = units.column(found.where)
@@ -169,7 +193,7 @@ def _cut(
     return [axes], f"{place}, the nearest of the file"
 
 
-def _require_marks(axes: Sequence[Axes], source: Path) -> None:
+def _require_marks(axes: Sequence[Axes], source: str) -> None:
     """Raise UsageError if no axes hold a mark or a point of a line."""
     if any(one.collections or one.patches for one in axes):
         return
@@ -208,6 +232,30 @@ class OneAxes:
         return np.array([[self._axes]])
 
 
+def opened_source(source: Any) -> Opened:
+    """Return what a path, several paths or a result in memory hold. Raises UsageError
+    for another thing.
+    """
+    if isinstance(source, list | tuple) and len(source) == 1:
+        return opened_source(source[0])
+    if isinstance(source, str | Path):
+        path = Path(source)
+        cells = partial(SpectraFile, path) if is_spectra_file(path) else None
+        return Opened(str(source), cells, partial(_rows, [path]))
+    paths = isinstance(source, Sequence) and source
+    if paths and all(isinstance(one, str | Path) for one in source):
+        several = [Path(one) for one in source]
+        return Opened(str(several[0]), None, partial(_rows, several))
+
+    from .figures.memory import memory_file, memory_rows
+
+    name = type(source).__name__
+    if (file := memory_file(source)) is not None:
+        return Opened(name, lambda: nullcontext(file), list)
+    rows = memory_rows(source)
+    return Opened(name, None, lambda: rows)
+
+
 def _rows(sources: Sequence[Path]) -> Rows:
     """Return the rows of one CSV, or of several responses with the names of their
     files. Raises UsageError.
@@ -233,26 +281,26 @@ def is_spectra_file(source: Path) -> bool:
 
 
 def _places(
-    figure: Figure, source: Path, name: str | None, every: bool, units: Units
+    figure: Figure, file: SpectraFile, name: str | None, every: bool, units: Units
 ) -> list[Axes]:
     """Draw the map of one structure or record, or of all with `every`; records over
     structures as lines, over alpha and T as quantiles.
     """
-    with SpectraFile(source) as file:
-        names, *both = file.frame.dimensions.values()
-        if "alpha" in file.frame.dimensions and name is None and not every:
-            return record_spectra(figure, file, units)
-        chosen = list(range(len(names))) if every else [place_of(file, name)]
-        axes = panels(figure, len(chosen))
-        if any(isinstance(values, list) for values in both):  # of structures
-            for one, place in zip(axes, chosen, strict=True):
-                spectrum_lines(one, of_record(file, place), units)
-            return axes
-        entries = {
-            entry.get_label(): entry
-            for one, place in zip(axes, chosen, strict=True)
-            for entry in outcome_map(one, file, place, units)
-        }
+    names, *both = file.frame.dimensions.values()
+    if "alpha" in file.frame.dimensions and name is None and not every:
+        return record_spectra(figure, file, units)
+    chosen = list(range(len(names))) if every else [place_of(file, name)]
+    axes = panels(figure, len(chosen))
+    of_structures = any(isinstance(values, list) for values in both)
+    entries: dict[str, Any] = {}
+    for one, place in zip(axes, chosen, strict=True):
+        if of_structures:
+            spectrum_lines(one, of_record(file, place), units)
+        else:
+            entries |= {
+                entry.get_label(): entry
+                for entry in outcome_map(one, file, place, units)
+            }
     if entries:
         figure.legend(
             handles=list(entries.values()),
@@ -285,16 +333,18 @@ def _is_response(row: dict[str, str]) -> bool:
 
 def _table(
     figure: Figure,
-    sources: Sequence[Path],
+    opened: Opened,
     units: Units,
     over: str | None,
     portrait: Callable[..., list[Axes]] | None,
     align: bool,
+    alone: Axes | None,
 ) -> list[Axes]:
-    """Draw CSV by its columns; portrait: draws the phase portrait, None without it. The
-    other arguments are those of `draw`. Raises UsageError.
+    """Draw a table by its columns; portrait: draws the phase portrait, None without it;
+    alone: the Axes of the caller, None in a figure. The other arguments are those of
+    `draw`. Raises UsageError.
     """
-    source, rows = sources[0], _rows(sources)
+    source, rows = opened.name, opened.rows()
     there = set(rows[0])
     if "event" in there:
         raise UsageError(
@@ -308,6 +358,8 @@ def _table(
         }:
             return curves.least_amplitudes(figure, rows, units, over)
         if portrait is not None or align or _is_response(rows[0]):
+            if portrait is None and alone is not None:
+                return [response_axes(alone, rows, units, align)]
             return (portrait or partial(response, align=align))(figure, rows, units)
         for wanted, kind in TABLES:
             if wanted <= there:

@@ -52,7 +52,7 @@ class Subject:
     """A structure and its document."""
 
     document: Document  # from which the structure was built
-    structure: RockingParameters  # its parameters
+    structure: RockingParameters  # parameters of the structure
 
 
 def section(

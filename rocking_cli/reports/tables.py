@@ -18,7 +18,7 @@ from .units import Units
 
 Row = Mapping[str, Any]
 
-WIDTH = 100  # of a table, if no terminal says otherwise
+WIDTH = 100  # columns of a table, if no terminal says otherwise
 _GAP = "  "  # between two columns
 _LEAST = 4  # characters of a column that gives way to others
 _NUMBER = re.compile(r"(?:[<>] ?)?[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?")
@@ -331,6 +331,15 @@ def lines(
         return csv_lines(units.shown(map(flat, rows)), headings)
     named = [units.column(key)[0] for key in keys]
     return table_lines(units.shown(rows), keys=named, **table)
+
+
+def shown_cells(row: Row, digits: int = 4) -> Iterator[tuple[str, str]]:
+    """Yield (heading with unit, text) of the columns of a row of SI values that have a
+    value.
+    """
+    (shown,) = Units().shown([row])
+    for heading in _headings([shown], ()):
+        yield heading, _text(shown[heading], digits)
 
 
 def _plain(value: Any) -> Any:

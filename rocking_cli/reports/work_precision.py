@@ -59,7 +59,7 @@ class KnownCell(NamedTuple):
 
     amplitude: float  # A [-]
     omega: float  # Omega [-]
-    outcome: Outcome  # of the reference
+    outcome: Outcome  # outcome by the reference
     theta_ratio: float  # theta_max/alpha of the reference [-]
 
 

@@ -33,9 +33,8 @@ class Worst(NamedTuple):
 
 
 HINGE_COLUMNS = tuple(f"hinge{n}_{axis}" for n in (1, 2, 3, 4) for axis in ("fx", "fz"))
-_INSTANTS = 0.5 * (
-    1.0 - np.cos(np.linspace(0.0, np.pi, 25))
-)  # of an arc, at which the worst joint and hinge are chosen
+# instants as parts of an arc, at which the worst joint and hinge are chosen
+_INSTANTS = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, 25)))
 _SECTIONS = 180  # radial sections of an arch without voussoirs that are looked at
 _TOGETHER = 1024  # instants
 _COLUMNS = {
@@ -70,9 +69,8 @@ class ArchHistory:
     @cached_property
     def forces(self) -> ArchForces:
         """The forces in an arch of this mechanism."""
-        assert isinstance(
-            self.structure.mechanism, FourBar
-        )  # `TimeHistory.forces` builds no other
+        # `TimeHistory.forces` builds this object for arches only.
+        assert isinstance(self.structure.mechanism, FourBar)
         return ArchForces(self.structure.mechanism, self.structure.gravity)
 
     @cached_property
@@ -109,16 +107,12 @@ class ArchHistory:
         for part in blocks(moving.size, _TOGETHER):
             inside, arc = moving[part], arcs[part]
             state = self.state(arc, np.minimum(tau[inside], self.found.arcs.stop[arc]))
-            hinges, joints = (
-                self.forces.hinges(state).hinges,
-                self.forces.resultants(state, self.joints),
-            )
+            hinges = self.forces.hinges(state).hinges
+            joints = self.forces.resultants(state, self.joints)
             side, weight = self.found.arcs.side[arc], self.forces.weight
             on = (hinges[:, 0] - hinges[:, 3]) / weight
-            found["fx_ratio"][inside], found["fz_ratio"][inside] = (
-                side * on[:, 0],
-                on[:, 1],
-            )
+            found["fx_ratio"][inside] = side * on[:, 0]
+            found["fz_ratio"][inside] = on[:, 1]
             # The forces of the part left of each hinge on the part right of it. In a
             # mirrored arch the last hinge is the first from the left, and the part
             # before it is the right one.

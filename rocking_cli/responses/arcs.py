@@ -2,6 +2,7 @@
 that writes it down during a march.
 """
 
+import math
 from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from ..dynamics.equations.equation import Equation, Point
 from ..dynamics.equations.taylor import TaylorSeries
 from ..dynamics.outcome import LOST, Outcome
 from ..motions.blocks import blocks
+from ..showing import Shown
 
 if TYPE_CHECKING:
     from ..dynamics.tied.devices import Devices
@@ -94,8 +96,8 @@ class DeviceForces(NamedTuple):
         }
 
 
-@dataclass(frozen=True)
-class History:
+@dataclass(frozen=True, repr=False)
+class History(Shown):
     """A response in time, as `history` returns it.
 
     `at` evaluates rotation and speed at any time, `events` lists uplifts, impacts,
@@ -133,6 +135,18 @@ class History:
     # forces of the ties and the tendon over time
     device_forces: DeviceForces | None = None
 
+    def _shown(self) -> dict[str, Any]:
+        return {
+            "outcome": self.outcome.flag,
+            "theta_ratio": None if math.isnan(self.highest) else self.highest,
+            "end [tau]": self.end,
+            "arcs": int(self.arcs.side.size),
+            "events": len(self.events),
+        }
+
+    def _rows(self) -> list[dict[str, Any]]:
+        return [event._asdict() for event in self.events]
+
     def at(self, tau: Array) -> tuple[Array, Array]:
         """Return the rotation and its rate at some times.
 
@@ -162,9 +176,8 @@ class History:
                 )
         over = tau.ravel() > self.end
         ratio[over] = rate[over] = np.nan
-        return (ratio + 0.0).reshape(tau.shape), (rate + 0.0).reshape(
-            tau.shape
-        )  # no -0
+        # Adding 0.0 turns -0.0 into 0.0.
+        return (ratio + 0.0).reshape(tau.shape), (rate + 0.0).reshape(tau.shape)
 
     def sides(self, tau: Array) -> Array:
         """Return the side on which the body is at some times.
@@ -261,27 +274,23 @@ class Writer:
         device: str = "",
     ) -> None:
         """Add an event at y and y', both in the unit of the side."""
-        tau = max(
-            tau, self.events[-1].tau if self.events else 0.0
-        )  # in order, whatever the last digit
+        # Events stay in order even where rounding moves the last digit.
+        tau = max(tau, self.events[-1].tau if self.events else 0.0)
         equation = self.equation.on(np.array([side]))
-        rotation, rate = (
-            equation.rotation(np.array([y])),
-            equation.rotation_rate(np.array([y]), np.array([v])),
-        )
+        rotation = equation.rotation(np.array([y]))
+        rate = equation.rotation_rate(np.array([y]), np.array([v]))
+        # Adding 0.0 turns -0.0 into 0.0.
         numbers = (
             float(side * rotation[0]) + 0.0,
             float(side * rate[0]) * pace + 0.0,
-        )  # no -0
+        )
         self.events.append(Event(tau, event, *numbers, float(side), device))
 
     def arcs(self) -> HistoryArcs:
         """Return the arcs; each series gets as many terms as the longest one."""
         start, reach, side, pace, unit = np.array(self.numbers).reshape(-1, 5).T
-        lengths, most = (
-            np.array(self.lengths, dtype=np.int64),
-            max(self.lengths, default=5),
-        )
+        lengths = np.array(self.lengths, dtype=np.int64)
+        most = max(self.lengths, default=5)
         terms = np.zeros((start.size, most))
         terms[np.arange(most) < lengths[:, None]] = self.terms
         flow = TaylorSeries(

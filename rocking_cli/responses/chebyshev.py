@@ -29,10 +29,8 @@ class Extent(NamedTuple):
 
     def join(self, other: "Extent") -> "Extent":
         """Return the extent over the intervals of both."""
-        low, high = (
-            min(self, other, key=lambda e: e.least),
-            max(self, other, key=lambda e: e.largest),
-        )
+        low = min(self, other, key=lambda e: e.least)
+        high = max(self, other, key=lambda e: e.largest)
         return Extent(low.least, low.at_least, high.largest, high.at_largest)
 
 

@@ -21,6 +21,7 @@ from ..motions import Motion
 from ..motions.grid import Grid, HasMotion, demand_of
 from ..processes import available_cpus, part_reporter, processes
 from ..structures.friction import friction_that_slides
+from ..structures.given import Structure, structure_from
 from ..structures.parameters import RockingParameters
 from .force_history import ForceHistory
 from .known_shares import KnownShares
@@ -45,9 +46,9 @@ _WORTH = 3  # demands under pulses for each process that is started, at least
 
 
 def check(
-    structure: RockingParameters,
+    structure: Structure,
     motion: Motion | HasMotion,
-    shaking: Grid | None = None,
+    shaking: Grid | str | None = None,
     *,
     a_max: float | None = A_MAX,
     progress: Progress | None = None,
@@ -60,12 +61,12 @@ def check(
     Parameters
     ----------
     structure
-        the structure
+        parameters, a document, a path, or a text such as "block:0.5x2"
     motion
         the motion of the ground
     shaking
-        the demand: amplitude and frequency, a grid of one cell; a record does not need
-        it
+        the demand: amplitude and frequency, a grid of one cell or its text; a record
+        does not need it
     a_max
         A up to which overturning amplitudes are searched [-], or twice the demand if
         that is larger; None: no search
@@ -98,7 +99,8 @@ def check(
     told = KnownShares(
         1, lambda done: progress(_STAGES * done, _STAGES) if progress else None
     )
-    return _judged(structure, *demand_of(motion, shaking), a_max, None, told.of(0))
+    body = structure_from(structure)
+    return _judged(body, *demand_of(motion, shaking), a_max, None, told.of(0))
 
 
 def outcome_alone(
@@ -160,7 +162,9 @@ def _standing(
     fall_search: "FallSearch | None",
     done: Callable[[float], None],
 ) -> Standing:
-    """Return outcome and capacity of the verdict of `_judged`."""
+    """Return the outcome and the capacity over the demand of `check`, without the other
+    fields of its verdict; parameters as of `_judged`.
+    """
     if friction_that_slides(structure) is not None:
         return Standing(outcome_alone(structure, motion, shaking), None)
     answer = answer_of(capacity_search(structure, motion, shaking, a_max or 0.0))

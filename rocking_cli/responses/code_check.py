@@ -29,6 +29,7 @@ from ..motions.design_spectra import (
     SpectrumFile,
 )
 from ..motions.grid import Grid, HasMotion, demand_of
+from ..structures.given import Structure, structure_from
 from ..structures.mechanics.capacity_curve import CapacityCurve, capacity_curves
 from ..structures.parameters import RockingParameters
 
@@ -173,9 +174,9 @@ class CodeCheck:
 
 
 def code_check(
-    structure: RockingParameters,
+    structure: Structure,
     motion: Motion | HasMotion | None = None,
-    shaking: Grid | None = None,
+    shaking: Grid | str | None = None,
     *,
     site: SpectrumFile | None = None,
     floor: Sequence[FloorMode] = (),
@@ -188,12 +189,13 @@ def code_check(
     Parameters
     ----------
     structure
-        the structure, with a geometry
+        parameters, a document, a path, or a text such as "block:0.5x2"; with
+        a geometry
     motion
         the motion whose spectrum is the demand, None with `site`
     shaking
-        amplitude and frequency of the motion, a grid of one cell; a record does not
-        need it
+        amplitude and frequency of the motion, a grid of one cell or its text; a record
+        does not need it
     site
         the design spectrum of a file, in place of the motion's
     floor
@@ -225,6 +227,7 @@ def code_check(
     >>> [round(acceleration / 9.81, 3) for acceleration in accelerations]
     [0.5, 0.537, 0.765]
     """
+    structure = structure_from(structure)
     if not 1.0 <= confidence < math.inf:
         raise UsageError(
             f"`fc`: found {confidence:g}; expected a confidence factor from 1, such as"
@@ -348,10 +351,8 @@ def first_beyond(
     system = governing_method(structure, dimensionless=shaking.dimensionless).system_of(
         structure
     )
-    low, top = (
-        system.least_uplift(motion),
-        10.0 * demand if most is None else structure.dimensionless_amplitude(most),
-    )
+    low = system.least_uplift(motion)
+    top = 10.0 * demand if most is None else structure.dimensionless_amplitude(most)
 
     def beyond(amplitude: np.ndarray) -> np.ndarray:
         found = response(system, motion, amplitude, omega, structure.eta, how="floats")

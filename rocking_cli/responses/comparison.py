@@ -10,6 +10,7 @@ import numpy as np
 from ..dynamics.method import Method, governing_method
 from ..motions import Motion
 from ..motions.grid import Axis, Grid, HasMotion, demand_of
+from ..structures.given import Structure, structures_from
 from ..structures.parameters import RockingParameters
 from .history import quarter_period
 from .time_history import TimeHistory, time_history
@@ -39,9 +40,9 @@ def scaled_alike(
 
 
 def compare(
-    structures: Sequence[RockingParameters],
+    structures: Structure | Sequence[Structure],
     motion: Motion | HasMotion,
-    shaking: Grid | None = None,
+    shaking: Grid | str | None = None,
     methods: Sequence[Method] = (),
 ) -> list[TimeHistory]:
     """Return the response of each structure to one motion, at equal A and Omega.
@@ -52,12 +53,12 @@ def compare(
     Parameters
     ----------
     structures
-        one or more
+        one or more: parameters, documents, paths, or texts such as "block:0.5x2"
     motion
         the motion of the ground
     shaking
-        amplitude and frequency for the first structure, a grid of one cell; a record
-        does not need it
+        amplitude and frequency for the first structure, a grid of one cell or its text;
+        a record does not need it
     methods
         the equations of motion, empty for the nonlinear one if all geometries are known
         and the motion has units, else the linear one
@@ -79,13 +80,14 @@ def compare(
     >>> [history.outcome("linear").flag for history in found]
     ['rocked', 'rocked']
     """
+    bodies = structures_from(structures)
     motion, shaking = demand_of(motion, shaking)
     methods = methods or [
-        governing_method(*structures, dimensionless=shaking.dimensionless)
+        governing_method(*bodies, dimensionless=shaking.dimensionless)
     ]
     return [
-        time_history(s, motion, scaled_alike(s, shaking, structures[0]), methods)
-        for s in structures
+        time_history(s, motion, scaled_alike(s, shaking, bodies[0]), methods)
+        for s in bodies
     ]
 
 
@@ -106,10 +108,9 @@ def comparison_rows(
     peaks, and for two equations their difference and ratios of quarter periods.
     """
     for r in responses:
-        s, omega = (
-            r.structure,
-            None if r.motion.acceleration is not None else r.omega,
-        )  # a record has no frequency
+        s = r.structure
+        # A record has no frequency.
+        omega = None if r.motion.acceleration is not None else r.omega
         row: dict[str, Any] = {
             "structure": s.name,
             "eta": s.eta,

@@ -182,20 +182,16 @@ class _MarchWriter(Writer):
         fallen = self._fallen(float(arcs.side[i]))
         while i and arcs.flow.terms[0, i] >= fallen:
             i -= 1
-        start, length, arc = (
-            float(arcs.start[i]),
-            float(arcs.stop[i] - arcs.start[i]),
-            np.array([i]),
-        )
+        start = float(arcs.start[i])
+        length = float(arcs.stop[i] - arcs.start[i])
+        arc = np.array([i])
         share = np.linspace(0.0, 1.0, 65)  # beyond it, and perhaps back within this arc
         beyond = np.flatnonzero(
             arcs.flow.take(np.full(65, i)).at(share * (length * arcs.pace[i])).y
             >= fallen
         )
-        low, high = (
-            start,
-            start + float(share[beyond[0]] if beyond.size else 1.0) * length,
-        )
+        low = start
+        high = start + float(share[beyond[0]] if beyond.size else 1.0) * length
         for _ in range(80):
             middle = 0.5 * (low + high)
             low, high = (
@@ -229,10 +225,8 @@ class _MarchWriter(Writer):
 
     def _rest(self, before: Lanes, after: Lanes) -> None:
         """Note the rest at the end of the bounces, and the uplift after it."""
-        rest, lifts = (
-            self._end_of_bounces(before),
-            after.segment[0] < len(self.segments),
-        )
+        rest = self._end_of_bounces(before)
+        lifts = after.segment[0] < len(self.segments)
         if not lifts or self._tau(after) > rest:
             self._note(rest, "rest", 1.0, 0.0, 0.0)
         if lifts:
@@ -254,10 +248,8 @@ class _MarchWriter(Writer):
             for _ in range(3):
                 change = self._force_at_ground(lanes, h) - lanes.force
                 h = -2.0 * lanes.v / (lanes.force + change / 3.0)
-            fall, force = (
-                lanes.v + h * (lanes.force + 0.5 * change),
-                lanes.force + change,
-            )
+            fall = lanes.v + h * (lanes.force + 0.5 * change)
+            force = lanes.force + change
             lanes.phase += lanes.omega * h
             contact.impact(self.cells, lanes, fall, force)
             lanes.force = self._force_at_ground(lanes, np.zeros(1))

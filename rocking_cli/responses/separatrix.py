@@ -29,10 +29,8 @@ def separatrix(
     >>> bool(abs(right[0] + right[1] - 1.0).max() < 1e-6)
     True
     """
-    whole, edges = (
-        method.system_of(structure).equation,
-        dict(zip((-1.0, 1.0), structure.sides, strict=False)),
-    )
+    whole = method.system_of(structure).equation
+    edges = dict(zip((-1.0, 1.0), structure.sides, strict=False))
     for side in (1.0,) if structure.one_sided else (1.0, -1.0):
         equation = whole.on(np.array([side]))
         top, far = (

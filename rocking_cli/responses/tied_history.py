@@ -43,10 +43,8 @@ class _Recorder(Writer):
 
     def tau(self, lanes: Lanes) -> float:
         """Return the time of the first lane, as tau of the history."""
-        segments, k = (
-            self.march.segments,
-            min(int(lanes.segment[0]), len(self.march.segments) - 1),
-        )
+        segments = self.march.segments
+        k = min(int(lanes.segment[0]), len(self.march.segments) - 1)
         return (float(segments.start[k]) + float(lanes.phase[0])) / self.omega
 
     def keep(self, lanes: Lanes, arc: TaylorSeries, reach: float, now: Branch) -> None:
@@ -171,18 +169,14 @@ def device_rows(system: System, march: March) -> list[dict[str, Any]]:
             if devices.stiffness[row, i] or devices.prestress[row, i]
         ]
         at = on[0], i
-        largest, limit, word = (
-            float(max(force[row, i] for row in on)),
-            float(devices.force[at]),
-            "yield",
-        )
+        largest = float(max(force[row, i] for row in on))
+        limit = float(devices.force[at])
+        word = "yield"
         if np.isinf(limit) and devices.stiffness[at]:
-            limit, word = (
-                float(
-                    devices.prestress[at] + devices.stiffness[at] * devices.ultimate[at]
-                ),
-                "rupture",
+            limit = float(
+                devices.prestress[at] + devices.stiffness[at] * devices.ultimate[at]
             )
+            word = "rupture"
         row: dict[str, Any] = {
             "device": name,
             "force": largest,

@@ -15,6 +15,8 @@ from ..dynamics.outcome import LOST, Outcome
 from ..errors import UsageError
 from ..motions import Motion, Piece
 from ..motions.grid import Grid, HasMotion, demand_of
+from ..showing import Shown
+from ..structures.given import Structure, structure_from
 from ..structures.parameters import RockingParameters
 from .arcs import Event, History
 from .force_history import ForceHistory
@@ -26,9 +28,8 @@ if TYPE_CHECKING:
     from .arch_history import ArchHistory
     from .mechanism_history import MechanismHistory
 
-FREE = (
-    30.0  # tau for which a response is followed after the shaking, unless the user says
-)
+# tau for which a response is followed after the shaking, unless the user says
+FREE = 30.0
 POINTS = 500  # times of a history over its whole length, unless the user says
 MOST_POINTS = 10_000_000
 NAMED = ("structure", "motion", "model")  # columns that are the same in every row
@@ -38,8 +39,8 @@ IMPULSES = ("impulse_x", "impulse_z")  # over m g [s], over m g p if dimensionle
 STILL = Motion("free rocking", (Piece(0.0, 1.0),))
 
 
-@dataclass(frozen=True, eq=False)
-class TimeHistory:
+@dataclass(frozen=True, eq=False, repr=False)
+class TimeHistory(Shown):
     """The response of one structure to one motion, by one or two equations.
 
     `time_history` and `compare` return it. `rows` and `events` yield what `rocking
@@ -73,6 +74,24 @@ class TimeHistory:
     # by equation of motion, at least to the end of the shaking
     histories: dict[str, History]
     shown: float  # time up to which rows, events and figures go [tau]
+
+    def _shown(self) -> dict[str, Any]:
+        row: dict[str, Any] = {
+            "structure": self.structure.name,
+            "motion": self.motion.name,
+            "duration": self.end / self.structure.p,
+        }
+        if self.amplitude:
+            row["demand_a"] = float(self.structure.ground_acceleration(self.amplitude))
+        for one in self.summaries():
+            end = f"_{one['model']}" if len(self.histories) > 1 else ""
+            found = {**one, "events": sum(1 for _ in self._events(one["model"]))}
+            keys = ("outcome", "theta_ratio", "top_displacement", "events")
+            row |= {f"{key}{end}": found[key] for key in keys}
+        return row
+
+    def _rows(self) -> Iterator[dict[str, Any]]:
+        return self.rows()
 
     @property
     def end(self) -> float:
@@ -501,9 +520,9 @@ def _rows_of(columns: dict[str, np.ndarray]) -> Iterator[dict[str, float | None]
 
 
 def time_history(
-    structure: RockingParameters,
+    structure: Structure,
     motion: Motion | HasMotion | None,
-    shaking: Grid | None = None,
+    shaking: Grid | str | None = None,
     methods: Sequence[Method] = (),
     *,
     release: float = 0.0,
@@ -514,11 +533,12 @@ def time_history(
     Parameters
     ----------
     structure
-        the structure
+        parameters, a document, a path, or a text such as "block:0.5x2"
     motion
         the motion of the ground; None for free rocking from theta/alpha = release
     shaking
-        amplitude and frequency, a grid of one cell; a record does not need it
+        amplitude and frequency, a grid of one cell or its text; a record does not need
+        it
     methods
         the equations of motion, empty for the nonlinear one if the geometry is known
         and the motion has units, else the linear one
@@ -545,6 +565,7 @@ def time_history(
     >>> [event.event for event in found.histories["nonlinear"].events][:3]
     ['uplift', 'peak', 'impact']
     """
+    structure = structure_from(structure)
     moved, shaking = (STILL, None) if motion is None else demand_of(motion, shaking)
     methods = methods or [
         governing_method(

@@ -11,7 +11,6 @@ import numpy as np
 from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import Response, cheaper, response
-from ..dynamics.sliding import Base
 from ..motions.grid import Grid
 from ..motions.motion import Motion
 from ..structures.friction import friction_that_slides
@@ -100,17 +99,12 @@ class Together:
         self.method, self.motion, self.structures = method, motion, structures
         self.omega = omega  # Omega of each structure [-]
         self.eta = np.array([s.eta for s in structures])  # restitution of each [-]
-        # of bodies that slide and never rock, None for the others
-        self.bases = [self._base(s) for s in structures]
-        self.slides = np.array([base is not None for base in self.bases])
+        # of each structure: its friction if it slides and never rocks
+        self.friction = [friction_that_slides(s) for s in structures]
         groups: dict[object, int] = {}
         self.group = np.array(
             [groups.setdefault(self._shared(s), len(groups)) for s in structures]
         )
-
-    def _base(self, structure: RockingParameters) -> Base | None:
-        friction = friction_that_slides(structure)
-        return None if friction is None else Base(self.motion, friction)
 
     def _shared(self, structure: RockingParameters) -> object:
         """Return what the structures of one march have in common: nothing for plain
@@ -122,11 +116,15 @@ class Together:
         return self.method.shares(structure)
 
     def least_uplifts(self) -> Array:
-        """Return the least amplitude A that lifts each structure."""
+        """Return the least amplitude A that lifts each structure, infinite for one
+        that slides and never rocks.
+        """
         return np.array(
             [
-                self.method.system_of(s).least_uplift(self.motion)
-                for s in self.structures
+                np.inf
+                if friction is not None
+                else self.method.system_of(s).least_uplift(self.motion)
+                for s, friction in zip(self.structures, self.friction, strict=True)
             ]
         )
 
@@ -142,23 +140,29 @@ class Together:
         """
         theta_ratio = np.full(which.size, np.nan)
         outcome = np.zeros(which.size, dtype=np.uint8)
-        sliding = self.slides[which]
-        for i in np.flatnonzero(sliding).tolist():
-            outcome[i] = self._sliding(int(which[i]), float(amplitude[i]))
-            theta_ratio[i] = 0.0 if Outcome(int(outcome[i])).safe else np.nan
-        for number in np.unique(self.group[which[~sliding]]):
-            at = np.flatnonzero((self.group[which] == number) & ~sliding)
+        slide = np.array([self.friction[i] is not None for i in which], dtype=bool)
+        for i in np.unique(which[slide]):
+            at = np.flatnonzero(which == i)
+            outcome[at] = self._of_sliding(int(i), amplitude[at])
+            lost = outcome[at] == Outcome.LOST_CONTACT
+            theta_ratio[at] = np.where(lost | (not peaks), np.nan, 0.0)
+        for number in np.unique(self.group[which[~slide]]):
+            at = np.flatnonzero((self.group[which] == number) & ~slide)
             at = at[np.argsort(which[at], kind="stable")]  # by structure
             got = self._of_group(which[at], amplitude[at], peaks)
             theta_ratio[at], outcome[at] = got.theta_ratio, got.outcome
         return theta_ratio, outcome
 
-    def _sliding(self, i: int, amplitude: float) -> Outcome:
-        """Return the outcome of structure i, which slides, at an amplitude A."""
-        base, structure = self.bases[i], self.structures[i]
-        assert base is not None  # it slides
-        a_g = float(structure.ground_acceleration(amplitude))
-        return base.under(structure.gravity / a_g).outcome
+    def _of_sliding(self, i: int, amplitude: Array) -> list[Outcome]:
+        """Return the outcomes of a structure that slides at amplitudes A."""
+        from ..dynamics.sliding import Base
+
+        friction, structure = self.friction[i], self.structures[i]
+        assert friction is not None
+        base = Base(self.motion, friction)
+        with np.errstate(divide="ignore"):
+            ratios = structure.gravity / structure.ground_acceleration(amplitude)
+        return [base.under(ratio).outcome for ratio in ratios.tolist()]
 
     def _of_group(self, which: Array, amplitude: Array, peaks: bool) -> Response:
         """Return the responses of cells of one group, which are in the order of their
@@ -177,9 +181,7 @@ class Together:
         """
         first = np.full(lowest.size, np.inf)
         stands = lowest.copy()  # largest amplitude up to which no rung overturns
-        # A body that slides never overturns.
-        climbs = np.isfinite(lowest) & (lowest < highest) & ~self.slides
-        climbing = np.flatnonzero(climbs)
+        climbing = np.flatnonzero(np.isfinite(lowest) & (lowest < highest))
         while climbing.size:
             largest = int(np.bincount(self.group[climbing]).max())
             window = int(np.clip(_CELLS // largest, _FEWEST, _MOST))

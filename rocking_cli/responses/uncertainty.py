@@ -16,7 +16,9 @@ from ..envelopes.intervals import A_MAX
 from ..errors import UsageError
 from ..motions.grid import Grid, HasMotion, demand_of
 from ..motions.motion import Motion
+from ..showing import Shown
 from ..structures.draws import DRAWS, draws
+from ..structures.given import Structure, structure_from
 from ..structures.parameters import RockingParameters
 from .shares import ShareOfDraws, first_order_indices
 from .together import Together, fallen, first_overturning_of, outcomes_at
@@ -27,8 +29,8 @@ QUANTILES = {"q05": 0.05, "q50": 0.5, "q95": 0.95}  # by their names in columns
 _UNDER_A_RECORD = 64  # draws whose first overturning is searched under a record
 
 
-@dataclass(frozen=True)
-class DrawnVerdict:
+@dataclass(frozen=True, repr=False)
+class DrawnVerdict(Shown):
     """The verdicts on the draws of one structure under one demand.
 
     Attributes
@@ -77,6 +79,9 @@ class DrawnVerdict:
         most = max(self.indices, key=self.indices.__getitem__)
         return most if self.indices[most] else None
 
+    def _shown(self) -> dict[str, float | int | str | None]:
+        return self.row()
+
     def row(self) -> dict[str, float | int | str | None]:
         """Return the columns that `rocking check --draws` adds."""
         key = self.key
@@ -102,9 +107,9 @@ def drawn_columns(searched: bool) -> tuple[str, ...]:
 
 
 def drawn_verdict(
-    structure: RockingParameters,
+    structure: Structure,
     motion: Motion | HasMotion,
-    shaking: Grid | None = None,
+    shaking: Grid | str | None = None,
     *,
     n: int = DRAWS,
     seed: int = 0,
@@ -118,11 +123,12 @@ def drawn_verdict(
     Parameters
     ----------
     structure
-        a structure whose document holds at least one number with a spread
+        parameters, a document, a path, or a text such as "block:0.62+-0.01x2", with at
+        least one number that has a spread
     motion
         the motion of the ground
     shaking
-        the demand, a grid of one cell; a record does not need it
+        the demand, a grid of one cell or its text; a record does not need it
     n
         number of draws, rounded up to a power of two
     seed
@@ -148,6 +154,7 @@ def drawn_verdict(
     >>> round(found.share.share, 2)
     0.62
     """
+    structure = structure_from(structure)
     motion, shaking = demand_of(motion, shaking)
     if structure.drawn_from is None:
         raise UsageError(

@@ -1,10 +1,11 @@
 """The verdict on a structure under one motion, as a record and as a row."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from ..dynamics.outcome import Outcome
+from ..showing import Shown
 
 if TYPE_CHECKING:
     from .sliding import SlideVerdict
@@ -45,8 +46,8 @@ SLIDE_COLUMNS = (
 FLOOR_COLUMNS = ("floor_pga", "floor_chord")
 
 
-@dataclass(frozen=True)
-class Verdict:
+@dataclass(frozen=True, repr=False)
+class Verdict(Shown):
     """The verdict on a structure under a motion, as `check` returns it.
 
     It is that of the governing equation; accelerations are amplitudes a_g of the
@@ -80,6 +81,8 @@ class Verdict:
     opens: True if a further hinge opens in an arch, or a hinge of another mechanism
         lifts off, so that another mechanism follows; None for another structure
     searched_to: largest a_g of the search [m/s2]; None without a search
+    capacity_demand: first_overturning_a over demand_a [-], None if nothing overturns
+        the body
     coupling: what `slides` means for a body that slides while it rocks, in words
     slide: the sliding of a body that slides and never rocks; None for another one
     floor_pga: of a body on a floor of a building: largest acceleration of the floor
@@ -142,6 +145,14 @@ class Verdict:
     # what its straight lines miss at most, over floor_pga [-]
     floor_chord: float | None = None
 
+    # lowest overturning amplitude over the demand [-]; None if nothing overturns it
+    capacity_demand: float | None = field(init=False)
+
+    def __post_init__(self) -> None:
+        first = self.first_overturning_a
+        capacity = None if first is None else first / self.demand_a
+        object.__setattr__(self, "capacity_demand", capacity)
+
     @property
     def sentence(self) -> str:
         """The outcome in words."""
@@ -151,17 +162,6 @@ class Verdict:
             self.outcome.sentence
             + ", on the last digits" * self.unsettled
             + ", though its base would slide" * self.slides
-        )
-
-    @property
-    def capacity_demand(self) -> float | None:
-        """The lowest overturning amplitude over the demand; None if nothing overturns
-        the body.
-        """
-        return (
-            None
-            if self.first_overturning_a is None
-            else self.first_overturning_a / self.demand_a
         )
 
     @property
@@ -178,11 +178,19 @@ class Verdict:
         """True if the body overturned, lost contact or rests leaning."""
         return self.outcome.falls
 
+    def _shown(self) -> dict[str, Any]:
+        found = self.row()
+        if self.capacity_demand is not None:  # a limit that was not needed
+            del found["searched_to"]
+        return found
+
+    def _rows(self) -> list[dict[str, Any]]:
+        return [self.row()]
+
     def row(self) -> dict[str, Any]:
         """Return the verdict as `rocking check --json` prints it."""
         own = {
             **vars(self),
-            "capacity_demand": self.capacity_demand,
             "outcome": self.outcome.flag,
             "outcome_linear": self.outcome_linear.flag,
         }

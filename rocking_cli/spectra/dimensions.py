@@ -40,6 +40,9 @@ PARAMETERS = {
 
 
 def _edge(number: int, word: str, key: str) -> About:
+    """Return what a file says of a parameter of one edge, NaN for a body with equal
+    edges.
+    """
     name = {"lambda": "uplift"}.get(key, key)
     long_name = f"{PARAMETERS[key].long_name} on the {word} edge"
     return About(
@@ -134,7 +137,7 @@ class Frame:
     dimensions: Mapping[str, Values]
     # further lists of values by name, each with its dimension
     extra: Mapping[str, tuple[str, Values]]
-    # of the varied keys of a family, which are not in ABOUT
+    # attributes of the varied keys of a family, which are not in ABOUT
     units: Mapping[str, str] = field(default_factory=dict)
 
     def about(self, name: str) -> About:
@@ -236,6 +239,7 @@ class Variable(NamedTuple):
 
 
 def _real(long_name: str, comment: str = "", units: str = "1") -> Variable:
+    """Return a variable of double precision, NaN where it is not known."""
     about = {
         "units": units,
         "long_name": long_name,
@@ -248,6 +252,7 @@ def _real(long_name: str, comment: str = "", units: str = "1") -> Variable:
 
 
 def _coded(long_name: str, codes: Codes) -> Variable:
+    """Return a variable of codes, with the meaning of each code."""
     flags = {
         "flag_values": np.array([c.value for c in codes], dtype="u1"),
         "flag_meanings": " ".join(c.flag for c in codes),

@@ -14,6 +14,7 @@ from ..envelopes.intervals import A_MAX, HIGHEST, trace_envelope
 from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Grid
+from ..structures.given import Structure, structure_from
 from ..structures.parameters import RockingParameters
 from .file.reader import SpectraFile
 
@@ -21,7 +22,7 @@ ETA_TOLERANCE = 1e-6  # restitutions closer than this count as equal
 
 
 def predict(
-    structure: RockingParameters, spectrum: SpectraFile | str | Path, shaking: Grid
+    structure: Structure, spectrum: SpectraFile | str | Path, shaking: Grid
 ) -> dict[str, Any]:
     """Return what a dimensionless spectrum says of a structure (section 4 of the
     paper).
@@ -32,7 +33,7 @@ def predict(
     Parameters
     ----------
     structure
-        the structure
+        parameters, a document, a path, or a text such as "block:0.5x2"
     spectrum
         a linear spectrum over A and Omega that holds the restitution of the structure
         to 1e-6: an open file or its path
@@ -68,6 +69,7 @@ def predict(
     >>> found["outcome"], round(found["theta_ratio"], 6)
     ('rocked', 0.167098)
     """
+    structure = structure_from(structure)
     if not isinstance(spectrum, SpectraFile):
         with SpectraFile(spectrum) as file:
             return predict(structure, file, shaking)
@@ -139,17 +141,17 @@ def predict_exactly(
         np.array([omega]),
         structure.eta,
     )
+    # `+`: the motion as it is, not reversed
     falls = trace_envelope(
         structure,
         motion,
         [omega],
         a_max=max(A_MAX, 2.0 * amplitude, 2.0 / motion.largest),
         sign="+",
-    )  # as it is
+    )
     ends = [edge for i in falls for edge in (i.a_from, i.a_to) if edge is not None]
-    edges = [
-        edge for edge in ends if ends.count(edge) == 1
-    ]  # between two overturning modes there is no boundary
+    # between two overturning modes there is no boundary
+    edges = [edge for edge in ends if ends.count(edge) == 1]
     nearest = (
         min(edges, key=lambda edge: abs(edge - amplitude), default=None)
         if amplitude > 0.0

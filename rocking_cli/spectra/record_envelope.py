@@ -35,7 +35,7 @@ from ..motions.grid import Axis
 from ..motions.recording import Recording
 from ..motions.records import Record
 from ..processes import available_cpus
-from ..structures.parameters import RockingParameters
+from ..structures.given import Structure, structure_from
 from .record_scene import RecordScene, structures_scene
 
 Array = np.ndarray
@@ -50,10 +50,10 @@ _SMALL = 20_000  # cells below which starting processes takes longer than they s
 class Task:
     """One piece of the work."""
 
-    record: int  # its index
-    structure: int  # its index
+    record: int  # index of the record
+    structure: int  # index of the structure
     omegas: tuple[int, ...]  # indices of some of its Omegas
-    sign: str  # of the ground acceleration
+    sign: str  # sign of the ground acceleration
 
 
 @dataclass(frozen=True)
@@ -103,19 +103,15 @@ class Tracing:
         """Return for each Omega of a task the changes (amplitude, outcome from there
         on), rising; none if no amplitude lifts the body.
         """
-        structure, motion = (
-            self.scene.structures[task.structure],
-            self.scene.recordings[task.record].motion,
-        )
-        system, digits = (
-            self.scene.method.system_of(structure),
-            tracing_width(self.scene.method, motion),
-        )
-        omegas, most = (
-            self.omegas(task.structure)[list(task.omegas)],
-            self.limit(task.structure),
-        )
+        structure = self.scene.structures[task.structure]
+        motion = self.scene.recordings[task.record].motion
+        system = self.scene.method.system_of(structure)
+        digits = tracing_width(self.scene.method, motion)
+        omegas = self.omegas(task.structure)[list(task.omegas)]
+        most = self.limit(task.structure)
         found: list[Steps] = [[] for _ in omegas]
+        # A body with unequal sides has other outcomes under the reversed record; of two
+        # signs the worse outcome counts.
         for factor in (1.0,) if system.alike else SIGNS[task.sign]:
             under = motion if factor > 0.0 else motion.scaled(factor)
             search = Search(
@@ -158,6 +154,7 @@ def tracing_rows(
         len(task.omegas) * math.log(max(2.0, tracing.limit(task.structure)))
         for task in tasks
     ) / math.log1p(RATIO)
+    # Few tasks are cut into shares of their frequencies, so that all processes work.
     workers = workers or (1 if cells < _SMALL else available_cpus())
     if len(tasks) < 4 * workers:
         tasks = list(_tasks(tracing, sign, workers))
@@ -171,7 +168,7 @@ def tracing_rows(
 
 
 def envelope(
-    structure: RockingParameters,
+    structure: Structure,
     motion: Motion | Record | Recording,
     axis: Axis | str | None = None,
     *,
@@ -189,7 +186,7 @@ def envelope(
     Parameters
     ----------
     structure
-        the structure
+        parameters, a document, a path, or a text such as "block:0.5x2"
     motion
         a pulse, or a record, whose scale is varied
     axis
@@ -226,6 +223,7 @@ def envelope(
     >>> [(round(row["a_from"], 3), row["mode"]) for row in rows]
     [(11.734, 'after_impact'), (26.953, 'no_impact')]
     """
+    structure = structure_from(structure)
     axis = frequency_axis(axis) if isinstance(axis, str) else axis
     method = method or governing_method(
         structure, dimensionless=axis is not None and axis.name == "Omega"
@@ -262,6 +260,9 @@ def envelope(
 
 
 def _tasks(tracing: Tracing, sign: str, shares: int) -> Iterator[Task]:
+    """Yield the tasks of a tracing: for each record, structure and sign, the
+    frequencies in so many shares.
+    """
     for record in range(len(tracing.scene.recordings)):
         for i, structure in enumerate(tracing.scene.structures):
             apart = sign == BOTH and not tracing.scene.method.system_of(structure).alike
@@ -275,10 +276,8 @@ def _rows(
     scene: RecordScene, task: Task, column: int, steps: Steps, first: bool, signed: bool
 ) -> Iterator[dict[str, Any]]:
     """Yield the intervals of one search as rows."""
-    recording, structure = (
-        scene.recordings[task.record],
-        scene.structures[task.structure],
-    )
+    recording = scene.recordings[task.record]
+    structure = scene.structures[task.structure]
     if scene.over_angles:
         of: dict[str, Any] = {
             "record": recording.label,
@@ -293,6 +292,7 @@ def _rows(
             if scene.method.system_of(structure).alike
             else int(SIGNS[task.sign][0])
         )
+    # A of the record as it is: the scale is A over it.
     own = float(structure.dimensionless_amplitude(recording.acceleration))
     found: list[tuple[float | None, float | None, str]] = [
         interval[1:] for interval in intervals_of(math.nan, steps)

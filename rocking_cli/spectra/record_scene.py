@@ -173,9 +173,8 @@ class RecordScene(Scene):
             )
 
     def runs_with(self, structure: RockingParameters) -> tuple[Any, ...]:
-        mixes = (
-            structure.plain and self.method.kind_of(structure).of_cells is not None
-        )  # its cells can share a system with others
+        # its cells can share a system with others
+        mixes = structure.plain and self.method.kind_of(structure).of_cells is not None
         return (
             ()
             if self.over_angles and not self.weighed and mixes
@@ -221,10 +220,8 @@ class RecordScene(Scene):
         }
 
     def frame(self) -> Frame:
-        records, columns = (
-            [r.label for r in self.recordings],
-            {self.columns.name: self.columns.values},
-        )
+        records = [r.label for r in self.recordings]
+        columns = {self.columns.name: self.columns.values}
         extra = lists_of(RECORDED, "record", self.recordings)
         if not self.over_angles:
             names = [s.name for s in self.structures]

@@ -1,7 +1,8 @@
 """The results of a sweep: arrays in memory and a summary."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Outcome, Work
 from ..plugins import require
+from ..showing import Shown
 from .dimensions import VARIABLES
 from .scene import Scene
 from .verification import Validity
@@ -53,7 +55,7 @@ class Summary:
     misjudged: checked cells whose outcome differs
     resumed_cells: cells from an earlier run
     machine_differences: what its machine does differently
-    records: their number, 0 for a pulse
+    records: number of records, 0 for a pulse
     compared: checked cells of a linear sweep of records that were also computed by the
         nonlinear equation
     differing: those of `compared` that differ in overturning
@@ -72,8 +74,8 @@ class Summary:
     (6, 0)
     """
 
-    structures: int  # their number
-    cells: int  # their number
+    structures: int  # number of structures
+    cells: int  # number of cells
     run_time: float  # [s]
     workers: int  # number of processes
     outcomes: dict[str, int]  # number of cells by the name of the outcome
@@ -88,7 +90,7 @@ class Summary:
     resumed_cells: int = 0  # cells from an earlier run
     machine_differences: str = ""  # what its machine does differently
     model: str = LINEAR.model  # the equation of motion
-    records: int = 0  # their number, 0 for a pulse
+    records: int = 0  # number of records, 0 for a pulse
     # checked cells of a linear sweep of records that were also computed by the
     # nonlinear equation
     compared: int = 0
@@ -151,8 +153,8 @@ class Summary:
         }
 
 
-@dataclass(frozen=True, eq=False)
-class Spectrum:
+@dataclass(frozen=True, eq=False, repr=False)
+class Spectrum(Shown):
     """A rocking spectrum in memory, as `spectrum` returns it.
 
     All arrays have the dimensions of the scene, such as (structure, frequency,
@@ -186,6 +188,38 @@ class Spectrum:
     # the requested variables of `QUANTITIES` by name
     quantities: Mapping[str, np.ndarray] = field(default_factory=dict)
 
+    def _shown(self) -> dict[str, Any]:
+        frame, row = self.scene.frame(), {"motion": self.scene.title}
+        for name, values in frame.dimensions.items():
+            first, last = values[0], values[-1]
+            ends = (
+                f"{first}"
+                if len(values) == 1
+                else f"{first} to {last}"
+                if isinstance(first, str)
+                else f"{first:.4g} to {last:.4g}"
+            )
+            row[name] = f"{len(values)}: {ends}"
+        row["model"] = self.scene.method.model
+        codes, counts = np.unique(self.outcome, return_counts=True)
+        for code, number in zip(codes.tolist(), counts.tolist(), strict=True):
+            row[f"cells_{Outcome(code).flag}"] = str(number)
+        return row
+
+    def _rows(self) -> Iterator[dict[str, Any]]:
+        dimensions = self.scene.frame().dimensions
+        arrays = {
+            "theta_ratio": self.theta_ratio,
+            "outcome": self.outcome,
+            "impacts": self.impacts,
+            **self.quantities,
+        }
+        columns = {name: cells.ravel() for name, cells in arrays.items()}
+        for number, place in enumerate(product(*dimensions.values())):
+            cell = {name: values[number].item() for name, values in columns.items()}
+            cell["outcome"] = Outcome(cell["outcome"]).flag
+            yield dict(zip(dimensions, place, strict=True)) | cell
+
     @property
     def velocity_ratio(self) -> np.ndarray | None:
         """max |d theta/dt|/p [rad], in spectra of records over alpha and T and on
@@ -205,14 +239,12 @@ class Spectrum:
         require("to_xarray needs", "xarray")
         import xarray as xr
 
-        frame, cells = (
-            self.scene.frame(),
-            {
-                "theta_ratio": self.theta_ratio,
-                "outcome": self.outcome,
-                "impacts": self.impacts,
-            },
-        )
+        frame = self.scene.frame()
+        cells = {
+            "theta_ratio": self.theta_ratio,
+            "outcome": self.outcome,
+            "impacts": self.impacts,
+        }
         along = {
             name: xr.Variable(
                 dimension,

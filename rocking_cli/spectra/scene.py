@@ -33,8 +33,8 @@ class Unit:
     """
 
     places: tuple[int, ...]  # indices on the first dimension
-    row: int  # of its first cell
-    column: int  # of its first cell
+    row: int  # row of its first cell
+    column: int  # column of its first cell
 
 
 class CellBand(NamedTuple):
@@ -173,9 +173,8 @@ class Scene(ABC):
         differ only in restitution.
         """
         scale = (structure.alpha / structure.a_scale,) if self.weighed else ()
-        body = (
-            None if self.method.exact else self.method.body_of(structure)
-        )  # forces of the linear oscillator are computed afterwards
+        # forces of the linear oscillator are computed afterwards
+        body = None if self.method.exact else self.method.body_of(structure)
         slides = friction_that_slides(structure)
         own = () if slides is None else (slides, structure.uplift)
         return (*self.method.shares(structure), *scale, body, *own)

@@ -20,6 +20,7 @@ from ..interruption import deferred
 from ..motions import Motion
 from ..motions.grid import Grid, HasMotion, with_grid
 from ..processes import available_cpus, refuse_endless
+from ..structures.given import Structure, structures_from
 from ..structures.parameters import RockingParameters
 from .dimensions import QUANTITIES, VARIABLES
 from .results import Spectrum, Summary
@@ -159,9 +160,9 @@ class SweepOptions:
 
 
 def spectrum(
-    structures: Sequence[RockingParameters],
+    structures: Structure | Sequence[Structure],
     motion: Motion | HasMotion,
-    grid: Grid | None = None,
+    grid: Grid | str | None = None,
     *,
     method: Method | None = None,
     **options: Any,
@@ -172,13 +173,13 @@ def spectrum(
     Parameters
     ----------
     structures
-        one or more; of those of equal restitution a linear spectrum over A and Omega is
-        computed once
+        one or more: parameters, documents, paths, or texts such as "block:0.5x2"; of
+        those of equal restitution a linear spectrum over A and Omega is computed once
     motion
         the motion of the ground
     grid
-        the cells: A and Omega, or a_g and a frequency; a record needs none, and
-        parse_grid(..., own_time=True) scales it
+        the cells, A and Omega, or a_g and a frequency, or a text that states them; a
+        record needs none, and parse_grid(..., own_time=True) scales it
     method
         the equation of motion; None for the nonlinear one if all geometries are known
         and the axes have units, else the linear one
@@ -209,7 +210,7 @@ def spectrum(
     """
     check_choices("spectrum", SweepOptions, options)
     return spectrum_of(
-        _pulse_scene(structures, *with_grid(motion, grid), method),
+        _pulse_scene(structures_from(structures), *with_grid(motion, grid), method),
         SweepOptions(**options),
     )
 
@@ -220,6 +221,9 @@ def _pulse_scene(
     grid: Grid,
     method: Method | None,
 ) -> PulseScene:
+    """Return the scene of structures under a pulse, by the governing equation unless a
+    method is given.
+    """
     return PulseScene(
         tuple(structures),
         grid,
@@ -254,9 +258,9 @@ def spectrum_of(scene: Scene, options: SweepOptions | None = None) -> Spectrum:
 
 
 def write_spectrum(
-    structures: Sequence[RockingParameters],
+    structures: Structure | Sequence[Structure],
     motion: Motion,
-    grid: Grid,
+    grid: Grid | str,
     path: str | Path,
     *,
     method: Method | None = None,
@@ -270,11 +274,11 @@ def write_spectrum(
     Parameters
     ----------
     structures
-        one or more, with distinct names
+        one or more as in `spectrum`, with distinct names
     motion
         the pulse
     grid
-        the cells: A and Omega, or a_g and a frequency
+        the cells, A and Omega, or a_g and a frequency, or a text that states them
     path
         the HDF5 file
     method
@@ -310,7 +314,9 @@ def write_spectrum(
     """
     check_choices("write_spectrum", SweepOptions, options)
     return write_scene(
-        _pulse_scene(structures, motion, grid, method), path, SweepOptions(**options)
+        _pulse_scene(structures_from(structures), *with_grid(motion, grid), method),
+        path,
+        SweepOptions(**options),
     )
 
 
@@ -419,7 +425,7 @@ class _Counts:
 
     outcomes: np.ndarray  # number of cells of each `Outcome`
     differences: np.ndarray  # number of cells of each `Difference`
-    work: Work  # of the computed cells
+    work: Work  # counts of the work on the computed cells
     shared: int = 0  # cells that took the result of another structure
 
     def add(self, unit: Unit, report: Report) -> None:

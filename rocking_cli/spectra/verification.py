@@ -34,7 +34,7 @@ _ETA = 2
 # of a method with a tolerance, the least change of input, so that its own error stays
 # below the difference
 _TOLERANCES = 100.0
-_CELLS = 64  # that the nonlinear equation judges
+_CELLS = 64  # number of cells that are compared with the nonlinear equation
 _DRAWN = 512  # candidates for cells next to a boundary
 _STRUCTURES = 4  # each structure costs a few further rounds
 _SEED_OF_VALIDITY = 20120925
@@ -249,6 +249,8 @@ class Verification:
 
     def compared(self) -> Mapping[str, Any]:
         """Return the result of the comparison, by the fields of `Summary`."""
+        # Answers that the reference has, those with the outcome of the sweep, and by
+        # how much theta/alpha of these differs.
         known = {
             place: answer
             for place, answer in self.answers.items()

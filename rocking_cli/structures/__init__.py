@@ -82,7 +82,7 @@ def build_structure(document: Document) -> RockingParameters:
         built,
         labels=labels_of(document),
         remarks=(*built.remarks, *sized),
-        drawn_from=document if document.uncertain else None,
+        document=document,
     )
 
 

@@ -17,7 +17,7 @@ from .parameters import RockingParameters, numbers_of
 if TYPE_CHECKING:
     from ..documents.document import Document, Uncertain
 
-DRAWS = 1024  # of the command line, when it states no number
+DRAWS = 1024  # number of draws if the command line states none
 MOST_DRAWS = 1 << 20
 UNIT_OF = {"p": "rad/s", "alpha": "rad"}  # of the rocking parameters, 1 for the others
 _EDGE = 2.0**-31  # ranks stay so far inside (0, 1)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..errors import StructureError
+from ..showing import Shown
 from .restraints import Restraints
 
 if TYPE_CHECKING:
@@ -106,8 +107,8 @@ def fields_in(row: Mapping[str, Any]) -> dict[str, Any]:
     return {name: row[key] for key, name in _FIELDS.items()}
 
 
-@dataclass(frozen=True)
-class RockingParameters:
+@dataclass(frozen=True, repr=False)
+class RockingParameters(Shown):
     """The parameters of a rocking structure (sections 2 to 4 of the paper).
 
     `load_structures` and `build_structure` make one of a document, and
@@ -159,7 +160,7 @@ class RockingParameters:
     """
 
     name: str  # of the structure, as tables and files call it
-    structure: str  # its kind
+    structure: str  # kind of the structure
     p: float  # frequency parameter [rad/s]
     alpha: float  # critical angle [rad]
     eta: float  # coefficient of restitution [-]; of a one-sided body in (-1, 0]
@@ -193,8 +194,8 @@ class RockingParameters:
     remarks: tuple[str, ...] = field(default=(), repr=False, compare=False)
     # coefficient of a base that slides [-], at most the static one, None for the same
     kinetic_friction: float | None = None
-    # the document, if it holds numbers with a spread, at whose means all numbers hold
-    drawn_from: Document | None = field(default=None, repr=False, compare=False)
+    # the document that it was built from, for drawings and draws; None if it has none
+    document: Document | None = field(default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         _check_numbers(self)
@@ -289,6 +290,14 @@ class RockingParameters:
             mechanism=(weaker if sides else right).mechanism,
             **more,
         )
+
+    @property
+    def drawn_from(self) -> Document | None:
+        """The document, if it holds numbers with a spread, at whose means all numbers
+        hold; None without one.
+        """
+        document = self.document
+        return document if document is not None and document.uncertain else None
 
     @property
     def plain(self) -> bool:
@@ -387,6 +396,9 @@ class RockingParameters:
     def dimensionless(self) -> bool:
         """True for the oscillator of a dimensionless spectrum, which has no units."""
         return self.structure == DIMENSIONLESS
+
+    def _shown(self) -> dict[str, Any]:
+        return self.row()
 
     def row(self) -> dict[str, Any]:
         """Return the parameters as `rocking params --json` prints them: a document of

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from .sketch import Sketch
 
 SIDES = {"left": ("left",), "right": ("right",), "both": ("left", "right")}
-_POINTS = 1000  # of the search for an equilibrium
+_POINTS = 1000  # number of points of the search for an equilibrium
 
 
 @dataclass(frozen=True)

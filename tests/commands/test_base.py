@@ -220,3 +220,14 @@ def test_the_effect_of_a_toe_is_told(rocking):
     assert "take 11 % of the capacity on sharp edges" in done.stderr
     row = rocking("check", body, "--a-g", "0.1g", "--T-g", "0.8", "--json").record
     assert row["first_overturning_a"] / 9.81 == pytest.approx(0.20578997, abs=3e-6)
+
+
+def test_draws_below_lambda_slide_and_stand(rocking):
+    """Half of the draws of a friction around lambda slide, the others overturn."""
+    body = "block:0.5x2,friction=0.25 +- 0.03"
+    call = ("check", body, "--a-g", "0.45g", "--f-g", "1", "--verdict-only", "--json")
+    assert rocking(*call, "--draws", "64").record["share_falls"] == 0.5
+    call = ("fragility", body, "--pulses", "configs/motions/site_pulses.csv")
+    done = rocking(*call, "--levels", "1g:2g:2", "--limit", "slide=1cm", "--draws", "4")
+    assert done.returncode == 2
+    assert "draws have no displacement" in done.stderr

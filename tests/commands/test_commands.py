@@ -12,6 +12,7 @@ import click
 import pytest
 from click.shell_completion import ShellComplete
 
+from rocking_cli import sine, write_spectrum
 from rocking_cli.commands import COMMANDS, RENAMED, cli
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -254,8 +255,8 @@ def code_tokens(file: Path) -> int:
 @pytest.mark.parametrize(
     ("arguments", "most"),
     [
-        ("check configs/block.yaml --a-g 0.35g --f-g 1.5", 126_000),
-        ("spectrum --eta 0.9 --grid A=1:2:2,Omega=1:2:2 -q -o OUT", 89_500),
+        ("check configs/block.yaml --a-g 0.35g --f-g 1.5", 134_000),
+        ("spectrum --eta 0.9 --grid A=1:2:2,Omega=1:2:2 -q -o OUT", 93_000),
     ],
     ids=["check", "spectrum"],
 )
@@ -290,6 +291,9 @@ def test_openblas_has_one_thread_unless_the_user_says_otherwise(
         (["help", "do"], ["documents"]),
         (["envelope", "--pulse", "ric"], ["ricker-symmetric", "ricker-antisymmetric"]),
         (["compare", "--model", ""], ["linear", "nonlinear", "both"]),
+        (["params", "configs/block.yaml", "--vary", "h"], ["height="]),
+        (["solve", "--vary", "gyr"], ["gyration="]),
+        (["plot", "none.h5", "--structure", "x"], []),
         (
             ["check", "--vertical", "cos"],
             ["cosine", "cos"],
@@ -302,6 +306,15 @@ def test_words_are_completed(words, completed):
         words[:-1], words[-1]
     )
     assert [item.value for item in found] == completed
+
+
+def test_names_in_a_spectra_file_are_completed(tmp_path):
+    path = tmp_path / "s.h5"
+    write_spectrum(["block:0.5x2", "block:1x4"], sine(), "A=2,Omega=5", path, workers=1)
+    found = ShellComplete(cli, {}, "rocking", "_ROCKING_COMPLETE").get_completions(
+        ["plot", str(path), "--structure"], "block:1"
+    )
+    assert [item.value for item in found] == ["block:1x4"]
 
 
 FILES = [

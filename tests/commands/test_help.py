@@ -2,6 +2,7 @@
 runs.
 """
 
+import doctest
 import re
 import shlex
 
@@ -23,7 +24,9 @@ def test_all_are_listed(rocking):
     for name, summary in (COMMANDS | TOPICS).items():
         assert re.search(rf"^  {name} +{summary[:40]}", done.stdout, re.MULTILINE), name
     for topic in TOPICS:
-        assert rocking("help", topic).stdout == page(topic) != ""
+        shown = rocking("help", topic).stdout
+        assert shown.startswith(page(topic))
+        assert (shown == page(topic) != "") or topic == "motions"
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -38,6 +41,44 @@ def test_a_command_has_its_options_and_then_its_page(rocking, command):
         if isinstance(parameter, click.Option):
             assert parameter.opts[-1] in done.stdout
             assert parameter.help, f"{parameter.opts[-1]} says nothing"
+
+
+def options_apart():
+    """The options of all commands that stand in the page of a topic: (command, topic,
+    option).
+    """
+    for name in COMMANDS:
+        command = cli.get_command(click.Context(cli), name)
+        for parameter in command.params:
+            if (topic := command.topics.get(parameter.name)) is not None:
+                yield name, topic, parameter
+
+
+def test_the_motion_options_stand_once_with_their_meaning_and_work(rocking):
+    apart = list(options_apart())
+    assert {name for name, _, _ in apart} >= {"check", "response", "spectrum"}
+    assert {topic for _, topic, _ in apart} == {"motions"}
+    shown = " ".join(rocking("help", "motions").stdout.split())
+    for _, _, option in apart:
+        flags, meaning = option.get_help_record(click.Context(cli))
+        assert flags in shown
+        assert " ".join(meaning.split())[:30] in shown
+    text = rocking("check", "--help").stdout
+    assert "Options of motions (rocking help motions):\n  --pulse, --cycles" in text
+    assert "Cycles of a sine" not in text
+    assert "Column of a table of numbers" in rocking("records", "--help").stdout
+
+
+def test_words_are_searched_in_all_pages(rocking):
+    found = rocking("help", "--search", "critical ANGLE").stdout.splitlines()
+    assert found
+    assert all("critical" in x.lower() and "angle" in x.lower() for x in found)
+    named = rocking("help", "--search", "--scale-to").stdout
+    assert re.search(r"^check +--scale-to IM=VALUE", named, re.MULTILINE)
+    for words in (["no such word here"], ["a", "motions"], [" "]):
+        done = rocking("help", "--search", *words)
+        assert (done.returncode, done.stdout) == (2, "")
+        assert "--search" in done.stderr
 
 
 def example(rocking, command):
@@ -121,3 +162,16 @@ def test_every_kind_and_every_pulse_stands_in_a_page():
     for words, name in ((KINDS, "documents"), (PULSES, "motions")):
         for word in words:
             assert re.search(rf"^  {word}  ", page(name), re.MULTILINE), word
+
+
+@pytest.mark.slow
+def test_the_examples_of_the_page_on_python_run(tmp_path, monkeypatch, pytestconfig):
+    (tmp_path / "configs").symlink_to(pytestconfig.rootpath / "configs")
+    monkeypatch.chdir(tmp_path)
+    examples = doctest.DocTestParser().get_doctest(
+        page("python"), {}, "rocking help python", None, None
+    )
+    assert len(examples.examples) > 30
+    said: list[str] = []
+    done = doctest.DocTestRunner().run(examples, out=said.append)
+    assert not done.failed, "".join(said)

@@ -231,6 +231,6 @@ def test_the_lowest_of_narrow_falls_does_not_depend_on_the_one_that_was_found():
     for found in (1.292454, 1.294843, 1.38):
         assert search.lowest_and_share(1.1, found) == (
             pytest.approx(1.292, rel=1e-9, abs=0),
-            pytest.approx(1.0 / 6.0, rel=0.4),
+            pytest.approx(1.0 / 3.0, rel=0.4),
         )
     assert search.lowest_and_share(1.1, 1.2) == (1.2, 0.0)

@@ -7,12 +7,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from support.documents import built
+from support.packages import installed
 from support.record_layouts import wave
 from support.refusals import refuses
 from support.synthetic_records import pulsed, recorded
 
 from rocking_cli import DocumentError, UsageError, pulse, sine
 from rocking_cli.fragility.measures import (
+    GROUP,
     MEASURES,
     compared,
     measure_of,
@@ -120,3 +122,59 @@ def test_the_efficiency_of_spectral_measures_is_compared_under_records():
     assert [m.name for m in compared([pulsed(sine(), 1.0, 1.0)], MEASURES["PGA"])] == [
         *MEASURES
     ]
+
+
+ENERGY = """
+import numpy as np
+DIMENSION, POWER = "number", 2.0
+def value(record):
+    return float(np.sum(record.acceleration**2)) * record.dt
+"""
+
+
+def test_an_installed_package_adds_a_measure_of_records(monkeypatch, tmp_path):
+    installed(monkeypatch, tmp_path, GROUP, "energy", ENERGY)
+    measure = measure_of("energy")
+    assert (measure.name, measure.unit, measure.power) == ("energy", "", 2.0)
+    (member,) = members_of([RECORDING])
+    record = RECORDING.record
+    energy = float(np.sum(record.acceleration**2)) * record.dt
+    assert member.measured(measure, BLOCK) == pytest.approx(4.0 * energy)
+    (of_site,) = site_pulses(_site(tmp_path))
+    with pytest.raises(UsageError, match="found energy of a pulse; expected a record"):
+        of_site.measured(measure, BLOCK)
+    with pytest.raises(UsageError, match=r"found 'energi'; .* .did you mean 'energy'"):
+        measure_of("energi")
+
+
+def _site(tmp_path):
+    (tmp_path / "site.csv").write_text("a_g,f_g\n1,2\n")
+    return tmp_path / "site.csv"
+
+
+@pytest.mark.parametrize(
+    ("source", "words"),
+    [
+        ("value = [1.0]", "TypeError: rocking_odd needs a DIMENSION "),
+        (
+            "DIMENSION = 'weight'\ndef value(r): return 1",
+            "TypeError: rocking_odd needs",
+        ),
+        (
+            "DIMENSION = 'number'\nPOWER = 'two'\ndef value(r): return 1",
+            "TypeError: its POWER is 'two', which is no positive number",
+        ),
+        (
+            "DIMENSION = 'number'\ndef value(r): return [1.0]",
+            "TypeError: value returns list, not a number",
+        ),
+        ("import nothing_at_all", "ModuleNotFoundError: No module named 'nothing_at"),
+    ],
+)
+def test_a_measure_of_a_package_that_is_none_is_told(
+    monkeypatch, tmp_path, source, words
+):
+    installed(monkeypatch, tmp_path, GROUP, "odd", source)
+    told = "`im`: the measure odd, which the package of-odd adds and which cannot be"
+    with pytest.raises(UsageError, match=f"^{told} used: {words}"):
+        members_of([RECORDING])[0].measured(measure_of("odd"), BLOCK)

@@ -3,15 +3,18 @@ independent integration.
 """
 
 import math
+import re
 
 import numpy as np
 import pytest
 from oracles.collocation import Body, Edge, Shaking, integrate
 from support.documents import TWO_PULSES, built_motion
+from support.packages import installed
 from support.references import reference
 from support.refusals import refuses
 
 from rocking_cli import (
+    MotionError,
     Outcome,
     UsageError,
     dimensionless_oscillator,
@@ -20,6 +23,7 @@ from rocking_cli import (
     trace_envelope,
 )
 from rocking_cli.motions import PULSES, pulse
+from rocking_cli.motions.pulses import GROUP
 
 
 def symmetric(phase):
@@ -182,3 +186,39 @@ def test_a_crest_after_an_inward_start_is_seen(motion, cell, theta):
     assert float(linear_response(motion, *cell).theta_ratio) == pytest.approx(
         theta, abs=1e-5
     )
+
+
+RAMP = """
+from rocking_cli.motions import Motion, Piece
+
+def ramp(cycles=1.0):
+    return Motion("ramp", (Piece(0.0, 2.0 * cycles, constant=1.0),))
+"""
+
+
+def test_an_installed_package_adds_a_pulse(monkeypatch, tmp_path, rocking):
+    installed(monkeypatch, tmp_path, GROUP, "ramp", RAMP, "ramp")
+    assert pulse("ramp", cycles=2.0).duration == 4.0
+    with pytest.raises(MotionError, match=r"^ramp pulse: takes no gamma; expected cyc"):
+        pulse("ramp", gamma=2.0)
+    with pytest.raises(MotionError, match=r"unknown pulse 'ram'; .* .did you mean 'ra"):
+        pulse("ram")
+    words = "check block:0.5x2 --pulse ramp --cycles 2 --a-g 0.3g --f-g 1 --json"
+    assert rocking(*words.split()).record["motion"] == "ramp"
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        ("return [1.0, 2.0]", "TypeError: it returns a list, which is no Motion"),
+        ("return sine().scaled(2.0)", "ValueError: its largest value is 2, which is"),
+        ("return 1 / 0", "ZeroDivisionError: division by zero"),
+        ("raise SystemExit(3)", "SystemExit: 3"),
+    ],
+)
+def test_a_pulse_of_a_package_that_is_none_is_told(monkeypatch, tmp_path, body, words):
+    source = f"from rocking_cli import sine\ndef make():\n    {body}\n"
+    installed(monkeypatch, tmp_path, GROUP, "odd", source, "make")
+    told = f"pulse odd, which the package of-odd adds and which cannot be used: {words}"
+    with pytest.raises(MotionError, match=f"^{re.escape(told)}"):
+        pulse("odd")

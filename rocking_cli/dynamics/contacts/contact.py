@@ -19,7 +19,7 @@ from .sequences import OtherSide, sequence_ends, sequence_time
 class Uplift(NamedTuple):
     """The next uplift of bodies at rest. Every array is (lanes,)."""
 
-    segment: Array  # its index; the number of segments if nothing lifts the body
+    segment: Array  # index of the segment; their number if nothing lifts the body
     phase: Array  # phase in the segment [rad]
     side: Array  # +1 right, -1 left
     force: Array  # y'' + 2 zeta y' at uplift, in the unit of the side
@@ -129,10 +129,13 @@ class Contact(ABC):
             if other is None
             else (equation.on(-lanes.side, lanes.cell), other.back, other.rotation)
         )
+        # The energy at the ground, before the first impact and after the next two. An
+        # impact multiplies the speed by eta, and so the energy by eta^2.
         overturns, energy = here.fall(y, v)
         across = lanes.eta**2 * energy
         again = back**2 * across
         after = ~overturns & ((across > there.barrier) | (again > here.barrier))
+        # A body that moves inwards has the peak of its present arc behind it.
         outward = np.where(v > 0.0, here.peak(energy), y)
         beyond = there.peak(across)
         if equation.proportional or here is there:

@@ -37,18 +37,21 @@ def stays_below_peak(segments: Segments, lanes: Lanes) -> Array:
     and never rise above their peak (Lemma 7). It holds for undamped linear oscillators
     with equal edges.
     """
-    drive, ends = (
-        1.0 + lanes.force,
-        -lanes.side * lanes.amplitude * segments.s_end[lanes.segment],
-    )
+    # 1 - e: what the strongest drive to come leaves, now, at the end of the segment and
+    # on the later ones.
+    drive = 1.0 + lanes.force
+    ends = -lanes.side * lanes.amplitude * segments.s_end[lanes.segment]
     left = 1.0 - np.maximum(
         np.maximum(np.abs(drive), np.abs(ends)),
         lanes.amplitude * segments.largest_later[lanes.segment],
     )
+    # V: the segment is monotone, so its ends give its variation.
     variation = (
         np.abs(ends - drive) + lanes.amplitude * segments.variation[lanes.segment]
     )
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+        # B and the conditions of the lemma. By the second one no arc, which is at most
+        # 2/3 B/(1 - e) high, rises above the peak.
         fastest = lanes.v * lanes.v * np.exp(4.0 / 3.0 * variation / left)
         return np.asarray(
             (left > 0.0)
@@ -68,6 +71,7 @@ def too_many_impacts(segments: Segments, lanes: Lanes, most: int) -> Array:
     if not at.size:
         return found
     lanes = lanes.take(at)
+    # 1 - a^2 now and at instants to come: v is proportional to its cube root.
     left = segments.length[lanes.segment] - lanes.phase
     now, *later = (
         1.0
@@ -75,6 +79,7 @@ def too_many_impacts(segments: Segments, lanes: Lanes, most: int) -> Array:
         ** 2
         for share in _SHARES
     )
+    # The number of arcs is the integral of (1 - a^2)/(2 v) over the time that is left.
     pace = np.mean([np.cbrt(np.maximum(still, 0.0)) ** 2 for still in later], axis=0)
     impacts = 0.5 * pace * np.cbrt(now) * left / lanes.omega / lanes.v
     found[at] = (
@@ -106,6 +111,7 @@ def bounces_to_end(segments: Segments, lanes: Lanes, equation: Equation) -> Arra
     at = _tested(lanes)
     if not at.size:
         return found
+    # |c| stays below 1 to the end, so nothing lifts the body again.
     k = lanes.segment[at]
     later = np.minimum(k + 1, len(segments) - 1)
     largest = np.maximum(
@@ -156,10 +162,12 @@ class _Lines(NamedTuple):
 
 
 class _ActionBounds(NamedTuple):
-    """Bounds of the changes of Q from now to the end of the record (Lemma 14)."""
+    """Bounds of the changes of Q, the logarithm of the action, from now to the end of
+    the record (Lemma 14); W is the energy of the bounces.
+    """
 
-    by_speed: float  # sum of those that go with (2 W)^(1/2), over it
-    by_energy: float  # sum of those that go with W, over it
+    by_speed: float  # sum of the terms with the factor (2 W)^(1/2), without it
+    by_energy: float  # sum of the terms with the factor W, without it
     largest: float  # largest |c| [-]
     steepest: float  # largest |c' phi| over (2 W)^(1/2)
 
@@ -184,7 +192,8 @@ def bound_of_peaks(segments: Segments, lane: Lanes, gain: float) -> float:
             + still * bounds.by_energy
         )
         if changes <= _SAFE_SHARE * room:
-            # W/D, which grows with |c|.
+            # The changes sum up to no more than G, so W is bounded to the end. W/D,
+            # which bounds y, grows with |c|.
             highest = still * (1.0 - bounds.largest * bounds.largest) ** (2.0 / 3.0) / d
             small = highest <= _SMALL * d / gain
             return _PEAK * highest / _SAFE_SHARE if small else np.inf

@@ -97,11 +97,13 @@ def sequence_bounds(
     """Return bounds of sequences of impacts for which `sequence_ends` is True, for
     lanes just after an impact.
     """
+    # q; where the bounces are below rounding the sequence counts as over at once.
     speed_ratio = lanes.eta if there is None else there.eta * there.back
     still = (speed_ratio > _ELASTIC) & (lanes.v < BELOW_ROUNDING)
     path = _path_of(segments, lanes, there, speed_ratio, still)
     eta = 1.0 if there is None else there.eta
     fastest = path.growth * lanes.v
+    # The drive is monotone, so the largest forces are those at the ends.
     (here, other), (then, other_then) = path.now, path.then
     return SequenceBounds(
         path.later,
@@ -122,7 +124,7 @@ class _Path(NamedTuple):
     later: Array  # phase of the segment after this duration [rad]
     # inward force on bodies at the ground at the start, on this side and on the other
     now: tuple[Array, Array]
-    then: tuple[Array, Array]  # the same after the duration
+    then: tuple[Array, Array]  # inward force after the duration, on both sides
     growth: Array  # bound of later speeds over v, on either side [-]
     gains: Array  # G: bound of the speeds at which arcs on this side begin, over v [-]
     # H: the same on the other side, less what shorter arcs make up for [-]
@@ -262,6 +264,7 @@ def forces_at_ground(
             lanes.segment,
             lanes.phase if u is None else u,
         )
+    # f = a - 1 at the ground, under a steady weight.
     drive = 1.0 + lanes.force
     if u is not None:
         outward = -lanes.side * lanes.amplitude
@@ -280,6 +283,8 @@ def sequence_time(
     """Duration [tau] of the sequence of arcs under a constant drive and weight; 0 if it
     does not end.
     """
+    # A geometric series: an arc with initial speed v under the constant force f lasts
+    # 2 v/f, and each cycle keeps q of the speed.
     if there is None:
         return 2.0 * lanes.v / (1.0 - lanes.eta) / -lanes.force
     drive, speed_ratio = weight + lanes.force, there.eta * there.back

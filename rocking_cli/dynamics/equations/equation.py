@@ -64,9 +64,10 @@ class Flow(Protocol):
 class Drive(NamedTuple):
     """The shaking of lanes: series in powers of the time over `unit`, from now on."""
 
-    terms: Rows  # of the outward drive over its value at uplift [-], (terms, lanes)
+    # terms of the outward drive over its value at uplift [-], (terms, lanes)
+    terms: Rows
     unit: Array  # unit of time of the series [tau], (lanes,)
-    # of the weight over m g [-], (terms, lanes); None if it is constant
+    # terms of the weight over m g [-], (terms, lanes); None if it is constant
     weight: Rows | None = None
 
     @property

@@ -39,7 +39,7 @@ _BOTH = np.stack([_ODD, _EVEN], axis=1)[:, :, None, None]
 
 @dataclass
 class LinearFlow(Arrays):
-    """One arc a lane: the state at its start, and the terms of the outward drive."""
+    """An arc for each lane: the state at its start, and the terms of the drive."""
 
     y: Array  # displacement at the start, in the unit of the side, (lanes,)
     v: Array  # velocity y' at the start, by tau, (lanes,)
@@ -136,9 +136,13 @@ def _sinh_less_h(h: Array, sinh: Array) -> Array:
 
 
 def _series(w: Array, h: Array) -> tuple[Array, Array]:
-    """F3 and F4 for small arguments, from w (sinh h - h) + (wh - sin wh) and w^2 (cosh
-    h - 1 - h^2/2) + (w^2 h^2/2 - 1 + cos wh).
+    """F3 and F4, the parts of y that sin(w h) and 1 - cos(w h) in the drive add, by
+    series for small arguments.
     """
+    # Each bracket of
+    #     F3 (1 + w^2) = [w (sinh h - h)] + [w h - sin(w h)]
+    #     F4 (1 + w^2) = [w^2 (cosh h - 1 - h^2/2)] + [w^2 h^2/2 - 1 + cos(w h)]
+    # is a series in h^2, or in -(w h)^2.
     h2, w2 = h * h, w * w
     argument = np.empty((2, h.size))
     argument[0] = h2

@@ -49,21 +49,18 @@ class LinearEquation(Equation):
 
     gain = 1.0
     limit = np.inf
-    tolerance = (
-        1e-13  # of a series, where one is used: the terms left out are below rounding
-    )
+    # tolerance of a series, where one is used: terms left out are below rounding
+    tolerance = 1e-13
     bounds = (1.0, 1.0)
     barrier = 1.0
-    pool = (
-        32768  # fewer rounds outweigh arrays that no longer fit the second-level cache
-    )
+    # fewer rounds outweigh arrays that no longer fit the second-level cache
+    pool = 32768
 
     def __init__(self, damping: float = 0.0) -> None:
         super().__init__(damping)
         self.bounded = damping == 0.0
-        self.growth = (
-            math.sqrt(1.0 + damping * damping) - damping
-        )  # rate of the unstable mode, over p
+        # rate of the unstable mode, over p
+        self.growth = math.sqrt(1.0 + damping * damping) - damping
 
     def flow(self, segments: Segments, lanes: Lanes) -> Flow:
         """The motion of each lane from its state."""
@@ -117,10 +114,8 @@ class LinearEquation(Equation):
         """
         up, down = self.growth, -1.0 / self.growth
         rising = (v > 0.0) & (y - 1.0 + up * v < 0.0)
-        grows, decays = (
-            (v - down * (y - 1.0)) / (up - down),
-            (up * (y - 1.0) - v) / (up - down),
-        )
+        grows = (v - down * (y - 1.0)) / (up - down)
+        decays = (up * (y - 1.0) - v) / (up - down)
         when = np.log(-decays * down / (grows * up)) / (up - down)
         return np.where(
             rising,

@@ -89,16 +89,15 @@ class MechanismEquation(Equation):
         self, mechanism: Mechanism, tolerance: float = 1e-9, damping: float = 0.0
     ) -> None:
         super().__init__(damping)
-        self.order, self.tolerance = (
-            order_for(tolerance, 0.8),
-            tolerance,
-        )  # fewer terms than for a body: cost ~ terms^3
+        # fewer terms than for a body: cost ~ terms^3
+        self.order = order_for(tolerance, 0.8)
+        self.tolerance = tolerance
         self.table = table = tabulate(mechanism)
         self.limit = float(table.edges[-1])
-        self.top = float(
-            inverse(table, table.turn, np.array([1.0]), self.limit)[0]
-        )  # y at phi = alpha
+        # y at phi = alpha
+        self.top = float(inverse(table, table.turn, np.array([1.0]), self.limit)[0])
         self.barrier = float(table.value(table.work, np.array([self.top]))[0])
+        # bound of |df/dy| up to the equilibrium, for drives |a| <= 1
         inner = np.linspace(0.0, self.top, 257)
         self.gain = float(
             sum(np.abs(table.slope(c, inner)).max() for c in (table.lift, table.push))
@@ -106,6 +105,7 @@ class MechanismEquation(Equation):
         turns = table.slope(table.turn, inner)
         self.spread = float(turns.max() / turns.min())
         self.bounds = largest(table, table.lift), largest(table, table.push)
+        # y beyond the equilibrium, and the inward drive that has its equilibrium there
         beyond = np.linspace(self.top, self.limit, 4097)
         self.marks = (
             beyond,
@@ -203,8 +203,8 @@ class MechanismEquation(Equation):
 
     @cached_property
     def _marked(self) -> Array:
-        """(2, terms, marks): the series of F and G in powers of y about equal marks up
-        to the limit.
+        """The series of F and G of Eq. 3.4 in powers of y - y0 about equally spaced y0
+        up to the limit, (2, terms, y0).
         """
         at, x = self.table.of(np.linspace(0.0, self.limit, _MARKS + 1))
         count = MOST_TERMS + _NEAR
@@ -213,8 +213,8 @@ class MechanismEquation(Equation):
         )
 
     def _local(self, at: Array, x: Array, count: int) -> Array:
-        """(2, count, lanes): the series of F and G in powers of (y - y0) / half,
-        shifted from the centre of the patch that holds y0.
+        """The series of F and G of Eq. 3.4 in powers of (y - y0)/half, shifted from the
+        centre of the patch that holds y0, (2, count, lanes).
         """
         # NumPy sums a single lane in another order: no digit may depend on a lane's
         # neighbours
@@ -224,9 +224,8 @@ class MechanismEquation(Equation):
         rows = np.zeros((2, count + _SHIFT, x.size))
         for function, row in zip((self.table.lift, self.table.push), rows, strict=True):
             function[:given].take(at, axis=1, out=row[:given])
-            row[:given] *= _FACTORIALS[
-                :given
-            ]  # k! c_k: term k about y0 is the sum over m of term k + m times x^m/m!
+            # k! c_k: term k about y0 is the sum over m of term k + m times x^m/m!
+            row[:given] *= _FACTORIALS[:given]
         x_m = powers(x, _SHIFT + 1)
         x_m /= _FACTORIALS[: _SHIFT + 1]
         local: Array = np.einsum(
@@ -304,13 +303,13 @@ class MechanismEquation(Equation):
 def composed(
     local: Array, y: Rows, new: Callable[[], Series]
 ) -> tuple[Series, Series, Callable[[int], None]]:
-    """`along` for many lanes; local: the series of F and G about the present y, (2,
-    terms, lanes).
+    """The series of F(y) and G(y) along the series of y, as `Equation.along`, for many
+    lanes; local: those of F and G in powers of y - y0 about the present y0, (2, terms,
+    lanes).
     """
     count = local.shape[1]
-    power = np.zeros(
-        (count, count, y.array.shape[1])
-    )  # [j, n]: term n of (y - y0)^j; it is zero for n < j
+    # [j, n]: term n of (y - y0)^j; it is zero for n < j
+    power = np.zeros((count, count, y.array.shape[1]))
     found = new(), new()
     for function, series in zip(local, found, strict=True):
         series.append(function[0])
@@ -335,9 +334,8 @@ def _composed_floats(
     local: list[list[float]], y: list[float]
 ) -> tuple[list[float], list[float], Callable[[int], None]]:
     """`along` for one body; local: the series of F and of G about the present y."""
-    power: list[list[float]] = [
-        [] for _ in local[0]
-    ]  # [j]: terms j, j + 1 ... of (y - y0)^j
+    # [j]: terms j, j + 1 ... of (y - y0)^j
+    power: list[list[float]] = [[] for _ in local[0]]
     found = [local[0][0]], [local[1][0]]
 
     def extend(n: int) -> None:

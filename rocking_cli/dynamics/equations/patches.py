@@ -11,7 +11,7 @@ import numpy as np
 from ...structures.mechanics.kinematics import Mechanism, linearise
 from ..lanes import Array
 
-DEGREE = 28  # of a patch's series
+DEGREE = 28  # degree of the series of a patch
 _PARTS = 512  # narrow patches that a fitted patch is cut into
 # terms of a narrow patch's series for a value: there x is below 1/1024, and x^6 below
 # 1e-18
@@ -98,6 +98,7 @@ def inverse(table: Patches, coefficients: Array, value: Array, high: float) -> A
     at = np.searchsorted(known[1:-1], value)
     a, b = nodes.take(at), nodes.take(at + 1)
     low, top = known.take(at), known.take(at + 1)
+    # The first guess: the chord between the two nodes around the value.
     y = np.clip(a + (value - low) / (top - low) * (b - a), a, b)
     lanes = np.flatnonzero(~np.isnan(value))
     for _ in range(60):
@@ -105,10 +106,8 @@ def inverse(table: Patches, coefficients: Array, value: Array, high: float) -> A
             break
         here = y[lanes]
         gap = table.value(coefficients, here) - value[lanes]
-        a[lanes], b[lanes] = (
-            np.where(gap < 0.0, here, a[lanes]),
-            np.where(gap < 0.0, b[lanes], here),
-        )
+        a[lanes] = np.where(gap < 0.0, here, a[lanes])
+        b[lanes] = np.where(gap < 0.0, b[lanes], here)
         with np.errstate(all="ignore"):
             newton = here - gap / table.slope(coefficients, here)
         inside = (newton >= a[lanes]) & (newton <= b[lanes])
@@ -145,10 +144,8 @@ def _narrowed(wide: Patches) -> Patches:
         (wide.edges[:-1, None] + width[:, None] * (share - 0.5 / _PARTS)).ravel(),
         wide.edges[-1],
     )
-    centre, half = (
-        (wide.edges[:-1, None] + width[:, None] * share).ravel(),
-        wide.half.repeat(_PARTS),
-    )
+    centre = (wide.edges[:-1, None] + width[:, None] * share).ravel()
+    half = wide.half.repeat(_PARTS)
     x = (centre - wide.centre.repeat(_PARTS)) / half
     functions = np.stack(
         [
@@ -171,11 +168,14 @@ class _PatchPath:
 
     def __init__(self, mechanism: Mechanism, alpha: float, stiffness: float) -> None:
         self.mechanism, self.alpha = mechanism, alpha
+        # F and G at rest, over which the table has them.
         at_rest = mechanism.coefficients(0.0)
         root = float(np.sqrt(at_rest.inertia))
         self.lift0, self.push0 = float(at_rest.lift) / root, float(at_rest.push) / root
+        # rounding of the coefficients of Eq. 3.4, over that of a number near 1
         self.noise = max(1.0, 0.1 * self.push0 / self.lift0)
         self.rate = stiffness / self.lift0  # dy/dphi over sqrt(M)
+        # Rotations, and y at each of them: the integral by Gauss-Legendre quadrature.
         end = _collapse(mechanism, alpha)
         self.marks = np.linspace(0.0, end, 513)
         self.nodes, self.weights = np.polynomial.legendre.leggauss(20)
@@ -185,6 +185,9 @@ class _PatchPath:
         self.length = float(self.sums[-1])
 
     def _integral(self, start: Array, stop: Array) -> Array:
+        """The increase of y between rotations [rad]: the integral of dy/dphi, by
+        Gauss-Legendre quadrature.
+        """
         half = 0.5 * (stop - start)
         phi = (0.5 * (start + stop))[..., None] + half[..., None] * self.nodes
         return (
@@ -199,15 +202,14 @@ class _PatchPath:
         """Rotation at y [rad], by Newton's method; NaN beyond the reach
         of the links.
         """
-        first, last = (
-            self.marks[1] / self.sums[1],
-            (self.marks[-1] - self.marks[-2]) / (self.sums[-1] - self.sums[-2]),
-        )
+        first = self.marks[1] / self.sums[1]
+        last = (self.marks[-1] - self.marks[-2]) / (self.sums[-1] - self.sums[-2])
         phi = (
             np.interp(y, self.sums, self.marks)
             + np.minimum(y, 0.0) * first
             + np.maximum(y - self.length, 0.0) * last
         )
+        # Newton's method from the linear interpolation between the rotations.
         for _ in range(12):
             at = np.clip(
                 np.searchsorted(self.marks, phi, side="right") - 1,
@@ -236,6 +238,7 @@ def _collapse(mechanism: Mechanism, alpha: float) -> float:
     Raises ValueError.
     """
     phi = np.linspace(0.0, mechanism.reach, 20001)[:-1]
+    # lambda(phi) = V'/(g B) must fall and B stay positive, up to the collapse.
     c = mechanism.coefficients(phi)
     with np.errstate(all="ignore"):
         multiplier = np.asarray(c.lift / c.push)
@@ -269,6 +272,7 @@ def _fit(
     for v in values:
         if not np.all(np.isfinite(v)):
             break
+        # The series converges if its last coefficients are at the level of rounding.
         c = np.polynomial.chebyshev.chebfit(x, v, DEGREE + 7)
         small = (
             _SMALL

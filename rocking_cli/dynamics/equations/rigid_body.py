@@ -91,18 +91,17 @@ class RigidBodyEquation(Equation):
         which it has `own`.
         """
         there = object.__new__(type(self))
-        there.damping, there.order, there.tolerance, there._by_cell = (
-            self.damping,
-            self.order,
-            self.tolerance,
-            self._by_cell,
-        )
+        there.damping = self.damping
+        there.order = self.order
+        there.tolerance = self.tolerance
+        there._by_cell = self._by_cell
         there._take(each, own)
         return there
 
     def _at(self, lanes: Array | slice) -> Self:
-        """Return the equation with the numbers at these indices, of cells, of edges or
-        of lanes.
+        """Return the equation for a selection of its numbers (alpha, sin(alpha) ...).
+        lanes: indices into the arrays that it has, which are by cell, by edge or by
+        lane.
         """
         each = {key: x[lanes] for key, x in self._each.items()}
         return self._with(each, each)
@@ -236,14 +235,16 @@ class RigidBodyEquation(Equation):
             return ((v > 0.0) & (gap <= 0.0)) | on_its_side
         half = np.tan(0.5 * gap)
         half *= half
-        height = (
-            2.0 / self.square * np.sqrt(1.0 + e * e) * (half / (1.0 + half))
-        )  # sin^2 of half the gap
+        # sin^2 of half the gap
+        height = 2.0 / self.square * np.sqrt(1.0 + e * e) * (half / (1.0 + half))
         passes = (v > 0.0) & ((gap <= 0.0) | (0.5 * v * v > height))
         return passes | on_its_side
 
 
 def _numbers(alpha: float) -> dict[str, float]:
+    """Return the numbers of an edge with this critical angle [rad]. Raises ValueError
+    for an angle that no rigid body has.
+    """
     if not LEAST_ALPHA <= alpha < 0.5 * math.pi:
         raise ValueError(
             f"alpha: found {alpha:g} rad; expected an angle of a rigid body from"

@@ -32,9 +32,8 @@ _LEAST = 1e-3  # tau: the unit of lanes at the end of their line
 # growth rate of lanes up to a little beyond the barrier; the last terms show where it
 # is larger
 _GROWTH = 1.3
-_ROOM = (
-    0.1  # largest size of the first term left out, over the error that a step may have
-)
+# largest size of the first term left out, over the error that a step may have
+_ROOM = 0.1
 
 
 @dataclass
@@ -149,29 +148,25 @@ def drive_series(
 
     rate: fastest change of the body on still ground [1/tau].
     """
-    weighed, here = (
-        segments.weighed,
-        segment_value(segments, lanes.segment, lanes.phase),
-    )
+    weighed = segments.weighed
+    here = segment_value(segments, lanes.segment, lanes.phase)
+    # The rate of the fastest change is the unit of the series: terms then fall off.
     w, *up = (
         part.frequency.take(lanes.segment, axis=1) * lanes.omega
         for part in (segments, *((weighed.vertical,) if weighed else ()))
     )
     fastest = rate + np.maximum.reduce([x.max(axis=0, initial=0.0) for x in (w, *up)])
     unit = 1.0 / fastest
-    terms, outward = (
-        np.empty((order + 1, lanes.phase.size)),
-        -lanes.side * lanes.amplitude,
-    )
+    terms = np.empty((order + 1, lanes.phase.size))
+    outward = -lanes.side * lanes.amplitude
     terms[0] = outward * (segments.s_start[lanes.segment] + here[0])
     _fill(terms, segments, lanes, here, outward, w, unit)
     if weighed is None:
         return Drive(Rows.from_array(terms), unit), fastest
+    # The weight over m g is a series in the same powers: 1 + sway s_v.
     rows, vertical = np.empty(terms.shape), weighed.vertical
-    sway, rise = (
-        weighed.sway(lanes.side, lanes.amplitude),
-        segment_value(vertical, lanes.segment, lanes.phase),
-    )
+    sway = weighed.sway(lanes.side, lanes.amplitude)
+    rise = segment_value(vertical, lanes.segment, lanes.phase)
     change = (
         rise[0]
         if vertical.table is None
@@ -356,6 +351,7 @@ def line_series(
     that vary linearly.
     """
     unit = drive.unit
+    # A bound of |y''| and of the slope of the drive gives the degree.
     size = 2.0 + np.abs(v)
     for line in (
         (drive.line, drive.weight_line) if drive.weight is not None else (drive.line,)
@@ -373,6 +369,7 @@ def line_series(
         drive.weight,
         force,
     )
+    # The last terms show for how long the series holds.
     last = last_terms(terms, degree * unit.size + np.arange(unit.size), unit)
     with np.errstate(divide="ignore"):
         short = (WITHIN * equation.tolerance * unit / last) ** (1.0 / (degree - 1.0))

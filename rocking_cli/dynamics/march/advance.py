@@ -32,9 +32,8 @@ class Windows(NamedTuple):
     segment: Array  # segment of the end
     phase: Array  # phase of the end in its segment [rad]
     supercritical: Array  # True if the drive is supercritical
-    over: (
-        Array  # phase of the whole segments between the present one and `segment` [rad]
-    )
+    # phase of the whole segments between the present one and `segment` [rad]
+    over: Array
 
     def phase_from(self, u: Array) -> Array:
         """The phase from u in the present segment to the end of the window."""
@@ -117,17 +116,21 @@ def _beyond_cuts(
     k, u, supercritical, over = window
     lanes = np.arange(k.size)
     while True:
+        # Windows that reach the end of a segment after which the closed form goes on.
         ends = lanes[(u[lanes] >= segments.length[k[lanes]]) & segments.joins[k[lanes]]]
         rises, falls = (
             sense * side[ends] * (segments.s_end[at] - segments.s_start[at]) < 0.0
             for sense, at in ((1.0, k[ends]), (-1.0, k[ends] + 1))
         )
+        # A subcritical window stops at a maximum of the drive: Lemma 3 needs a drive
+        # that falls first and rises then.
         ends = ends[supercritical[ends] | ~(rises & falls)]
         if not ends.size:
             return Windows(k, u, supercritical, over)
         following = window_end(
             segments, k[ends] + 1, np.zeros(ends.size), side[ends], amplitude[ends]
         )
+        # The window goes on where the drive is on the same side of 1 there.
         same = following.supercritical == supercritical[ends]
         lanes = ends[same]
         k, u, over = k.copy(), u.copy(), over.copy()
@@ -196,6 +199,7 @@ def next_step(segments: Segments, lanes: Lanes, longest: Array) -> LaneStep:
         subcritical[on] = h[on]
         h[on] += beyond.phase_from(u[on]) / lanes.omega[on]
         k[on], u[on], supercritical[on] = beyond.segment, beyond.phase, False
+    # A step that would be too long ends inside its window.
     long = np.flatnonzero(h > longest)
     if long.size:
         h[long] = longest[long]
@@ -219,10 +223,11 @@ def advance(
         end, chord_errors = arc.at_with_chord_errors(step.h)
     else:
         end, chord_errors = arc.at(step.h), None
+    # Lemmas 1 and 2: y <= 0 at the end of the step proves exactly one impact.
     reach = step.h.copy()
     hit = end.y <= 0.0
-    # A supercritical window entered inwards: y may touch the ground at its only minimum
-    # although both ends are above the ground.
+    # Lemma 2, a supercritical window entered inwards: y may touch the ground at its
+    # only minimum although both ends are above the ground.
     dips = np.flatnonzero(step.supercritical & ~hit & (lanes.v < 0.0) & (end.v > 0.0))
     if dips.size:
         h = step.h[dips]
@@ -232,6 +237,8 @@ def advance(
         touched = ~(y_min > 0.0)
         hit[dips[touched]] = True
         reach[dips[touched]] = h_min[touched]
+    # The impact lies between the start of the subcritical part of the step and the end,
+    # or the minimum.
     impact_v, impact_force = np.zeros_like(reach), np.zeros_like(reach)
     at = np.flatnonzero(hit)
     if at.size:
@@ -328,6 +335,8 @@ def _turns_outwards(
     at = np.flatnonzero(inwards & (slope > 0.0))
     if not at.size:
         return at, np.zeros(0)
+    # The tangent at the start proves for most lanes that y' stays negative until the
+    # drive rises again.
     bottom = np.minimum(_bottom(segments, lanes, result, at), result.reach[at])
     above = lanes.v[at] + slope[at] * bottom > 0.0
     at, bottom = at[above], bottom[above]
@@ -371,9 +380,8 @@ def _bottom(segments: Segments, lanes: Lanes, result: StepResult, at: Array) -> 
     k, u = lanes.segment[at], lanes.phase[at]
     to_k, to_u = result.step.segment[at], result.step.phase[at]
     to_k = np.where(to_u > 0.0, to_k, to_k - 1)
-    inside = (
-        -lanes.side[at] * (segments.s_end[k] - segments.s_start[k]) < 0.0
-    )  # a step within one falling segment
+    # True where the whole step lies in one falling segment
+    inside = -lanes.side[at] * (segments.s_end[k] - segments.s_start[k]) < 0.0
     bottom = (
         phase_between(segments, k, u, np.maximum(k, to_k), np.zeros(at.size))
         / lanes.omega[at]
@@ -390,6 +398,8 @@ def _falling_again(
     subcritical, h = result.step.subcritical[at], result.step.h[at]
     bottom = np.clip(_bottom(segments, lanes, result, at), subcritical, h)
     arc = result.arc.take(at)
+    # While the drive falls y' < 0 is concave, so it stays negative to this instant.
+    # Afterwards y' > 0 is convex, and dips only if it still falls here.
     middle = arc.at(bottom)
     found = np.where(middle.v < 0.0, bottom, np.nan)
     hidden = np.flatnonzero(

@@ -53,6 +53,7 @@ def free_motion(batch: Batch, lanes: Lanes) -> Closed:
     free = batch.contact.free_motion(
         batch.equation, lanes, at, lanes.y[at], lanes.v[at]
     )
+    # A body that overturns on its present arc may have had impacts before.
     before = np.where(
         lanes.impacts[at] > 0,
         Outcome.OVERTURNED_AFTER_IMPACT,
@@ -76,13 +77,15 @@ def damped_settling(batch: Batch, lanes: Lanes) -> Closed:
     at = np.flatnonzero(lanes.segment >= batch.shaken)
     y, v = lanes.y[at], lanes.v[at]
     top = batch.equation.damped_peak(y, v)
+    # Start the comparison from the next peak, where this is known: the body is at rest
+    # there, and has lost the energy that damping takes on the way.
     known = np.flatnonzero(np.isfinite(top))
     y[known], v[known] = top[known], 0.0
     lanes.peak[at] = np.fmax(lanes.peak[at], top)
+    # Without damping every later arc would be higher than it is (Lemma 8).
     most = batch.contact.free_motion(batch.equation, lanes, at, y, v)
-    below = (
-        batch.rotation(lanes, at, y) < 1.0
-    )  # above the barrier damping may keep the body from falling back
+    # above the barrier damping may keep the body from falling back
+    below = batch.rotation(lanes, at, y) < 1.0
     at = at[
         below
         & ~(most.overturns | most.overturns_after_impact)
@@ -102,10 +105,11 @@ UNSETTLED = Closing(
         np.flatnonzero(lanes.segment >= len(batch.segments)), Outcome.FAILED, np.nan
     )
 )
+# a lane that has not settled at the end of the still ground fails
 DAMPED = [
     Closing(damped_settling, still=True),
     UNSETTLED,
-]  # a lane that has not settled at the end of the still ground fails
+]
 STAYS_BELOW_PEAK = Closing(
     lambda batch, lanes: _rocked(lanes, stays_below_peak(batch.segments, lanes)),
     "sequences_closed",
@@ -151,9 +155,9 @@ def closings_of(batch: Batch, observed: bool) -> tuple[list[Closing], list[Closi
         or segments.sign_changes > FEW_SIGN_CHANGES
     ):
         return early, []
-    remaining = RemainingImpulse.of(
-        segments
-    )  # if only the outcome is wanted: lanes that cannot overturn any more (Lemma 9)
+    # If only the outcome is wanted, lanes that cannot overturn any more end here
+    # (Lemma 9).
+    remaining = RemainingImpulse.of(segments)
     return early, [
         Closing(
             lambda _, lanes: Closed(

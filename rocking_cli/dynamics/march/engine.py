@@ -24,7 +24,7 @@ from .closings import FREE_MOTION, Closed, Closing, closings_of, free_motion
 
 AnyLanes = TypeVar("AnyLanes", bound=Lanes)
 
-_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # of mallopt(3)
+_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # parameters of mallopt(3)
 _BLOCK = 32 << 20  # bytes, the largest that it takes
 
 
@@ -75,26 +75,19 @@ class Run:
         self, batch: Batch, pool: int | None = None, observers: Sequence[Observer] = ()
     ) -> None:
         keep_freed_memory()
-        # pool: number of lanes that are advanced together
-        # observers: objects that see the motion of the lanes
-        self.batch, self.pool, self.observers = (
-            batch,
-            pool or batch.equation.pool,
-            list(observers),
-        )
+        self.batch = batch
+        self.pool = pool or batch.equation.pool  # lanes that are advanced together
+        self.observers = list(observers)  # objects that see the motion of the lanes
         self.closings, self.after_rest = closings_of(batch, bool(observers))
         # results so far, as in `Response`, (cells,)
         self.theta_ratio = np.full(batch.size, 0.0 if batch.peaks else np.nan)
         self.outcome = np.full(batch.size, Outcome.NO_UPLIFT, dtype=np.uint8)
-        # bounced: True for damped cells after an impact on still ground, (cells,)
-        self.impacts, self.bounced = (
-            np.zeros(batch.size, dtype=np.int32),
-            np.zeros(batch.size, dtype=bool),
-        )
+        self.impacts = np.zeros(batch.size, dtype=np.int32)
+        # True for damped cells after an impact on still ground, (cells,)
+        self.bounced = np.zeros(batch.size, dtype=bool)
         self.work = Work(cells=batch.size)
-        if (
-            batch.free_fall is not None
-        ):  # a body that leans on its wall loses the ground too
+        # a body that leans on its wall loses the ground too
+        if batch.free_fall is not None:
             self._lose_contact(np.flatnonzero(batch.free_fall.occurs))
 
     def all(self, march: Callable[["Run", Array], None] = by_windows) -> None:
@@ -143,6 +136,8 @@ class Run:
         self.work.impacts += int(result.hit.sum())
         self.work.steps += result.hit.size
 
+        # Peaks come before results: a body that has lain on its side on the way has
+        # overturned, even if it ends lower.
         ends = self._ends(lanes, result)
         last = self._in_the_air(lanes, result, ends, np.flatnonzero(ends.shaken))
         free = free_motion(batch, last)
@@ -151,6 +146,7 @@ class Run:
         if self.observers:
             self._show(lanes, result, np.flatnonzero(~(ends.failed | ends.over)))
 
+        # Store the results of the lanes that end; `_go_on` takes them out of the pool.
         self.finish(lanes, np.flatnonzero(ends.failed), Outcome.FAILED, np.nan)
         last.peak = lanes.peak[ends.shaken]
         peak = np.maximum(last.peak, free.peak)
@@ -182,10 +178,10 @@ class Run:
     def _raise_peaks(
         self, lanes: Lanes, result: StepResult, ends: RoundEnds, free: Array | Outcome
     ) -> None:
-        """Take the turning points of the steps into the peaks of the lanes. A body that
-        has lain on its side on the way has overturned, even if it ends lower. free:
+        """Take the turning points of the steps into the peaks of the lanes. free:
         outcomes of the free motion of shaken lanes.
         """
+        # Peaks are reported for bodies that stand only.
         wanted = ~(ends.failed | ends.over)
         wanted[np.flatnonzero(ends.shaken)[free != Outcome.ROCKED]] = False
         at, _, y = turning_points(self.batch.segments, lanes, result, wanted)
@@ -381,12 +377,10 @@ class Run:
         """Recompute the force on the lanes `at`, which are at the start
         of a segment.
         """
-        seg, side, amplitude, k = (
-            self.batch.segments,
-            lanes.side[at],
-            lanes.amplitude[at],
-            lanes.segment[at],
-        )
+        seg = self.batch.segments
+        side = lanes.side[at]
+        amplitude = lanes.amplitude[at]
+        k = lanes.segment[at]
         weight = seg.weight(side, amplitude, k, lanes.phase[at])
         drive = -side * amplitude * seg.s_start[k]
         lanes.force[at] = self.batch.equation.on(side, lanes.cell[at]).force(

@@ -117,11 +117,14 @@ def turning_point(
     low, high, h = low.copy(), high.copy(), guess.copy()
     for _ in range(_ROUNDS if lanes.size else 0):
         f = arc.at(h)
+        # Halley's step to the root of v, whose derivatives are b and j.
         with np.errstate(all="ignore"):
             step = -f.v / (f.b - 0.5 * f.v * f.j / f.b)
         low, high = _narrowed(low, high, h, sense * f.v <= 0.0)
         target = h + step
         inside = (sense * f.b < 0.0) & (target >= low) & (target <= high)
+        # A lane is done if its step is short over every scale of the arc, or if the
+        # bracket is as narrow as rounding allows.
         settled = (
             inside
             & (np.abs(step) * arc.fastest <= _NEAR)
@@ -131,6 +134,7 @@ def turning_point(
         settled |= high - low <= 4e-16 * high
         if settled.any():
             done = np.flatnonzero(settled)
+            # The last step is taken, and y follows by its Taylor series about h.
             d = np.where(inside[done], step[done], 0.0)
             h_out[lanes[done]] = h[done] + d
             y_out[lanes[done]] = f.y[done] + d * (
@@ -140,12 +144,10 @@ def turning_point(
             if not keep.size:
                 break
             arc, lanes = arc.take(keep), lanes[keep]
-            low, high, target, inside = (
-                low[keep],
-                high[keep],
-                target[keep],
-                inside[keep],
-            )
+            low = low[keep]
+            high = high[keep]
+            target = target[keep]
+            inside = inside[keep]
         h = np.where(inside, target, 0.5 * (low + high))
     else:
         y_out[lanes] = np.nan
@@ -169,6 +171,7 @@ def hidden_turn(arc: Flow, low: Array, high: Array, sense: float) -> Array:
         f = arc.at(h)
         v = sense * f.v
         b = sense * (f.b + arc.damping * f.v) if arc.damping else sense * f.b
+        # One point with v < 0 between the ends proves a pair of turns.
         turns = v < 0.0
         found[lanes[turns]] = h[turns]
         # Convexity bounds v from below by its tangents: stop where they prove that v
@@ -184,6 +187,7 @@ def sense(arc: Flow, h: Array, end: Point, chord_errors: Array) -> tuple[Array, 
     steps of length h, from the values at both ends and the chord errors `chord_errors`
     (`TaylorSeries.at_with_chord_errors`).
     """
+    # y' and y'' lie within their chord errors of the chords between the ends.
     speed, rate = (
         np.array([at_start * part, at_end * part])
         for at_start, at_end, part in ((arc.v, end.v, h), (arc.b, end.b, h * h))

@@ -122,23 +122,19 @@ class ContactLoss(Observer):
         segments = batch.segments
         # Bounds of |s|, |s'| and |s''| by the phase, of the horizontal and the vertical
         # motion.
-        self.across, self.up, share = (
-            (segments.largest, *segments.steepest),
-            (0.0, 0.0, 0.0),
-            (0.0, 0.0),
-        )
-        if (
-            weighed := segments.weighed
-        ) is not None:  # here horizontal extremes lie inside segments
+        self.across = (segments.largest, *segments.steepest)
+        self.up = (0.0, 0.0, 0.0)
+        share = (0.0, 0.0)
+        weighed = segments.weighed
+        if weighed is not None:
+            # Extremes of the horizontal motion lie inside segments here.
             most, least = weighed.inward
             self.across = (
                 max(segments.largest, float(most[0]), -float(least[0])),
                 *segments.steepest,
             )
-            self.up, share = (
-                (weighed.vertical.largest, *weighed.vertical.steepest),
-                weighed.share,
-            )
+            self.up = (weighed.vertical.largest, *weighed.vertical.steepest)
+            share = weighed.share
         self.sway = tuple(
             abs(r) * self.up[0] / (e.uplift * self.across[0] or 1.0)
             for r, e in zip(share, body.edges, strict=False)
@@ -149,9 +145,8 @@ class ContactLoss(Observer):
         accelerations = batch.cells.amplitude * (
             np.array([e.uplift for e in body.edges])[:, None] * self.across[0]
         )
-        self.open = np.any(
-            accelerations > safe, axis=0
-        )  # True for cells without a proof
+        # True for cells without a proof
+        self.open = np.any(accelerations > safe, axis=0)
         self._lost = np.zeros(self.open.size, dtype=bool)
 
     def contact_proved(
@@ -160,10 +155,8 @@ class ContactLoss(Observer):
         """True for those of these cells whose largest rotation, and u' [rad] if it is
         given, prove that they never lost the ground.
         """
-        kept, speed = (
-            np.ones(at.size, dtype=bool),
-            np.inf if fastest is None or not self.body.alike else _MARGIN * fastest,
-        )
+        kept = np.ones(at.size, dtype=bool)
+        speed = np.inf if fastest is None or not self.body.alike else _MARGIN * fastest
         for accelerations, edge, ratio in zip(
             self.batch.cells.amplitude, self.body.edges, self.sway, strict=True
         ):
@@ -178,12 +171,10 @@ class ContactLoss(Observer):
         every part, or Fz <= 0 is found at a point.
         """
         at = arcs.wanted[~self._lost[arcs.lanes.cell[arcs.wanted]]]
-        lanes, arc, low, high = (
-            arcs.lanes.take(at),
-            arcs.flow.take(at),
-            np.zeros(at.size),
-            arcs.stop[at],
-        )
+        lanes = arcs.lanes.take(at)
+        arc = arcs.flow.take(at)
+        low = np.zeros(at.size)
+        high = arcs.stop[at]
         slowing = 2.0 * self.body.damping
         one = self._ends(lanes, low, lanes.y, lanes.v, lanes.force - slowing * lanes.v)
         other = self._ends(
@@ -191,9 +182,8 @@ class ContactLoss(Observer):
         )
         for _ in range(_HALVINGS if at.size else 0):
             self._lost[lanes.cell[~((one.fz > 0.0) & (other.fz > 0.0))]] = True
-            with np.errstate(
-                invalid="ignore"
-            ):  # a stretch too long for a bound of |u'| stays unproved
+            # a stretch too long for a bound of |u'| stays unproved
+            with np.errstate(invalid="ignore"):
                 error = chord_errors(
                     self.body,
                     self.body.on(lanes.side),
@@ -206,29 +196,26 @@ class ContactLoss(Observer):
             more = np.flatnonzero(~proved & ~self._lost[lanes.cell])
             if not more.size:
                 return
-            lanes, arc, low, high, one, other = (
-                lanes.take(more),
-                arc.take(more),
-                low[more],
-                high[more],
-                one.take(more),
-                other.take(more),
-            )
+            lanes = lanes.take(more)
+            arc = arc.take(more)
+            low = low[more]
+            high = high[more]
+            one = one.take(more)
+            other = other.take(more)
             half = 0.5 * (low + high)
             there = arc.at(half)
-            middle, both = (
-                self._ends(lanes, half, there.y, there.v, there.b),
-                np.tile(np.arange(half.size), 2),
-            )
+            middle = self._ends(lanes, half, there.y, there.v, there.b)
+            both = np.tile(np.arange(half.size), 2)
             lanes, arc = lanes.take(both), arc.take(both)
             low, high = np.append(low, half), np.append(half, high)
             one, other = one.join(middle), middle.join(other)
 
     def _shaking(self, lanes: Lanes) -> ShakingBounds:
-        weighed, size = (
-            self.segments.weighed,
-            self.body.on(lanes.side).uplift * lanes.amplitude,
-        )
+        """Bounds of the push, of the weight less m g, and of their derivatives, by
+        lane.
+        """
+        weighed = self.segments.weighed
+        size = self.body.on(lanes.side).uplift * lanes.amplitude
         sway = (
             np.zeros(size.size)
             if weighed is None
@@ -252,9 +239,8 @@ class ContactLoss(Observer):
         )
         edge = self.body.on(lanes.side)
         u, v, b = edge.unit * y, edge.unit * v, edge.unit * b
-        return Ends(
-            u, v, b, ground_reaction(edge, u, v, b, 0.0, weight)[1]
-        )  # Fz does not depend on the push itself
+        # Fz does not depend on the push itself
+        return Ends(u, v, b, ground_reaction(edge, u, v, b, 0.0, weight)[1])
 
     def may_close(self, lanes: Lanes) -> Array:
         """True for lanes whose bounces until they rest are proved to keep Fz > 0, and
@@ -283,10 +269,8 @@ class ContactLoss(Observer):
             for u in (lanes.phase, bounds.later)
         )
         lightest, heaviest = np.minimum(now, later), np.maximum(now, later)
-        kept, lost = (
-            np.ones(lanes.cell.size, dtype=bool),
-            np.zeros(lanes.cell.size, dtype=bool),
-        )
+        kept = np.ones(lanes.cell.size, dtype=bool)
+        lost = np.zeros(lanes.cell.size, dtype=bool)
         for i, sense in enumerate((1.0,) if body.one_sided else (1.0, -1.0)):
             edge = body.on(sense * lanes.side)
             inward, fastest = edge.unit * bounds.most[i], edge.unit * bounds.fastest[i]
@@ -326,10 +310,8 @@ class ContactLoss(Observer):
         # (linear: q < 1). Damping takes energy, and adds at most 2 zeta kappa u' to the
         # force.
         here, there = self.body.on(lanes.side), self.body.on(-lanes.side)
-        square, least = (
-            self.body.squared_speed_at_ground(here, lanes.y, lanes.v),
-            np.full(lanes.y.size, np.inf),
-        )
+        square = self.body.squared_speed_at_ground(here, lanes.y, lanes.v)
+        least = np.full(lanes.y.size, np.inf)
         for edge, q in (
             (here, square),
             (there, square * (lanes.eta * there.unit / here.unit) ** 2),

@@ -33,9 +33,8 @@ class SearchStretches(Arrays):
     rate: Array
 
 
-Along = Callable[
-    [Array, Array], ExtremePoint
-]  # function of (indices of motions, times)
+# function of (indices of motions, times)
+Along = Callable[[Array, Array], ExtremePoint]
 
 
 class Extremes:
@@ -75,16 +74,17 @@ class Extremes:
         self.include(cell, best)
         with np.errstate(all="ignore"):
             for _ in range(_CUTS):
+                # Stretches on which the cubic may exceed the largest value so far.
                 at = np.flatnonzero(_excess(s, one, other, self.largest[cell]) > 0.0)
                 if not at.size:
                     return
-                cell, s, one, other, best = (
-                    cell[at],
-                    s.take(at),
-                    one.take(at),
-                    other.take(at),
-                    best[at],
-                )
+                cell = cell[at]
+                s = s.take(at)
+                one = one.take(at)
+                other = other.take(at)
+                best = best[at]
+                # Cut at the peak of the cubic, and go on with the part that rises to
+                # it.
                 x = _peak(s, one, other)
                 x = np.where((x > s.low) & (x < s.high), x, 0.5 * (s.low + s.high))
                 there = along(s.own, x)

@@ -25,12 +25,10 @@ class PeakSpeed(Observer):
     """
 
     def __init__(self, batch: Batch) -> None:
-        self.equation, self.contact, self.shaken, self.speed = (
-            batch.equation,
-            batch.contact,
-            batch.shaken,
-            Extremes(np.zeros(batch.size)),
-        )
+        self.equation = batch.equation
+        self.contact = batch.contact
+        self.shaken = batch.shaken
+        self.speed = Extremes(np.zeros(batch.size))
 
     def _speed(self, side: Array, cell: Array, y: Array, v: Array) -> Array:
         """|d theta/d tau|/alpha of lanes of these cells on these sides."""
@@ -42,6 +40,8 @@ class PeakSpeed(Observer):
         lanes, arc, reach, y, v, b, _ = arcs
         b = b - 2.0 * arc.damping * v
         self.speed.include(lanes.cell, self._speed(lanes.side, lanes.cell, y, v))
+        # Where y'' changes its sign the speed has an extreme inside the arc. Only arcs
+        # whose bound exceeds the largest speed so far are searched.
         within = np.maximum(np.abs(arc.v), np.abs(v)) + 0.5 * reach * np.maximum(
             np.abs(arc.b), np.abs(b)
         )
@@ -53,13 +53,11 @@ class PeakSpeed(Observer):
         )
         if not at.size:
             return
-        side, cell, arc, sign, zero = (
-            lanes.side[at],
-            lanes.cell[at],
-            arc.take(at),
-            np.sign(arc.b[at]),
-            np.zeros(at.size),
-        )
+        side = lanes.side[at]
+        cell = lanes.cell[at]
+        sign = np.sign(arc.b[at])
+        arc = arc.take(at)
+        zero = np.zeros(at.size)
 
         def rates(own: Array, y: Array, *of: Array) -> ExtremePoint:
             equation = self.equation.on(side[own], cell[own])
@@ -73,10 +71,8 @@ class PeakSpeed(Observer):
             point = arc.take(own).at(h)
             return rates(own, point.y, point.v, point.b)
 
-        indices, whole = (
-            np.arange(at.size),
-            SearchStretches(np.arange(at.size), zero, reach[at], arc.fastest),
-        )
+        indices = np.arange(at.size)
+        whole = SearchStretches(np.arange(at.size), zero, reach[at], arc.fastest)
         ends = rates(indices, arc.y, arc.v, arc.b), rates(indices, y[at], v[at], b[at])
         s, one, other = parts(along, whole, *ends)
         self.speed.search(cell[s.own], along, s, one, other)
@@ -137,15 +133,14 @@ class PeakSpeed(Observer):
         rise = highest - 1.0 + strongest(at)
         top = v + rise * (end - v + fall * time) / (rise + fall)
         bottom = v - fall * (v - end + rise * time) / (rise + fall)
+        # y'' may change its sign here, and the speed may exceed the largest so far.
         return at[
             (rise > 0.0) & (fall > 0.0) & (np.maximum(top, -bottom) > fastest[at])
-        ]  # y'' may be zero
+        ]
 
     def free(self, lanes: Lanes) -> None:
-        zero, there = (
-            np.zeros(lanes.cell.size),
-            self.equation.on(lanes.side, lanes.cell),
-        )
+        zero = np.zeros(lanes.cell.size)
+        there = self.equation.on(lanes.side, lanes.cell)
         at_ground = np.sqrt(
             there.fall(lanes.y, lanes.v)[1] / there.fall(zero, zero + 1.0)[1]
         )

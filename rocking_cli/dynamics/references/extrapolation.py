@@ -42,7 +42,7 @@ class StatePoint(NamedTuple):
 class Path(NamedTuple):
     """The motion on a stretch of time."""
 
-    peaks: list[StatePoint]  # its peaks
+    peaks: list[StatePoint]  # peaks of the rotation
     end: StatePoint  # its last instant
     struck: bool  # True if the body struck the ground at the last instant
     steps: list[StatePoint]  # the ends of all steps
@@ -93,10 +93,8 @@ def _midpoint_rule(
     before, here = (theta, w), (theta + h * first[0], w + h * first[1])
     for i in range(1, parts):
         speed, force = rate(time + i * h, *here)
-        before, here = (
-            here,
-            (before[0] + 2.0 * h * speed, before[1] + 2.0 * h * force),
-        )
+        after = (before[0] + 2.0 * h * speed, before[1] + 2.0 * h * force)
+        before, here = here, after
     speed, force = rate(time + length, *here)
     return (
         0.5 * (before[0] + here[0] + h * speed),
@@ -115,18 +113,19 @@ def path(rate: Rate, start: StatePoint, stop: float, limit: float) -> Path:
     longest, here, steps = stretch / _PIECES, start, [start]
     force = rate(*start)[1]
     bounces = start.theta == 0.0 < start.w and force < 0.0
-    length = (
-        min(longest, -_BOUNCES * start.w / force) if bounces else longest
-    )  # a bounce must not hide within a step
+    # a bounce must not hide within a step
+    length = min(longest, -_BOUNCES * start.w / force) if bounces else longest
     while passed < stretch and here.theta <= limit:
         if stretch - passed < 1.001 * length:
             length = stretch - passed
         there = step(rate, here, length)
+        # A step from rest that ends without outward speed: the body may have gone up
+        # and down again inside it.
         hop = (
             there is not None
             and here.theta == here.w == 0.0 >= there.w
             and length > _HOP * stretch
-        )  # from rest, up and down again
+        )
         if there is None or hop:
             length = longest = 0.5 * length
             if length < _SHORTEST * stretch:
@@ -190,9 +189,11 @@ class Script:
             lambda t, state: state[1],
             lambda t, state: state[0] - limit,
         )
+        # The three events in order: impact, peak, end of the body's range. Only a peak
+        # does not stop the integration.
         for event, direction, terminal in zip(
             events, (-1, -1, 1), (True, False, True), strict=True
-        ):  # impact, peak, fallen
+        ):
             event.direction, event.terminal = direction, terminal
         found = solve_ivp(
             lambda t, state: rate(t, float(state[0]), float(state[1])),

@@ -112,11 +112,9 @@ def next_uplift(piece: Piece, phase: float, push: float) -> float | None:
     bisection between extremes; None if there is none.
     """
     low = phase
-    for mark in (
-        phase,
-        *(x for x in extremes(piece) if x > phase),
-        piece.stop,
-    ):  # s is monotone from one to the next
+    # s is monotone from one of these phases to the next.
+    later = (x for x in extremes(piece) if x > phase)
+    for mark in (phase, *later, piece.stop):
         high = mark
         if push * value(piece, high) > 1.0:
             while low < (middle := 0.5 * (low + high)) < high:
@@ -170,37 +168,35 @@ class ReferenceBody:
         solver: Callable[..., Path],
     ) -> None:
         self.motion, self.problem, self.solver = motion, problem, solver
-        self.drive, self.omega, self.eta = (
-            amplitude * problem.scale,
-            omega,
-            problem.eta or {1: abs(eta), -1: abs(eta)},
-        )
+        self.drive = amplitude * problem.scale
+        self.omega = omega
+        self.eta = problem.eta or {1: abs(eta), -1: abs(eta)}
         self.time = self.theta = self.w = self.peak = 0.0
         self.side = self.turns = 0  # turns: peaks since the last impact
         self.edges = problem.edges
         self.here = self.edges[1]  # the equation on the side of the body
         self.impacts = 0  # after the shaking and the last rupture
-        self.bounced = self.contact_lost = (
-            False  # contact_lost: True if Fz fell to zero on the way
-        )
+        # contact_lost: True if Fz fell to zero on the way
+        self.bounced = self.contact_lost = False
         self.up: Piece | None = None  # the present piece of the vertical motion
         vertical = motion.vertical
+        # weight over m g
         self.least = (
             1.0
             if vertical is None
             else 1.0 + self.drive * float(vertical.segments.later_min[0])
-        )  # weight over m g
+        )
 
     def run(self) -> tuple[Outcome, float]:
-        left, vertical = (
-            _MOST + _A_SEGMENT * len(self.motion.segments),
-            self.motion.vertical,
-        )
+        left = _MOST + _A_SEGMENT * len(self.motion.segments)
+        vertical = self.motion.vertical
         for piece, up in zip(
             self.motion.pieces,
             vertical.pieces if vertical else (None,) * len(self.motion.pieces),
             strict=True,
         ):
+            # The weight falls to zero where the ground falls away; the body is followed
+            # to this instant.
             self.up = up
             fall = (
                 next_uplift(up, up.start, -self.drive)
@@ -220,6 +216,9 @@ class ReferenceBody:
                     return self.overturned(), math.nan
             if fall is not None and self.theta >= FALLEN * self.here.alpha:
                 return self.overturned(), math.nan
+            # A body that has lost its weight above the unstable equilibrium may or may
+            # not come back: its outcome is not known unless the equation lets it
+            # return.
             if fall is not None:
                 known = self.theta <= self.here.alpha or self.here.returns
                 return Outcome.LOST_CONTACT if known else Outcome.FAILED, math.nan
@@ -252,12 +251,8 @@ class ReferenceBody:
     def rest(self, piece: Piece, end: float) -> None:
         """Let the body rest until its first uplift or the end of the piece."""
         lifts = []
-        for (
-            side,
-            edge,
-        ) in (
-            self.edges.items()
-        ):  # with a vertical motion each edge has an effective motion of its own
+        # With a vertical motion each edge has an effective motion of its own.
+        for side, edge in self.edges.items():
             signal = (
                 piece
                 if self.up is None
@@ -266,9 +261,8 @@ class ReferenceBody:
             phase = next_uplift(
                 signal, self.omega * self.time, -side * self.drive / edge.uplift
             )
-            if (
-                phase is not None and phase / self.omega < end
-            ):  # at the end of the piece the next one decides
+            # An uplift at the end of the piece belongs to the next piece.
+            if phase is not None and phase / self.omega < end:
                 lifts.append((max(self.time, phase / self.omega), side))
         self.time, self.side = min(lifts, default=(end, 0))
         self.here, self.theta, self.w = self.edges[self.side or 1], 0.0, 0.0
@@ -345,16 +339,13 @@ class ReferenceBody:
 
         after = acceleration_and_fz(steps[0])
         for one, other in pairwise(steps):
-            before, after, length = (
-                after,
-                acceleration_and_fz(other),
-                other.time - one.time,
-            )
+            before = after
+            after = acceleration_and_fz(other)
+            length = other.time - one.time
+            # The state halfway, by Hermite interpolation, for a third value of Fz.
             theta, w = 0.5 * (one.theta + other.theta), 0.5 * (one.w + other.w)
-            theta, w = (
-                theta + 0.125 * length * (one.w - other.w),
-                w + 0.125 * length * (before[0] - after[0]),
-            )
+            theta = theta + 0.125 * length * (one.w - other.w)
+            w = w + 0.125 * length * (before[0] - after[0])
             middle = acceleration_and_fz(StatePoint(one.time + 0.5 * length, theta, w))
 
             def within(

@@ -22,9 +22,8 @@ if TYPE_CHECKING:
 
 _HALVINGS = 60
 _YIELDS = 1e-12  # part of the elongation at yield within which a device yields
-_FAR = (
-    1e6  # rotation over alpha at which a body has overturned under the linear equation
-)
+# rotation over alpha at which a body has overturned under the linear equation
+_FAR = 1e6
 
 
 class _Device:
@@ -32,11 +31,12 @@ class _Device:
 
     def __init__(self, tie: Tie, linear: bool) -> None:
         self.tie, self.linear = tie, linear
+        # elongation from the prestress P0 to the yield force F_y
         self.reach = (
             (tie.yield_force - tie.prestress) / tie.stiffness
             if tie.stiffness
             else math.inf
-        )  # elongation from P0 to F_y
+        )
         self.slackens = tie.prestress / tie.stiffness if tie.stiffness else math.inf
         self.permanent, self.law = 0.0, "elastic"
 

@@ -21,12 +21,10 @@ def linear_rates(structure: RockingParameters, edge: Edge) -> Rates:
     """The rates of Eq. 2.4 or 3.6 on an edge: theta'' = theta - alpha - a_scale push -
     2 zeta theta', time by p of the edge.
     """
-    pace, alpha, a_scale, damping = (
-        edge.p / structure.p,
-        edge.alpha,
-        edge.a_scale,
-        structure.damping,
-    )
+    pace = edge.p / structure.p
+    alpha = edge.alpha
+    a_scale = edge.a_scale
+    damping = structure.damping
 
     def rates(
         theta: float, w: float, push: float, weight: float
@@ -66,8 +64,10 @@ def mechanism_rates(structure: RockingParameters, edge: Edge) -> Rates:
     from ...structures.mechanics.kinematics import linearise
 
     assert edge.mechanism is not None  # called only for mechanisms
-    mechanism, form = edge.mechanism, linearise(edge.mechanism)
-    pace, damping = edge.p / structure.p, structure.damping
+    mechanism = edge.mechanism
+    form = linearise(mechanism)
+    pace = edge.p / structure.p
+    damping = structure.damping
 
     def rates(
         theta: float, w: float, push: float, weight: float
@@ -91,10 +91,8 @@ def problem_of(
     edge, such as `linear_rates`.
     """
     sides: dict[int, Edge] = dict(zip((-1, 1), structure.sides, strict=False))
-    scale, own = (
-        structure.alpha / structure.a_scale,
-        sides or dict.fromkeys((1,) if structure.one_sided else (1, -1), structure),
-    )
+    scale = structure.alpha / structure.a_scale
+    own = sides or dict.fromkeys((1,) if structure.one_sided else (1, -1), structure)
     arms = {
         i: Arm(e.alpha, e.arm * structure.p**2 / structure.gravity)
         for i, e in own.items()

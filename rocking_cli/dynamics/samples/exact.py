@@ -57,18 +57,15 @@ def bounded_response(samples: Array, pace: Array) -> Array:
         far = far * -pace + (k + 1.0) / math.factorial(k + 2)
     far *= pace
     near = total - far
-    decays = np.exp(
-        -pace[:, None] * 2.0 ** np.arange((samples.size - 1).bit_length())
-    )  # over 1, 2, 4 ... samples
+    # over 1, 2, 4 ... samples
+    decays = np.exp(-pace[:, None] * 2.0 ** np.arange((samples.size - 1).bit_length()))
     result = np.empty((pace.size, samples.size), dtype=complex)
     for row, *weights, decay in zip(
         result, near.tolist(), far.tolist(), decays, strict=True
     ):
         decays = decay[decay >= _NEGLIGIBLE].tolist()
-        up, down = (
-            _mode(samples, weights, decays),
-            _mode(samples[::-1], weights, decays)[::-1],
-        )
+        up = _mode(samples, weights, decays)
+        down = _mode(samples[::-1], weights, decays)[::-1]
         row.real, row.imag = 0.5 * (up + down), 0.5 * (up - down)
     return result
 
@@ -88,21 +85,22 @@ def _mode(samples: Array, weights: Sequence[float], decays: Sequence[float]) -> 
 class Stretches(NamedTuple):
     """Lower bounds of the outward drive of A = 1 over stretches: the stretch of level k
     from sample n covers the samples n ... n + 2^k, up to the last one. They take 40
-    bytes a sample.
+    bytes for each sample.
     """
 
     # the bounds [-], (motions x 2 sides x stretches,); the right edge comes first
     low: Array
     start: Array  # index of the first entry of each level on a side, (levels,)
     shift: Array  # a level has an entry for every 2^shift samples, (levels,)
-    face: int  # number of entries of one side
+    side_size: int  # number of entries of one side of a motion
 
-    def at(self, face: Array, level: Array, n: Array) -> Array:
+    def at(self, begin: Array, level: Array, n: Array) -> Array:
         """Lower bound of the outward drive of A = 1 over the stretches of these levels
-        from these samples.
+        from these samples. begin: index at which the entries of the motion and the side
+        begin.
         """
         return self.low.take(
-            face + self.start.take(level) + (n >> self.shift.take(level))
+            begin + self.start.take(level) + (n >> self.shift.take(level))
         )
 
 
@@ -120,9 +118,8 @@ def stretches(motions: Sequence[Array], levels: int) -> Stretches:
         for side, outward in zip(own, (-samples, samples), strict=True):
             least = (outward - margin).astype(np.float32)
             for level in range(levels):
-                reach = 1 << max(
-                    level - 1, 0
-                )  # from the front: later entries are still those of the level before
+                # From the front: entries that come later still hold the level before.
+                reach = 1 << max(level - 1, 0)
                 least[:-reach] = np.minimum(least[:-reach], least[reach:])
                 found = np.minimum.reduceat(
                     least, np.arange(0, last + 1, 1 << int(shift[level]))
@@ -147,7 +144,7 @@ class Course(NamedTuple):
 
     first: Array  # index of the first sample of the motion
     last: Array  # index of its last sample
-    face: Array  # index at which the `Stretches` of the motion and the side begin
+    begin: Array  # index at which the `Stretches` of the motion and the side begin
     per_step: Array  # 1 over the phase between two samples [1/rad]
     top: Array  # largest level of `Stretches` over which the lane is propagated
 
@@ -173,7 +170,8 @@ class ExactStepper(SampleStepper[ExactLanes]):
         self.stretches = stretches(
             self.values, 1 + math.ceil(math.log2(self.sizes.max() - 1))
         )
-        self.face = 2 * self.stretches.face * self.motion
+        # index at which the `Stretches` of the motion of each cell begin, (cells,)
+        self.begin = 2 * self.stretches.side_size * self.motion
         self.rows = np.zeros(self.cells.omega.shape, dtype=np.int64)
 
     def shares(self, waiting: Array) -> Iterator[Array]:
@@ -185,10 +183,8 @@ class ExactStepper(SampleStepper[ExactLanes]):
         )
         tables, which = np.unique(pairs, return_inverse=True)
         motion, which = tables.real.astype(np.int64), which.reshape(-1, waiting.size)
-        order, begin = (
-            np.argsort(which[0], kind="stable"),
-            np.cumsum(self.sizes[motion]) - self.sizes[motion],
-        )
+        order = np.argsort(which[0], kind="stable")
+        begin = np.cumsum(self.sizes[motion]) - self.sizes[motion]
         for some in _cut(order, begin[which[0][order]], _TABLES // (16 * len(which))):
             mine, row = np.unique(which[:, some], return_inverse=True)
             of = [
@@ -225,10 +221,8 @@ class ExactStepper(SampleStepper[ExactLanes]):
         bounded = self.bounded.take(
             lanes.row + np.minimum(lanes.segment + inside, self.last.take(lanes.cell))
         )
-        y, v = (
-            there.y - 1.0 - lanes.outward * bounded.real,
-            there.v - lanes.outward * bounded.imag,
-        )
+        y = there.y - 1.0 - lanes.outward * bounded.real
+        v = there.v - lanes.outward * bounded.imag
         lanes.up, lanes.down = 0.5 * (y + v), 0.5 * (y - v)
         fall = (
             lanes.v + np.sqrt(lanes.v * lanes.v - 2.0 * lanes.force * lanes.y)
@@ -263,7 +257,7 @@ class ExactStepper(SampleStepper[ExactLanes]):
             count = np.where(go, ahead, 1.0).astype(np.int64)
 
             # The state there; one too close to the ground is not exact enough.
-            there = self._there(own, course, count)
+            there = self._state_ahead(own, course, count)
             go &= there.y >= _LEAST * (1.0 + np.abs(own.outward))
 
             # Lanes in which a peak or a speed may hide go half as far, or stop.
@@ -287,18 +281,19 @@ class ExactStepper(SampleStepper[ExactLanes]):
 
     def _course(self, own: ExactLanes) -> Course:
         """Return what stays the same while these lanes are propagated."""
-        first, last, face, per_step = (
+        first, last, begin, per_step = (
             x.take(own.cell)
-            for x in (self.first, self.last, self.face, 1.0 / self.step)
+            for x in (self.first, self.last, self.begin, 1.0 / self.step)
         )
-        face += (own.outward > 0.0) * self.stretches.face
-        return Course(first, last, face, per_step, self._top(own.pace))
+        # The right edge comes first; its outward drive is -A s.
+        begin += (own.outward > 0.0) * self.stretches.side_size
+        return Course(first, last, begin, per_step, self._top(own.pace))
 
     def _ahead(self, own: ExactLanes, course: Course) -> tuple[Array, Array, Array]:
         """(samples that lanes may go ahead without an impact (Lemma 11), samples since
         the start of their interval, largest 1 - a on the way).
         """
-        stretch = self.stretches.at(course.face, own.level, own.segment - course.first)
+        stretch = self.stretches.at(course.begin, own.level, own.segment - course.first)
         time, fall = horizon(own.y, own.v, np.abs(own.outward) * stretch)
         past = own.phase * course.per_step
         ahead = np.fmin(
@@ -307,9 +302,10 @@ class ExactStepper(SampleStepper[ExactLanes]):
         )
         return ahead, past, fall
 
-    def _there(self, own: ExactLanes, course: Course, count: Array) -> AtSample:
-        """Return the state of lanes `count` samples ahead, by their two modes and the
-        bounded solution.
+    def _state_ahead(self, own: ExactLanes, course: Course, count: Array) -> AtSample:
+        """Return the state of lanes `count` samples ahead (Lemma 11): the bounded
+        solution of `bounded_response`, and what the lane has of the growing mode
+        exp(tau) and of the decaying mode exp(-tau).
         """
         to = np.minimum(own.segment + count, course.last)
         # Where the phase is 0 the modes belong to this sample, else to the next.
@@ -347,11 +343,10 @@ class ExactStepper(SampleStepper[ExactLanes]):
         )
         high = np.flatnonzero((highest > step.peak) & proved)
         y, v, time, end_v = lanes.y[high], lanes.v[high], step.time[high], step.v[high]
-        pull = self._strongest(lanes, high) - 1.0
+        pull = self._largest_drive(lanes, high) - 1.0
         start, end = y + pull, step.y[high] + pull
-        rises = end_v >= np.maximum(end, 0.0) * (
-            0.5 * time
-        )  # its largest y is at the end
+        # the largest y of the stretch is at its end
+        rises = end_v >= np.maximum(end, 0.0) * (0.5 * time)
         falls = -v >= np.maximum(start, 0.0) * (0.5 * time)
         top = np.where(
             (start < 0.0) & (v > 0.0),
@@ -363,19 +358,21 @@ class ExactStepper(SampleStepper[ExactLanes]):
             held = np.union1d(
                 held,
                 observer.propagates(
-                    lanes, step, proved, lambda at: self._strongest(lanes, at)
+                    lanes, step, proved, lambda at: self._largest_drive(lanes, at)
                 ),
             )
         return held
 
-    def _strongest(self, lanes: ExactLanes, at: Array) -> Array:
-        """Upper bound of the outward drive over the present stretches
-        of these lanes.
+    def _largest_drive(self, lanes: ExactLanes, at: Array) -> Array:
+        """Upper bound of the outward drive of the lanes `at` over the stretch of their
+        `level` from their sample on.
         """
+        # The outward drive here is minus that on the other side, whose lower bound is
+        # stored.
         drive, cell = lanes.outward[at], lanes.cell[at]
-        face = self.face.take(cell) + (drive < 0.0) * self.stretches.face
+        begin = self.begin.take(cell) + (drive < 0.0) * self.stretches.side_size
         return -np.abs(drive) * self.stretches.at(
-            face, lanes.level[at], lanes.segment[at] - self.first.take(cell)
+            begin, lanes.level[at], lanes.segment[at] - self.first.take(cell)
         )
 
 

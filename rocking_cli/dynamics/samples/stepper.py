@@ -18,9 +18,8 @@ from ..outcome import Outcome
 # lanes in one call of `propagate`: their arrays fit the second-level cache, and rows
 # are no power of two apart
 WIDTH = 5056
-LONGEST = (
-    0.5  # interval between samples [tau] up to which lanes are propagated over samples
-)
+# interval between samples [tau] up to which lanes are propagated over samples
+LONGEST = 0.5
 
 
 @dataclass
@@ -44,17 +43,17 @@ class SampleStepper(ABC, Generic[Pooled]):
         """samples: of each motion, in the order of the segments. They give every cell
         its motion, first and last sample, and step.
         """
-        self.run, self.equation, self.cells, self.segments = (
-            run,
-            run.batch.equation,
-            run.batch.cells,
-            run.batch.segments,
-        )
+        self.run = run
+        self.equation = run.batch.equation
+        self.cells = run.batch.cells
+        self.segments = run.batch.segments
+        # The samples s of each motion, those of all motions one after the other, and
+        # the increase of s from each sample to the next [-].
         self.values = [one.values for one in samples]
-        self.samples, self.gains = (
-            np.concatenate(self.values),
-            np.concatenate([gains(one) for one in self.values]),
-        )
+        self.samples = np.concatenate(self.values)
+        self.gains = np.concatenate([gains(one) for one in self.values])
+        # Of each cell: its motion, its first and last sample, and the phase between two
+        # samples [rad], (cells,).
         ends = np.cumsum([one.size for one in self.values])
         self.motion = np.searchsorted(ends, run.batch.first, side="right")
         self.first, self.last = run.batch.first, ends[self.motion] - 1
@@ -96,10 +95,8 @@ class SampleStepper(ABC, Generic[Pooled]):
 
     def after_round(self, lanes: Pooled) -> None:
         """Renew the additional fields of lanes after a round of the march."""
-        lanes.pace, lanes.outward = (
-            self.step.take(lanes.cell) / lanes.omega,
-            -lanes.side * lanes.amplitude,
-        )
+        lanes.pace = self.step.take(lanes.cell) / lanes.omega
+        lanes.outward = -lanes.side * lanes.amplitude
 
     def _advance(self, waiting: Array) -> None:
         """March these cells to their end, as many at once as the pool holds."""
@@ -108,10 +105,13 @@ class SampleStepper(ABC, Generic[Pooled]):
         free = np.zeros(taken, dtype=bool)
         ready = self.can_propagate(lanes)
         while lanes.cell.size:
+            # Lanes at a sample are propagated until they stop.
             at = np.flatnonzero(ready)
             for first in range(0, at.size, WIDTH):
                 some = at[first : first + WIDTH]
                 ready[some] = self.propagate(lanes, some)
+            # Stopped lanes take a round of the march, which may end them; the others
+            # come back to their places.
             stopped = np.flatnonzero(~(ready | free))
             going = self._march_round(lanes.take(stopped))
             free[stopped] = True
@@ -119,6 +119,8 @@ class SampleStepper(ABC, Generic[Pooled]):
             free[going.slot], ready[going.slot] = False, self.can_propagate(going)
             fallen = self._overturn(lanes, np.flatnonzero(ready))
             free[fallen], ready[fallen] = True, False
+            # New cells take the places that are free; without new cells the pool
+            # shrinks.
             places = np.flatnonzero(free)
             more = min(places.size, waiting.size - taken)
             if more:
@@ -154,9 +156,10 @@ class SampleStepper(ABC, Generic[Pooled]):
             self.run.finish(ended, np.flatnonzero(failed), Outcome.FAILED, np.nan)
             self.run.end_shaking(ended.take(np.flatnonzero(~failed)))
             lanes = lanes.take(np.flatnonzero(~past))
+        # a propagation does not keep the force
         self.run.renew_force(
             lanes, np.flatnonzero((lanes.phase == 0.0) & (lanes.y > 0.0))
-        )  # a propagation does not keep the force
+        )
         going = self.run.round(lanes)
         self.after_round(going)
         return going

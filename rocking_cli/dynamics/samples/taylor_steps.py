@@ -202,16 +202,16 @@ class WeighedTaylorStepper(TaylorStepper):
     def __init__(self, run: Run, samples: Sequence[Samples]) -> None:
         super().__init__(run, samples)
         segments = run.batch.segments.weighed
+        # zg''/g of s_v = 1 over the outward drive of A = 1, on the right and the left
         self.share, upwards = segments.share, segments.vertical
         shaken = run.batch.shaken
+        # The vertical motion at the samples of the horizontal one.
         self.vertical = followed_by(
             upwards.s_start[:shaken], float(upwards.s_end[shaken - 1])
         )
         self.vertical_gains = gains(self.vertical)
-        self.largest_vertical, self.steepest_vertical = (
-            largest(self.vertical),
-            largest(self.vertical_gains),
-        )
+        self.largest_vertical = largest(self.vertical)
+        self.steepest_vertical = largest(self.vertical_gains)
 
     def march(self, waiting: Array) -> None:
         """March the cells that are lifted before the ground falls away from them;
@@ -235,9 +235,8 @@ class WeighedTaylorStepper(TaylorStepper):
         )
 
     def _ramp(self, k: Array, outward: Array, pace: Array) -> Drive:
-        sway = np.where(outward < 0.0, *self.share) * np.abs(
-            outward
-        )  # zg''/g of s_v = 1
+        # zg''/g of s_v = 1
+        sway = np.where(outward < 0.0, *self.share) * np.abs(outward)
         weight = sway * self.vertical.take(k)
         weight += 1.0
         return (

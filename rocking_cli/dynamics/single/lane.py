@@ -14,14 +14,13 @@ from ..equations.taylor import LONGEST, size_limits
 from ..lanes import Cells, Lanes
 from ..system import System
 
-_SAMPLED = (
-    1 << 12
-)  # the longest of the first so many segments gives the number of terms of the series
+# the longest of the first so many segments gives the number of terms of the series
+_SAMPLED = 1 << 12
 _BLOCK = 1 << 15  # segments whose lists are held at once
 
 
 class Block(NamedTuple):
-    """Segments that follow one another, as lists with one number a segment."""
+    """Segments that follow one another, as lists with a number for each."""
 
     first: int  # index of the first segment
     start: list[float]  # s at the start of each segment [-], (segments,)
@@ -81,13 +80,11 @@ class DriveLists:
     """The segments of a motion, read block by block as lists of floats."""
 
     def __init__(self, segments: Segments) -> None:
-        self.segments, self.straight, self.count = (
-            segments,
-            segments.straight,
-            len(segments),
-        )
+        self.segments = segments
+        self.straight = segments.straight  # True if every segment is a straight line
+        self.count = len(segments)
         self.vertical = None if segments.weighed is None else segments.weighed.vertical
-        self.block = Block(0, [], [], [], [], [])
+        self.block = Block(0, [], [], [], [], [])  # the block that was read last
         self._waves: dict[int, tuple[Wave, ...]] = {}
 
     def at(self, k: int) -> Block:
@@ -151,7 +148,7 @@ class LaneEdge(NamedTuple):
     # largest l up to `limit`, times the largest weight over m g [-]
     largest_lift: float
     largest_push: float  # largest m up to `limit` [-]
-    fall: float  # K of Lemma 12 [-]
+    largest_fall: float  # K of Lemma 12: bound of the inward force -f [-]
     # speed after over speed before the impact that leaves the side [-], each speed in
     # the unit of its side
     speed_ratio: float
@@ -179,27 +176,23 @@ class Lane:
     def __init__(
         self, system: System, segments: Segments, omega: float, eta: float
     ) -> None:
-        self.omega, self.eta, self.shaken = (
-            np.array([omega]),
-            np.array([eta]),
-            len(segments),
-        )
+        self.omega = np.array([omega])
+        self.eta = np.array([eta])
+        self.shaken = len(segments)  # number of segments of the motion itself
         cells = system.contact.cells(system.equation, np.ones(1), self.omega, self.eta)
-        if (
-            system.equation.damping
-        ):  # no closed form of the free motion: march on over still ground
+        # no closed form of the free motion: march on over still ground
+        if system.equation.damping:
             segments = segments.followed_by_rest(
                 SETTLING
                 * (1.0 + 3.0 * system.equation.damping)
                 * float(cells.omega.max())
             )
-        self.system, self.segments, self.drive_lists = (
-            system,
-            segments,
-            DriveLists(segments),
-        )
+        self.system = system
+        self.segments = segments
+        self.drive_lists = DriveLists(segments)
         self.weighed = segments.weighed is not None
         self.zeta = float(system.equation.damping)
+        # The largest |s|, also of the effective motions at the edges, and |s_v|.
         self.largest_vertical = 0.0
         self.largest = max(float(segments.later_max[0]), -float(segments.later_min[0]))
         if (weighed := segments.weighed) is not None:
@@ -211,6 +204,7 @@ class Lane:
                 -float(weighed.vertical.later_min[0]),
             )
         self.longest = float(np.max(segments.length[: min(self.shaken, _SAMPLED)]))
+        # The edges under A = 1. A body that comes back on the same side has one edge.
         self._unit = {
             side: self._edge(cells, side)
             for side in (
@@ -220,20 +214,22 @@ class Lane:
 
     def edges(self, amplitude: float) -> dict[float, LaneEdge]:
         """Return the edges, by the sign of their side, under a motion of this amplitude
-        A.
+        A: those of A = 1 with their drive, sway and bounds of the force scaled.
         """
         edges = {}
         for side, edge in self._unit.items():
             drive, sway = amplitude * edge.drive, amplitude * edge.sway
-            lift = (1.0 + abs(sway) * self.largest_vertical) * edge.largest_lift
+            # Lemma 12: K = w_+ L + M max |a|, with w_+ the largest weight.
+            largest_weight = 1.0 + abs(sway) * self.largest_vertical
+            lift = largest_weight * edge.largest_lift
             fall = lift + edge.largest_push * abs(drive) * self.largest
             edges[side] = edge._replace(
-                drive=drive, sway=sway, largest_lift=lift, fall=fall
+                drive=drive, sway=sway, largest_lift=lift, largest_fall=fall
             )
         return edges
 
     def _edge(self, cells: Cells, side: float) -> LaneEdge:
-        """Return the edge of a side under A = 1; `edges` adds K of Lemma 12."""
+        """Return the edge of a side under A = 1; `edges` sets `largest_fall`."""
         at = np.array([side])
         equation, weighed = self.system.equation.on(at), self.segments.weighed
         amplitude, omega, eta = (_float_of(x[cells.row(at), 0]) for x in cells)
@@ -250,7 +246,7 @@ class Lane:
             sway=sway,
             largest_lift=largest_lift,
             largest_push=largest_push,
-            fall=0.0,
+            largest_fall=0.0,
             speed_ratio=speed_ratio,
             cycle_ratio=cycle_ratio,
             unit=self._unit_of(cells, side),
@@ -291,11 +287,9 @@ class Lane:
     def lanes(self, cells: Cells, side: float) -> Lanes:
         """Return a lane for each cell on a side, at rest at the start of the motion."""
         at = np.arange(cells.amplitude.shape[1])
-        sides, zero, count = (
-            np.full(at.size, side),
-            np.zeros(at.size),
-            np.zeros(at.size, dtype=np.int64),
-        )
+        sides = np.full(at.size, side)
+        zero = np.zeros(at.size)
+        count = np.zeros(at.size, dtype=np.int64)
         amplitude, omega, eta = (
             np.broadcast_to(values, cells.amplitude.shape)[cells.row(sides), at].astype(
                 float

@@ -40,6 +40,7 @@ def loses_contact(lane: Lane, amplitude: float, most: int) -> bool:
             peaks=False,
         ),
     )
+    # March once and keep every arc. Fz is then looked at along all of them together.
     arcs: list[Arc] = []
 
     def keep(
@@ -80,7 +81,10 @@ def loses_contact(lane: Lane, amplitude: float, most: int) -> bool:
 def _joined(
     lane: Lane, cells: Cells, arcs: Sequence[Arc]
 ) -> tuple[Lanes, TaylorSeries, Array]:
-    """(lanes, their flow, how long each follows it [tau of the side]), one an arc."""
+    """Put arcs together: (a lane for each arc, their flow, how long each lane follows
+    it [tau of the side]).
+    """
+    # Series of different length, filled up with zeros.
     reach, side, h = (
         np.array(column) for column in zip(*(arc[:3] for arc in arcs), strict=True)
     )

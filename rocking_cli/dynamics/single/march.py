@@ -81,12 +81,14 @@ class _March(MarchState):
             if self.segment >= count:
                 self._free()
                 break
+            # Only damped bodies march on over still ground, until they have settled.
             if (
                 self.segment >= self.lane.shaken
                 and self.listener is None
                 and self._settled()
             ):
                 break
+            # Whole lines of a record if possible, else one step.
             self.steps += 1
             if not (
                 self.drive_lists.straight
@@ -154,7 +156,7 @@ class _March(MarchState):
         """Go from phase u of segment k to the only impact before its end, h [tau]
         later, and apply it.
         """
-        hit = only_root(terms, h, self.edge.fall, self.lane.zeta)
+        hit = only_root(terms, h, self.edge.largest_fall, self.lane.zeta)
         self._keep(k, u, hit, h, terms)
         _, v = value(terms, hit / h, h)
         self._go_to(k, u + hit * self.edge.omega)
@@ -302,7 +304,11 @@ class _March(MarchState):
             fall = edge.largest_lift + edge.largest_push * max(0.0, inward)
             return only_root(step.terms, step.h, fall, zeta)
         # Supercritical: no impact while the body moves outwards (Lemma 2).
-        return first_root(step.terms, step.h, edge.fall, zeta) if self.v < 0.0 else None
+        return (
+            first_root(step.terms, step.h, edge.largest_fall, zeta)
+            if self.v < 0.0
+            else None
+        )
 
     def _window(self, h: float, c0: float, c1: float) -> float:
         """The share of a step of length h at which the net drive, which is monotone

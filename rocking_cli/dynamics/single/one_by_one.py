@@ -31,7 +31,9 @@ class OneByOne:
         peaks: bool,
     ) -> None:
         self.amplitude, self.omega, self.eta = (x.tolist() for x in cells)
+        # number of steps beyond which a cell fails
         self.most = _STEPS + _FOR_EACH * len(segments)
+        # one lane for each pair of Omega and eta; it serves every amplitude
         self.lanes = {
             at: Lane(system, segments, *at)
             for at in dict.fromkeys(zip(self.omega, self.eta, strict=True))

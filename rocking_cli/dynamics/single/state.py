@@ -63,39 +63,39 @@ class MarchState:
         listener: Listener | None,
         most: int,
     ) -> None:
-        self.lane, self.cells, self.edges, self.listener, self.most = (
-            lane,
-            cells,
-            edges,
-            listener,
-            most,
-        )
+        self.lane = lane
+        self.cells = cells
+        self.edges = edges  # edge of each side, +1 and -1
+        self.listener = listener
+        self.most = most  # number of steps, and of impacts, that are too many
         self.equation, self.contact = lane.system.equation, lane.system.contact
         self.segments, self.drive_lists = lane.segments, lane.drive_lists
-        self.watched = peaks or listener is not None
+        self.watched = peaks or listener is not None  # True if peaks are followed
+        # The state, as in `Lanes`; the force is None where it follows from the drive.
         self.segment, self.phase, self.y, self.v = 0, 0.0, 0.0, 0.0
         self.force: float | None = None
         self.edge = edges[1.0]
+        # largest sizes for which series of degree 3, 4 ... hold, by side
         self.limits = {
             side: lane.size_limits(edge.omega) for side, edge in edges.items()
         }
+        # Largest y so far; no peak exceeds infinity.
         self.peak = 0.0 if self.watched else math.inf
         self.impacts = self.steps = 0
-        self.bounced = False
-        self.reach = LONGEST
+        self.bounced = False  # True after the first impact
+        self.reach = LONGEST  # longest step that the last series allowed [tau]
+        # largest size of the last terms over the step
         self.least = WITHIN * self.equation.tolerance
-        self.end: Ended | None = None
+        self.end: Ended | None = None  # None while the march goes on
         self.free_fall = FreeFall.of(lane.segments, cells, lane.shaken)
 
     def _lanes(self) -> Lanes:
         """Return this body as `Lanes` with one lane."""
         lanes = self.lane.lanes(self.cells, self.edge.side)
-        lanes.segment[0], lanes.phase[0], lanes.y[0], lanes.v[0] = (
-            self.segment,
-            self.phase,
-            self.y,
-            self.v,
-        )
+        lanes.segment[0] = self.segment
+        lanes.phase[0] = self.phase
+        lanes.y[0] = self.y
+        lanes.v[0] = self.v
         lanes.force[0] = (
             self._net(self.edge, self.segment, self.phase) - 1.0
             if self.force is None
@@ -139,10 +139,13 @@ class MarchState:
         if self.segment < self.lane.shaken:
             self.impacts += 1
         self.bounced = True
+        # A one-sided body has one edge and comes back onto it.
         to = self.edges.get(-edge.side, edge)
         self.edge, self.y, self.v = to, 0.0, -edge.speed_ratio * v
         fall = 1.0 - self._net(to, self.segment, self.phase)
         self.force = -fall
+        # Ask now and then, each time the number of impacts has doubled, whether they
+        # would never end.
         if (
             self.impacts > 15
             and self.impacts & (self.impacts - 1) == 0
@@ -186,6 +189,8 @@ class MarchState:
             return False
         if v < BELOW_ROUNDING or edge.cycle_ratio >= 1.0:
             return v < BELOW_ROUNDING
+        # 3 v/(1 - q) [1/f + eta r/f_other] must fit into the rest of the segment: the
+        # lemma tries no shorter duration.
         there = self.edges.get(-edge.side)
         lasts = 1.0 / fall
         if there is not None:
@@ -207,13 +212,11 @@ class MarchState:
             self.cells, self.segments, np.zeros(1, dtype=np.int64), *at
         )
         k, u = place(self.segments, lift.segment, lift.phase)
-        self.segment, self.phase, self.y, self.v, self.force = (
-            int(k[0]),
-            float(u[0]),
-            0.0,
-            0.0,
-            float(lift.force[0]),
-        )
+        self.segment = int(k[0])
+        self.phase = float(u[0])
+        self.y = 0.0
+        self.v = 0.0
+        self.force = float(lift.force[0])
         self.edge = self.edges.get(float(lift.side[0]), self.edge)
         lifts = self.segment < self.drive_lists.count
         if self.listener is not None and before is not None:
@@ -264,6 +267,7 @@ class MarchState:
             self.peak = max(self.peak, self._onto_first(float(peak[0])))
         if float(equation.rotation(lanes.y)[0]) >= 1.0:
             return False
+        # Lemma 8: the undamped peaks are above those of this body.
         most = self.contact.free_motion(
             self.equation, lanes, np.array([0]), lanes.y, lanes.v
         )
@@ -281,9 +285,8 @@ class MarchState:
         (Lemma 8).
         """
         if self.lane.zeta:
-            if (
-                not self._settled()
-            ):  # the march does not test this before if a listener is present
+            # the march does not test this before if a listener is present
+            if not self._settled():
                 self._finish(Outcome.FAILED)
             return
         lanes = self._lanes()
@@ -307,6 +310,9 @@ class MarchState:
             )
 
     def _finish(self, outcome: Outcome) -> Ended:
+        """End the march with this outcome. A body that would rock where the ground
+        falls away from it has lost contact.
+        """
         ratio = math.nan
         if outcome == Outcome.NO_UPLIFT:
             ratio = 0.0

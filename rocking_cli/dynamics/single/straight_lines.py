@@ -28,7 +28,8 @@ class StraightLines:
     ) -> None:
         self.start, self.rise, self.length = block.start, block.rise, block.length
         self.up, self.up_rise = block.up, block.up_rise
-        self.drive, self.sway, self.fall = edge.drive, edge.sway, edge.fall
+        self.drive, self.sway = edge.drive, edge.sway
+        self.largest_fall = edge.largest_fall
         self.equation = edge.equation
         self.damping = damping  # zeta [-]
         self.limits = limits  # largest sizes for each degree (`taylor.size_limits`)
@@ -58,7 +59,8 @@ class StraightLines:
     def is_clear(self, y: float, v: float, h: float) -> bool:
         """True if no impact comes before the end of the line (Lemma 12)."""
         first = v * h
-        return y + first - self.damping * h * abs(first) > 0.5 * self.fall * (h * h)
+        drop = 0.5 * self.largest_fall * (h * h)
+        return y + first - self.damping * h * abs(first) > drop
 
     @staticmethod
     def supercritical(drive: list[float], weight: list[float] | None) -> bool:
@@ -96,4 +98,4 @@ class StraightLines:
     def highest(self, y: float, end: float, h: float) -> float:
         """A bound of y on a line between these two ends (Lemma 12)."""
         drag = math.exp(2.0 * self.damping * h) if self.damping else 1.0
-        return max(y, end) + 0.125 * self.fall * (h * h) * drag
+        return max(y, end) + 0.125 * self.largest_fall * (h * h) * drag

@@ -27,12 +27,10 @@ class Bounces:
     def __init__(
         self, devices: Devices, contact: Contact, equation: Equation, segments: Segments
     ) -> None:
-        self.devices, self.contact, self.equation, self.segments = (
-            devices,
-            contact,
-            equation,
-            segments,
-        )
+        self.devices = devices
+        self.contact = contact
+        self.equation = equation
+        self.segments = segments
         # theta^2 P h/(m g R sin(alpha)) over y, both in the unit in which the held body
         # falls back with acceleration 1 and y < 1/2
         self._levers = (
@@ -41,7 +39,7 @@ class Bounces:
             else 0.5 * float(np.max(devices.unit * devices.held_at_first())) ** 2
         )
 
-    def held(self, lanes: TiedLanes) -> Array:
+    def uplift_ratios(self, lanes: TiedLanes) -> Array:
         """The drive at which lanes at rest leave the ground onto each side, over that
         of the free body, (sides, lanes).
         """
@@ -65,19 +63,21 @@ class Bounces:
         and theta < 1. The lemma's e covers this loss of moment.
         """
         free, there = self.free(lanes)
-        devices, lowest, falls = (
-            self.devices,
-            np.full(lanes.cell.size, np.inf),
-            np.zeros(lanes.cell.size, dtype=bool),
-        )
-        for i, held in enumerate(self.held(lanes)):
-            row, whole = np.full(held.size, i), lanes.branch[i] != BROKEN
+        devices = self.devices
+        lowest = np.full(lanes.cell.size, np.inf)
+        falls = np.zeros(lanes.cell.size, dtype=bool)
+        for i, ratio in enumerate(self.uplift_ratios(lanes)):
+            row, whole = np.full(ratio.size, i), lanes.branch[i] != BROKEN
+            # y at which the first device yields or breaks: the lemma's peak must stay
+            # below it.
             limit = np.minimum(
                 devices.thresholds(row, lanes.plastic[i])[1],
                 devices.on(devices.ultimate, row),
             )
             level = np.where(whole, devices.level(row, limit), np.inf).min(axis=0)
-            lowest = np.minimum(lowest, level / held)
+            lowest = np.minimum(lowest, level / ratio)
+            # No proof for devices whose moment falls with the rotation, or whose lever
+            # falls too fast.
             h, x = devices.on(devices.height, row), devices.on(devices.behind, row)
             soft = (
                 devices.on(devices.prestress, row) * x
@@ -95,14 +95,13 @@ class Bounces:
         constant forces that they have at the ground. The unit of y is the one in which
         the body at rest falls back with acceleration 1.
         """
-        every, row, there = (
-            self.held(lanes),
-            self.devices.row(lanes.side),
-            self.contact.other_side(lanes),
-        )
-        held = every[row, np.arange(row.size)]
+        every = self.uplift_ratios(lanes)
+        row = self.devices.row(lanes.side)
+        there = self.contact.other_side(lanes)
+        ratio = every[row, np.arange(row.size)]
         seg, k = self.segments, np.minimum(lanes.segment, len(self.segments) - 1)
-        amplitude = lanes.amplitude / held
+        amplitude = lanes.amplitude / ratio
+        # Force at the ground in the new unit: outward drive - 1.
         b = (
             -lanes.side
             * amplitude
@@ -110,9 +109,10 @@ class Bounces:
             - 1.0
         )
         if there is not None:
-            over = every[1 - row, np.arange(row.size)] / held
+            # The other side has its own restraints, and so its own unit.
+            over = every[1 - row, np.arange(row.size)] / ratio
             drive, time, rotation = (
-                np.broadcast_to(x, held.shape)
+                np.broadcast_to(x, ratio.shape)
                 for x in (there.drive, there.time, there.rotation)
             )
             there = OtherSide(
@@ -122,9 +122,9 @@ class Bounces:
             replace(
                 lanes,
                 amplitude=amplitude,
-                v=lanes.v / held,
+                v=lanes.v / ratio,
                 force=b,
-                peak=lanes.peak / held,
+                peak=lanes.peak / ratio,
             ),
             there,
         )
@@ -139,15 +139,15 @@ class Bounces:
         if body is None or not lanes.cell.size:
             return kept
         bounds = sequence_bounds(self.segments, *self.free(lanes))
-        held, lane = self.held(lanes), np.arange(lanes.cell.size)
+        ratio, lane = self.uplift_ratios(lanes), np.arange(lanes.cell.size)
         for i, sense in enumerate((1.0,) if body.one_sided else (1.0, -1.0)):
             side = sense * lanes.side
             row, edge = devices.row(side), body.on(side)
-            unit = held[row, lane]  # y of this side over the y of the free body
-            branch, plastic = (
-                lanes.branch[row, :, lane].T,
-                lanes.plastic[row, :, lane].T,
-            )
+            unit = ratio[row, lane]  # y of this side over the y of the free body
+            branch = lanes.branch[row, :, lane].T
+            plastic = lanes.plastic[row, :, lane].T
+            # Lemma 13: the largest -u'' at the ground (B), with what the devices add up
+            # to the highest arc, the largest speed (V), and the weight.
             top = unit * bounds.height
             stretched = devices.largest_pull(row, branch, plastic, top) - devices.pull(
                 row, branch, plastic

@@ -28,9 +28,8 @@ from ..lanes import Array, Lanes
 from .devices import Branch, Devices
 from .series import Step
 
-_INSTANTS = np.linspace(
-    0.0, 1.0, 33
-)  # parts of a step at which Fz is computed where the whole step proves nothing
+# parts of a step at which Fz is computed where the whole step proves nothing
+_INSTANTS = np.linspace(0.0, 1.0, 33)
 _TOGETHER = 256  # lanes whose instants are computed together
 # after so many, Fz was positive at every instant computed: it touches zero at most
 _HALVINGS = 30
@@ -73,6 +72,9 @@ class ContactWatch:
 
         known: True for lanes that are not looked at.
         """
+        # Three proofs of Fz > 0, each for the lanes that the one before leaves open: by
+        # the largest speed and acceleration, by the chord over the whole step, and by
+        # the chords of its parts.
         at = np.flatnonzero(~known & ~self._proved_by_size(steps))
         curvature = self._largest_curvature(steps, at)
         whole = self._stretches(steps, at, np.array([0.0, 1.0]))
@@ -122,6 +124,7 @@ class ContactWatch:
         edge, step = self.body.on(steps.lanes.side), steps.step
         unit = np.broadcast_to(edge.unit, steps.reach.shape)[at]
         v, b = unit * step.fastest[at], unit * step.largest_acceleration[at]
+        # Bounds of u''' (j) and u'''' (q): the sums of the sizes of the terms.
         arc, n = step.arc.take(at), np.arange(3.0, len(step.arc.terms))[:, None]
         share = steps.reach[at] / arc.unit
         third = n * (n - 1.0) * (n - 2.0) * np.abs(arc.terms[3:])
@@ -131,11 +134,13 @@ class ContactWatch:
             * np.sum(third[1:] * (n[1:] - 3.0) * share ** (n[1:] - 4.0), axis=0)
             / arc.unit**4
         )
+        # Second derivative of kappa (u'' sin z - u'^2 cos z), with |cos z| <= 1.
         sin = np.minimum(self._lean(edge, steps)[at], 1.0)
         kappa = np.broadcast_to(edge.kappa, steps.reach.shape)[at]
         of_body = kappa * (
             (q + 6.0 * v * v * b) * sin + 4.0 * v * j + 3.0 * b * b + v**4
         )
+        # A tendon adds its force times cos(u/2).
         turned = unit * (steps.lanes.y[at] + step.h[at] * step.fastest[at])
         force, stiffness = self.devices.tendon_bounds(
             steps.row[at], steps.now.take(at), turned
@@ -166,9 +171,8 @@ class ContactWatch:
         left = self._stretches(steps, at, _INSTANTS)
         for _ in range(_HALVINGS):
             falls = np.flatnonzero((left.fz_low <= 0.0) | (left.fz_high <= 0.0))
-            for i in falls[
-                ::-1
-            ].tolist():  # the first stretch of a lane is the last that is stored
+            # In reverse: the first stretch of a lane is stored last, and stays.
+            for i in falls[::-1].tolist():
                 found[:, left.lane[i]] = (
                     left.low[i],
                     left.high[i] if left.fz_low[i] > 0.0 else left.low[i],

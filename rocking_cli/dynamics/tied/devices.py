@@ -143,11 +143,9 @@ class Devices:
 
     def elongation(self, row: Array, y: Array) -> Array:
         """The elongation e [m] of each device at y, (devices, lanes)."""
-        theta, h, x = (
-            self.unit[row, 0] * y,
-            self.on(self.height, row),
-            self.on(self.behind, row),
-        )
+        theta = self.unit[row, 0] * y
+        h = self.on(self.height, row)
+        x = self.on(self.behind, row)
         if self.linear:
             return h * theta
         of_tie = x * (2.0 * np.sin(0.5 * theta) ** 2) + h * np.sin(theta)
@@ -161,11 +159,9 @@ class Devices:
         """The y at which each device has the elongation e [m], (devices, lanes);
         infinite where no rotation reaches e.
         """
-        h, x, unit = (
-            self.on(self.height, row),
-            self.on(self.behind, row),
-            self.unit[row, 0],
-        )
+        h = self.on(self.height, row)
+        x = self.on(self.behind, row)
+        unit = self.unit[row, 0]
         if self.linear:
             return e / h / unit
         with np.errstate(invalid="ignore"):
@@ -183,15 +179,11 @@ class Devices:
         """(e from which a device pulls, e at which it yields) with these permanent
         elongations [m]; infinite without stiffness.
         """
-        stiffness, prestress = (
-            self.on(self.stiffness, row),
-            self.on(self.prestress, row),
-        )
+        stiffness = self.on(self.stiffness, row)
+        prestress = self.on(self.prestress, row)
         with np.errstate(divide="ignore", invalid="ignore"):
-            pulls, yields = (
-                plastic - prestress / stiffness,
-                plastic + (self.on(self.force, row) - prestress) / stiffness,
-            )
+            pulls = plastic - prestress / stiffness
+            yields = plastic + (self.on(self.force, row) - prestress) / stiffness
         return np.where(stiffness > 0.0, pulls, -np.inf), np.where(
             stiffness > 0.0, yields, np.inf
         )
@@ -213,6 +205,8 @@ class Devices:
         pulls, yields = self.thresholds(row, plastic)
         ultimate, stiffness = self.on(self.ultimate, row), self.on(self.stiffness, row)
         elastic, yielding = branch == ELASTIC, branch == YIELDING
+        # The branch ends upwards where a slack device begins to pull, an elastic one
+        # yields or breaks, and a yielding one breaks.
         high = np.where(
             branch == SLACK,
             pulls,
@@ -222,6 +216,7 @@ class Devices:
                 np.where(yielding, ultimate, np.inf),
             ),
         )
+        # Downwards only an elastic device ends its branch: it becomes slack.
         low = np.where(elastic, pulls, -np.inf)
         fixed = np.where(
             elastic, self.on(self.prestress, row) - stiffness * plastic, 0.0
@@ -286,6 +281,8 @@ class Devices:
         stiffness, height, behind = (
             self.on(x, row) for x in (self.stiffness, self.height, self.behind)
         )
+        # The force grows with the elongation, and the lever of a tie behind the pivot
+        # (x > 0) with the rotation: both have their largest values at y.
         stretched = self.elongation(row, y) - plastic
         force = np.clip(
             self.on(self.prestress, row) + stiffness * np.maximum(stretched, -plastic),
@@ -322,10 +319,8 @@ class Devices:
         """The drive at which the restrained body leaves the ground onto each side, over
         that of the free body, before any yield, (sides, 1).
         """
-        rows, none = (
-            np.arange(len(self.stiffness)),
-            np.zeros((len(self.names), len(self.stiffness))),
-        )
+        rows = np.arange(len(self.stiffness))
+        none = np.zeros((len(self.names), len(self.stiffness)))
         return np.asarray(1.0 + self.pull(rows, none, none)[:, None])
 
     def downwards(self, row: Array, now: Branch, y: Array) -> Array:
@@ -384,11 +379,9 @@ class Devices:
         """Coefficients of cos theta, sin theta, cos 2 theta, sin 2 theta and, with a
         tendon, cos(theta/2), sin(theta/2), in y'', (4 or 6, lanes).
         """
-        h, x, tie = (
-            self.on(self.height, row),
-            self.on(self.behind, row),
-            ~self.tendon[:, None],
-        )
+        h = self.on(self.height, row)
+        x = self.on(self.behind, row)
+        tie = ~self.tendon[:, None]
         fixed, rate = now.fixed + now.rate * x, np.where(tie, now.rate, 0.0)
         rows = [
             _added(np.where(tie, fixed * h, 0.0)),
@@ -419,6 +412,9 @@ def _columns(
 
 
 def _of_tie(tie: Tie, row: str) -> tuple[float, ...]:
+    """Return the numbers of a tie on one side of the body; zero stiffness if the tie
+    does not act there.
+    """
     if row not in SIDES[tie.side]:
         return 0.0, 0.0, np.inf, np.inf, tie.height, tie.behind
     return (

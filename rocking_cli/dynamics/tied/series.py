@@ -49,7 +49,7 @@ class Law:
 
     def __init__(self, equation: Equation, devices: Devices) -> None:
         self.equation, self.devices = equation, devices
-        self.tolerance = equation.tolerance  # of y
+        self.tolerance = equation.tolerance  # tolerance of y
         self.order = taylor.order_for(equation.tolerance)
 
     def force(self, row: Array, now: Branch, side: Array, y: Array, a: Array) -> Array:
@@ -92,13 +92,11 @@ class HeldBody:
     def __init__(
         self, equation: Equation, devices: Devices, row: Array, now: Branch
     ) -> None:
-        self.equation, self.devices, self.row, self.now, self.damping = (
-            equation,
-            devices,
-            row,
-            now,
-            equation.damping,
-        )
+        self.equation = equation
+        self.devices = devices
+        self.row = row  # row of the devices of each lane, (lanes,)
+        self.now = now  # branch of each device of each lane
+        self.damping = equation.damping
 
     def part(self, lanes: slice) -> HeldBody:
         """Return the equation of some of the lanes."""
@@ -203,12 +201,15 @@ def one_turn(arc: TaylorSeries, left: Array) -> Step:
     """
     h = np.minimum(arc.longest, left)
     end, chord_errors = arc.at_with_chord_errors(h)
+    # y' and y'' exceed their values at the ends by at most their chord errors.
     kept, monotone = sense(arc, h, end, chord_errors)
     fastest = np.maximum(np.abs(arc.v), np.abs(end.v)) + chord_errors[0] / h
     largest_acceleration = np.maximum(np.abs(arc.b), np.abs(end.b)) + chord_errors[
         1
     ] / (h * h)
     outward = np.sign(np.where(arc.v != 0.0, arc.v, arc.b))
+    # y' is monotone and changes its sign: exactly one turn. Where neither is proved,
+    # the Bernstein coefficients of y' tell, perhaps on a shorter step.
     turns = ~kept & monotone & (arc.v != 0.0) & (end.v * outward <= 0.0)
     doubtful = np.flatnonzero(~kept & ~monotone)
     if doubtful.size:
@@ -221,6 +222,7 @@ def one_turn(arc: TaylorSeries, left: Array) -> Step:
     turn, at = np.full(h.size, np.nan), np.flatnonzero(turns)
     if at.size:
         n = np.arange(1.0, len(arc.terms))[:, None]
+        # The turn is the root of the series of y', with the sign that makes it fall.
         speed = TaylorSeries(
             n * arc.terms[1:, at] * outward[at], arc.unit[at], h[at], arc.fastest[at]
         )
@@ -232,15 +234,13 @@ def _bernstein(arc: TaylorSeries, h: Array) -> tuple[Array, Array, Array]:
     """(shorter steps with at most one turn, direction of the motion at their start,
     True where there is a turn), from the signs of the Bernstein coefficients of y'.
     """
-    terms = np.zeros(
-        (max(len(arc.terms), taylor.MOST_TERMS + 1), h.size)
-    )  # as many as with any neighbours
+    # As many terms as the longest series has: the result must not depend on the
+    # other lanes of the batch.
+    terms = np.zeros((max(len(arc.terms), taylor.MOST_TERMS + 1), h.size))
     terms[: len(arc.terms)] = arc.terms
-    n, share, lanes = (
-        np.arange(1.0, len(terms))[:, None],
-        h / arc.unit,
-        np.arange(h.size),
-    )
+    n = np.arange(1.0, len(terms))[:, None]
+    share = h / arc.unit
+    lanes = np.arange(h.size)
     outward, turns = np.zeros(h.size), np.zeros(h.size, dtype=bool)
     for halving in range(_HALVINGS + 1):
         signs = np.sign(bernstein_form(n * terms[1:, lanes] * share[lanes] ** n))
@@ -270,9 +270,8 @@ def falls(arc: TaylorSeries, low: Array, high: Array) -> tuple[Array, Array]:
     and `high`.
     """
     fall = np.sqrt(np.maximum(arc.v * arc.v - 2.0 * arc.b * arc.y, 0.0))
-    guess = np.where(
-        arc.v < 0.0, 2.0 * arc.y / (fall - arc.v), -(arc.v + fall) / arc.b
-    )  # by the first three terms
+    # first guess of the root by the first three terms of the series
+    guess = np.where(arc.v < 0.0, 2.0 * arc.y / (fall - arc.v), -(arc.v + fall) / arc.b)
     return impact_root(
         arc,
         low,

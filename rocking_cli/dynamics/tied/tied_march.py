@@ -77,13 +77,12 @@ class March:
             )
         assert system.devices is not None
         segments = motion.segments
-        self.equation, self.contact, self.devices = (
-            system.equation,
-            system.contact,
-            system.devices,
-        )
+        self.equation = system.equation
+        self.contact = system.contact
+        self.devices = system.devices
         self.cells = self.contact.cells(self.equation, amplitude, omega, eta)
         self.shaken, self.recorder = len(segments), recorder
+        # the motion, and still ground after it without an end
         self.segments = segments.followed_by_rest(np.inf)
         self.one_sided = isinstance(self.contact, OneSided)
         # bits of `turned` to the second turn on a side, and all bits that it needs
@@ -92,6 +91,7 @@ class March:
         self.every = (1 if self.one_sided else 3) << self.again
         sides = np.array([1.0, -1.0])
         self.law = Law(self.equation, self.devices)
+        # y at which a body has fallen, by the row of its side
         self.limit = np.minimum(
             np.broadcast_to(self.equation.on(sides).limit, 2), self.devices.lever_ends()
         )
@@ -108,7 +108,7 @@ class March:
             self.doubtful = float(
                 np.max(self.equation.on(sides).displacement(np.full(2, FALLEN)))
             )
-        self.most = MAX_STEPS + 40 * self.shaken
+        self.most = MAX_STEPS + 40 * self.shaken  # steps beyond which a lane fails
         self.found = Found.empty((*self.devices.stiffness.shape, omega.size))
 
     def run(self, release: float = 0.0) -> Found:
@@ -120,10 +120,8 @@ class March:
             lanes = self._begin(waiting[:0], 0.0)
             while waiting.size or lanes.cell.size:
                 if room := min(waiting.size, _TOGETHER - lanes.cell.size):
-                    lanes, waiting = (
-                        lanes.join(self._begin(waiting[:room], release)),
-                        waiting[room:],
-                    )
+                    lanes = lanes.join(self._begin(waiting[:room], release))
+                    waiting = waiting[room:]
                 lanes = self._round(lanes) if lanes.cell.size else lanes
         return self.found
 
@@ -131,6 +129,9 @@ class March:
         return numbers[row, :, np.arange(row.size)].T
 
     def _begin(self, cell: Array, release: float) -> TiedLanes:
+        """Return new lanes for these cells, at their first uplift or released from
+        theta/alpha = release.
+        """
         shape = (*self.devices.stiffness.shape, cell.size)
         amplitude, omega, eta = (
             np.broadcast_to(x, self.cells.omega.shape)[0, cell].copy()
@@ -157,17 +158,18 @@ class March:
         if not at.size:
             return lanes
         resting = lanes.take(at)
-        held = self.bounces.held(resting)
+        ratios = self.bounces.uplift_ratios(resting)
         bounces = (
             0.0
             if self.recorder is None or first
             else float(self.bounces.time(resting)[0])
         )
+        # The devices hold the body at rest as a larger amplitude of uplift would.
         drive = np.broadcast_to(
             self.cells.amplitude[:, resting.cell], (len(self.cells.amplitude), at.size)
         )
         effective = Cells(
-            np.array([drive[0] / held[0], drive[-1] / held[-1]]),
+            np.array([drive[0] / ratios[0], drive[-1] / ratios[-1]]),
             self.cells.omega,
             self.cells.eta,
         )
@@ -178,6 +180,8 @@ class March:
         lanes.segment[at], lanes.phase[at], lanes.y[at], lanes.v[at] = k, u, 0.0, 0.0
         if not self.one_sided:
             self.contact.turn(self.cells, lanes, at, again.side)
+        # y'' is exactly 0 at an uplift, unless the drive jumps on the way to the next
+        # segment.
         moved = (k != again.segment) & ~self.segments.joins[
             np.minimum(again.segment, len(self.segments) - 1)
         ]
@@ -266,11 +270,9 @@ class March:
         peaked = np.zeros(y.size, dtype=bool)
         peaked[turns] = (step.outward[turns] > 0.0) & ~up[turns]
         through = peaked & ~now.yields & (self.recorder is None)
-        reach[through], y[through], v[through] = (
-            step.h[through],
-            step.end.y[through],
-            step.end.v[through],
-        )
+        reach[through] = step.h[through]
+        y[through] = step.end.y[through]
+        v[through] = step.end.v[through]
         down |= through & (y <= low)
 
         # An end of the branch is passed once, before or after the turn.
@@ -313,6 +315,7 @@ class March:
         """Apply the events at step ends: a peak on the way, an end of a branch, an
         impact, a turn. Returns the lanes that go on.
         """
+        # A body that passes the limit of y has fallen; one that comes to 0 strikes.
         fallen, hit = ends.up & (high >= self.limit[row]), ends.down & (lanes.y <= 0.0)
         self.transitions.stretch(
             lanes, np.flatnonzero(ends.peaked | ends.up), row, ends.top
@@ -325,12 +328,15 @@ class March:
             lanes.turned[still] |= here | (lanes.turned[still] & here) << 2
             self._note(lanes, "peak", lanes.y, lanes.v)
             self.transitions.unload(lanes, peaked[now.yields[peaked]], row)
+        # Devices whose branch ends here change to the next one.
         for at, limits, sign in (
             (np.flatnonzero(ends.up & ~fallen), now.high, 1.0),
             (np.flatnonzero(ends.down & ~hit), now.low, -1.0),
         ):
             if at.size:
                 self.transitions.pass_end(lanes, at, row, limits, sign)
+        # A body that turned inwards on still ground and turns outwards again above the
+        # ground comes to rest there: its restraints hold it.
         leans = ends.bottom & ((lanes.turned >> (row + self.again)) & 1 > 0)
         falls = fallen | self._certain(lanes, row, now, high)
         failed = (lanes.steps > self.most) | ~np.isfinite(lanes.y + lanes.v)
@@ -338,6 +344,7 @@ class March:
         ended = np.zeros(lanes.cell.size, dtype=bool)
         if impacts.size:
             ended = self._apply_impacts(lanes, impacts, row)
+        # The outcome, 0 while it is open. Later lines outweigh earlier ones.
         outcome = np.where(
             falls,
             np.where(
@@ -375,6 +382,9 @@ class March:
             return falls
         side, k = lanes.side[at], np.minimum(lanes.segment[at], len(self.segments) - 1)
         inward = self.segments.strongest_inward(side, lanes.amplitude[at], k)
+        # Lemma 6. Linear: the devices are too soft for y'' to fall as y grows. It is
+        # positive under the strongest inward drive. Otherwise the lemma of the free
+        # body, if no device pulls any more.
         if self.devices.linear:
             there = Branch(*(x[..., at] for x in now))
             soft = self.devices.linear_terms(row[at], there)[1] <= 1.0
@@ -398,6 +408,8 @@ class March:
         struck.impacts += ~still
         struck.bounced[:] = True
         struck.v = np.minimum(struck.v, 0.0)
+        # Once a body has turned back on every side on still ground, its later peaks are
+        # lower (Lemma 8).
         known = np.zeros(lanes.cell.size, dtype=bool)
         known[at] = still & (struck.turned & self.every == self.every)
         self.contact.impact(self.cells, struck, struck.v, struck.force)
@@ -415,10 +427,9 @@ class March:
         ):
             getattr(lanes, name)[at] = getattr(struck, name)
         self.transitions.leave(lanes, at)
-        stops, seen = (
-            struck.v < _STILL,
-            0.0 if self.recorder is None else self.recorder.visible,
-        )
+        stops = struck.v < _STILL
+        seen = 0.0 if self.recorder is None else self.recorder.visible
+        # Bounces that end in rest (Lemma 7) and are proved to keep contact (Lemma 13).
         low = lanes.take(at)
         ends = ((seen == 0.0) | (struck.v < seen)) & self.bounces.end(low)
         watched = np.flatnonzero(ends & ~low.lost)
@@ -433,11 +444,9 @@ class March:
         if not at.size:
             return lanes
         cell, found, row = lanes.cell[at], self.found, self.devices.row(lanes.side)[at]
-        found.outcome[cell], found.impacts[cell], found.steps[cell] = (
-            outcome[at],
-            lanes.impacts[at],
-            lanes.steps[at],
-        )
+        found.outcome[cell] = outcome[at]
+        found.impacts[cell] = lanes.impacts[at]
+        found.steps[cell] = lanes.steps[at]
         known = np.isin(
             outcome[at], (Outcome.NO_UPLIFT, Outcome.ROCKED, Outcome.LEANING)
         )

@@ -59,9 +59,8 @@ __all__ = [
 
 GROUP = "rocking.records"
 _PACKED = b"\x1f\x8b"  # gzip
-_CONTROL = bytes(
-    x for x in range(32) if x not in b"\t\n\v\f\r\x1a"
-)  # characters of no text
+# control characters, which a text does not contain
+_CONTROL = bytes(x for x in range(32) if x not in b"\t\n\v\f\r\x1a")
 _OLD_WORKBOOK = b"\xd0\xcf\x11\xe0"  # .xls
 _COUNTS = (
     "counts of an instrument and no unit; convert it to an acceleration with the"
@@ -80,13 +79,14 @@ FORMATS = (
     "timeseries",
 )
 _DOCUMENT = re.compile(r"^[\s{\"']*kind[\"']?\s*:", re.MULTILINE)
+# uncorrected data: first words of a file, or a key of ESM and ITACA
 _UNCORRECTED = re.compile(
     r"\A\s*(?:\d\s+)?(?:UNCORRECTED ACCELER(?:OGRAM|ATION)|RAW ACCELERATION(?!"
     r" COUNTS)|\* VOL1DS)\b"
     r"|^ *UNCORRECTED ACC+ELERATION +UNIT"
     r" *:|^(?:DATA_TYPE:\s*UNPROCESSED|PROCESSING:\s*NONE)\b",
     re.IGNORECASE | re.MULTILINE,
-)  # the first words of a file, or among the keys of ESM and ITACA
+)
 
 
 @cache
@@ -390,6 +390,7 @@ def _refuse_binary(source: str, raw: bytes) -> None:
         and len(raw) >= 48
     ):
         raise NoAcceleration(f"{source}: miniSEED, which holds {_COUNTS}")
+    # The version of a SAC header (6 or 7), in either order of bytes.
     if len(raw) >= 632 and raw[304:308] in (
         b"\x06\0\0\0",
         b"\0\0\0\x06",
@@ -397,15 +398,15 @@ def _refuse_binary(source: str, raw: bytes) -> None:
         b"\0\0\0\x07",
     ):
         raise NoAcceleration(f"{source}: SAC, which holds {_COUNTS}")
+    # -12345 is the undefined value of a SAC header.
     if (
         raw[:HEAD].split(None, 6)[:5] == [b"-12345.00"] * 5
         or raw[:HEAD].count(b"-12345.00") > 20
     ):
         raise NoAcceleration(f"{source}: SAC (alphanumeric), which holds {_COUNTS}")
     control = len(raw[:HEAD]) - len(raw[:HEAD].translate(None, _CONTROL))
-    if 100 * control > len(
-        raw[:HEAD]
-    ):  # some headers of real files pad a name with a few
+    # The headers of some real files have a few of these to fill up a name.
+    if 100 * control > len(raw[:HEAD]):
         raise NoAcceleration(
             f"{source}: a binary file; expected a record or a motion document in text"
         )

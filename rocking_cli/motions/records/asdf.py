@@ -69,6 +69,9 @@ def read(source: str, raw: bytes, given: Given, named: bool) -> list[Series]:
 
 
 def _series(source: str, name: str, data: "h5py.Dataset", given: Given) -> Series:
+    """Return the samples of one waveform. Raises NoAcceleration for counts,
+    DocumentError for a step that is missing or contradicted.
+    """
     channel, *_, tag = name.split("__")
     if not np.issubdtype(data.dtype, np.floating):
         raise NoAcceleration(

@@ -306,6 +306,9 @@ class Claims:
             )
 
     def _units(self, text: str, words: str, at: int) -> None:
+        """State the units of acceleration, and of time, that a line names. Raises the
+        fault of a unit that is not known.
+        """
         found = _UNITS.search(text)
         if found is None:
             return
@@ -330,6 +333,7 @@ class Claims:
             self.state("unit", unit, words, at)
 
     def _steps(self, text: str, words: str, at: int) -> None:
+        """State the time step, or the sampling rate, that a line names."""
         if (alone := _ALONE.fullmatch(text)) is not None:
             self._step(alone[1], alone[2], words, at)
             return
@@ -347,6 +351,9 @@ class Claims:
                 )
 
     def _step(self, number: str, unit: str, words: str, at: int) -> None:
+        """State a time step [s] from its number and unit; the unit may be one of a
+        rate. Raises the fault of the line.
+        """
         value = float(number.replace("d", "e"))
         if (rate := rate_unit(unit)) is not None and value > 0.0:
             self._hertz(number, rate, words, at)
@@ -361,6 +368,9 @@ class Claims:
         self.state("step", value * (seconds or 1.0), words, at)
 
     def _rate(self, found: re.Match[str], words: str, at: int) -> None:
+        """State the time step of a sampling rate; the unit may be one of time. Raises
+        the fault of the line.
+        """
         unit = found[3] or found[1] or ""
         if time_unit(unit) is not None and unit:
             self._step(found[2], unit, words, at)
@@ -425,6 +435,9 @@ def _spectral(others: list[str], text: str) -> bool:
 
 
 def _same(one: object, other: object) -> bool:
+    """True if two statements agree: equal numbers to their digits, units of one size,
+    or equal texts.
+    """
     if isinstance(one, float) and isinstance(other, float):
         return agree(one, other)
     same_unit = one in ACCELERATIONS and other in ACCELERATIONS

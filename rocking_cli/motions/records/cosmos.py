@@ -21,22 +21,20 @@ _BLOCK = re.compile(
     rf".*?units\s*=\s*([^,(]+?)\s*(?:\(\s*(\d+)\s*\)|,).*?{FORTRAN}",
     re.IGNORECASE,
 )
-_ACCELERATION = re.compile(
-    r"\bacc", re.IGNORECASE
-)  # as in `acceleration` and `uncor. accel.`
+# as in `acceleration` and `uncor. accel.`
+_ACCELERATION = re.compile(r"\bacc", re.IGNORECASE)
 _APPROXIMATELY = re.compile(r"approx\s+([\d.]+)\s*secs", re.IGNORECASE)
 _CHANNEL = re.compile(
     r"^\s*Sta\s+Cha\w*\s*\S*?\s*:\s*(?:\d+\s*:)?\s*(.*?)\s*(?:\(|$)", re.IGNORECASE
 )
 _CODE = re.compile(r"<SCNL>\s*[^.\s]*\.([^.\s]+)\.", re.IGNORECASE)
 _UNITS = {2: "g", 4: "cm/s2", 10: "gal"}
-_STEP_MS, _LENGTH, _PGA, _RAW_STEP, _NONE = (
-    61,
-    62,
-    63,
-    33,
-    -999.0,
-)  # places among the real-header values, from 0; an unknown value
+# Places among the values of the real header, from 0.
+_STEP_MS = 61
+_LENGTH = 62
+_PGA = 63
+_RAW_STEP = 33
+_NONE = -999.0  # a value that is not known
 
 recognise = begins(rf".*{_FIRST.pattern}")
 
@@ -55,10 +53,8 @@ def read(text: RecordText) -> list[Series]:
         )
         count, layout = text.count(block[1]), Layout.of(block)
         if _ACCELERATION.search(block[2]):
-            unit, dt = (
-                _unit(text, block[3], block[4]),
-                _step(text, reals, count, block.string),
-            )
+            unit = _unit(text, block[3], block[4])
+            dt = _step(text, reals, count, block.string)
             component = stated(_CODE, lines) or stated(_CHANNEL, lines) or None
             pga = f"{reals[_PGA]:.6f}" if reals[_PGA] not in (_NONE, 0.0) else None
             samples = text.numbers(count, layout)
@@ -97,6 +93,7 @@ def _unit(text: RecordText, word: str, code: str | None) -> str:
 
 
 def _header(text: RecordText, kind: str) -> np.ndarray:
+    """Return the values of the integer or the real header. Raises DocumentError."""
     line = re.compile(
         rf"^\s*(\d+)\s*{kind}-header values follow on\s*\d+\s*lines.*?{FORTRAN}",
         re.IGNORECASE,

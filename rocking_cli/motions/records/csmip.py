@@ -16,9 +16,8 @@ _FIRST = re.compile(
     r" ACCELEROGRAM(?:.*?\bChan(?:nel)?\s*\d*\s*:\s*(.+?)\s*(?:from|\(|$))?",
     re.IGNORECASE,
 )
-_SPECTRA = re.compile(
-    r"\s*RESPONSE AND FOURIER AMPLITUDE SPECTRA", re.IGNORECASE
-)  # volume 3
+# a file of volume 3, which has spectra and no motion
+_SPECTRA = re.compile(r"\s*RESPONSE AND FOURIER AMPLITUDE SPECTRA", re.IGNORECASE)
 _BLOCK = re.compile(
     r"^\s*(\d+)\s*points of (accel|veloc|displ)\w* data(?:.*?\bat\s*([-+.\d]+)\s*sec)?",
     re.IGNORECASE,
@@ -29,10 +28,9 @@ _LENGTH = re.compile(r"Record length\s*=\s*([.\d]+)\s*sec", re.IGNORECASE)
 _UNIT = re.compile(
     r"(?:\bin\b|units?:?)\s*(?:units of\s*)?([a-z]+(?:/[a-z0-9/^]+)?)", re.IGNORECASE
 )
-_ROW, _COLUMNS = (
-    6,
-    slice(40, 50),
-)  # the real header has the step with more digits: lines above the block, columns
+# Place of the step in the real header, which has it with more digits.
+_ROW = 6  # lines above the block
+_COLUMNS = slice(40, 50)
 
 recognise = begins(
     rf"(?!.*(?:GNS Science|\(format v))(?:{_SPECTRA.pattern}|.*{_FIRST.pattern})"
@@ -53,11 +51,9 @@ def read(text: RecordText) -> list[Series]:
         if block is None:
             above.append(line)
             continue
-        layout, count, kind = (
-            fortran_layout(line) or Layout(8, 10),
-            text.count(block[1]),
-            block[2].lower(),
-        )
+        layout = fortran_layout(line) or Layout(8, 10)
+        count = text.count(block[1])
+        kind = block[2].lower()
         if kind != "accel":
             others = kind
             text.skip(count, layout)

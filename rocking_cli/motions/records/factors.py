@@ -19,10 +19,11 @@ _SCALING = (
     r"\b(?:faktor|massstab|skalierung|facteur|echelle|escala|fattore|scala|olcek|"
     r"carpan|katsayi\w*)\b|系数|比例|倍率"
 )
+# words that may stand between a word of `_SCALING` and its number
 _ASIDE = (
     r"(?:[ _-]?(?:factor|constant|faktor|by|with|of|is|the|all|values?|data|samples?|"
     r"ordinates?|accelerations?|katsayi\w*|de|di|d?echelle|escala|scala))*"
-)  # words between one of these and its number
+)
 _SCALED = re.compile(
     rf"(?:{_SCALING}){_ASIDE}\s*(?:[\[(][^\])]*[\])])?\s*[:=,;\t]?\s*{_NUM}(?![/\d])"
     r"([^,;\s]*(?:\s*(?:m?g|gal|c?m/s2|m?v)\b)?)"

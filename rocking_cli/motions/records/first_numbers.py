@@ -49,6 +49,9 @@ def without_first_numbers(
 
 
 def _may_be(word: str, value: float, rows: NumberRows) -> str:
+    """Return the sentence that refuses a number above the others: what it may be, and
+    what the user can state.
+    """
     below = f"{rows.values.size} values below it"
     if value >= 1.0:
         what = (

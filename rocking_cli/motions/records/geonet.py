@@ -20,10 +20,9 @@ _SCALE = re.compile(r"readings in units of\s+([\d.]+)\s*(\S+)", re.IGNORECASE)
 _PGA = re.compile(r"Acceleration:\s*peak\s*([-+.\dEe]+)\s*mm/s", re.IGNORECASE)
 _LAYOUT = Layout(10, 8)
 _TEXT, _NUMBERS = 16, 100
-_COUNTS, _STEP = (
-    (33, 34, 35),
-    65,
-)  # places among the numbers, from 0: values of each block, and dt
+# Places among the numbers, from 0.
+_COUNTS = (33, 34, 35)  # number of values of each block
+_STEP = 65  # time step
 
 recognise = begins(_FIRST.pattern)
 

@@ -105,9 +105,8 @@ _GLUED = {
 _BRACKETS = re.compile(r"[\[({<]([^\[\](){}<>]*)[\])}>]")
 _INNER = re.compile(r"/\(([^()]*)\)|\^[({]([^(){}]*)[)}]")
 _TAIL = re.compile(r"(.*?\S)\s*(?:[,:=|]|\bin\b|\s/)\s*([^,:=|]+)", re.IGNORECASE)
-_DOTS = re.compile(
-    r"[a-zθ](\u0308|\u0307)[ _]?g?[ _]?(?:\(t\))?"
-)  # ẍ, ü_g: two derivatives
+# ẍ, ü_g: two derivatives
+_DOTS = re.compile(r"[a-zθ](\u0308|\u0307)[ _]?g?[ _]?(?:\(t\))?")
 _DERIVED = re.compile(
     r"\b(?:integra(?:l|ted|ls)|squared?|derivative|differentiated|cumulative|cumulated"
     r"|log|ln|deviation|variance)\b"
@@ -151,6 +150,8 @@ def cell_of(text: str, first: bool = True) -> HeadingCell:
     the first column.
     """
     text = re.sub(r"^[#%](?=[^\W\d_]{2,})", "", text.strip().strip("\"'").strip())
+    # The parts of the heading: units of acceleration, of time, and other (foreign)
+    # ones, and the role that the name states.
     name, units, asides = _parted(text)
     accelerations = [unit for x in units if (unit := unit_of(x))]
     times = [time for x in units if (time := time_unit(x)) is not None]
@@ -169,10 +170,13 @@ def cell_of(text: str, first: bool = True) -> HeadingCell:
         x for x in asides if not is_direction(x) and not _is_neutral(x) and x != "t"
     ]
 
+    # A unit decides what a bare name is.
     if accelerations and role == BARE and not odd:
         role = ACCELERATION
     if times and role == BARE and component is None:
         role = TIME
+    # A text that contradicts the name, or is not understood, makes the column unknown;
+    # `odd` is this text.
     if foreign and role in (ACCELERATION, BARE, UNKNOWN):
         dimension = dimension_of(foreign[0])
         other = dimension not in (None, "unknown") and role != ACCELERATION
@@ -341,6 +345,9 @@ def _role(name: str) -> tuple[str, str]:
 
 
 def _role_of_token(token: str) -> str:
+    """Return the role that one word of a heading states: BARE for a neutral word or a
+    direction, UNKNOWN for a word that is not known.
+    """
     if token in NEUTRAL or token.isdecimal():
         return BARE
     stem = token.rstrip("0123456789")

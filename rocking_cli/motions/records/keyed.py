@@ -12,10 +12,10 @@ from .times import even_step
 
 _ESM_KEY = re.compile(r"\s*([A-Z][A-Z0-9_/^.()-]*)\s*:\s*(.*)")
 _ESM_KINDS = ("ACCELERATION", "PROCESSED ACCELERATION", "UNPROCESSED ACCELERATION")
-_KNET_KEY, _KNET_MEMO = (
-    re.compile(r"(\w[\w. ]*?)\s*(?:\(\w+\)\s*[,;:]?\s*|\s\s+|\s*[,;:]\s*|$)(.*)"),
-    re.compile(r"Memo", re.IGNORECASE),
+_KNET_KEY = re.compile(
+    r"(\w[\w. ]*?)\s*(?:\(\w+\)\s*[,;:]?\s*|\s\s+|\s*[,;:]\s*|$)(.*)"
 )
+_KNET_MEMO = re.compile(r"Memo", re.IGNORECASE)
 _KNET_SCALE = re.compile(r"([\d.]+)\s*\(gal\)\s*/\s*([\d.]+)", re.IGNORECASE)
 _KNET_RATE = re.compile(r"Sampling Freq\.?\s*\((\w+)\)", re.IGNORECASE)
 _AFAD_KEY = re.compile(r"(.+?)\s*(?:\(sec\)\s*)?:(.*)", re.IGNORECASE)
@@ -26,7 +26,7 @@ _CWB_COMPONENT = re.compile(r"([A-Z])\s*\([-+]\)")
 
 def _esm(text: RecordText) -> list[Series]:
     """Lines `KEY: value` from EVENT_NAME on (64 in DYNA 1.2, 55 in 1.0, 43 in the first
-    ITACA), then one value a line.
+    ITACA), then one value on each line.
     """
     keys = text.keys(_ESM_KEY)
     kind, line = text.value(keys, "DATA_TYPE", "ACCELERATION")

@@ -5,12 +5,13 @@ lines. The components of a file.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...documents.quantities import DEFAULT_GRAVITY, parse_whole
 from ...errors import DocumentError, MotionError, NoComponent, UsageError
+from ...showing import Shown
 from ..blocks import largest
 from ..motion import checked_scale
 from ..polyline import Polyline
@@ -45,13 +46,13 @@ class Series(NamedTuple):
     component: str | None  # as the file calls it, None without a name
     dt: float  # time step [s]
     samples: np.ndarray  # in the unit of the file, (npts,)
-    unit: str  # of the samples
-    pga: str | None = None  # of the header, as printed
+    unit: str  # unit of the samples
+    pga: str | None = None  # PGA of the header, as printed there
     remark: str = ""  # a sentence for the user, "" without one
 
 
-@dataclass(frozen=True, eq=False)
-class Record:
+@dataclass(frozen=True, eq=False, repr=False)
+class Record(Shown):
     """One component of a ground motion as recorded.
 
     `read_record` makes one. `motion` is its motion, `npts` and `duration` its length,
@@ -108,6 +109,24 @@ class Record:
                 f" {LARGEST:g} m/s2"
             )
         self.acceleration.flags.writeable = False
+
+    def _shown(self) -> dict[str, Any]:
+        return {
+            "record": self.label,
+            "format": self.format,
+            "npts": self.npts,
+            "dt": self.dt,
+            "duration": self.duration,
+            "pga": largest(self.acceleration),
+            "file_unit": self.unit,
+        }
+
+    def _rows(self) -> list[dict[str, float]]:
+        times = self.dt * np.arange(self.npts)
+        return [
+            {"t": t, "acceleration": a}
+            for t, a in zip(times.tolist(), self.acceleration.tolist(), strict=True)
+        ]
 
     @property
     def npts(self) -> int:
@@ -167,11 +186,12 @@ def record_of(
     remarks = [series.remark] if series.remark else []
     where = "" if series.component is None else f" of component {series.component}"
     pga, header = largest(acceleration), None
+    # With g the values cannot be too small by their unit: g is the largest unit.
     small = (
         series.pga is None
         and series.unit != "g"
         and 0.0 < pga < _USUAL_PGA[0] * DEFAULT_GRAVITY
-    )  # no unit is larger than g
+    )
     if pga > _USUAL_PGA[1] * DEFAULT_GRAVITY or small:
         remarks.append(
             f"a PGA{where} of {pga / DEFAULT_GRAVITY:.3g} g, where the unit is taken to"
@@ -246,10 +266,8 @@ def chosen(records: Sequence[Record], component: str | None) -> list[Record]:
     the horizontal ones of a station. Raises NoComponent for an unknown name, and
     UsageError for None if more than two are horizontal.
     """
-    source, word = (
-        records[0].source,
-        None if component is None else component.strip().casefold(),
-    )
+    source = records[0].source
+    word = None if component is None else component.strip().casefold()
     if word == ALL:
         return list(records)
     if word in (None, HORIZONTAL):

@@ -142,6 +142,9 @@ def _first_is_apart(rows: NumberRows) -> int:
 
 
 def _is_no_sample(rows: NumberRows, at: int) -> bool:
+    """True if a number is probably not a sample: it is printed otherwise than the
+    numbers after it, counts them, far exceeds them, or is a usual time step.
+    """
     value, rest = float(rows.values[at]), rows.values[at + 1 :]
     if not value > 0.0:
         return False

@@ -30,10 +30,8 @@ def read(text: RecordText) -> list[Series]:
         raise text.no_acceleration(
             f"found {lines[0].strip()!r}; expected an accelerogram", 1
         )
-    integers, reals = (
-        text.numbers(_INTEGERS, Layout(8, 10)),
-        text.numbers(_REALS, Layout(5, 15)),
-    )
+    integers = text.numbers(_INTEGERS, Layout(8, 10))
+    reals = text.numbers(_REALS, Layout(5, 15))
     while text.raw[text.at : text.at + 1] == b"|":
         text.next_line()
     count = text.count(f"{integers[_POINTS]:.0f}")

@@ -64,7 +64,7 @@ class Layout(NamedTuple):
     """The layout of a full line of numbers."""
 
     columns: int  # number of values
-    width: int | None = None  # of a value, in characters; None: separated by blanks
+    width: int | None = None  # characters of a value; None: separated by blanks
 
     @classmethod
     def of(cls, found: re.Match[str]) -> Self:

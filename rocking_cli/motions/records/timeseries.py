@@ -50,6 +50,7 @@ def read(text: RecordText) -> list[Series]:
 
 
 def _series(text: RecordText, said: re.Match[str]) -> Series:
+    """Return the series of a heading. Raises NoAcceleration, DocumentError."""
     name, word = said[1], said[7] or ""
     unit = unit_of(word) if word else text.given.unit
     if unit is None and not word:

@@ -22,21 +22,20 @@ from .rows import NumberRows, is_row
 from .text import RecordText
 from .units import dimension_of
 
-_COMMENT = re.compile(
-    r"^\s*(?:[#%!*>]|//)+\s*(?![\s,;])"
-)  # a cell # is a number of rows
+# the sign of a comment; `#` alone in a cell is a heading, the number of a row
+_COMMENT = re.compile(r"^\s*(?:[#%!*>]|//)+\s*(?![\s,;])")
+# a line such as `Column 2: Acceleration (g)` or `y-axis: a [g]`
 _COLUMN = re.compile(
     r"(?:(?:col|column|spalte|columna|colonna|colonne|sutun|field)\.?\s*#?\s*(\d)"
     r"|([xy])(?:[\s-]?axis|\s?label)?(?=\s*[:=]|\s?label|[\s-]?axis|\s))"
     r"(?:\s*[:=)-]\s*|\s+)([^\d\s:=].*)",
     re.IGNORECASE,
-)  # Column 2: Acceleration (g); y-axis: a [g]
+)
 _LIST_OF_COLUMNS = re.compile(
     r"^(?:columns?|format|fields|headings?)\s*:\s*", re.IGNORECASE
 )
-_VALUE = re.compile(
-    r"\d\s*(?:k?hz|m?s|secs?|seconds?)\b", re.IGNORECASE
-)  # filter 0.1-25 Hz
+# a number with its unit, such as `filter 0.1-25 Hz`
+_VALUE = re.compile(r"\d\s*(?:k?hz|m?s|secs?|seconds?)\b", re.IGNORECASE)
 _IN_BRACKETS = re.compile(r"[\[(][^\])]*[\])]")
 AMBIGUOUS = ("u", "v", "V", "U", "x")  # alone beside times: a direction or a quantity
 
@@ -45,7 +44,7 @@ class Title(NamedTuple):
     """A line above the numbers."""
 
     text: str  # the line as the file has it
-    line: int  # its number in the file
+    line: int  # number of the line in the file
 
 
 def titles_of(text: RecordText) -> Iterator[Title]:

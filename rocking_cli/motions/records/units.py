@@ -10,12 +10,13 @@ import unicodedata
 
 from ...documents.quantities import DEFAULT_GRAVITY, UNITS
 
+# m/s2, of every unit that a record may have
 ACCELERATIONS = UNITS["acceleration"] | {
     "mg": 1e-3 * DEFAULT_GRAVITY,
     "%g": 1e-2 * DEFAULT_GRAVITY,
     "ft/s2": 0.3048,
     "in/s2": 0.0254,
-}  # m/s2, of every unit that a record may have
+}
 WRITTEN_UNITS = ("m/s2", "cm/s2", "mm/s2", "gal", "g", "mg", "%g", "ft/s2", "in/s2")
 
 _LETTERS = str.maketrans(
@@ -171,6 +172,10 @@ def units_in(words: str) -> list[str]:
 
 
 def _units_of_tokens(tokens: list[str]) -> list[str]:
+    """Return the units of acceleration among words; a unit has up to three words. A
+    unit of letters alone counts after a word such as `in` only, and a unit after a
+    number belongs to that number.
+    """
     found: list[str] = []
     at = 0
     while at < len(tokens):

@@ -57,16 +57,12 @@ def read(text: RecordText) -> list[Series]:
         if not stated(_TENTHS, lines):
             dt, unit, samples = _announced(text, count)
         elif first[1]:
-            dt, samples = (
-                text.step_of_rate(numbers[_RATE][: _ALONE.width]),
-                text.numbers(count, _ALONE) / 10.0,
-            )
+            dt = text.step_of_rate(numbers[_RATE][: _ALONE.width])
+            samples = text.numbers(count, _ALONE) / 10.0
         else:
             line, pairs = text.line, text.numbers(2 * count, _PAIRS).reshape(count, 2)
-            dt, samples = (
-                even_step(pairs[:, 0], text, line, _PAIRS.columns // 2),
-                pairs[:, 1] / 10.0,
-            )
+            dt = even_step(pairs[:, 0], text, line, _PAIRS.columns // 2)
+            samples = pairs[:, 1] / 10.0
         text.require_end(count)
         text.agree(count, dt, length)
         found.append(
@@ -82,8 +78,8 @@ def read(text: RecordText) -> list[Series]:
 
 
 def _announced(text: RecordText, count: int) -> tuple[float, str, np.ndarray]:
-    """(step, unit, samples) of a body that a line announces, as of today or of the
-    1990s.
+    """(step [s], unit, samples) of the numbers that a line announces, in its present
+    form or in that of the 1990s.
     """
     line = text.next_line() or ""
     of_1990 = _BODY_OF_1990.search(line)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...errors import OutputError, UsageError
+from ...errors import ArgumentError, OutputError, UsageError
 from ...plugins import require
 from ...publishing import check_target, published
 from ..rows import Rows, column, groups
@@ -140,6 +140,16 @@ class Look:
             if self.width is None
             else min(1.0, max(0.6, self.width / _INCH / WIDTH))
         )
+
+
+def require_axes(target: Any) -> Axes:
+    """Return Axes of matplotlib. Raises ArgumentError for another target."""
+    if not all(hasattr(target, name) for name in ("plot", "get_xlim", "figure")):
+        raise ArgumentError(
+            f"`target`: found a {type(target).__name__}; expected a path (a text or a"
+            " Path) or Axes of matplotlib"
+        )
+    return target
 
 
 @contextmanager

@@ -40,11 +40,7 @@ def response(
     align: the time of each file counts from its largest rotation, or from theta = alpha
     if the body overturns.
     """
-    x, y, ground = (
-        ("t", "theta", "ground_acceleration")
-        if "t" in rows[0]
-        else ("tau", "theta_ratio", "A")
-    )
+    x, ground = ("t", "ground_acceleration") if "t" in rows[0] else ("tau", "A")
     forces = [
         c
         for c in rows[0]
@@ -55,19 +51,12 @@ def response(
         len(ratios), 1, sharex=True, height_ratios=ratios
     )
     files = groups(rows, SOURCE)
-    for i, (source, some) in enumerate(files.items()):
-        colour = None if len(files) == 1 else f"C{i}"
-        times = _times(some, x, units, align)
-        _plot_rotations(axes, some, times, y, units, source, colour)
+    for i, (times, some) in enumerate(rotations(axes, rows, units, align)):
         below.plot(
             *with_jumps(times, column_in(some, ground, units)),
-            color=colour or "0.3",
+            color="0.3" if len(files) == 1 else f"C{i}",
             lw=1.0,
         )
-    axes.set(
-        ylabel=label(y, units), title=heading(rows, "structure", "motion", "model")
-    )
-    legend(axes)
     below.set(
         xlabel=label(x, units) + ", 0 at the largest rotation" * align,
         ylabel=label("ground_acceleration" if x == "t" else "A_s", units),
@@ -75,6 +64,35 @@ def response(
     for one in between:
         _plot_forces(one, rows, column_in(rows, x, units), forces, units)
     return [axes, *between, below]
+
+
+def rotations(
+    axes: Axes, rows: Rows, units: Units, align: bool = False
+) -> list[tuple[np.ndarray, Rows]]:
+    """Draw the rotation for each file and equation; return (times, rows) of each
+    file.
+    """
+    x, y = ("t", "theta") if "t" in rows[0] else ("tau", "theta_ratio")
+    files = groups(rows, SOURCE)
+    found = []
+    for i, (source, some) in enumerate(files.items()):
+        colour = None if len(files) == 1 else f"C{i}"
+        times = _times(some, x, units, align)
+        _plot_rotations(axes, some, times, y, units, source, colour)
+        found.append((times, some))
+    axes.set(
+        ylabel=label(y, units), title=heading(rows, "structure", "motion", "model")
+    )
+    legend(axes)
+    return found
+
+
+def response_axes(axes: Axes, rows: Rows, units: Units, align: bool = False) -> Axes:
+    """Draw the rotation alone into Axes, and return them."""
+    rotations(axes, rows, units, align)
+    time = label("t" if "t" in rows[0] else "tau", units)
+    axes.set_xlabel(time + ", 0 at the largest rotation" * align)
+    return axes
 
 
 def _times(rows: Rows, x: str, units: Units, align: bool) -> np.ndarray:

@@ -8,36 +8,37 @@ from pathlib import Path
 from textwrap import fill
 from typing import Any
 
-from ...documents.document import Document
-from ...errors import DocumentError
-from ...structures import RockingParameters, build_structure
+from ...errors import DocumentError, UsageError
+from ...structures.given import Structure, structures_from
 from ...structures.kinds import sketch_of
-from ...structures.parameters import weaker_side
+from ...structures.parameters import RockingParameters, weaker_side
 from ...structures.sketch import Point, Sketch, rectangle
 from ..units import Units
-from .canvas import MOST_ACROSS, Axes, Look, canvas, literal, panels
+from .canvas import MOST_ACROSS, Axes, Look, canvas, literal, panels, require_axes
 
 _WIDTH = 4.2  # inches, of a panel
 STONE, GROUND, INK, ACCENT = "#D9CBB8", "#EFEFEF", "#333333", "#D55E00"
 
 
 def draw_structures(
-    documents: Sequence[Document],
-    target: str | Path,
+    structures: Structure | Sequence[Structure],
+    target: str | Path | Axes,
     *,
     units: Units | None = None,
     look: Look | None = None,
     overwrite: bool = True,
     tell: Callable[[str], None] | None = None,
 ) -> None:
-    """Draw structures to scale, each in its own panel of a PNG, SVG or PDF file.
+    """Draw structures to scale, each in its own panel of a PNG, SVG or PDF file, or one
+    into Axes.
 
     Parameters
     ----------
-    documents
-        of the structures; one without geometry is left out
+    structures
+        one or more: parameters, documents, paths, or texts such as "block:0.5x2"; one
+        without geometry is left out
     target
-        the file to write
+        the file to write, or Axes of matplotlib for one structure
     units
         of the lengths, None for those of the figure
     look
@@ -51,7 +52,7 @@ def draw_structures(
     Raises
     ------
     UsageError
-        for another kind of file, or one that exists
+        for another kind of file, one that exists, or Axes for several structures
     DocumentError
         if a document is not valid or no structure has a geometry
     OutputError
@@ -61,16 +62,14 @@ def draw_structures(
     --------
     >>> draw_structures(read_documents("configs/arch.yaml"), "arch.svg")
     """
-    found: list[tuple[RockingParameters, Sketch]] = []
-    for document in documents:
-        one = build_structure(document)
-        try:
-            found.append((one, sketch_of(document, one)))
-        except DocumentError as error:
-            if document is documents[-1] and not found:
-                raise
-            if tell is not None:
-                tell(f"{error}; left out")
+    found = _sketched(structures_from(structures), tell)
+    if not isinstance(target, str | Path):
+        if len(found) > 1:
+            raise UsageError(
+                f"found {len(found)} structures; expected one, or a file as target"
+            )
+        structure_axes(require_axes(target), *found[0], units or Units())
+        return
     with canvas(target, overwrite, look=look, tell=tell) as figure:
         drawn = panels(figure, len(found))
         for axes, (one, sketch) in zip(drawn, found, strict=True):
@@ -84,6 +83,29 @@ def draw_structures(
         figure.set_size_inches(
             _WIDTH * across, -(-len(found) // across) * (1.0 + (_WIDTH - 0.6) * shape)
         )
+
+
+def _sketched(
+    structures: Sequence[RockingParameters], tell: Callable[[str], None] | None
+) -> list[tuple[RockingParameters, Sketch]]:
+    """Return the structures that have a geometry, with their sketches. Raises
+    DocumentError if none has.
+    """
+    found: list[tuple[RockingParameters, Sketch]] = []
+    for one in structures:
+        try:
+            if one.document is None:
+                raise DocumentError(
+                    f"{one.name}: found numbers alone; expected a document with a"
+                    " geometry"
+                )
+            found.append((one, sketch_of(one.document, one)))
+        except DocumentError as error:
+            if one is structures[-1] and not found:
+                raise
+            if tell is not None:
+                tell(f"{error}; left out")
+    return found
 
 
 def structure_axes(

@@ -42,7 +42,7 @@ class Slice:
     coordinate: float  # on the other axis [SI]
     along: str  # name of the axis of the line
     x: np.ndarray  # values of the axis of the line [SI], (n,)
-    names: tuple[str, ...]  # of the structures or records
+    names: tuple[str, ...]  # names of the structures or records
     # theta_max/alpha of each structure or record [-], (n,)
     theta: tuple[np.ndarray, ...]
     outcome: tuple[np.ndarray, ...]  # codes of each structure or record, (n,)

@@ -23,9 +23,8 @@ _BLOCK = 1 << 24  # bytes of a digest that are read at once
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 NOTE = -1  # index of an entry about the whole, as JSON
-_ENTRY = struct.Struct(
-    "<4sqQI"
-)  # magic, index of the chunk, bytes of the content, CRC-32 of all else
+# one entry: magic, index of the chunk, bytes of the content, CRC-32 of the others
+_ENTRY = struct.Struct("<4sqQI")
 _MAGIC = b"rock"
 
 
@@ -56,6 +55,7 @@ def digest(pieces: Iterable[bytes]) -> str:
 
 
 def _digest_of(file: BinaryIO, size: int, ranges: Sequence[tuple[int, int]]) -> str:
+    """The digest of a file's size and of ranges (begin, length) of it [bytes]."""
     places = (
         (at, min(_BLOCK, begin + length - at))
         for begin, length in ranges

@@ -107,11 +107,11 @@ class ChunkGrid:
 class FileLayout:
     """The whole of a spectra file except the results of its cells."""
 
-    frame: Frame  # places of its cells
+    frame: Frame  # dimensions of the sweep: the places of its cells
     chunk: tuple[int, ...]  # cells of a chunk, (rows, columns)
-    names: tuple[str, ...]  # of the variables
-    scene: Mapping[str, Any]  # identity of the scene
-    # others of the root, with shard "i/n" for the i-th of n parts, and without shard if
+    names: tuple[str, ...]  # names of the variables
+    scene: Mapping[str, Any]  # what identifies the scene, as JSON
+    # other attributes of the root: `shard` "i/n" for the i-th of n parts, without it if
     # any chunks may be missing
     attributes: Mapping[str, Any]
 

@@ -103,11 +103,11 @@ class SpectraFile(ExitStack[None]):
         """
         if read(raw, 0, len(SIGNATURE)) != SIGNATURE:
             raise OutputError(f"{self.path}: is not an HDF5 file, or is damaged")
-        self.digest = checked_digest(raw)  # of a finished file, None for a partial one
+        self.digest = checked_digest(raw)  # None for a partial file
         self._log = Log(raw) if self.digest is None else None
         image = raw if self._log is None else io.BytesIO(self._log.image)
         file = self.file = self.enter_context(h5py.File(image, "r"))
-        # of an earlier version the tables stand at the root
+        # files of an earlier version have the tables at the root
         tables = file.get(BOOKKEEPING, file)
         names = [
             name for name in file if name not in CHUNK_TABLES and name != BOOKKEEPING

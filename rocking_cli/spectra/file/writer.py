@@ -60,7 +60,7 @@ class SpectraWriter:
         self.part = check_output(path, overwrite, resume)  # the partial file
         self.output = followed(path)  # the finished file
         self.overwrite = overwrite  # whether it may replace another one
-        self.names = layout.names  # of the variables
+        self.names = layout.names  # names of the variables
         self.chunk_grid = layout.chunk_grid  # the grid of the chunks
         self.whole = layout.attributes.get("shard") == "1/1"
         # counts of outcomes in each chunk of an earlier run

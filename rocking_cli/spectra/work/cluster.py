@@ -18,9 +18,8 @@ from ..scene import Unit
 from .jobs import Item, Job
 
 _AHEAD = 3  # batches under way for each of the cluster's threads
-_TO_ANSWER = (
-    4.0  # s for a scheduler to accept a connection, and to send its first bytes
-)
+# s for a scheduler to accept a connection, and to send its first bytes
+_TO_ANSWER = 4.0
 _LONGEST_GREETING = 1 << 32  # bytes
 _TO_GREET = 15.0  # s for a scheduler to register its client
 _PATIENCE = 4.0  # s between messages about a missing worker
@@ -73,9 +72,8 @@ def cluster(
                 try:
                     return future.result(timeout=_PATIENCE)
                 except TimeoutError:
-                    if (
-                        future.status == "error"
-                    ):  # of the task; a result may have come since the timeout
+                    # An error of the task itself, not of this waiting.
+                    if future.status == "error":
                         raise
                     threads()
         except Exception as error:  # any failure of a cluster keeps the finished chunks
@@ -113,6 +111,7 @@ def check_scheduler(address: str) -> None:
 
 
 def _host_and_port(address: str) -> tuple[str, int]:
+    """Return host and port of a scheduler's address. Raises UsageError."""
     found = re.fullmatch(
         r"(?:(?:tcp|tls)://)?(?:\[([0-9A-Fa-f:.]+)\]|([^\s:/\[\]]+)):(\d{1,5})", address
     )

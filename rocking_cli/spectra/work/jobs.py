@@ -113,6 +113,7 @@ class Job:
         that chain, form one batch.
         """
         bands = [self._bands(unit) for unit in units]
+        # Bands that one run can compute together, by motion and system.
         batches: dict[Any, list[CellBand]] = {}
         found: dict[int, list[Block]] = {}
         for band in chain.from_iterable(bands):
@@ -129,6 +130,7 @@ class Job:
             blocks, own = self._batch_blocks(batch, shared=motion is None)
             found |= blocks
             work += own
+        # The first unit reports the work of all.
         works = chain([work], repeat(Work()))
         return [
             self.report(unit, [found[id(band)] for band in own], w)
@@ -185,10 +187,8 @@ class Job:
         """Return (the variables of all cells (A, Omega, eta), the work) for bands of
         one system under several records.
         """
-        counts, structures = (
-            [band.size for band in batch],
-            [band.structure for band in batch],
-        )
+        counts = [band.size for band in batch]
+        structures = [band.structure for band in batch]
         system = self.scene.method.system_of_cells(structures, counts)._replace(
             body=None, own=()
         )
@@ -283,10 +283,8 @@ class Job:
         """Return the block of one structure among those that share rotations, with the
         lost contact of this structure.
         """
-        doubtful, system = (
-            block["outcome"].ravel() == Outcome.ROCKED,
-            self.scene.method.system_of(structure),
-        )
+        doubtful = block["outcome"].ravel() == Outcome.ROCKED
+        system = self.scene.method.system_of(structure)
         theta_ratio, fastest = (
             block[name].ravel() if name in block else None
             for name in ("theta_ratio", "velocity_ratio")

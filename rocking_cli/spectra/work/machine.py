@@ -13,12 +13,13 @@ from typing import Any
 
 from ... import __version__
 
+# packages whose code computes the values of a spectrum
 _COMPUTES = (
     "dynamics",
     "motions",
     "spectra",
     "structures",
-)  # packages whose code computes the values of a spectrum
+)
 
 
 @cache

@@ -248,7 +248,29 @@ def sketch_of(document: Document, built: RockingParameters) -> Sketch:
     """Return the sketch of a structure that was built from the document. Raises
     DocumentError if its kind has no geometry.
     """
-    kind = _module(word := str(document.values["kind"].content))
+    word = str(document.values["kind"].content)
+    if word in KINDS:
+        return _sketched(_module(word), word, document, built)
+    wanted = f"a package that works, or one of {', '.join(KINDS)}"
+    with blamed(
+        installed(GROUP)[word], lambda said: document.fault("kind", said, wanted)
+    ):
+        found = _sketched(_module(word), word, document, built)
+        from ..sketch import Sketch
+
+        if not isinstance(found, Sketch):
+            raise TypeError(
+                f"sketch returns a {type(found).__name__}, which is no Sketch"
+            )
+    return found
+
+
+def _sketched(
+    kind: Any, word: str, document: Document, built: RockingParameters
+) -> Sketch:
+    """Return the sketch that the module of a kind makes. Raises DocumentError if it
+    makes none.
+    """
     if hasattr(kind, "body"):
         drawing: Sketch = kind.body(document).sketch(document, built)
         return drawing

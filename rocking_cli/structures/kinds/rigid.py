@@ -9,9 +9,9 @@ from ..mechanics.toe import Foot, Strip
 from ..shared_keys import mass_of
 from ..sketch import circle, rocker
 
-_WIDEST = (
-    1000.0  # moments about the middle between the edges then lose six digits of sixteen
-)
+# largest ratio: moments about the middle between the edges then lose six digits of
+# sixteen
+_WIDEST = 1000.0
 REPORTS = ("direction",)
 
 

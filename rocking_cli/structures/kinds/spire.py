@@ -29,7 +29,7 @@ _NODES = 64  # Gauss points for each interval; 32 already give 1e-13
 class Cone(NamedTuple):
     """A solid cone on z = 0."""
 
-    radius: float  # of the base [m]
+    radius: float  # radius of the base [m]
     height: float  # [m]
     thin: bool = False  # True: only its lateral shell, of unit horizontal thickness
 
@@ -129,7 +129,7 @@ class Spire(NamedTuple):
 
     base_radius: float  # [m]
     height: float  # [m]
-    thickness: float  # of the wall [m], 0 for a thin wall
+    thickness: float  # thickness of the wall [m], 0 for a thin wall
     tip_height: float  # [m]
     crack_height: float  # [m], 0 for an uncracked spire
 

@@ -55,8 +55,8 @@ class LinkRates(NamedTuple):
     3.4).
     """
 
-    second: Any  # of link B-C [-]
-    third: Any  # of link C-D [-]
+    second: Any  # rotation of link B-C [-]
+    third: Any  # rotation of link C-D [-]
     lift: Any  # V'/g
     push: Any  # B
 
@@ -110,7 +110,7 @@ class FourBar:
 
     ring: Ring  # of the arch
     hinges: tuple[float, ...]  # angles of the four hinges [rad], rising
-    # their number, None for a continuous arch; no effect on the mechanism
+    # number of voussoirs, None for a continuous arch; no effect on the mechanism
     voussoirs: int | None = field(default=None, compare=False)
 
     @property

@@ -23,10 +23,9 @@ Hinges = tuple[float, ...]  # angles of A, B, C, D [rad]
 # joints of the coarse set; the neighbourhood of a minimum is several joints wide
 _COARSE = 36
 _LATTICE = np.array(list(product((-1.0, -0.5, 0.0, 0.5, 1.0), repeat=4)))
-_ROUNDING = (
-    1e-9  # of the thickness, by which rounding may move the thrust out of a joint
-)
-# of the complex-step derivative, which subtracts nothing and so loses no digits
+# part of the thickness by which rounding may move the thrust out of a joint
+_ROUNDING = 1e-9
+# step of the complex-step derivative, which subtracts nothing and so loses no digits
 _STEP = 1e-30
 
 

@@ -64,9 +64,9 @@ def test_each_bound_is_below_its_stretch_and_not_below_a_stretch_a_quarter_longe
     levels = 1 + int(np.ceil(np.log2(count)))
     bounds = stretches([samples], levels)
     n = np.arange(count)
-    for face, outward in ((0, -samples), (bounds.face, samples)):
+    for begin, outward in ((0, -samples), (bounds.side_size, samples)):
         for level in range(levels):
-            found = bounds.at(np.full(count, face), np.full(count, level), n)
+            found = bounds.at(np.full(count, begin), np.full(count, level), n)
             reach, late = 1 << level, 1 << max(0, level - 3)
             least = np.array([outward[i : i + reach + 1].min() for i in n])
             wide = np.array(

@@ -15,7 +15,7 @@ from support.packages import installed
 
 from rocking_cli import DocumentError, StructureError, build_structure, parse_documents
 from rocking_cli.structures import KINDS, read_documents
-from rocking_cli.structures.kinds import GROUP
+from rocking_cli.structures.kinds import GROUP, sketch_of
 
 
 @pytest.mark.parametrize(
@@ -294,3 +294,13 @@ def test_every_rigid_kind_takes_a_mass_alone_and_may_stand_against_a_backing(
     )
     assert (wall.p, wall.alpha, wall.uplift) == (right.p, right.alpha, right.uplift)
     assert plain(name, one_sided="false") == free
+
+
+def test_a_sketch_of_a_package_that_is_none_is_told(install):
+    install("tower", TOWER + "def sketch(document, built):\n    return [(0.0, 1.0)]\n")
+    (document,) = parse_documents("kind: tower\nstoreys: 7", "f.yaml")
+    with pytest.raises(
+        DocumentError, match=r"f.yaml:1:7: kind: found tower, which the package of-tow"
+    ) as told:
+        sketch_of(document, build_structure(document))
+    assert "TypeError: sketch returns a list, which is no Sketch" in str(told.value)

@@ -1,0 +1,2 @@
+from rocking_cli import *
+from rocking_cli import __version__ as __version__

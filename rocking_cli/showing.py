@@ -1,0 +1,61 @@
+"""How results show themselves: a short text in a terminal, a small table in a notebook,
+rows of pandas.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+from .plugins import require
+
+if TYPE_CHECKING:
+    import pandas
+
+_MOST_LINES = 14  # below the name of the class
+
+
+class Shown:
+    """A result with one row of quantities that a person wants to see first."""
+
+    def _shown(self) -> Mapping[str, Any]:
+        """Return these quantities by column name, in SI units."""
+        raise NotImplementedError
+
+    def _rows(self) -> Iterable[Mapping[str, Any]]:
+        """Return the rows of `to_pandas`."""
+        return [self._shown()]
+
+    def __repr__(self) -> str:
+        from .reports.tables import lines
+
+        shown = list(lines([self._shown()], "table"))
+        left = len(shown) - _MOST_LINES
+        if left > 0:
+            shown[_MOST_LINES - 1 :] = [f"and {left + 1} more lines"]
+        return "\n  ".join([type(self).__name__, *shown])
+
+    def _repr_html_(self) -> str:
+        return html_table(type(self).__name__, self._shown())
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return the rows as a DataFrame, with the columns that the commands print in
+        JSON, in SI units. Raises OutputError without pandas.
+        """
+        require("to_pandas needs", "pandas")
+        import pandas as pd
+
+        return pd.DataFrame(list(self._rows()))
+
+
+def html_table(title: str, row: Mapping[str, Any]) -> str:
+    """Return a table in HTML with a line for each quantity that has a value."""
+    from .reports.tables import shown_cells
+
+    lines = "".join(
+        f"<tr><th style='text-align:left'>{escape(heading)}</th>"
+        f"<td style='text-align:left'>{escape(text)}</td></tr>"
+        for heading, text in shown_cells(row)
+    )
+    return f"<table><caption>{escape(title)}</caption>{lines}</table>"

@@ -1,0 +1,51 @@
+"""What Python gives as a structure: parameters, a document, or what the command line
+takes, a path or a text such as `block:0.5x2`.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Union
+
+from ..errors import UsageError
+from . import build_structure, load_structures, with_distinct_names
+from .parameters import RockingParameters
+
+if TYPE_CHECKING:
+    from ..documents.document import Document
+
+# A document is named only: what has no document does not import their reader.
+Structure = Union[RockingParameters, "Document", str, Path]
+
+
+def structures_from(given: Structure | Sequence[Structure]) -> list[RockingParameters]:
+    """Return the structures of one or several, those of a path in the order of its
+    file; a name that is repeated gets a number where something was read. Raises
+    UsageError and DocumentError as `load_structures` does.
+    """
+    several: Sequence[Structure]
+    if isinstance(given, str) or not isinstance(given, Sequence):
+        several = [given]
+    else:
+        several = given
+    found: list[RockingParameters] = []
+    for one in several:
+        if isinstance(one, RockingParameters):
+            found.append(one)
+        elif isinstance(one, str | Path):
+            found += load_structures(one)
+        else:
+            found.append(build_structure(one))
+    read = any(not isinstance(one, RockingParameters) for one in several)
+    return with_distinct_names(found) if read else found
+
+
+def structure_from(given: Structure) -> RockingParameters:
+    """Return the only structure of what was given. Raises UsageError for several."""
+    found = structures_from(given)
+    if len(found) > 1:
+        names = ", ".join(structure.name for structure in found)
+        raise UsageError(
+            f"{given}: found {len(found)} structures ({names}); expected one:"
+            " load_structures reads them all"
+        )
+    return found[0]

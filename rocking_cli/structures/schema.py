@@ -1,0 +1,405 @@
+"""A JSON Schema of structure documents, made of what the readers of the kinds ask.
+
+Each kind reads documents that record every question: the shipped ones, and probes that
+state one more key, or one key alone. What is asked is what is accepted, so the schema
+needs no list of keys of its own.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Iterator
+from copy import deepcopy
+from functools import cache
+from itertools import combinations, pairwise
+from pathlib import Path
+from typing import Any, cast
+
+from ..documents.asking import Asked, AskedDocument, Log, Plain, plain_of
+from ..documents.parsing import read_documents
+from ..documents.quantities import SMALLEST_LENGTH, UNITS, accepted
+from ..errors import RockingError
+from ..plugins import installed
+from .kinds import GROUP, KEYS, KINDS, reports_of
+from .parameters import VARIED
+from .templates import shipped
+
+Node = dict[str, Plain]
+Schema = dict[str, Any]
+
+DRAFT = "http://json-schema.org/draft-07/schema#"
+AUTO = "auto"  # the word in place of some quantities
+_ANY_NAME = "any_name_at_all"  # a key that only an open mapping takes
+_MOST_MISSING = 12  # required keys that are added to a probe
+_NUMBER = r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?"
+_ABSOLUTE = (-1.0, 0.0, 1.0, SMALLEST_LENGTH, 0.5 * math.pi, math.pi, 2.0 * math.pi)
+_SPREADS = "MEAN +- SD or LOW .. HIGH"
+_SYNTAX = re.compile(r"[\^$.*+?()\[\]{}|/\\]")  # what a pattern must escape
+_PROBES: dict[str, tuple[str, str]] = {  # two values of each dimension
+    "length": ("1.3", "2.7"),
+    "angle": ("0.2", "0.3"),
+    "number": ("0.5", "0.7"),
+}
+_COMMENTED = re.compile(r"[ #-]*([a-z_]+):[^#]*#\s*(.+)")
+
+
+def document_schema() -> Schema:
+    """Return a JSON Schema (draft 7) of one structure document of any kind."""
+    kinds = [*KINDS, *(word for word in installed(GROUP) if word not in KINDS)]
+    return {
+        "$schema": DRAFT,
+        "title": "Structure document of rocking",
+        "type": "object",
+        "required": ["kind"],
+        "properties": {"kind": {"enum": kinds}},
+        "allOf": [
+            {
+                "if": {"properties": {"kind": {"const": word}}, "required": ["kind"]},
+                "then": {"$ref": f"#/definitions/{word}"},
+            }
+            for word in KINDS
+        ],
+        "definitions": {
+            **{dimension: _quantity(dimension) for dimension in UNITS},
+            **{word: _Reading(word).schema() for word in KINDS},
+        },
+    }
+
+
+def schema_text() -> str:
+    """Return the JSON Schema of structure documents as a text."""
+    return json.dumps(document_schema(), indent=1, ensure_ascii=False)
+
+
+def _quantity(dimension: str, word: str = "") -> Schema:
+    """Return the schema of a number, a number with a unit, or one with a spread; word:
+    a text that may stand in its place.
+    """
+    units = "|".join(_SYNTAX.sub(r"\\\g<0>", unit) for unit in UNITS[dimension])
+    one = rf"\s*{_NUMBER}\s*({units})?\s*" if units else rf"\s*{_NUMBER}\s*"
+    normal = rf"{one}(\+-|±)({one}|\s*{_NUMBER}\s*%\s*)"
+    begin = f"{word}|" if word else ""
+    expected = f"{accepted(dimension)}{f', or {word}' if word else ''}"
+    return {
+        "type": ["number", "string", "null"],
+        "pattern": rf"^({begin}{one}|{normal}|{one}\.\.{one})$",
+        "patternErrorMessage": f"expected {expected}; a spread is {_SPREADS}",
+    }
+
+
+@cache
+def _shipped_documents() -> tuple[tuple[str, Node], ...]:
+    """Return (text of the file, values) of each shipped document."""
+    home = shipped("block.yaml")
+    found = []
+    for path in sorted(Path(home).parent.glob("*.yaml")) if home else []:
+        text = path.read_text(encoding="utf-8")
+        for document in read_documents(path):
+            plain = {key: plain_of(value) for key, value in document.values.items()}
+            found.append((text, plain))
+    return tuple(found)
+
+
+def _descriptions() -> dict[tuple[str, str], str]:
+    """Return the comments of the shipped documents by (kind, key)."""
+    found: dict[tuple[str, str], str] = {}
+    for text, plain in _shipped_documents():
+        for line in text.splitlines():
+            if match := _COMMENTED.match(line):
+                found.setdefault((str(plain["kind"]), match[1]), match[2].rstrip(" ,"))
+    return found
+
+
+class _Reading:
+    """What the reader of one kind asks, over many documents."""
+
+    def __init__(self, word: str) -> None:
+        self.word = word
+        self.log = Log()
+        self.needs: dict[str, list[frozenset[str]]] = {}  # required keys, by mapping
+        self.taken: dict[str, None] = {}  # paths that a valid document may have
+        # (valid, missing, faulty) of each document that was read, by its text
+        self.read: dict[str, tuple[bool, str, str]] = {}
+        self.whole = list(self._whole())  # valid documents
+        for node in (*self.whole, self._alone()):
+            self._read(node)
+        self._probe_all()
+
+    def _alone(self) -> Node:
+        """Return the document that states its kind alone."""
+        return {"kind": self.word}
+
+    def _whole(self) -> Iterator[Node]:
+        """Yield valid documents: the shipped ones, and of `parameters` what the other
+        kinds print.
+        """
+        for _, plain in _shipped_documents():
+            if plain["kind"] == self.word:
+                yield plain
+            elif self.word == "parameters":
+                from . import build_structure
+
+                row = build_structure(AskedDocument.of(plain, Log())).row()
+                yield cast(Node, _texts(row))
+
+    def _read(self, node: Node) -> bool:
+        """Read a document; True if it is valid."""
+        from . import build_structure
+
+        text = json.dumps(node)
+        if text in self.read:
+            valid, self.log.missing, self.log.faulty = self.read[text]
+            return valid
+        self.log.begin()
+        valid = True
+        try:
+            build_structure(AskedDocument.of(node, self.log))
+        except RockingError:
+            valid = False
+        if valid:
+            self.taken |= self.log.seen
+        self.read[text] = (valid, self.log.missing, self.log.faulty)
+        return valid
+
+    # Probes ---------------------------------------------------------------------------
+
+    def _probe_all(self) -> None:
+        """Probe each key that is asked for, and the keys of other kinds, until no
+        reading asks for another one.
+        """
+        probed = {"kind"}
+        reported = {key: None for word in KINDS for key in reports_of(word)}
+        others = (*sorted(KEYS), *reported, *VARIED)
+        while left := [
+            path for path in (*self.log.known, *others) if path not in probed
+        ]:
+            for path in left:
+                probed.add(path)
+                self._probe(path)
+        unread = [key for key in self._keys("") if not self._form(key)]
+        for one, other in combinations(unread, 2):  # keys that go together
+            node = self._with(self._with(self._alone(), one), other, "2")
+            self._complete(node, one)
+        for path in list(self.log.known):
+            if self._form(path) in ("part", "parts"):
+                self._read(
+                    self._with(self._base(), f"{_inside(self, path)}{_ANY_NAME}")
+                )
+
+    def _base(self) -> Node:
+        return deepcopy(self.whole[0]) if self.whole else self._alone()
+
+    def _bases(self) -> Iterator[Node]:
+        """Yield two valid documents, and the first one with each flag."""
+        yield from self.whole[:2]
+        for path in list(self.log.asked):
+            if "." not in path and self._form(path) == "flag":
+                yield self._with(self._base(), path, "true")
+
+    def _probe(self, path: str) -> None:
+        """Read documents that state this key, alone and in a valid document."""
+        inside, _, key = path.rpartition(".")
+        self._read(self._with(self._base(), path))
+        if path not in self.log.known:  # no key of this kind
+            return
+        # two numbers tell apart the limits that depend on others
+        for number, node in enumerate((self._alone(), *self._bases())):
+            for value in self._values(path, number % 2):
+                self._complete(self._with(deepcopy(node), path, value), path)
+        if key in self._keys(inside):
+            self._note_needs(inside, key)
+
+    def _values(self, path: str, number: int) -> list[Plain]:
+        """Return values to try at a path: one if its form is known."""
+        for asked in self.log.asked.get(path, ()):
+            if asked.form == "integer":
+                return [f"{asked.least + 2 * number:g}"]
+            if asked.form == "quantity":
+                return [_PROBES.get(asked.dimension, ("1", "2"))[number]]
+            if asked.form == "choice":
+                return list(asked.words)
+            if asked.form in ("flag", "word"):
+                return ["true"]
+            if asked.form == "pair":
+                return [[["0", "0"], ["1", "0"], ["1", "4"]]]
+        return [str(number + 1), [{}], {}, [{}, {}]]
+
+    def _complete(self, node: Node, path: str) -> set[str]:
+        """Read a document again and again with what it lacks; return these keys."""
+        added: set[str] = set()
+        for _ in range(_MOST_MISSING):
+            self._read(node)
+            lacking = self.log.missing
+            if not lacking or lacking in added:
+                return added
+            added.add(lacking)
+            self._with(node, lacking, self._values(lacking, len(added) % 2)[0])
+        return added
+
+    def _with(self, node: Node, path: str, value: Plain = "1") -> Node:
+        """Put a value at a path into a document, with the mappings on its way."""
+        at: Any = node
+        *way, key = path.split(".")
+        for name, following in pairwise([*way, key]):
+            if name == "*":
+                continue
+            if following == "*":
+                if not (isinstance(at.get(name), list) and at[name]):
+                    at[name] = [{}]
+                at[name] = [one if isinstance(one, dict) else {} for one in at[name]]
+                at = at[name][0]
+            else:
+                at[name] = at[name] if isinstance(at.get(name), dict) else {}
+                at = at[name]
+        at[key] = value
+        return node
+
+    def _note_needs(self, inside: str, key: str) -> None:
+        """Note the keys that a mapping needs beside this one, or without it."""
+        begin = f"{inside}." if inside else ""
+        for given in ((), (key,)):
+            node = self._base() if inside else self._alone()
+            if inside:
+                self._empty(node, inside)
+            for name in given:
+                first = begin + name
+                self._with(node, first, self._values(first, 1)[0])
+            added = self._complete(node, begin + key)
+            plain = ("quantity", "integer", "choice", "flag", "word")
+            tried = {*added, *(begin + name for name in given)}
+            refused = self.log.faulty in tried and self._form(self.log.faulty) in plain
+            if not refused:
+                own = {
+                    path.removeprefix(begin) for path in added if path.startswith(begin)
+                }
+                needs = frozenset({*given, *(name for name in own if "." not in name)})
+                found = self.needs.setdefault(inside, [])
+                if needs not in found:
+                    found.append(needs)
+
+    def _empty(self, node: Node, inside: str) -> None:
+        """Make the mapping at a path empty."""
+        self._with(node, f"{inside}.{_ANY_NAME}")
+        at: Any = node
+        for name in inside.split("."):
+            at = at[0] if name == "*" else at[name]
+        at.clear()
+
+    # The schema -----------------------------------------------------------------------
+
+    def _form(self, path: str) -> str:
+        found = self.log.asked.get(path)
+        return found[0].form if found else ""
+
+    def _keys(self, inside: str) -> list[str]:
+        """Return the keys that a mapping takes."""
+        begin = f"{inside}." if inside else ""
+        return [
+            path.removeprefix(begin)
+            for path in self.taken
+            if path.startswith(begin) and "." not in path.removeprefix(begin)
+        ]
+
+    def schema(self) -> Schema:
+        """Return the schema of a document of this kind."""
+        return self._mapping("", {"kind": {"const": self.word}})
+
+    def _mapping(self, inside: str, more: Schema) -> Schema:
+        """Return the schema of the document, or of a mapping inside it."""
+        keys = [key for key in self._keys(inside) if key not in (*more, _ANY_NAME)]
+        begin = f"{inside}." if inside else ""
+        found: Schema = {
+            "type": "object",
+            "properties": {**more, **{key: self._of(begin + key) for key in keys}},
+        }
+        if begin + _ANY_NAME not in self.taken:
+            found["additionalProperties"] = False
+        needs = self.needs.get(inside, [])
+        least = [one for one in needs if not any(other < one for other in needs)]
+        if least and frozenset() not in least:
+            found["anyOf"] = [{"required": sorted(one)} for one in least]
+        return found
+
+    def _of(self, path: str) -> Schema:
+        """Return the schema of a key."""
+        comment = _descriptions().get((self.word, path), "")
+        found = self._form_schema(path)
+        if comment:
+            found = {"description": comment, **found}
+        return found
+
+    def _form_schema(self, path: str) -> Schema:
+        """Return the schema of the values of a key, without its description."""
+        asked = self.log.asked.get(path, [])
+        forms = dict.fromkeys(one.form for one in asked)
+        if "integer" in forms:
+            return self._integer_schema(asked)
+        if list(forms) == ["quantity"]:
+            return self._quantity_schema(path, asked)
+        if list(forms) == ["choice"]:
+            words = dict.fromkeys(word for one in asked for word in one.words)
+            return {"enum": [*words, None]}
+        if list(forms) == ["flag"]:
+            return {"type": ["boolean", "null"]}
+        if list(forms) == ["word"]:
+            return {"type": ["string", "number", "boolean", "null"]}
+        if list(forms) == ["pair"]:
+            one = {"$ref": f"#/definitions/{asked[0].dimension}"}
+            pair = {"type": "array", "items": one, "minItems": 2, "maxItems": 2}
+            return {"type": "array", "items": pair, "minItems": 1}
+        if list(forms) == ["part"]:
+            return self._mapping(path, {})
+        if list(forms) == ["parts"]:
+            items = self._mapping(f"{path}.*", {})
+            return {"type": "array", "items": items, "minItems": 1}
+        return {}  # asked for in another way
+
+    def _integer_schema(self, asked: list[Asked]) -> Schema:
+        """Return the schema of a whole number."""
+        one = next(one for one in asked if one.form == "integer")
+        whole = {"multipleOf": 1, "minimum": one.least}
+        return {"type": ["number", "string", "null"], "pattern": "^[0-9]+$", **whole}
+
+    def _quantity_schema(self, path: str, asked: list[Asked]) -> Schema:
+        """Return the schema of a quantity, without the limits that depend on the other
+        numbers of a document.
+        """
+        dimension = asked[0].dimension
+        found: Schema = {"allOf": [{"$ref": f"#/definitions/{dimension}"}]}
+        lows = {(one.least, one.open_low) for one in asked}
+        highs = {(one.most, one.open_high) for one in asked}
+        for ends, word in ((lows, "inimum"), (highs, "aximum")):
+            ((end, is_open),) = ends if len(ends) == 1 else ((math.inf, False),)
+            if end in _ABSOLUTE:
+                key = f"exclusiveM{word}" if is_open else f"m{word}"
+                found[key] = end
+        if self._takes_auto(path):
+            found["allOf"] = [_quantity(dimension, AUTO)]
+        return found
+
+    def _takes_auto(self, path: str) -> bool:
+        """True if a valid document stays valid with `auto` in place of the quantity."""
+        return "." not in path and any(
+            self._read({**node, path: AUTO}) for node in self.whole[:1]
+        )
+
+
+def _inside(reading: _Reading, path: str) -> str:
+    return f"{path}.*." if reading._form(path) == "parts" else f"{path}."
+
+
+def _texts(value: Any) -> Plain:
+    """Return a row as the texts of a document."""
+    if isinstance(value, dict):
+        return {key: _texts(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_texts(one) for one in value]
+    return (
+        ""
+        if value is None
+        else str(value).lower()
+        if value in (True, False)
+        else str(value)
+    )

@@ -1,0 +1,132 @@
+"""The JSON Schema of structure documents accepts what the readers accept, and refuses
+what they refuse.
+"""
+
+import json
+
+import pytest
+import yaml
+from support.json_schema import CHECKS, faults
+
+from rocking_cli import DocumentError, build_structure, parse_documents
+from rocking_cli.structures.kinds import KINDS
+from rocking_cli.structures.schema import document_schema
+
+
+@pytest.fixture(scope="module")
+def schema():
+    return json.loads(json.dumps(document_schema()))
+
+
+def test_every_shipped_document_is_valid_and_so_is_what_params_prints(
+    schema, pytestconfig
+):
+    files = sorted((pytestconfig.rootpath / "configs").glob("*.yaml"))
+    assert len(files) >= len(KINDS)
+    for file in files:
+        text = file.read_text(encoding="utf-8")
+        for plain in yaml.safe_load_all(text):
+            assert list(faults(schema, plain)) == [], file.name
+        for document in parse_documents(text):
+            row = json.loads(json.dumps(build_structure(document).row()))
+            assert list(faults(schema, row)) == [], file.name
+
+
+GOOD = """
+{kind: block, width: 0.5 m +- 10 mm, height: 2 .. 2.1 m, labels: {room: 2 b}}
+---
+{kind: block, radius: 1.03, alpha: 14 deg, restitution: auto, name: 3}
+---
+{kind: block, width: 0.5 ± 2 %, height: 2, restitution: 0.85..0.95}
+---
+{kind: wall, thickness: 0.6, height: 6, one_sided: true, restitution: -0.4, mass: 7 t,
+ ties: [{height: 5.5, stiffness: 2e6 N/m, ultimate: 0.5 m},
+        {height: 3, length: 1, area: 1 cm2, modulus: 200 GPa, side: right}],
+ tendon: {stiffness: 1e6}, dampers: {coefficient: 100 N s/m}}
+---
+{kind: arch, span: 19.6, rise: 8, thickness: 1.5, voussoirs: 7}
+---
+{kind: arch, radius: 10, angle: 157.5 deg, thickness: 1.5, voussoirs: 7,
+ hinges: [0 deg, 67.5 deg, 112.5 deg, 157.5 deg]}
+---
+{kind: drum, radius: 0.5, height: 3}
+---
+{kind: spire, base_radius: 1.5, height: 12, thickness: 15 cm, tip_height: 10}
+---
+{kind: parameters, sides: [{side: left, p: 2, alpha: 0.2, eta: 0.9, lambda: 0.2},
+                           {side: right, p: 2, alpha: 0.3, eta: 0.9, lambda: 0.3}]}
+---
+{kind: rigid, left: 0.3, right: 0.4, height: 1, inertia: 3 t m2, mass: 4 t, inset: 1 cm}
+"""
+
+
+def test_documents_that_state_other_keys_are_valid(schema):
+    for plain in yaml.safe_load_all(GOOD):
+        assert list(faults(schema, plain)) == []
+    for document in parse_documents(GOOD):
+        build_structure(document)
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("{kind: block, widht: 0.5, height: 2}", (".widht", "additionalProperties")),
+        ("{kind: block, width: 0.5 kg, height: 2}", (".width", "pattern")),
+        ("{kind: block, width: 0.5 +- 1 kg, height: 2}", (".width", "pattern")),
+        ("{kind: block, width: 0.5}", ("", "anyOf")),
+        ("{kind: blok, width: 0.5, height: 2}", (".kind", "enum")),
+        ("{width: 0.5, height: 2}", ("", "required")),
+        ("{kind: block, width: -1, height: 2}", (".width", "minimum")),
+        (
+            "{kind: block, width: 1, height: 4, one_sided: maybe}",
+            (".one_sided", "type"),
+        ),
+        (
+            "{kind: spire, base_radius: 1.5, height: 12, crack: across}",
+            (".crack", "enum"),
+        ),
+        (
+            "{kind: stack, pieces: [{width: 1, heigth: 4}]}",
+            (".pieces.0.heigth", "additionalProperties"),
+        ),
+        (
+            "{kind: prism, corners: [[0, 0], [1, 0, 3], [1, 4]]}",
+            (".corners.1", "maxItems"),
+        ),
+        (
+            "{kind: frame, columns: 2.5, width: 1, height: 5, cap_ratio: 1}",
+            (".columns", "multipleOf"),
+        ),
+        (
+            "{kind: wall, thickness: 1, height: 3, mass: 3, ties: [{stiffness: 1}]}",
+            (".ties.0", "anyOf"),
+        ),
+        (
+            "{kind: arch, radius: 10, angle: 3, thickness: 1, mass: 2}",
+            (".mass", "additionalProperties"),
+        ),
+    ],
+)
+def test_a_bad_document_is_refused_by_both(schema, text, fault):
+    assert fault in list(faults(schema, yaml.safe_load(text)))
+    with pytest.raises(DocumentError):
+        build_structure(parse_documents(text)[0])
+
+
+def test_it_uses_only_keywords_that_the_check_knows(schema):
+    known = {*CHECKS, "$ref", "allOf", "anyOf", "if", "then", "properties", "items"}
+    known |= {"additionalProperties", "description", "patternErrorMessage"}
+    known |= {"$schema", "title", "definitions"}
+
+    def keywords(one):
+        yield from one
+        for key in ("properties", "definitions"):
+            for inner in one.get(key, {}).values():
+                yield from keywords(inner)
+        inner = [one[key] for key in ("items", "if", "then") if key in one]
+        for other in (*inner, *one.get("allOf", ()), *one.get("anyOf", ())):
+            yield from keywords(other)
+
+    assert set(keywords(schema)) <= known
+    block = schema["definitions"]["block"]["properties"]
+    assert block["width"]["description"] == "full width at the base"
