@@ -122,8 +122,20 @@ class MechanismEquation(Equation):
         )
 
     def longest(self, terms: Array, fastest: Array) -> Array:
-        """The longest step [tau] that the tolerance allows and on which y stays where
+        """Return the longest step that the tolerance allows and on which y stays where
         its patch was fitted.
+
+        Parameters
+        ----------
+        terms
+            of the Taylor series of y, (terms, lanes)
+        fastest
+            largest rate of each lane [-], (lanes,)
+
+        Returns
+        -------
+        array
+            steps [tau], (lanes,)
         """
         step = longest(terms, fastest, self.tolerance)
         sizes = powers(step * fastest, len(terms))
@@ -164,8 +176,20 @@ class MechanismEquation(Equation):
         return rows
 
     def near(self, y: Array, count: int) -> Array:
-        """(2, count, lanes): the series of F and G in powers of y - y0, shifted from
-        the nearest of many marks.
+        """Return the series of F and G in powers of y - y0, shifted from the nearest of
+        many marks.
+
+        Parameters
+        ----------
+        y
+            the places y0 [-], (lanes,)
+        count
+            number of terms
+
+        Returns
+        -------
+        array
+            (2, count, lanes)
         """
         at = np.rint(y * (_MARKS / self.limit)).astype(np.int64)
         np.clip(at, 0, _MARKS, out=at)
