@@ -83,7 +83,7 @@ def test_examples_and_pages_run_in_order_anywhere(
     """In an empty folder, where `configs` is found in the package, and shortened; no
     line of a table is wider than 100 columns.
     """
-    monkeypatch.setattr("rocking_cli.reports.page.SIDE", 8)
+    monkeypatch.setattr("rocking_cli.reports.page_sections.SIDE", 8)
     (tmp_path / "configs").unlink()
     shown = example(rocking, name) if name in COMMANDS else []
     shown += re.findall(r"^    (rocking .*)$", page(name), re.MULTILINE)

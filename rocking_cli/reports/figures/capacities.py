@@ -245,12 +245,12 @@ def draw_capacity_curves(
     """
     with canvas(target, overwrite, look=look, tell=tell) as figure:
         for axes, check in zip(panels(figure, len(checks)), checks, strict=True):
-            _curve(axes, check)
+            capacity_curve(axes, check)
         width, height = figure.get_size_inches()
         figure.set_size_inches(1.4 * width, height)  # for the legends
 
 
-def _curve(axes: Axes, check: CodeCheck) -> None:
+def capacity_curve(axes: Axes, check: CodeCheck) -> None:
     """Draw a capacity curve, d [mm] across and a [g] upwards; a cross marks the demand
     at each limit state.
     """
