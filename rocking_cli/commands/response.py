@@ -42,7 +42,7 @@ class ResponseOptions:
     dt: float | None = option(
         "--row-step",
         "Time between two rows (default: the samples of a record, 500 rows of a"
-        " pulse).",
+        " pulse; with impacts and peaks).",
         type=quantity("time"),
     )
     steps: bool = flag("--steps", "Print a row at each step of the solver instead.")

@@ -19,13 +19,14 @@ from .figures import curves
 from .figures.canvas import FIGURE_UNITS, SOURCE, Axes, Figure, Look, canvas, panels
 from .figures.capacities import checked
 from .figures.characters import place_of
-from .figures.curves import accuracy, closed_forms, comparison, family, response
+from .figures.curves import accuracy, closed_forms, comparison, family
 from .figures.envelopes import bands
 from .figures.fragility_curves import (
     fragility_curves,
     overturning_spectra,
     two_measures,
 )
+from .figures.histories import response
 from .figures.maps import outcome_map
 from .figures.phase import phase
 from .figures.slices import of_record, record_spectra, slice_of, spectrum_lines

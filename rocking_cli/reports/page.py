@@ -153,8 +153,8 @@ def _overview(cases: Mapping[str, Cases]) -> list[dict[str, Any]]:
         worst = worst_of(mine.verdicts)
         cells = dict(zip(OVERVIEW, overview_row(mine.verdicts), strict=True))
         if mine.checks:
-            said = min(mine.checks, key=lambda one: one.ratio("code_slv"))
-            cells["verdict"] = f"{cells['verdict']} {said.sentence('code_slv')}."
+            said = min(mine.checks, key=lambda one: one.slv)
+            cells["verdict"] = f"{cells['verdict']} {said.check.sentence('code_slv')}."
         rows.append(_row(cells, worst))
     return _aligned(rows)
 
@@ -170,7 +170,7 @@ def _details(
         cells = dict(zip(HEADS, attrgetter(*HEADS.values())(v), strict=True))
         cells |= columns.get(v.structure, {})
         if checks:
-            cells["SLV"] = checks[i].sentence("code_slv").removeprefix("SLV: ")
+            cells["SLV"] = checks[i].check.sentence("code_slv").removeprefix("SLV: ")
         rows.append(_row(cells, v))
     return _aligned(rows)
 

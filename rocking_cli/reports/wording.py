@@ -3,7 +3,6 @@ structure with their relations.
 """
 
 import math
-import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +13,7 @@ from ..motions import Motion
 from ..motions.grid import Grid
 from ..responses.check import Verdict
 from ..structures import RockingParameters, Side
+from .figures.canvas import motion_in_words
 
 if TYPE_CHECKING:
     from ..responses.uncertainty import DrawnVerdict
@@ -38,7 +38,6 @@ _RELATIONS = {  # closed forms of the paper by kind
 ParameterRow = tuple[str, str, float, str, str]
 _EQUILIBRIUM = "{:.4g}°: beyond it the structure does not come back on its own"
 _LIFTS = "it lifts at ẍg = λ g"
-_CYCLES = re.compile(r"(.+), ([\d.]+) cycles?")
 
 
 def draws_in_words(name: str, found: "DrawnVerdict") -> str:
@@ -79,15 +78,11 @@ def demand_plainly(
             else f"the record {motion.name}, of PGA {size}"
         ) + upwards
     plain, times, factor = motion.name.partition(", times ")
-    match = _CYCLES.fullmatch(plain)
-    name, count = match.groups() if match else (plain, None)
-    cycles = {None: "", "1": "one cycle of ", "0.5": "half a cycle of "}.get(
-        count, f"{count} cycles of "
-    )
-    return (
-        f"{cycles}a{'n' if name[0].lower() in 'aeiou' else ''} {name} of {size} at"
-        f" {_frequencies(shakes)}{times}{factor}{upwards}"
-    )
+    name = motion_in_words(plain)
+    if name == plain:
+        name = f"a{'n' if name[0].lower() in 'aeiou' else ''} {name}"
+    at = f"{_frequencies(shakes)}{times}{factor}"
+    return f"{name} of {size} at {at}{upwards}"
 
 
 def _frequencies(shakes: Sequence[tuple[Motion, Grid]]) -> str:

@@ -61,6 +61,7 @@ CHECK_COLUMNS = (
     "outcome_linear",
     "friction_needed",
     "fz_min",
+    "omega_g",
 )
 TIED_COLUMNS = (
     "first_overturning_a_free",
@@ -105,6 +106,7 @@ class Verdict:
     opens: True if a further hinge opens in an arch, whose mechanism is then another
         one; None for another structure
     searched_to: largest a_g of the search [m/s2]; None without a search
+    omega_g: circular frequency of a pulse [rad/s], None under a record
 
     Examples
     --------
@@ -152,6 +154,8 @@ class Verdict:
     opens: bool | None = None
     # largest a_g of the search [m/s2]; None without a search
     searched_to: float | None = None
+    # circular frequency of a pulse [rad/s], None under a record
+    omega_g: float | None = None
 
     @property
     def sentence(self) -> str:
@@ -388,6 +392,7 @@ def _judged(
         share_of_falls=found.share_of_falls,
         searched_to=None if a_max is None else acceleration(search.ends()[1]),
         first_overturning_a_free=acceleration(free),
+        omega_g=None if motion.acceleration is not None else omega * structure.p,
         slides=structure.friction is not None
         and (asked.get("friction_needed") or 0.0) > structure.friction,
         **asked,
