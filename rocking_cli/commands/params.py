@@ -34,6 +34,7 @@ def params(
     vary: tuple[str, ...] = options.vary(),
     linear_uplift: str = equations.linear_uplift(),
     drawn: Draws = group(Draws),
+    figure: options.FigureFile = group(options.FigureFile),
 ) -> None:
     """Derive p, alpha, eta, lambda and a_scale of each structure.
 
@@ -47,6 +48,9 @@ def params(
     """
     from ..structures.family import parse_variation
 
+    figure.check()
+    if not vary:
+        refuse("goes with --vary, whose family it draws", "output")
     if drawn.draws:
         refuse("does not go with --draws", "vary", "linear_uplift")
         structures, _ = options.structures_of(files)
@@ -56,13 +60,16 @@ def params(
     documents = options.documents_of(files)
     variations = [parse_variation(text) for text in vary]
     early: list[RockingParameters] = []
+    members: list[dict[str, Any]] = []  # as the CSV has them
     if variations:
-        rows = _family_rows(documents, variations, linear_uplift)
+        rows = _family_rows(documents, variations, linear_uplift, members)
     else:
         structures = _built(documents, linear_uplift)
         rows = _structure_rows(documents, structures, linear_uplift)
         early = _lifted_early(structures) if form() is None else []
     _print(rows)
+    if variations:
+        figure.draw(members)
     for s in early:
         lifts = (
             f"lifts it at alpha/a_scale = {s.linear_uplift:.4g} g, the body at lambda ="
@@ -112,10 +119,13 @@ def _structure_rows(
 
 
 def _family_rows(
-    documents: Sequence[Document], variations: Sequence[Variation], uplift: str
+    documents: Sequence[Document],
+    variations: Sequence[Variation],
+    uplift: str,
+    members_seen: list[dict[str, Any]],
 ) -> Iterator[dict[str, Any]]:
-    """Yield the rows of the members of families; those without a solution are
-    reported.
+    """Yield the rows of the members of families; those without a solution are reported;
+    members_seen: gets the rows of a CSV.
     """
     from ..structures.family import family, members
 
@@ -129,6 +139,7 @@ def _family_rows(
             else:
                 (structure,) = equations.lifting([member.parameters], uplift)
                 keep_labels([structure])
+                members_seen.extend(_rows(structure.row(), "csv", member.shown))
                 yield from _rows(structure.row(), form(), member.shown)
 
 

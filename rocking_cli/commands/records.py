@@ -11,7 +11,7 @@ import click
 from . import ground, options
 from .command import command, flag, group, option, refuse
 from .parameter_types import NUMBER
-from .printing import emit, note, printed
+from .printing import emit, note, printed, units_of
 
 if TYPE_CHECKING:
     from ..motions.records import Record
@@ -64,6 +64,7 @@ def records(
     files: tuple[str, ...] = options.files(),
     reading: ground.Reading = group(ground.Reading),
     wanted: RecordsOptions = group(RecordsOptions),
+    figure: options.FigureFile = group(options.FigureFile),
 ) -> None:
     """Show what records hold, a row a component: sampling and intensity measures in s,
     m/s2, m/s and m.
@@ -79,15 +80,18 @@ def records(
     from ..motions.reading import read_set
     from ..motions.records.record import ALL, chosen
 
+    figure.check()
     if not files:
         raise click.UsageError("no record: give FILE, or - for standard input")
     if not wanted.export_spectrum:
         refuse("goes with --export-spectrum", "periods", "damping")
     notes: list[str] = []
     unread: list[str] = []
+    shown: list[Record] = []
 
     def rows(found: list[Record]) -> list[dict[str, Any]]:
         records = chosen(found, reading.component or ALL)
+        shown.extend(records)
         for record in records:
             notes.extend(f"{record.source}: {remark}" for remark in record.remarks)
         if wanted.export_spectrum:
@@ -108,8 +112,14 @@ def records(
         )
     if wanted.export_spectrum:
         emit(taken, SPECTRUM_COLUMNS, keys=(*KEYS, "T"))
+        figure.draw(taken)
     else:
         emit(taken, COLUMNS, keys=KEYS)
+        if figure.output is not None:
+            from ..reports.drawing_files import draw_records
+
+            units = units_of()
+            draw_records(shown, figure.output, units, figure.overwrite, tell=note)
     note(*dict.fromkeys(notes))
     for line in unread:
         ground.leave_out(line)

@@ -4,7 +4,7 @@ A new figure is one file with a function of figure, rows and units, and one line
 TABLES.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from pathlib import Path
@@ -14,6 +14,7 @@ import numpy as np
 
 from ..documents.document import Document
 from ..errors import UsageError
+from ..motions.records import Record
 from ..spectra.file.reader import SpectraFile
 from .figures import curves
 from .figures.canvas import FIGURE_UNITS, SOURCE, Axes, Figure, Look, canvas, panels
@@ -29,11 +30,14 @@ from .figures.fragility_curves import (
 from .figures.histories import response
 from .figures.maps import outcome_map
 from .figures.phase import phase
+from .figures.records import elastic_spectra, traces
 from .figures.slices import of_record, record_spectra, slice_of, spectrum_lines
-from .rows import Rows, rows_of
+from .rows import Rows, rows_in_memory, rows_of
 from .units import Units
 
 Kind = tuple[set[str], Callable[[Figure, Rows, Units], list[Axes]]]
+_TABLES = (".csv", ".json", ".jsonl", "")  # of the rows that the commands print
+Limits = tuple[float, float]  # both ends of an axis
 DRAWN = (
     "check, envelope, response, compare (curves), params (a family), fragility (curves,"
     " cells) or accuracy"
@@ -49,6 +53,8 @@ def draw(
     every: bool = False,
     over: str | None = None,
     log: str = "",
+    xlim: Limits | None = None,
+    ylim: Limits | None = None,
     units: Units | None = None,
     look: Look | None = None,
     portrait: bool = False,
@@ -76,6 +82,10 @@ def draw(
         the abscissa of a family, "KEY" or "KEY/KEY"
     log
         logarithmic axes: "x", "y" or "xy"
+    xlim
+        (from, to) of the abscissa in its unit, None for the figure's own
+    ylim
+        (from, to) of the ordinate of the first panel and of those like it
     units
         of the axes, None for g and Hz
     look
@@ -112,19 +122,74 @@ def draw(
     'slice at Omega = 5, the nearest of the file'
     """
     sources = _paths(source)
-    shown = Units({**FIGURE_UNITS.chosen, **(units.chosen if units else {})})
+    shown = in_figure_units(units)
     remark = None
-    with _place(target, sources[0], overwrite, look, tell) as figure:
-        if not is_spectra_file(sources[0]):
+    instead = "; `text` needs nothing" if is_spectra_file(sources[0]) else ""
+    with _place(target, instead, overwrite, look, tell) as figure:
+        if all(map(holds_record, sources)):
+            axes = traces(figure, read_records(sources, tell), shown)
+        elif not is_spectra_file(sources[0]):
             lines = partial(phase, body=body) if portrait else None
-            axes = _table(figure, sources, shown, over, lines, align)
+            name, rows = str(sources[0]), _rows(sources)
+            axes = _table(figure, name, rows, shown, over, lines, align)
         elif cut is not None:
             axes, remark = _cut(figure, sources[0], cut, shown)
         else:
             axes = _places(figure, sources[0], structure, every, shown)
-        _require_marks(axes, sources[0])
+        _require_marks(axes, str(sources[0]))
         _set_logarithmic(axes, log)
+        _set_limits(axes, xlim, ylim)
     return remark if isinstance(target, str | Path) else target
+
+
+def in_figure_units(units: Units | None) -> Units:
+    """Return the units of a figure: g and Hz where nothing else is chosen."""
+    return Units({**FIGURE_UNITS.chosen, **(units.chosen if units else {})})
+
+
+def draw_rows(
+    rows: Iterable[Mapping[str, Any]],
+    target: Path,
+    *,
+    over: str | None = None,
+    units: Units | None = None,
+    overwrite: bool = True,
+    tell: Callable[[str], None] | None = None,
+) -> None:
+    """Draw rows in SI that a command has computed, as `draw` draws their CSV. The
+    arguments are those of `draw`. Raises UsageError, OutputError.
+    """
+    shown = in_figure_units(units)
+    with canvas(target, overwrite, tell=tell) as figure:
+        found = rows_in_memory(rows)
+        axes = _table(figure, str(target), found, shown, over, None, False)
+        _require_marks(axes, str(target))
+
+
+def draw_records(
+    records: Sequence[Record],
+    target: Path,
+    units: Units | None,
+    overwrite: bool,
+    tell: Callable[[str], None] | None,
+) -> None:
+    """Draw records over time. The arguments are those of `draw`. Raises UsageError,
+    OutputError.
+    """
+    shown = in_figure_units(units)
+    with canvas(target, overwrite, tell=tell) as figure:
+        traces(figure, records, shown)
+
+
+def _set_limits(axes: Sequence[Axes], xlim: Limits | None, ylim: Limits | None) -> None:
+    """Set the ends of the axes of the first panels: ylim of those that share the label
+    of the first one.
+    """
+    for one in axes:
+        if xlim is not None:
+            one.set_xlim(*xlim)
+        if ylim is not None and one.get_ylabel() == axes[0].get_ylabel():
+            one.set_ylim(*ylim)
 
 
 def _set_logarithmic(axes: Sequence[Axes], log: str) -> None:
@@ -140,17 +205,16 @@ def _paths(source: str | Path | Sequence[str | Path]) -> list[Path]:
 
 def _place(
     target: str | Path | Axes,
-    source: Path,
+    instead: str,
     overwrite: bool,
     look: Look | None,
     tell: Callable[[str], None] | None,
 ) -> AbstractContextManager[Any]:
     """Return the context of the figure: one that is written, or the Axes of the
-    caller.
+    caller; instead: an alternative without matplotlib.
     """
     if not isinstance(target, str | Path):
         return nullcontext(OneAxes(target))
-    instead = "; `text` needs nothing" if is_spectra_file(source) else ""
     return canvas(target, overwrite, look=look, tell=tell, instead=instead)
 
 
@@ -169,7 +233,7 @@ def _cut(
     return [axes], f"{place}, the nearest of the file"
 
 
-def _require_marks(axes: Sequence[Axes], source: Path) -> None:
+def _require_marks(axes: Sequence[Axes], source: str) -> None:
     """Raise UsageError if no axes hold a mark or a point of a line."""
     if any(one.collections or one.patches for one in axes):
         return
@@ -227,6 +291,26 @@ def _rows(sources: Sequence[Path]) -> Rows:
     return found
 
 
+def holds_record(source: Path) -> bool:
+    """True for a file of a record whose format states its units."""
+    from ..motions.reading import holds_records
+
+    return source.suffix.lower() not in _TABLES and holds_records(str(source))
+
+
+def read_records(
+    sources: Sequence[Path], tell: Callable[[str], None] | None
+) -> list[Record]:
+    """Return the records of files, all components; tell: called with what is left out.
+    Raises DocumentError.
+    """
+    from ..motions.reading import read_set
+
+    files = [str(source) for source in sources]
+    said = tell or (lambda line: None)
+    return list(read_set(files, lambda found: found, tell=said, unread=said))
+
+
 def is_spectra_file(source: Path) -> bool:
     """True if the suffix is that of a spectra file; any other file is read as CSV."""
     return source.suffix.lower() in (".h5", ".hdf5", ".nc", ".part")
@@ -263,6 +347,7 @@ def _places(
 
 
 TABLES: tuple[Kind, ...] = (
+    ({"damping", "T", "S_a", "S_d"}, elastic_spectra),
     ({"A_from", "mode"}, bands),
     ({"motion", "outcome_linear", "first_overturning_a", "capacity_demand"}, checked),
     ({"curve", "Omega", "A"}, closed_forms),
@@ -284,16 +369,17 @@ def _is_response(row: dict[str, str]) -> bool:
 
 def _table(
     figure: Figure,
-    sources: Sequence[Path],
+    source: str,
+    rows: Rows,
     units: Units,
     over: str | None,
     portrait: Callable[..., list[Axes]] | None,
     align: bool,
 ) -> list[Axes]:
-    """Draw CSV by its columns; portrait: draws the phase portrait, None without it. The
-    other arguments are those of `draw`. Raises UsageError.
+    """Draw rows by their columns; source: where they come from; portrait: draws the
+    phase portrait, None without it. The other arguments are those of `draw`. Raises
+    UsageError.
     """
-    source, rows = sources[0], _rows(sources)
     there = set(rows[0])
     if "event" in there:
         raise UsageError(

@@ -179,4 +179,6 @@ def curve_rows(
                         "theta_ratio": float(y),
                         "ground_acceleration": float(a),
                         "motion": r.motion.name,
+                        "demand_A": r.amplitude,
+                        "Omega": r.omega,
                     }
