@@ -21,6 +21,8 @@ class Sketch:
     pivots: tuple[tuple[str, Point], ...] = ()  # name and place
     centre: Point | None = None  # mass centre of the rocking body, None for a linkage
     lines: Lines = ()  # label and points of other lines, such as a crack
+    # True if the first of the bodies is the circle of the radius of gyration
+    gyration: bool = False
 
 
 def rocker(
@@ -68,6 +70,7 @@ def redrawn(drawn: Sketch, inset: float) -> Sketch:
         still=drawn.still,
         hollows=drawn.hollows,
         lines=drawn.lines,
+        gyration=drawn.gyration,
     )
 
 

@@ -146,6 +146,8 @@ class _Stage:
             PolyCollection([], facecolors=face, edgecolors=INK, linewidths=0.9)
             for face in (STONE, GROUND)
         )
+        if sketch.gyration:  # its circle is no outline
+            self.stone.set(facecolor="none", linestyles="--")
         axes.add_collection(self.stone)
         axes.add_collection(self.still)
         (self.floor,) = axes.plot([], [], color=INK, lw=1.2, marker="|", ms=6.0)
