@@ -135,22 +135,27 @@ class FigureFile:
         else:
             check_target(self.output, self.overwrite)
 
-    def draw(self, rows: Iterable[Mapping[str, Any]]) -> None:
-        """Draw rows in SI, if the call has an output. Raises UsageError."""
+    def draw(self, rows: Iterable[Mapping[str, Any]], over: str | None = None) -> None:
+        """Draw rows in SI, if the call has an output; over: the abscissa of a family.
+        Raises UsageError.
+        """
         if self.output is not None:
-            draw_figure(rows, self.output, self.overwrite)
+            draw_figure(rows, self.output, self.overwrite, over)
 
 
 def draw_figure(
-    rows: Iterable[Mapping[str, Any]], output: Path, overwrite: bool
+    rows: Iterable[Mapping[str, Any]],
+    output: Path,
+    overwrite: bool,
+    over: str | None = None,
 ) -> None:
     """Draw rows in SI as `rocking plot` draws their CSV. Raises UsageError."""
     from ..reports.drawing_files import draw_rows
 
-    draw_rows(rows, output, units=units_of(), overwrite=overwrite, tell=note)
+    draw_rows(rows, output, over=over, units=units_of(), overwrite=overwrite, tell=note)
 
 
-def kept(rows: Iterable[Row], into: list[Row]) -> Iterator[Row]:
+def kept(rows: Iterable[Row], into: list[Any]) -> Iterator[Row]:
     """Yield rows and keep them in a list."""
     for row in rows:
         into.append(row)

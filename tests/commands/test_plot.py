@@ -112,3 +112,13 @@ def test_the_ends_of_the_axes_are_those_stated(rocking, tmp_path):
     found = rocking(*call, "--overwrite", "--xlim", "4:2")
     assert found.returncode == 2
     assert "--xlim: found '4:2'; expected two numbers FROM:TO" in found.stderr
+
+
+@pytest.mark.slow
+def test_a_family_is_drawn_over_a_ratio_with_a_key_of_the_document(rocking, tmp_path):
+    call = ("params", "configs/arch.yaml", "--vary", "thickness=1.2:1.5:3", "-o")
+    assert rocking(*call, "a.svg", "--over", "thickness/radius").returncode == 0
+    assert "thickness / radius [-]" in (tmp_path / "a.svg").read_text()
+    refused = rocking(*call, "b.svg", "--over", "thickness/height")
+    assert refused.returncode == 2
+    assert "found no single value of height in the documents" in refused.stderr

@@ -93,10 +93,12 @@ def _course(rows: Rows, theta: np.ndarray, ratio: np.ndarray) -> Course:
     acceleration = column(rows, "ground_acceleration")
     displacement = integral(integral(acceleration))
     times = np.arange(0.0, min(float(t[-1]), _LONGEST), 1.0 / _FRAMES)
-    courses = (theta, ratio, displacement, acceleration)
+    theta, ratio, displacement, acceleration = (
+        np.interp(times, t, x) for x in (theta, ratio, displacement, acceleration)
+    )
     outcomes = [rows[0].get(f"outcome{suffix}") for suffix in ("", "_nonlinear")]
     falls = any(one.overturned and one.flag in outcomes for one in Outcome)
-    return Course(times, *(np.interp(times, t, x) for x in courses), falls)
+    return Course(times, theta, ratio, displacement, acceleration, falls)
 
 
 def _frames(sketch: Sketch, course: Course, words: str, look: Look) -> list[Any]:

@@ -158,7 +158,12 @@ def _fill_outlines(axes: Axes, sketch: Sketch, metre: float) -> None:
 
 def _plot_gyration(axes: Axes, circle: Sequence[Point]) -> None:
     """Draw the circle of the radius of gyration, which is no outline of the body."""
-    style = {"facecolor": "none", "edgecolor": "0.45", "lw": 0.9, "ls": "--"}
+    style: dict[str, Any] = {
+        "facecolor": "none",
+        "edgecolor": "0.45",
+        "lw": 0.9,
+        "ls": "--",
+    }
     axes.fill(*zip(*circle, strict=True), **style, label="_gyration")
     axes.annotate(
         "radius of gyration",

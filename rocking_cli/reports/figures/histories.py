@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -136,7 +137,12 @@ def _mark_events(
     def mark(x: np.ndarray, y: np.ndarray, marker: str, words: str) -> None:
         if x.size:
             shown = "_" if words in known else words
-            given = {"marker": marker, "s": 22.0, "label": shown, "zorder": 3.0}
+            given: dict[str, Any] = {
+                "marker": marker,
+                "s": 22.0,
+                "label": shown,
+                "zorder": 3.0,
+            }
             axes.scatter(x, y, color=colour or "0.25", lw=0.9, **given)
 
     impacts = _impacts(times, ratio)
@@ -147,7 +153,7 @@ def _mark_events(
     mark(impacts, np.zeros(impacts.size), "|", "impact")
     outcome = rows[0].get(re.sub("^theta(_ratio)?", "outcome", name))
     if any(one.flag == outcome and one.overturned for one in Outcome):
-        mark(times[-1:], axes.lines[-1].get_ydata()[-1:], "X", "falls")
+        mark(times[-1:], np.asarray(axes.lines[-1].get_ydata())[-1:], "X", "falls")
 
 
 def _impacts(times: np.ndarray, ratio: np.ndarray) -> np.ndarray:
@@ -189,18 +195,19 @@ def _show_alpha(axes: Axes, rows: Rows, y: str, units: Units) -> None:
     right, left = alphas
     if np.nanmax(np.abs(column(rows, _ratio_of(name)))) >= _NEAR:
         across = axes.get_yaxis_transform()
-        style = {"colors": "#CC79A7", "linestyles": "--", "linewidths": 0.9}
+        style: dict[str, Any] = {"colors": "#CC79A7", "ls": "--", "lw": 0.9}
         words = r"$\pm\alpha$"
         axes.hlines([right, -left], 0.0, 1.0, transform=across, label=words, **style)
     if name.startswith("theta_ratio"):
         return
-    over = axes.secondary_yaxis(
-        "right",
-        functions=(
-            lambda theta: np.where(theta > 0.0, theta / right, theta / left),
-            lambda ratio: np.where(ratio > 0.0, ratio * right, ratio * left),
-        ),
-    )
+
+    def ratio_of(theta: Any) -> Any:
+        return np.where(theta > 0.0, theta / right, theta / left)
+
+    def theta_of(ratio: Any) -> Any:
+        return np.where(ratio > 0.0, ratio * right, ratio * left)
+
+    over = axes.secondary_yaxis("right", functions=(ratio_of, theta_of))
     over.set_ylabel(label("theta_ratio", units))
 
 
