@@ -92,6 +92,7 @@ def boundaries(
     up_to: Grid | None = None,
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
+    scanned_at: Callable[[float, float], None] | None = None,
 ) -> tuple[list[Boundary], list[str]]:
     """Return the values of a key at which a structure begins or ceases to stand.
 
@@ -119,6 +120,9 @@ def boundaries(
         number of processes, None for all cores if that saves time
     progress
         called with the number of finished values and of all
+    scanned_at
+        called with each value of `varied` and capacity_demand there, at most twice the
+        margin; NaN without a verdict
 
     Returns
     -------
@@ -269,6 +273,8 @@ def boundaries(
     scanned = []
     for i, value in enumerate(sorted(varied.values), 1):
         scanned.append((value, excess(value)))
+        if scanned_at is not None:
+            scanned_at(value, margin * math.exp(scanned[-1][1]))
         if progress is not None:
             progress(i, len(varied.values))
     changes = [

@@ -122,3 +122,13 @@ def test_a_family_is_drawn_over_a_ratio_with_a_key_of_the_document(rocking, tmp_
     refused = rocking(*call, "b.svg", "--over", "thickness/height")
     assert refused.returncode == 2
     assert "found no single value of height in the documents" in refused.stderr
+
+
+@pytest.mark.slow
+def test_solve_draws_its_scan_its_margin_and_its_boundary(rocking, tmp_path):
+    vary = ("solve", "configs/block.yaml", "--vary", "width=0.5:0.8:2")
+    call = (*vary, "--a-g", "0.4g", "--f-g", "1")
+    assert rocking(*call, "-o", "s.svg").returncode == 0
+    drawn = (tmp_path / "s.svg").read_text()
+    for words in ("one cycle of a sine of 0.4 g at 1 Hz", "width [m]", "0.6231"):
+        assert f"{words}</text>" in drawn
