@@ -35,7 +35,7 @@ def params(
     linear_uplift: str = equations.linear_uplift(),
     over: str | None = option(
         "--over",
-        "The abscissa of -o, such as thickness/radius (default: the first key varied).",
+        "The axis of a family (default: the first key varied).",
         metavar="KEY[/KEY]",
     ),
     drawn: Draws = group(Draws),
