@@ -84,6 +84,7 @@ def report(
     from ..reports.page_sections import Subject
     from ..responses.check import tally
     from ..structures import build_structure, with_distinct_names
+    from ..structures.mechanics.capacity_curve import require_geometry
     from .check_demands import at_worst, demands_on, opposite_outcomes
 
     options.check_target(wanted.output, overwrite, PAGES, packages=WRITTEN_WITH)
@@ -99,6 +100,8 @@ def report(
     options.refuse_own_input(wanted.output, stated.shaken.recordings)
     if drawn.draws is not None:
         require_spreads(stated.structures)
+    if by_code is not None:
+        require_geometry(stated.structures)
     options.introduce(stated.structures)
     options.note_interfaces(stated.structures)
     limit = Limit(A_MAX)
@@ -110,7 +113,7 @@ def report(
         _asked(demands, wanted, by_code, drawn),
         demand=_in_words(demands, wanted.summary),
         opposite=lambda: opposite_outcomes(demands, limit, workers),
-        remarks=lambda found: _remarks(found, demands, wanted, limit),
+        remarks=lambda found: _remarks(found, demands, wanted, by_code, limit),
         recordings=stated.shaken.recordings,
         vertical=asked.vertical,
         overwrite=overwrite,
@@ -168,11 +171,27 @@ def _in_words(demands: Demands, summary: bool) -> str:
 
 
 def _remarks(
-    verdicts: Sequence[Verdict], demands: Demands, wanted: ReportOptions, limit: Limit
+    verdicts: Sequence[Verdict],
+    demands: Demands,
+    wanted: ReportOptions,
+    by_code: CodeRows | None,
+    limit: Limit,
 ) -> Iterator[str]:
     """Yield sentences for the page that `rocking check` prints below its rows."""
     from .check_remarks import inset_effects, worst_at_an_end
 
+    if by_code is not None:
+        floor = ", on a floor" * bool(by_code.given["floor"])
+        yield (
+            "SLV: Circolare 7/2019, C8.7.1, with the confidence factor"
+            f" {by_code.given['confidence']:g}{floor}. In brackets: the amplitude that"
+            " the code accepts over the demand."
+        )
+    if demands.azimuths is not None:
+        yield (
+            "The azimuth is the worst of those tried for the demand; at another azimuth"
+            " the capacity may be less."
+        )
     yield from worst_at_an_end(demands, verdicts, in_g=True)
     if wanted.inset_effect:
         yield from inset_effects(verdicts, demands, limit)

@@ -334,6 +334,8 @@ def _by_code(checks: Sequence[CodeVerdict]) -> dict[str, Any]:
         several = f"{one.motion}: " if len(checks) > 1 else ""
         lines.append(f"{several}{', '.join(map(one.check.sentence, METHODS))}")
         lines += [f"{several}{line}" for line in one.promises]
+        if one.check.slv.broken:
+            lines.append(f"{several}a tie or a tendon breaks before 0.4 d0")
     return {"lines": lines, "figure": image(plan)}
 
 
