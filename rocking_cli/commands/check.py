@@ -82,7 +82,9 @@ class CheckOptions:
         " slides further than a length, such as slide=50mm.",
         metavar="overturning|slide=LENGTH",
     )
-    output: Path | None = options.output("Draw the capacities: .png, .svg or .pdf.")
+    output: Path | None = options.output(
+        "Draw the capacities, over a key with --vary: .png, .svg or .pdf."
+    )
     overwrite: bool = options.overwrite()
     workers: int | None = options.workers()
 
@@ -150,8 +152,12 @@ def check(
     if by_code:
         demands.rows = by_code.dynamic(demands.rows)
     of_draws = DrawnRows(drawn, wanted.limit)
-    judged = _judge_and_print(demands, wanted, by_code, of_draws)
-    _draw(judged, wanted, by_code, _in_g(asked))
+    rows: list[dict[str, Any]] = []
+    judged = _judge_and_print(demands, wanted, by_code, of_draws, rows)
+    if wanted.vary and wanted.output is not None and by_code is None:
+        options.draw_figure(rows, wanted.output, wanted.overwrite)
+    else:
+        _draw(judged, wanted, by_code, _in_g(asked))
 
     opposite = opposite_outcomes(demands, wanted.limit, wanted.workers)
     demand.note_demand(demands.shakes)
@@ -202,9 +208,10 @@ def _judge_and_print(
     wanted: CheckOptions,
     by_code: CodeRows | None,
     of_draws: DrawnRows,
+    kept: list[dict[str, Any]],
 ) -> list[Verdict]:
     """Print a row for each demand and return the verdicts: JSON and CSV as soon as each
-    is known, a table when all are.
+    is known, a table when all are; kept: gets the rows of a figure.
     """
     from ..responses.check import verdicts
     from ..responses.verdict import CHECK_COLUMNS, CHECK_KEYS
@@ -234,6 +241,7 @@ def _judge_and_print(
             judged.append(verdict)
             columns = by_code.columns(verdict, searched) if by_code else {}
             columns |= of_draws.columns(demanded)
+            kept.append(demands.varied.get(verdict.structure, {}) | verdict.row())
             yield row_of(verdict, demands, columns, searched)
         yield from by_code.others() if by_code else ()
 

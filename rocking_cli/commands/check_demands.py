@@ -5,6 +5,7 @@ azimuth or frequency where the call states a range of them.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
     from ..responses.check import Demand
     from ..structures import RockingParameters
 
+# structures, and the columns of the varied values of each
+Members = tuple[list["RockingParameters"], dict[str, dict[str, float]]]
 _LONG = 50_000  # samples of a record whose search is called long
 _SEARCH = 5e-4  # s that the search for a capacity takes for each sample, about
 
@@ -61,16 +64,27 @@ def stated_demands(
     files: tuple[str, ...], asked: Directed, vary: tuple[str, ...], sign: str
 ) -> Demands:
     """Read the structures and motions of a call. Raises UsageError."""
+    files, motions = asked.several(files)
+    return demands_on(
+        lambda: options.members_of(files, vary, each=True), asked, motions, sign
+    )
+
+
+def demands_on(
+    members: Callable[[], Members], asked: Directed, motions: Ground, sign: str
+) -> Demands:
+    """Return the demands of these motions; members: builds the structures, when the
+    options of the motion are known to be right. Raises UsageError.
+    """
     from ..dynamics.method import has_direction
 
-    files, motions = asked.several(files)
     ends = [end.of(motions) for end in asked.ends()]
     shaken = ends[0] if ends else asked.of(motions)
     if sign != "+" and (ends or asked.azimuth):
         what = "a range of frequencies" if ends else "--azimuth"
         raise click.UsageError(f"--sign {sign} does not go with {what}")
     shaken = shaken.reversed if sign == "-" else shaken
-    structures, varied = options.members_of(files, vary, each=True)
+    structures, varied = members()
     up_to = ends[1].shakes[0][1] if ends else None
     found = Demands(
         asked, sign, shaken, structures, varied, asked.azimuths(), up_to, shaken.shakes

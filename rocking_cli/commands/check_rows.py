@@ -12,7 +12,8 @@ if TYPE_CHECKING:
     from .check_demands import Demands
 
 
-UNSEEN = ("searched_to",)  # columns that a table shows only if --columns names them
+# columns that a table shows only if --columns names them
+UNSEEN = ("searched_to", "omega_g")
 
 
 def row_of(

@@ -25,8 +25,10 @@ def compare(
         type=click.FloatRange(0.0, 1.0),
     ),
     curves: bool = flag(
-        "--curves", "Print the curves t, theta, tau, theta_ratio instead."
+        "--curves",
+        "Print the curves t, theta, tau, theta_ratio instead, which -o draws.",
     ),
+    figure: options.FigureFile = group(options.FigureFile),
 ) -> None:
     """Compare the responses of structures to one motion scaled to equal A and Omega.
 
@@ -39,6 +41,7 @@ def compare(
     from ..responses import comparison
     from ..responses.sliding import stuck_in_words
 
+    figure.check()
     shaken = shaking.of(motions.one())
     structures, _ = options.structures_of(files)
     if shaken.grid is None or shaken.motion is None:
@@ -54,6 +57,8 @@ def compare(
         emit(comparison.curve_rows(responses, methods), keys=comparison.CURVE_KEYS)
     else:
         emit(comparison.comparison_rows(responses, methods), keys=comparison.KEYS)
+    if figure.output is not None:
+        figure.draw(comparison.curve_rows(responses, methods))
     note(
         *model.in_words(methods, structures, shaken.grid.dimensionless),
         *direction_in_words(*structures),

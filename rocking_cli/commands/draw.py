@@ -16,8 +16,12 @@ def draw(
     looks: options.Looks = group(options.Looks),
     overwrite: bool = options.overwrite(),
 ) -> None:
-    """Draw structures at one scale, a panel each: outline, pivots, mass centre, R and
+    """Draw structures to scale, a panel each: outline, pivots, mass centre, R and
     alpha; dashed: the shape at alpha.
+
+    Structures of like size are at one scale. Others have a scale each, with a bar of
+    one length. A body of kind rigid has no outline: its mass centre and the circle of
+    its radius of gyration are drawn.
 
     For an arch the figure also has the voussoirs, the hinges numbered from springing A,
     and the displaced linkage; for a cracked spire the crack; for a stack the pieces

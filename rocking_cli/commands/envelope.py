@@ -67,6 +67,7 @@ def envelope(
     sizeless: equations.Sizeless = group(equations.Sizeless),
     motions: ground.BothWays = group(ground.BothWays),
     model: equations.Equations = group(equations.Equations),
+    figure: options.FigureFile = group(options.FigureFile),
 ) -> None:
     """Trace every interval of amplitude that overturns, for each frequency.
 
@@ -93,9 +94,12 @@ def envelope(
         structure_curves,
     )
 
+    figure.check()
+    drawn: list[dict[str, Any]] = []
     files, shaken = motions.several(files, one_upwards=True)
     if shaken.motion is None:
-        _of_records(files, wanted, sizeless, shaken, model)
+        _of_records(files, wanted, sizeless, shaken, model, drawn)
+        figure.draw(drawn)
         return
     refuse("goes with records: give --motion", "alphas", "median")
     motion, axis = shaken.motion, frequency_axis(wanted.axes)
@@ -112,22 +116,25 @@ def envelope(
             for row in structure_curves(structure, motion, axis)
         )
         emit(
-            computed(rows),
+            computed(options.kept(rows, drawn)),
             CURVE_COLUMNS,
             keys=CURVE_KEYS,
             unseen=NAMED,
             varied=varied,
         )
+        figure.draw(drawn)
         return
     methods = model.methods(structures, axis.name == "Omega")
     tracings = _tracings(structures, motion, axis, methods, wanted)
+    rows = (row for tracing in tracings for row in tracing.trace(wanted))
     emit(
-        computed(row for tracing in tracings for row in tracing.trace(wanted)),
+        computed(options.kept(rows, drawn)),
         INTERVAL_COLUMNS,
         keys=INTERVAL_KEYS,
         unseen=NAMED[: 1 if len(methods) > 1 else 2],
         varied=varied,
     )
+    figure.draw(drawn)
     from ..responses.sliding import stuck_in_words
 
     lines = model.in_words(methods, structures, axis.name == "Omega")
@@ -238,9 +245,10 @@ def _of_records(
     sizeless: equations.Sizeless,
     shaken: ground.Ground,
     model: equations.Equations,
+    drawn: list[dict[str, Any]],
 ) -> None:
     """Print the intervals of scale of each record that overturn a structure, or with
-    --median their quantiles.
+    --median their quantiles; drawn: gets the rows.
     """
     from ..dynamics.method import model_in_words
     from ..envelopes.capacity import RATIO
@@ -279,13 +287,14 @@ def _of_records(
             yield row
 
     if wanted.median:
-        emit(computed(overturning_spectrum(scene, rows())), keys=INTERVAL_KEYS)
+        quantiles = overturning_spectrum(scene, rows())
+        emit(computed(options.kept(quantiles, drawn)), keys=INTERVAL_KEYS)
     else:
         angles = scene.over_angles
         places = ("record", "alpha", "T") if angles else ("record", "structure")
         ends = ("A_from",) if tracing.first else ("A_from", "A_to")
         emit(
-            computed(rows()),
+            computed(options.kept(rows(), drawn)),
             (*places, *ends, "mode", "model"),
             keys=INTERVAL_KEYS,
             unseen=NAMED,

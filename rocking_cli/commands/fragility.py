@@ -131,7 +131,9 @@ def _requested(
     structures, texts = options.structures_of(files, each=True)
     if wanted.draws is not None:
         require_spreads(structures)
-        refuse("does not go with --draws", "exact", "cells", "efficiency", "output")
+        refuse("does not go with --draws", "exact", "cells", "efficiency")
+        if wanted.figure is None:
+            refuse("does not go with --draws", "output")
     _refuse_contradictions(shaken, wanted)
     measure = measure_of(wanted.im)
     hazard = (
@@ -221,8 +223,13 @@ def _check_output(
     wanted: FragilityOptions, shaken: ground.Ground, sweep: options.Sweep
 ) -> None:
     """Raise UsageError for a file of cells that cannot or must not be written."""
-    if wanted.output is None:
+    if wanted.output is None or wanted.figure is not None:
         refuse("goes with -o OUT.h5", "resume", "shard", "scheduler")
+    if wanted.figure is not None:
+        refuse(f"does not go with -o {wanted.figure.name}", "cells", "efficiency")
+        options.check_target(wanted.figure, sweep.overwrite)
+        return
+    if wanted.output is None:
         return
     from ..spectra.file.partial_file import check_output
 
@@ -236,7 +243,8 @@ def _studies(request: _Request, wanted: FragilityOptions) -> list[Study]:
     from ..fragility.bootstrap import Resampling
     from ..fragility.study import studies
 
-    path: Path | None = None if wanted.export else wanted.output
+    drawn = wanted.figure is not None
+    path: Path | None = None if wanted.export or drawn else wanted.output
     found = studies(
         request.structures,
         request.motions,
@@ -260,7 +268,7 @@ def _fit_and_print(
     """
     from ..dynamics.method import direction_in_words
     from ..fragility.study import fitted
-    from .fragility_rows import emit_fits
+    from .fragility_rows import draw_fits, emit_fits
 
     fits, refused = fitted(found, request.states, request.methods)
     if not fits and not (request.exact and (wanted.curve or request.hazard)):
@@ -283,6 +291,8 @@ def _fit_and_print(
 
     traced = found if request.exact else []
     emit_fits(fits, traced, wanted)
+    if wanted.figure is not None:
+        draw_fits(fits, traced, wanted.figure, overwrite)
     if request.hazard is not None:
         remarks += _remarks_on_rates(fits, traced, request.hazard)
     return refused, remarks

@@ -113,8 +113,16 @@ class FragilityOptions:
         default=0,
     )
     output: Path | None = options.output(
-        "The HDF5 file of all cells (records), or that of --export."
+        "The curves as a figure (.png, .svg, .pdf), the HDF5 file of all cells"
+        " (records), or the file of --export."
     )
+
+    @property
+    def figure(self) -> Path | None:
+        """The figure of the curves, None if -o is another file."""
+        if self.output is None or self.export is not None:
+            return None
+        return self.output if self.output.suffix.lower() in options.FIGURES else None
 
     def levels_of(self, measure: Measure) -> np.ndarray:
         """Return the levels that --levels states, in SI. Raises UsageError."""

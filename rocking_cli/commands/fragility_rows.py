@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from . import options
 from .fragility_options import FragilityOptions
 from .printing import emit, form, units_of, units_shown
 
@@ -45,8 +47,7 @@ def emit_fits(
     keys: tuple[str, ...]
     measure = fits[0].im if fits else exact[0].motions.measure.name
     if wanted.curve:
-        rows = [row for fit in fits for row in fit.points_of_curve()]
-        rows += [row for study in exact for row in study.exact_rows()]
+        rows = _curves(fits, exact)
         columns, keys = CURVE_COLUMNS, CURVE_KEYS
         of_hazard: tuple[str, ...] = HAZARD_COLUMNS
     else:
@@ -67,6 +68,19 @@ def emit_fits(
         dimensions=dict.fromkeys(OF_THE_MEASURE, dimension_of_measure(measure)),
         unseen=("rate_without_fit",),
     )
+
+
+def _curves(fits: Sequence[Fit], exact: Sequence[Study]) -> list[dict[str, Any]]:
+    """Return the points of the curves, and the exact shares."""
+    rows = [row for fit in fits for row in fit.points_of_curve()]
+    return rows + [row for study in exact for row in study.exact_rows()]
+
+
+def draw_fits(
+    fits: Sequence[Fit], exact: Sequence[Study], output: Path, overwrite: bool
+) -> None:
+    """Draw the curves, as `rocking plot` draws their CSV."""
+    options.draw_figure(_curves(fits, exact), output, overwrite)
 
 
 def _add_rejected(rows: list[dict[str, Any]], standing: float | None) -> None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 import os
 import shlex
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -26,7 +26,7 @@ from .parameter_types import (
     limit,
     quantity,
 )
-from .printing import below, form, keep_labels, note
+from .printing import Row, below, form, keep_labels, note, units_of
 from .streams import printable
 
 if TYPE_CHECKING:
@@ -125,6 +125,49 @@ class Looks:
                 " with its unit, such as 85mm"
             )
         return Look(self.size, self.dpi, self.title, self.style)
+
+
+@dataclass(frozen=True)
+class FigureFile:
+    """The figure of a command that prints rows: that of `rocking plot`."""
+
+    output: Path | None = output("Draw the rows too: .png, .svg or .pdf.")
+    overwrite: bool = overwrite()
+
+    def check(self) -> None:
+        """Refuse, before any work is done, a figure that cannot or must not be
+        written.
+        """
+        if self.output is None:
+            refuse("goes with -o FIGURE", "overwrite")
+        else:
+            check_target(self.output, self.overwrite)
+
+    def draw(self, rows: Iterable[Mapping[str, Any]], over: str | None = None) -> None:
+        """Draw rows in SI, if the call has an output; over: the abscissa of a family.
+        Raises UsageError.
+        """
+        if self.output is not None:
+            draw_figure(rows, self.output, self.overwrite, over)
+
+
+def draw_figure(
+    rows: Iterable[Mapping[str, Any]],
+    output: Path,
+    overwrite: bool,
+    over: str | None = None,
+) -> None:
+    """Draw rows in SI as `rocking plot` draws their CSV. Raises UsageError."""
+    from ..reports.drawing_files import draw_rows
+
+    draw_rows(rows, output, over=over, units=units_of(), overwrite=overwrite, tell=note)
+
+
+def kept(rows: Iterable[Row], into: list[Any]) -> Iterator[Row]:
+    """Yield rows and keep them in a list."""
+    for row in rows:
+        into.append(row)
+        yield row
 
 
 @dataclass(frozen=True)

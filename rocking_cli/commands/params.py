@@ -9,7 +9,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from . import equations, options
-from .command import command, group, refuse
+from .command import command, group, option, refuse
 from .draws import Draws, require_spreads
 from .printing import computed, emit, form, keep_labels, note, printed
 from .progress import ProgressLine
@@ -34,7 +34,13 @@ def params(
     files: tuple[str, ...] = options.files(),
     vary: tuple[str, ...] = options.vary(),
     linear_uplift: str = equations.linear_uplift(),
+    over: str | None = option(
+        "--over",
+        "The axis of a family (default: the first key varied).",
+        metavar="KEY[/KEY]",
+    ),
     drawn: Draws = group(Draws),
+    figure: options.FigureFile = group(options.FigureFile),
 ) -> None:
     """Derive p, alpha, eta, lambda and a_scale of each structure.
 
@@ -48,6 +54,11 @@ def params(
     """
     from ..structures.family import parse_variation
 
+    figure.check()
+    if not vary:
+        refuse("goes with --vary, whose family it draws", "output")
+    if figure.output is None:
+        refuse("goes with -o FIGURE", "over")
     if drawn.draws:
         refuse("does not go with --draws", "vary", "linear_uplift")
         structures, _ = options.structures_of(files)
@@ -56,20 +67,52 @@ def params(
         return
     documents = options.documents_of(files)
     variations = [parse_variation(text) for text in vary]
+    variations += _unvaried(over, variations, documents)
     early: list[RockingParameters] = []
+    members: list[dict[str, Any]] = []  # as the CSV has them
     if variations:
-        rows = _family_rows(documents, variations, linear_uplift)
+        rows = _family_rows(documents, variations, linear_uplift, members)
     else:
         structures = _built(documents, linear_uplift)
         rows = _structure_rows(documents, structures, linear_uplift)
         early = _lifted_early(structures) if form() is None else []
     _print(rows)
+    if variations:
+        figure.draw(members, over)
     for s in early:
         lifts = (
             f"lifts it at alpha/a_scale = {s.linear_uplift:.4g} g, the body at lambda ="
             f" {s.uplift:.4g} g"
         )
         note(f"{s.name}: the linear equation {lifts}")
+
+
+def _unvaried(
+    over: str | None, variations: Sequence[Variation], documents: Sequence[Document]
+) -> list[Variation]:
+    """Return the keys of --over that are not varied, each with its value in the
+    document. Raises UsageError if documents differ in it.
+    """
+    from ..errors import UsageError
+    from ..structures.family import parse_variation
+
+    known = {variation.key for variation in variations}
+    found = []
+    for key in (over or "").split("/"):
+        if not key or key in known:
+            continue
+        stated = {
+            str(document.values[key].content) if key in document.values else None
+            for document in documents
+        }
+        (value, *others) = stated
+        if value is None or others:
+            raise UsageError(
+                f"--over {over}: found no single value of {key} in the documents;"
+                f" expected keys of --vary, or give --vary {key}=START:STOP:N"
+            )
+        found.append(parse_variation(f"{key}={value}:{value}:1"))
+    return found
 
 
 def _built(documents: Sequence[Document], uplift: str) -> list[RockingParameters]:
@@ -113,10 +156,13 @@ def _structure_rows(
 
 
 def _family_rows(
-    documents: Sequence[Document], variations: Sequence[Variation], uplift: str
+    documents: Sequence[Document],
+    variations: Sequence[Variation],
+    uplift: str,
+    members_seen: list[dict[str, Any]],
 ) -> Iterator[dict[str, Any]]:
-    """Yield the rows of the members of families; those without a solution are
-    reported.
+    """Yield the rows of the members of families; those without a solution are reported;
+    members_seen: gets the rows of a CSV.
     """
     from ..structures.family import family, members
 
@@ -130,6 +176,7 @@ def _family_rows(
             else:
                 (structure,) = equations.lifting([member.parameters], uplift)
                 keep_labels([structure])
+                members_seen.extend(_rows(structure.row(), "csv", member.shown))
                 yield from _rows(structure.row(), form(), member.shown)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -45,6 +46,12 @@ class PlotOptions:
     log: str | None = option(
         "--log", "Logarithmic axes.", type=click.Choice(["x", "y", "xy"])
     )
+    xlim: str | None = option(
+        "--xlim", "Ends of the abscissa, in its unit.", metavar="FROM:TO"
+    )
+    ylim: str | None = option(
+        "--ylim", "Ends of the ordinate, in its unit.", metavar="FROM:TO"
+    )
     phase: bool = flag(
         "--phase-portrait",
         "Draw the phase portrait of a response, with the separatrix.",
@@ -84,7 +91,8 @@ def plot(
     overwrite: bool = options.overwrite(),
 ) -> None:
     """Draw a spectra file (overturning map or slice), or the CSV of check, envelope,
-    response, compare --curves, params --vary, fragility --curve or accuracy.
+    response, compare --curves, params --vary, fragility --curve, records
+    --export-spectrum or accuracy; or a record over time.
 
     For records over alpha and T the figure shows the median of theta_max/alpha with 16
     to 84 %, or the map of the named record.
@@ -118,6 +126,22 @@ def plot(
             note(remark)
 
 
+def _ends(flag: str, text: str | None) -> tuple[float, float] | None:
+    """Return the ends of an axis that an option states. Raises click.UsageError."""
+    if text is None:
+        return None
+    try:
+        low, high = map(float, text.split(":"))
+        if -math.inf < low < high < math.inf:
+            return low, high
+    except ValueError:
+        pass
+    raise click.UsageError(
+        f"{flag}: found {text!r}; expected two numbers FROM:TO in the unit of the axis,"
+        " such as 0:2"
+    )
+
+
 def _refuse_contradictions(files: tuple[Path, ...], wanted: PlotOptions) -> None:
     """Raise click.UsageError for options that have no effect on these files."""
     from ..reports.drawing_files import is_spectra_file
@@ -144,11 +168,13 @@ def _refuse_contradictions(files: tuple[Path, ...], wanted: PlotOptions) -> None
 
 def _put_map(file: Path, wanted: PlotOptions) -> None:
     """Print the map or slice of a spectra file as text."""
+    from ..reports.drawing_files import in_figure_units
     from ..reports.figures.characters import text_map
     from ..spectra.file.reader import SpectraFile
 
+    units = in_figure_units(units_of())
     with SpectraFile(file) as spectrum:
-        streams.put(*text_map(spectrum, wanted.structure, wanted.cut))
+        streams.put(*text_map(spectrum, wanted.structure, wanted.cut, units))
 
 
 def _check_targets(file: Path, wanted: PlotOptions, overwrite: bool) -> None:
@@ -194,6 +220,8 @@ def _draw(
         files,
         output,
         log=wanted.log or "",
+        xlim=_ends("--xlim", wanted.xlim),
+        ylim=_ends("--ylim", wanted.ylim),
         units=units_of(),
         look=look,
         overwrite=overwrite,

@@ -12,7 +12,7 @@ import click
 from . import ground, options
 from .command import command, flag, group, option, refuse
 from .parameter_types import NUMBER
-from .printing import emit, note, printed
+from .printing import emit, note, printed, units_of
 
 if TYPE_CHECKING:
     from ..motions.records import Record
@@ -59,8 +59,22 @@ class RecordsOptions:
         type=NUMBER,
     )
     building: tuple[str, ...] = ground.building()
-    output: Path | None = options.output("Write the one record as PEER AT2.")
+    output: Path | None = options.output(
+        "Write the one record as PEER AT2, or draw the rows: .at2, .png, .svg or .pdf."
+    )
     overwrite: bool = options.overwrite()
+
+    @property
+    def record(self) -> Path | None:
+        """The record to write, None for a figure and without an output."""
+        drawn = self.output is not None and self.output.suffix in options.FIGURES
+        return None if drawn else self.output
+
+    @property
+    def figure(self) -> options.FigureFile:
+        """The figure to draw."""
+        drawn = None if self.record is not None else self.output
+        return options.FigureFile(drawn, self.overwrite)
 
 
 @command("rocking records configs/motions/synthetic.at2", printed)
@@ -86,12 +100,16 @@ def records(
     from ..motions.reading import read_set
     from ..motions.records.record import ALL, chosen
 
+    figure = wanted.figure
+    if wanted.output is None:
+        figure.check()
+    else:
+        suffixes = (".at2", *options.FIGURES) if wanted.record else options.FIGURES
+        options.check_target(wanted.output, wanted.overwrite, suffixes)
     if not files:
         raise click.UsageError("no record: give FILE, or - for standard input")
     if not wanted.export_spectrum:
         refuse("goes with --export-spectrum", "periods", "damping")
-    if wanted.output is not None:
-        options.check_target(wanted.output, wanted.overwrite, (".at2",))
     house = parse_building(wanted.building)
     notes: list[str] = []
     unread: list[str] = []
@@ -125,12 +143,20 @@ def records(
                 unread=unread.append,
             )
         )
-    if wanted.output is not None:
-        _write(wanted.output, taken_records, wanted.overwrite)
+    if wanted.record is not None:
+        _write(wanted.record, taken_records, wanted.overwrite)
     if wanted.export_spectrum:
         emit(taken, SPECTRUM_COLUMNS, keys=(*KEYS, "T"))
+        figure.draw(taken)
     else:
         emit(taken, COLUMNS, keys=KEYS)
+        if figure.output is not None:
+            from ..reports.drawing_files import draw_records
+
+            units = units_of()
+            draw_records(
+                taken_records, figure.output, units, figure.overwrite, tell=note
+            )
     note(*dict.fromkeys(notes))
     for line in unread:
         ground.leave_out(line)

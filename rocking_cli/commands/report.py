@@ -1,13 +1,27 @@
 """`rocking report`: structures under a motion, as one page."""
 
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from . import demand, options
+from .check import CodeOptions
 from .command import command, flag, group, option, partly
 from .draws import Draws, require_spreads
 from .printing import note, quiet
 from .progress import ProgressLine
+
+if TYPE_CHECKING:
+    from ..documents.document import Document
+    from ..envelopes.amplitudes import Limit
+    from ..reports.page import Asked
+    from ..responses.verdict import Verdict
+    from .check_demands import Demands, Members
+    from .code_rows import CodeRows
 
 PAGES = (".html", ".htm")
 MOST = 12  # structures of a page
@@ -27,6 +41,12 @@ class ReportOptions:
         "--summary",
         "Begin with a page in words: a sentence on each structure; the details follow.",
     )
+    author: str | None = option(
+        "--author", "Who made the page, below the title.", metavar="TEXT"
+    )
+    place: str | None = option(
+        "--place", "Where the structures stand, below the title.", metavar="TEXT"
+    )
     inset_effect: bool = options.inset_effect()
     sort: str | None = options.sort()
 
@@ -38,7 +58,9 @@ class ReportOptions:
 )
 def report(
     files: tuple[str, ...] = options.files(),
-    asked: demand.Demand = group(demand.Demand),
+    asked: demand.Directed = group(demand.Directed),
+    sign: str = demand.sign(),
+    of_code: CodeOptions = group(CodeOptions),
     wanted: ReportOptions = group(ReportOptions),
     drawn: Draws = group(Draws),
     workers: int | None = options.workers(),
@@ -50,51 +72,126 @@ def report(
     The page is one HTML file. It holds the table of rocking check; for each structure
     its drawing, parameters and their relations, the map with the demand, the number of
     cells in which the linear equation is wrong, and fragility curves under records;
-    with --draws the share of the draws that falls, over the amplitude;
-    then the command, versions and hashes. The page needs jinja2 and matplotlib: pip
-    install jinja2 matplotlib.
+    with --code the verdicts of the code and the capacity curve; with --draws the share
+    of the draws that falls, over the amplitude; then the documents, the command,
+    versions and hashes. It prints on A4 or Letter, two structures a page. The page
+    needs jinja2 and matplotlib: pip install jinja2 matplotlib.
     """
     from ..dynamics.outcome import Outcome
+    from ..envelopes.amplitudes import Limit
+    from ..envelopes.intervals import A_MAX
     from ..reports.page import WRITTEN_WITH, write_page
     from ..reports.page_sections import Subject
     from ..responses.verdict import tally
     from ..structures import build_structure, with_distinct_names
+    from ..structures.mechanics.capacity_curve import require_geometry
+    from .check_demands import at_worst, demands_on, opposite_outcomes
 
     options.check_target(wanted.output, overwrite, PAGES, packages=WRITTEN_WITH)
-    files, shaken = asked.several(files)
-    shaken = asked.of(shaken)
-    documents = options.documents_of(files, MOST, "a page", each=True)
-    shakes = shaken.needed()
-    options.refuse_own_input(wanted.output, shaken.recordings)
-    structures = with_distinct_names(
-        [build_structure(document) for document in documents]
-    )
+    by_code = of_code.rows(verdict_only=False)
+    files, motions = asked.several(files)
+    documents: list[Document] = []
+
+    def members() -> Members:
+        documents.extend(options.documents_of(files, MOST, "a page", each=True))
+        return with_distinct_names([build_structure(d) for d in documents]), {}
+
+    stated = demands_on(members, asked, motions, sign).needed(False)
+    options.refuse_own_input(wanted.output, stated.shaken.recordings)
     if drawn.draws is not None:
-        require_spreads(structures)
-    options.introduce(structures)
-    options.note_interfaces(structures)
-    subjects = [
-        Subject(document, structure)
-        for document, structure in zip(documents, structures, strict=True)
-    ]
+        require_spreads(stated.structures)
+    if by_code is not None:
+        require_geometry(stated.structures)
+    options.introduce(stated.structures)
+    options.note_interfaces(stated.structures)
+    limit = Limit(A_MAX)
+    demands = at_worst(stated, limit, workers)
     verdicts = write_page(
-        subjects,
-        shakes,
+        [Subject(*pair) for pair in zip(documents, stated.structures, strict=True)],
+        demands.rows,
         wanted.output,
-        recordings=shaken.recordings,
+        _asked(demands, wanted, by_code, drawn),
+        demand=_in_words(demands, wanted.summary),
+        opposite=lambda: opposite_outcomes(demands, limit, workers),
+        remarks=lambda found: _remarks(found, demands, wanted, by_code, limit),
+        recordings=stated.shaken.recordings,
         vertical=asked.vertical,
-        command=options.command_line(),
-        made=options.now(),
-        title=wanted.title,
-        summary=wanted.summary,
-        by_capacity=wanted.sort is not None,
-        inset_effect=wanted.inset_effect,
-        draws=None if drawn.draws is None else (drawn.draws, drawn.seed),
         overwrite=overwrite,
         workers=workers,
         progress=ProgressLine("report", "checks"),
     )
-    demand.note_demand(shakes)
-    demand.note_governing(structures, shakes[0][1].dimensionless)
+    demand.note_demand(demands.shakes)
+    demand.note_governing(demands.structures, demands.shakes[0][1].dimensionless)
     note(f"{wanted.output}: {tally(verdicts)}")
     partly(any(v.outcome == Outcome.FAILED for v in verdicts))
+
+
+def _asked(
+    demands: Demands, wanted: ReportOptions, by_code: CodeRows | None, drawn: Draws
+) -> Asked:
+    """Return what the page says of its making, and what it holds."""
+    from ..reports.page import Asked
+
+    return Asked(
+        options.command_line(),
+        options.now(),
+        title=wanted.title,
+        author=wanted.author,
+        place=wanted.place,
+        summary=wanted.summary,
+        by_capacity=wanted.sort is not None,
+        draws=None if drawn.draws is None else (drawn.draws, drawn.seed),
+        fragility=demands.azimuths is None,
+        code=None if by_code is None else by_code.given,
+        columns={name: _columns(row) for name, row in demands.columns.items()},
+    )
+
+
+def _columns(row: dict[str, Any]) -> dict[str, str | float]:
+    """Return the worst azimuth or frequency as the table of verdicts has it."""
+    if "azimuth" in row:
+        return {"azimuth [deg]": math.degrees(row["azimuth"])}
+    frequency = row["worst_f_g"]
+    return {"worst at [Hz]": "none" if frequency is None else frequency}
+
+
+def _in_words(demands: Demands, summary: bool) -> str:
+    """Return the demand in words."""
+    from ..motions.grid import demand_in_words
+    from ..reports.wording import demand_plainly
+
+    if demands.azimuths is None:
+        shakes = demands.shakes
+        plainly = demand_plainly(shakes, demands.asked.vertical)
+        return plainly if summary else demand_in_words(shakes)
+    pair = " and ".join(r.record.label for r in demands.shaken.recordings)
+    return (
+        f"{pair} in the worst of {demands.azimuths.size} directions for each structure"
+    )
+
+
+def _remarks(
+    verdicts: Sequence[Verdict],
+    demands: Demands,
+    wanted: ReportOptions,
+    by_code: CodeRows | None,
+    limit: Limit,
+) -> Iterator[str]:
+    """Yield sentences for the page that `rocking check` prints below its rows."""
+    from .check_remarks import inset_effects, worst_at_an_end
+
+    if by_code is not None:
+        floor = ", on a floor" * bool(by_code.given["floor"])
+        yield (
+            "SLV: Circolare 7/2019, C8.7.1, with the confidence factor"
+            f" {by_code.given['confidence']:g}{floor}. In brackets: the amplitude that"
+            " the code accepts over the demand."
+        )
+    if demands.azimuths is not None:
+        yield (
+            "The azimuth is the worst of those tried for the demand; at another azimuth"
+            " the capacity may be less."
+        )
+    yield from worst_at_an_end(demands, verdicts, in_g=True)
+    if wanted.inset_effect:
+        yield from inset_effects(verdicts, demands, limit)

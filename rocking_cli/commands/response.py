@@ -46,7 +46,7 @@ class ResponseOptions:
     dt: float | None = option(
         "--row-step",
         "Time between two rows (default: the samples of a record, 500 rows of a"
-        " pulse).",
+        " pulse; with impacts and peaks).",
         type=quantity("time"),
     )
     steps: bool = flag("--steps", "Print a row at each step of the solver instead.")
@@ -82,9 +82,10 @@ def response(
     asked: OneMotion = group(OneMotion),
     model: equations.Models = group(equations.Models),
     wanted: ResponseOptions = group(ResponseOptions),
+    figure: options.FigureFile = group(options.FigureFile),
 ) -> None:
     """Time history of one structure: t [s], theta [rad], theta_dot [rad/s],
-    ground_acceleration [m/s2].
+    ground_acceleration [m/s2]; -o draws it.
 
     FILE holds one structure. An overturning body is followed to 3 alpha, or until it
     lies on its side or its linkage has collapsed. The speed of an impact in the events
@@ -94,6 +95,7 @@ def response(
     """
     from ..responses.time_history import time_history
 
+    figure.check()
     shaken = _shaken(asked)
     structures, _ = options.structures_of((file,))
     if len(structures) != 1:
@@ -126,6 +128,9 @@ def response(
         duration=wanted.duration,
     )
     _print(found, wanted)
+    shown = {"dimensionless": wanted.dimensionless, "forces": wanted.forces}
+    if figure.output is not None:
+        figure.draw(found.rows(dt=wanted.dt, steps=wanted.steps, **shown))
     if shaken.grid is not None:
         demand.note_demand(shaken.shakes)
     note(*model.in_words(methods, structures, bare))

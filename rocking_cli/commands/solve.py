@@ -55,6 +55,7 @@ def solve(
     asked: demand.Demand = group(demand.Demand),
     sign: str = demand.sign(),
     workers: int | None = options.workers(),
+    figure: options.FigureFile = group(options.FigureFile),
 ) -> None:
     """Find the values of a key from which each structure stands under a motion with a
     margin.
@@ -69,6 +70,7 @@ def solve(
     from ..responses.solving import boundaries
     from ..structures.family import parse_variation
 
+    figure.check()
     files, motions = asked.several(files)
     ends = [end.of(motions) for end in asked.ends()]
     shaken = ends[0] if ends else asked.of(motions)
@@ -79,7 +81,10 @@ def solve(
 
     rows: list[dict[str, Any]] = []
     remarks: list[str] = []
+    edges: list[Boundary] = []
+    scans: dict[str, list[tuple[float, float]]] = {}
     for document in documents:
+        scan: list[tuple[float, float]] = []
         found, lines = boundaries(
             document,
             varied,
@@ -90,13 +95,31 @@ def solve(
             up_to=ends[1].shakes[0][1] if ends else None,
             workers=workers,
             progress=ProgressLine("solve", "values"),
+            scanned_at=lambda *point, scan=scan: scan.append(point),
         )
+        scans[found[0].structure if found else document.source] = scan
         rows += map(_row, found)
+        edges += found
         source = f"{document.source}: " if len(documents) > 1 else ""
         remarks += [f"{source}{line}" for line in lines]
         partly(any(line.startswith("no ") for line in lines))
 
     emit(rows, COLUMNS, keys=("structure", varied.key))
+    if figure.output is not None:
+        from ..reports.figures.boundaries import draw_scans
+        from ..reports.wording import demand_plainly
+
+        up_to = ends[1].shakes if ends else []
+        title = demand_plainly([*shakes, *up_to], asked.vertical)
+        draw_scans(
+            scans,
+            [x for one in edges for x in one.shown.values() if x is not None],
+            (next(iter(edges[0].shown)) if edges else varied.key, title),
+            wanted.margin,
+            figure.output,
+            figure.overwrite,
+            tell=note,
+        )
     demand.note_demand([*shakes, *(ends[1].shakes if ends else [])])
     note(
         *remarks,

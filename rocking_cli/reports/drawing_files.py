@@ -4,7 +4,7 @@ A new figure is one file with a function of figure, rows and units, and one line
 TABLES.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from pathlib import Path
@@ -14,6 +14,7 @@ import numpy as np
 
 from ..documents.document import Document
 from ..errors import UsageError
+from ..motions.records import Record
 from ..spectra.file.reader import SpectraFile
 from .figures import curves
 from .figures.canvas import (
@@ -28,28 +29,25 @@ from .figures.canvas import (
 )
 from .figures.capacities import checked
 from .figures.characters import place_of
-from .figures.curves import (
-    accuracy,
-    closed_forms,
-    comparison,
-    family,
-    response,
-    response_axes,
-)
+from .figures.curves import accuracy, closed_forms, comparison, family
 from .figures.envelopes import bands
 from .figures.fragility_curves import (
     fragility_curves,
     overturning_spectra,
     two_measures,
 )
+from .figures.histories import response, response_axes
 from .figures.maps import outcome_map
 from .figures.phase import phase
+from .figures.records import elastic_spectra, traces
 from .figures.slices import of_record, record_spectra, slice_of, spectrum_lines
 from .figures.sliding import slide_history
-from .rows import Rows, rows_of
+from .rows import Rows, rows_in_memory, rows_of
 from .units import Units
 
 Kind = tuple[set[str], Callable[[Figure, Rows, Units], list[Axes]]]
+_TABLES = (".csv", ".json", ".jsonl", "")  # of the rows that the commands print
+Limits = tuple[float, float]  # both ends of an axis
 DRAWN = (
     "check, envelope, response, compare (curves), params (a family), fragility (curves,"
     " cells) or accuracy"
@@ -63,6 +61,7 @@ class Opened(NamedTuple):
     # opens a spectra file, or a spectrum in memory; None for a table
     cells: Callable[[], AbstractContextManager[SpectraFile]] | None
     rows: Callable[[], Rows]  # reads the rows of a table
+    records: tuple[Path, ...] = ()  # files of records
 
 
 def draw(
@@ -74,6 +73,8 @@ def draw(
     every: bool = False,
     over: str | None = None,
     log: str = "",
+    xlim: Limits | None = None,
+    ylim: Limits | None = None,
     units: Units | None = None,
     look: Look | None = None,
     portrait: bool = False,
@@ -103,6 +104,10 @@ def draw(
         the abscissa of a family, "KEY" or "KEY/KEY"
     log
         logarithmic axes: "x", "y" or "xy"
+    xlim
+        (from, to) of the abscissa in its unit, None for the figure's own
+    ylim
+        (from, to) of the ordinate of the first panel and of those like it
     units
         of the axes, None for g and Hz
     look
@@ -140,12 +145,16 @@ def draw(
     """
     opened = opened_source(source)
     alone = None if isinstance(target, str | Path) else target
-    shown = Units({**FIGURE_UNITS.chosen, **(units.chosen if units else {})})
+    shown = in_figure_units(units)
     remark = None
-    with _place(target, opened, overwrite, look, tell) as figure:
-        if opened.cells is None:
+    instead = "; `text` needs nothing" if opened.cells else ""
+    with _place(target, instead, overwrite, look, tell) as figure:
+        if opened.records:
+            axes = traces(figure, read_records(opened.records, tell), shown)
+        elif opened.cells is None:
             lines = partial(phase, body=body) if portrait else None
-            axes = _table(figure, opened, shown, over, lines, align, alone)
+            rows = opened.rows()
+            axes = _table(figure, opened.name, rows, shown, over, lines, align, alone)
         else:
             with opened.cells() as file:
                 if cut is not None:
@@ -154,7 +163,58 @@ def draw(
                     axes = _places(figure, file, structure, every, shown)
         _require_marks(axes, opened.name)
         _set_logarithmic(axes, log)
+        _set_limits(axes, xlim, ylim)
     return remark if isinstance(target, str | Path) else target
+
+
+def in_figure_units(units: Units | None) -> Units:
+    """Return the units of a figure: g and Hz where nothing else is chosen."""
+    return Units({**FIGURE_UNITS.chosen, **(units.chosen if units else {})})
+
+
+def draw_rows(
+    rows: Iterable[Mapping[str, Any]],
+    target: Path,
+    *,
+    over: str | None = None,
+    units: Units | None = None,
+    overwrite: bool = True,
+    tell: Callable[[str], None] | None = None,
+) -> None:
+    """Draw rows in SI that a command has computed, as `draw` draws their CSV. The
+    arguments are those of `draw`. Raises UsageError, OutputError.
+    """
+    shown = in_figure_units(units)
+    with canvas(target, overwrite, tell=tell) as figure:
+        found = rows_in_memory(rows)
+        axes = _table(figure, str(target), found, shown, over, None, False, None)
+        _require_marks(axes, str(target))
+
+
+def draw_records(
+    records: Sequence[Record],
+    target: Path,
+    units: Units | None,
+    overwrite: bool,
+    tell: Callable[[str], None] | None,
+) -> None:
+    """Draw records over time. The arguments are those of `draw`. Raises UsageError,
+    OutputError.
+    """
+    shown = in_figure_units(units)
+    with canvas(target, overwrite, tell=tell) as figure:
+        traces(figure, records, shown)
+
+
+def _set_limits(axes: Sequence[Axes], xlim: Limits | None, ylim: Limits | None) -> None:
+    """Set the ends of the axes of the first panels: ylim of those that share the label
+    of the first one.
+    """
+    for one in axes:
+        if xlim is not None:
+            one.set_xlim(*xlim)
+        if ylim is not None and one.get_ylabel() == axes[0].get_ylabel():
+            one.set_ylim(*ylim)
 
 
 def _set_logarithmic(axes: Sequence[Axes], log: str) -> None:
@@ -165,17 +225,16 @@ def _set_logarithmic(axes: Sequence[Axes], log: str) -> None:
 
 def _place(
     target: str | Path | Axes,
-    source: Opened,
+    instead: str,
     overwrite: bool,
     look: Look | None,
     tell: Callable[[str], None] | None,
 ) -> AbstractContextManager[Any]:
     """Return the context of the figure: one that is written, or the Axes of the
-    caller.
+    caller; instead: an alternative without matplotlib.
     """
     if not isinstance(target, str | Path):
         return nullcontext(OneAxes(require_axes(target)))
-    instead = "; `text` needs nothing" if source.cells else ""
     return canvas(target, overwrite, look=look, tell=tell, instead=instead)
 
 
@@ -240,11 +299,15 @@ def opened_source(source: Any) -> Opened:
         return opened_source(source[0])
     if isinstance(source, str | Path):
         path = Path(source)
+        if holds_record(path):
+            return Opened(str(source), None, list, (path,))
         cells = partial(SpectraFile, path) if is_spectra_file(path) else None
         return Opened(str(source), cells, partial(_rows, [path]))
     paths = isinstance(source, Sequence) and source
     if paths and all(isinstance(one, str | Path) for one in source):
         several = [Path(one) for one in source]
+        if all(map(holds_record, several)):
+            return Opened(str(several[0]), None, list, tuple(several))
         return Opened(str(several[0]), None, partial(_rows, several))
 
     from .figures.memory import memory_file, memory_rows
@@ -273,6 +336,26 @@ def _rows(sources: Sequence[Path]) -> Rows:
             " rocking response with the same columns"
         )
     return found
+
+
+def holds_record(source: Path) -> bool:
+    """True for a file of a record whose format states its units."""
+    from ..motions.reading import holds_records
+
+    return source.suffix.lower() not in _TABLES and holds_records(str(source))
+
+
+def read_records(
+    sources: Sequence[Path], tell: Callable[[str], None] | None
+) -> list[Record]:
+    """Return the records of files, all components; tell: called with what is left out.
+    Raises DocumentError.
+    """
+    from ..motions.reading import read_set
+
+    files = [str(source) for source in sources]
+    said = tell or (lambda line: None)
+    return list(read_set(files, lambda found: found, tell=said, unread=said))
 
 
 def is_spectra_file(source: Path) -> bool:
@@ -311,6 +394,7 @@ def _places(
 
 
 TABLES: tuple[Kind, ...] = (
+    ({"damping", "T", "S_a", "S_d"}, elastic_spectra),
     ({"A_from", "mode"}, bands),
     ({"motion", "outcome_linear", "first_overturning_a", "capacity_demand"}, checked),
     ({"curve", "Omega", "A"}, closed_forms),
@@ -333,18 +417,18 @@ def _is_response(row: dict[str, str]) -> bool:
 
 def _table(
     figure: Figure,
-    opened: Opened,
+    source: str,
+    rows: Rows,
     units: Units,
     over: str | None,
     portrait: Callable[..., list[Axes]] | None,
     align: bool,
     alone: Axes | None,
 ) -> list[Axes]:
-    """Draw a table by its columns; portrait: draws the phase portrait, None without it;
-    alone: the Axes of the caller, None in a figure. The other arguments are those of
-    `draw`. Raises UsageError.
+    """Draw rows by their columns; source: where they come from; portrait: draws the
+    phase portrait, None without it; alone: the Axes of the caller, None in a figure.
+    The other arguments are those of `draw`. Raises UsageError.
     """
-    source, rows = opened.name, opened.rows()
     there = set(rows[0])
     if "event" in there:
         raise UsageError(

@@ -7,7 +7,8 @@ writes a page.
 
 import hashlib
 import platform
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from datetime import date
 from importlib.metadata import version
 from importlib.resources import files
@@ -19,24 +20,22 @@ from .. import __version__
 from ..documents.document import Document
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..dynamics.method import has_direction
-from ..envelopes.intervals import A_MAX
+from ..dynamics.outcome import Outcome
 from ..motions import Motion
 from ..motions.grid import Grid, HasMotion, demand_in_words, demand_of
 from ..motions.recording import Recording
 from ..motions.records import Record
 from ..plugins import require
 from ..publishing import check_target, published
-from ..responses.check import Progress, outcome_alone, verdicts
-from ..responses.inset import effects
+from ..responses.check import Demand, Progress, outcome_alone, verdicts
 from ..responses.verdict import Verdict, tally
 from ..structures import (
-    RockingParameters,
     build_structure,
     on_each_interface,
     with_distinct_names,
 )
 from .figures.capacities import capacities
-from .page_sections import Subject, image, section
+from .page_sections import Cases, CodeVerdict, Subject, checked, image, section
 from .tables import Above
 from .wording import (
     OVERVIEW,
@@ -67,76 +66,127 @@ HEADS = {
 }
 """The columns of the table of verdicts, and the attribute of a verdict in each."""
 
+_DIGITS = 3  # significant ones of a number in the tables of verdicts
+
 
 WRITTEN_WITH = ("a report needs", "jinja2", "matplotlib")  # the arguments of `require`
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a page says of its own making, and what it holds besides the verdicts."""
+
+    command: str  # the call that made it
+    made: str  # date
+    title: str | None = None  # None: the names of the structures
+    author: str | None = None  # of the page
+    place: str | None = None  # of the structures
+    summary: bool = False  # begin with a sentence on each structure, and the contents
+    by_capacity: bool = False  # the least capacity first
+    draws: tuple[int, int] | None = None  # number and seed, of numbers with spreads
+    fragility: bool = True  # curves of records
+    # arguments of `code_check`, None without a check by a code
+    code: Mapping[str, Any] | None = None
+    # further columns of the table of verdicts, of each structure
+    columns: Mapping[str, Mapping[str, str | float]] = field(default_factory=dict)
 
 
 def page(
     subjects: Sequence[Subject],
     verdicts: Sequence[Verdict],
+    asked: Asked,
     *,
-    pulse: tuple[Motion, Grid] | None = None,
+    demands: Sequence[Demand] = (),
     recordings: Sequence[Recording] = (),
     vertical: str | None = None,
     demand: str,
-    command: str,
-    made: str,
-    workers: int | None = None,
-    title: str | None = None,
-    summary: bool = False,
-    by_capacity: bool = False,
     opposite: str = "",
-    insets: Sequence[str] = (),
-    draws: tuple[int, int] | None = None,
+    remarks: Sequence[str] = (),
+    workers: int | None = None,
 ) -> str:
     """Return the page as HTML.
 
-    verdicts: those of `check`, for each structure and motion; pulse: a motion and its
-    grid of one cell; vertical: name or file of the vertical motion; demand: the
-    strength of the shaking in words; title: None for the names of the structures;
-    summary: begin with a sentence on each structure and a list of contents;
-    by_capacity: the least capacity first; opposite: a remark on that direction; insets:
-    lines on what worn edges would take of the capacities; draws: their number and seed,
-    of structures whose numbers have spreads.
+    verdicts: those of `check`, for each of the demands; vertical: name or file of the
+    vertical motion; demand: the strength of the shaking in words; opposite: a remark on
+    that direction; remarks: sentences below the table of verdicts.
     """
     motions = ", ".join(dict.fromkeys(v.motion for v in verdicts))
-    if by_capacity:
-        subjects, verdicts = _by_capacity(subjects, verdicts)
-    of = {
-        s.structure.name: [v for v in verdicts if v.structure == s.structure.name]
-        for s in subjects
+    if asked.by_capacity:
+        subjects, verdicts, demands = _by_capacity(subjects, verdicts, demands)
+    checks = [] if asked.code is None else checked(verdicts, demands, asked.code)
+    cases = {
+        name: Cases.of(name, verdicts, demands, checks)
+        for name in (s.structure.name for s in subjects)
     }
+    summary = asked.summary
     shaking = f"under {demand}" if summary else f"under {motions}: {demand}"
     return _template().render(
-        title=title or f"Rocking of {', '.join(of)}",
+        title=asked.title or f"Rocking of {', '.join(cases)}",
+        place=", ".join(filter(None, (asked.place, asked.author))),
         opposite=opposite,
-        insets=insets,
+        remarks=remarks,
         lead=f"{tally(verdicts)}, {shaking}.",
-        overview=(
-            [_row(OVERVIEW, overview_row(mine), worst_of(mine)) for mine in of.values()]
-            if summary
-            else []
-        ),
-        verdicts=[_row(HEADS, attrgetter(*HEADS.values())(v), v) for v in verdicts],
+        overview=_overview(cases) if summary else [],
+        verdicts=_details(verdicts, checks, asked.columns),
         capacities=image(lambda figure: capacities(figure, verdicts, True)),
         structures=[
-            section(s, of[s.structure.name], pulse, recordings, workers, draws)
+            section(
+                s,
+                cases[s.structure.name],
+                recordings,
+                workers,
+                asked.draws,
+                asked.fragility,
+            )
             for s in subjects
         ],
-        command=command,
-        made=made,
+        command=asked.command,
+        made=asked.made,
         versions=_versions(),
         hashes=_hashes(subjects, recordings, vertical),
     )
 
 
+def _overview(cases: Mapping[str, Cases]) -> list[dict[str, Any]]:
+    """Return the rows of the first page, one for each structure."""
+    rows = []
+    for mine in cases.values():
+        worst = worst_of(mine.verdicts)
+        cells = dict(zip(OVERVIEW, overview_row(mine.verdicts), strict=True))
+        if mine.checks:
+            said = min(mine.checks, key=lambda one: one.slv)
+            cells["verdict"] = f"{cells['verdict']} {said.check.sentence('code_slv')}."
+        rows.append(_row(cells, worst))
+    return _aligned(rows)
+
+
+def _details(
+    verdicts: Sequence[Verdict],
+    checks: Sequence[CodeVerdict],
+    columns: Mapping[str, Mapping[str, str | float]],
+) -> list[dict[str, Any]]:
+    """Return the rows of the table of verdicts."""
+    rows = []
+    for i, v in enumerate(verdicts):
+        cells = dict(zip(HEADS, attrgetter(*HEADS.values())(v), strict=True))
+        cells |= columns.get(v.structure, {})
+        if checks:
+            cells["SLV"] = checks[i].check.sentence("code_slv").removeprefix("SLV: ")
+        rows.append(_row(cells, v))
+    return _aligned(rows)
+
+
 def _by_capacity(
-    subjects: Sequence[Subject], verdicts: Sequence[Verdict]
-) -> tuple[list[Subject], list[Verdict]]:
-    """Return the structures and the verdicts, the least capacity first."""
-    ordered = sorted(verdicts, key=capacity_left)
-    names = [v.structure for v in ordered]
-    return sorted(subjects, key=lambda s: names.index(s.structure.name)), ordered
+    subjects: Sequence[Subject], verdicts: Sequence[Verdict], demands: Sequence[Demand]
+) -> tuple[list[Subject], list[Verdict], list[Demand]]:
+    """Return the structures, verdicts and demands, the least capacity first."""
+    order = sorted(range(len(verdicts)), key=lambda i: capacity_left(verdicts[i]))
+    names = [verdicts[i].structure for i in order]
+    return (
+        sorted(subjects, key=lambda s: names.index(s.structure.name)),
+        [verdicts[i] for i in order],
+        [demands[i] for i in order] if demands else [],
+    )
 
 
 def _template() -> "Template":
@@ -222,23 +272,29 @@ def report(
     structures = with_distinct_names(
         [build_structure(document) for document in documents]
     )
+    shakes = [demand_of(one, shaking) for one in motions]
+    demands = [(one, *shake) for shake in shakes for one in structures]
     return write_page(
         [
             Subject(document, s)
             for document, s in zip(documents, structures, strict=True)
         ],
-        [demand_of(one, shaking) for one in motions],
+        demands,
         target,
-        command="rocking_cli.report",
-        made=str(date.today()),
+        Asked(
+            "rocking_cli.report",
+            str(date.today()),
+            title=title,
+            summary=summary,
+            by_capacity=by_capacity,
+        ),
+        demand=demand_plainly(shakes) if summary else demand_in_words(shakes),
+        opposite=lambda: opposite_outcomes(demands),
         recordings=[
             one if isinstance(one, Recording) else Recording(one)
             for one in motions
             if isinstance(one, Recording | Record)
         ],
-        title=title,
-        summary=summary,
-        by_capacity=by_capacity,
         overwrite=overwrite,
         workers=workers,
     )
@@ -246,57 +302,56 @@ def report(
 
 def write_page(
     subjects: Sequence[Subject],
-    shakes: Sequence[tuple[Motion, Grid]],
+    demands: Sequence[Demand],
     target: str | Path,
+    asked: Asked,
     *,
-    recordings: Sequence[Recording],
+    demand: str,
     overwrite: bool,
     workers: int | None,
-    summary: bool,
+    opposite: Callable[[], Sequence[tuple[str, Outcome]]],
+    remarks: Callable[[Sequence[Verdict]], Iterable[str]] | None = None,
+    recordings: Sequence[Recording] = (),
     vertical: str | None = None,
     progress: Progress | None = None,
-    inset_effect: bool = False,
-    **given: Any,
 ) -> list[Verdict]:
-    """Check the structures under motions, write the page and return the verdicts;
-    inset_effect: with lines on worn edges; given: more arguments of `page`. Raises
+    """Check the structures under their demands, write the page and return the verdicts.
+
+    opposite: returns the outcomes in the opposite direction by name; remarks: returns
+    sentences on the verdicts; the other arguments are those of `page`. Raises
     UsageError for a target that cannot or must not be written, before anything is
     computed, and OutputError.
     """
     check_target(Path(target), overwrite)
     require(*WRITTEN_WITH)
-    demands = [(one.structure, *shake) for shake in shakes for one in subjects]
     found = list(verdicts(demands, workers=workers, progress=progress))
+    outcomes = opposite()
     text = page(
         subjects,
         found,
-        pulse=None if shakes[0][0].acceleration is not None else shakes[0],
+        asked,
+        demands=demands,
         recordings=recordings,
         vertical=vertical,
-        demand=(
-            demand_plainly(shakes, vertical) if summary else demand_in_words(shakes)
-        ),
+        demand=demand,
+        opposite=opposite_in_words(outcomes) if outcomes else "",
+        remarks=[] if remarks is None else list(remarks(found)),
         workers=workers,
-        summary=summary,
-        opposite=_opposite(demands),
-        insets=list(effects(found, demands, A_MAX)) if inset_effect else [],
-        **given,
     )
     with published(Path(target), overwrite) as file:
         file.write(text.encode())
     return found
 
 
-def _opposite(demands: Sequence[tuple[RockingParameters, Motion, Grid]]) -> str:
-    """Return a remark on the motions in the opposite direction, empty if no structure
-    has a direction.
+def opposite_outcomes(demands: Sequence[Demand]) -> list[tuple[str, Outcome]]:
+    """Return the outcome in the opposite direction of each structure that has a
+    direction.
     """
-    outcomes = [
+    return [
         (structure.name, outcome_alone(structure, motion.scaled(-1.0), grid))
         for structure, motion, grid in demands
         if has_direction(structure)
     ]
-    return opposite_in_words(outcomes) if outcomes else ""
 
 
 def _hashes(
@@ -324,26 +379,39 @@ def _hashes(
     )
 
 
-def _row(
-    heads: Iterable[str], values: Iterable[str | float | None], v: Verdict
-) -> dict[str, Any]:
-    """Return the template's values for a row of a table of verdicts."""
+def _row(values: Mapping[str, str | float | None], v: Verdict) -> dict[str, Any]:
+    """Return the template's values for a row of a table of verdicts; values: of each
+    column by its heading.
+    """
     cells = []
-    for head, x in zip(heads, values, strict=True):
-        text = (
-            "–"
-            if x is None
-            else (
-                x
-                if isinstance(x, str)
-                else f"{x / (DEFAULT_GRAVITY if '[g]' in head else 1.0):.4g}"
-            )
-        )
-        if (
-            x is None
-            and head == "capacity over demand"
-            and v.capacity_above is not None
-        ):
-            text = Above(v.capacity_above).shown(4)
+    for head, x in values.items():
+        if isinstance(x, str):
+            text = x
+        elif head == "capacity over demand" and v.capacity_above is not None:
+            text = Above(v.capacity_above).shown(_DIGITS)
+        elif x is None:
+            text = "–"
+        else:
+            text = _number(x / DEFAULT_GRAVITY if "[g]" in head else x)
         cells.append({"head": head, "text": text, "number": not isinstance(x, str)})
     return {"falls": v.falls, "cells": cells}
+
+
+def _number(x: float) -> str:
+    """Return a number with three digits: 0.250, 1.05, 12.3."""
+    text = f"{x:#.{_DIGITS}g}"
+    return f"{x:.0f}" if abs(x) >= 10.0**_DIGITS else text.removesuffix(".")
+
+
+def _aligned(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Add to each number the places by which it stands left of the end of its column,
+    so that the decimal points are in a line.
+    """
+    for column in zip(*(row["cells"] for row in rows), strict=True):
+        places = [
+            len(cell["text"].partition(".")[2]) + ("." in cell["text"])
+            for cell in column
+        ]
+        for cell, own in zip(column, places, strict=True):
+            cell["places"] = max(places) - own
+    return rows

@@ -3,7 +3,7 @@ the demand, the agreement of both equations, and fragility curves.
 """
 
 import base64
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -24,8 +24,10 @@ from ..fragility.fitted_curve import Fit, word_of
 from ..fragility.measures import MEASURES, members_of
 from ..fragility.study import LIMITS, Study
 from ..motions import Motion
-from ..motions.grid import Axis, Grid, demand_of
+from ..motions.grid import Axis, Grid
 from ..motions.recording import Recording
+from ..responses.check import Demand
+from ..responses.code_check import METHODS, CodeCheck, code_check, first_beyond
 from ..responses.shares import ShareOfDraws
 from ..responses.tied_history import remarks as device_remarks
 from ..responses.uncertainty import drawn_verdict, share_curve
@@ -35,6 +37,7 @@ from ..spectra.sweep import SweepOptions, write_spectrum
 from ..structures import RockingParameters
 from ..structures.kinds import sketch_of
 from .figures.canvas import FIGURE_UNITS, Figure, Look, drawn_as, literal, styled
+from .figures.capacities import capacity_curve
 from .figures.drawing import structure_axes
 from .figures.fragility_curves import fragility_curves
 from .figures.maps import outcome_map
@@ -55,26 +58,79 @@ class Subject:
     structure: RockingParameters  # parameters of the structure
 
 
+@dataclass(frozen=True)
+class CodeVerdict:
+    """A check by the code, and the sentences on what it promises too much."""
+
+    motion: str  # name of the motion
+    check: CodeCheck  # amplitudes that the methods of the code accept
+    promises: list[str]  # on each method that accepts more than the dynamics do
+
+    @property
+    def slv(self) -> float:
+        """The amplitude that SLV accepts over the demand."""
+        return self.check.slv.amplitude / self.check.demand_a
+
+
+def checked(
+    verdicts: Sequence[Verdict], demands: Sequence[Demand], code: Mapping[str, Any]
+) -> list[CodeVerdict]:
+    """Return the check by the code of each demand; code: arguments of `code_check`."""
+    found = []
+    for v, demand in zip(verdicts, demands, strict=True):
+        check = code_check(*demand, **code)
+        beyond = first_beyond(*demand, most=v.first_overturning_a)
+        promises = check.promises(v.first_overturning_a, beyond)
+        found.append(CodeVerdict(v.motion, check, promises))
+    return found
+
+
+@dataclass(frozen=True)
+class Cases:
+    """One structure under each of its motions."""
+
+    verdicts: list[Verdict]  # of `check`
+    shakes: list[tuple[Motion, Grid]]  # motion and demand of each verdict
+    checks: list[CodeVerdict]  # by the code, of each verdict; none without a code
+
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        verdicts: Sequence[Verdict],
+        demands: Sequence[Demand],
+        checks: Sequence[CodeVerdict],
+    ) -> "Cases":
+        """Return those of the structure of this name."""
+        return cls(
+            [v for v in verdicts if v.structure == name],
+            [(motion, grid) for s, motion, grid in demands if s.name == name],
+            [one for one in checks if one.check.structure == name],
+        )
+
+
 def section(
     subject: Subject,
-    mine: Sequence[Verdict],
-    pulse: tuple[Motion, Grid] | None,
+    cases: Cases,
     recordings: Sequence[Recording],
     workers: int | None,
     draws: tuple[int, int] | None = None,
+    fragility: bool = True,
 ) -> dict[str, Any]:
     """Return the template's values for one structure and its verdicts; draws: their
-    number and seed, of a structure whose numbers have spreads.
+    number and seed, of a structure whose numbers have spreads; fragility: True for
+    curves under the records.
     """
-    structure = subject.structure
+    structure, mine = subject.structure, cases.verdicts
+    pulse = None if recordings or not cases.shakes else cases.shakes[0]
     if pulse is None:
-        drawn, cases = None, "motions"
+        drawn, judged = None, "motions"
         outcomes = np.array(
             [(v.outcome, v.outcome_linear) for v in mine], dtype=np.uint8
         ).reshape(-1, 2)
         codes = difference(outcomes[:, 0], outcomes[:, 1])
     else:
-        cases = "cells of the map"
+        judged = "cells of the map"
         drawn, codes = _map(structure, *pulse, mine, workers)
     linear = all(v.model == LINEAR.model for v in mine)
     kind = structure.structure
@@ -100,10 +156,15 @@ def section(
         "validity": (
             "The linear equation alone answers here."
             if linear
-            else _agreement(codes, cases)
+            else _agreement(codes, judged)
         ),
-        "fragility": _fragility(structure, recordings, workers) if recordings else None,
-        "draws": _draws(structure, mine, pulse, recordings, draws),
+        "fragility": (
+            _fragility(structure, recordings, workers)
+            if recordings and fragility
+            else None
+        ),
+        "code": _by_code(cases.checks) if cases.checks else None,
+        "draws": _draws(structure, cases, draws),
         "text": subject.document.text.strip(),
     }
 
@@ -123,11 +184,12 @@ def _drawing(subject: Subject) -> str | None:
         sketch = sketch_of(subject.document, subject.structure)
     except DocumentError:
         return None
-    return image(
-        lambda figure: structure_axes(
-            figure.add_subplot(), subject.structure, sketch, FIGURE_UNITS
-        )
-    )
+
+    def plan(figure: Figure) -> None:
+        figure.set_size_inches(4.4, 3.6)
+        structure_axes(figure.add_subplot(), subject.structure, sketch, FIGURE_UNITS)
+
+    return image(plan)
 
 
 def _map(
@@ -182,7 +244,7 @@ def _draw_map(
     figure: Figure, file: SpectraFile, omega: float, amplitude: float
 ) -> None:
     """Draw the map of a file, and a star at the demand [rad/s, m/s2]."""
-    figure.set_size_inches(8.4, 4.0)  # with the legend beside the map
+    figure.set_size_inches(4.8, 3.9)  # half of the width of the page
     axes = figure.add_subplot()
     entries = outcome_map(axes, file, 0, FIGURE_UNITS)
     x = omega / FIGURE_UNITS.column("omega_g")[2]
@@ -195,7 +257,9 @@ def _draw_map(
     axes.set_xticks(ticks, [f"{tick:.3g}" for tick in ticks])
     axes.set_xticks([], minor=True)
     axes.set_title(literal(file.structures[0].name))
-    figure.legend(handles=entries, loc="outside right upper")
+    figure.legend(
+        handles=entries, loc="outside lower center", ncols=2, fontsize="x-small"
+    )
 
 
 def _agreement(codes: np.ndarray, cases: str) -> str:
@@ -260,12 +324,28 @@ def _fragility(
     }
 
 
+def _by_code(checks: Sequence[CodeVerdict]) -> dict[str, Any]:
+    """Return the template's values for the checks of a structure by the code: a line on
+    each motion, and the capacity curve under the worst one.
+    """
+    worst = min(checks, key=lambda one: one.slv)
+
+    def plan(figure: Figure) -> None:
+        figure.set_size_inches(6.4, 3.2)
+        capacity_curve(figure.add_subplot(), worst.check)
+
+    lines = []
+    for one in checks:
+        several = f"{one.motion}: " if len(checks) > 1 else ""
+        lines.append(f"{several}{', '.join(map(one.check.sentence, METHODS))}")
+        lines += [f"{several}{line}" for line in one.promises]
+        if one.check.slv.broken:
+            lines.append(f"{several}a tie or a tendon breaks before 0.4 d0")
+    return {"lines": lines, "figure": image(plan)}
+
+
 def _draws(
-    structure: RockingParameters,
-    mine: Sequence[Verdict],
-    pulse: tuple[Motion, Grid] | None,
-    recordings: Sequence[Recording],
-    draws: tuple[int, int] | None,
+    structure: RockingParameters, cases: Cases, draws: tuple[int, int] | None
 ) -> dict[str, Any] | None:
     """Return the template's values for the draws of a structure: a line on each motion,
     and the share that falls over the amplitude of the worst one. None without draws.
@@ -273,13 +353,13 @@ def _draws(
     if draws is None or structure.drawn_from is None:
         return None
     n, seed = draws
-    shakes = [pulse] if pulse else [demand_of(one, None) for one in recordings]
+    shakes = cases.shakes
     found = [
         drawn_verdict(structure, *shake, n=n, seed=seed, a_max=None) for shake in shakes
     ]
     worst = max(range(len(found)), key=lambda i: found[i].share.count)
     motion, shaking = shakes[worst]
-    demand = mine[worst].demand_a
+    demand = cases.verdicts[worst].demand_a
     some = n if len(motion.segments) <= LONG else min(n, FEW_DRAWS)
     amplitudes, curve = _share_curve(structure, motion, shaking, demand, some, seed)
 

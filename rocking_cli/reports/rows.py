@@ -1,8 +1,9 @@
 """The rows of CSV that a command printed, in SI units by column name."""
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
+from typing import Any
 
 import numpy as np
 
@@ -42,6 +43,20 @@ def rows_of(source: str) -> Rows:
     if not rows:
         raise UsageError(f"{source}: holds no rows")
     return rows
+
+
+def rows_in_memory(rows: Iterable[Mapping[str, Any]]) -> Rows:
+    """Return rows of values in SI as `rows_of` returns those of a CSV file. Raises
+    UsageError without rows.
+    """
+    from .tables import csv_cell, flat
+
+    found = [flat(row) for row in rows]
+    if not found:
+        raise UsageError("there is no row to draw")
+    columns = dict.fromkeys(key for row in found for key in row)
+    texts = [{key: str(csv_cell(row.get(key))) for key in columns} for row in found]
+    return [_in_si(row) for row in texts]
 
 
 def _in_si(row: dict[str, str]) -> dict[str, str]:

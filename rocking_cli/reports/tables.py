@@ -59,7 +59,7 @@ def csv_lines(rows: Iterable[Row], columns: Sequence[str] = ()) -> Iterator[str]
         if header is None:
             header = list(row)
             yield _csv_row(header)
-        yield _csv_row([_csv_cell(row.get(c)) for c in header])
+        yield _csv_row([csv_cell(row.get(c)) for c in header])
     if header is None and columns:
         yield _csv_row(list(columns))
 
@@ -360,7 +360,7 @@ def _csv_row(cells: list[Any]) -> str:
     return out.getvalue()
 
 
-def _csv_cell(value: Any) -> Any:
+def csv_cell(value: Any) -> Any:
     """Return a value as a cell; a text that a spreadsheet would take for a formula is
     quoted.
     """

@@ -3,7 +3,6 @@ structure with their relations.
 """
 
 import math
-import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +13,7 @@ from ..motions import Motion
 from ..motions.grid import Grid
 from ..responses.verdict import Verdict
 from ..structures import RockingParameters, Side
+from .figures.canvas import motion_in_words
 
 if TYPE_CHECKING:
     from ..responses.uncertainty import DrawnVerdict
@@ -38,7 +38,6 @@ _RELATIONS = {  # closed forms of the paper by kind
 ParameterRow = tuple[str, str, float, str, str]
 _EQUILIBRIUM = "{:.4g}°: beyond it the structure does not come back on its own"
 _LIFTS = "it lifts at ẍg = λ g"
-_CYCLES = re.compile(r"(.+), ([\d.]+) cycles?")
 
 
 def draws_in_words(name: str, found: "DrawnVerdict") -> str:
@@ -78,20 +77,24 @@ def demand_plainly(
             if len(shakes) > 1
             else f"the record {motion.name}, of PGA {size}"
         ) + upwards
-    match, omega = _CYCLES.fullmatch(motion.name), float(grid.frequency.values[0])
-    name, count = match.groups() if match else (motion.name, None)
-    cycles = {None: "", "1": "one cycle of ", "0.5": "half a cycle of "}.get(
-        count, f"{count} cycles of "
-    )
-    at = (
-        f"{omega / math.tau:.4g} Hz"
-        if grid.frequency.name == "omega_g"
-        else f"{grid.frequency.name} = {omega:.4g}"
-    )
-    return (
-        f"{cycles}a{'n' if name[0].lower() in 'aeiou' else ''} {name} of {size} at"
-        f" {at}{upwards}"
-    )
+    plain, times, factor = motion.name.partition(", times ")
+    name = motion_in_words(plain)
+    if name == plain:
+        name = f"a{'n' if name[0].lower() in 'aeiou' else ''} {name}"
+    at = f"{_frequencies(shakes)}{times}{factor}"
+    return f"{name} of {size} at {at}{upwards}"
+
+
+def _frequencies(shakes: Sequence[tuple[Motion, Grid]]) -> str:
+    """Return the frequency of a pulse in words; of both ends of a range that the worst
+    one counts.
+    """
+    axes = [grid.frequency for _, grid in shakes]
+    unit = math.tau if axes[0].name == "omega_g" else 1.0
+    found = sorted(dict.fromkeys(float(axis.values[0]) / unit for axis in axes))
+    text = " to ".join(f"{x:.4g}" for x in found)
+    at = f"{text} Hz" if unit != 1.0 else f"{axes[0].name} = {text}"
+    return at if len(found) == 1 else f"{at}, at the worst for each structure"
 
 
 def verdict_plainly(v: Verdict) -> str:
@@ -131,12 +134,18 @@ def verdict_plainly(v: Verdict) -> str:
             said += f" Weaker shaking, from {first}, overturns it."
     if v.unsettled:
         said += " A change of the demand in its last digits changes this."
-    return (
-        said
-        + f" It {v.coupling}." * bool(v.coupling)
-        + " Its base would slide." * (v.slides and not v.coupling)
-        + " This is by the linear equation alone." * (v.model == LINEAR.model)
-    )
+    if v.coupling:
+        said += f" It {v.coupling}."
+    elif v.friction_needed is not None and v.friction_needed > 0.0 and not v.slide:
+        needed = f"{v.friction_needed:#.2g}"
+        said += (
+            f" Its base would slide: it needs a friction of {needed}."
+            if v.slides
+            else f" It needs a friction of {needed} at its base."
+        )
+    elif v.slides:
+        said += " Its base would slide."
+    return said + " This is by the linear equation alone." * (v.model == LINEAR.model)
 
 
 def capacity_left(v: Verdict) -> float:
@@ -214,7 +223,7 @@ def parameter_rows(s: RockingParameters) -> list[dict[str, str]]:
         {
             "symbol": symbol,
             "meaning": meaning,
-            "value": f"{value:.6g}",
+            "value": f"{value:#.4g}".removesuffix("."),
             "unit": unit,
             "relation": relation,
         }

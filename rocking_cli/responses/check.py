@@ -227,6 +227,7 @@ def _judged(
         searched_to=searched,
         first_overturning_a_free=least_acceleration(structure, free),
         slides=structure.friction is not None and (needed or 0.0) > structure.friction,
+        omega_g=None if motion.acceleration is not None else search.omega * structure.p,
         **asked,
         **_of_floor(motion, float(structure.ground_acceleration(search.amplitude))),
     )

@@ -143,6 +143,23 @@ class CodeCheck:
             "code_slc": self.slc.amplitude,
         }
 
+    def sentence(self, key: str) -> str:
+        """Return a verdict of the code, such as `SLV: not verified (0.62)`.
+
+        Parameters
+        ----------
+        key
+            the method: "code_linear", "code_slv" or "code_slc"
+
+        Returns
+        -------
+        str
+            with the accepted amplitude over the demand, rounded down
+        """
+        ratio = self.accepted()[key] / self.demand_a
+        shown = math.floor(100.0 * ratio * (1.0 + 1e-12)) / 100.0
+        return f"{METHODS[key]}: {'not ' * (ratio < 1.0)}verified ({shown:.2f})"
+
     def promises(self, fall: float | None, beyond: float | None) -> list[str]:
         """Return a sentence on each method that accepts more than the dynamics do.
 

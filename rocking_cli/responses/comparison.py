@@ -180,4 +180,6 @@ def curve_rows(
                         "theta_ratio": float(y),
                         "ground_acceleration": float(a),
                         "motion": r.motion.name,
+                        "demand_A": r.amplitude,
+                        "Omega": r.omega,
                     }

@@ -94,6 +94,7 @@ def boundaries(
     up_to: Grid | None = None,
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
+    scanned_at: Callable[[float, float], None] | None = None,
 ) -> tuple[list[Boundary], list[str]]:
     """Return the values of a key at which a structure begins or ceases to stand.
 
@@ -121,6 +122,9 @@ def boundaries(
         number of processes, None for all cores if that saves time
     progress
         called with the number of finished values and of all
+    scanned_at
+        called with each value of `varied` and capacity_demand there, at most twice the
+        margin; NaN without a verdict
 
     Returns
     -------
@@ -155,7 +159,11 @@ def boundaries(
     for _, grid in (*shakes, *opposite):
         grid.require_one_cell()
     search = _Search(document, varied, shakes, margin, share, opposite, up_to, workers)
-    found = search.boundaries(search.scanned(progress))
+    scanned = search.scanned(progress)
+    if scanned_at is not None:
+        for value, excess in scanned:
+            scanned_at(value, margin * math.exp(excess))
+    found = search.boundaries(scanned)
     return found, list(dict.fromkeys(search.remarks))
 
 

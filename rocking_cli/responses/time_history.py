@@ -18,7 +18,7 @@ from ..motions.grid import Grid, HasMotion, demand_of
 from ..showing import Shown
 from ..structures.given import Structure, structure_from
 from ..structures.parameters import RockingParameters
-from .arcs import Event, History
+from .arcs import LATE, Event, History
 from .force_history import ForceHistory
 from .ground_forces import edges_of
 from .ground_history import GroundMotion
@@ -32,10 +32,18 @@ if TYPE_CHECKING:
 FREE = 30.0
 POINTS = 500  # times of a history over its whole length, unless the user says
 MOST_POINTS = 10_000_000
-NAMED = ("structure", "motion", "model")  # columns that are the same in every row
+# columns that are the same in every row
+NAMED = (
+    "structure",
+    "motion",
+    "model",
+    *("outcome", "outcome_linear", "outcome_nonlinear"),
+    *("a_g", "omega_g", "demand_A", "Omega"),
+)
 KEYS = ("t", "tau")  # the columns that say which row it is
 EVENT_KEYS = ("model", "event", *KEYS)
 IMPULSES = ("impulse_x", "impulse_z")  # over m g [s], over m g p if dimensionless
+_BEFORE = 2.0 - LATE**4  # of the time of an impact: just before it
 STILL = Motion("free rocking", (Piece(0.0, 1.0),))
 
 
@@ -109,8 +117,8 @@ class TimeHistory(Shown):
         Parameters
         ----------
         dt
-            step [tau]; None: the samples of a record with its impacts and peaks, or the
-            ends of equal intervals for a pulse
+            step [tau]; None: the samples of a record, or the ends of equal intervals
+            for a pulse, with the impacts and peaks
         steps
             True: the times of `History.steps`
 
@@ -126,10 +134,10 @@ class TimeHistory(Shown):
         """
         if steps:
             marks = [h.steps() for h in self.histories.values()]
-        elif dt is None and self.motion.acceleration is not None:
-            marks = self._samples()
         elif dt is None:
-            return np.linspace(0.0, self.end, POINTS + 1)
+            own_time = self.motion.acceleration is not None
+            equal = [np.linspace(0.0, self.end, POINTS + 1)]
+            marks = [*(self._samples() if own_time else equal), self._turns()]
         elif not (dt > 0.0 and self.end / dt <= MOST_POINTS):
             raise UsageError(
                 f"`dt`: found {dt / self.structure.p:g} s; expected a positive time"
@@ -141,8 +149,8 @@ class TimeHistory(Shown):
         return np.append(times[times < self.end], self.end)
 
     def _samples(self) -> list[np.ndarray]:
-        """Return tau at the samples of a record, at the same mean step after its end,
-        and at impacts and peaks. Raises UsageError.
+        """Return tau at the samples of a record, and at the same mean step after its
+        end. Raises UsageError.
         """
         stops = GroundMotion(self.motion, self.amplitude, self.omega).stops
         last, step = float(stops[-1]), float(stops[-1]) / stops.size
@@ -151,13 +159,20 @@ class TimeHistory(Shown):
                 f"the record gives more than {MOST_POINTS} rows; `dt` sets their step"
             )
         after = last + step * np.arange(1, max(1, math.ceil((self.end - last) / step)))
-        turns = [
-            event.tau
-            for found in self.histories.values()
-            for event in found.events
-            if event.event in ("impact", "peak")
-        ]
-        return [np.zeros(1), stops, after, np.array(turns)]
+        return [np.zeros(1), stops, after]
+
+    def _turns(self) -> np.ndarray:
+        """Return tau at peaks, just before impacts, and at impacts, where the velocity
+        jumps.
+        """
+        turns = []
+        for found in self.histories.values():
+            for event in found.events:
+                if event.event == "impact":
+                    turns.append(event.tau * _BEFORE)
+                if event.event in ("impact", "peak"):
+                    turns.append(event.tau)
+        return np.array(turns)
 
     @cached_property
     def forces(self) -> "dict[str, ForceHistory | ArchHistory | MechanismHistory]":
@@ -302,8 +317,8 @@ class TimeHistory(Shown):
         """Yield the response, a row for each time.
 
         Columns with units come first, among them the force of each tie and tendon [N],
-        then tau and theta/alpha, last those of `NAMED`. Columns have the name of the
-        model if there are two.
+        then tau, theta/alpha and the displacement of the top, last those of `NAMED`.
+        Columns have the name of the model if there are two.
 
         Parameters
         ----------
@@ -336,17 +351,46 @@ class TimeHistory(Shown):
             state = found.at(tau)
             own = self._columns(model, tau, state, dimensionless, forces)
             columns |= {name + suffix: values for name, values in own.items()}
-            last |= {} if dimensionless else {f"theta_ratio{suffix}": state[0]}
+            if dimensionless:
+                continue
+            last[f"theta_ratio{suffix}"] = state[0]
+            if s.top:
+                theta = own["theta"]
+                arm = np.where(theta > 0.0, s.top[1], s.top[0])
+                last[f"top_displacement{suffix}"] = 2.0 * arm * np.sin(0.5 * theta)
         shaking = self.amplitude * self.motion.value(tau * self.omega)
         columns |= (
             {"A": shaking}
             if dimensionless
             else {"ground_acceleration": s.ground_acceleration(shaking)}
         )
-        texts = s.name, self.motion.name, " and ".join(self.histories)
-        named = dict(zip(NAMED, texts, strict=True))
+        named = self._named(dimensionless)
         for row in _rows_of(columns | last):
             yield row | named
+
+    def _named(self, dimensionless: bool) -> dict[str, str | float | None]:
+        """Return the columns of `NAMED`: that of the outcome has the name of the model
+        if there are two; the demand is None without shaking, the frequency also under a
+        record.
+        """
+        s, models = self.structure, list(self.histories)
+        named: dict[str, str | float | None] = {
+            "structure": s.name,
+            "motion": self.motion.name,
+            "model": " and ".join(models),
+        }
+        for model in models:
+            suffix = f"_{model}" if len(models) > 1 else ""
+            named[f"outcome{suffix}"] = self.outcome(model).flag
+        shaken = self.amplitude > 0.0
+        periodic = shaken and self.motion.acceleration is None
+        if dimensionless:
+            demand = {"demand_A": self.amplitude, "Omega": self.omega}
+        else:
+            amplitude = float(s.ground_acceleration(self.amplitude))
+            demand = {"a_g": amplitude, "omega_g": self.omega * s.p}
+        known = zip(demand.items(), (shaken, periodic), strict=True)
+        return named | {key: x if is_known else None for (key, x), is_known in known}
 
     def _columns(
         self,

@@ -27,6 +27,7 @@ CHECK_COLUMNS = (
     "outcome_linear",
     "friction_needed",
     "fz_min",
+    "omega_g",
 )
 TIED_COLUMNS = (
     "first_overturning_a_free",
@@ -81,6 +82,7 @@ class Verdict(Shown):
     opens: True if a further hinge opens in an arch, or a hinge of another mechanism
         lifts off, so that another mechanism follows; None for another structure
     searched_to: largest a_g of the search [m/s2]; None without a search
+    omega_g: circular frequency of a pulse [rad/s], None under a record
     capacity_demand: first_overturning_a over demand_a [-], None if nothing overturns
         the body
     coupling: what `slides` means for a body that slides while it rocks, in words
@@ -136,6 +138,8 @@ class Verdict(Shown):
     opens: bool | None = None
     # largest a_g of the search [m/s2]; None without a search
     searched_to: float | None = None
+    # circular frequency of a pulse [rad/s], None under a record
+    omega_g: float | None = None
     # what `slides` means for a body that slides while it rocks, in words
     coupling: str = ""
     # the sliding of a body that slides and never rocks; None for another one

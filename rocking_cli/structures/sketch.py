@@ -28,6 +28,8 @@ class Sketch:
     pose: Callable[[float], tuple[list[Outline], list[Outline]]] | None = field(
         default=None, repr=False, compare=False
     )
+    # True if the first of the bodies is the circle of the radius of gyration
+    gyration: bool = False
 
 
 def rocker(
@@ -75,6 +77,7 @@ def redrawn(drawn: Sketch, inset: float) -> Sketch:
         still=drawn.still,
         hollows=drawn.hollows,
         lines=drawn.lines,
+        gyration=drawn.gyration,
     )
 
 

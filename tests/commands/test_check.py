@@ -99,7 +99,8 @@ def test_the_table_speaks_the_unit_of_the_request(rocking):
         rocking("check", STATED, *SHAKING, "--csv").stdout.splitlines()[0]
         == "structure,motion,model,outcome,theta_ratio,top_displacement [m],demand_a"
         " [m/s2],uplift_a [m/s2],first_overturning_a [m/s2],capacity_demand,safe_to"
-        " [m/s2],searched_to [m/s2],outcome_linear,friction_needed,fz_min"
+        " [m/s2],searched_to [m/s2],outcome_linear,friction_needed,fz_min,omega_g"
+        " [rad/s]"
     )
 
 

@@ -48,6 +48,7 @@ def test_an_option_means_one_thing_in_every_command():
         "--eta",
         "--grid",
         "--seed",
+        "--draws",
     }
     meanings: dict[str, dict[str, str]] = {}
     for command in COMMANDS:

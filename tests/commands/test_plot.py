@@ -2,6 +2,8 @@
 
 import sys
 
+import pytest
+
 
 def test_a_figure_in_characters_goes_to_standard_output(rocking, spectrum_file):
     assert "overturns" in rocking("plot", str(spectrum_file), "--text").stdout
@@ -67,3 +69,66 @@ def test_characters_that_the_font_has_not_are_told_in_a_sentence(rocking):
         0,
         "x.png: the font of the figure has no 柱; boxes stand there\n",
     )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "call",
+    [
+        ("response", "configs/block.yaml", "--a-g", "0.3g", "--f-g", "2"),
+        ("envelope", "configs/block.yaml", "--grid", "f_g=1:1.2:2", "--a-max", "0.6g"),
+        ("params", "configs/block.yaml", "--vary", "width=0.5:0.6:2"),
+        ("records", "configs/motions/synthetic.at2"),
+        ("records", "configs/motions/synthetic.at2", "--export-spectrum"),
+        ("compare", "configs/block.yaml", "--A", "2", "--Omega", "4"),
+        (
+            *("check", "configs/block.yaml", "--vary", "width=0.5:0.6:2"),
+            *("--a-g", "0.3g", "--f-g", "2"),
+        ),
+    ],
+    ids=lambda call: call[0],
+)
+def test_a_command_draws_its_rows_as_plot_draws_their_csv(rocking, tmp_path, call):
+    assert rocking(*call, "-o", "own.svg").returncode == 0
+    if call[0] == "records" and len(call) == 2:
+        source = call[1]
+    else:
+        curves = ["--curves"] * (call[0] == "compare")
+        (tmp_path / "rows.csv").write_text(rocking(*call, *curves, "--csv").stdout)
+        source = "rows.csv"
+    assert rocking("plot", source, "-o", "plot.svg").returncode == 0
+    assert (tmp_path / "own.svg").read_text() == (tmp_path / "plot.svg").read_text()
+    again = rocking(*call, "-o", "own.svg")
+    assert (again.returncode, "exists" in again.stderr) == (2, True)
+    refused = rocking(*call, "-o", "own.txt")
+    assert refused.returncode == 2
+    assert "expected a name that ends in .png, .svg or .pdf" in refused.stderr
+
+
+@pytest.mark.slow
+def test_the_ends_of_the_axes_are_those_stated(rocking, tmp_path):
+    call = ("plot", "configs/motions/synthetic.at2", "-o", "r.svg")
+    assert rocking(*call, "--xlim", "2:4", "--ylim=-0.3:0.3").returncode == 0
+    found = rocking(*call, "--overwrite", "--xlim", "4:2")
+    assert found.returncode == 2
+    assert "--xlim: found '4:2'; expected two numbers FROM:TO" in found.stderr
+
+
+@pytest.mark.slow
+def test_a_family_is_drawn_over_a_ratio_with_a_key_of_the_document(rocking, tmp_path):
+    call = ("params", "configs/arch.yaml", "--vary", "thickness=1.2:1.5:3", "-o")
+    assert rocking(*call, "a.svg", "--over", "thickness/radius").returncode == 0
+    assert "thickness / radius [-]" in (tmp_path / "a.svg").read_text()
+    refused = rocking(*call, "b.svg", "--over", "thickness/height")
+    assert refused.returncode == 2
+    assert "found no single value of height in the documents" in refused.stderr
+
+
+@pytest.mark.slow
+def test_solve_draws_its_scan_its_margin_and_its_boundary(rocking, tmp_path):
+    vary = ("solve", "configs/block.yaml", "--vary", "width=0.5:0.8:2")
+    call = (*vary, "--a-g", "0.4g", "--f-g", "1")
+    assert rocking(*call, "-o", "s.svg").returncode == 0
+    drawn = (tmp_path / "s.svg").read_text()
+    for words in ("one cycle of a sine of 0.4 g at 1 Hz", "width [m]", "0.6231"):
+        assert f"{words}</text>" in drawn

@@ -30,7 +30,7 @@ from rocking_cli.fragility.exposure import Exposure
 from rocking_cli.fragility.measures import members_of, shaken_upwards
 from rocking_cli.motions.biaxial import Upwards
 from rocking_cli.motions.reading import read_motions
-from rocking_cli.reports.page import page
+from rocking_cli.reports.page import Asked, page
 from rocking_cli.reports.page_sections import Subject
 from rocking_cli.reports.wording import (
     OVERVIEW,
@@ -113,10 +113,9 @@ def text(verdict) -> str:
     return page(
         [subject(BLOCK)],
         [verdict],
-        pulse=(sine(), DEMAND),
+        Asked(f"rocking {HOSTILE}", "today", author=HOSTILE, code={}),
+        demands=[(subject(BLOCK).structure, sine(), DEMAND)],
         demand="strong",
-        command=f"rocking {HOSTILE}",
-        made="today",
         workers=1,
     )
 
@@ -128,7 +127,8 @@ def test_the_page_holds_the_verdict_and_trusts_no_name(text, verdict):
     assert all(
         source.startswith("data:image/svg+xml;base64,") for source in found.sources
     )
-    assert len(found.sources) == 3  # capacities, the block's drawing, the map
+    # capacities, the block's drawing, the map, the curve of the code
+    assert len(found.sources) == 4
     assert not re.search(r"https?://", text)
     for source in found.sources:
         assert base64.b64decode(source.partition(",")[2]).lstrip().startswith(b"<?xml")
@@ -172,18 +172,14 @@ def recordings(folder: Path, count: int) -> tuple[Recording, ...]:
 STANDS = Verdict(
     "Arch", "0", "linear", Outcome.ROCKED, 0.5, 4.0, 3.6, None, None, Outcome.ROCKED
 )
+ASKED = Asked("rocking report", "today")
 
 
 def test_a_capacity_above_the_limit_of_the_search_and_worn_edges_are_shown(tmp_path):
     above = replace(STANDS, searched_to=52.0)
     lines = ["Arch: pivots 25 mm inside the edges would take 10 % of the capacity"]
-    given = {
-        "recordings": recordings(tmp_path, 2),
-        "demand": "",
-        "command": "rocking report",
-        "made": "today",
-    }
-    text = page([subject(STATED)], [above], insets=lines, **given)
+    given = {"recordings": recordings(tmp_path, 2), "demand": ""}
+    text = page([subject(STATED)], [above], ASKED, remarks=lines, **given)
     heads, row = ([cell.strip() for cell in row] for row in Page(text).rows[:2])
     assert dict(zip(heads, row, strict=True))["capacity over demand"] == "> 13"
     assert f"<p>{lines[0]}</p>" in text
@@ -194,10 +190,9 @@ def test_a_few_records_bear_no_curve(tmp_path):
     text = page(
         [subject(STATED)],
         [STANDS],
+        ASKED,
         recordings=records,
         demand="",
-        command="rocking report",
-        made="today",
     )
     assert "2 records; a fit needs at least 4" in text
     assert [(row[0].strip(), row[1].strip()) for row in Page(text).rows[-2:]] == [
@@ -220,10 +215,9 @@ def test_each_edge_and_the_damping_are_stated_and_what_leaves_the_ground_is_not_
     text = page(
         [statue],
         [gone, falls, failed],
+        ASKED,
         recordings=recordings(tmp_path, 2),
         demand="",
-        command="rocking report",
-        made="today",
     )
     rows = {
         (row[0].strip(), row[1].strip()): float(row[2])
@@ -232,11 +226,11 @@ def test_each_edge_and_the_damping_are_stated_and_what_leaves_the_ground_is_not_
     }
     for side in statue.structure.sides:
         assert rows["α", f"critical angle, {side.side} edge"] == pytest.approx(
-            side.alpha, rel=1e-5
+            side.alpha, rel=5e-4
         )
         assert rows[
             "η", f"coefficient of restitution, {side.side} edge"
-        ] == pytest.approx(side.eta, rel=1e-5)
+        ] == pytest.approx(side.eta, rel=5e-4)
     assert rows["ζ", "viscous damping"] == 0.05
     assert (
         "In 2 of 2 motions the linear equation ends otherwise than the nonlinear one;"
@@ -326,10 +320,14 @@ def test_a_first_page_in_words_comes_before_the_details(rocking, tmp_path):
         "Sculpture hall",
         "--sort",
         "capacity",
+        "--author",
+        "A. Rossi",
+        "--place",
+        "Naples",
     )
     assert rocking(*call, "-o", "r.html").returncode == 0
     shown = (tmp_path / "r.html").read_text(encoding="utf-8")
-    assert "<h1>Sculpture hall</h1>" in shown
+    assert '<h1>Sculpture hall</h1>\n<p id="place">Naples, A. Rossi</p>' in shown
     assert "under one cycle of a sine of 0.35 g at 1 Hz." in shown
     head, *rows = [[cell.strip() for cell in row] for row in Page(shown).rows]
     assert [row for row in rows if row[0] == "two.yaml"] == [
@@ -343,6 +341,27 @@ def test_a_first_page_in_words_comes_before_the_details(rocking, tmp_path):
         == ["S1", "S0"]
         == re.findall(r'<h2 id="s\d">(.*?)</h2>', shown)
     )
+
+
+@pytest.mark.slow
+def test_the_page_takes_a_range_of_frequencies_and_the_code_as_check_does(
+    rocking, tmp_path
+):
+    call = ("block:0.5x2", "--a-g", "0.35g", "--f-g", "1:2", "--code", "ntc2018")
+    assert rocking("report", *call, "-o", "r.html", "--summary").returncode == 0
+    shown = (tmp_path / "r.html").read_text(encoding="utf-8")
+    found = json.loads(rocking("check", *call, "--json").stdout)
+    assert "sine of 0.35 g at 1 to 2 Hz, at the worst for each structure." in shown
+    rows = [[cell.strip() for cell in row] for row in Page(shown).rows]
+    (heads,) = [row for row in rows if "worst at [Hz]" in row]
+    details = dict(zip(heads, rows[rows.index(heads) + 1], strict=True))
+    assert float(details["worst at [Hz]"]) == pytest.approx(
+        found["worst_f_g"], rel=5e-3
+    )
+    ratio = found["code_slv_ratio"]
+    assert ratio < 1.0
+    assert details["SLV"] == f"not verified ({math.floor(100 * ratio) / 100:.2f})"
+    assert f"SLV: {details['SLV']}." in rows[1][1]
 
 
 @pytest.mark.slow
@@ -371,7 +390,7 @@ def test_the_page_of_a_tied_body_has_its_uplift_and_what_check_says_of_its_ties(
     )  # tan alpha, and the moment of the prestress over m g h_G
     rows = {row[1]: row for row in Page(shown).rows if len(row) == 5}
     held = "static uplift acceleration over g with its ties and tendon (side: right)"
-    assert rows[held][2:] == [f"{uplift:.6g}", "-", "it lifts at ẍg = λ g"]
+    assert rows[held][2:] == [f"{uplift:.4g}", "-", "it lifts at ẍg = λ g"]
     assert (
         rows["static uplift acceleration over g"][4]
         == "it lifts at ẍg = λ g, of the free body"

@@ -6,7 +6,8 @@ import math
 import pytest
 
 IMPULSE = ("--pulse", "rectangular-impulse", "--a-g", "0.5g", "--T-g", "0.4")
-NAMED = ("structure", "motion", "model")
+NAMED = ("structure", "motion", "model", "outcome", "a_g", "omega_g")
+NAMELESS = (*NAMED[:4], "demand_A", "Omega")
 
 
 def test_time_history_has_the_documented_columns(rocking):
@@ -29,11 +30,17 @@ def test_time_history_has_the_documented_columns(rocking):
         "ground_acceleration",
         "tau",
         "theta_ratio",
+        "top_displacement",
         *NAMED,
     ]
     assert {tuple(row[key] for key in NAMED) for row in found} == {
-        ("Column", "sine, 1 cycle", "nonlinear")
+        ("Column", "sine, 1 cycle", "nonlinear", "rocked", "3.5", found[0]["omega_g"])
     }
+    assert float(found[0]["omega_g"]) == pytest.approx(3.0 * math.pi, rel=1e-12)
+    top = max(found, key=lambda row: abs(float(row["theta"])))
+    assert float(top["top_displacement"]) == pytest.approx(  # of the far corner
+        2.0 * math.hypot(0.5, 2.0) * math.sin(0.5 * float(top["theta"])), rel=1e-12
+    )
     assert [float(r["t"]) for r in found[:3]] == pytest.approx([0.0, 0.01, 0.02])
     assert float(found[10]["ground_acceleration"]) == pytest.approx(
         3.5 * math.sin(2 * math.pi * 1.5 * 0.1)
@@ -81,7 +88,7 @@ def test_dimensionless_history_is_the_same_curve(rocking):
     )
     si, plain = rocking(*call).records, rocking(*call, "--dimensionless").records
     block = rocking("params", "configs/block.yaml", "--json").record
-    assert list(plain[0]) == ["tau", "theta_ratio", "theta_ratio_rate", "A", *NAMED]
+    assert list(plain[0]) == ["tau", "theta_ratio", "theta_ratio_rate", "A", *NAMELESS]
     for a, b in zip(si, plain, strict=True):
         assert a["t"] * block["p"] == pytest.approx(b["tau"], rel=1e-12, abs=0)
         assert a["theta"] == pytest.approx(
@@ -159,6 +166,7 @@ def test_forces_in_the_history_and_in_the_closing_record(rocking, tmp_path):
         "ground_acceleration",
         "tau",
         "theta_ratio",
+        "top_displacement",
         *NAMED,
     ]
     assert (

@@ -40,19 +40,25 @@ def test_accuracy_is_error_over_time(drawn, table):
 
 
 @pytest.mark.parametrize(
-    ("count", "name", "outside"),
-    [(2, "a", False), (5, "a", False), (6, "a", True), (2, "a" * 40, True)],
+    ("count", "name", "grows"),
+    [(2, "a", 1), (6, "a", 1), (7, "a", 0), (2, "a" * 40, 0)],
 )
-def test_a_long_legend_stands_beside_the_axes(count, name, outside):
+def test_a_legend_stands_below_the_axes_or_if_it_is_long_beside_them(
+    count, name, grows
+):
     for figure, room in (
-        (Figure(layout="constrained"), outside),
+        (Figure(layout="constrained"), True),
         (Figure(), False),
     ):  # the latter of a caller makes no room outside
+        size = figure.get_size_inches().copy()
         axes = figure.add_subplot()
         for i in range(count):
             axes.plot([0, 1], [0, i], label=f"{name}{i}")
         legend(axes)
         assert (len(figure.legends), axes.get_legend() is None) == (int(room), room)
+        assert list(figure.get_size_inches() > size) == (
+            [grows == 0, grows == 1] if room else [False, False]
+        )
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -55,6 +56,9 @@ _UNDATED: dict[str, dict[str, Any]] = {
     "svg": {"Date": None},
     "pdf": {"CreationDate": None},
 }
+_TITLE = 72  # characters of a line of a title
+_CYCLES = re.compile(r"(.+?), ([\d.]+) cycles?(.*)")  # the name of a sine or cosine
+_COUNTS = {"1": "one cycle of", "0.5": "half a cycle of"}
 _NO_GLYPH = r"Glyph (\d+) "  # the beginning of a warning of matplotlib
 FIGURE_UNITS = parse_units("g,Hz")  # the default
 SYMBOLS = {
@@ -264,21 +268,54 @@ def titled(name: str, eta: float) -> str:
     )
 
 
-def heading(rows: Rows, *keys: str) -> str:
-    """Return the texts that are the same in all rows as a title, such as `Column, sine,
-    1 cycle, nonlinear equation`.
+def heading(rows: Rows, units: Units, *keys: str) -> str:
+    """Return the texts that are the same in all rows as a title, such as `Column, one
+    cycle of a sine, 0.4 g at 1.2 Hz, nonlinear equation`.
     """
-    texts = {
-        key: rows[0][key]
-        for key in keys
-        if rows[0].get(key) and len(groups(rows, key)) == 1
-    }
-    return literal(
-        ", ".join(
-            f"{text} equation{'s' * (' and ' in text)}" if key == "model" else text
-            for key, text in texts.items()
-        )
-    )
+    texts = {key: _same(rows, key) for key in keys}
+    parts = []
+    for key, text in texts.items():
+        if key == "motion":
+            parts += [motion_in_words(text) if text else "", _demand(rows, units)]
+        elif key == "model" and text:
+            parts.append(f"{text} equation{'s' * (' and ' in text)}")
+        else:
+            parts.append(text)
+    return fill(literal(", ".join(filter(None, parts))), _TITLE)
+
+
+def _same(rows: Rows, key: str) -> str:
+    """Return the text of a column that is the same in all rows, else an empty one."""
+    return rows[0].get(key, "") if len(groups(rows, key)) == 1 else ""
+
+
+def _demand(rows: Rows, units: Units) -> str:
+    """Return the amplitude and frequency that all rows share, such as `0.4 g at 1.2
+    Hz`, empty without an amplitude.
+    """
+    found = []
+    for keys in (("a_g", "demand_a", "demand_A"), ("omega_g", "Omega")):
+        key = next((key for key in keys if rows[0].get(key)), None)
+        values = column(rows, key) if key else np.zeros(0)
+        # the last digits of one demand differ between structures
+        if key and np.ptp(values) <= 1e-9 * np.max(values):
+            name, unit, factor = units.column(key)
+            of = "" if unit else f"{name.removeprefix('demand_')} = "
+            value = values[0] / factor
+            found.append(f"{of}{value:.4g} {PLAIN.get(unit, unit)}".strip())
+    return " at ".join(found)
+
+
+def motion_in_words(name: str) -> str:
+    """Return the name of a pulse as one says it: `one cycle of a sine`; another name as
+    it is.
+    """
+    found = _CYCLES.fullmatch(name)
+    if found is None:
+        return name
+    shape, count, more = found.groups()
+    article = "an" if shape[0].lower() in "aeiou" else "a"
+    return f"{_COUNTS.get(count, f'{count} cycles of')} {article} {shape}{more}"
 
 
 def column_in(rows: Rows, name: str, units: Units) -> np.ndarray:
@@ -318,18 +355,22 @@ def panels(figure: Figure, count: int) -> list[Axes]:
 
 
 def legend(axes: Axes, handles: Sequence[Any] | None = None) -> None:
-    """Add a legend: inside the axes if it is short, else beside the figure; none for a
-    single line.
+    """Add a legend below the figure if it is short, else beside it; none for a single
+    line.
     """
     entries = axes.get_legend_handles_labels()[0] if handles is None else list(handles)
     if not entries or (handles is None and len(entries) < 2):
         return
     figure: Any = axes.figure
     longest = max(len(str(entry.get_label())) for entry in entries)
+    width, height = figure.get_size_inches()
     # a figure of the caller, which makes no room outside
-    if (len(entries) <= 5 and longest <= 28) or figure.get_layout_engine() is None:
+    if figure.get_layout_engine() is None:
         axes.legend(handles=entries)
+    elif len(entries) <= 6 and longest <= 30:
+        across = min(len(entries), max(1, int(width / (0.065 * longest + 0.6))))
+        figure.legend(handles=entries, loc="outside lower center", ncols=across)
+        figure.set_size_inches(width, height + 0.18 * -(-len(entries) // across))
     else:
         figure.legend(handles=entries, loc="outside right upper")
-        width, height = figure.get_size_inches()
         figure.set_size_inches(width + 0.065 * longest + 0.6, height)

@@ -4,6 +4,7 @@ its capacity curve a over d with limit states.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,11 +13,12 @@ import numpy as np
 
 from ...documents.quantities import DEFAULT_GRAVITY
 from ...dynamics.outcome import Outcome
+from ...errors import UsageError
 from ..tables import Above
-from .canvas import Axes, Figure, Look, canvas, literal, panels
+from .canvas import Axes, Figure, Look, canvas, literal, motion_in_words, panels
 
 if TYPE_CHECKING:
-    from ...responses.code_check import CodeCheck
+    from ...responses.code_check import CodeCheck, Reached
     from ...responses.verdict import Verdict
     from ..rows import Rows
     from ..units import Units
@@ -83,7 +85,7 @@ def _verdict(row: dict[str, str]) -> Verdict:
     from ...responses.verdict import Verdict
 
     name = row.get("structure") or row["name"]
-    theta, demand, uplift, first, safe_to, ratio, searched_to = (
+    theta, demand, uplift, first, safe_to, ratio, searched_to, omega_g = (
         float(row[key]) if row.get(key) else None
         for key in (
             "theta_ratio",
@@ -93,6 +95,7 @@ def _verdict(row: dict[str, str]) -> Verdict:
             "safe_to",
             "capacity_demand",
             "searched_to",
+            "omega_g",
         )
     )
     if demand is None:
@@ -117,6 +120,7 @@ def _verdict(row: dict[str, str]) -> Verdict:
         safe_to,
         linear,
         searched_to=searched_to,
+        omega_g=omega_g,
     )
 
 
@@ -148,6 +152,9 @@ def capacities(figure: Figure, verdicts: Sequence[Verdict], in_g: bool) -> Axes:
             va="center",
             fontsize="small",
         )
+    demands = np.repeat([v.demand_a / unit for v in verdicts], 2)
+    ends = np.repeat(np.arange(len(verdicts) + 1) - 0.5, 2)[1:-1]
+    axes.plot(demands, ends, color="#D55E00", lw=2.0)
     motions, names, models = (
         list(dict.fromkeys(x))
         for x in zip(*((v.motion, v.structure, v.model) for v in verdicts), strict=True)
@@ -171,7 +178,10 @@ def capacities(figure: Figure, verdicts: Sequence[Verdict], in_g: bool) -> Axes:
             " uplift; line: demand"
         ),
     )
-    under = motions[0] if len(motions) == 1 else f"{len(motions)} motions"
+    under = (
+        motion_in_words(motions[0]) if len(motions) == 1 else f"{len(motions)} motions"
+    )
+    under += _at_frequencies(verdicts)
     of = f"{names[0]}, " if len(names) == 1 else ""
     axes.set_title(
         literal(f"capacity over demand: {of}{under}, {' or '.join(models)} equation")
@@ -180,18 +190,23 @@ def capacities(figure: Figure, verdicts: Sequence[Verdict], in_g: bool) -> Axes:
     return axes
 
 
+def _at_frequencies(verdicts: Sequence[Verdict]) -> str:
+    """Return the frequency of the pulses in words, empty under records."""
+    found = [v.omega_g / math.tau for v in verdicts if v.omega_g is not None]
+    if not found:
+        return ""
+    ends = dict.fromkeys(f"{x:.4g}" for x in (min(found), max(found)))
+    return f" at {' to '.join(ends)} Hz"
+
+
 def _plot_bar(axes: Axes, row: int, v: Verdict, unit: float) -> None:
-    """Draw the bar of one verdict, and its marks at uplift and demand; unit: of the
-    axis [m/s2].
-    """
+    """Draw the bar of one verdict, and its mark at uplift; unit: of the axis [m/s2]."""
     colour = v.outcome.colour if v.outcome != Outcome.NO_UPLIFT else "#E8E8E8"
     reach = 0.0 if v.first_overturning_a is None else v.first_overturning_a / unit
     axes.barh(row, reach, height=0.62, color=colour, edgecolor="0.35", linewidth=0.8)
     if v.uplift_a is not None:
         uplift = [v.uplift_a / unit] * 2
         axes.plot(uplift, [row - 0.31, row + 0.31], color="k", lw=1.0, ls=":")
-    demand = [v.demand_a / unit] * 2
-    axes.plot(demand, [row - 0.45, row + 0.45], color="#D55E00", lw=2.0)
 
 
 def _verdict_in_words(v: Verdict) -> str:
@@ -247,42 +262,33 @@ def draw_capacity_curves(
     """
     with canvas(target, overwrite, look=look, tell=tell) as figure:
         for axes, check in zip(panels(figure, len(checks)), checks, strict=True):
-            _curve(axes, check)
+            capacity_curve(axes, check)
         width, height = figure.get_size_inches()
         figure.set_size_inches(1.4 * width, height)  # for the legends
 
 
-def _curve(axes: Axes, check: CodeCheck) -> None:
-    """Draw a capacity curve, d [mm] across and a [g] upwards; a cross marks the demand
-    at each limit state.
+def capacity_curve(axes: Axes, check: CodeCheck) -> None:
+    """Draw a capacity curve, d [mm] across and a [g] upwards, with the spectrum of the
+    demand; a cross marks the demand at each limit state.
     """
     d = _MM * check.curve.displacement
     a = check.curve.multiplier * check.factor / DEFAULT_GRAVITY
     axes.plot(d, a, color="k", lw=1.8, label="capacity")
+    states = (("SLV", check.slv), ("SLC", check.slc))
     asked = [
         (_MM * at.demand, (2.0 * np.pi / at.period) ** 2 * at.demand / DEFAULT_GRAVITY)
-        for at in (check.slv, check.slc)
+        for _, at in states
     ]
-    most = (d.max(), a.max())  # a demand beyond three times the capacity is not shown
-    right, top = (
-        1.1 * max(x, *np.minimum(marks, 3.0 * x))
-        for x, marks in zip(most, zip(*asked, strict=True), strict=True)
-    )
-    periods = np.geomspace(0.03, 1.0, 200) * max(check.slv.period, check.slc.period)
-    for i, (name, at, mark) in enumerate(
-        (("SLV", check.slv, asked[0]), ("SLC", check.slc, asked[1]))
-    ):
+    spectra = [_spectrum(check, at) for _, at in states]
+    right = 1.1 * max(d.max(), *(x for x, _ in asked))
+    top = 1.1 * max(a.max(), *(y for _, y in asked))
+    seen = [s_a[s_d <= right].max(initial=0.0) for s_d, s_a in spectra]
+    # the plateau of a spectrum far above the capacity is not shown
+    top = max(top, min(1.1 * max(seen), 3.0 * top))
+    for i, ((name, at), mark) in enumerate(zip(states, asked, strict=True)):
         x, y, colour = _MM * at.displacement, at.acceleration / DEFAULT_GRAVITY, f"C{i}"
-        demand = check.spectrum.acceleration(periods, at.state.damping)
-        s_d = _MM * demand * (periods / (2.0 * np.pi)) ** 2
-        axes.plot(
-            s_d,
-            demand / DEFAULT_GRAVITY,
-            lw=1.1,
-            alpha=0.7,
-            label=f"demand, {100.0 * at.state.damping:g} %",
-            color=colour,
-        )
+        damping = f"demand, {100.0 * at.state.damping:g} %"
+        axes.plot(*spectra[i], lw=1.1, alpha=0.7, label=damping, color=colour)
         slope = (2.0 * np.pi / at.period) ** 2 / (_MM * DEFAULT_GRAVITY)
         axes.plot(
             [0.0, right],
@@ -298,11 +304,27 @@ def _curve(axes: Axes, check: CodeCheck) -> None:
         )
         axes.plot([x, x], [0.0, y], lw=0.7, ls=":", color=colour)
     axes.set(xlim=(0.0, right), ylim=(0.0, top), xlabel="$d$ [mm]", ylabel="$a$ [g]")
+    demand = f"{check.demand_a / DEFAULT_GRAVITY:.3g} g"
+    verdict = ", ".join(map(check.sentence, ("code_slv", "code_slc")))
+    shaking = motion_in_words(check.demand)
     axes.set_title(
-        literal(
-            f"{check.structure}, {check.demand}:"
-            f" {check.demand_a / DEFAULT_GRAVITY:.3g} g"
-        ),
+        literal(f"{check.structure}, {shaking}: {demand}\n{verdict}"),
         fontsize="small",
     )
     axes.legend(fontsize="x-small", loc="upper left", bbox_to_anchor=(1.01, 1.0))
+
+
+def _spectrum(check: CodeCheck, at: Reached) -> tuple[np.ndarray, np.ndarray]:
+    """Return (displacements [mm], accelerations [g]) of the demand at the damping of a
+    limit state, for periods to twice the longest secant period, or as far as the
+    spectrum goes.
+    """
+    longest = max(check.slv.period, check.slc.period)
+    periods = np.geomspace(0.03, 2.0, 300) * longest
+    try:
+        demand = check.spectrum.acceleration(periods, at.state.damping)
+    except UsageError:  # a spectrum of a file ends before
+        periods = np.geomspace(0.03, 1.0, 300) * longest
+        demand = check.spectrum.acceleration(periods, at.state.damping)
+    displacement = _MM * demand * (periods / (2.0 * np.pi)) ** 2
+    return displacement, demand / DEFAULT_GRAVITY

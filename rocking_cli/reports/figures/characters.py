@@ -4,26 +4,31 @@ import textwrap
 
 import numpy as np
 
+from ...documents.quantities import headed
 from ...dynamics.outcome import Outcome
 from ...errors import UsageError
 from ...spectra.file.reader import SpectraFile
+from ..units import Units
 from .slices import Slice, of_record, plane, slice_of
 
 WIDTH, HEIGHT = 80, 24  # of the terminal, with a line for the prompt
 _MARGIN = 11  # columns for the numbers at the left
 
 
-def text_map(file: SpectraFile, name: str | None, cut: str | None) -> list[str]:
+def text_map(
+    file: SpectraFile, name: str | None, cut: str | None, units: Units
+) -> list[str]:
     """Return the outcome map of a structure (or record), or a slice, as up to 23 lines
     of up to 80 characters.
     """
     (_, places), *both = file.frame.dimensions.items()
     if cut:
-        return _slice_text(slice_of(file, cut))
+        return _slice_text(slice_of(file, cut), units)
     place = place_of(file, name)
     if any(isinstance(values, list) for _, values in both):
-        return _slice_text(of_record(file, place))
+        return _slice_text(of_record(file, place), units)
     (across, x), (up, y), block = plane(file, place)
+    (across, x), (up, y) = _in_units(across, x, units), _in_units(up, y, units)
     outcomes = block["outcome"]
     head = _signs(str(places[place]), outcomes)
     rows = _spread(y.size - 1, 0, HEIGHT - len(head) - 3)
@@ -38,6 +43,14 @@ def text_map(file: SpectraFile, name: str | None, cut: str | None) -> list[str]:
         " " * 10 + "+" + "-" * columns.size,
         f"{up:>9}   {across} {x[0]:.4g} to {x[-1]:.4g}",
     ]
+
+
+def _in_units(name: str, values: np.ndarray, units: Units) -> tuple[str, np.ndarray]:
+    """Return the heading of an axis, such as `a_g [g]`, and its values in these
+    units.
+    """
+    shown, unit, factor = units.column(name)
+    return headed(shown, unit), values / factor
 
 
 def _signs(name: str, outcomes: np.ndarray) -> list[str]:
@@ -73,16 +86,17 @@ def place_of(file: SpectraFile, name: str | None) -> int:
     return list(names).index(name)
 
 
-def _slice_text(found: Slice) -> list[str]:
+def _slice_text(found: Slice, units: Units) -> list[str]:
     """Return bars of theta_max/alpha, for as many structures as fit with
     two rows each.
     """
-    where = (
-        "" if found.where == "record" else f" at {found.where} = {found.coordinate:.6g}"
-    )
+    along, x = _in_units(found.along, found.x, units)
+    where = ""
+    if found.where != "record":
+        name, unit, factor = units.column(found.where)
+        where = f" at {name} = {found.coordinate / factor:.6g} {unit}".rstrip()
     lines = [
-        f"theta_max/alpha{where} over {found.along} {found.x[0]:.4g} to"
-        f" {found.x[-1]:.4g}; blank: fell"
+        f"theta_max/alpha{where} over {along} {x[0]:.4g} to {x[-1]:.4g}; blank: fell"
     ]
     room = HEIGHT - 2
     shown = min(len(found.names), max(1, room // 5))

@@ -1,8 +1,5 @@
-"""Tables drawn as lines: responses, comparisons, families, closed-form curves,
-accuracy.
-"""
+"""Tables drawn as lines: comparisons, families, closed-form curves, accuracy."""
 
-import re
 from collections.abc import Sequence
 from itertools import cycle
 
@@ -12,9 +9,7 @@ from ...errors import UsageError
 from ..rows import Rows, column, groups
 from ..units import HEADING, Units
 from .canvas import (
-    DASHES,
     MARKERS,
-    SOURCE,
     Axes,
     Figure,
     column_in,
@@ -29,137 +24,6 @@ from .canvas import (
 
 VARIED = "varied_"  # begins the columns of the varied values of check and envelope
 _X = "over"  # a column for the abscissa of a family
-
-
-def response(
-    figure: Figure, rows: Rows, units: Units, align: bool = False
-) -> list[Axes]:
-    """Draw the rotation for each file and equation, below it the forces if there are
-    any, and the ground acceleration.
-
-    align: the time of each file counts from its largest rotation, or from theta = alpha
-    if the body overturns.
-    """
-    x, ground = ("t", "ground_acceleration") if "t" in rows[0] else ("tau", "A")
-    forces = [
-        c
-        for c in rows[0]
-        if c.startswith(("fx_ratio", "fz_ratio")) and not c.endswith("_after")
-    ]
-    ratios = [3, *([1.5] if forces else []), 1]
-    axes, *between, below = figure.subplots(
-        len(ratios), 1, sharex=True, height_ratios=ratios
-    )
-    files = groups(rows, SOURCE)
-    for i, (times, some) in enumerate(rotations(axes, rows, units, align)):
-        below.plot(
-            *with_jumps(times, column_in(some, ground, units)),
-            color="0.3" if len(files) == 1 else f"C{i}",
-            lw=1.0,
-        )
-    below.set(
-        xlabel=label(x, units) + ", 0 at the largest rotation" * align,
-        ylabel=label("ground_acceleration" if x == "t" else "A_s", units),
-    )
-    for one in between:
-        _plot_forces(one, rows, column_in(rows, x, units), forces, units)
-    return [axes, *between, below]
-
-
-def rotations(
-    axes: Axes, rows: Rows, units: Units, align: bool = False
-) -> list[tuple[np.ndarray, Rows]]:
-    """Draw the rotation for each file and equation; return (times, rows) of each
-    file.
-    """
-    x, y = ("t", "theta") if "t" in rows[0] else ("tau", "theta_ratio")
-    files = groups(rows, SOURCE)
-    found = []
-    for i, (source, some) in enumerate(files.items()):
-        colour = None if len(files) == 1 else f"C{i}"
-        times = _times(some, x, units, align)
-        _plot_rotations(axes, some, times, y, units, source, colour)
-        found.append((times, some))
-    axes.set(
-        ylabel=label(y, units), title=heading(rows, "structure", "motion", "model")
-    )
-    legend(axes)
-    return found
-
-
-def response_axes(axes: Axes, rows: Rows, units: Units, align: bool = False) -> Axes:
-    """Draw the rotation alone into Axes, and return them."""
-    rotations(axes, rows, units, align)
-    time = label("t" if "t" in rows[0] else "tau", units)
-    axes.set_xlabel(time + ", 0 at the largest rotation" * align)
-    return axes
-
-
-def _times(rows: Rows, x: str, units: Units, align: bool) -> np.ndarray:
-    """Return the times of a response, with `align` from its largest rotation."""
-    times = column_in(rows, x, units)
-    if align:
-        ratio = column(rows, next(c for c in rows[0] if c.startswith("theta_ratio")))
-        times -= times[np.argmax(np.minimum(np.abs(ratio), 1.0))]
-    return times
-
-
-def _plot_rotations(
-    axes: Axes,
-    rows: Rows,
-    times: np.ndarray,
-    y: str,
-    units: Units,
-    source: Sequence[str],
-    colour: str | None,
-) -> None:
-    """Draw the rotation by each equation. source: the name of the file, where several
-    are drawn; colour: of all its lines, None for one of each equation.
-    """
-    columns = [c for c in rows[0] if re.fullmatch(f"{y}(_linear|_nonlinear)?", c)]
-    for i, name in enumerate(columns):
-        model = name.removeprefix(y).strip("_")
-        words = [*map(literal, source), *([f"{model} equation"] if model else [])]
-        style = line_style(i) if colour is None else {"color": colour, "ls": DASHES[i]}
-        axes.plot(
-            times,
-            column_in(rows, name, units),
-            label=", ".join(words) or "response",
-            **style,
-        )
-
-
-def _plot_forces(
-    axes: Axes, rows: Rows, times: np.ndarray, names: Sequence[str], units: Units
-) -> None:
-    """Draw the forces on the ground; names: their columns, Fx and Fz by each
-    equation.
-    """
-    for i, name in enumerate(names):
-        axes.plot(
-            *with_jumps(times, column_in(rows, name, units)),
-            label=f"$F_{name[1]}/mg$" if i < 2 else "_",
-            color="C2" if name[1] == "x" else "C3",
-            ls=DASHES[i // 2],  # an equation has its dash of above
-        )
-    axes.set_ylabel("$F/mg$ [-]")
-    legend(axes)
-
-
-def with_jumps(t: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the samples with one more point at each jump, a step eight times larger
-    than its neighbours: the line is vertical there.
-    """
-    step = np.abs(np.diff(a, prepend=a[:1], append=a[-1:]))
-    neighbour = np.maximum(step[:-2], step[2:]) if a.size > 1 else np.zeros(0)
-    jumps = (
-        np.flatnonzero(
-            (step[1:-1] > 8.0 * neighbour)
-            & (step[1:-1] > 0.05 * np.max(np.abs(a), initial=0.0))
-        )
-        + 1
-    )
-    return np.insert(t, jumps, t[jumps]), np.insert(a, jumps, a[jumps - 1])
 
 
 def comparison(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
@@ -187,7 +51,7 @@ def comparison(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
             1.1
             * max(float(row["t"]) for row in rows if float(row["ground_acceleration"])),
         )
-    axes[len(axes) // 2].set_title(heading(rows, "structure", "motion", "model"))
+    axes[len(axes) // 2].set_title(heading(rows, units, "structure", "motion", "model"))
     legend(axes[-1])
     return axes
 
@@ -226,7 +90,7 @@ def closed_forms(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     axes.set(
         xlabel=label("Omega", units),
         ylabel=label("A", units),
-        title=heading(rows, "structure", "motion", "model"),
+        title=heading(rows, units, "structure", "motion", "model"),
     )
     legend(axes)
     return [axes]
@@ -332,7 +196,7 @@ def least_amplitudes(
     axes.set(
         xlabel=xlabel,
         ylabel=label(y, units),
-        title=heading(rows, "motion", "record", "model"),
+        title=heading(rows, units, "motion", "record", "model"),
     )
     axes.set_ylim(bottom=0.0)
     legend(axes)

@@ -17,6 +17,7 @@ from ..units import Units
 from .canvas import MOST_ACROSS, Axes, Look, canvas, literal, panels, require_axes
 
 _WIDTH = 4.2  # inches, of a panel
+_ALIKE = 2.5  # ratio of the sizes of bodies that are drawn at one scale
 STONE, GROUND, INK, ACCENT = "#D9CBB8", "#EFEFEF", "#333333", "#D55E00"
 
 
@@ -72,11 +73,16 @@ def draw_structures(
         return
     with canvas(target, overwrite, look=look, tell=tell) as figure:
         drawn = panels(figure, len(found))
+        units = units or Units()
+        sizes = [_size(sketch) for _, sketch in found]
+        one_scale = max(sizes) <= _ALIKE * min(sizes)
         for axes, (one, sketch) in zip(drawn, found, strict=True):
-            if axes is not drawn[0]:  # one scale
+            if one_scale and axes is not drawn[0]:
                 axes.sharex(drawn[0])
                 axes.sharey(drawn[0])
-            structure_axes(axes, one, sketch, units or Units())
+            structure_axes(axes, one, sketch, units)
+            if not one_scale:
+                _plot_scale_bar(axes, 0.4 * min(sizes), units)
         (left, right), (low, high) = drawn[0].get_xlim(), drawn[0].get_ylim()
         across = min(len(found), MOST_ACROSS)
         shape = min(1.4, max(0.4, (high - low) / (right - left)))
@@ -121,12 +127,13 @@ def structure_axes(
     axes.axhline(base / metre, color=INK, lw=1.2, zorder=0.5)
     if built.one_sided:
         _hatch_backing(axes, sketch, base / metre, metre)
+    _plot_dimensions(axes, sketch, base / metre, metre, unit)
     radius = ""
     # under a load that it does not carry a body turns by another angle than that of R
     if sketch.centre is not None and built.mechanism is None:
         radius = f", $R$ = {_mass_centre(axes, built, sketch, metre):.3g} {unit}"
     axes.set_aspect("equal")
-    axes.margins(0.08)
+    axes.margins(0.1)
     axes.grid(visible=False)
     axes.set(xlabel=f"$x$ [{unit}]", ylabel=f"$z$ [{unit}]")
     axes.set_title(
@@ -164,8 +171,100 @@ def _in_unit(points: Iterable[Point], metre: float) -> list[Point]:
 def _fill_outlines(axes: Axes, sketch: Sketch, metre: float) -> None:
     """Draw the parts that stay, the bodies at rest and at alpha, and cavities."""
     for group, style in _STYLES.items():
-        for outline in getattr(sketch, group):
+        outlines = getattr(sketch, group)
+        if sketch.gyration and group in ("bodies", "moved"):
+            circle, *outlines = outlines
+            if group == "bodies":
+                _plot_gyration(axes, _in_unit(circle, metre))
+        for outline in outlines:
             axes.fill(*zip(*_in_unit(outline, metre), strict=True), **style)
+
+
+def _plot_gyration(axes: Axes, circle: Sequence[Point]) -> None:
+    """Draw the circle of the radius of gyration, which is no outline of the body."""
+    style: dict[str, Any] = {
+        "facecolor": "none",
+        "edgecolor": "0.45",
+        "lw": 0.9,
+        "ls": "--",
+    }
+    axes.fill(*zip(*circle, strict=True), **style, label="_gyration")
+    axes.annotate(
+        "radius of gyration",
+        max(circle, key=lambda point: point[1]),
+        xytext=(0, 3),
+        textcoords="offset points",
+        ha="center",
+        color="0.35",
+        fontsize="x-small",
+    )
+
+
+def _size(sketch: Sketch) -> float:
+    """Return the larger of width and height of the drawing [m]."""
+    outlines = (*sketch.bodies, *sketch.still, *sketch.moved)
+    xs, zs = zip(*(point for outline in outlines for point in outline), strict=True)
+    return max(max(xs) - min(xs), max(zs) - min(zs))
+
+
+def _plot_scale_bar(axes: Axes, most: float, units: Units) -> None:
+    """Draw a bar whose length is a round number below `most` [m] on the right below
+    the ground.
+    """
+    unit, metre = units.of("length")
+    decade = 10.0 ** math.floor(math.log10(most / metre))
+    length = decade * max(step for step in (1, 2, 5) if step * decade <= most / metre)
+    low, right = axes.get_ylim()[0], axes.get_xlim()[1]
+    axes.plot([right - length, right], [low, low], color=INK, lw=3.0, label="_scale")
+    axes.annotate(
+        f"{length:g} {unit}",
+        (right - 0.5 * length, low),
+        xytext=(0, 4),
+        textcoords="offset points",
+        ha="center",
+        fontsize="small",
+    )
+
+
+def _plot_dimensions(
+    axes: Axes, sketch: Sketch, base: float, metre: float, unit: str
+) -> None:
+    """Draw lines of dimension: the width at the foot and the height, of a body known by
+    its mass centre those of the edges and the centre; base: z in the unit of the axes.
+    """
+    points = [point for outline in sketch.bodies for point in outline]
+    foot = min(z for _, z in points) / metre
+    feet = [x / metre for x, z in points if abs(z / metre - foot) < 1e-9]
+    top = max(z for _, z in points) / metre
+    if sketch.gyration and sketch.centre is not None:
+        top = sketch.centre[1] / metre
+    edge = axes.dataLim.x0
+    away = 0.06 * max(axes.dataLim.width, axes.dataLim.height)
+    if len(feet) > 1:
+        ends = ((min(feet), base - away), (max(feet), base - away))
+        _plot_dimension(axes, *ends, f"{max(feet) - min(feet):.3g} {unit}")
+    ends = ((edge - away, foot), (edge - away, top))
+    _plot_dimension(axes, *ends, f"{top - foot:.3g} {unit}", rotation=90.0)
+    axes.update_datalim([(edge - 1.5 * away, base - 2.0 * away)])
+
+
+def _plot_dimension(
+    axes: Axes, start: Point, end: Point, text: str, rotation: float = 0.0
+) -> None:
+    """Draw a line with an arrow at both ends and its length beside it."""
+    arrow = {"arrowstyle": "<->", "lw": 0.6, "color": "0.4", "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", start, end, arrowprops=arrow)
+    axes.annotate(
+        text,
+        (0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1])),
+        xytext=(-4, 0) if rotation else (0, -4),
+        textcoords="offset points",
+        ha="right" if rotation else "center",
+        va="center" if rotation else "top",
+        rotation=rotation,
+        color="0.3",
+        fontsize="x-small",
+    )
 
 
 def _plot_lines(axes: Axes, sketch: Sketch, metre: float) -> None:
@@ -259,6 +358,15 @@ def _mass_centre(
         (x / metre, z / metre) for x, z in (dict(sketch.pivots)[side], sketch.centre)
     )
     axes.plot(cx, cz, "P", color="k", ms=7, mec="w", mew=0.8, label="_mass centre")
+    if sketch.gyration:
+        axes.annotate(
+            "mass centre",
+            (cx, cz),
+            xytext=(6, 4),
+            textcoords="offset points",
+            color="0.35",
+            fontsize="x-small",
+        )
     axes.plot([px, cx], [pz, cz], color=INK, lw=0.9, label="_R")
     axes.plot([px, px], [pz, cz], color=INK, lw=0.9, ls=":", label="_vertical")
     # alpha is signed: negative towards the left

@@ -2,7 +2,7 @@
 panel for each structure.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import pairwise
 from typing import Any
 
@@ -37,6 +37,7 @@ _WIDTHS = {
     "T": 2.5,
     "record": 6.0,
 }
+_MARGIN = 1.1  # of the axis of amplitudes over the largest one
 Interval = tuple[float, float, float]  # frequency, lower and upper amplitude
 
 
@@ -55,6 +56,8 @@ def bands(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
         list(dict.fromkeys(row["record"] for row in rows)) if over == "record" else []
     )
     drawn = panels(figure, len(found))
+    most = _reach(found.values(), over, units) if amplitude == "a" else None
+    entries: dict[str, Any] = {}
     for axes, some in zip(drawn, found.values(), strict=True):
         x = (
             np.array([float(records.index(row["record"])) for row in some])
@@ -62,7 +65,7 @@ def bands(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
             else column_in(some, over, units)
         )
         places = sorted(set(x.tolist()))
-        _draw(
+        entries |= _draw(
             axes,
             some,
             (f"{amplitude}_from", f"{amplitude}_to"),
@@ -71,6 +74,7 @@ def bands(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
             [] if over in _WIDTHS else places,
             _WIDTHS.get(over, 1.0),
         )
+        _stop_at(axes, most, units)
         if records:
             axes.set_xticks(
                 range(len(records)),
@@ -94,9 +98,45 @@ def bands(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
             valued(key, float(text), units) if key == "alpha" else literal(text)
             for key, text in names
         )
-        title = "\n".join(filter(None, (title, heading(some, "motion", "model"))))
+        title = "\n".join(
+            filter(None, (title, heading(some, units, "motion", "model")))
+        )
         axes.set(ylabel=label("a_g" if amplitude == "a" else "A", units), title=title)
+    legend(drawn[0], list(entries.values()))
     return drawn
+
+
+def _reach(found: Iterable[Rows], over: str, units: Units) -> float | None:
+    """Return the largest amplitude of the axes in their unit: twice that of the uplift
+    at A = 1, more where nothing overturns so early. None without an overturning.
+    """
+    reach = []
+    for some in found:
+        low, A = column_in(some, "a_from", units), column_in(some, "A_from", units)
+        if np.all(np.isnan(low)):
+            continue
+        reach.append(2.0 * float(np.nanmax(low / A)))
+        # of records each stands alone
+        least = np.nanmax(low) if over == "record" else np.nanmin(low)
+        reach.append(1.3 * float(least))
+    return max(reach, default=None)
+
+
+def _stop_at(axes: Axes, most: float | None, units: Units) -> None:
+    """Let the axis of amplitudes end at `most`, and say how far the rows go."""
+    top = axes.get_ylim()[1]
+    if most is None or top <= most:
+        return
+    axes.set_ylim(0.0, most)
+    axes.annotate(
+        f"↑ {top / _MARGIN:.3g} {units.of('acceleration')[0]}",
+        (1.0, 1.0),
+        xycoords="axes fraction",
+        xytext=(0, 3),
+        textcoords="offset points",
+        ha="right",
+        fontsize="x-small",
+    )
 
 
 def _draw(
@@ -107,17 +147,17 @@ def _draw(
     units: Units,
     frequencies: list[float],
     width: float,
-) -> None:
+) -> dict[str, Any]:
     """Draw the intervals at each x, joined between `frequencies`; only their lower ends
-    if the rows have no upper end.
+    if the rows have no upper end. Return legend entries by their texts.
     """
     from matplotlib.collections import PolyCollection
     from matplotlib.patches import Patch
 
     low = column_in(some, ends[0], units)
     high = column_in(some, ends[1], units) if ends[1] in some[0] else low
-    top = 1.1 * float(np.nanmax(np.concatenate([low, high, [0.0]]))) or 1.0
-    entries: list[Any] = []
+    top = _MARGIN * float(np.nanmax(np.concatenate([low, high, [0.0]]))) or 1.0
+    entries: dict[str, Any] = {}
     for mode in dict.fromkeys(row["mode"] for row in some):
         outcome = _MODES.get(mode)
         if outcome is None:  # mode "none"
@@ -138,10 +178,10 @@ def _draw(
         axes.vlines(*np.array(intervals).T, color=outcome.colour, lw=width)
         if ends[1] not in some[0]:
             axes.plot(x[mine], low[mine], "o", color=outcome.colour, ms=4.0)
-        entries.append(Patch(facecolor=outcome.colour, label=outcome.sentence))
+        words = outcome.sentence
+        entries[words] = Patch(facecolor=outcome.colour, label=words)
     axes.set_ylim(0.0, top)
-    if entries:
-        legend(axes, entries)
+    return entries
 
 
 def _joined(

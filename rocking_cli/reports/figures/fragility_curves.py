@@ -80,6 +80,8 @@ def _plot_curve(
     """Draw one curve with its band and fractions, or fractions alone as steps; number:
     of the line, factor: of the unit of the measure.
     """
+    from matplotlib.colors import to_rgba
+
     x, p = column(rows, "x") / factor, column(rows, "probability")
     fraction = column(rows, "fraction")
     colour = f"C{number}"
@@ -97,7 +99,9 @@ def _plot_curve(
     axes.plot(x[x <= last], p[x <= last], color=colour, label=words)
     axes.plot(x[x >= last], p[x >= last], color=colour, ls="--")
     low, high = column(rows, "low"), column(rows, "high")
-    axes.fill_between(x, low, high, color=colour, alpha=0.15, lw=0.0)
+    # bands of several curves overlap: each has the edges of its colour
+    faint = to_rgba(colour, 0.07)
+    axes.fill_between(x, low, high, fc=faint, ec=colour, lw=0.7, ls=":")
     marker = MARKERS[number % len(MARKERS)]
     axes.plot(x, fraction, ls="", marker=marker, ms=4.0, color=colour)
 

@@ -59,7 +59,7 @@ def phase(
         xlabel=label("theta_ratio", units),
         ylabel=r"$\dot\theta/(p\,\alpha)$ [-]",
     )
-    axes.set_title(heading(rows, "structure", "motion", "model"))
+    axes.set_title(heading(rows, units, "structure", "motion", "model"))
     legend(axes)
     return [axes]
 

@@ -38,7 +38,8 @@ def body(document: Document) -> RigidBody:
         raise document.fault(far, f"{max(left, right):g} m", wanted)
     moments = Moments(1.0, x, height, gyration**2 + x * x + height * height)
     outlines = [circle((0.0, height), gyration), ((-left, 0.0), (right, 0.0))]
-    drawing = rocker(outlines, (-left, 0.0), (right, 0.0), (0.0, height))
+    edges = (-left, 0.0), (right, 0.0)
+    drawing = rocker(outlines, *edges, (0.0, height), gyration=True)
     length, mass = (
         document.length("length") if document.has("length") else None,
         mass_of(document),

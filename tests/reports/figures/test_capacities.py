@@ -15,7 +15,7 @@ from rocking_cli import (
     parse_grid,
     sine,
 )
-from rocking_cli.reports.figures.capacities import _curve, capacities
+from rocking_cli.reports.figures.capacities import capacities, capacity_curve
 
 
 def test_bars_end_at_the_first_overturning_and_lines_stand_at_the_demand():
@@ -36,8 +36,10 @@ def test_bars_end_at_the_first_overturning_and_lines_stand_at_the_demand():
         [v.first_overturning_a / 9.81 for v in verdicts]
     )
     assert [line.get_xdata()[0] for line in axes.lines] == pytest.approx(
-        [0.2, 0.35, 0.5, 0.35]
+        [0.2, 0.5, 0.35]
     )
+    title = axes.get_title()
+    assert title.endswith(", one cycle of a sine at 1.2 Hz, nonlinear equation")
     assert [t.get_text() for t in axes.get_yticklabels()] == [
         v.structure for v in verdicts
     ]
@@ -74,12 +76,17 @@ def test_marks_stand_at_the_limit_states_and_at_their_demands():
         load_structures("block:0.5x2")[0], sine(), parse_grid("a_g=0.3g,T_g=0.4")
     )
     axes = Figure().add_subplot()
-    _curve(axes, found)
+    capacity_curve(axes, found)
     lines = {line.get_label(): line for line in axes.lines}
     assert lines["capacity"].get_xydata()[0] == pytest.approx((0.0, 0.25))
     assert lines["capacity"].get_xydata()[-1] == pytest.approx((250.0, 0.0))
     assert lines["$d_{SLV}$ = 100 mm"].get_xydata()[0] == pytest.approx(
         (100.0, found.slv.acceleration / 9.81)
     )
+    ratio = found.slv.amplitude / found.demand_a
+    assert f"\nSLV: verified ({math.floor(100 * ratio) / 100:.2f})," in axes.get_title()
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     x, y = lines[f"demand at SLC {1000 * found.slc.demand:.3g} mm"].get_xydata()[0]
+    assert left < x < right
+    assert low < y < high
     assert y * 9.81 == pytest.approx(x / 1000 * (2 * math.pi / found.slc.period) ** 2)

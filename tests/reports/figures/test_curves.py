@@ -10,7 +10,7 @@ import pytest
 from support.axes import lines, numbers, same
 
 from rocking_cli import UsageError, load_structures, read_documents
-from rocking_cli.reports.figures.curves import with_jumps
+from rocking_cli.reports.figures.histories import with_jumps
 from rocking_cli.reports.units import parse_units
 
 KEYS = ("p", "alpha", "eta", "lambda")
@@ -55,7 +55,15 @@ def test_a_response_stands_above_its_motion(drawn, table, extra, x, y, ground, l
         below.get_lines()[0].get_data(), numbers(rows, x), numbers(rows, ground) / unit
     )  # a sine does not jump
     assert (below.get_xlabel(), axes.get_ylabel(), below.get_ylabel()) == labels
-    assert (axes.get_legend() is not None) == (len(y) > 1)
+    title = "Column, one cycle of a sine, A = 2 at Omega = 4, linear equation"
+    if x == "tau":
+        assert axes.get_title() == title
+    words = [text.get_text() for text in drawn(source).legends[0].get_texts()]
+    assert words == [
+        *(["linear equation", "nonlinear equation"] if x == "t" else ["response"]),
+        *("uplift", "impact", "falls"),
+        r"$\pm\alpha$",
+    ]
 
 
 def test_forces_stand_between_the_response_and_its_motion(drawn, table):

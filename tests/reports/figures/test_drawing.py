@@ -60,7 +60,8 @@ def test_a_block_has_its_pivots_mass_centre_and_alpha(structures_drawn):
 
 def test_hinges_are_numbered_and_a_crack_is_named(structures_drawn):
     arch, spire = structures_drawn("arch", "spire_cracked")
-    assert [text.get_text() for text in arch.texts] == ["1", "2", "3", "4"]
+    texts = [text.get_text() for text in arch.texts]
+    assert [text for text in texts if text.isdigit()] == ["1", "2", "3", "4"]
     assert len(arch.patches) == 14  # seven voussoirs, and the same displaced
     assert "$a_{scale}$ = 0.1867" in arch.get_title()
     (crack,) = labelled(spire, "crack")
@@ -103,8 +104,14 @@ def test_a_dollar_in_a_name_is_a_dollar(structures_drawn, tmp_path):
 
 def test_bodies_are_at_one_scale_and_one_without_geometry_is_left_out(structures_drawn):
     remarks = []
-    axes = structures_drawn("block", "parameters", "spire", tell=remarks.append)
-    assert [one.get_title().partition("\n")[0] for one in axes] == ["Column", "Spire"]
+    axes = structures_drawn("block", "parameters", "rigid", tell=remarks.append)
+    assert [one.get_title().partition("\n")[0] for one in axes] == ["Column", "Statue"]
+    assert {"0.5 m", "2 m"} <= {text.get_text() for text in axes[0].texts}
+    circle = axes[1].patches[0]
+    assert (circle.get_label(), circle.get_facecolor()[3]) == ("_gyration", 0.0)
+    assert {"mass centre", "radius of gyration"} <= {
+        t.get_text() for t in axes[1].texts
+    }
     assert (
         len(
             {
@@ -117,6 +124,13 @@ def test_bodies_are_at_one_scale_and_one_without_geometry_is_left_out(structures
     assert [said.endswith("left out") for said in remarks] == [True]
     with pytest.raises(DocumentError, match="states no geometry"):
         structures_drawn("parameters")
+
+
+def test_bodies_of_unequal_size_have_their_own_scales_and_one_bar(structures_drawn):
+    for axes in structures_drawn("block", "arch"):
+        (bar,) = labelled(axes, "_scale")
+        assert np.ptp(bar[:, 0]) == pytest.approx(0.5, rel=1e-12)
+        assert "0.5 m" in [text.get_text() for text in axes.texts]
 
 
 def test_a_long_name_stands_on_lines_of_its_panel(figures, tmp_path):

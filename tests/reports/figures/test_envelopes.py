@@ -45,7 +45,7 @@ def test_an_envelope_is_a_band_from_where_overturning_begins_to_where_it_ends(
         r"$\Omega = \omega_g/p$ [-]",
         r"$A = a_{scale}\,a_g/(\alpha g)$ [-]",
     )
-    assert axes.get_title() == "eta=0.9\nsine, 1 cycle, linear equation"
+    assert axes.get_title() == "eta=0.9\none cycle of a sine, linear equation"
 
 
 @pytest.mark.slow
@@ -61,7 +61,8 @@ def test_structures_have_a_panel_each_in_g_and_hz(drawn, table):
     )
     figure = drawn(source)
     assert [axes.get_title() for axes in figure.axes] == [
-        f"{name}\nsine, 1 cycle, nonlinear equation" for name in ("Column", "Spire")
+        f"{name}\none cycle of a sine, nonlinear equation"
+        for name in ("Column", "Spire")
     ]
     assert {(axes.get_xlabel(), axes.get_ylabel()) for axes in figure.axes} == {
         ("$f_g$ [Hz]", "$a_g$ [g]")
@@ -89,9 +90,8 @@ def test_closed_form_curves_are_a_line_each(drawn, table):
     )
     found = lines(drawn(source).axes[0])
     assert len(found) == 4
-    assert (
-        drawn(source).axes[0].get_title() == "eta=0.9, sine, 1 cycle, linear equation"
-    )
+    title = "eta=0.9, one cycle of a sine, linear equation"
+    assert drawn(source).axes[0].get_title() == title
     for label, line in found.items():
         mine = [r for r in rows if r["curve"].replace("_", " ") in label]
         same(line, numbers(mine, "Omega"), numbers(mine, "A"))
@@ -109,7 +109,8 @@ def test_both_equations_have_a_panel_each(drawn, table):
         "4",
     )
     assert [axes.get_title() for axes in drawn(source).axes] == [
-        f"Column\nsine, 1 cycle, {model} equation" for model in ("linear", "nonlinear")
+        f"Column\none cycle of a sine, 1 Hz, {model} equation"
+        for model in ("linear", "nonlinear")
     ]
 
 
