@@ -122,7 +122,9 @@ def section(
     curves under the records.
     """
     structure, mine = subject.structure, cases.verdicts
-    pulse = None if recordings or not cases.shakes else cases.shakes[0]
+    # A record, and a motion of a floor, have no map over frequencies.
+    pulses = [shake for shake in cases.shakes if shake[0].acceleration is None]
+    pulse = pulses[0] if pulses and not recordings else None
     if pulse is None:
         drawn, judged = None, "motions"
         outcomes = np.array(
