@@ -17,7 +17,9 @@ Plain = str | list["Plain"] | dict[str, "Plain"]
 class Asked(NamedTuple):
     """What a reader asks of one key."""
 
-    form: str  # quantity, integer, choice, flag, word, pair, part or parts
+    # quantity, integer, choice, flag, word, pair, pairs (a list of them), part, parts
+    # (a list of them) or named (a mapping of names to parts)
+    form: str
     dimension: str = ""  # of a quantity or a pair
     words: tuple[str, ...] = ()  # the options of a choice
     least: float = -math.inf  # least value [SI]
@@ -129,14 +131,16 @@ class AskedDocument(Document):
     def pair(
         self, key: str, value: Value, dimension: str, name: str, wanted: str
     ) -> tuple[float, float]:
-        self._note(key, "pair", dimension)
+        alone = value is self.values.get(key)
+        self._note(key, "pair" if alone else "pairs", dimension)
         return super().pair(key, value, dimension, name, wanted)
 
     def part(self, key: str, value: Value, path: str = "") -> Document:
+        alone = value is self.values[key]
         listed = isinstance(self.values[key].content, list)
-        self._note(key, "parts" if listed else "part")
+        self._note(key, "part" if alone else "parts" if listed else "named")
         found = super().part(key, value, path)
-        begin = f"{self.begin}{key}.{'*.' if listed else ''}"
+        begin = f"{self.begin}{key}.{'' if alone else '*.'}"
         return AskedDocument(
             found.source,
             found.place,

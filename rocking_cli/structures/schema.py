@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from copy import deepcopy
 from functools import cache
 from itertools import combinations, pairwise
@@ -178,6 +178,7 @@ class _Reading:
             for path in left:
                 probed.add(path)
                 self._probe(path)
+        self._note_pairs()
         unread = [key for key in self._keys("") if not self._form(key)]
         for one, other in combinations(unread, 2):  # keys that go together
             node = self._with(self._with(self._alone(), one), other, "2")
@@ -223,6 +224,8 @@ class _Reading:
             if asked.form in ("flag", "word"):
                 return ["true"]
             if asked.form == "pair":
+                return [["0", "1"]]
+            if asked.form == "pairs":
                 return [[["0", "0"], ["1", "0"], ["1", "4"]]]
         return [str(number + 1), [{}], {}, [{}, {}]]
 
@@ -258,8 +261,27 @@ class _Reading:
 
     def _note_needs(self, inside: str, key: str) -> None:
         """Note the keys that a mapping needs beside this one, or without it."""
+        self._note_needs_beside(inside, key, ((), (key,)))
+
+    def _note_pairs(self) -> None:
+        """Note what an item of a list needs beside two keys, each of which only some
+        items need.
+        """
+        for inside, needs in list(self.needs.items()):
+            if not inside:
+                continue
+            some = frozenset().union(*needs) - needs[0].intersection(*needs)
+            for one, other in combinations(sorted(some), 2):
+                self._note_needs_beside(inside, one, ((one, other),))
+
+    def _note_needs_beside(
+        self, inside: str, key: str, alternatives: Sequence[tuple[str, ...]]
+    ) -> None:
+        """Note the keys that a mapping needs beside each of these sets of keys; key:
+        one of them.
+        """
         begin = f"{inside}." if inside else ""
-        for given in ((), (key,)):
+        for given in alternatives:
             node = self._base() if inside else self._alone()
             if inside:
                 self._empty(node, inside)
@@ -345,15 +367,22 @@ class _Reading:
             return {"type": ["boolean", "null"]}
         if list(forms) == ["word"]:
             return {"type": ["string", "number", "boolean", "null"]}
-        if list(forms) == ["pair"]:
+        if list(forms) in (["pair"], ["pairs"]):
             one = {"$ref": f"#/definitions/{asked[0].dimension}"}
             pair = {"type": "array", "items": one, "minItems": 2, "maxItems": 2}
+            if "pair" in forms:
+                return pair
             return {"type": "array", "items": pair, "minItems": 1}
+        if list(forms) == ["named"]:
+            return {"type": "object"}
         if list(forms) == ["part"]:
             return self._mapping(path, {})
-        if list(forms) == ["parts"]:
+        # without a key no valid document has shown what the items take
+        if list(forms) == ["parts"] and self._keys(f"{path}.*"):
             items = self._mapping(f"{path}.*", {})
-            return {"type": "array", "items": items, "minItems": 1}
+            listed: Schema = {"type": "array", "items": items, "minItems": 1}
+            words = any(isinstance(node.get(path), str) for node in self.whole)
+            return {"anyOf": [{"type": "string"}, listed]} if words else listed
         return {}  # asked for in another way
 
     def _integer_schema(self, asked: list[Asked]) -> Schema:
@@ -382,7 +411,7 @@ class _Reading:
     def _takes_auto(self, path: str) -> bool:
         """True if a valid document stays valid with `auto` in place of the quantity."""
         return "." not in path and any(
-            self._read({**node, path: AUTO}) for node in self.whole[:1]
+            self._read({**node, path: AUTO}) for node in self.whole
         )
 
 
