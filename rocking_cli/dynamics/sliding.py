@@ -44,7 +44,7 @@ _BLOCK = 64  # segments of a slide that are summed at a time, at first
 
 
 @dataclass(frozen=True)
-class Drive:
+class SlideDrive:
     """q = -s x_g'' - mu z_g'' on its K monotone segments, over a_g."""
 
     start: Array  # phase at the start [rad], (K,)
@@ -57,7 +57,7 @@ class Drive:
     frequency: Array  # of each sinusoid over omega_g [-], (H, K)
 
     @classmethod
-    def of(cls, motion: Motion, side: float, mu: float) -> Drive:
+    def of(cls, motion: Motion, side: float, mu: float) -> SlideDrive:
         """Return q of a motion for slides of the sign `side` and a friction mu."""
         lines = motion if motion.vertical is None else combined(motion, side * mu)
         found = lines.segments
@@ -201,7 +201,7 @@ def _root(function: Any, low: float, high: float) -> float:
 
 
 @dataclass(frozen=True)
-class Slide:
+class SlideStretch:
     """One slide from rest to rest; lengths in a_g/omega_g^2, speeds in a_g/omega_g."""
 
     start: float  # phase [rad]
@@ -219,7 +219,7 @@ class Sliding:
 
     base: Base  # motion and friction
     ratio: float  # g/a_g [-]
-    slides: tuple[Slide, ...]  # in their order
+    slides: tuple[SlideStretch, ...]  # in their order
     # phase at which the ground falls away, where the slides end [rad]; infinite: never
     lost: float
 
@@ -245,7 +245,7 @@ class Sliding:
         """max |u'|."""
         return max(map(self.speed_of, self.slides), default=0.0)
 
-    def speed_of(self, one: Slide) -> float:
+    def speed_of(self, one: SlideStretch) -> float:
         """Return max |u'| of a slide."""
         return self.base.course_of(one, self.ratio).fastest(one.stop)
 
@@ -276,22 +276,28 @@ class Base:
     friction: Friction  # of the base
 
     @cached_property
-    def _drives(self) -> tuple[tuple[Drive, Drive], tuple[Drive, Drive]]:
+    def _drives(
+        self,
+    ) -> tuple[tuple[SlideDrive, SlideDrive], tuple[SlideDrive, SlideDrive]]:
         """q to the right and to the left, with the static and with the kinetic
         coefficient.
         """
         mu, same = self.friction, self.motion.vertical is None
-        static = tuple(Drive.of(self.motion, side, mu.static) for side in (1.0, -1.0))
+        static = tuple(
+            SlideDrive.of(self.motion, side, mu.static) for side in (1.0, -1.0)
+        )
         if same or mu.static == mu.kinetic:
             return static, static  # type: ignore[return-value]
-        kinetic = tuple(Drive.of(self.motion, side, mu.kinetic) for side in (1.0, -1.0))
+        kinetic = tuple(
+            SlideDrive.of(self.motion, side, mu.kinetic) for side in (1.0, -1.0)
+        )
         return static, kinetic  # type: ignore[return-value]
 
     @cached_property
-    def _weight(self) -> Drive | None:
+    def _weight(self) -> SlideDrive | None:
         """-z_g'' over a_g; None without a vertical motion."""
         up = self.motion.vertical
-        return None if up is None else Drive.of(up, 1.0, 0.0)
+        return None if up is None else SlideDrive.of(up, 1.0, 0.0)
 
     def under(self, ratio: float) -> Sliding:
         """Return the slides for g/a_g = ratio (infinite for ground at rest)."""
@@ -301,7 +307,7 @@ class Base:
         static, kinetic = self._drives
         least, level = self.friction.static * ratio, self.friction.kinetic * ratio
         loud = [drive.loud(least) for drive in static]
-        found: list[Slide] = []
+        found: list[SlideStretch] = []
         phase, u = 0.0, 0.0
         while True:
             right, left = (
@@ -316,7 +322,7 @@ class Base:
             stop = min(course.stop(), lost)
             if stop > start:
                 ends = u + side * float(course.at(np.array(stop))[0])
-                found.append(Slide(start, stop, side, u, ends))
+                found.append(SlideStretch(start, stop, side, u, ends))
                 u = ends
             phase = stop if stop > start else math.nextafter(start, math.inf)
         return Sliding(self, ratio, tuple(found), lost)
@@ -342,7 +348,7 @@ class Base:
         highest = 0.0 if weight is None else max(0.0, float(weight.highest.max()))
         return 1.0 - highest / ratio
 
-    def course_of(self, one: Slide, ratio: float) -> _Course:
+    def course_of(self, one: SlideStretch, ratio: float) -> _Course:
         """Return the course of a slide."""
         drive = self._drives[1][one.side < 0.0]
         return _Course.of(drive, self.friction.kinetic * ratio, one.start)
@@ -351,7 +357,7 @@ class Base:
 class _Course(NamedTuple):
     """The speed y and the path of a slide that begins at a phase."""
 
-    drive: Drive  # q
+    drive: SlideDrive  # q
     level: float  # mu_k g/a_g [-]
     start: float  # phase at which it begins [rad]
     k: int  # the segment in which it begins
@@ -360,7 +366,7 @@ class _Course(NamedTuple):
     path: float  # integral of the integral of q up to there
 
     @classmethod
-    def of(cls, drive: Drive, level: float, start: float) -> _Course:
+    def of(cls, drive: SlideDrive, level: float, start: float) -> _Course:
         """Return the course from a phase [rad] on."""
         k, u = drive.at(start)
         speed = drive.speeds[k] + drive.speed(k, u)
@@ -423,7 +429,7 @@ class _Course(NamedTuple):
 
 
 def _first_root(
-    drive: Drive, level: float, k: int, low: float, y: float
+    drive: SlideDrive, level: float, k: int, low: float, y: float
 ) -> float | None:
     """Return the first phase after `low` in segment k at which a speed of y at `low` is
     down to 0, None if it stays positive.

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..dynamics.outcome import LOST, Outcome
-from ..dynamics.sliding import Base, Slide, Sliding
+from ..dynamics.sliding import Base, SlideStretch, Sliding
 from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Grid, HasMotion, demand_of
@@ -223,7 +223,7 @@ class SlideHistory:
             yield self._event(LOST, self.sliding.lost, self.sliding.residual, None)
 
     def _event(
-        self, word: str, phase: float, u: float, one: Slide | None
+        self, word: str, phase: float, u: float, one: SlideStretch | None
     ) -> dict[str, Any]:
         speed = None if one is None else one.side * self.sliding.speed_of(one)
         return {

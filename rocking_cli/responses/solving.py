@@ -158,7 +158,9 @@ def boundaries(
         )
     for _, grid in (*shakes, *opposite):
         grid.require_one_cell()
-    search = _Search(document, varied, shakes, margin, share, opposite, up_to, workers)
+    search = _BoundarySearch(
+        document, varied, shakes, margin, share, opposite, up_to, workers
+    )
     scanned = search.scanned(progress)
     if scanned_at is not None:
         for value, excess in scanned:
@@ -167,7 +169,7 @@ def boundaries(
     return found, list(dict.fromkeys(search.remarks))
 
 
-class _Search:
+class _BoundarySearch:
     """The capacities of a structure for values of a key, each computed once, and the
     boundaries between them.
     """

@@ -71,7 +71,7 @@ def animate(
         file.write(_as_gif(frames))
 
 
-class Course(NamedTuple):
+class Track(NamedTuple):
     """A response at the times of the frames."""
 
     times: np.ndarray  # [s], (n,)
@@ -82,7 +82,7 @@ class Course(NamedTuple):
     falls: bool  # True if the body overturns by the end of the rows
 
 
-def _course(rows: Rows, theta: np.ndarray, ratio: np.ndarray) -> Course:
+def _course(rows: Rows, theta: np.ndarray, ratio: np.ndarray) -> Track:
     """Return the response at the times of the frames; theta [rad], ratio: theta/alpha,
     of each row.
     """
@@ -98,10 +98,10 @@ def _course(rows: Rows, theta: np.ndarray, ratio: np.ndarray) -> Course:
     )
     outcomes = [rows[0].get(f"outcome{suffix}") for suffix in ("", "_nonlinear")]
     falls = any(one.overturned and one.flag in outcomes for one in Outcome)
-    return Course(times, theta, ratio, displacement, acceleration, falls)
+    return Track(times, theta, ratio, displacement, acceleration, falls)
 
 
-def _frames(sketch: Sketch, course: Course, words: str, look: Look) -> list[Any]:
+def _frames(sketch: Sketch, course: Track, words: str, look: Look) -> list[Any]:
     """Return an image for each time of the course; words: the title.
 
     What stands still is drawn once; in each frame what moves is drawn on top of it.
@@ -135,7 +135,7 @@ class _Stage:
     """The axes of an animation and what moves on them."""
 
     def __init__(
-        self, figure: Figure, sketch: Sketch, course: Course, words: str
+        self, figure: Figure, sketch: Sketch, course: Track, words: str
     ) -> None:
         """The axes have room for every displacement of the ground."""
         from matplotlib.collections import PolyCollection

@@ -17,7 +17,7 @@ import numpy as np
 from ...documents.document import Document
 from ..mechanics.moments import Moments, spin_about
 from ..mechanics.single_body import RigidBody, symmetric_body
-from ..mechanics.toe import Foot, Ring, density_of
+from ..mechanics.toe import Foot, RingBase, density_of
 from ..shared_keys import mass_of
 from ..sketch import Point, Sketch, rocker
 
@@ -231,7 +231,7 @@ def _foot(
         return "a cracked spire, which stands on another part on each edge", {}
     if not spire.thickness:
         return "a spire with a thin wall, whose contact area is not known", {}
-    area = Ring(spire.base_radius, spire.base_radius - spire.thickness)
+    area = RingBase(spire.base_radius, spire.base_radius - spire.thickness)
     if density is None:
         return Foot(area, mass), {}
     return Foot(area, density * volume), {"mass": density * volume}

@@ -16,7 +16,7 @@ from ..shared_keys import gravity_of, has_loads, mass_of, restraints_in
 from ..sketch import Outline, Point, Sketch, rocker
 from .moments import Moments
 from .single_body import RigidBody, body_on_edges, edges_of, symmetric_body
-from .toe import Foot, Ring, Strip, toe_of
+from .toe import Foot, RingBase, Strip, toe_of
 
 
 class StackPiece(NamedTuple):
@@ -182,15 +182,15 @@ def _foot(
     offset = i > 0 and pieces[i].axis != pieces[i - 1].axis
     depths = [depth for _, depth in faces if depth is not None]
     radii = [half for half, depth in faces if depth is None]
-    area: Strip | Ring = Strip(2.0 * interface.half, min(depths, default=1.0))
+    area: Strip | RingBase = Strip(2.0 * interface.half, min(depths, default=1.0))
     if radii and offset:
         return "a stack with a round piece that is offset from the one below it"
     if radii and not depths:
-        area = Ring(min(radii))
+        area = RingBase(min(radii))
     elif radii:
         half = next(half for half, depth in faces if depth is not None)
         if radii[0] <= min(half, 0.5 * depths[0]):
-            area = Ring(radii[0])
+            area = RingBase(radii[0])
         elif radii[0] < math.hypot(half, 0.5 * depths[0]):
             return (
                 "a stack of round and rectangular pieces that cover each other partly"

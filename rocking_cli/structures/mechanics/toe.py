@@ -47,7 +47,7 @@ class Strip(NamedTuple):
         return 0.5 * crushed / self.length
 
 
-class Ring(NamedTuple):
+class RingBase(NamedTuple):
     """A circular contact area, with a hole of the same centre."""
 
     outer: float  # radius [m]
@@ -106,7 +106,7 @@ def _segment(r: float, half_angle: float) -> tuple[float, float]:
 class Foot:
     """The contact area on which a body rocks, and the mass on it."""
 
-    area: Strip | Ring  # of the whole foot
+    area: Strip | RingBase  # of the whole foot
     mass: float | None  # on it [kg]; of a metre where the length is not known
     per_metre: bool = False  # True if forces and mass are those of a metre
     missing: str = "density"  # the key that would give the mass
