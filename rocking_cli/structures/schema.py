@@ -381,8 +381,8 @@ class _Reading:
         if list(forms) == ["parts"] and self._keys(f"{path}.*"):
             items = self._mapping(f"{path}.*", {})
             listed: Schema = {"type": "array", "items": items, "minItems": 1}
-            words = any(isinstance(node.get(path), str) for node in self.whole)
-            return {"anyOf": [{"type": "string"}, listed]} if words else listed
+            or_text = any(isinstance(node.get(path), str) for node in self.whole)
+            return {"anyOf": [{"type": "string"}, listed]} if or_text else listed
         return {}  # asked for in another way
 
     def _integer_schema(self, asked: list[Asked]) -> Schema:
