@@ -184,6 +184,7 @@ class Verdict(Shown):
 
     def _shown(self) -> dict[str, Any]:
         found = self.row()
+        del found["omega_g"]  # of the demand
         if self.capacity_demand is not None:  # a limit that was not needed
             del found["searched_to"]
         return found

@@ -102,7 +102,7 @@ def test_a_command_draws_its_rows_as_plot_draws_their_csv(rocking, tmp_path, cal
     assert (again.returncode, "exists" in again.stderr) == (2, True)
     refused = rocking(*call, "-o", "own.txt")
     assert refused.returncode == 2
-    assert "expected a name that ends in .png, .svg or .pdf" in refused.stderr
+    assert ".png, .svg or .pdf" in refused.stderr
 
 
 @pytest.mark.slow
