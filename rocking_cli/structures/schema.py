@@ -198,8 +198,9 @@ class _Reading:
 
     def _refused(self, keys: Iterable[str]) -> list[str]:
         """Return those of keys that are not known about which a reader complains."""
-        node, found = self._base(), []
-        node |= dict.fromkeys((key for key in keys if key not in self.log.known), "1")
+        found: list[str] = []
+        unknown = [key for key in keys if key not in self.log.known]
+        node = self._base() | dict.fromkeys(unknown, "1")
         while True:
             self._read(node)
             if (key := self.log.faulty) not in node:
