@@ -203,20 +203,26 @@ class _Reading:
         node = self._base() | dict.fromkeys(unknown, "1")
         while True:
             self._read(node)
-            if (key := self.log.faulty) not in node:
+            if (key := self.log.faulty) not in unknown:
                 return found
             found.append(key)
+            unknown.remove(key)
             del node[key]
 
     def _base(self) -> Node:
         return deepcopy(self.whole[0]) if self.whole else self._alone()
 
     def _bases(self) -> Iterator[Node]:
-        """Yield two valid documents, and the first one with each flag."""
+        """Yield two valid documents, and the first one with each flag, without the key
+        that does not go with it.
+        """
         yield from self.whole[:2]
         for path in list(self.log.asked):
             if "." not in path and self._form(path) == "flag":
-                yield self._with(self._base(), path, "true")
+                node = self._with(self._base(), path, "true")
+                if not self._read(node) and self.log.faulty != path:
+                    node.pop(self.log.faulty, None)
+                yield node
 
     def _probe(self, path: str) -> None:
         """Read documents that state this key, alone and in a valid document."""

@@ -67,6 +67,12 @@ GOOD = """
  crack_height: 2 m, loads: []}
 ---
 kind: mechanism
+bodies: {one: {corners: [[0, 0], [0.5, 0], [0.5, 2], [0, 2]], density: 1800}}
+joints: [{hinge: [ground, one], at: [0.5, 0]}]
+one_sided: true
+restitution: -0.4
+---
+kind: mechanism
 friction: 0.9 +- 0.02
 bodies:
   1: {mass: 972 kg +- 2 %, centre: [0.15 m, 1], gyration: 0.6,
