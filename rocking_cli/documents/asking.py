@@ -11,16 +11,19 @@ from ..errors import DocumentError
 from .composition import Place, Value
 from .document import Document
 
+# stand for the first two names that a reader accepts, in any document
+NAMES = ("<first name>", "<second name>")
 Plain = str | list["Plain"] | dict[str, "Plain"]
 
 
 class Asked(NamedTuple):
     """What a reader asks of one key."""
 
-    # quantity, integer, choice, flag, word, pair, pairs (a list of them), part, parts
-    # (a list of them) or named (a mapping of names to parts)
+    # quantity, integer, choice, flag, word; pair: of quantities, pairs: a list of them;
+    # name, names: of other parts of the document; part: a mapping, parts: a list of
+    # mappings, named: a mapping of names to mappings
     form: str
-    dimension: str = ""  # of a quantity or a pair
+    dimension: str = ""  # of quantities and pairs
     words: tuple[str, ...] = ()  # the options of a choice
     least: float = -math.inf  # least value [SI]
     most: float = math.inf  # largest value [SI]
@@ -30,13 +33,16 @@ class Asked(NamedTuple):
 
 @dataclass
 class Log:
-    """What readers asked, by path: `pieces.*.width` of the items of a list."""
+    """What readers asked, by path: `pieces.*.width` of the items of a list or of a
+    mapping of names.
+    """
 
     asked: dict[str, list[Asked]] = field(default_factory=dict)  # what, by path
     known: dict[str, None] = field(default_factory=dict)  # every path, in order
     seen: dict[str, None] = field(default_factory=dict)  # paths of the last reading
     missing: str = ""  # path of the required key that the last reading lacked
-    faulty: str = ""  # path of the key whose value the last reading refused
+    # path of the key whose value, or of the mapping that, the last reading refused
+    faulty: str = ""
 
     def begin(self) -> None:
         """Begin a reading."""
@@ -81,7 +87,7 @@ class AskedDocument(Document):
         return super().missing(key, wanted)
 
     def fault(self, key: str | None, found: str, wanted: str) -> DocumentError:
-        self.log.faulty = "" if key is None else self.begin + key
+        self.log.faulty = self.begin.rstrip(".*") if key is None else self.begin + key
         return super().fault(key, found, wanted)
 
     def quantity(
@@ -131,16 +137,23 @@ class AskedDocument(Document):
     def pair(
         self, key: str, value: Value, dimension: str, name: str, wanted: str
     ) -> tuple[float, float]:
-        alone = value is self.values.get(key)
-        self._note(key, "pair" if alone else "pairs", dimension)
+        self._note(key, "pair" if value is self.values[key] else "pairs", dimension)
         return super().pair(key, value, dimension, name, wanted)
 
+    def reference(self, key: str, value: Value, names: Sequence[str], what: str) -> str:
+        self._note(key, "name" if value is self.values[key] else "names")
+        if value.content in NAMES:
+            return names[min(NAMES.index(value.content), len(names) - 1)]
+        return super().reference(key, value, names, what)
+
     def part(self, key: str, value: Value, path: str = "") -> Document:
-        alone = value is self.values[key]
-        listed = isinstance(self.values[key].content, list)
-        self._note(key, "part" if alone else "parts" if listed else "named")
+        form = "part"
+        if value is not self.values[key]:
+            listed = isinstance(self.values[key].content, list)
+            form = "parts" if listed else "named"
+        self._note(key, form)
         found = super().part(key, value, path)
-        begin = f"{self.begin}{key}.{'' if alone else '*.'}"
+        begin = f"{self.begin}{key}.{'' if form == 'part' else '*.'}"
         return AskedDocument(
             found.source,
             found.place,

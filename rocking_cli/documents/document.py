@@ -471,11 +471,48 @@ class Document:
                             v.place,
                         )
                 return first, second
+            if any(is_spread(str(v)) for v in value.content):
+                found = f"a {name} with a spread (line {value.place.line})"
+                raise self.fault(key, found, f"{wanted}; they take no spread")
         raise self.fault(
             key,
             f"a {name} that is not a pair of {dimension}s (line {value.place.line})",
             wanted,
         )
+
+    def reference(self, key: str, value: Value, names: Sequence[str], what: str) -> str:
+        """Return a text inside the value of a key that names a part of the document.
+
+        Parameters
+        ----------
+        key
+            key of the document
+        value
+            the text, the value of `key` or a part of it
+        names
+            the names of all such parts
+        what
+            what the text names, for the message, such as "a body"
+
+        Returns
+        -------
+        str
+            one of the names
+
+        Raises
+        ------
+        DocumentError
+            for another text, and for a value that is no text
+        """
+        word = value.content
+        if not isinstance(word, str) or word not in names:
+            hint = did_you_mean(word, names) if isinstance(word, str) else ""
+            path = f"{self.within[1]}.{key}" if self.within else key
+            raise DocumentError(
+                f"{value.place}: {path}: found {value}; expected {what}, one of"
+                f" {', '.join(names)}{hint}"
+            )
+        return word
 
     def part(self, key: str, value: Value, path: str = "") -> Document:
         """Return a mapping that stands inside the value of a key as a document.

@@ -10,14 +10,14 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from copy import deepcopy
 from functools import cache
 from itertools import combinations, pairwise
 from pathlib import Path
 from typing import Any, cast
 
-from ..documents.asking import Asked, AskedDocument, Log, Plain, plain_of
+from ..documents.asking import NAMES, Asked, AskedDocument, Log, Plain, plain_of
 from ..documents.parsing import read_documents
 from ..documents.quantities import SMALLEST_LENGTH, UNITS, accepted
 from ..errors import RockingError
@@ -31,7 +31,11 @@ Schema = dict[str, Any]
 
 DRAFT = "http://json-schema.org/draft-07/schema#"
 AUTO = "auto"  # the word in place of some quantities
+_MIRRORED = "mirrored"  # the word in place of some lists
 _ANY_NAME = "any_name_at_all"  # a key that only an open mapping takes
+_PLAIN = ("quantity", "integer", "choice", "flag", "word", "pair", "name")
+_PARTS = ("part", "parts", "named")  # forms with keys of their own
+_TEXT = {"type": ["string", "number", "boolean"]}  # a name, which may look like another
 _MOST_MISSING = 12  # required keys that are added to a probe
 _NUMBER = r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?"
 _ABSOLUTE = (-1.0, 0.0, 1.0, SMALLEST_LENGTH, 0.5 * math.pi, math.pi, 2.0 * math.pi)
@@ -148,7 +152,7 @@ class _Reading:
         """Read a document; True if it is valid."""
         from . import build_structure
 
-        text = json.dumps(node)
+        text = json.dumps(node, sort_keys=True)
         if text in self.read:
             valid, self.log.missing, self.log.faulty = self.read[text]
             return valid
@@ -160,6 +164,9 @@ class _Reading:
             valid = False
         if valid:
             self.taken |= self.log.seen
+        elif not (self.log.missing or self.log.faulty):
+            # its mappings were read, and do not make a structure together
+            self.taken |= {path: None for path in self.log.seen if "." in path}
         self.read[text] = (valid, self.log.missing, self.log.faulty)
         return valid
 
@@ -171,33 +178,51 @@ class _Reading:
         """
         probed = {"kind"}
         reported = {key: None for word in KINDS for key in reports_of(word)}
-        others = (*sorted(KEYS), *reported, *VARIED)
-        while left := [
-            path for path in (*self.log.known, *others) if path not in probed
-        ]:
+        others = [*sorted(KEYS), *reported, *VARIED]
+        while True:
+            left = [path for path in self.log.known if path not in probed]
+            left = left or self._refused(key for key in others if key not in probed)
+            if not left:
+                break
             for path in left:
                 probed.add(path)
                 self._probe(path)
-        self._note_pairs()
         unread = [key for key in self._keys("") if not self._form(key)]
         for one, other in combinations(unread, 2):  # keys that go together
             node = self._with(self._with(self._alone(), one), other, "2")
             self._complete(node, one)
         for path in list(self.log.known):
-            if self._form(path) in ("part", "parts"):
-                self._read(
-                    self._with(self._base(), f"{_inside(self, path)}{_ANY_NAME}")
-                )
+            if self._form(path) in _PARTS:
+                inside = f"{self._inside(path)}.{_ANY_NAME}"
+                self._read(self._with(self._base(), inside))
+
+    def _refused(self, keys: Iterable[str]) -> list[str]:
+        """Return those of keys that are not known about which a reader complains."""
+        found: list[str] = []
+        unknown = [key for key in keys if key not in self.log.known]
+        node = self._base() | dict.fromkeys(unknown, "1")
+        while True:
+            self._read(node)
+            if (key := self.log.faulty) not in unknown:
+                return found
+            found.append(key)
+            unknown.remove(key)
+            del node[key]
 
     def _base(self) -> Node:
         return deepcopy(self.whole[0]) if self.whole else self._alone()
 
     def _bases(self) -> Iterator[Node]:
-        """Yield two valid documents, and the first one with each flag."""
+        """Yield two valid documents, and the first one with each flag, without the key
+        that does not go with it.
+        """
         yield from self.whole[:2]
         for path in list(self.log.asked):
             if "." not in path and self._form(path) == "flag":
-                yield self._with(self._base(), path, "true")
+                node = self._with(self._base(), path, "true")
+                if not self._read(node) and self.log.faulty != path:
+                    node.pop(self.log.faulty, None)
+                yield node
 
     def _probe(self, path: str) -> None:
         """Read documents that state this key, alone and in a valid document."""
@@ -205,8 +230,13 @@ class _Reading:
         self._read(self._with(self._base(), path))
         if path not in self.log.known:  # no key of this kind
             return
+        self._read(self._with(self._base(), path, {}))
+        nodes = [self._alone(), *self._bases()]
+        if inside:
+            nodes.append(self._base())
+            self._empty(nodes[-1], inside)
         # two numbers tell apart the limits that depend on others
-        for number, node in enumerate((self._alone(), *self._bases())):
+        for number, node in enumerate(nodes):
             for value in self._values(path, number % 2):
                 self._complete(self._with(deepcopy(node), path, value), path)
         if key in self._keys(inside):
@@ -227,6 +257,10 @@ class _Reading:
                 return [["0", "1"]]
             if asked.form == "pairs":
                 return [[["0", "0"], ["1", "0"], ["1", "4"]]]
+            if asked.form == "name":
+                return [NAMES[0]]
+            if asked.form == "names":
+                return [list(NAMES)]
         return [str(number + 1), [{}], {}, [{}, {}]]
 
     def _complete(self, node: Node, path: str) -> set[str]:
@@ -249,10 +283,7 @@ class _Reading:
             if name == "*":
                 continue
             if following == "*":
-                if not (isinstance(at.get(name), list) and at[name]):
-                    at[name] = [{}]
-                at[name] = [one if isinstance(one, dict) else {} for one in at[name]]
-                at = at[name][0]
+                at = _first_item(at, name, self._form(name) == "named")
             else:
                 at[name] = at[name] if isinstance(at.get(name), dict) else {}
                 at = at[name]
@@ -261,27 +292,9 @@ class _Reading:
 
     def _note_needs(self, inside: str, key: str) -> None:
         """Note the keys that a mapping needs beside this one, or without it."""
-        self._note_needs_beside(inside, key, ((), (key,)))
-
-    def _note_pairs(self) -> None:
-        """Note what an item of a list needs beside two keys, each of which only some
-        items need.
-        """
-        for inside, needs in list(self.needs.items()):
-            if not inside:
-                continue
-            some = frozenset().union(*needs) - needs[0].intersection(*needs)
-            for one, other in combinations(sorted(some), 2):
-                self._note_needs_beside(inside, one, ((one, other),))
-
-    def _note_needs_beside(
-        self, inside: str, key: str, alternatives: Sequence[tuple[str, ...]]
-    ) -> None:
-        """Note the keys that a mapping needs beside each of these sets of keys; key:
-        one of them.
-        """
         begin = f"{inside}." if inside else ""
-        for given in alternatives:
+        others = self._keys(inside) if inside else []
+        for given in ((), (key,), *((key, one) for one in others if one != key)):
             node = self._base() if inside else self._alone()
             if inside:
                 self._empty(node, inside)
@@ -289,10 +302,10 @@ class _Reading:
                 first = begin + name
                 self._with(node, first, self._values(first, 1)[0])
             added = self._complete(node, begin + key)
-            plain = ("quantity", "integer", "choice", "flag", "word")
             tried = {*added, *(begin + name for name in given)}
-            refused = self.log.faulty in tried and self._form(self.log.faulty) in plain
-            if not refused:
+            faulty, whole = self.log.faulty, inside.removesuffix(".*")
+            refused = faulty in tried and self._form(faulty) in _PLAIN
+            if not (refused or (whole and faulty == whole)):
                 own = {
                     path.removeprefix(begin) for path in added if path.startswith(begin)
                 }
@@ -306,14 +319,22 @@ class _Reading:
         self._with(node, f"{inside}.{_ANY_NAME}")
         at: Any = node
         for name in inside.split("."):
-            at = at[0] if name == "*" else at[name]
+            items = iter(at.values() if isinstance(at, dict) else at)
+            at = next(items) if name == "*" else at[name]
         at.clear()
 
     # The schema -----------------------------------------------------------------------
 
     def _form(self, path: str) -> str:
-        found = self.log.asked.get(path)
-        return found[0].form if found else ""
+        """Return what is asked at a path: its form with keys of its own, if it has one,
+        else the first one.
+        """
+        forms = [asked.form for asked in self.log.asked.get(path, ())]
+        return next((form for form in forms if form in _PARTS), *forms[:1] or ("",))
+
+    def _inside(self, path: str) -> str:
+        """Return the path of the mapping, or of the mappings, of a key."""
+        return path if self._form(path) == "part" else f"{path}.*"
 
     def _keys(self, inside: str) -> list[str]:
         """Return the keys that a mapping takes."""
@@ -354,36 +375,47 @@ class _Reading:
 
     def _form_schema(self, path: str) -> Schema:
         """Return the schema of the values of a key, without its description."""
-        asked = self.log.asked.get(path, [])
-        forms = dict.fromkeys(one.form for one in asked)
-        if "integer" in forms:
-            return self._integer_schema(asked)
-        if list(forms) == ["quantity"]:
+        asked: dict[str, list[Asked]] = {}
+        for one in self.log.asked.get(path, ()):
+            asked.setdefault(one.form, []).append(one)
+        if "integer" in asked:
+            return self._integer_schema(asked["integer"])
+        found = [self._one_form(path, form, same) for form, same in asked.items()]
+        if self._takes(path, _MIRRORED) and asked.keys() & {"parts"}:
+            found.append({"enum": [_MIRRORED, None]})
+        if len(found) == 1:
+            return found[0]
+        return {"anyOf": found} if found else {}  # {}: asked for in another way
+
+    def _one_form(self, path: str, form: str, asked: list[Asked]) -> Schema:
+        """Return the schema of the values of a key in one of its forms."""
+        if form == "quantity":
             return self._quantity_schema(path, asked)
-        if list(forms) == ["choice"]:
+        if form == "choice":
             words = dict.fromkeys(word for one in asked for word in one.words)
             return {"enum": [*words, None]}
-        if list(forms) == ["flag"]:
+        if form == "flag":
             return {"type": ["boolean", "null"]}
-        if list(forms) == ["word"]:
-            return {"type": ["string", "number", "boolean", "null"]}
-        if list(forms) in (["pair"], ["pairs"]):
+        if form == "word":
+            return {"type": [*_TEXT["type"], "null"]}
+        if form in ("pair", "pairs"):
             one = {"$ref": f"#/definitions/{asked[0].dimension}"}
             pair = {"type": "array", "items": one, "minItems": 2, "maxItems": 2}
-            if "pair" in forms:
-                return pair
-            return {"type": "array", "items": pair, "minItems": 1}
-        if list(forms) == ["named"]:
-            return {"type": "object"}
-        if list(forms) == ["part"]:
-            return self._mapping(path, {})
-        # without a key no valid document has shown what the items take
-        if list(forms) == ["parts"] and self._keys(f"{path}.*"):
-            items = self._mapping(f"{path}.*", {})
-            listed: Schema = {"type": "array", "items": items, "minItems": 1}
-            or_text = any(isinstance(node.get(path), str) for node in self.whole)
-            return {"anyOf": [{"type": "string"}, listed]} if or_text else listed
-        return {}  # asked for in another way
+            several = {"type": "array", "items": pair, "minItems": 1}
+            return pair if form == "pair" else several
+        if form == "name":
+            return {"type": [*_TEXT["type"], "null"]}
+        if form == "names":
+            return {"type": "array", "items": _TEXT, "minItems": 1}
+        found = inside = self._mapping(self._inside(path), {})
+        if form == "named":
+            found = {"type": "object", "additionalProperties": inside}
+        if form == "parts":
+            least = 0 if self._takes(path, []) else 1
+            found = {"type": "array", "items": inside, "minItems": least}
+        if self._takes(path, ""):
+            found["type"] = [found["type"], "null"]
+        return found
 
     def _integer_schema(self, asked: list[Asked]) -> Schema:
         """Return the schema of a whole number."""
@@ -404,19 +436,31 @@ class _Reading:
             if end in _ABSOLUTE:
                 key = f"exclusiveM{word}" if is_open else f"m{word}"
                 found[key] = end
-        if self._takes_auto(path):
+        if self._takes(path, AUTO):
             found["allOf"] = [_quantity(dimension, AUTO)]
         return found
 
-    def _takes_auto(self, path: str) -> bool:
-        """True if a valid document stays valid with `auto` in place of the quantity."""
+    def _takes(self, path: str, value: Plain) -> bool:
+        """True if a valid document stays valid with this value at a path."""
         return "." not in path and any(
-            self._read({**node, path: AUTO}) for node in self.whole
+            self._read({**node, path: value}) for node in self.whole
         )
 
 
-def _inside(reading: _Reading, path: str) -> str:
-    return f"{path}.*." if reading._form(path) == "parts" else f"{path}."
+def _first_item(at: Any, key: str, named: bool) -> Any:
+    """Return the first mapping in the list, or in the mapping of names, of a key; it is
+    put there if there is none.
+    """
+    given = at.get(key)
+    if named:
+        names = given if isinstance(given, dict) and given else {_ANY_NAME: {}}
+        at[key] = {
+            name: one if isinstance(one, dict) else {} for name, one in names.items()
+        }
+        return next(iter(at[key].values()))
+    items = given if isinstance(given, list) and given else [{}]
+    at[key] = [one if isinstance(one, dict) else {} for one in items]
+    return at[key][0]
 
 
 def _texts(value: Any) -> Plain:

@@ -17,6 +17,7 @@ def test_a_failed_or_missing_cell_is_neither_safe_nor_overturned():
         "failed": (5, False, False, "failed"),
         "lost_contact": (6, False, False, "lost_contact"),
         "leaning": (7, False, False, "leaning"),
+        "slid": (8, True, False, "slid"),
     }
     codes = np.array([[0, 1, 2], [3, 4, 5]], dtype=np.uint8)
     assert safe(codes).tolist() == [[False, True, True], [False, False, False]]

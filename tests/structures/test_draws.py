@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rocking_cli import UsageError, parse_documents, read_documents
+from rocking_cli import DocumentError, UsageError, parse_documents, read_documents
 from rocking_cli.structures.draws import draws
 
 
@@ -50,6 +50,40 @@ def test_draws_that_make_no_structure_are_told():
     assert all(draw.values["width"] > 2.0 * 2.0**0.5 for draw in faults)
     assert faults
     assert all("restitution" in draw.fault for draw in faults)
+
+
+MECHANISM = """
+kind: mechanism
+restitution: 0.8
+bodies:
+  one: {corners: [[0, 0], [0.5, 0], [0.5, 2], [0, 2]], density: 1800 +- 50}
+joints: [{hinge: [ground, one], at: [0.5, 0]}]
+loads: [{body: one, at: [0.25, 2], weight: 17.658 kN, inertia: vertical}]
+"""
+
+
+def test_a_body_of_a_mechanism_has_a_spread_too():
+    (document,) = parse_documents(MECHANISM)
+    found = list(draws(document, 64))
+    assert all(set(draw.values) == {"bodies.one.density"} for draw in found)
+    # The load of 1800 kg is not driven: lambda = (m + 1800)/m w/h, m = 1 m3 density.
+    masses = np.array([draw.values["bodies.one.density"] for draw in found])
+    assert masses.std() == pytest.approx(50.0, rel=0.1)
+    uplifts = [draw.parameters.uplift for draw in found]
+    assert uplifts == pytest.approx((1.0 + 1800.0 / masses) * 0.25, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("exact", "spread", "key"),
+    [
+        ("[0.5, 0], [0.5, 2]", "[0.5 +- 0.01, 0], [0.5, 2]", "corners"),
+        ("at: [0.25, 2]", "at: [0.25 m +- 10 mm, 2]", "at"),
+    ],
+)
+def test_a_point_takes_no_spread(exact, spread, key):
+    (document,) = parse_documents(MECHANISM.replace(exact, spread))
+    with pytest.raises(DocumentError, match=rf"{key}: found a .* they take no spread"):
+        list(draws(document, 8))
 
 
 def test_a_key_inside_a_list_has_a_spread_too():

@@ -57,6 +57,37 @@ GOOD = """
                            {side: right, p: 2, alpha: 0.3, eta: 0.9, lambda: 0.3}]}
 ---
 {kind: rigid, left: 0.3, right: 0.4, height: 1, inertia: 3 t m2, mass: 4 t, inset: 1 cm}
+---
+{kind: block, width: 0.5, height: 2, mass: 2 t, strength: 2 MPa, depth: 1,
+ friction: {static: 0.35, kinetic: 0.3},
+ loads: [{bearing: centre, weight: 2 kN, inertia: both},
+         {at: [0, 2 m], mirrored: false, mass: 0.3 t, inertia: vertical}]}
+---
+{kind: wall, thickness: 0.3, height: 3, density: 1800, length: 1, top: held,
+ crack_height: 2 m, loads: []}
+---
+kind: mechanism
+bodies: {one: {corners: [[0, 0], [0.5, 0], [0.5, 2], [0, 2]], density: 1800}}
+joints: [{hinge: [ground, one], at: [0.5, 0]}]
+one_sided: true
+restitution: -0.4
+---
+kind: mechanism
+friction: 0.9 +- 0.02
+bodies:
+  1: {mass: 972 kg +- 2 %, centre: [0.15 m, 1], gyration: 0.6,
+      corners: [[0, 0], [0.3, 0], [0.3, 2], [0, 2]]}
+  upper: {corners: [[0, 2], [0.3, 2], [0.3, 3], [0, 3]], density: 1800, length: 2 m}
+  cap: {corners: [[0, 3], [0.3, 3], [0.3, 3.1], [0, 3.1]], density: 2400 kg/m3}
+joints:
+- {rigid: [upper, cap]}
+- {hinge: [ground, 1], at: [0.3, 0]}
+- {hinge: [1, upper], at: [0, 2]}
+- {slide: upper, at: [0.15, 3]}
+loads: [{body: cap, at: [0.1, 3.1], mass: 1 t, inertia: none, mirrored: true}]
+other_side: mirrored
+rotation_of: 1
+axis: 0.15
 """
 
 
@@ -65,6 +96,13 @@ def test_documents_that_state_other_keys_are_valid(schema):
         assert list(faults(schema, plain)) == []
     for document in parse_documents(GOOD):
         build_structure(document)
+
+
+UNKNOWN, FRICTION = "additionalProperties", (".friction", "anyOf")
+
+
+def loads(text):
+    return f"{{kind: block, width: 1, height: 4, mass: 9 t, loads: [{{{text}}}]}}"
 
 
 @pytest.mark.parametrize(
@@ -105,9 +143,73 @@ def test_documents_that_state_other_keys_are_valid(schema):
             "{kind: arch, radius: 10, angle: 3, thickness: 1, mass: 2}",
             (".mass", "additionalProperties"),
         ),
+        (
+            "{kind: block, width: 1, height: 4, friction: {static: 0, kinetic: 0.3}}",
+            (".friction", "anyOf"),
+        ),
+        ("{kind: block, width: 1, height: 4, friction: {static: 1}}", FRICTION),
+        ("{kind: block, width: 1, height: 4, friction: -0.3}", FRICTION),
+        (
+            "{kind: block, width: 1, height: 4, mass: 9 t, strength: 2 kN, depth: 1}",
+            (".strength", "pattern"),
+        ),
+        ("{kind: drum, radius: 1, height: 4, top: held}", (".top", UNKNOWN)),
+        ("{kind: wall, thickness: 1, height: 4, top: hold}", (".top", "enum")),
+        (
+            "{kind: wall, thickness: 1, height: 4, top: held, crack_height: -1}",
+            (".crack_height", "exclusiveMinimum"),
+        ),
+        (
+            loads("weight: 2 kN, bearing: left, inertia: both"),
+            (".loads.0.bearing", "enum"),
+        ),
+        (loads("weight: 2 kN, bearing: far"), (".loads.0", "anyOf")),
+        (loads("bearing: far, inertia: none"), (".loads.0", "anyOf")),
+        (loads("mass: 2, at: [0], inertia: none"), (".loads.0.at", "minItems")),
     ],
 )
 def test_a_bad_document_is_refused_by_both(schema, text, fault):
+    assert fault in list(faults(schema, yaml.safe_load(text)))
+    with pytest.raises(DocumentError):
+        build_structure(parse_documents(text)[0])
+
+
+MECHANISM = """
+kind: mechanism
+bodies: {one: {corners: [[0, 0], [1, 0], [1, 4], [0, 4]], density: 1800}}
+joints: [{hinge: [ground, one], at: [1, 0]}]
+loads: [{body: one, at: [0.5, 4], weight: 2 kN, inertia: vertical}]
+other_side: mirrored
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "fault"),
+    [
+        ("density: 1800", "density: 1800, colour: 2", (".bodies.one.colour", UNKNOWN)),
+        ("density: 1800", "density: 1800 m", (".bodies.one.density", "pattern")),
+        (", density: 1800", "", (".bodies.one", "anyOf")),
+        ("[[0, 0], [1, 0]", "[[0, 0], [1]", (".bodies.one.corners.1", "minItems")),
+        ("{one: {", "[{", (".bodies", "type")),
+        (", at: [1, 0]", "", (".joints.0", "anyOf")),
+        ("hinge: [ground, one]", "hing: [ground, one]", (".joints.0.hing", UNKNOWN)),
+        ("hinge: [ground, one]", "slide: [one]", (".joints.0.slide", "type")),
+        ("hinge: [ground, one]", "hinge: one", (".joints.0.hinge", "type")),
+        ("joints: [", "joints: [] # [", (".joints", "minItems")),
+        ("body: one, ", "", (".loads.0", "anyOf")),
+        ("inertia: vertical", "inertia: sideways", (".loads.0.inertia", "enum")),
+        ("weight: 2 kN", "weight: 0", (".loads.0.weight", "exclusiveMinimum")),
+        ("mirrored", "mirorred", (".other_side", "anyOf")),
+        ("other_side: mirrored", "crack_height: 2", (".crack_height", UNKNOWN)),
+    ],
+)
+def test_a_bad_mechanism_is_refused_by_both(schema, old, new, fault):
+    assert list(faults(schema, yaml.safe_load(MECHANISM))) == []
+    build_structure(parse_documents(MECHANISM)[0])
+    assert old in MECHANISM
+    text = MECHANISM.replace(old, new)
+    if new == "[{":
+        text = text.replace("1800}}", "1800}]")
     assert fault in list(faults(schema, yaml.safe_load(text)))
     with pytest.raises(DocumentError):
         build_structure(parse_documents(text)[0])

@@ -33,8 +33,12 @@ def faults(schema, value, root=None, path=""):
         for key, one in value.items():
             if key in schema.get("properties", ()):
                 yield from faults(schema["properties"][key], one, root, f"{path}.{key}")
-            elif not schema.get("additionalProperties", True):
+                continue
+            more = schema.get("additionalProperties", True)
+            if not more:
                 yield f"{path}.{key}", "additionalProperties"
+            elif more is not True:
+                yield from faults(more, one, root, f"{path}.{key}")
     if isinstance(value, list) and "items" in schema:
         for i, one in enumerate(value):
             yield from faults(schema["items"], one, root, f"{path}.{i}")

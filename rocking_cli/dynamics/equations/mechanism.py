@@ -128,13 +128,13 @@ class MechanismEquation(Equation):
         Parameters
         ----------
         terms
-            of the Taylor series of y, (terms, lanes)
+            series of y in (tau - tau0), (terms, lanes)
         fastest
-            largest rate of each lane [-], (lanes,)
+            fastest rate of each lane [1/tau], (lanes,)
 
         Returns
         -------
-        array
+        numpy.ndarray
             steps [tau], (lanes,)
         """
         step = longest(terms, fastest, self.tolerance)
@@ -163,7 +163,18 @@ class MechanismEquation(Equation):
         return TwoMechanisms(every, np.arange(len(every)), by_cell=True)
 
     def room(self, y: float) -> float:
-        """The distance from y up to which the series about y hold."""
+        """Return the distance from y up to which the series about y hold.
+
+        Parameters
+        ----------
+        y
+            displacement, in the unit of the side
+
+        Returns
+        -------
+        float
+            the distance, in the unit of y
+        """
         return 0.5 * float(self.table.half[self.table.of(np.array([y]))[0][0]])
 
     def _about(self, y: float) -> list[list[float]]:
@@ -176,20 +187,20 @@ class MechanismEquation(Equation):
         return rows
 
     def near(self, y: Array, count: int) -> Array:
-        """Return the series of F and G in powers of y - y0, shifted from the nearest of
-        many marks.
+        """Return the series of F and G (Eq. 3.4) in powers of y - y0, shifted from the
+        nearest of many marks.
 
         Parameters
         ----------
         y
-            the places y0 [-], (lanes,)
+            displacements y0, in the unit of the side, (lanes,)
         count
             number of terms
 
         Returns
         -------
-        array
-            (2, count, lanes)
+        numpy.ndarray
+            terms of F and of G, (2, count, lanes)
         """
         at = np.rint(y * (_MARKS / self.limit)).astype(np.int64)
         np.clip(at, 0, _MARKS, out=at)

@@ -5,9 +5,8 @@ loads, in both directions.
 import math
 from collections.abc import Sequence
 
-from ...documents.composition import Value
 from ...documents.document import Document
-from ...errors import DocumentError, did_you_mean
+from ...errors import DocumentError
 from ..load_keys import require_still
 from ..mechanics.admissibility import place
 from ..mechanics.assembly import (
@@ -52,6 +51,7 @@ _JOINTS = (
     "a list of joints: {hinge: [a, b], at: [x, z]}, {slide: a, at: [x, z], along: [x,"
     " z]} or {rigid: [a, b, ...]}"
 )
+_JOINT = "[a, b] with at: [x, z]; or slide: a with at and along; or rigid: [a, b, ...]"
 _POINT = "a point [x, z], lengths in m or with a unit"
 
 
@@ -113,18 +113,11 @@ def _turning(document: Document, key: str, assembly: Assembly) -> str | None:
     """Return the name of a body that a key states, None without it."""
     if not document.has(key):
         return None
-    return _body_name(document, key, document.values[key], assembly.names)
+    return _body_name(document, key, assembly.names)
 
 
-def _body_name(document: Document, key: str, value: Value, names: Sequence[str]) -> str:
-    word = value.content
-    if not isinstance(word, str) or word not in names:
-        hint = did_you_mean(word, names) if isinstance(word, str) else ""
-        raise DocumentError(
-            f"{value.place}: {key}: found {value}; expected a body, one of"
-            f" {', '.join(names)}{hint}"
-        )
-    return word
+def _body_name(document: Document, key: str, names: Sequence[str]) -> str:
+    return document.reference(key, document.values[key], names, "a body")
 
 
 def _bodies(document: Document) -> tuple[PlanarBody, ...]:
@@ -192,13 +185,12 @@ def _loads(
     for i, part in enumerate(document.parts("loads", wanted)):
         if not part.has("body"):
             raise part.missing("body", "the body on which the load bears")
-        body = _body_name(document, f"loads.{i}.body", part.values["body"], names)
+        body = _body_name(part, "body", names)
         inertia = part.choice("inertia", INERTIAS)
-        mirrored = part.flag("mirrored")
+        mirrored, mass = part.flag("mirrored"), mass_of_load(part, gravity)
+        found.append(Load(body, _point(part, "at"), mass, inertia, mirrored))
         if mirrored and inertia == BOTH:
             require_still(part, f"loads.{i}", "mirrored")
-        mass = mass_of_load(part, gravity)
-        found.append(Load(body, _point(part, "at"), mass, inertia, mirrored))
     return tuple(found)
 
 
@@ -212,14 +204,14 @@ def _joints(document: Document, key: str, assembly: Assembly) -> tuple[Joint, ..
 
 def _joint(part: Document, path: str, assembly: Assembly) -> Joint:
     kinds = [key for key in ("hinge", "slide", "rigid") if part.has(key)]
-    if len(kinds) != 1:
-        raise part.fault(
-            None, f"{path} with {' and '.join(kinds) or 'no kind'}", _JOINTS
-        )
+    if not kinds:
+        raise part.missing("hinge", _JOINT)
+    if len(kinds) > 1:
+        raise part.fault(None, f"{path} with {' and '.join(kinds)}", _JOINTS)
     (kind,) = kinds
     value = part.values[kind]
     if kind == "slide":
-        body = _body_name(part, f"{path}.slide", value, assembly.names)
+        body = _body_name(part, "slide", assembly.names)
         along = (0.0, 1.0)
         if part.has("along"):
             wanted = "a direction [x, z] that is not [0, 0]"
@@ -229,7 +221,7 @@ def _joint(part: Document, path: str, assembly: Assembly) -> Joint:
         return Slide(body, _point(part, "at"), along)
     names = (GROUND, *assembly.names)
     listed = value.content if isinstance(value.content, list) else []
-    bodies = tuple(_body_name(part, f"{path}.{kind}", v, names) for v in listed)
+    bodies = tuple(part.reference(kind, v, names, "a body") for v in listed)
     if len(set(bodies)) != len(bodies) or len(bodies) < 2:
         raise part.fault(kind, str(value), "a list of two or more different bodies")
     if kind == "rigid":

@@ -432,7 +432,7 @@ test_what_is_refused = refuses(
         ),
         (
             one(joints="joints: [{pin: [ground, block]}]"),
-            "found joints.0 with no kind",
+            "no key 'hinge'; expected hinge: [a, b] with at: [x, z]",
         ),
         (
             one("loads: [{on: block, at: [0, 2], mass: 9, inertia: both}]"),
