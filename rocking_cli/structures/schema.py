@@ -13,6 +13,7 @@ import re
 from collections.abc import Iterable, Iterator
 from copy import deepcopy
 from functools import cache
+from importlib.resources import files
 from itertools import combinations, pairwise
 from pathlib import Path
 from typing import Any, cast
@@ -51,13 +52,12 @@ _COMMENTED = re.compile(r"[ #-]*([a-z_]+):[^#]*#\s*(.+)")
 
 def document_schema() -> Schema:
     """Return a JSON Schema (draft 7) of one structure document of any kind."""
-    kinds = [*KINDS, *(word for word in installed(GROUP) if word not in KINDS)]
     return {
         "$schema": DRAFT,
         "title": "Structure document of rocking",
         "type": "object",
         "required": ["kind"],
-        "properties": {"kind": {"enum": kinds}},
+        "properties": {"kind": {"enum": list(KINDS)}},
         "allOf": [
             {
                 "if": {"properties": {"kind": {"const": word}}, "required": ["kind"]},
@@ -72,9 +72,22 @@ def document_schema() -> Schema:
     }
 
 
+def made_text() -> str:
+    """Return the text of `schema.json`, which `make schema` writes: making it takes
+    many seconds.
+    """
+    return json.dumps(document_schema(), separators=(",", ":"), ensure_ascii=False)
+
+
 def schema_text() -> str:
-    """Return the JSON Schema of structure documents as a text."""
-    return json.dumps(document_schema(), indent=1, ensure_ascii=False)
+    """Return the JSON Schema of structure documents as a text; it names the kinds of
+    installed packages, whose keys it does not know.
+    """
+    text = (files(__package__) / "schema.json").read_text(encoding="utf-8")
+    schema = json.loads(text)
+    own = [word for word in installed(GROUP) if word not in KINDS]
+    schema["properties"]["kind"]["enum"] += own
+    return json.dumps(schema, indent=1, ensure_ascii=False)
 
 
 def _quantity(dimension: str, word: str = "") -> Schema:

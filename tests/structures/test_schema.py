@@ -10,12 +10,19 @@ from support.json_schema import CHECKS, faults
 
 from rocking_cli import DocumentError, build_structure, parse_documents
 from rocking_cli.structures.kinds import KINDS
-from rocking_cli.structures.schema import document_schema
+from rocking_cli.structures.schema import made_text, schema_text
 
 
 @pytest.fixture(scope="module")
 def schema():
-    return json.loads(json.dumps(document_schema()))
+    return json.loads(schema_text())
+
+
+@pytest.mark.slow
+def test_the_schema_that_is_shipped_is_that_of_the_readers(pytestconfig):
+    shipped = pytestconfig.rootpath / "rocking_cli/structures/schema.json"
+    made = made_text()
+    assert shipped.read_text(encoding="utf-8") == made, "make schema writes it again"
 
 
 def test_every_shipped_document_is_valid_and_so_is_what_params_prints(
