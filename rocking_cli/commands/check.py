@@ -11,7 +11,7 @@ import click
 
 from . import demand, options
 from .command import command, flag, group, option, partly, refuse
-from .draws import DrawnRows, Draws, require_spreads
+from .draws import DrawnRows, Draws, note_one_demand, require_spreads
 from .parameter_types import NUMBER, InputPath
 from .printing import computed, emit, form, is_quiet, note, printed, units_of
 from .progress import ProgressLine
@@ -78,8 +78,8 @@ class CheckOptions:
     sort: str | None = options.sort()
     fail_on: str | None = option(
         "--fail-on",
-        "Exit code 5 if a structure falls or loses contact, in either direction; or"
-        " slides further than a length, such as slide=50mm.",
+        "Exit code 5 if a structure, or one of its draws, falls or loses contact, in"
+        " either direction; or slides further than a length, such as slide=50mm.",
         metavar="overturning|slide=LENGTH",
     )
     output: Path | None = options.output(
@@ -129,7 +129,7 @@ def check(
     stated = stated_demands(files, asked, wanted.vary, wanted.sign)
     if drawn.draws is not None:
         require_spreads(stated.structures)
-    most_slide = _slide_limit(wanted.fail_on, stated)
+    most_slide = _slide_limit(wanted.fail_on, stated, drawn)
     by_code = of_code.rows(wanted.verdict_only)
     if by_code is not None and asked.building:
         from ..motions.buildings import parse_building
@@ -152,6 +152,8 @@ def check(
     if by_code:
         demands.rows = by_code.dynamic(demands.rows)
     of_draws = DrawnRows(drawn, wanted.limit)
+    if drawn.draws is not None and (ranged := demands.ranged):
+        note_one_demand(ranged)
     rows: list[dict[str, Any]] = []
     judged = _judge_and_print(demands, wanted, by_code, of_draws, rows)
     if wanted.vary and wanted.output is not None and by_code is None:
@@ -167,12 +169,14 @@ def check(
     partly(Outcome.FAILED in outcomes)
     if wanted.fail_on and any(outcome.falls for outcome in outcomes):
         return 5
+    if wanted.fail_on and _draw_falls(of_draws, demands):
+        return 5
     return 5 if _slid_too_far(judged, most_slide) else 0
 
 
-def _slide_limit(fail_on: str | None, stated: Demands) -> float | None:
+def _slide_limit(fail_on: str | None, stated: Demands, drawn: Draws) -> float | None:
     """Return the length of --fail-on slide=LENGTH [m], None without it. Raises
-    UsageError, also for a structure whose sliding is not known.
+    UsageError, also for a structure whose sliding is not known, and for draws.
     """
     if fail_on is None or fail_on == "overturning":
         return None
@@ -180,6 +184,11 @@ def _slide_limit(fail_on: str | None, stated: Demands) -> float | None:
     from ..structures.friction import covers_sliding
 
     most = parse_slide("--fail-on", fail_on, "overturning or slide=LENGTH")
+    if drawn.draws is not None:
+        raise click.UsageError(
+            f"--fail-on {fail_on}: draws have no displacement; expected a call without"
+            " --draws"
+        )
     for one in stated.structures:
         if one.friction is None or not covers_sliding(one):
             raise click.UsageError(
@@ -188,6 +197,14 @@ def _slide_limit(fail_on: str | None, stated: Demands) -> float | None:
                 " friction"
             )
     return most
+
+
+def _draw_falls(of_draws: DrawnRows, demands: Demands) -> bool:
+    """Return True if a draw falls, in a direction of the rows or in the opposite one
+    where the rows do not hold it.
+    """
+    both = demands.asked.azimuth is not None or demands.sign == "both"
+    return of_draws.falls or (not both and of_draws.fall_opposite(demands.rows))
 
 
 def _slid_too_far(judged: list[Verdict], most: float | None) -> bool:

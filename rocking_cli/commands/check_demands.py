@@ -51,6 +51,13 @@ class Demands:
     # of each structure, with a range
     worst: dict[str, WorstFrequency] = field(default_factory=dict)
 
+    @property
+    def ranged(self) -> str:
+        """What the call states a range of: azimuth, frequency, or nothing."""
+        if self.azimuths is not None and self.azimuths.size > 1:
+            return "azimuth"
+        return "frequency" if self.up_to is not None else ""
+
     def needed(self, by_code: bool) -> Demands:
         """Return these demands. Raises click.UsageError if nothing shakes the
         structures.

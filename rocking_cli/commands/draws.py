@@ -63,6 +63,7 @@ class DrawnRows:
         self._draws = draws
         self._limit = limit  # of the search, None without one
         self.said: list[str] = []  # a line for each demand with draws
+        self.falls = False  # True if a draw of a demand falls
 
     def columns(self, demand: Demand) -> dict[str, Any]:
         """Return the columns of a demand; none without --draws. A structure without a
@@ -90,7 +91,45 @@ class DrawnRows:
         note_left_out(structure.name, found.left_out, draws, found.fault)
         partly(found.failed > 0)
         self.said.append(draws_in_words(structure.name, found))
+        self.falls |= found.share.share > 0.0
         return found.row()
+
+    def fall_opposite(self, demands: Iterable[Demand]) -> bool:
+        """Return True if a draw with unequal sides falls in the opposite direction, and
+        say of which structure.
+        """
+        if self._draws.draws is None:
+            return False
+        from ..dynamics.method import has_direction
+        from ..reports.wording import draws_in_words
+        from ..responses.uncertainty import drawn_verdict
+        from ..structures.draws import draws
+
+        n, seed = self._draws.draws, self._draws.seed
+        for structure, motion, shaking in demands:
+            if structure.drawn_from is None:
+                continue
+            # equal means may have unequal sides in the draws
+            some = [one.parameters for one in draws(structure.drawn_from, 2, seed)]
+            if not any(has_direction(one) for one in (structure, *some) if one):
+                continue
+            opposite = motion.scaled(-1.0)
+            found = drawn_verdict(
+                structure, opposite, shaking, n=n, seed=seed, a_max=None
+            )
+            if found.share.share > 0.0:
+                said = draws_in_words(structure.name, found)
+                note(f"in the opposite direction (--scale -1) {said}")
+                return True
+        return False
+
+
+def note_one_demand(ranged: str) -> None:
+    """Say that the draws have no worst azimuth or frequency of their own."""
+    note(
+        f"all draws are at the worst {ranged} of the means; at another one more of"
+        " them may fall"
+    )
 
 
 def note_left_out(name: str, left_out: int, draws: int, fault: str | None) -> None:

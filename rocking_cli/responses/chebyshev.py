@@ -49,10 +49,10 @@ def extent(
     t = middle + half * x
     t[0], t[-1] = low, high
     values = f(t)
+    if not np.isfinite(values).all():
+        return Extent(-np.inf, low, np.inf, low)
     terms = analyse @ values
     scale = float(np.abs(terms).max())
-    if not np.isfinite(scale):
-        return Extent(-np.inf, low, np.inf, low)
     if np.abs(terms[-3:]).max() > _ENDED * scale and depth < _DEEPEST:
         return extent(f, low, middle, depth + 1).join(
             extent(f, middle, high, depth + 1)

@@ -21,6 +21,7 @@ from ..motions import Motion
 from ..motions.grid import Grid
 from ..processes import available_cpus
 from ..structures.family import Variation, family
+from ..structures.friction import sliders
 from ..structures.parameters import RockingParameters
 from .check import Demand, Standing, standings
 
@@ -268,6 +269,11 @@ class _BoundarySearch:
             self.known[value] = math.nan
             self.remarks.append(
                 f"no solution for {varied.key} = {value:g}: {members[0].fault}"
+            )
+        if sliders(structures):
+            self.remarks.append(
+                "with a friction below lambda it slides, never rocks, and counts as"
+                " standing however far it slides; rocking check tells how far"
             )
         for one in () if self.opposite else structures:
             named = replace(one, name=self._own_name(one))

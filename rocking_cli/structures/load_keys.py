@@ -136,11 +136,12 @@ def _at(part: Document, path: str, inertia: str, axis: float) -> tuple[Point, Po
 
 
 def loaded(
-    document: Document, body: RigidBody, more: dict[str, Any]
+    document: Document, body: RigidBody, more: dict[str, Any], on_edges: RigidBody
 ) -> RockingParameters:
     """Return the parameters of a rigid body with loads, by the equation of a mechanism
     (Eq. 3.4); with carried loads alone it is one rigid body (Eq. 2.3). more: fields of
-    the parameters as without loads. Raises DocumentError.
+    the parameters as without loads; on_edges: the body on pivots at its edges. Raises
+    DocumentError.
     """
     if held := restraints_in(document):
         raise document.fault(
@@ -154,7 +155,13 @@ def loaded(
     planar = _mechanism(document, body, mass)
     found = parameters_of(document, planar, more["name"], more["structure"])
     remarks = (*more.get("remarks", ()), *found.remarks)
-    return replace(found, details=more["details"], remarks=remarks, top=more["top"])
+    details = dict(more["details"])
+    if "alpha_geometric" in details:
+        sides = _mechanism(document, on_edges, mass)
+        numbers = [side.numbers(1.0) for side in (sides.right, sides.left) if side]
+        weaker = min(numbers, key=lambda side: side["uplift"])
+        details["alpha_geometric"] = weaker["alpha"]
+    return replace(found, details=details, remarks=remarks, top=more["top"])
 
 
 def parameters_of(

@@ -100,6 +100,15 @@ def test_the_boundary_of_friction_is_lambda(rocking):
     assert row["value"] == 0.249999
 
 
+def test_solve_says_that_a_sliding_body_counts_as_standing(rocking):
+    call = ("solve", SLIDER, "--a-g", "0.4g", "--f-g", "1", "--json")
+    done = rocking(*call, "--vary", "friction=0.2:0.24:2")
+    assert done.record["side"] == "stands everywhere"
+    assert "counts as standing however far it slides" in done.stderr
+    done = rocking(*call, "--vary", "friction=0.3:0.4:2")
+    assert "slides" not in done.stderr
+
+
 def test_a_limit_state_of_a_slide(rocking):
     call = ("fragility", "--pulses", "configs/motions/site_pulses.csv", "--json")
     levels = ("--levels", "0.1g:2g:10", "--limit", "slide=50mm", "--bootstrap", "0")

@@ -57,6 +57,40 @@ def test_families_and_draws_go_together(rocking):
     assert low["share_falls"] < 0.1 < 0.9 < high["share_falls"]
 
 
+EVEN = (
+    '{"kind": "rigid", "left": 0.3, "right": "0.3 +- 0.02", "height": 1,'
+    ' "gyration": 0.6}'
+)
+
+
+@pytest.mark.parametrize(
+    ("body", "amplitude", "code"),
+    [
+        ('{"kind": "block", "width": "0.63 +- 0.01", "height": 2}', "0.4g", 5),
+        ('{"kind": "block", "width": "0.7 +- 0.01", "height": 2}', "0.4g", 0),
+        # equal means, unequal draws: they fall under the opposite motion alone
+        (EVEN, "0.34g", 5),
+    ],
+)
+def test_pipelines_fail_if_a_draw_falls_though_the_means_stand(
+    rocking, body, amplitude, code
+):
+    call = ("check", "-", "--a-g", amplitude, "--f-g", "1", "--draws", "64")
+    done = rocking(
+        *call, "--verdict-only", "--fail-on", "overturning", "--json", stdin=body
+    )
+    assert (done.record["outcome"], done.returncode) == ("rocked", code)
+    if body == EVEN:
+        assert done.record["share_falls"] == 0.0
+        assert "opposite direction (--scale -1)" in done.stderr
+
+
+def test_a_range_says_that_draws_share_its_worst_frequency(rocking):
+    call = ("check", "block:0.7+-0.01x2", "--a-g", "0.1g", "--f-g", "1:2")
+    done = rocking(*call, "--draws", "4", "--verdict-only")
+    assert "worst frequency of the means" in done.stderr
+
+
 def test_draws_without_a_structure_are_left_out_and_named(rocking):
     call = ("params", "block:1.2..3x2", "--draws", "64", "--csv")
     done = rocking(*call)
@@ -69,6 +103,10 @@ def test_draws_without_a_structure_are_left_out_and_named(rocking):
     [
         (("params", "block:0.5x2", "--draws", "8"), "no number of the structures"),
         (("check", "block:0.5x2", *DEMAND, "--draws", "8"), "no number"),
+        (
+            ("check", WALL, *DEMAND, "--draws", "8", "--fail-on", "slide=1cm"),
+            "draws have no displacement",
+        ),
         (("params", WALL, "--draws", "1"), "--draws"),
         (("params", WALL, "--draws", "8", "--seed", "-1"), "--seed"),
         (("params", WALL, "--vary", "width=1:2:2"), "has a spread"),

@@ -25,6 +25,12 @@ def test_a_narrow_peak_between_points_is_found():
     assert found.largest == pytest.approx(1e4, rel=1e-13)
 
 
+def test_an_infinite_value_has_no_extent_and_no_warning():
+    """The friction of a joint that opens is infinite; a warning fails the test."""
+    found = extent(lambda t: np.where(t < 0.5, np.inf, t), 0.0, 1.0)
+    assert (found.least, found.largest) == (-math.inf, math.inf)
+
+
 def test_ends_and_constants():
     assert extent(lambda t: np.full(t.shape, 3.0), 1.0, 2.0)[::2] == (3.0, 3.0)
     assert extent(np.exp, 0.0, 1.0) == pytest.approx(

@@ -267,6 +267,13 @@ def test_friction_and_strength_carry_the_weight_of_the_load():
     )
 
 
+def test_alpha_without_the_inset_is_that_under_the_load():
+    worn = loaded("vertical", more="inset: 2 cm")
+    assert worn.details["alpha_geometric"] == loaded("vertical").alpha
+    # tan alpha = (b + k d)/(h + k z_P), k = 1, b = d = 0.25 m, h = 1 m, z_P = 2 m
+    assert worn.details["alpha_geometric"] == pytest.approx(math.atan(0.5 / 3.0))
+
+
 def test_the_weight_of_all_loads_and_their_arrows():
     (document,) = parse_documents(
         f"{BLOCK}loads: [{{weight: 9.81 kN, at: [0.1, 2.2], inertia: both}},"

@@ -97,7 +97,7 @@ class RigidBody:
         if has_loads(document):
             from ..load_keys import loaded
 
-            return loaded(document, body, more)
+            return loaded(document, body, more, self)
         left, right = body.edges(gravity)
         if document.flag("one_sided"):
             found = body._one_sided(document, left, right, more)
