@@ -16,7 +16,7 @@ NAMES = ("<first name>", "<second name>")
 Plain = str | list["Plain"] | dict[str, "Plain"]
 
 
-class Asked(NamedTuple):
+class Question(NamedTuple):
     """What a reader asks of one key."""
 
     # quantity, integer, choice, flag, word; pair: of quantities, pairs: a list of them;
@@ -32,12 +32,12 @@ class Asked(NamedTuple):
 
 
 @dataclass
-class Log:
+class Questions:
     """What readers asked, by path: `pieces.*.width` of the items of a list or of a
     mapping of names.
     """
 
-    asked: dict[str, list[Asked]] = field(default_factory=dict)  # what, by path
+    asked: dict[str, list[Question]] = field(default_factory=dict)  # what, by path
     known: dict[str, None] = field(default_factory=dict)  # every path, in order
     seen: dict[str, None] = field(default_factory=dict)  # paths of the last reading
     missing: str = ""  # path of the required key that the last reading lacked
@@ -52,7 +52,7 @@ class Log:
         """Record that a path was asked for."""
         self.known[path] = self.seen[path] = None
 
-    def note(self, path: str, asked: Asked) -> None:
+    def note(self, path: str, asked: Question) -> None:
         """Record what was asked at a path."""
         self.mark(path)
         found = self.asked.setdefault(path, [])
@@ -64,11 +64,11 @@ class Log:
 class AskedDocument(Document):
     """A document that records into a log what a reader asks of it."""
 
-    log: Log = field(default_factory=Log)
+    log: Questions = field(default_factory=Questions)
     begin: str = ""  # of the paths of its keys, such as `pieces.*.`
 
     @classmethod
-    def of(cls, plain: dict[str, Plain], log: Log) -> AskedDocument:
+    def of(cls, plain: dict[str, Plain], log: Questions) -> AskedDocument:
         """Return the document with these values, as texts without quotes."""
         place = Place("<schema>", 1, 1)
         values = _value(plain, place).content
@@ -76,7 +76,7 @@ class AskedDocument(Document):
         return cls("<schema>", place, values, dict.fromkeys(values, place), log=log)
 
     def _note(self, key: str, form: str, *more: Any) -> None:
-        self.log.note(self.begin + key, Asked(form, *more))
+        self.log.note(self.begin + key, Question(form, *more))
 
     def has(self, key: str) -> bool:
         self.log.mark(self.begin + key)

@@ -18,7 +18,14 @@ from itertools import combinations, pairwise
 from pathlib import Path
 from typing import Any, cast
 
-from ..documents.asking import NAMES, Asked, AskedDocument, Log, Plain, plain_of
+from ..documents.asking import (
+    NAMES,
+    AskedDocument,
+    Plain,
+    Question,
+    Questions,
+    plain_of,
+)
 from ..documents.parsing import read_documents
 from ..documents.quantities import SMALLEST_LENGTH, UNITS, accepted
 from ..errors import RockingError
@@ -134,7 +141,7 @@ class _Reading:
 
     def __init__(self, word: str) -> None:
         self.word = word
-        self.log = Log()
+        self.log = Questions()
         self.needs: dict[str, list[frozenset[str]]] = {}  # required keys, by mapping
         self.taken: dict[str, None] = {}  # paths that a valid document may have
         # (valid, missing, faulty) of each document that was read, by its text
@@ -158,7 +165,7 @@ class _Reading:
             elif self.word == "parameters":
                 from . import build_structure
 
-                row = build_structure(AskedDocument.of(plain, Log())).row()
+                row = build_structure(AskedDocument.of(plain, Questions())).row()
                 yield cast(Node, _texts(row))
 
     def _read(self, node: Node) -> bool:
@@ -388,7 +395,7 @@ class _Reading:
 
     def _form_schema(self, path: str) -> Schema:
         """Return the schema of the values of a key, without its description."""
-        asked: dict[str, list[Asked]] = {}
+        asked: dict[str, list[Question]] = {}
         for one in self.log.asked.get(path, ()):
             asked.setdefault(one.form, []).append(one)
         if "integer" in asked:
@@ -400,7 +407,7 @@ class _Reading:
             return found[0]
         return {"anyOf": found} if found else {}  # {}: asked for in another way
 
-    def _one_form(self, path: str, form: str, asked: list[Asked]) -> Schema:
+    def _one_form(self, path: str, form: str, asked: list[Question]) -> Schema:
         """Return the schema of the values of a key in one of its forms."""
         if form == "quantity":
             return self._quantity_schema(path, asked)
@@ -430,13 +437,13 @@ class _Reading:
             found["type"] = [found["type"], "null"]
         return found
 
-    def _integer_schema(self, asked: list[Asked]) -> Schema:
+    def _integer_schema(self, asked: list[Question]) -> Schema:
         """Return the schema of a whole number."""
         one = next(one for one in asked if one.form == "integer")
         whole = {"multipleOf": 1, "minimum": one.least}
         return {"type": ["number", "string", "null"], "pattern": "^[0-9]+$", **whole}
 
-    def _quantity_schema(self, path: str, asked: list[Asked]) -> Schema:
+    def _quantity_schema(self, path: str, asked: list[Question]) -> Schema:
         """Return the schema of a quantity, without the limits that depend on the other
         numbers of a document.
         """
