@@ -6,6 +6,8 @@ import math
 
 import numpy as np
 import pytest
+from oracles.sliding import BlockOnCorners, G, moreau
+from scipy.integrate import trapezoid
 from scipy.optimize import brentq
 
 from rocking_cli import load_records, load_structures
@@ -15,7 +17,6 @@ from rocking_cli.motions import pulse
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.motion import Motion
 from rocking_cli.structures.friction import Friction, friction_that_slides
-from tests.oracles.sliding import BlockOnCorners, G, moreau
 
 SYNTHETIC = "configs/motions/synthetic.at2"
 
@@ -133,7 +134,7 @@ def test_pulses_with_static_and_kinetic_friction_agree_with_stepping(name):
         speed *= 0.5 * (times[1] - times[0])
         assert np.all(one.side * speed[1:-1] > -1e-6)
         assert abs(speed[-1]) < 1e-6
-        path = np.trapezoid(speed, times)
+        path = trapezoid(speed, times)
         assert path == pytest.approx(one.ends - one.begins, abs=1e-5)
         assert np.abs(speed).max() == pytest.approx(found.speed_of(one), rel=1e-5)
     still = [(0.0, found.slides[0].start)]
