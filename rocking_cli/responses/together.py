@@ -81,7 +81,7 @@ def first_overturning_of(
     method = governing_method(*structures, dimensionless=shaking.dimensionless)
     omega = np.array([shaking.cell(s)[1] for s in structures])
     together = Together(method, motion, structures, omega)
-    first = together.lowestfallen(together.least_uplifts(), np.asarray(a_max, float))
+    first = together.lowest_falls(together.least_uplifts(), np.asarray(a_max, float))
     unit = np.array([float(s.ground_acceleration(1.0)) for s in structures])
     return first * unit
 
@@ -108,8 +108,12 @@ class Together:
 
     def _shared(self, structure: RockingParameters) -> object:
         """Return what the structures of one march have in common: nothing for plain
-        bodies whose equation takes cells of several alphas.
+        bodies whose equation takes cells of several alphas; under a vertical motion
+        also the ground acceleration of A = 1, with which the weight changes.
         """
+        if self.motion.vertical is not None:
+            scale = structure.alpha / structure.a_scale
+            return (*self.method.shares(structure), scale)
         kind = self.method.kind_of(structure)
         if structure.plain and kind.of_cells is not None:
             return None
@@ -175,7 +179,7 @@ class Together:
         cells = (amplitude, self.omega[which], self.eta[which])
         return response(system, self.motion, *cells, peaks=peaks, how=how)
 
-    def lowestfallen(self, lowest: Array, highest: Array) -> Array:
+    def lowest_falls(self, lowest: Array, highest: Array) -> Array:
         """Return the lowest amplitude A that overturns each structure between two
         amplitudes, infinite without one.
         """
@@ -212,4 +216,4 @@ class Together:
 
 def fallen(outcome: Array) -> Array:
     """True where a structure does not stand; a failed cell counts as a fall."""
-    return ~safe(outcome) | (outcome == Outcome.FAILED)
+    return np.asarray(~safe(outcome))

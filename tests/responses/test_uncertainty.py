@@ -9,10 +9,16 @@ import numpy as np
 import pytest
 
 import rocking_cli as rk
+from rocking_cli.dynamics.method import governing_method
 from rocking_cli.dynamics.outcome import safe
+from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.grid import demand_of
 from rocking_cli.responses.shares import ShareOfDraws, first_order_indices
-from rocking_cli.responses.together import first_overturning_of, outcomes_at
+from rocking_cli.responses.together import (
+    Together,
+    first_overturning_of,
+    outcomes_at,
+)
 from rocking_cli.structures.draws import draws, sobol
 
 
@@ -132,6 +138,33 @@ def test_a_draw_that_leaves_the_ground_falls_by_the_linear_equation_too():
     assert rk.Outcome.LOST_CONTACT in codes
     for structure, code in zip(structures, codes, strict=True):
         assert code == rk.check(structure, rk.sine(), grid, a_max=None).outcome
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "block:0.5+-0.05x2,restitution=0.85..0.95",
+        rectangular("2.66", "0.245+-0.03"),
+    ],
+    ids=["equation of motion", "linear"],
+)
+def test_a_draw_has_its_own_weight_under_a_vertical_motion(text):
+    """The weight over m g follows z_g'' / g, so over A it depends on alpha."""
+    structures, _ = drawn(text, 16)
+    motion, grid = (
+        with_vertical(rk.sine(), rk.sine(), 0.5),
+        rk.parse_grid("a_g=0.4g,f_g=1.2"),
+    )
+    codes = outcomes_at(structures, motion, grid)
+    alone = [rk.check(one, motion, grid, a_max=None) for one in structures]
+    assert codes.tolist() == [verdict.outcome for verdict in alone]
+    cells = np.array([grid.cell(one) for one in structures])
+    method = governing_method(*structures)
+    together = Together(method, motion, structures, cells[:, 1])
+    theta, _ = together.responses(np.arange(16), cells[:, 0])
+    wanted = [v.theta_ratio for v in alone]
+    assert theta == pytest.approx(np.array(wanted, dtype=float), abs=1e-8, nan_ok=True)
+    assert any(one is not None for one in wanted)
 
 
 def test_a_draw_that_slides_never_falls():
