@@ -128,7 +128,7 @@ def overturned(codes: Any) -> Any:
     Parameters
     ----------
     codes
-        codes of `Outcome`, whole numbers from 0 to 7, of any shape
+        codes of `Outcome`, of any shape
 
     Returns
     -------
@@ -167,7 +167,7 @@ def safe(codes: Any) -> Any:
     Parameters
     ----------
     codes
-        codes of `Outcome`, whole numbers from 0 to 7, of any shape
+        codes of `Outcome`, of any shape
 
     Returns
     -------

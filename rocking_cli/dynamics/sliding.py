@@ -283,15 +283,15 @@ class Base:
         coefficient.
         """
         mu, same = self.friction, self.motion.vertical is None
-        static = tuple(
-            SlideDrive.of(self.motion, side, mu.static) for side in (1.0, -1.0)
-        )
+        static = self._both_ways(mu.static)
         if same or mu.static == mu.kinetic:
-            return static, static  # type: ignore[return-value]
-        kinetic = tuple(
-            SlideDrive.of(self.motion, side, mu.kinetic) for side in (1.0, -1.0)
-        )
-        return static, kinetic  # type: ignore[return-value]
+            return static, static
+        return static, self._both_ways(mu.kinetic)
+
+    def _both_ways(self, mu: float) -> tuple[SlideDrive, SlideDrive]:
+        """Return q to the right and to the left with one coefficient."""
+        right, left = (SlideDrive.of(self.motion, side, mu) for side in (1.0, -1.0))
+        return right, left
 
     @cached_property
     def _weight(self) -> SlideDrive | None:

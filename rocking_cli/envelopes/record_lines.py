@@ -72,7 +72,7 @@ def _joined(segments: Segments, count: int) -> RecordLines:
     gain = 12.0 * moment / whole**2
     begin = (s + 0.5 * rise).mean(axis=1) - 0.5 * gain
 
-    # What is left, and its integrals before each sample of a line.
+    # The rest of the samples above the line, and its integrals before each of them.
     r = s - begin[:, None] - gain[:, None] * np.arange(count) / count
     r_rise = rise - gain[:, None] / count
     gains = size * (r + 0.5 * r_rise)

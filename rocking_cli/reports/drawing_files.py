@@ -55,7 +55,7 @@ DRAWN = (
 
 
 class Opened(NamedTuple):
-    """What is drawn: a file, or a result in memory."""
+    """A file, or a result in memory, that a figure shows."""
 
     name: str  # of the file, or of the result, for messages
     # opens a spectra file, or a spectrum in memory; None for a table

@@ -1,8 +1,8 @@
 """A JSON Schema of structure documents, made of what the readers of the kinds ask.
 
 Each kind reads documents that record every question: the shipped ones, and probes that
-state one more key, or one key alone. What is asked is what is accepted, so the schema
-needs no list of keys of its own.
+state one more key, or one key alone. The keys that a reader asks for are those that it
+accepts, so the schema needs no list of keys of its own.
 """
 
 from __future__ import annotations

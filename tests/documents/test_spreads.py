@@ -28,7 +28,7 @@ DEGREE = math.pi / 180.0
 def test_both_numbers_have_one_unit(text, dimension, shape, first, second):
     found = parse_spread(text, dimension)
     assert found.shape == shape
-    assert (found.first, found.second) == pytest.approx((first, second), rel=1e-15)
+    assert (found.first, found.second) == pytest.approx((first, second), rel=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -96,6 +96,6 @@ def test_the_unit_of_a_heading_and_of_a_size_holds_for_both_numbers():
 def test_a_document_without_draws_has_its_means():
     (document,) = parse_documents("{kind: block, width: 0.4 .. 0.6, height: 2 +- 1 %}")
     found = build_structure(document)
-    assert found.uplift == pytest.approx(0.25, rel=1e-15)
+    assert found.uplift == pytest.approx(0.25, rel=1e-14)
     (certain,) = parse_documents("{kind: block, width: 0.5 +- 0, height: 2 .. 2}")
     assert uncertain_keys(certain) == []

@@ -52,7 +52,7 @@ class SampleStepper(ABC, Generic[Pooled]):
         self.values = [one.values for one in samples]
         self.samples = np.concatenate(self.values)
         self.gains = np.concatenate([gains(one) for one in self.values])
-        # Of each cell: its motion, its first and last sample, and the phase between two
+        # The motion of each cell, its first and last sample, and the phase between two
         # samples [rad], (cells,).
         ends = np.cumsum([one.size for one in self.values])
         self.motion = np.searchsorted(ends, run.batch.first, side="right")
