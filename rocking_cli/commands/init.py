@@ -21,11 +21,11 @@ def init(
 ) -> None:
     """Print a commented example document for a kind of structure. It is valid as it is.
 
-    KIND is block, point_mass, spire, arch, frame, prism, drum, rigid, stack, wall or
-    mechanism, or parameters (stated numbers instead of a geometry), or
-    wall_between_floors, a wall whose top is held; rocking help documents lists all
-    keys. Its first line names rocking.schema.json, which `rocking init --schema >
-    rocking.schema.json` writes beside it: editors then complete and check its keys.
+    KIND is one of {kinds}: parameters states numbers instead of a geometry,
+    wall_between_floors is a wall whose top is held. rocking help documents lists all
+    keys. The first line of the document names rocking.schema.json, which `rocking init
+    --schema > rocking.schema.json` writes beside it: editors then complete and check
+    its keys.
     """
     if schema:
         if kind is not None:
@@ -42,3 +42,6 @@ def init(
     from ..structures.templates import template
 
     streams.put(_FOR_EDITORS, *template(kind).splitlines())
+
+
+init.help = str(init.help).format(kinds=", ".join(TEMPLATES))

@@ -90,7 +90,7 @@ class VariedKey(click.ParamType):
         self, ctx: click.Context, param: click.Parameter, incomplete: str
     ) -> list[CompletionItem]:
         from ..structures import build_structure, read_documents
-        from ..structures.kinds import KEYS
+        from ..structures.kinds import known_keys
 
         known: dict[str, None] = {}
         for path in _given_files(ctx):
@@ -100,7 +100,7 @@ class VariedKey(click.ParamType):
                     known |= dict.fromkeys(document.dimensions)
         return [
             CompletionItem(f"{key}=")
-            for key in known or sorted(KEYS)
+            for key in known or sorted(known_keys())
             if key.startswith(incomplete)
         ]
 

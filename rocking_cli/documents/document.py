@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 
 from ..errors import DocumentError, did_you_mean
@@ -581,16 +581,17 @@ class Document:
         self.inner += found
         return found
 
-    def finish(self, elsewhere: Collection[str] = ()) -> None:
+    def finish(self, elsewhere: Callable[[], Collection[str]] = frozenset) -> None:
         """Refuse the keys that no method asked for.
 
         In a row of a table such a column is a label, unless its name is like a key of
-        this document or is in `elsewhere`.
+        this document or is one of `elsewhere`.
 
         Parameters
         ----------
         elsewhere
-            keys of other documents, which are no labels
+            returns the keys of other documents, which are no labels; called for a
+            column that no method asked for
 
         Raises
         ------
@@ -603,7 +604,7 @@ class Document:
         for key in unknown:
             if (
                 not self.cells
-                or key in elsewhere
+                or key in elsewhere()
                 or split_heading(key)[0] in self.asked
                 or self._meant(key)
             ):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from ..documents.spreads import NOTED_CUT
 from ..errors import DocumentError, StructureError
-from .kinds import KEYS, KINDS, build, reports_of
+from .kinds import KINDS, build, known_keys, reports_of
 from .parameters import OTHERS, RockingParameters, Side
 from .shared_keys import damping_of, friction_of, labels_of
 from .sizes import size_remarks
@@ -76,7 +76,7 @@ def build_structure(document: Document) -> RockingParameters:
             f"{document.place}: {document.values['kind'].content}: {error}"
         ) from None
     document.has("labels")  # a key of every kind, also of those of installed packages
-    document.finish(KEYS)
+    document.finish(known_keys)
     sized = (*size_remarks(document, built), *cut_remarks(document))
     return replace(
         built,

@@ -7,7 +7,7 @@ import re
 from typing import TYPE_CHECKING
 
 from ..errors import DocumentError
-from .kinds import KINDS, sizes_of
+from .kinds import sizes_of
 
 if TYPE_CHECKING:
     from ..documents.document import Document
@@ -35,7 +35,7 @@ def inline_document(text: str) -> "Document | None":
         key, equals, value = (x.strip() for x in part.partition("="))
         if equals:
             stated.append((key, value))
-        elif word in KINDS:  # `build_structure` refuses any other word
+        elif sizes is not None:  # `build_structure` refuses an unknown kind
             given = [size.strip() for size in part.split("x")]
             if i or not sizes or len(given) != len(sizes) or not all(given):
                 short = (

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from copy import deepcopy
 from functools import cache
 from importlib.resources import files
@@ -30,8 +30,8 @@ from ..documents.parsing import read_documents
 from ..documents.quantities import SMALLEST_LENGTH, UNITS, accepted
 from ..errors import RockingError
 from ..plugins import installed
-from .kinds import GROUP, KEYS, KINDS, reports_of
-from .parameters import VARIED
+from .kinds import GROUP, KINDS, reports_of
+from .parameters import OTHERS, VARIED
 from .templates import shipped
 
 Node = dict[str, Plain]
@@ -59,6 +59,12 @@ _COMMENTED = re.compile(r"[ #-]*([a-z_]+):[^#]*#\s*(.+)")
 
 def document_schema() -> Schema:
     """Return a JSON Schema (draft 7) of one structure document of any kind."""
+    readings = {word: _Reading(word) for word in KINDS}
+    asked = {key: None for one in readings.values() for key in one.log.known}
+    others = sorted(key for key in asked if "." not in key)
+    reported = {key: None for word in KINDS for key in reports_of(word)}
+    for reading in readings.values():
+        reading.probe([*others, *reported, OTHERS, *VARIED])
     return {
         "$schema": DRAFT,
         "title": "Structure document of rocking",
@@ -74,7 +80,7 @@ def document_schema() -> Schema:
         ],
         "definitions": {
             **{dimension: _quantity(dimension) for dimension in UNITS},
-            **{word: _Reading(word).schema() for word in KINDS},
+            **{word: reading.schema() for word, reading in readings.items()},
         },
     }
 
@@ -149,7 +155,8 @@ class _Reading:
         self.whole = list(self._whole())  # valid documents
         for node in (*self.whole, self._alone()):
             self._read(node)
-        self._probe_all()
+        self.probed = {"kind"}  # paths
+        self._probe_asked()
 
     def _alone(self) -> Node:
         """Return the document that states its kind alone."""
@@ -192,21 +199,22 @@ class _Reading:
 
     # Probes ---------------------------------------------------------------------------
 
-    def _probe_all(self) -> None:
-        """Probe each key that is asked for, and the keys of other kinds, until no
-        reading asks for another one.
-        """
-        probed = {"kind"}
-        reported = {key: None for word in KINDS for key in reports_of(word)}
-        others = [*sorted(KEYS), *reported, *VARIED]
-        while True:
-            left = [path for path in self.log.known if path not in probed]
-            left = left or self._refused(key for key in others if key not in probed)
-            if not left:
-                break
+    def _probe_asked(self) -> None:
+        """Probe each key that is asked for, until no reading asks for another one."""
+        while left := [path for path in self.log.known if path not in self.probed]:
             for path in left:
-                probed.add(path)
+                self.probed.add(path)
                 self._probe(path)
+
+    def probe(self, others: Sequence[str]) -> None:
+        """Probe what is asked for, the keys of other kinds that this kind refuses in
+        its own words, and keys together.
+        """
+        while left := self._refused(key for key in others if key not in self.probed):
+            for path in left:
+                self.probed.add(path)
+                self._probe(path)
+            self._probe_asked()
         unread = [key for key in self._keys("") if not self._form(key)]
         for one, other in combinations(unread, 2):  # keys that go together
             node = self._with(self._with(self._alone(), one), other, "2")

@@ -12,8 +12,6 @@ from support.shown_commands import shell
 
 from rocking_cli.commands import COMMANDS, cli
 from rocking_cli.commands.help import TOPICS, page
-from rocking_cli.motions import PULSES
-from rocking_cli.structures import KINDS
 
 PAGES = [name for name in (*COMMANDS, *TOPICS) if page(name)]
 
@@ -156,12 +154,6 @@ def test_a_page_fits_a_terminal_and_points_to_what_is_there(name):
         set(re.findall(r"`rocking help ([a-z]+)`", page(name)))
         <= COMMANDS.keys() | TOPICS.keys()
     )
-
-
-def test_every_kind_and_every_pulse_stands_in_a_page():
-    for words, name in ((KINDS, "documents"), (PULSES, "motions")):
-        for word in words:
-            assert re.search(rf"^  {word}  ", page(name), re.MULTILINE), word
 
 
 @pytest.mark.slow

@@ -5,15 +5,13 @@ import io
 import json
 import time
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 from support.documents import built
 from support.refusals import refuses
 
-from rocking_cli import DocumentError, build_structure, parse_documents, read_documents
+from rocking_cli import DocumentError, build_structure, parse_documents
 from rocking_cli.documents.table import rows_of_structures
-from rocking_cli.structures.kinds import KEYS
 
 HEAD = [
     "name",
@@ -333,11 +331,3 @@ def test_a_column_like_a_key_is_no_label(column, words):
 def test_other_words_are_labels(column):
     (document,) = parse_documents(f"kind,width,height,{column}\nblock,1,5,x\n", "f.csv")
     assert build_structure(document).labels == {column: "x"}
-
-
-def test_every_key_of_every_kind_is_known():
-    """A key that is missing in KEYS would be a label in a row of another kind."""
-    for path in sorted(Path("configs").glob("*.yaml")):
-        for document in read_documents(path):
-            build_structure(document)
-            assert not document.asked - KEYS - {"alpha_geometric"}

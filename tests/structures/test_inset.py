@@ -5,14 +5,12 @@ import math
 from dataclasses import replace
 
 import pytest
-from support.documents import built
+from support.documents import RIGID, built
 
 from rocking_cli import build_structure
-from rocking_cli.structures import KINDS, read_documents
+from rocking_cli.structures import read_documents
 from rocking_cli.structures.kinds import sketch_of
 from rocking_cli.structures.mechanics.worn_edges import worn
-
-RIGID = [kind for kind in KINDS if kind not in ("arch", "mechanism", "parameters")]
 
 
 def same(found, wanted, **tolerance):

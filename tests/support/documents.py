@@ -4,12 +4,21 @@ that the tests of files share.
 
 import csv
 import io
+from importlib import import_module
 from pathlib import Path
 
 import h5py
 
 from rocking_cli import Motion, RockingParameters, build_structure, parse_documents
 from rocking_cli.motions.motion_document import build_motion
+from rocking_cli.structures.kinds import KINDS
+
+# the kinds of one rigid body, whose module has `body`
+RIGID = [
+    kind
+    for kind, module in KINDS.items()
+    if hasattr(import_module(f"rocking_cli.structures.kinds.{module}"), "body")
+]
 
 SMALL_SCENE = (
     "--grid",

@@ -1,6 +1,6 @@
 """The kinds of structure.
 
-A new kind is one file, and its name in KINDS. The file has
+A new kind is one file, and one line in KINDS. The file has
 
 - `body(document)`, which returns the `RigidBody` of a rigid body, or
   `build(document, name)`, which returns the RockingParameters of any other structure.
@@ -24,10 +24,13 @@ Entry points are read only for a `kind` that is not in KINDS.
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 from importlib import import_module
+from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from ...plugins import blamed, installed
@@ -49,94 +52,21 @@ OF_BODIES = (
     *RESTRAINTS,
 )  # keys that every rigid kind takes, and no other one
 GROUP = "rocking.structures"
-# The keys of all kinds but those inside lists; no column of a table with such a name is
-# a label.
-KEYS = frozenset(
-    {
-        "a_scale",
-        "alpha",
-        "alpha_geometric",
-        "angle",
-        "arm",
-        "axis",
-        "base_radius",
-        "bodies",
-        "cap_ratio",
-        "columns",
-        "corners",
-        "crack",
-        "crack_height",
-        "dampers",
-        "damping",
-        "density",
-        "depth",
-        "drums",
-        "energy_kept",
-        "eta",
-        "eta_source",
-        "friction",
-        "gravity",
-        "ground",
-        "gyration",
-        "height",
-        "hinges",
-        "inertia",
-        "impulses_inside",
-        "inset",
-        "joints",
-        "joints_other",
-        "joints_source",
-        "kind",
-        "labels",
-        "lambda",
-        "left",
-        "length",
-        "loads",
-        "mass",
-        "measured",
-        "name",
-        "offset",
-        "one_sided",
-        "other_interfaces",
-        "other_side",
-        "p",
-        "pieces",
-        "radius",
-        "restitution",
-        "right",
-        "rise",
-        "rocks_on",
-        "rotation_of",
-        "rotation_of_other",
-        "sides",
-        "span",
-        "strength",
-        "structure_kind",
-        "tendon",
-        "thickness",
-        "ties",
-        "tip_height",
-        "top",
-        "top_reaction",
-        "top_radius",
-        "voussoirs",
-        "width",
-    }
-)
-KINDS = (
-    "block",
-    "point_mass",
-    "spire",
-    "arch",
-    "frame",
-    "prism",
-    "drum",
-    "rigid",
-    "stack",
-    "wall",
-    "mechanism",
-    "parameters",
-)
+# the module of each kind, which is imported when a document is of this kind
+KINDS = {
+    "block": "block",
+    "point_mass": "point_mass",
+    "spire": "spire",
+    "arch": "arch",
+    "frame": "frame",
+    "prism": "prism",
+    "drum": "drum",
+    "rigid": "rigid",
+    "stack": "stack",
+    "wall": "wall",
+    "mechanism": "mechanism",
+    "parameters": "stated",
+}
 
 
 def build(document: Document, name: str) -> RockingParameters:
@@ -169,17 +99,28 @@ def build(document: Document, name: str) -> RockingParameters:
             raise TypeError(
                 f"build returns {type(built).__name__}, which is no RockingParameters"
             )
+        _require_printable(built)
     return _with_shared_keys(document, built)
 
 
 def _built(kind: Any, document: Document, name: str) -> RockingParameters:
     """Return the parameters of a document of this kind."""
-    built: RockingParameters = (
-        kind.body(document).parameters(document, name)
-        if hasattr(kind, "body")
-        else kind.build(document, name)
-    )
+    if not hasattr(kind, "body"):
+        stated: RockingParameters = kind.build(document, name)
+        return stated
+    body = kind.body(document)
+    if not hasattr(body, "parameters"):
+        raise TypeError(f"body returns {type(body).__name__}, which is no RigidBody")
+    built: RockingParameters = body.parameters(document, name)
     return built
+
+
+def _require_printable(built: RockingParameters) -> None:
+    """Raise TypeError unless the details can be printed as JSON."""
+    try:
+        json.dumps(dict(built.details))
+    except (TypeError, ValueError) as error:
+        raise TypeError(f"its details: {error}") from None
 
 
 def _module(word: str) -> Any:
@@ -187,9 +128,7 @@ def _module(word: str) -> Any:
     TypeError if it is not a module of a kind.
     """
     if word in KINDS:
-        return import_module(
-            "." + {"parameters": "stated"}.get(word, word), __package__
-        )
+        return import_module(f".{KINDS[word]}", __package__)
     kind = (entry := installed(GROUP)[word]).load()
     made = any(callable(getattr(kind, name, None)) for name in ("body", "build"))
     if not (made and isinstance(getattr(kind, "REPORTS", None), tuple | list)):
@@ -237,11 +176,33 @@ def reports_of(word: str) -> Sequence[str]:
         return ()
 
 
-def sizes_of(word: str) -> Sequence[str]:
+def sizes_of(word: str) -> Sequence[str] | None:
     """Return the keys whose values `KIND:AxB` states; empty for a kind without this
-    form.
+    form, None for an unknown kind and for a package that does not load.
     """
-    return tuple(getattr(_module(word), "SIZES", ())) if word in KINDS else ()
+    if word not in KINDS and word not in installed(GROUP):
+        return None
+    try:
+        return tuple(getattr(_module(word), "SIZES", ()))
+    except (Exception, SystemExit):
+        return None
+
+
+@cache
+def known_keys() -> frozenset[str]:
+    """Return the keys of documents of all kinds, without those inside lists. A column
+    of a table with such a name is no label.
+
+    The JSON Schema holds them, which `make schema` makes of the readers of the kinds.
+    """
+    text = (files("rocking_cli.structures") / "schema.json").read_text("utf-8")
+    found: set[str] = set()
+    for word, schema in json.loads(text)["definitions"].items():
+        for key, form in schema.get("properties", {}).items():
+            # of the kind `parameters` an empty form is a detail that it carries along
+            if form or word != "parameters":
+                found.add(key)
+    return frozenset(found)
 
 
 def sketch_of(document: Document, built: RockingParameters) -> Sketch:
@@ -278,7 +239,7 @@ def _sketched(
         raise document.fault(
             "kind",
             f"{word}, which states no geometry to draw",
-            f"one of {', '.join(KINDS[:-1])}",
+            f"one of {', '.join(one for one in KINDS if one != word)}",
         )
     found: Sketch = kind.sketch(document, built)
     return found

@@ -10,7 +10,7 @@ from dataclasses import replace
 from functools import partial
 
 import pytest
-from support.documents import built
+from support.documents import RIGID, built
 from support.packages import installed
 
 from rocking_cli import DocumentError, StructureError, build_structure, parse_documents
@@ -188,6 +188,24 @@ def test_a_package_that_cannot_be_used_is_named(install, source, words):
         built("kind: broken")
 
 
+def test_sizes_of_an_installed_kind_are_read_and_never_left_out(install):
+    install("tower", TOWER)
+    with pytest.raises(
+        DocumentError, match=r"^tower:7: found '7'; expected tower:KEY="
+    ):
+        read_documents("tower:7")
+    install("minaret", f"{TOWER}SIZES = ('storeys',)")
+    (document,) = read_documents("minaret:7")
+    assert build_structure(document).details == {"storeys": 7}
+
+
+def test_a_body_of_a_package_that_is_none_is_told(install):
+    install("bodiless", "REPORTS = ()\ndef body(document):\n    return [1.0]\n")
+    words = r"the package of-bodiless adds .*: body returns list, which is no RigidBody"
+    with pytest.raises(DocumentError, match=words):
+        built("kind: bodiless")
+
+
 BUILDS = "REPORTS = ()\ndef build(document, name):\n    {}\n"
 
 
@@ -201,6 +219,15 @@ BUILDS = "REPORTS = ()\ndef build(document, name):\n    {}\n"
         ),
         ("raise SystemExit(0)", "SystemExit: 0"),
         ("raise ValueError('\\x1b[31mred\\x07')", r"ValueError: \x1b[31mred\x07"),
+        (
+            "return ('F', 2.0)",
+            "TypeError: build returns tuple, which is no RockingParameters",
+        ),
+        (
+            "from rocking_cli import RockingParameters as P\n"
+            "    return P(name, 'failing', 2, 0.2, 0.9, 0.2, 1, details={'a': {1}})",
+            "TypeError: its details: Object of type set is not JSON serializable",
+        ),
     ],
 )
 def test_a_package_whose_build_fails_is_named(install, rocking, tmp_path, body, words):
@@ -265,13 +292,7 @@ def test_every_kind_takes_damping_and_gravity(kind, plain):
     assert moon.alpha == here.alpha
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        *(kind for kind in KINDS if kind not in ("arch", "mechanism", "parameters")),
-        "spire_cracked",
-    ],
-)
+@pytest.mark.parametrize("name", [*RIGID, "spire_cracked"])
 def test_every_rigid_kind_takes_a_mass_alone_and_may_stand_against_a_backing(
     name, plain
 ):

@@ -1,0 +1,48 @@
+"""A word of a registry stands wherever people look for it: the README, the help pages,
+the shipped documents, the schema, the options. A sentence says what is missing.
+"""
+
+import re
+from importlib import import_module
+
+import pytest
+from support.shown_commands import README, ROOT
+
+from rocking_cli.commands.help import page
+from rocking_cli.structures import build_structure, read_documents
+from rocking_cli.structures.kinds import KINDS, known_keys, sizes_of
+
+TEXT = README.read_text(encoding="utf-8")
+PAGES = "rocking_cli/commands/pages"
+
+
+def in_one_line(text):
+    """A text with one blank between two words."""
+    return " ".join(text.split())
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_kind(kind):
+    place = ROOT / "configs" / f"{kind}.yaml"
+    assert place.exists(), f"no commented document configs/{kind}.yaml"
+    row = re.search(rf"^\| .*\b{kind}\b.* \| ", TEXT, re.MULTILINE)
+    assert row, f"no row of {kind} in the table of kinds of README.md"
+    line = re.search(rf"^  {kind}  ", page("documents"), re.MULTILINE)
+    assert line, f"no line of {kind} in {PAGES}/documents.txt"
+    if sizes := sizes_of(kind):
+        form = rf"\b{kind}\b[^:;]*: {' x '.join(sizes)}\b"
+        told = re.search(form, in_one_line(page("documents")))
+        assert told, f"no `{kind}: {' x '.join(sizes)}` in {PAGES}/documents.txt"
+    module = import_module(f"rocking_cli.structures.kinds.{KINDS[kind]}")
+    assert isinstance(module.REPORTS, tuple), f"{kind}: REPORTS is no tuple of keys"
+
+
+def test_every_key_of_a_kind_is_in_the_schema():
+    """A key that is missing there would be a label in a row of another kind."""
+    asked = {}
+    for path in sorted((ROOT / "configs").glob("*.yaml")):
+        for document in read_documents(path):
+            build_structure(document)
+            asked |= dict.fromkeys(document.asked, path.name)
+    missing = {key: name for key, name in asked.items() if key not in known_keys()}
+    assert not missing, f"schema.json lacks keys of these files: {missing}; make schema"
