@@ -5,10 +5,14 @@ the shipped documents, the schema, the options. A sentence says what is missing.
 import re
 from importlib import import_module
 
+import click
 import pytest
 from support.shown_commands import README, ROOT
 
+from rocking_cli.commands import cli
 from rocking_cli.commands.help import page
+from rocking_cli.documents.quantities import UNITS
+from rocking_cli.motions.intensity_measures import MEASURES
 from rocking_cli.structures import build_structure, read_documents
 from rocking_cli.structures.kinds import KINDS, known_keys, sizes_of
 
@@ -19,6 +23,25 @@ PAGES = "rocking_cli/commands/pages"
 def in_one_line(text):
     """A text with one blank between two words."""
     return " ".join(text.split())
+
+
+@pytest.mark.parametrize("measure", MEASURES.values(), ids=list(MEASURES))
+def test_an_intensity_measure(measure):
+    ways = (measure.of_motion, measure.of_structure, measure.of_record)
+    assert sum(way is not None for way in ways) == 1, f"{measure.name} has not one way"
+    assert measure.dimension in UNITS, f"{measure.name}: DIMENSION is no word of UNITS"
+    of_fragility = cli.get_command(click.Context(cli), "fragility")
+    told = re.search(rf"Measures:.*\b{measure.name}\b", in_one_line(of_fragility.help))
+    assert told, (
+        f"no {measure.name} among the measures of rocking_cli/commands/fragility.py"
+    )
+    if measure.of_structure is None:
+        told = re.search(
+            rf"\([^)]*\b{measure.name}\b.*\) by --scale-to", page("motions")
+        )
+        assert told, (
+            f"no {measure.name} among those of --scale-to in {PAGES}/motions.txt"
+        )
 
 
 @pytest.mark.parametrize("kind", KINDS)

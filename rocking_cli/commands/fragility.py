@@ -23,8 +23,9 @@ if TYPE_CHECKING:
     from ..fragility.exposure import MotionSet
     from ..fragility.fitted_curve import Fit
     from ..fragility.hazard import HazardCurve
-    from ..fragility.measures import Measure, MotionMember
+    from ..fragility.measures import MotionMember
     from ..fragility.study import Study
+    from ..motions.intensity_measures import Measure
     from ..spectra.sweep import SweepOptions
     from ..structures import RockingParameters
 
@@ -125,7 +126,7 @@ def _requested(
     """
     from ..fragility.exposure import MotionSet
     from ..fragility.hazard_files import read_hazard
-    from ..fragility.measures import measure_of
+    from ..motions.intensity_measures import measure_of
     from ..spectra.sweep import SweepOptions
 
     structures, texts = options.structures_of(files, each=True)

@@ -19,7 +19,7 @@ from .parameter_types import InputPath, Registered, quantity
 if TYPE_CHECKING:
     import numpy as np
 
-    from ..fragility.measures import Measure
+    from ..motions.intensity_measures import Measure
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class FragilityOptions:
         "--im",
         "Intensity measure of the curves.",
         default="PGA",
-        type=Registered("fragility.measures.MEASURES"),
+        type=Registered("motions.intensity_measures.MEASURES"),
     )
     levels: str | None = option(
         "--levels",

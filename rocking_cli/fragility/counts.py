@@ -10,11 +10,12 @@ import numpy as np
 from ..documents.quantities import DEFAULT_GRAVITY, is_bare, unit_of
 from ..documents.table import named_rows
 from ..errors import DocumentError, UsageError
+from ..motions.intensity_measures import Measure, measure_of
 from .bootstrap import Resampling, bootstrap_counts
 from .fits import fit_stripes
 from .fitted_curve import Fit, drawn_at, rate_of
 from .hazard import HazardCurve
-from .measures import Measure, cell, measure_of
+from .measures import cell
 
 Array = np.ndarray
 Row = tuple[int, dict[str, str]]  # line and cells by column

@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 
 from ..errors import UsageError
+from ..motions.intensity_measures import Measure
 from .exposure import first_of
 from .fits import Curve, fit_cells, fit_first
-from .measures import Measure, compared
+from .measures import compared
 from .study import Study
 
 EFFICIENCY_COLUMNS = ("structure", "im", "median", "beta", "efficiency", "n")

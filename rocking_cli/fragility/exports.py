@@ -22,12 +22,12 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import UsageError
+from ..motions.intensity_measures import Measure, measure_of
 from ..publishing import check_target, published
 from .exposure import share_overturned
 from .fits import Curve
 from .fitted_curve import Fit
 from .hazard_files import openquake_unit
-from .measures import Measure, measure_of
 from .study import Study
 
 Array = np.ndarray
@@ -37,6 +37,8 @@ _DEMANDS = {
     "PGA": ("Peak Ground Acceleration", "g"),
     "PGV": ("Peak Ground Velocity", "cmps"),
 }
+# measures that OpenQuake knows besides SA and AvgSA; it calls Arias IA
+_OF_OPENQUAKE = ("PGA", "PGV", "PGD", "Arias", "CAV")
 # columns of the CSV of pelicun for each limit state
 _PELICUN_COLUMNS = ("Family", "Theta_0", "Theta_1", "DamageStateWeights")
 _NEAR = 1e-3  # the share rises from 0 within this part below its first level
@@ -192,9 +194,9 @@ def check_export(target: Path, form: str, measure: Measure, overwrite: bool) -> 
         known = measure.name in _DEMANDS or measure.name.startswith("SA(")
         expected = "PGA, PGV or SA(T)"
     else:
-        own = measure.of_structure or measure.of_record is not None
-        known = not own and (len(measure.periods) < 2 or "," not in measure.name)
-        expected = "PGA, PGV, PGD, Arias, CAV, SA(T) or AvgSA(T)"
+        spectral = bool(measure.periods) and "," not in measure.name
+        known = measure.name in _OF_OPENQUAKE or spectral
+        expected = f"{', '.join(_OF_OPENQUAKE)}, SA(T) or AvgSA(T)"
     if not known:
         raise UsageError(
             f"`im`: found {measure.name}; expected a measure that {form} knows:"

@@ -19,12 +19,13 @@ from ..envelopes.capacity import RATIO, tracing_width
 from ..envelopes.intervals import in_turn
 from ..errors import UsageError
 from ..motions.grid import Axis
+from ..motions.intensity_measures import Measure
 from ..processes import available_cpus
 from ..spectra.sweep import SweepOptions, spectrum_of, write_scene
 from ..structures.friction import friction_that_slides
 from ..structures.parameters import RockingParameters
 from .fitted_curve import SlideLimit
-from .measures import Measure, MotionMember
+from .measures import MotionMember
 
 Array = np.ndarray
 Interval = tuple[float, float]
@@ -133,7 +134,7 @@ def exposures(
         ]
     groups = (
         [[s] for s in structures]
-        if motions.measure.of_structure
+        if motions.measure.of_structure is not None
         else [list(structures)]
     )
     if path is not None and len(groups) > 1:

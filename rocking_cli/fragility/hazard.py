@@ -20,7 +20,7 @@ import numpy as np
 
 from ..arguments import check_fields
 from ..errors import UsageError
-from .measures import measure_of
+from ..motions.intensity_measures import measure_of
 
 Array = np.ndarray
 RATE_COLUMNS = (

@@ -12,8 +12,8 @@ import numpy as np
 from ..documents.quantities import DEFAULT_GRAVITY, is_bare, parse_quantity, quantity_at
 from ..documents.table import Table, read_table, split_heading, with_unit
 from ..errors import DocumentError, UsageError, counted
+from ..motions.intensity_measures import Measure, measure_of
 from .hazard import HazardCurve
-from .measures import Measure, measure_of
 
 _OPENQUAKE = {
     "PGV": ("cm/s", 0.01),

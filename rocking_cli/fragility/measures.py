@@ -1,177 +1,34 @@
-"""Intensity measures of fragility curves, and sets of motions.
-
-A measure that depends on the structure is dimensionless: PGA/(lambda g), p PGV/(g tan
-alpha), p^2 PGD/(g tan alpha). Each measure is proportional to a power of the scale
-factor of a motion.
-
-An installed package adds a measure of records by an entry point: a module, or an
-object, with DIMENSION (a word of `quantities.UNITS`), `value(record)`, which returns it
-for a Record in SI, and if it is not proportional to the record its POWER. Entry points
-are read only for a name that is not in MEASURES.
-
-    [project.entry-points."rocking.measures"]
-    CAV5 = "my_package.cav5"
-"""
+"""Sets of motions, and the measures of each motion."""
 
 import math
-from collections.abc import Callable, Collection, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..documents.quantities import DEFAULT_GRAVITY, UNITS, quantity_at, si_unit
+from ..documents.quantities import DEFAULT_GRAVITY, quantity_at
 from ..documents.table import named_rows
 from ..errors import DocumentError, UsageError, did_you_mean
 from ..motions import Motion, pulse
 from ..motions.biaxial import Upwards
 from ..motions.intensity import Intensity
+from ..motions.intensity_measures import MEASURES, Measure, measure_of
 from ..motions.recording import Recording
-from ..motions.records import Record
-from ..motions.response_spectra import mean_acceleration, periods_of
-from ..plugins import blamed, installed
 from ..structures.parameters import RockingParameters
 
-if TYPE_CHECKING:
-    from importlib.metadata import EntryPoint
-
-GROUP = "rocking.measures"
-
-# of a motion and a structure
-Evaluate = Callable[[Intensity, RockingParameters], float]
 # measures of records that are compared with MEASURES
 SPECTRAL = ("SA(0.5)", "SA(1)", "SA(2)", "AvgSA(1)")
 
 
-@dataclass(frozen=True)
-class Measure:
-    """An intensity measure."""
-
-    name: str  # as options and tables have it
-    unit: str  # SI unit of its values, "" for a plain number
-    dimension: str  # a word of `quantities.UNITS`
-    evaluate: Evaluate  # returns it from the intensity of a motion and a structure
-    power: float = 1.0  # the measure is proportional to factor**power [-]
-    of_structure: bool = False  # True if it also depends on the structure
-    periods: tuple[float, ...] = ()  # of SA and AvgSA [s]
-    # returns it from a record, in place of `value`; None for a measure of this package
-    of_record: Callable[[Record], float] | None = None
-
-    def in_words(self, value: float) -> str:
-        """Return a value of the measure [SI] in words; accelerations are in g."""
-        if self.dimension == "acceleration":
-            return f"{value / DEFAULT_GRAVITY:.4g} g"
-        return f"{value:.4g} {self.unit}".rstrip()
-
-
-def _tan(s: RockingParameters) -> float:
-    return s.gravity * math.tan(s.alpha)
-
-
-MEASURES = {
-    m.name: m
-    for m in (
-        Measure("PGA", "m/s2", "acceleration", lambda i, s: i.pga),
-        Measure("PGV", "m/s", "velocity", lambda i, s: i.pgv),
-        Measure("PGD", "m", "length", lambda i, s: i.pgd),
-        Measure("Arias", "m/s", "velocity", lambda i, s: i.arias, power=2.0),
-        Measure("CAV", "m/s", "velocity", lambda i, s: i.cav),
-        Measure(
-            "nPGA",
-            "",
-            "number",
-            lambda i, s: i.pga / (s.uplift * s.gravity),
-            of_structure=True,
-        ),
-        Measure(
-            "nPGV", "", "number", lambda i, s: s.p * i.pgv / _tan(s), of_structure=True
-        ),
-        Measure(
-            "nPGD",
-            "",
-            "number",
-            lambda i, s: s.p**2 * i.pgd / _tan(s),
-            of_structure=True,
-        ),
-    )
-}
-
-
-def measure_of(name: str) -> Measure:
-    """Return the measure of a name, one of MEASURES or SA(T), AvgSA(T1), AvgSA(T, T,
-    ...) (see `periods_of`). Raises UsageError.
-    """
-    if (spectral := periods_of(name)) is not None:
-        return Measure(
-            spectral[0],
-            "m/s2",
-            "acceleration",
-            lambda i, s: math.nan,
-            periods=tuple(spectral[1].tolist()),
-        )
-    found = next(
-        (m for key, m in MEASURES.items() if key.casefold() == name.strip().casefold()),
-        None,
-    )
-    if found is not None:
-        return found
-    added = installed(GROUP)
-    if name not in added:
-        words = (*MEASURES, *added)
-        raise UsageError(
-            f"`im`: found {name!r}; expected {', '.join(words)}, SA(T),"
-            f" AvgSA(T){did_you_mean(name, words)}"
-        )
-    return _added(added[name])
-
-
-def _added(entry: "EntryPoint") -> Measure:
-    """Return the measure of an installed package. Raises UsageError."""
-    with _blamed(entry):
-        found = entry.load()
-        dimension, value = (getattr(found, key, None) for key in ("DIMENSION", "value"))
-        power = getattr(found, "POWER", 1.0)
-        if not (isinstance(dimension, str) and dimension in UNITS and callable(value)):
-            raise TypeError(
-                f"{entry.value} needs a DIMENSION ({', '.join(UNITS)}) and a function"
-                " value(record)"
-            )
-        if not (isinstance(power, int | float) and 0.0 < power < math.inf):
-            raise TypeError(f"its POWER is {power!r}, which is no positive number")
-
-    def of_record(record: Record) -> float:
-        with _blamed(entry):
-            number = value(record)
-            if not isinstance(number, int | float | np.floating):
-                raise TypeError(f"value returns {type(number).__name__}, not a number")
-        return float(number)
-
-    return Measure(
-        entry.name,
-        si_unit(dimension),
-        dimension,
-        lambda i, s: math.nan,
-        power=float(power),
-        of_record=of_record,
-    )
-
-
-def _blamed(entry: "EntryPoint") -> AbstractContextManager[None]:
-    return blamed(entry, lambda said: UsageError(f"`im`: the measure {said}"))
-
-
 def compared(members: "Sequence[MotionMember]", own: Measure) -> Collection[Measure]:
-    """Return the measures whose efficiency is compared: MEASURES, those of SPECTRAL if
-    all members are records, and `own`.
+    """Return the measures whose efficiency is compared: MEASURES and those of SPECTRAL,
+    without those that a pulse among the members does not have, and `own`.
     """
-    spectral = (
-        map(measure_of, SPECTRAL)
-        if all(m.recording is not None for m in members)
-        else ()
-    )
-    return {m.name: m for m in (*MEASURES.values(), *spectral, own)}.values()
+    known = (*MEASURES.values(), *map(measure_of, SPECTRAL))
+    if any(m.recording is None for m in members):
+        known = tuple(m for m in known if m.of_record is None)
+    return {m.name: m for m in (*known, own)}.values()
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,23 +53,18 @@ class MotionMember:
 
     def measured(self, measure: Measure, structure: RockingParameters) -> float:
         """Return the measure of the unscaled motion. Raises UsageError unless it is
-        positive, and for SA, AvgSA or a measure of a package of a pulse.
+        positive, and for a measure of records of a pulse.
         """
-        of_record = measure.of_record
-        if not measure.periods and of_record is None:
-            value = measure.evaluate(self.intensity, structure)
+        if measure.of_record is None:
+            value = measure.value(self.intensity, structure)
         elif self.recording is None:
             raise UsageError(
                 f"{self.label}: found {measure.name} of a pulse; expected a record, or"
                 " another measure"
             )
-        elif of_record is not None:
-            factor = abs(self.recording.factor) ** measure.power
-            value = factor * of_record(self.recording.record)
         else:
-            value = abs(self.recording.factor) * mean_acceleration(
-                self.recording.record, np.array(measure.periods)
-            )
+            factor = abs(self.recording.factor) ** measure.power
+            value = factor * measure.of_record(self.recording.record)
         if not (math.isfinite(value) and value > 0.0):
             raise UsageError(
                 f"{self.label}: its {measure.name} is {value:g}; the motion must have a"

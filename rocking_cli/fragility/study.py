@@ -14,6 +14,7 @@ import numpy as np
 from ..dynamics.method import LINEAR, Method, governing_method
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError, did_you_mean
+from ..motions.intensity_measures import Measure, measure_of
 from ..motions.recording import Recording
 from ..spectra.sweep import SweepOptions
 from ..structures.given import Structure, structures_from
@@ -43,7 +44,7 @@ from .fitted_curve import (
     word_of,
 )
 from .hazard import HazardCurve, Rate
-from .measures import Measure, MotionMember, measure_of, members_of
+from .measures import MotionMember, members_of
 
 Array = np.ndarray
 # a curve, the estimate of samples of its records, and the points of the data

@@ -14,8 +14,9 @@ from ..documents.files import STDIN, read_bytes
 from ..documents.parsing import documents_of
 from ..documents.quantities import quantity_at
 from ..errors import DocumentError, NoAcceleration, NoComponent, UsageError
+from ..plugins import installed
 from .biaxial import Upwards
-from .intensity import intensity
+from .intensity_measures import GROUP, MEASURES, measure_named
 from .motion import Motion
 from .motion_document import build_motion
 from .recording import Recording, with_distinct_labels
@@ -31,20 +32,11 @@ from .records import (
 )
 from .records.record import chosen, names_of, record_motion, vertical_of
 from .records.text import HEAD, as_utf_8
-from .response_spectra import mean_acceleration, periods_of
 
 Taken = TypeVar("Taken")
 
 LONG = 5_000_000  # a record with so many samples gets a remark on memory
 _BYTES = 200  # memory for each sample
-# dimension of each intensity measure by its name
-MEASURES = {
-    "PGA": "acceleration",
-    "PGV": "velocity",
-    "PGD": "length",
-    "Arias": "velocity",
-    "CAV": "velocity",
-}
 
 
 class MotionChoices(TypedDict, total=False):
@@ -284,30 +276,20 @@ def factor_to(record: Record, text: str) -> float:
     UsageError.
     """
     name, equals, value = (x.strip() for x in text.partition("="))
-    spectral = periods_of(name)
-    measure = (
-        next((m for m in MEASURES if m.casefold() == name.casefold()), None)
-        if spectral is None
-        else spectral[0]
-    )
-    if measure is None or not equals:
-        known = f"{', '.join(MEASURES)}, SA(T) and AvgSA(T)"
+    measure = measure_named(name, "scale_to")
+    if measure is None or measure.of_structure is not None or not equals:
+        known = [word for word, one in MEASURES.items() if one.of_structure is None]
+        words = ", ".join((*known, *installed(GROUP)))
         raise UsageError(
             f"`scale_to`: found {text!r}; expected MEASURE=VALUE, such as PGA=0.35g,"
-            f" with one of {known}"
+            f" with one of {words}, SA(T) and AvgSA(T)"
         )
-    wanted = quantity_at(
-        f"`scale_to` {measure}", value, MEASURES.get(measure, "acceleration")
-    )
-    own = (
-        float(getattr(intensity(record), measure.casefold()))
-        if spectral is None
-        else mean_acceleration(record, spectral[1])
-    )
+    wanted = quantity_at(f"`scale_to` {measure.name}", value, measure.dimension)
+    own = measure.value_of_record(record)
     if not own > 0.0:
         raise UsageError(
-            f"`scale_to`: the record has a {measure} of {own:g}; expected a non-zero"
-            f" {measure}"
+            f"`scale_to`: the record has a {measure.name} of {own:g}; expected a"
+            f" non-zero {measure.name}"
         )
     if not wanted > 0.0:
         raise UsageError(
@@ -315,7 +297,7 @@ def factor_to(record: Record, text: str) -> float:
             " reverses a record"
         )
     ratio = wanted / own
-    return math.sqrt(ratio) if measure == "Arias" else ratio
+    return math.sqrt(ratio) if measure.power == 2.0 else ratio ** (1.0 / measure.power)
 
 
 class NoRecord(DocumentError):

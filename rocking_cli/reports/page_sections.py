@@ -21,10 +21,11 @@ from ..fragility.bootstrap import Resampling
 from ..fragility.exposure import MotionSet, exposures
 from ..fragility.fits import FEWEST
 from ..fragility.fitted_curve import Fit, word_of
-from ..fragility.measures import MEASURES, members_of
+from ..fragility.measures import members_of
 from ..fragility.study import LIMITS, Study
 from ..motions import Motion
 from ..motions.grid import Axis, Grid
+from ..motions.intensity_measures import MEASURES
 from ..motions.recording import Recording
 from ..responses.check import Demand
 from ..responses.code_check import METHODS, CodeCheck, code_check, first_beyond

@@ -15,8 +15,9 @@ from rocking_cli.dynamics.method import LINEAR
 from rocking_cli.fragility.bootstrap import Resampling
 from rocking_cli.fragility.drawn import drawn_exposure
 from rocking_cli.fragility.exposure import MotionSet
-from rocking_cli.fragility.measures import measure_of, site_pulses
+from rocking_cli.fragility.measures import site_pulses
 from rocking_cli.fragility.study import studies
+from rocking_cli.motions.intensity_measures import measure_of
 from rocking_cli.spectra.sweep import SweepOptions
 
 DURATIONS = (0.3, 0.5, 0.8, 1.2)  # s

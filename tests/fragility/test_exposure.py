@@ -33,9 +33,10 @@ from rocking_cli.fragility.exposure import (
     share_overturned,
     traced,
 )
-from rocking_cli.fragility.measures import MEASURES, members_of, shaken_upwards
+from rocking_cli.fragility.measures import members_of, shaken_upwards
 from rocking_cli.fragility.study import Study
 from rocking_cli.motions.biaxial import Upwards, with_vertical
+from rocking_cli.motions.intensity_measures import MEASURES
 from rocking_cli.spectra.sweep import SweepOptions
 
 BLOCK = built("kind: block\nwidth: 0.5\nheight: 2\nrestitution: 0.9")

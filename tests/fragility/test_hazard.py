@@ -24,8 +24,8 @@ from rocking_cli import (
 )
 from rocking_cli.dynamics.method import LINEAR
 from rocking_cli.fragility.exposure import Exposure, MotionSet, share_overturned, traced
-from rocking_cli.fragility.measures import MEASURES
 from rocking_cli.fragility.study import Study
+from rocking_cli.motions.intensity_measures import MEASURES
 
 POINTS = HazardCurve(
     [0.2, 0.5, 1.0, 2.0, 4.0, 9.0], [0.1, 0.03, 0.03, 1.6e-3, 2.5e-4, 3e-6]

@@ -14,14 +14,13 @@ from support.synthetic_records import pulsed, recorded
 
 from rocking_cli import DocumentError, UsageError, pulse, sine
 from rocking_cli.fragility.measures import (
-    GROUP,
-    MEASURES,
     compared,
-    measure_of,
     members_of,
     pulse_intensity,
     site_pulses,
 )
+from rocking_cli.motions.intensity_measures import GROUP, MEASURES, Measure, measure_of
+from rocking_cli.motions.reading import factor_to
 from rocking_cli.motions.response_spectra import mean_acceleration
 
 BLOCK = built("kind: block\nwidth: 0.5\nheight: 2")
@@ -124,6 +123,14 @@ def test_the_efficiency_of_spectral_measures_is_compared_under_records():
     ]
 
 
+def test_a_measure_of_records_alone_is_compared_under_records_alone(monkeypatch):
+    longest = Measure("longest", "time", of_record=lambda record: record.duration)
+    monkeypatch.setitem(MEASURES, "longest", longest)
+    of_pulses = compared([pulsed(sine(), 1.0, 1.0)], MEASURES["PGA"])
+    assert "longest" in {m.name for m in compared(members_of([RECORDING]), longest)}
+    assert "longest" not in {m.name for m in of_pulses}
+
+
 ENERGY = """
 import numpy as np
 DIMENSION, POWER = "number", 2.0
@@ -145,6 +152,7 @@ def test_an_installed_package_adds_a_measure_of_records(monkeypatch, tmp_path):
         of_site.measured(measure, BLOCK)
     with pytest.raises(UsageError, match=r"found 'energi'; .* .did you mean 'energy'"):
         measure_of("energi")
+    assert factor_to(record, f"energy={9 * energy!r}") == pytest.approx(3.0, rel=1e-12)
 
 
 def _site(tmp_path):
@@ -156,6 +164,14 @@ def _site(tmp_path):
     ("source", "words"),
     [
         ("value = [1.0]", "TypeError: rocking_odd needs a DIMENSION "),
+        (
+            "DIMENSION = 'number'\ndef value(r): pass",
+            "TypeError: value returns NoneType, not a number",
+        ),
+        (
+            "DIMENSION = 'number'\ndef value(r): return 1 / 0",
+            "ZeroDivisionError: division by zero",
+        ),
         (
             "DIMENSION = 'weight'\ndef value(r): return 1",
             "TypeError: rocking_odd needs",

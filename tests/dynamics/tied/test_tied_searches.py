@@ -13,7 +13,8 @@ from support.documents import built
 from rocking_cli import Method, sine, trace_envelope
 from rocking_cli.dynamics.outcome import overturned
 from rocking_cli.fragility.exposure import MotionSet, exposures
-from rocking_cli.fragility.measures import MEASURES, MotionMember, pulse_intensity
+from rocking_cli.fragility.measures import MotionMember, pulse_intensity
+from rocking_cli.motions.intensity_measures import MEASURES
 
 WALL = built(
     "kind: wall\nthickness: 0.6 m\nheight: 6 m\none_sided: true\nmass: 7200 kg\nties:"
