@@ -4,15 +4,18 @@ the shipped documents, the schema, the options. A sentence says what is missing.
 
 import re
 from importlib import import_module
+from inspect import signature
 
 import click
 import pytest
 from support.shown_commands import README, ROOT
 
 from rocking_cli.commands import cli
+from rocking_cli.commands.ground import OF_A_PULSE
 from rocking_cli.commands.help import page
 from rocking_cli.documents.quantities import UNITS
 from rocking_cli.motions.intensity_measures import MEASURES
+from rocking_cli.motions.pulses import PULSES
 from rocking_cli.structures import build_structure, read_documents
 from rocking_cli.structures.kinds import KINDS, known_keys, sizes_of
 
@@ -23,6 +26,17 @@ PAGES = "rocking_cli/commands/pages"
 def in_one_line(text):
     """A text with one blank between two words."""
     return " ".join(text.split())
+
+
+@pytest.mark.parametrize("pulse", PULSES)
+def test_a_pulse(pulse):
+    line = re.search(rf"^  {pulse}  ", page("motions"), re.MULTILINE)
+    assert line, f"no line of {pulse} in {PAGES}/motions.txt"
+    for parameter in signature(PULSES[pulse]).parameters:
+        known = parameter in OF_A_PULSE
+        assert known, (
+            f"no field {parameter} in Source of rocking_cli/commands/ground.py"
+        )
 
 
 @pytest.mark.parametrize("measure", MEASURES.values(), ids=list(MEASURES))

@@ -166,7 +166,7 @@ def _refuse_contradictions(shaken: ground.Ground, wanted: FragilityOptions) -> N
             " table of pulses"
         )
     if wanted.pulses is not None:
-        refuse("does not go with --pulses", "pulse", "cycles", "gamma", "phase")
+        refuse("does not go with --pulses", *ground.OF_A_PULSE)
     refuse_together("efficiency", "cells", "curve")
     if wanted.hazard is None:
         refuse("goes with --hazard", "site", "standing")

@@ -227,8 +227,8 @@ class Source:
     )
 
 
-# The name and the parameters of a pulse.
-_PULSE = tuple(of.name for of in fields(Source) if of.name != "motion")
+# The name of a pulse and its parameters, which are the words of `pulse` in Python.
+OF_A_PULSE = tuple(of.name for of in fields(Source) if of.name != "motion")
 
 
 @dataclass(frozen=True)
@@ -335,7 +335,7 @@ class Motions(Reading, Source):
 
     def _choices(self, station: float | None) -> Any:
         """Return the choices for the motion of a file."""
-        refuse("does not go with --motion", *_PULSE)
+        refuse("does not go with --motion", *OF_A_PULSE)
         same = {
             key: getattr(self, key)
             for key in ("component", "unit", "column", "scale", "scale_to")
@@ -361,7 +361,7 @@ class Motions(Reading, Source):
             self.pulse or "sine",
             **{
                 key: value
-                for key in _PULSE[1:]
+                for key in OF_A_PULSE[1:]
                 if (value := getattr(self, key)) is not None
             },
         )
@@ -403,9 +403,11 @@ class BothWays(Motions):
             return None, factor
         from ..motions import PULSES, pulse
         from ..motions.biaxial import Upwards
+        from ..motions.pulses import is_pulse
         from ..motions.reading import read_motion
 
-        if self.vertical in PULSES:
+        added = not os.path.exists(self.vertical) and is_pulse(self.vertical)
+        if self.vertical in PULSES or added:
             refuse("goes with a record: give one to --vertical", *_OF_A_FILE)
             motion = pulse(self.vertical)
         else:

@@ -1,10 +1,13 @@
 """The pulses of the literature by name, over phi = omega_g t; for a pulse with a
-duration, omega_g = 2 pi / duration. A new pulse is one line in PULSES, and a function
-that returns its motion where the line does not hold it.
+duration, omega_g = 2 pi / duration.
 
-An installed package adds a pulse by an entry point: a function that returns the Motion,
-with max |s| = 1, from its parameters, among them `cycles`, `gamma` and `phase` of the
-command line. Entry points are read only for a name that is not in PULSES.
+A new pulse is one function that returns its motion from its parameters, with max |s| =
+1, and one line in PULSES. A parameter needs its default, and an option of its name in
+`Source` of `commands/ground.py`.
+
+An installed package adds a pulse by an entry point, which names such a function; the
+command line has the parameters `cycles`, `gamma` and `phase`. Entry points are read
+only for a name that is not in PULSES.
 
     [project.entry-points."rocking.pulses"]
     gabor = "my_package:gabor"
@@ -173,12 +176,11 @@ def pulse(name: str, **parameters: float) -> Motion:
     Parameters
     ----------
     name
-        "sine", "cosine", "half-sine", "rectangular", "rectangular-impulse",
-        "ricker-symmetric", "ricker-antisymmetric", "mavroeidis-papageorgiou", or a
-        pulse of an installed package
+        such as "sine", one of `rocking help motions`, or a pulse of an installed
+        package
     parameters
-        `cycles` of a sine or cosine; `gamma` (duration over period, from 1) and `phase`
-        [rad] of the pulse of Mavroeidis and Papageorgiou
+        those of the pulse, such as `cycles` of a sine or cosine, or `gamma` (duration
+        over period, from 1) and `phase` [rad] of "mavroeidis-papageorgiou"
 
     Returns
     -------
@@ -216,6 +218,11 @@ def pulse(name: str, **parameters: float) -> Motion:
         if not abs(motion.largest - 1.0) <= _UNIT:
             raise ValueError(f"its largest value is {motion.largest:g}, which is not 1")
     return motion
+
+
+def is_pulse(name: str) -> bool:
+    """True if a word names a pulse, of this package or of an installed one."""
+    return name in PULSES or name in installed(GROUP)
 
 
 def _require_known(

@@ -205,12 +205,16 @@ def test_an_installed_package_adds_a_pulse(monkeypatch, tmp_path, rocking):
         pulse("ram")
     words = "check block:0.5x2 --pulse ramp --cycles 2 --a-g 0.3g --f-g 1 --json"
     assert rocking(*words.split()).record["motion"] == "ramp"
+    upwards = "check block:0.5x2 --vertical ramp --a-g 0.3g --f-g 1 --json"
+    assert "ramp" in rocking(*upwards.split()).record["motion"]
 
 
 @pytest.mark.parametrize(
     ("body", "words"),
     [
         ("return [1.0, 2.0]", "TypeError: it returns a list, which is no Motion"),
+        ("return None", "TypeError: it returns a NoneType, which is no Motion"),
+        ("import nothing_at_all", "ModuleNotFoundError: No module named 'nothing_at"),
         ("return sine().scaled(2.0)", "ValueError: its largest value is 2, which is"),
         ("return 1 / 0", "ZeroDivisionError: division by zero"),
         ("raise SystemExit(3)", "SystemExit: 3"),
