@@ -16,6 +16,7 @@ from rocking_cli.commands.help import page
 from rocking_cli.documents.quantities import UNITS
 from rocking_cli.motions.intensity_measures import MEASURES
 from rocking_cli.motions.pulses import PULSES
+from rocking_cli.motions.records import FORMATS
 from rocking_cli.structures import build_structure, read_documents
 from rocking_cli.structures.kinds import KINDS, known_keys, sizes_of
 
@@ -26,6 +27,18 @@ PAGES = "rocking_cli/commands/pages"
 def in_one_line(text):
     """A text with one blank between two words."""
     return " ".join(text.split())
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_a_record_format(name):
+    module = import_module(f"rocking_cli.motions.records.{name}")
+    listed = in_one_line(page("records")).casefold()
+    for form in getattr(module, "FORMATS", (module,)):
+        assert form.NAME.casefold() in listed, f"no {form.NAME} in {PAGES}/records.txt"
+        assert not form.recognise("kind: block\n"), f"{form.NAME} takes a document"
+        assert not form.recognise("0.1 0.2\n0.3 0.4\n"), (
+            f"{form.NAME} takes any numbers"
+        )
 
 
 @pytest.mark.parametrize("pulse", PULSES)

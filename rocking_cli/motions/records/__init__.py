@@ -2,10 +2,12 @@
 format, never its name.
 
 A new format is one module with NAME, recognise(head) and read(text), or several as a
-tuple FORMATS, and one word in FORMATS here. recognise returns True for the first
-characters of a file of the format; read takes a `RecordText` and returns a list of
-`Series`. An installed package adds a format by an entry point, a module or an object
-with the same three names:
+tuple FORMATS, and one line in FORMATS here. recognise returns True for the first
+characters of a file of the format; read takes a `RecordText` (text.py) and returns a
+list of `Series` (record.py).
+
+An installed package adds a format by an entry point, a module or an object with the
+same three names:
 
     [project.entry-points."rocking.records"]
     ours = "my_package.ours"
@@ -35,7 +37,7 @@ from ...errors import DocumentError, NoAcceleration, UsageError
 from ...plugins import blamed, installed
 from . import asdf, plain
 from .claims import agree
-from .record import EVERY, Given, Record, Series, pick, record_of
+from .record import EVERY, Given, Record, Series, pick, record_of, require_series
 from .text import HEAD, RecordText, as_utf_8
 from .units import ACCELERATIONS, WRITTEN_UNITS, require_known
 
@@ -203,13 +205,7 @@ def records_of(
         )
     with nullcontext() if entry is None else _blamed(source, entry):
         read = found.read(text)
-        if not (
-            isinstance(read, list) and read and all(isinstance(s, Series) for s in read)
-        ):
-            raise TypeError(
-                f"read returns {type(read).__name__}; expected a list of Series, one or"
-                " more"
-            )
+        require_series(read)
         if found is not plain and named:
             _require_agreement(source, read, given, found.NAME)
         also = "an uncorrected accelerogram" if uncorrected else ""

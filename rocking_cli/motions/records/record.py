@@ -16,7 +16,7 @@ from ..blocks import largest
 from ..motion import checked_scale
 from ..polyline import Polyline
 from .directions import is_up
-from .units import ACCELERATIONS
+from .units import ACCELERATIONS, WRITTEN_UNITS
 
 LARGEST = 1e6  # m/s2, beyond which no ground shakes
 STEPS = (1e-7, 1e3)  # s, from the shortest to the longest
@@ -49,6 +49,31 @@ class Series(NamedTuple):
     unit: str  # unit of the samples
     pga: str | None = None  # PGA of the header, as printed there
     remark: str = ""  # a sentence for the user, "" without one
+
+
+def require_series(read: object) -> None:
+    """Raise TypeError unless the reader of a format returned a list of Series with
+    samples in a known unit.
+    """
+    if not (isinstance(read, list) and read):
+        found = "an empty list" if isinstance(read, list) else type(read).__name__
+        raise TypeError(f"read returns {found}; expected a list of Series, one or more")
+    for one in read:
+        if not isinstance(one, Series):
+            raise TypeError(
+                f"read returns a list with a {type(one).__name__}; expected a list of"
+                " Series"
+            )
+        if not isinstance(one.component, str | None):
+            raise TypeError(f"read returns the component {one.component!r}, no text")
+        if one.unit not in ACCELERATIONS:
+            raise TypeError(
+                f"read returns the unit {one.unit!r}; expected"
+                f" {', '.join(WRITTEN_UNITS)}"
+            )
+        samples = one.samples
+        if not (isinstance(samples, np.ndarray) and samples.dtype.kind in "fi"):
+            raise TypeError("read returns samples that are no array of real numbers")
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -226,8 +226,25 @@ def test_an_installed_package_adds_a_format_which_says_its_own_fault(
             "TypeError: read returns NoneType; expected a list of Series, one or more",
         ),
         (
+            {"read": "return [('N', 0.01, np.zeros(count), 'gal')]"},
+            "TypeError: read returns a list with a tuple; expected a list of Series",
+        ),
+        (
+            {"read": "return [Series('N', 0.01, np.zeros(count), 'gal')._asdict()]"},
+            "TypeError: read returns a list with a dict; expected a list of Series",
+        ),
+        (
             {"read": "return [Series('N', 0.01, np.zeros(count), 'furlong')]"},
-            "KeyError: 'furlong'",
+            "TypeError: read returns the unit 'furlong'; expected m/s2, cm/s2, mm/s2,"
+            " gal, g, mg, %g, ft/s2, in/s2",
+        ),
+        (
+            {"read": "return [Series('N', 0.01, [0.0] * count, 'gal')]"},
+            "TypeError: read returns samples that are no array of real numbers",
+        ),
+        (
+            {"read": "return [Series('N', 0.01, 1j * np.zeros(count), 'gal')]"},
+            "TypeError: read returns samples that are no array of real numbers",
         ),
     ],
 )
