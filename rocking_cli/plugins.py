@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from .errors import OutputError, RockingError
+from .errors import OutputError, RockingError, UsageError
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -33,10 +33,24 @@ def require(needing: str, *packages: str, instead: str = "") -> None:
 
 
 def installed(group: str) -> dict[str, EntryPoint]:
-    """The entry points of a group by name."""
-    from importlib.metadata import entry_points
+    """Return the entry points of a group by name. Raises UsageError if a package has a
+    list of entry points that cannot be read.
+    """
+    from importlib.metadata import distributions, entry_points
 
-    return {entry.name: entry for entry in entry_points(group=group)}
+    try:
+        return {entry.name: entry for entry in entry_points(group=group)}
+    except Exception as error:
+        for one in distributions():
+            try:
+                _ = one.entry_points
+            except Exception:
+                name = one.metadata["Name"]
+                raise UsageError(
+                    f"the package {name}: its entry_points.txt cannot be read; expected"
+                    " lines such as name = module:attribute"
+                ) from error
+        raise
 
 
 @contextmanager
@@ -54,5 +68,14 @@ def blamed(
         package = f"the package {entry.dist.name}" if entry.dist else entry.value
         raise error_of(
             f"{entry.name}, which {package} adds and which cannot be used:"
-            f" {type(error).__name__}: {error}"
+            f" {_in_one_line(error)}"
         ) from error
+
+
+def _in_one_line(error: BaseException) -> str:
+    """Return the name of an error and what it says, in one line."""
+    try:
+        said = " ".join(str(error).split())
+    except Exception:  # of a class that cannot say what it means
+        said = ""
+    return f"{type(error).__name__}: {said}" if said else type(error).__name__

@@ -1,0 +1,68 @@
+"""Installed packages that add to the program: each fault is one sentence that names the
+package.
+"""
+
+import pytest
+from support.packages import installed as install
+
+from rocking_cli import UsageError
+from rocking_cli.errors import RockingError
+from rocking_cli.plugins import blamed, installed
+
+SILENT = """
+class Silent(Exception):
+    def __str__(self):
+        raise RuntimeError
+
+def silent():
+    raise Silent
+
+def long():
+    raise ValueError("one line\\nanother line")
+
+def empty():
+    raise RecursionError
+
+def told():
+    from rocking_cli import MotionError
+    raise MotionError("gabor: cycles is 0")
+"""
+
+
+@pytest.mark.parametrize(
+    ("attribute", "words"),
+    [
+        (
+            "silent",
+            "odd, which the package of-odd adds and which cannot be used: Silent",
+        ),
+        ("long", "ValueError: one line another line"),
+        ("empty", "RecursionError"),
+        ("nothing", "AttributeError: module 'rocking_odd' has no attribute 'nothing'"),
+        ("told", "gabor: cycles is 0"),
+    ],
+)
+def test_a_fault_of_a_package_is_one_line(monkeypatch, tmp_path, attribute, words):
+    install(monkeypatch, tmp_path, "rocking.odd", "odd", SILENT, attribute)
+    entry = installed("rocking.odd")["odd"]
+    with pytest.raises(RockingError) as told, blamed(entry, RockingError):
+        entry.load()()
+    assert str(told.value).endswith(words)
+    assert "\n" not in str(told.value)
+
+
+@pytest.mark.parametrize(
+    "call",
+    ["check block:0.5x2 --pulse odd --a-g 0.3g --f-g 1", "params odd:1x2"],
+)
+def test_a_list_of_entry_points_that_cannot_be_read_is_told(
+    monkeypatch, tmp_path, rocking, call
+):
+    install(monkeypatch, tmp_path, "rocking.pulses", "odd", SILENT)
+    (listed,) = tmp_path.glob("site-odd/*.dist-info/entry_points.txt")
+    listed.write_text("[rocking.pulses]\nodd\n")
+    with pytest.raises(UsageError, match=r"^the package of-odd: its entry_points.txt"):
+        installed("rocking.pulses")
+    done = rocking(*call.split())
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "the package of-odd: its entry_points.txt cannot be read" in done.stderr
