@@ -20,13 +20,17 @@ demo: out/demo.h5 ## Set up .venv and compute a first spectrum, out/demo.h5
 test: $(STAMPS)/test ## Set up .venv and run the tests
 lint: $(STAMPS)/lint ## Format, rules and types
 
-# The rooms whose files differ from the last commit, or ROOMS="tests/structures tests/motions".
-ROOMS ?= $(shell git diff --name-only HEAD -- rocking_cli tests | sed -nE 's,^(rocking_cli|tests)/([a-z]+)/.*,tests/\2,p' | sort -u)
-quick: $(STAMPS)/dev ## What a small change needs: rules, types, and the quick tests of the rooms that it touches
-	.venv/bin/ruff check --quiet .
-	.venv/bin/mypy & types=$$!; \
-	  .venv/bin/python -m pytest -n 2 -m 'not soak and not slow' $(or $(wildcard $(ROOMS)),tests/documents tests/structures); \
-	  tests=$$?; wait $$types && exit $$tests
+# The rooms whose files differ from the last commit or are new, or ROOMS="tests/structures tests/motions".
+ROOMS ?= $(shell (git diff --name-only HEAD; git ls-files --others --exclude-standard) | sed -nE 's,^(rocking_cli|tests)/([a-z]+)/.*,tests/\2,p' | sort -u)
+# What says where a word of a registry is missing.
+REGISTRIES := tests/test_registries.py tests/test_plugins.py
+quick: $(STAMPS)/dev ## What a small change needs: rules, types, the registries, and the quick tests of the rooms that it touches
+	@began=$$(date +%s); \
+	  .venv/bin/ruff check --quiet . && .venv/bin/ruff format --check . || exit 1; \
+	  .venv/bin/mypy & types=$$!; \
+	  .venv/bin/python -m pytest -n 2 -m 'not soak and not slow' $(REGISTRIES) $(wildcard $(ROOMS)); tests=$$?; \
+	  wait $$types || tests=1; \
+	  echo "$$(($$(date +%s) - began)) s: rules, types, registries, $(or $(wildcard $(ROOMS)),no room)"; exit $$tests
 
 $(STAMPS)/install: pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed: make PYTHON=...")'
@@ -102,11 +106,11 @@ bench: $(STAMPS)/dev ## Speed and error of every scene
 	rm -rf out/base && mkdir -p out/base && git archive $(BASE) rocking_cli | tar -x -C out/base
 	PYTHONPATH=tests:$(CURDIR) .venv/bin/python tests/bench/waiting.py --base out/base
 
-# Records at the scale of a database, minutes: 200 x 10^4 cells, the nonlinear equation, first and all intervals of overturning.
 schema: $(STAMPS)/dev ## The JSON Schema of the documents, after a change of their keys
 	.venv/bin/python -c "from rocking_cli.structures.schema import made_text as made; print(made(), end='')" > schema.json
 	mv schema.json rocking_cli/structures/schema.json
 
+# Records at the scale of a database, minutes: 200 x 10^4 cells, the nonlinear equation, first and all intervals of overturning.
 database: $(STAMPS)/dev ## Records at the scale of a database, minutes
 	.venv/bin/python tests/bench/database.py
 

@@ -2,6 +2,7 @@
 the shipped documents, the schema, the options. A sentence says what is missing.
 """
 
+import json
 import re
 from importlib import import_module
 from inspect import signature
@@ -22,6 +23,7 @@ from rocking_cli.structures.kinds import KINDS, known_keys, sizes_of
 
 TEXT = README.read_text(encoding="utf-8")
 PAGES = "rocking_cli/commands/pages"
+SCHEMA = ROOT / "rocking_cli" / "structures" / "schema.json"
 
 
 def in_one_line(text):
@@ -79,6 +81,8 @@ def test_a_kind(kind):
     assert row, f"no row of {kind} in the table of kinds of README.md"
     line = re.search(rf"^  {kind}  ", page("documents"), re.MULTILINE)
     assert line, f"no line of {kind} in {PAGES}/documents.txt"
+    named = kind in json.loads(SCHEMA.read_text(encoding="utf-8"))["definitions"]
+    assert named, f"no {kind} in {SCHEMA.name}: `make schema` writes it"
     if sizes := sizes_of(kind):
         form = rf"\b{kind}\b[^:;]*: {' x '.join(sizes)}\b"
         told = re.search(form, in_one_line(page("documents")))

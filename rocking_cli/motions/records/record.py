@@ -71,7 +71,7 @@ def require_series(read: object) -> None:
                 f"read returns the unit {one.unit!r}; expected"
                 f" {', '.join(WRITTEN_UNITS)}"
             )
-        samples = one.samples
+        samples: object = one.samples
         if not (isinstance(samples, np.ndarray) and samples.dtype.kind in "fi"):
             raise TypeError("read returns samples that are no array of real numbers")
 
