@@ -1,5 +1,5 @@
 """A word of a registry stands wherever people look for it: the README, the help pages,
-the shipped documents, the schema, the options. A sentence says what is missing.
+the shipped documents, the schema, the options. Sentences say what is missing.
 """
 
 import json
@@ -21,7 +21,6 @@ from rocking_cli.motions.records import FORMATS
 from rocking_cli.structures import build_structure, read_documents
 from rocking_cli.structures.kinds import KINDS, known_keys, sizes_of
 
-TEXT = README.read_text(encoding="utf-8")
 PAGES = "rocking_cli/commands/pages"
 SCHEMA = ROOT / "rocking_cli" / "structures" / "schema.json"
 
@@ -31,64 +30,47 @@ def in_one_line(text):
     return " ".join(text.split())
 
 
-@pytest.mark.parametrize("name", FORMATS)
-def test_a_record_format(name):
-    module = import_module(f"rocking_cli.motions.records.{name}")
-    listed = in_one_line(page("records")).casefold()
-    for form in getattr(module, "FORMATS", (module,)):
-        assert form.NAME.casefold() in listed, f"no {form.NAME} in {PAGES}/records.txt"
-        assert not form.recognise("kind: block\n"), f"{form.NAME} takes a document"
-        assert not form.recognise("0.1 0.2\n0.3 0.4\n"), (
-            f"{form.NAME} takes any numbers"
-        )
+def require(found):
+    """Fail with each sentence whose condition does not hold, one on a line."""
+    missing = [sentence for sentence, holds in found.items() if not holds]
+    assert not missing, "\n" + "\n".join(missing)
 
 
 @pytest.mark.parametrize("pulse", PULSES)
 def test_a_pulse(pulse):
     line = re.search(rf"^  {pulse}  ", page("motions"), re.MULTILINE)
-    assert line, f"no line of {pulse} in {PAGES}/motions.txt"
-    for parameter in signature(PULSES[pulse]).parameters:
-        known = parameter in OF_A_PULSE
-        assert known, (
-            f"no field {parameter} in Source of rocking_cli/commands/ground.py"
-        )
-
-
-@pytest.mark.parametrize("measure", MEASURES.values(), ids=list(MEASURES))
-def test_an_intensity_measure(measure):
-    ways = (measure.of_motion, measure.of_structure, measure.of_record)
-    assert sum(way is not None for way in ways) == 1, f"{measure.name} has not one way"
-    assert measure.dimension in UNITS, f"{measure.name}: DIMENSION is no word of UNITS"
-    of_fragility = cli.get_command(click.Context(cli), "fragility")
-    told = re.search(rf"Measures:.*\b{measure.name}\b", in_one_line(of_fragility.help))
-    assert told, (
-        f"no {measure.name} among the measures of rocking_cli/commands/fragility.py"
-    )
-    if measure.of_structure is None:
-        told = re.search(
-            rf"\([^)]*\b{measure.name}\b.*\) by --scale-to", page("motions")
-        )
-        assert told, (
-            f"no {measure.name} among those of --scale-to in {PAGES}/motions.txt"
-        )
+    options = {
+        f"no field {one} in Source of rocking_cli/commands/ground.py": one in OF_A_PULSE
+        for one in signature(PULSES[pulse]).parameters
+    }
+    require({f"no line of {pulse} in {PAGES}/motions.txt": line, **options})
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_kind(kind):
-    place = ROOT / "configs" / f"{kind}.yaml"
-    assert place.exists(), f"no commented document configs/{kind}.yaml"
-    row = re.search(rf"^\| .*\b{kind}\b.* \| ", TEXT, re.MULTILINE)
-    assert row, f"no row of {kind} in the table of kinds of README.md"
-    line = re.search(rf"^  {kind}  ", page("documents"), re.MULTILINE)
-    assert line, f"no line of {kind} in {PAGES}/documents.txt"
-    named = kind in json.loads(SCHEMA.read_text(encoding="utf-8"))["definitions"]
-    assert named, f"no {kind} in {SCHEMA.name}: `make schema` writes it"
-    if sizes := sizes_of(kind):
-        form = rf"\b{kind}\b[^:;]*: {' x '.join(sizes)}\b"
-        told = re.search(form, in_one_line(page("documents")))
-        assert told, f"no `{kind}: {' x '.join(sizes)}` in {PAGES}/documents.txt"
-    module = import_module(f"rocking_cli.structures.kinds.{KINDS[kind]}")
-    assert isinstance(module.REPORTS, tuple), f"{kind}: REPORTS is no tuple of keys"
+    rows = re.findall(r"^\| .* \| ", README.read_text(encoding="utf-8"), re.MULTILINE)
+    definitions = json.loads(SCHEMA.read_text(encoding="utf-8"))["definitions"]
+    reported = import_module(f"rocking_cli.structures.kinds.{KINDS[kind]}").REPORTS
+    text = page("documents")
+    form = f"{kind}: {' x '.join(sizes_of(kind) or ())}"
+    # `block, point_mass: width x height`
+    told = re.search(form.replace(":", "[^:;]*:"), in_one_line(text))
+    require(
+        {
+            f"REPORTS of {kind} is no tuple of keys": isinstance(reported, tuple),
+            f"no document configs/{kind}.yaml": (
+                ROOT / "configs" / f"{kind}.yaml"
+            ).exists(),
+            f"no row of {kind} in the table of kinds of README.md": any(
+                re.search(rf"\b{kind}\b", row) for row in rows
+            ),
+            f"no line of {kind} in {PAGES}/documents.txt": re.search(
+                rf"^  {kind}  ", text, re.MULTILINE
+            ),
+            f"no `{form}` in {PAGES}/documents.txt": told or not sizes_of(kind),
+            f"no {kind} in schema.json; `make schema` writes it": kind in definitions,
+        }
+    )
 
 
 def test_every_key_of_a_kind_is_in_the_schema():
@@ -100,3 +82,42 @@ def test_every_key_of_a_kind_is_in_the_schema():
             asked |= dict.fromkeys(document.asked, path.name)
     missing = {key: name for key, name in asked.items() if key not in known_keys()}
     assert not missing, f"schema.json lacks keys of these files: {missing}; make schema"
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_a_record_format(name):
+    module = import_module(f"rocking_cli.motions.records.{name}")
+    listed = in_one_line(page("records")).casefold()
+    for form in getattr(module, "FORMATS", (module,)):
+        takes = [
+            form.recognise(text) for text in ("kind: block\n", "0.1 0.2\n0.3 0.4\n")
+        ]
+        require(
+            {
+                f"no {form.NAME} in {PAGES}/records.txt": form.NAME.casefold()
+                in listed,
+                f"{form.NAME} takes a structure document for a record": not takes[0],
+                f"{form.NAME} takes any numbers for its own": not takes[1],
+            }
+        )
+
+
+@pytest.mark.parametrize("measure", MEASURES.values(), ids=list(MEASURES))
+def test_an_intensity_measure(measure):
+    ways = (measure.of_motion, measure.of_structure, measure.of_record)
+    of_fragility = in_one_line(cli.get_command(click.Context(cli), "fragility").help)
+    listed = re.search(r"\(([^()]|\([^()]*\))*\) by --scale-to", page("motions"))
+    word = rf"\b{measure.name}\b"
+    require(
+        {
+            f"{measure.name} has no function, or two": sum(map(bool, ways)) == 1,
+            f"{measure.name}: its dimension is none of UNITS": measure.dimension
+            in UNITS,
+            f"no {measure.name} in the docstring of commands/fragility.py": re.search(
+                word, of_fragility.partition("Measures:")[2]
+            ),
+            f"no {measure.name} among those of --scale-to in {PAGES}/motions.txt": (
+                measure.of_structure or re.search(word, listed[0])
+            ),
+        }
+    )
