@@ -48,7 +48,10 @@ GROUP = "rocking.measures"
 
 @dataclass(frozen=True)
 class Measure:
-    """An intensity measure, by one of three functions that return it in SI."""
+    """An intensity measure, by one of three functions that return it in SI. Raises
+    ValueError for another number of functions, an unknown dimension or a power that is
+    not positive.
+    """
 
     name: str  # as options and tables have it
     dimension: str  # a word of `quantities.UNITS`
@@ -60,6 +63,24 @@ class Measure:
     of_record: Callable[[Record], float] | None = None
     power: float = 1.0  # the measure is proportional to factor**power [-]
     periods: tuple[float, ...] = ()  # of SA and AvgSA [s]
+
+    def __post_init__(self) -> None:
+        ways = (self.of_motion, self.of_structure, self.of_record)
+        if sum(way is not None for way in ways) != 1:
+            raise ValueError(
+                f"measure {self.name}: expected one of of_motion, of_structure and"
+                " of_record"
+            )
+        if self.dimension not in UNITS:
+            raise ValueError(
+                f"measure {self.name}: found the dimension {self.dimension!r}; expected"
+                f" one of {', '.join(UNITS)}"
+            )
+        if not 0.0 < self.power < math.inf:
+            raise ValueError(
+                f"measure {self.name}: found the power {self.power!r}; expected a"
+                " positive number"
+            )
 
     @property
     def unit(self) -> str:

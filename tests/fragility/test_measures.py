@@ -131,6 +131,21 @@ def test_a_measure_of_records_alone_is_compared_under_records_alone(monkeypatch)
     assert "longest" not in {m.name for m in of_pulses}
 
 
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"of_motion": None}, "expected one of of_motion, of_structure and of_record"),
+        ({"of_record": lambda record: 1.0}, "expected one of of_motion, of_structure"),
+        ({"dimension": "weight"}, "found the dimension 'weight'; expected one of"),
+        ({"power": 0.0}, "found the power 0.0; expected a positive number"),
+    ],
+)
+def test_a_measure_that_no_level_can_be_scaled_to_is_none(changed, words):
+    given = {"dimension": "number", "of_motion": lambda i: i.pgv / i.pga, **changed}
+    with pytest.raises(ValueError, match=f"^measure odd: {words}"):
+        Measure("odd", **given)
+
+
 ENERGY = """
 import numpy as np
 DIMENSION, POWER = "number", 2.0
