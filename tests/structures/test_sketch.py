@@ -10,9 +10,9 @@ from support.documents import RIGID
 
 from rocking_cli import build_structure, parse_documents
 from rocking_cli.structures import KINDS, read_documents
-from rocking_cli.structures.kinds import sketch_of
+from rocking_cli.structures.kinds import is_drawn, sketch_of
 
-DRAWN = [kind for kind in KINDS if kind != "parameters"]
+DRAWN = list(filter(is_drawn, KINDS))
 
 
 def sketched(text):

@@ -205,6 +205,11 @@ def known_keys() -> frozenset[str]:
     return frozenset(found)
 
 
+def is_drawn(word: str) -> bool:
+    """True if a kind of this package has a geometry to draw."""
+    return any(hasattr(_module(word), name) for name in ("body", "sketch"))
+
+
 def sketch_of(document: Document, built: RockingParameters) -> Sketch:
     """Return the sketch of a structure that was built from the document. Raises
     DocumentError if its kind has no geometry.
@@ -239,7 +244,7 @@ def _sketched(
         raise document.fault(
             "kind",
             f"{word}, which states no geometry to draw",
-            f"one of {', '.join(one for one in KINDS if one != word)}",
+            f"one of {', '.join(filter(is_drawn, KINDS))}",
         )
     found: Sketch = kind.sketch(document, built)
     return found

@@ -263,7 +263,8 @@ def plain(pytestconfig):
 
     def build(name, **values):
         (document,) = read_documents(pytestconfig.rootpath / "configs" / f"{name}.yaml")
-        for key, value in ({"damping": "null", "one_sided": "null"} | values).items():
+        unset = document.keys.keys() & {"damping", "one_sided"}
+        for key, value in (dict.fromkeys(unset, "null") | values).items():
             document = document.with_value(key, value, "f.yaml")
         return build_structure(document)
 
