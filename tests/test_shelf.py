@@ -43,3 +43,21 @@ def test_the_package_says_what_it_is_for(project):
     assert {"rocking", "masonry"} <= set(project["keywords"])
     assert "Typing :: Typed" in project["classifiers"]
     assert set(project["optional-dependencies"]) >= {"docs", "plot", "report", "dev"}
+
+
+def test_a_room_imports_only_from_the_rooms_that_contributing_lists_above_it(
+    pytestconfig,
+):
+    text = (pytestconfig.rootpath / ".github" / "CONTRIBUTING.md").read_text("utf-8")
+    rooms = re.findall(r"^- `(?:rocking_cli/)?([a-z]+)/`:", text, re.MULTILINE)
+    package = pytestconfig.rootpath / "rocking_cli"
+    assert set(rooms) == {
+        file.parent.name for file in package.glob("[a-z]*/__init__.py")
+    }
+    for file in package.glob("*/**/*.py"):
+        room, *inside = file.relative_to(package).parts
+        upwards = "." * (len(inside) + 1)
+        later = rooms[rooms.index(room) + 1 :] if room in rooms else []
+        for line in file.read_text(encoding="utf-8").splitlines():
+            found = re.match(rf"\s*from {re.escape(upwards)}([a-z]+)", line)
+            assert not (found and found[1] in later), f"{file}: {line.strip()}"
