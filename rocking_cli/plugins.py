@@ -34,12 +34,12 @@ def require(needing: str, *packages: str, instead: str = "") -> None:
 
 def installed(group: str) -> dict[str, EntryPoint]:
     """Return the entry points of a group by name. Raises UsageError if a package has a
-    list of entry points that cannot be read.
+    list of entry points that cannot be read, and if two packages add one name.
     """
     from importlib.metadata import distributions, entry_points
 
     try:
-        return {entry.name: entry for entry in entry_points(group=group)}
+        listed = entry_points(group=group)
     except Exception as error:
         for one in distributions():
             try:
@@ -51,6 +51,20 @@ def installed(group: str) -> dict[str, EntryPoint]:
                     " lines such as name = module:attribute"
                 ) from error
         raise
+    found: dict[str, EntryPoint] = {}
+    for entry in listed:
+        other = found.setdefault(entry.name, entry)
+        if other.value != entry.value:
+            raise UsageError(
+                f"{_package(other)} and {_package(entry)} both add {entry.name} to"
+                f" {group}; expected only one of them"
+            )
+    return found
+
+
+def _package(entry: EntryPoint) -> str:
+    """Return the package of an entry point in words."""
+    return f"the package {entry.dist.name}" if entry.dist else entry.value
 
 
 @contextmanager
@@ -65,9 +79,8 @@ def blamed(
     except RockingError:
         raise
     except (Exception, SystemExit) as error:
-        package = f"the package {entry.dist.name}" if entry.dist else entry.value
         raise error_of(
-            f"{entry.name}, which {package} adds and which cannot be used:"
+            f"{entry.name}, which {_package(entry)} adds and which cannot be used:"
             f" {_in_one_line(error)}"
         ) from error
 

@@ -51,6 +51,19 @@ def test_a_fault_of_a_package_is_one_line(monkeypatch, tmp_path, attribute, word
     assert "\n" not in str(told.value)
 
 
+def test_a_name_that_two_packages_add_is_told(monkeypatch, tmp_path, rocking):
+    install(monkeypatch, tmp_path, "rocking.pulses", "odd", SILENT, "long")
+    install(monkeypatch, tmp_path, "rocking.pulses", "two", SILENT, "long")
+    (listed,) = tmp_path.glob("site-two/*.dist-info/entry_points.txt")
+    listed.write_text("[rocking.pulses]\nodd = rocking_two:long\n")
+    done = rocking("check", "block:0.5x2", "--pulse", "odd")
+    both = "the package of-two and the package of-odd both add odd to rocking.pulses"
+    assert (done.returncode, done.stderr) == (
+        2,
+        f"rocking: {both}; expected only one of them\n",
+    )
+
+
 @pytest.mark.parametrize(
     "call",
     ["check block:0.5x2 --pulse odd --a-g 0.3g --f-g 1", "params odd:1x2"],
