@@ -47,6 +47,7 @@ from .wording import draws_in_words, parameter_rows
 SIDE = 80  # values on each axis of a map
 # amplitudes of the curve of draws, and those in a step where the share changes
 CURVE, CLOSER = 22, 6
+_MAP_DPI = 200.0  # of the cells of a map, four dots a cell and more
 FEW_DRAWS = 128  # draws of that curve under a record, at most
 
 
@@ -173,7 +174,7 @@ def section(
 
 def image(plan: Callable[[Figure], object]) -> str:
     """Return a figure as a data URL."""
-    look = Look()
+    look = Look(dpi=_MAP_DPI)
     with styled(look) as figure:
         plan(figure)
         drawn, _ = drawn_as(figure, Path("figure.svg"), look)
