@@ -115,9 +115,15 @@ def _sketched(
 
 
 def structure_axes(
-    axes: Axes, built: RockingParameters, sketch: Sketch, units: Units
+    axes: Axes,
+    built: RockingParameters,
+    sketch: Sketch,
+    units: Units,
+    described: bool = True,
 ) -> None:
-    """Draw one structure."""
+    """Draw one structure; described: True for its name and parameters as the title, of
+    which False leaves R alone.
+    """
     unit, metre = units.of("length")
     _fill_outlines(axes, sketch, metre)
     _plot_lines(axes, sketch, metre)
@@ -131,15 +137,16 @@ def structure_axes(
     radius = ""
     # under a load that it does not carry a body turns by another angle than that of R
     if sketch.centre is not None and built.mechanism is None:
-        radius = f", $R$ = {_mass_centre(axes, built, sketch, metre):.3g} {unit}"
+        radius = f"$R$ = {_mass_centre(axes, built, sketch, metre):.3g} {unit}"
     axes.set_aspect("equal")
     axes.margins(0.1)
     axes.grid(visible=False)
     axes.set(xlabel=f"$x$ [{unit}]", ylabel=f"$z$ [{unit}]")
-    axes.set_title(
-        f"{fill(literal(built.name), 48)}\n{_numbers(built, units)}{radius}",
-        fontsize="small",
-    )
+    title = radius
+    if described:
+        numbers = ", ".join(filter(None, (_numbers(built, units), radius)))
+        title = f"{fill(literal(built.name), 48)}\n{numbers}"
+    axes.set_title(title, fontsize="small")
 
 
 # Style of each group of outlines of a sketch, in the order in which they are drawn.
